@@ -1,20 +1,20 @@
-//! What `phalanx --version` says beside the version: the commit that a release is built from, its date, and `-dirty` where the
-//! sources have been changed since.
+//! Adds the commit of a release build to the output of `phalanx --version`, with its date, and `-dirty` if the sources
+//! have been changed since.
 //!
-//! Only where git is there and this directory is the checkout itself: what is unpacked within somebody else's repository has not
-//! the commits of that. And only in optimised builds (`--release`, `cargo install`): a new commit makes everything stale that says
-//! its name, and a build for tests is made again after every commit anyway.
+//! Requires git, and that this directory is the root of a checkout: sources unpacked inside another repository must not
+//! report the commit of that repository. Only in optimised builds (`--release`, `cargo install`): otherwise every
+//! commit would trigger a rebuild.
 
 use std::path::Path;
 use std::process::Command;
 
-/// What the program is made of.
+/// Sources of the program.
 const SOURCES: [&str; 4] = ["Cargo.toml", "Cargo.lock", "src", "crates"];
 
 fn main() {
     let here = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let release = std::env::var("PROFILE").is_ok_and(|profile| profile == "release");
-    // Said in any case: without it cargo runs this again after the change of any file.
+    // Without this line cargo reruns the build script after a change of any file.
     println!("cargo:rerun-if-changed=build.rs");
     if release && let Some(found) = commit(Path::new(&here)) {
         let version = std::env::var("CARGO_PKG_VERSION").unwrap_or_default();
@@ -25,14 +25,14 @@ fn main() {
     }
 }
 
-/// A commit, and the files that change with it.
+/// A commit and the files whose changes make it outdated.
 pub struct Commit {
-    /// As `0123456789 2026-01-31`, with `-dirty` behind the first.
+    /// Hash and date: `0123456789 2026-01-31`, or `0123456789-dirty 2026-01-31`.
     pub text: String,
     pub depends_on: Vec<String>,
 }
 
-/// The commit that is checked out in a directory; `None` if the directory is not one that git has checked out.
+/// Returns the commit checked out in a directory; `None` if the directory is not the root of a git checkout.
 pub fn commit(here: &Path) -> Option<Commit> {
     let git = |args: &[&str]| -> Option<String> {
         let output = Command::new("git").arg("-C").arg(here).args(args).output().ok()?;
@@ -46,7 +46,7 @@ pub fn commit(here: &Path) -> Option<Commit> {
     let described = git(&["describe", "--always", "--dirty", "--abbrev=10", "--exclude=*"])?;
     let date = git(&["log", "-1", "--format=%cs"])?;
     let mut depends_on = Vec::new();
-    // The branch's own file is there or, packed, in another; HEAD says which branch it is.
+    // HEAD names the branch; the commit of the branch is in a file of its own or in `packed-refs`.
     let branch = git(&["symbolic-ref", "--quiet", "HEAD"]);
     for name in ["HEAD", "packed-refs"].into_iter().chain(branch.as_deref()) {
         let path = here.join(git(&["rev-parse", "--git-path", name])?);

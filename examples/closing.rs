@@ -1,35 +1,36 @@
-//! A scene file in, a closing out: which phalanx touches when, how hard, and what the grasp is like in the end.
+//! Simulates a scene file and prints the contact times and forces of both phalanges.
 //!
 //! `cargo run --release --example closing`
 
 use std::error::Error;
 
 use phalanx::scene;
-use phalanx::trace::{Model, Outcome, Site, run};
+use phalanx::trace::{FingerContact, Model, Outcome, run};
 
-/// The closing of a shipped scene, in the analytic model.
+/// Simulates a closing with the analytic model.
 pub fn closing() -> Result<Outcome, Box<dyn Error>> {
     let scene = scene::load("scenes/experiment-95.toml")?;
-    // `()` listens to nothing: what remains is the outcome.
+    // The sink `()` ignores all samples; only the outcome is used.
     Ok(run(Model::Analytic, &scene, &mut ())?)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let outcome = closing()?;
-    for (site, now) in
-        [(Site::Proximal, outcome.last.contact(Site::Proximal)), (Site::Distal, outcome.last.contact(Site::Distal))]
-    {
-        let summary = outcome.site(site);
+    for (contact, last) in [
+        (FingerContact::Proximal, outcome.last.contact(FingerContact::Proximal)),
+        (FingerContact::Distal, outcome.last.contact(FingerContact::Distal)),
+    ] {
+        let summary = outcome.finger_contact(contact);
         let Some(first_s) = summary.first_s else {
-            println!("{:9} never touches the object", site.name());
+            println!("{:9} never touches the object", contact.name());
             continue;
         };
         println!(
-            "{:9} touches at {:.4} ms, presses with {:.1} N at most and with {:.3} N in the end",
-            site.name(),
+            "{:9} touches at {:.4} ms, with a peak force of {:.1} N and a final force of {:.3} N",
+            contact.name(),
             first_s * 1e3,
             summary.peak_normal_n,
-            now.normal_n,
+            last.normal_n,
         );
     }
     println!("{} steps, energy balance {:.1e} J", outcome.work.steps, outcome.last.energy.balance_j);

@@ -1,17 +1,17 @@
-//! Run and log by one call, then read the log: it opens in Foxglove too, and `phalanx replay LOG --verify` simulates it again.
-//! The scene was changed in memory, and the log says so.
+//! Runs a scene that is changed in memory, writes a log and reads it back. Foxglove can open the log, and
+//! `phalanx replay LOG --verify` simulates it again. The log contains the changed scene.
 //!
 //! `cargo run --release --example logged -- run.mcap`
 
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use phalanx::log::{self, Reading};
+use phalanx::log::{self, LogSummary};
 use phalanx::scene::{self, Actuation};
 use phalanx::trace::{Layout, Model, Recording};
 
-/// A closing with a motor of our own, logged.
+/// Simulates a closing with another motor and writes its log.
 pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
     let mut scene = scene::load("scenes/experiment-95.toml")?;
     scene.name = "stronger motor".to_string();
@@ -23,19 +23,19 @@ pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What the log says of its run, and its samples as arrays.
-pub fn read(path: &Path) -> Result<(Reading, Recording), Box<dyn Error>> {
-    let mut recording = Recording::new(&Layout::of_kind(SceneKind::Finger));
-    let reading = log::read_file(path, &mut recording)?;
-    Ok((reading, recording))
+/// Returns the summary of a log, and its samples as arrays.
+pub fn read(path: &Path) -> Result<(LogSummary, Recording), Box<dyn Error>> {
+    let mut recording = Recording::new(&Layout::from_kind(SceneKind::Finger));
+    let summary = log::read_file(path, &mut recording)?;
+    Ok((summary, recording))
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("run.mcap"), PathBuf::from);
     write(&path)?;
-    let (reading, recording) = read(&path)?;
-    let ended = reading.ended.ok_or("the log does not say how its run ended")?;
-    let how = ended.stopped.as_deref().unwrap_or("completed");
-    println!("{}: {} samples, {} events, {how}", path.display(), recording.time().len(), recording.events().len());
+    let (summary, recording) = read(&path)?;
+    let run_end = summary.run_end.ok_or("the log does not contain the end of its run")?;
+    let status = run_end.stopped.as_deref().unwrap_or("completed");
+    println!("{}: {} samples, {} events, {status}", path.display(), recording.time().len(), recording.events().len());
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! A scene of discs, changed in memory: how much of its speed a disc keeps when it bounces off another one.
+//! Changes a scene of discs in memory and prints the restitution of an impact.
 //!
 //! `cargo run --release --example restitution`
 
@@ -8,39 +8,44 @@ use phalanx::criteria::Rebounds;
 use phalanx::scene::{self, DiscMotion};
 use phalanx::trace::{Model, run};
 
-/// Speeds before and after, in m/s, and the peak force in N.
+/// Approach and separation speed, m/s, and peak force, N.
 pub struct Bounce {
     pub approach_m_s: f64,
     pub separation_m_s: f64,
     pub peak_n: f64,
 }
 
-/// The same disc thrown at the same plate, faster and faster.
+/// Simulates impacts of a disc with increasing speed.
 pub fn bounces() -> Result<Vec<Bounce>, Box<dyn Error>> {
     let mut scene = scene::load_any("scenes/laws/impact.toml")?;
-    let mut found = Vec::new();
+    let mut bounces = Vec::new();
     for speed_m_s in [1.0, 2.0, 4.0] {
-        let hammer = scene.system.discs.iter_mut().find(|disc| disc.name == "hammer").ok_or("there is no hammer")?;
-        if let DiscMotion::Free { velocity_m_s, .. } = &mut hammer.motion {
+        let moving_disc = scene
+            .system
+            .discs
+            .iter_mut()
+            .find(|disc| disc.name == "hammer")
+            .ok_or("the scene has no disc \"hammer\"")?;
+        if let DiscMotion::Free { velocity_m_s, .. } = &mut moving_disc.motion {
             *velocity_m_s = [speed_m_s, 0.0];
         }
-        // This sink keeps what the impacts were like.
-        let mut rebounds = Rebounds::of(&scene.system);
+        // This sink records the first impact of each pair.
+        let mut rebounds = Rebounds::for_system(&scene.system);
         let outcome = run(Model::Analytic, &scene, &mut rebounds)?;
         if let [pair] = rebounds.pairs()
             && let (Some(approach_m_s), Some(separation_m_s)) = (pair.approach_m_s, pair.separation_m_s)
         {
-            found.push(Bounce { approach_m_s, separation_m_s, peak_n: outcome.contacts[0].peak_normal_n });
+            bounces.push(Bounce { approach_m_s, separation_m_s, peak_n: outcome.contacts[0].peak_normal_n });
         }
     }
-    Ok(found)
+    Ok(bounces)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("approach      separation    kept     peak force");
+    println!("approach      separation    ratio    peak force");
     for Bounce { approach_m_s, separation_m_s, peak_n } in bounces()? {
-        let kept = 100.0 * separation_m_s / approach_m_s;
-        println!("{approach_m_s:.3} m/s   {separation_m_s:>8.4} m/s  {kept:>6.2} %  {peak_n:>8.2} N");
+        let percent = 100.0 * separation_m_s / approach_m_s;
+        println!("{approach_m_s:.3} m/s   {separation_m_s:>8.4} m/s  {percent:>6.2} %  {peak_n:>8.2} N");
     }
     Ok(())
 }

@@ -1,32 +1,35 @@
-//! A scene changed in memory: one parameter is swept, and the outcomes make a table. Everything in a
-//! [`Scene`](phalanx::scene::Scene) can be set like this; `phalanx sweep` does the same for whole grids on all processors.
+//! Sweeps one parameter of a scene in memory and prints the outcomes as a table. All fields of a
+//! [`Scene`](phalanx::scene::Scene) can be changed like this; `phalanx sweep` runs grids of parameters on all processors.
 //!
 //! `cargo run --release --example torque`
 
 use std::error::Error;
 
 use phalanx::scene::{self, Actuation};
-use phalanx::trace::{Model, Site, run};
+use phalanx::trace::{FingerContact, Model, run};
 
-/// One closing.
+/// Result of one closing.
 pub struct Row {
     pub torque_n_m: f64,
-    /// Of the distal phalanx; none if it never gets there.
+    /// First contact of the distal phalanx; `None` if there is none.
     pub first_s: Option<f64>,
     pub peak_n: f64,
-    /// Forces of both phalanges in the end.
+    /// Normal forces of both phalanges at the end.
     pub last_n: [f64; 2],
 }
 
-/// The closing of a shipped scene by motors of several strengths.
+/// Simulates closings with several motor torques.
 pub fn sweep() -> Result<Vec<Row>, Box<dyn Error>> {
     let mut scene = scene::load("scenes/experiment-95.toml")?;
     let mut rows = Vec::new();
     for torque_n_m in [0.4, 0.5, 0.6, 0.7, 0.8] {
         scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m };
         let outcome = run(Model::Analytic, &scene, &mut ())?;
-        let distal = outcome.site(Site::Distal);
-        let last_n = [outcome.last.contact(Site::Proximal).normal_n, outcome.last.contact(Site::Distal).normal_n];
+        let distal = outcome.finger_contact(FingerContact::Distal);
+        let last_n = [
+            outcome.last.contact(FingerContact::Proximal).normal_n,
+            outcome.last.contact(FingerContact::Distal).normal_n,
+        ];
         rows.push(Row { torque_n_m, first_s: distal.first_s, peak_n: distal.peak_normal_n, last_n });
     }
     Ok(rows)

@@ -1,25 +1,25 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
-//! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← fivebar ← sizing, statics ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants, check ← grasp, live, validate, study ← report, plot, page ← cli`; `numeric` and
-//! `integrator` know nothing of grippers.
+//! Modules depend on each other in one direction only: `units ← gripper, law ← fivebar ← sizing, statics ← scene ←
+//! analytic, engine ← trace, drawing ← log, criteria, invariants, check ← grasp, live, validate, study ← report, plot,
+//! page ← cli`; `numeric` and `integrator` do not depend on grippers.
 //!
-//! A scene file in, a closing out:
+//! Simulation of a closing finger from a scene file:
 //!
 //! ```
 //! use phalanx::scene;
-//! use phalanx::trace::{self, Site};
+//! use phalanx::trace::{self, FingerContact};
 //!
 //! let scene = scene::load("scenes/experiment-95.toml")?;
 //! let outcome = trace::run_analytic(&scene, &mut ())?;
-//! let distal = outcome.site(Site::Distal);
+//! let distal = outcome.finger_contact(FingerContact::Distal);
 //! assert_eq!(distal.touchdowns, 1);
 //! assert!((distal.first_s.unwrap() - 6.883746e-3).abs() < 1e-8);
-//! assert!((outcome.last.contact(Site::Proximal).normal_n - 23.609).abs() < 1e-3);
+//! assert!((outcome.last.contact(FingerContact::Proximal).normal_n - 23.609).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A scene of discs, to see the contact laws by themselves:
+//! A scene of discs, to study a contact law alone:
 //!
 //! ```
 //! use phalanx::scene;
@@ -32,12 +32,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Instead of `()`, a [`trace::Sink`] takes every sample and event: [`trace::Recording`] keeps them as arrays, [`criteria::Tracker`]
-//! finds the dynamic criteria. [`log::run_to`] runs a scene and writes its log. The programs of `examples/` are short.
+//! A [`trace::Sink`] in place of `()` receives every sample and event: [`trace::Recording`] stores them as arrays,
+//! [`criteria::Tracker`] evaluates the dynamic criteria. [`log::run_to`] runs a scene and writes its log. `examples/`
+//! contains short programs.
 
 pub mod cli;
 pub mod docs;
 mod files;
+pub mod format;
 pub mod limits;
 #[cfg(feature = "live")]
 pub mod live;
@@ -48,7 +50,6 @@ pub mod scene;
 pub mod study;
 pub mod table;
 pub mod validate;
-pub mod wording;
 
 pub use phalanx_core::{
     analytic, check, criteria, drawing, engine, fivebar, grasp, gripper, integrator, invariants, law, numeric, shape,

@@ -1,4 +1,4 @@
-//! The `phalanx` command, see [`phalanx::cli`].
+//! The `phalanx` command; see [`phalanx::cli`].
 
 use std::process::ExitCode;
 

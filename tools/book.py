@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""Builds the tutorial into a site of static pages.
+"""Builds the tutorial as a static site.
 
-usage: book.py [OUT]      (default: target/book; needs Python 3.11, and fetches MkDocs into target/clients)
+usage: book.py [OUT]      (default: target/book; needs Python 3.11, and installs MkDocs into target/clients)
 
-Its sources are put together first: the pages of book/pages, the documents of src/docs as its reference, the pictures, the scenes,
-a live page of a closing that the program writes, and the explorer. A link that leads nowhere ends it with status 1.
-$PHALANX names the program to use instead of building it, $PHALANX_EXPLORER the explorer's module; without one tools/explorer.sh
-builds it, and where that has no compiler for the browser, the site is built without the explorer, which is said.
+The sources are the pages of book/pages, the documents of src/docs as reference, the figures, the scenes, an animated
+page of a closing that the program writes, and the explorer. A dead link ends the script with status 1. $PHALANX names
+the program, which is otherwise built; $PHALANX_EXPLORER names the explorer's module, which tools/explorer.sh otherwise
+builds. Without a compiler for the browser, a message is printed and the site is built without the explorer.
 
-What is shown in a page can be opened in the explorer by a comment beside it, which readers of the repository do not see:
+A comment in a page becomes a link to the explorer; readers of the repository do not see it:
     <!-- explorer scene=gripper/design-95.toml set="design.base=14 mm" t=0.0069 says="criteria.tts_s=6.88 ms" -->
-`scene` is one that the explorer brings along, or one that stands in the page (a block ```toml file=NAME); `set` (any number of them)
-are fields on top of it, `t` is the instant in seconds, `map` two fields and a criterion, `called` what the link says it opens. `says`
-are figures that the page states, by their keys in `phalanx run --json`: tests/clients/book.test.mjs holds the page to the explorer by
-them. The comment `<!-- explorer here -->` stands where the explorer itself is shown.
+`scene` names a scene of the explorer, or of the page (a block ```toml file=NAME). Each `set` (any number) changes a
+field, `t` is the instant in seconds, `map` gives two fields and a criterion, and `called` is the link text. `says`
+lists results that the page states, by their keys in `phalanx run --json`; tests/clients/book.test.mjs compares them
+with the explorer. The comment `<!-- explorer here -->` embeds the explorer itself.
 """
 
 import base64
@@ -32,23 +32,24 @@ from urllib.parse import parse_qs, unquote, urlencode, urlsplit
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "target" / "book-source"
-MARK = ".phalanx-book"
-LIVE = {"closing.html": "scenes/experiment-95.toml"}
+# Marks a directory as output of this script.
+MARKER = ".phalanx-book"
+ANIMATED_PAGES = {"closing.html": "scenes/experiment-95.toml"}
 EXPLORER = "explorer.html"
 MODULE = "phalanx-explorer.wasm.gz"
-COMMENT = re.compile(r"<!-- explorer (.*?) -->")
-# What a comment may say of the explorer, besides `here`.
-WORDS = ("scene", "set", "t", "map", "called", "says")
-OWN = re.compile(r"^```toml file=(\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+EXPLORER_COMMENT = re.compile(r"<!-- explorer (.*?) -->")
+# Keys of an explorer comment other than `here`.
+COMMENT_KEYS = ("scene", "set", "t", "map", "called", "says")
+SCENE_BLOCK = re.compile(r"^```toml file=(\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 def phalanx() -> list[str]:
-    """The program: the given one, or built."""
+    """Returns the command that runs the program: $PHALANX, or `cargo run`."""
     return [os.environ["PHALANX"]] if "PHALANX" in os.environ else ["cargo", "run", "--release", "--quiet", "--locked", "--"]
 
 
 def mkdocs() -> list[str]:
-    """MkDocs of this interpreter, or of the environment of the clients, which is set up on the way."""
+    """Returns the command that runs MkDocs: of this interpreter, or of the environment that tools/clients.sh sets up."""
     for python in (sys.executable, str(ROOT / "target" / "clients" / "venv" / "bin" / "python")):
         if Path(python).exists() and subprocess.run([python, "-c", "import mkdocs"], capture_output=True, check=False).returncode == 0:
             return [python, "-m", "mkdocs"]
@@ -56,157 +57,164 @@ def mkdocs() -> list[str]:
     return [str(ROOT / "target" / "clients" / "venv" / "bin" / "python"), "-m", "mkdocs"]
 
 
-def module() -> Path | None:
-    """The explorer's module: the given one, or the one beside the given program, or built; `None` where nothing here can build it."""
-    if given := os.environ.get("PHALANX_EXPLORER"):
-        return Path(given)
-    if "PHALANX" in os.environ and (beside := Path(os.environ["PHALANX"]).with_name(MODULE)).exists():
-        return beside
-    # Its own failures have the compiler's status; 1 is that of a thing which is not there.
+def find_module() -> Path | None:
+    """Returns the explorer's module, or None without a compiler for it.
+
+    It is $PHALANX_EXPLORER, the module in the directory of $PHALANX, or a new build.
+    """
+    if path := os.environ.get("PHALANX_EXPLORER"):
+        return Path(path)
+    if "PHALANX" in os.environ and (sibling := Path(os.environ["PHALANX"]).with_name(MODULE)).exists():
+        return sibling
+    # Status 1 means that the compiler for the browser is missing; a failed build has the status of the compiler.
     status = subprocess.run([ROOT / "tools" / "explorer.sh"], check=False, stdout=subprocess.DEVNULL).returncode
     if status not in (0, 1):
         sys.exit(f"tools/explorer.sh: status {status}")
     return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / MODULE if status == 0 else None
 
 
-def packed(text: str) -> str:
-    """A scene as an address of the explorer takes it."""
+def encode_scene(text: str) -> str:
+    """Encodes a scene for a URL of the explorer: raw deflate, then URL-safe base64 without padding."""
     deflate = zlib.compressobj(9, zlib.DEFLATED, -15)
     return base64.urlsafe_b64encode(deflate.compress(text.encode()) + deflate.flush()).decode().rstrip("=")
 
 
-def explored(text: str, up: str, there: bool) -> str:
-    """A page with its comments about the explorer as links to it, `up` from there; without them where there is no explorer."""
-    scenes = dict(OWN.findall(text))
+def link_explorer(text: str, root: str, has_explorer: bool) -> str:
+    """Replaces the explorer comments of a page by links, or removes them if the site has no explorer.
 
-    def link(found: re.Match) -> str:
-        if not there:
+    `root` is the relative path from the page to the root of the site.
+    """
+    scenes = dict(SCENE_BLOCK.findall(text))
+
+    def link(match: re.Match) -> str:
+        if not has_explorer:
             return ""
-        if found[1].strip() == "here":
+        if match[1].strip() == "here":
             return (
-                f'<iframe class="explorer" src="{up}{EXPLORER}" title="The explorer: a closing, simulated anew while sliders move" loading="lazy"></iframe>\n\n'
-                f'<a class="explore" href="{up}{EXPLORER}" target="_blank">Open the explorer by itself</a>'
+                f'<iframe class="explorer" src="{root}{EXPLORER}" title="The explorer: simulates a closing again whenever a slider moves" loading="lazy"></iframe>\n\n'
+                f'<a class="explore" href="{root}{EXPLORER}" target="_blank">Open the explorer in a new tab</a>'
             )
-        pairs = [tuple(word.split("=", 1)) for word in shlex.split(found[1])]
-        if any(len(pair) < 2 or pair[0] not in WORDS for pair in pairs):
-            sys.exit(f"{found[0]}: say {', '.join(f'{word}=…' for word in WORDS)}")
-        own = [("text", packed(scenes[value])) for word, value in pairs if word == "scene" and value in scenes]
-        query = urlencode([pair for pair in pairs if pair[0] not in ("called", "says")] + own)
-        says = "; ".join(value for word, value in pairs if word == "says")
-        said = f' data-says="{html.escape(says)}"' if says else ""
-        called = "".join(f": {html.escape(value)}" for word, value in pairs if word == "called")
-        return f'<a class="explore" href="{up}{EXPLORER}#{html.escape(query)}" target="_blank"{said}>Open in the explorer{called}</a>'
+        pairs = [tuple(pair.split("=", 1)) for pair in shlex.split(match[1])]
+        if any(len(pair) < 2 or pair[0] not in COMMENT_KEYS for pair in pairs):
+            sys.exit(f"{match[0]}: expected {', '.join(f'{key}=…' for key in COMMENT_KEYS)}, or `here`")
+        scene_text = [("text", encode_scene(scenes[value])) for key, value in pairs if key == "scene" and value in scenes]
+        query = urlencode([pair for pair in pairs if pair[0] not in ("called", "says")] + scene_text)
+        results = "; ".join(value for key, value in pairs if key == "says")
+        attribute = f' data-says="{html.escape(results)}"' if results else ""
+        label = "".join(f": {html.escape(value)}" for key, value in pairs if key == "called")
+        return f'<a class="explore" href="{root}{EXPLORER}#{html.escape(query)}" target="_blank"{attribute}>Open in the explorer{label}</a>'
 
-    return COMMENT.sub(link, text)
+    return EXPLORER_COMMENT.sub(link, text)
 
 
-def tutorial(text: str) -> str:
-    """A page of the tutorial, whose links hold in the repository, with those of the site."""
+def convert_tutorial_links(text: str) -> str:
+    """Replaces the repository links of a tutorial page by links of the site."""
     return text.replace("](../../src/docs/", "](reference/").replace("](../../tools/figures/", "](figures/")
 
 
-def fenced(text: str) -> str:
-    """A page whose blocks have their language alone: what the tests read behind it, MkDocs takes for no block."""
+def strip_block_info(text: str) -> str:
+    """Removes the text after the language of code blocks. The tests need it, but MkDocs would not recognise the blocks."""
     return re.sub(r"^```(\w+) .*$", r"```\1", text, flags=re.MULTILINE)
 
 
-def reference(text: str) -> str:
-    """A document of the library as a page: names of items are not links here, paths are those of the site."""
+def convert_reference(text: str) -> str:
+    """Converts a document of the library into a page: removes links to items, and replaces paths by those of the site."""
     text = re.sub(r"\[(`[^`\]]+`)\](?!\()", r"\1", text)
-    text = re.sub(r"\[([^\]]+)\]\((?:crate|super)::([a-z_:]*)[^)]*\)", lambda m: documented(m[1], m[2]), text)
+    text = re.sub(r"\[([^\]]+)\]\((?:crate|super)::([a-z_:]*)[^)]*\)", lambda m: convert_item_link(m[1], m[2]), text)
     return text.replace("](../../scenes/", "](../scenes/").replace("](../../tools/figures/", "](../figures/").replace("](../../tools/viewers/README.md", "](viewers.md").replace("](../../book/pages/", "](../")
 
 
-def documented(words: str, item: str) -> str:
-    """A link to an item: to its page if it is a document, else only its words."""
-    return f"[{words}]({item}.md)" if (ROOT / "src" / "docs" / f"{item}.md").exists() else words
+def convert_item_link(label: str, item: str) -> str:
+    """Returns a link to the page of an item if it is a document, else only the label."""
+    return f"[{label}]({item}.md)" if (ROOT / "src" / "docs" / f"{item}.md").exists() else label
 
 
-def gather(pages: Path) -> None:
-    """All sources of the site."""
+def collect_sources(pages: Path) -> None:
+    """Writes all sources of the site into SOURCE."""
     shutil.rmtree(SOURCE, ignore_errors=True)
     shutil.copytree(pages, SOURCE)
-    module_file = module()
-    if module_file is None:
-        print("the site is built without the explorer, and without links to it: its module could not be built (see above)", file=sys.stderr)
+    module = find_module()
+    if module is None:
+        print("the site is built without the explorer and links to it, because its module could not be built (see above)", file=sys.stderr)
     else:
-        subprocess.run([*phalanx(), "explore", "--module", module_file, "--out", SOURCE / EXPLORER], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+        subprocess.run([*phalanx(), "explore", "--module", module, "--out", SOURCE / EXPLORER], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
     for path in SOURCE.glob("*.md"):
-        path.write_text(fenced(explored(tutorial(path.read_text()), "", module_file is not None)))
+        path.write_text(strip_block_info(link_explorer(convert_tutorial_links(path.read_text()), "", module is not None)))
     (SOURCE / "reference").mkdir()
     for document in sorted((ROOT / "src" / "docs").glob("*.md")):
-        text = explored(reference(document.read_text()), "../", module_file is not None)
+        text = link_explorer(convert_reference(document.read_text()), "../", module is not None)
         (SOURCE / "reference" / document.name).write_text(text)
     shutil.copytree(ROOT / "tools" / "figures", SOURCE / "figures", dirs_exist_ok=True)
     shutil.copytree(ROOT / "scenes", SOURCE / "scenes")
     (SOURCE / "live").mkdir()
-    for page, scene in LIVE.items():
+    for page, scene in ANIMATED_PAGES.items():
         subprocess.run([*phalanx(), "run", scene, "--html", SOURCE / "live" / page], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
 
 
 class Links(HTMLParser):
-    """Where a page leads, and what can be led to in it."""
+    """The link targets and the anchors of a page."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.to: list[str] = []
+        self.targets: list[str] = []
         self.anchors: set[str] = set()
 
     def handle_starttag(self, tag, attrs):
         attrs = dict(attrs)
-        self.to += [attrs[key] for key in ("href", "src", "data") if attrs.get(key)]
+        self.targets += [attrs[key] for key in ("href", "src", "data") if attrs.get(key)]
         self.anchors |= {attrs[key] for key in ("id", "name") if attrs.get(key)}
 
 
-def brought(page: Path) -> set[str]:
-    """The scenes that the explorer brings along."""
+def explorer_scenes(page: Path) -> set[str]:
+    """Returns the names of the scenes that the explorer contains."""
     data = re.search(r'<script type="application/json" id="explorer">(.*?)</script>', page.read_text(), re.DOTALL)
     return {preset["file"] for preset in json.loads(data[1])["presets"]}
 
 
 def dead_links(site: Path) -> list[str]:
-    """Links within the site that lead nowhere; MkDocs does not look into raw HTML."""
+    """Returns the dead links within the site; MkDocs does not check raw HTML."""
     pages = {}
-    # A live page is a document of its own and holds all it needs; the explorer is one, whose places are scenes.
+    # Animated pages and the explorer are self-contained, so their own links are not checked. Fragments of the explorer
+    # name scenes.
     explorer = (site / EXPLORER).resolve()
-    scenes = brought(explorer) if explorer.exists() else set()
+    scenes = explorer_scenes(explorer) if explorer.exists() else set()
     for path in site.rglob("*.html"):
         if path.parent.name != "live" and path.resolve() != explorer:
             pages[path.resolve()] = links = Links()
             links.feed(path.read_text())
     dead = []
     for path, links in pages.items():
-        for link in links.to:
+        for link in links.targets:
             parts = urlsplit(link)
             if parts.scheme or parts.netloc:
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             if target.is_dir():
                 target = target / "index.html"
-            known = pages.get(target)
+            target_page = pages.get(target)
             if not target.exists():
-                dead.append(f"{path.relative_to(site.resolve())}: {link}: there is no such file")
+                dead.append(f"{path.relative_to(site.resolve())}: {link}: the file does not exist")
             elif target == explorer and parts.fragment:
-                asked = parse_qs(parts.fragment)
-                if "text" not in asked and not scenes.issuperset(asked.get("scene", [""])):
-                    dead.append(f"{path.relative_to(site.resolve())}: {link}: the explorer has no such scene")
-            elif parts.fragment and known and unquote(parts.fragment) not in known.anchors:
-                dead.append(f"{path.relative_to(site.resolve())}: {link}: there is no such place in it")
+                query = parse_qs(parts.fragment)
+                if "text" not in query and not scenes.issuperset(query.get("scene", [""])):
+                    dead.append(f"{path.relative_to(site.resolve())}: {link}: the explorer does not contain this scene")
+            elif parts.fragment and target_page and unquote(parts.fragment) not in target_page.anchors:
+                dead.append(f"{path.relative_to(site.resolve())}: {link}: the page has no such anchor")
     return dead
 
 
 def main(out: str = "", pages: str = "") -> None:
     site = Path(out or ROOT / "target" / "book").resolve()
-    # MkDocs empties the directory it writes to.
-    if site.exists() and any(site.iterdir()) and not (site / MARK).exists():
-        sys.exit(f"{site} holds something else than a site of this script: give an empty or a new directory")
-    gather(Path(pages or ROOT / "book" / "pages"))
+    # MkDocs empties its output directory.
+    if site.exists() and any(site.iterdir()) and not (site / MARKER).exists():
+        sys.exit(f"{site} is not empty and was not written by this script: give an empty or a new directory")
+    collect_sources(Path(pages or ROOT / "book" / "pages"))
     command = [*mkdocs(), "build", "--strict", "--quiet", "--config-file", ROOT / "book" / "mkdocs.yml", "--site-dir", site]
     built = subprocess.run(command, check=False)
-    # Its page for what is not found is written for the root of a server.
+    # The 404 page of MkDocs works only at the root of a server.
     (site / "404.html").unlink(missing_ok=True)
     site.mkdir(parents=True, exist_ok=True)
-    (site / MARK).write_text("written by tools/book.py\n")
+    (site / MARKER).write_text("written by tools/book.py\n")
     dead = dead_links(site) if built.returncode == 0 else []
     for link in dead:
         print(link, file=sys.stderr)

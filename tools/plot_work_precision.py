@@ -1,5 +1,6 @@
-"""Draws work against precision: the median time of a closing over its median angle error, for our integrators and the published
-solvers, from the JSON of the bench in benches/solvers.
+"""Draws a work-precision diagram from the JSON of the benchmark in benches/solvers.
+
+It shows the median time of a closing over its median angle error, for phalanx's integrators and published solvers.
 
     cargo run --release --manifest-path benches/solvers/Cargo.toml -- --json solvers.json
     .venv/bin/python tools/plot_work_precision.py solvers.json --out tools/figures/work-precision.svg
@@ -16,9 +17,9 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
-from both_schemes import both_schemes  # noqa: E402
+from dark_scheme import add_dark_scheme  # noqa: E402
 
-# The same bytes from the same figures.
+# The same data gives the same bytes.
 plt.rcParams["svg.hashsalt"] = "phalanx"
 plt.rcParams["svg.fonttype"] = "none"
 plt.rcParams["font.family"] = "sans-serif"
@@ -30,7 +31,7 @@ STYLES = {
     "numeris RODAS4": dict(color="#cc79a7", marker="v", linewidth=1.2, linestyle="--"),
     "diffsol BDF": dict(color="#8c6d00", marker="D", linewidth=1.2, linestyle="--"),
 }
-# What stands for each colour on a dark ground, as in the other pictures.
+# Dark scheme: each colour with its replacement on a dark background, as in the other figures.
 DARK = {
     "#ffffff": "#1b1f26", "#000000": "#eceff3", "#666666": "#a7b0bd", "#8c8c8c": "#7f8998", "#e6e6e6": "#3a424e", "#0072b2": "#56b4e9",
     "#d55e00": "#ff9a52", "#009e73": "#3ccb9c", "#cc79a7": "#dd95c7", "#8c6d00": "#e3b84a",
@@ -39,7 +40,7 @@ TARGETS = [(1e-4, 0.3), (1e-6, 0.5)]  # rad, ms
 
 
 def series(rows, method):
-    """Points (error, time in ms, all runs right?) of the sweep of one method, loosest tolerance first."""
+    """Returns (error, time in ms, whether all runs are correct) for each tolerance of a method, loosest first."""
     points = [r for r in rows if r["method"] == method and r["preset"] is None]
     points.sort(key=lambda r: -r["rtol"])
     return [
@@ -50,7 +51,7 @@ def series(rows, method):
 
 
 def draw(comparison):
-    """The figure."""
+    """Returns the diagram."""
     rows = comparison["rows"]
     figure, axes = plt.subplots(figsize=(9.0, 5.2), layout="constrained")
     for method in dict.fromkeys(r["method"] for r in rows):
@@ -58,16 +59,16 @@ def draw(comparison):
         if not points:
             continue
         style = dict(STYLES.get(method, dict(marker="x", linewidth=1.0)))
-        errors, times, right = zip(*points)
+        errors, times, _ = zip(*points)
         (line,) = axes.plot(errors, times, label=method, markersize=6, **style)
-        for error, time, sound in points:
-            face = line.get_color() if sound else "white"
+        for error, time, all_correct in points:
+            face = line.get_color() if all_correct else "white"
             axes.plot(error, time, marker=style["marker"], color=line.get_color(), markerfacecolor=face, markersize=6)
     for row in rows:
         if row["preset"]:
-            at = (row["errors"]["angle_median_rad"], row["time"]["median_s"] * 1e3)
-            axes.plot(*at, marker="*", color="black", markersize=13, linestyle="none", zorder=5)
-            axes.annotate(row["preset"], at, xytext=(10, 5), textcoords="offset points", fontsize=9)
+            point = (row["errors"]["angle_median_rad"], row["time"]["median_s"] * 1e3)
+            axes.plot(*point, marker="*", color="black", markersize=13, linestyle="none", zorder=5)
+            axes.annotate(row["preset"], point, xytext=(10, 5), textcoords="offset points", fontsize=9)
     for error, time in TARGETS:
         axes.plot([error / 3, error * 3], [time, time], color="0.55", linewidth=4, solid_capstyle="butt", zorder=0)
         label = f"{time} ms"
@@ -86,7 +87,7 @@ def draw(comparison):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("figures", type=Path, help="JSON of the bench")
+    parser.add_argument("figures", type=Path, help="JSON of the benchmark")
     parser.add_argument("--out", type=Path, default=Path("tools/figures/work-precision.svg"))
     arguments = parser.parse_args()
     try:
@@ -98,7 +99,7 @@ def main():
     metadata = {"Date": None} if arguments.out.suffix == ".svg" else None
     draw(comparison).savefig(arguments.out, metadata=metadata, dpi=130)
     if arguments.out.suffix == ".svg":
-        both_schemes(arguments.out, DARK)
+        add_dark_scheme(arguments.out, DARK)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# The Python package: its tests against an installed one. It is installed by the very command a user has, `pip install
-# ./python`, into target/python/venv, once and again when its sources change; there only with what the tests of the crates have
-# compiled. Needs Python 3.10 with venv. Usage: tools/python.sh [setup]        (setup: install, test nothing)
+# Tests the installed Python package. `pip install ./python`, the command of a user, installs it into
+# target/python/venv, and again when its sources change; it uses the build profile of the tests to share compiled
+# crates. Needs Python 3.10 with venv.
+# Usage: tools/python.sh [setup]        (setup: install only)
 # $PHALANX names another binary.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -17,22 +18,22 @@ export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
 venv=$PWD/target/python/venv
 mkdir -p target/python
 
-wanted=$( (python3 --version; pwd; cat python/tests/requirements.txt python/pyproject.toml) | cksum)
-if [ "$(cat "$venv/.installed-from" 2>/dev/null)" != "$wanted" ]; then
+requirements=$( (python3 --version; pwd; cat python/tests/requirements.txt python/pyproject.toml) | cksum)
+if [ "$(cat "$venv/.installed-from" 2>/dev/null)" != "$requirements" ]; then
     say "Python: installing python/tests/requirements.txt"
     rm -rf "$venv"
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check --no-compile -r python/tests/requirements.txt
-    echo "$wanted" >"$venv/.installed-from"
+    echo "$requirements" >"$venv/.installed-from"
 fi
 
-# The package is of all that is compiled into it.
+# All files that are compiled into the package.
 sources=$( (find src crates python/src python/phalanx -type f ! -path '*/__pycache__/*' -print0 | sort -z | xargs -0 cat
     cat Cargo.toml Cargo.lock python/Cargo.toml python/pyproject.toml python/README.md) | cksum)
 if [ "$(cat "$venv/.phalanx-from" 2>/dev/null)" != "$sources" ]; then
     say "Python: pip install ./python"
     rm -f "$venv/.phalanx-from"
-    MATURIN_PEP517_ARGS="--profile dev --features as-tested" "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
+    MATURIN_PEP517_ARGS="--profile dev --features phalanx/live" "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
     echo "$sources" >"$venv/.phalanx-from"
 fi
 
@@ -40,8 +41,8 @@ if [ "${1:-}" = setup ]; then
     exit
 fi
 
-program_as_tested
-# What mypy has found of numpy and pandas takes a minute to find again.
+build_test_program
+# Without a cache mypy needs a minute to analyse numpy and pandas.
 export MYPY_CACHE_DIR=$PWD/target/python/mypy
 
 say "Python: tests"

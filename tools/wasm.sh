@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# The core is built for the browser, and closes a finger and a gripper in Node as the program does on this machine, to the last digit;
-# and so does the explorer's module with every scene that its page brings along, every column.
-# That it builds says that there is no C in it; that it runs with nothing at hand, that a closing asks for no file, thread or clock.
-# Takes the compiler that tools/explorer.sh takes; the module has both models for once. Needs Node 18 too.
-# $PHALANX names another binary to compare with.
+# Builds the core for WebAssembly and runs it in Node: closings of a finger and a gripper must equal the program on this machine
+# exactly, and so must every column of every preset in the explorer's module.
+# This also shows that the core contains no C code, and that a closing needs no files, threads or clock.
+# Uses the compiler of tools/explorer.sh and a module with both models. Requires Node 18.
+# $PHALANX: another binary for the comparison.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,5 +18,5 @@ built=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 FEATURES=figures tools/explorer.sh
 export EXPLORER=$built/release/phalanx-explorer.wasm.gz
 
-program_as_tested
+build_test_program
 node --test tests/wasm/*.test.mjs

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the wheel of the Python package for this machine, one for every Python from 3.10 on (abi3), as a release: into OUT,
-# target/wheels if none is given. Its name says for which systems it is: of Linux the oldest C library that it works with, which
-# maturin finds by auditing what is linked. Needs Rust, and Python 3.10 with venv.
+# Builds the release wheel of the Python package for this machine into OUT (default: target/wheels). One wheel serves
+# every Python from 3.10 on (abi3). Its name contains the platform; on Linux this includes the oldest supported C
+# library, which maturin determines from the linked symbols. Needs Rust, and Python 3.10 with venv.
 # Usage: tools/wheels.sh [OUT] [maturin's options, such as --target aarch64-unknown-linux-gnu --zig]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,7 +14,7 @@ fi
 mkdir -p "$out" target/python
 out=$(cd "$out" && pwd)
 
-# The version that pip uses too.
+# The same version that pip uses.
 pinned=$(sed -n 's/^requires = \["\(maturin==[0-9.]*\)"\]$/\1/p' python/pyproject.toml)
 venv=$PWD/target/python/maturin
 if [ "$(cat "$venv/.installed-from" 2>/dev/null)" != "$pinned" ]; then

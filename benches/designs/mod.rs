@@ -1,9 +1,9 @@
-//! A thousand random designs: whether the presets are right on all of them.
+//! Accuracy of the presets on random designs.
 //!
 //! | file | job |
 //! |---|---|
-//! | `sample` | random designs |
-//! | `sweep` | presets against references |
+//! | `sample` | generator of random designs |
+//! | `sweep` | accuracy and cost of the presets |
 
 pub mod sample;
 pub mod sweep;

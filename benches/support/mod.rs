@@ -1,32 +1,33 @@
-//! What the work–precision benches share: the problem, the contestants, errors, times, tables.
+//! Common modules of the work–precision benchmarks: problem, solvers, errors, times, tables.
 //!
 //! | file | job |
 //! |---|---|
-//! | `problem` | one closing to be integrated; the ensemble of fifteen |
-//! | `track` | what one integration of it looked like, and how far two are apart |
-//! | `ours` | the integrators of this crate as contestants |
-//! | `precision` | errors of a contestant over the ensemble |
-//! | `timing` | interleaved times |
-//! | `table` | rows of the result, as text |
+//! | `problem` | one closing to integrate; the ensemble of fifteen closings |
+//! | `trajectory` | result of one integration, and distances between two |
+//! | `phalanx_solver` | the integrators of phalanx |
+//! | `precision` | errors of a solver over the ensemble |
+//! | `timing` | interleaved timing |
+//! | `table` | results as a table |
 
-pub mod ours;
+pub mod phalanx_solver;
 pub mod precision;
 pub mod problem;
 pub mod table;
 pub mod timing;
-pub mod track;
+pub mod trajectory;
 
 use std::path::Path;
 
 use problem::Problem;
 use serde::Serialize;
-use track::{Cost, Track};
+use trajectory::{Cost, Trajectory};
 
-/// One way to integrate a closing: a method with its tolerances.
-pub trait Contestant {
+/// A solver of a benchmark: a method with its tolerances.
+pub trait BenchSolver {
+    /// Name of the method.
     fn method(&self) -> &str;
 
-    /// Name of the preset, where it is one.
+    /// Name of the preset, if the solver is one.
     fn preset(&self) -> Option<&str> {
         None
     }
@@ -34,34 +35,34 @@ pub trait Contestant {
     /// Relative tolerance.
     fn rtol(&self) -> f64;
 
-    /// Whether it is one of this crate.
-    fn is_ours(&self) -> bool {
+    /// Whether the solver is part of phalanx.
+    fn is_phalanx(&self) -> bool {
         false
     }
 
-    /// Integrates with nobody watching, to be timed; what it cost, or why it failed.
+    /// Integrates without an observer, for timing. Returns the cost, or the reason for the failure.
     fn run(&self, problem: &Problem) -> Result<Cost, String>;
 
     /// Integrates and records the trajectory.
-    fn follow(&self, problem: &Problem) -> Track;
+    fn record(&self, problem: &Problem) -> Trajectory;
 }
 
-/// Writes the figures of a bench as JSON; where that fails there is nothing left to do.
-pub fn write(path: &Path, figures: &impl Serialize) {
-    let written = serde_json::to_string_pretty(figures).map_err(std::io::Error::other);
-    if let Err(error) = written.and_then(|text| std::fs::write(path, text + "\n")) {
+/// Writes the results of a benchmark as JSON; exits the process if that fails.
+pub fn write(path: &Path, results: &impl Serialize) {
+    let json = serde_json::to_string_pretty(results).map_err(std::io::Error::other);
+    if let Err(error) = json.and_then(|text| std::fs::write(path, text + "\n")) {
         eprintln!("cannot write {}: {error}", path.display());
         std::process::exit(1);
     }
 }
 
-/// Relative tolerances of a sweep, 1e-3 to 1e-10.
+/// Returns the relative tolerances of a sweep, 1e-3 to 1e-10.
 pub fn rtols() -> impl Iterator<Item = f64> {
     (3..=10).map(|digits| 10f64.powi(-digits))
 }
 
-/// Absolute tolerances that go with a relative one, (angles in rad, rates in rad/s): those of the engineering preset,
-/// moved along with it. They lie far below rtol · 1 rad, for penetrations are 1e-7 to 1e-4 rad.
-pub fn absolute(rtol: f64) -> (f64, f64) {
+/// Returns the absolute tolerances for a relative one (angles in rad, rates in rad/s), in the ratio of the engineering preset.
+/// They are far below rtol · 1 rad, because penetrations are 1e-7 to 1e-4 rad.
+pub fn absolute_tolerances(rtol: f64) -> (f64, f64) {
     (1e-4 * rtol, 10.0 * rtol)
 }

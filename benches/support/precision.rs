@@ -1,99 +1,111 @@
-//! Errors of a contestant over the ensemble.
+//! Errors of a solver over the ensemble.
 
 use phalanx::scene::Method;
 use serde::Serialize;
 
-use super::Contestant;
-use super::ours::Ours;
+use super::BenchSolver;
+use super::phalanx_solver::PhalanxSolver;
 use super::problem::Problem;
-use super::track::{Cost, Ended, Track, angle_distance, impulse_distance, largest, touch_distance};
+use super::trajectory::{Cost, EndState, Trajectory, angle_distance, contact_time_distance, impulse_distance, largest};
 
-/// A trajectory is right if no angle is ever further than this from the reference.
-pub const RIGHT_RAD: f64 = 1e-3;
+/// Largest angle error of an accurate trajectory.
+pub const ACCURATE_RAD: f64 = 1e-3;
 
-/// δ_max of the contact law. The deepest the finger of the ensemble goes is a third of it.
-const STEPPED_OVER_M: f64 = 1e-5;
+/// δ_max of the contact law. The finger of the ensemble penetrates by at most a third of it.
+const MAX_PENETRATION_M: f64 = 1e-5;
 
-/// A closing with two independent references: two methods at tolerances where both have converged.
+/// A closing with two independent references: two methods at tolerances at which both have converged.
 pub struct Referenced {
     pub problem: Problem,
-    pub references: [Track; 2],
+    pub references: [Trajectory; 2],
 }
 
-/// Settings of the reference trajectories: Radau IIA 5 at 1e-11 and Rodas5P at 1e-12.
-pub fn reference_settings() -> [Ours; 2] {
-    [Ours::new(Method::RadauIIa5, 1e-11, 1e-13, 1e-9), Ours::new(Method::Rodas5p, 1e-12, 1e-14, 1e-10)]
+/// Returns the settings of the reference trajectories: Radau IIA 5 at 1e-11 and Rodas5P at 1e-12.
+pub fn reference_settings() -> [PhalanxSolver; 2] {
+    [
+        PhalanxSolver::new(Method::RadauIIa5, 1e-11, 1e-13, 1e-9),
+        PhalanxSolver::new(Method::Rodas5p, 1e-12, 1e-14, 1e-10),
+    ]
 }
 
 impl Referenced {
     pub fn new(problem: Problem) -> Self {
-        let references = reference_settings().map(|settings| settings.follow(&problem));
+        let references = reference_settings().map(|settings| settings.record(&problem));
         Self { problem, references }
     }
 
-    /// How far the two references are apart: errors below it say nothing.
+    /// Returns the distance of the two references. Smaller errors are not significant.
     pub fn floor(&self) -> f64 {
         angle_distance(&self.references[0], &self.references[1])
     }
 
-    /// A distance from the further one of the two references.
-    fn distance_to_both(&self, distance: impl Fn(&Track) -> f64) -> f64 {
+    /// Returns the larger of the distances from the two references.
+    fn distance_to_references(&self, distance: impl Fn(&Trajectory) -> f64) -> f64 {
         largest(self.references.iter().map(distance))
     }
 }
 
-/// Errors over an ensemble; infinite ones, where a run failed or missed a contact, are null in JSON.
+/// Errors over an ensemble. Infinite errors, of runs that failed or missed a contact, are null in JSON.
 #[derive(Clone, Debug, Serialize)]
 pub struct Errors {
-    pub right: usize,
-    pub of: usize,
+    /// Number of runs with an angle error of at most [`ACCURATE_RAD`].
+    #[serde(rename = "right")]
+    pub accurate: usize,
+    /// Number of runs.
+    #[serde(rename = "of")]
+    pub total: usize,
     /// Largest angle error along the trajectory.
     pub angle_median_rad: f64,
     pub angle_worst_rad: f64,
-    /// Error of the time of a first touch.
-    pub touch_median_s: f64,
-    pub touch_worst_s: f64,
-    /// Relative error of ∫ F_n dt; null where the contestant does not carry it.
+    /// Error of the time of a first contact.
+    #[serde(rename = "touch_median_s")]
+    pub contact_time_median_s: f64,
+    #[serde(rename = "touch_worst_s")]
+    pub contact_time_worst_s: f64,
+    /// Relative error of ∫ F_n dt; null if the solver does not integrate it.
     pub impulse_worst: Option<f64>,
-    /// Complete runs that went deeper into the object than δ_max of the contact law, or never touched it: a step passed
-    /// over the contact. Null where steps land on contacts.
+    /// Complete runs with a penetration above δ_max of the contact law or without contact: a step passed over the contact.
+    /// Null for solvers with event location.
     pub stepped_over: Option<usize>,
-    /// Runs that did not reach the end, and why the first of them did not.
+    /// Number of runs that failed, and the reason of the first failure.
     pub failed: usize,
     pub failure: Option<String>,
-    /// Means over the ensemble.
+    /// Mean cost over the ensemble.
     pub cost: Cost,
 }
 
-/// Runs a contestant over the ensemble.
-pub fn measure(contestant: &dyn Contestant, ensemble: &[Referenced]) -> Errors {
-    let tracks: Vec<Track> = ensemble.iter().map(|case| contestant.follow(&case.problem)).collect();
-    let pairs = || tracks.iter().zip(ensemble);
-    let angle = sorted(pairs().map(|(t, case)| case.distance_to_both(|r| angle_distance(t, r))));
-    let touch = sorted(pairs().map(|(t, case)| case.distance_to_both(|r| touch_distance(t, r))));
+/// Runs a solver over the ensemble.
+pub fn measure(solver: &dyn BenchSolver, ensemble: &[Referenced]) -> Errors {
+    let trajectories: Vec<Trajectory> = ensemble.iter().map(|case| solver.record(&case.problem)).collect();
+    let pairs = || trajectories.iter().zip(ensemble);
+    let angle = sorted(pairs().map(|(t, case)| case.distance_to_references(|r| angle_distance(t, r))));
+    let contact_time = sorted(pairs().map(|(t, case)| case.distance_to_references(|r| contact_time_distance(t, r))));
     let impulses: Option<Vec<f64>> =
-        pairs().map(|(t, case)| Some(case.distance_to_both(|r| impulse_distance(t, r).unwrap_or(0.0)))).collect();
-    let carries_impulse = tracks.iter().all(|t| t.impulse.is_some());
-    let looks = tracks.iter().all(|t| t.deepest_m.is_some());
-    let missed = |t: &Track| t.deepest_m.is_some_and(|d| d > STEPPED_OVER_M) || t.touch_s.contains(&None);
-    let over = |t: &&Track| t.ended == Ended::Complete && missed(t);
+        pairs().map(|(t, case)| Some(case.distance_to_references(|r| impulse_distance(t, r).unwrap_or(0.0)))).collect();
+    let has_impulse = trajectories.iter().all(|t| t.impulse.is_some());
+    let has_penetration = trajectories.iter().all(|t| t.max_penetration_m.is_some());
+    let missed_contact = |t: &Trajectory| {
+        t.max_penetration_m.is_some_and(|d| d > MAX_PENETRATION_M) || t.first_contact_s.contains(&None)
+    };
+    let stepped_over = |t: &&Trajectory| t.end_state == EndState::Complete && missed_contact(t);
     let failures = || {
-        tracks.iter().filter_map(|t| match &t.ended {
-            Ended::Complete => None,
-            Ended::Singular(time_s) => Some(format!("singularity at {:.3} ms", time_s * 1e3)),
-            Ended::Failed(reason) => Some(reason.clone()),
+        trajectories.iter().filter_map(|t| match &t.end_state {
+            EndState::Complete => None,
+            EndState::Singular(time_s) => Some(format!("singularity at {:.3} ms", time_s * 1e3)),
+            EndState::Failed(reason) => Some(reason.clone()),
         })
     };
-    let mean = |pick: fn(&Cost) -> u64| tracks.iter().map(|t| pick(&t.cost)).sum::<u64>() / tracks.len() as u64;
+    let mean =
+        |count: fn(&Cost) -> u64| trajectories.iter().map(|t| count(&t.cost)).sum::<u64>() / trajectories.len() as u64;
     Errors {
-        right: angle.iter().filter(|e| **e <= RIGHT_RAD).count(),
-        of: angle.len(),
+        accurate: angle.iter().filter(|e| **e <= ACCURATE_RAD).count(),
+        total: angle.len(),
         angle_median_rad: median(&angle),
         angle_worst_rad: worst(&angle),
-        touch_median_s: median(&touch),
-        touch_worst_s: worst(&touch),
-        impulse_worst: impulses.filter(|_| carries_impulse).map(|x| largest(x.into_iter())),
-        stepped_over: looks.then(|| tracks.iter().filter(over).count()),
+        contact_time_median_s: median(&contact_time),
+        contact_time_worst_s: worst(&contact_time),
+        impulse_worst: impulses.filter(|_| has_impulse).map(|x| largest(x.into_iter())),
+        stepped_over: has_penetration.then(|| trajectories.iter().filter(stepped_over).count()),
         failed: failures().count(),
         failure: failures().next(),
         cost: Cost {
@@ -105,19 +117,19 @@ pub fn measure(contestant: &dyn Contestant, ensemble: &[Referenced]) -> Errors {
     }
 }
 
-/// In ascending order.
+/// Returns the values in ascending order.
 pub fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values
 }
 
-/// The middle of sorted values; not a number if there are none.
+/// Returns the median of sorted values; NaN without values.
 pub fn median(sorted: &[f64]) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// The last of sorted values; not a number if there are none.
+/// Returns the last of sorted values; NaN without values.
 pub fn worst(sorted: &[f64]) -> f64 {
     sorted.last().copied().unwrap_or(f64::NAN)
 }

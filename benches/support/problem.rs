@@ -1,4 +1,4 @@
-//! One closing: a scene with its model and start.
+//! A closing: a scene with its model and initial state.
 
 use phalanx::analytic::{Model, QUADRATURES};
 use phalanx::integrator::State;
@@ -7,11 +7,11 @@ use phalanx::scene::{Actuation, Scene, parse};
 /// Size of the ensemble.
 pub const MEMBERS: usize = 15;
 
-/// Relative change of the motor torque from one member to the next: nothing to the mechanics, but a new draw in the lottery
-/// of rounding and step sizes.
-pub const NUDGE: f64 = 1e-9;
+/// Relative change of the motor torque between members. It is negligible for the mechanics, but changes rounding errors and
+/// step sizes.
+pub const TORQUE_STEP: f64 = 1e-9;
 
-/// A closing to be integrated.
+/// A closing to integrate.
 #[derive(Clone, Debug)]
 pub struct Problem {
     pub scene: Scene,
@@ -30,7 +30,7 @@ impl Problem {
         Self { model: Model::new(&scene.system), start, scene }
     }
 
-    /// The same with its constant motor torque times `factor`.
+    /// Returns the closing with its constant motor torque multiplied by `factor`.
     pub fn with_torque(&self, factor: f64) -> Self {
         let mut scene = self.scene.clone();
         if let Actuation::Constant { torque_n_m } = &mut scene.finger_mut().motor.actuation {
@@ -44,17 +44,17 @@ impl Problem {
     }
 }
 
-/// Design 95 of the thesis: the anchor scene.
+/// Returns design 95 of the thesis.
 pub fn design_95() -> Problem {
     let text = include_str!("../../scenes/experiment-95.toml");
     match parse(text, "experiment-95.toml") {
         Ok(scene) => Problem::new(scene),
-        Err(error) => panic!("the shipped scene does not load: {error}"),
+        Err(error) => panic!("the scene cannot be loaded: {error}"),
     }
 }
 
-/// Design 95 with τ11 (1 + i · 1e-9), i = 0 … 14.
+/// Returns design 95 with τ11 (1 + i · 1e-9), i = 0 … 14.
 pub fn ensemble() -> Vec<Problem> {
-    let anchor = design_95();
-    (0..MEMBERS).map(|i| anchor.with_torque(1.0 + i as f64 * NUDGE)).collect()
+    let nominal = design_95();
+    (0..MEMBERS).map(|i| nominal.with_torque(1.0 + i as f64 * TORQUE_STEP)).collect()
 }

@@ -1,15 +1,15 @@
-//! Interleaved times: every contestant runs once in each round, so that what disturbs the machine disturbs all of them.
+//! Interleaved timing: each solver runs once per round, so that disturbances of the machine affect all solvers.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use serde::Serialize;
 
-use super::Contestant;
+use super::BenchSolver;
 use super::precision::{median, sorted};
 use super::problem::Problem;
 
-/// Times of one closing, without observer.
+/// Times of one closing without observer.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Times {
     pub median_s: f64,
@@ -17,17 +17,17 @@ pub struct Times {
     pub repetitions: usize,
 }
 
-/// Rounds that are run but not counted.
+/// Warm-up rounds that are not counted.
 const WARM_UP: usize = 3;
 
-/// Times all contestants over `rounds` rounds; round r integrates member r of the ensemble, over and over.
-pub fn interleaved(contestants: &[Box<dyn Contestant>], ensemble: &[&Problem], rounds: usize) -> Vec<Times> {
-    let mut seconds = vec![Vec::with_capacity(rounds); contestants.len()];
+/// Measures the times of all solvers over `rounds` rounds. Round r integrates member r modulo the size of the ensemble.
+pub fn measure_interleaved(solvers: &[Box<dyn BenchSolver>], ensemble: &[&Problem], rounds: usize) -> Vec<Times> {
+    let mut seconds = vec![Vec::with_capacity(rounds); solvers.len()];
     for round in 0..WARM_UP + rounds {
         let problem = ensemble[round % ensemble.len()];
-        for (contestant, seconds) in contestants.iter().zip(&mut seconds) {
+        for (solver, seconds) in solvers.iter().zip(&mut seconds) {
             let start = Instant::now();
-            black_box(contestant.run(black_box(problem))).ok();
+            black_box(solver.run(black_box(problem))).ok();
             let elapsed = start.elapsed().as_secs_f64();
             if round >= WARM_UP {
                 seconds.push(elapsed);

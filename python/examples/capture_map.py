@@ -1,4 +1,4 @@
-"""A capture map: what becomes of an object that lies off the middle of the palm, by offset and length of the proximal phalanx.
+"""A capture map: the fate of an off-centre object, by its offset and the length of the proximal phalanx.
 
     python capture_map.py [--out capture.png] [--offsets 29] [--designs 13]
 """
@@ -16,8 +16,8 @@ import numpy as np
 import phalanx
 from matplotlib.colors import BoundaryNorm, ListedColormap
 
-# Design 95 but for its proximal phalanx, without friction. Starts, springs and motors are those for the largest error, for the
-# gripper does not know where the object lies.
+# Design 95 with other proximal phalanges, without friction. Initial angles, springs and motors are sized for the
+# largest positioning error, because a gripper does not know the position of the object.
 SCENE = """
 kind = "gripper"
 name = "design 95 with other proximal phalanges, no friction"
@@ -53,26 +53,26 @@ def main(arguments: list[str] | None = None) -> None:
     offset_m, length = np.linspace(-3.5e-3, 3.5e-3, args.offsets), np.linspace(0.4, 1.0, args.designs)
     grid = np.meshgrid(offset_m, length)
     fields = {"object.offset": grid[0].ravel(), "design.l21_fraction": grid[1].ravel()}
-    found = phalanx.evaluate(scene, fields, columns=["status", "reason", "grasp", "tts_s", "x_m"])
-    fate = [grasp if grasp is not None else "not completed" for grasp in found["grasp"]]
+    table = phalanx.evaluate(scene, fields, columns=["status", "reason", "grasp", "tts_s", "x_m"])
+    fates = [fate if fate is not None else "not completed" for fate in table["grasp"]]
     shape = grid[0].shape
-    index = np.array([FATES.index(name) for name in fate]).reshape(shape)
-    rest_mm = 1e3 * found["x_m"].reshape(shape)
+    fate_index = np.array([FATES.index(fate) for fate in fates]).reshape(shape)
+    final_mm = 1e3 * table["x_m"].reshape(shape)
 
-    figure, (map_, rest) = plt.subplots(2, 1, figsize=(8, 7), sharex=True, layout="constrained")
+    figure, (fate_axes, position_axes) = plt.subplots(2, 1, figsize=(8, 7), sharex=True, layout="constrained")
     norm = BoundaryNorm(np.arange(len(FATES) + 1) - 0.5, len(FATES))
-    mesh = map_.pcolormesh(1e3 * offset_m, length, index, cmap=ListedColormap(COLOURS), norm=norm, shading="nearest")
-    bar = figure.colorbar(mesh, ax=map_, ticks=range(len(FATES)))
+    mesh = fate_axes.pcolormesh(1e3 * offset_m, length, fate_index, cmap=ListedColormap(COLOURS), norm=norm, shading="nearest")
+    bar = figure.colorbar(mesh, ax=fate_axes, ticks=range(len(FATES)))
     bar.ax.set_yticklabels(FATES)
-    map_.set_ylabel("proximal phalanx, as part of its range")
-    map_.set_title(f"{scene.name}: {fate.count('held')} of {len(fate)} held")
-    held = np.where(index == 0, rest_mm, np.nan)
-    mesh = rest.pcolormesh(1e3 * offset_m, length, held, cmap="RdBu", shading="nearest", vmin=-3.5, vmax=3.5)
-    figure.colorbar(mesh, ax=rest, label="where it is held, mm off the middle")
-    rest.set_xlabel("where the object lies, mm off the middle")
-    rest.set_ylabel("proximal phalanx, as part of its range")
+    fate_axes.set_ylabel("length of the proximal phalanx, fraction of its range")
+    fate_axes.set_title(f"{scene.name}: {fates.count('held')} of {len(fates)} held")
+    held_mm = np.where(fate_index == 0, final_mm, np.nan)
+    mesh = position_axes.pcolormesh(1e3 * offset_m, length, held_mm, cmap="RdBu", shading="nearest", vmin=-3.5, vmax=3.5)
+    figure.colorbar(mesh, ax=position_axes, label="final offset of a held object, mm")
+    position_axes.set_xlabel("initial offset of the object, mm")
+    position_axes.set_ylabel("length of the proximal phalanx, fraction of its range")
     figure.savefig(args.out, dpi=120)
-    print(f"{args.out}: " + ", ".join(f"{fate.count(name)} {name}" for name in FATES if name in fate))
+    print(f"{args.out}: " + ", ".join(f"{fates.count(name)} {name}" for name in FATES if name in fates))
 
 
 if __name__ == "__main__":

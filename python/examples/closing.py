@@ -1,4 +1,4 @@
-"""A closing in four plots: angles, normal forces, energies, and what the energy balance loses.
+"""A closing in four plots: angles, normal forces, energies, and the error of the energy balance.
 
     python closing.py [--out closing.png]
 """
@@ -21,7 +21,7 @@ SCENES = Path(__file__).resolve().parents[2] / "scenes"
 def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=Path("closing.png"))
-    parser.add_argument("--quick", action="store_true", help="half the time")
+    parser.add_argument("--quick", action="store_true", help="simulate half the duration")
     args = parser.parse_args(arguments)
 
     result = phalanx.run(SCENES / "experiment-95.toml", duration="10 ms" if args.quick else None, check=True)
@@ -33,13 +33,13 @@ def main(arguments: list[str] | None = None) -> None:
     for name in ("proximal", "distal"):
         forces.plot(ms, result[f"{name}_normal_n"], label=name)
     forces.set_ylabel("normal force, N")
-    # The impacts are a hundred times what holds in the end: a scale that shows both.
+    # Impact forces are a hundred times the final ones, so a linear scale would hide the latter.
     forces.set_yscale("symlog", linthresh=10)
     for name in ("kinetic", "spring", "dissipated", "motor_work"):
         energies.plot(ms, 1e3 * result[f"{name}_j"], label=name.replace("_", " "))
     energies.set_ylabel("energy, mJ")
     balance.plot(ms, 1e6 * result["balance_j"], color="tab:red", label="balance")
-    balance.set_ylabel("energy from nowhere, µJ")
+    balance.set_ylabel("error of the energy balance, µJ")
     for event in result.events:
         if event.kind == "touch-down" and event.time_s > 0:
             for axes in (angles, forces, energies, balance):
@@ -49,8 +49,8 @@ def main(arguments: list[str] | None = None) -> None:
     for axes in (energies, balance):
         axes.set_xlabel("time, ms")
     criteria = result.criteria or {}
-    tts = f"at rest on its object from {1e3 * criteria['tts_s']:.3f} ms" if criteria.get("tts_s") else "not stable"
-    figure.suptitle(f"{result.summary['scene']}: {criteria.get('class')}, {tts}; checked: {result.check['verdict']}")
+    tts = f"stable from {1e3 * criteria['tts_s']:.3f} ms on" if criteria.get("tts_s") else "not stable"
+    figure.suptitle(f"{result.summary['scene']}: {criteria.get('class')}, {tts}; check: {result.check['verdict']}")
     figure.savefig(args.out, dpi=120)
     print(f"{args.out}: {len(result)} samples, {len(result.events)} events, {tts}")
 

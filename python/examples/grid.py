@@ -1,4 +1,4 @@
-"""What the optimisers and Sobol's indices of these examples share: the thesis' four variables, and what makes a design good."""
+"""The thesis' four design variables and criteria, for the optimisation and sensitivity examples."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import phalanx
 
-# Spring and motor are sized for each design on its own, as in the thesis' grid (§4.2).
+# Spring and motor are sized separately for each design, as in the thesis' grid (§4.2).
 SCENE = """
 name = "design"
 sizing = "rigid"
@@ -20,7 +20,7 @@ phi22 = "120 deg"
 arm_ratio = 0.5
 """
 
-# Within the ends of the grid: m, 1, rad, 1.
+# Ranges of the grid: m, 1, rad, 1.
 VARIABLES = {
     "design.base": (12e-3, 22.5e-3),
     "design.l21_fraction": (0.0, 1.0),
@@ -33,31 +33,33 @@ UPPER = np.array([high for _, high in VARIABLES.values()])
 DESIGN_95 = np.array([15.5e-3, 1.0, np.radians(120), 0.5])
 
 CLASSES = ["stable", "semi-stable", "semi-unstable", "unstable"]
-# Length of a run, s: what never is stable has not been so for all of it.
+# Duration of a run, s; also the time to stability of a design that never becomes stable.
 DURATION_S = 20e-3
-# What a design without figures counts as, far from any that has them; a number, for not all optimisers take what is not.
-NO_FORCE_N = 1e7
+# Peak force of a design without results: far above any real one, and finite, because some optimisers reject NaN.
+NO_RESULT_FORCE_N = 1e7
 
 COLUMNS = ["status", "reason", "tts_s", "class", "force_positive", "form_closed", "pfp_n", "peak_f21_n", "peak_f22_n"]
 
 
-def scene() -> phalanx.Scene:
+def load_scene() -> phalanx.Scene:
+    """Returns the scene whose variables are changed."""
     return phalanx.Scene.from_toml(SCENE, "design.toml")
 
 
-def judged(base: phalanx.Scene, designs: np.ndarray, threads: int = 0) -> dict[str, np.ndarray]:
-    """Time to stability (s), peak force (N) and how far the thesis' criteria are missed (0 where they are met), of each row.
+def evaluate_designs(base: phalanx.Scene, designs: np.ndarray, threads: int = 0) -> dict[str, np.ndarray]:
+    """Returns time to stability (s), peak force (N) and violation of the thesis' criteria (0 if met) of each row.
 
-    The criteria are those of `phalanx select`: force positive, form closed, stable or semi-stable, and pressed on the palm.
+    The criteria are those of `phalanx select`: force positive, form closed, stable or semi-stable, and pressed on the
+    palm.
     """
     fields: dict[str, Any] = dict(zip(VARIABLES, np.atleast_2d(designs).T, strict=True))
-    found = phalanx.evaluate(base, fields, columns=COLUMNS, threads=threads)
-    tts_s = np.where(np.isnan(found["tts_s"]), DURATION_S, found["tts_s"])
-    peak_n = np.fmax(found["peak_f21_n"], found["peak_f22_n"])
+    table = phalanx.evaluate(base, fields, columns=COLUMNS, threads=threads)
+    tts_s = np.where(np.isnan(table["tts_s"]), DURATION_S, table["tts_s"])
+    peak_n = np.fmax(table["peak_f21_n"], table["peak_f22_n"])
     missing = np.isnan(peak_n)
-    peak_n = np.where(missing, NO_FORCE_N, peak_n)
-    classes = np.array([CLASSES.index(name) if name in CLASSES else len(CLASSES) for name in found["class"]])
-    pfp_n = np.where(np.isnan(found["pfp_n"]), -100.0, found["pfp_n"])
-    flag = lambda name: np.array([value is not True and value is not np.True_ for value in found[name]], dtype=float)  # noqa: E731
-    missed = flag("force_positive") + flag("form_closed") + np.maximum(classes - 1, 0) + np.maximum(-pfp_n, 0) / 10.0
-    return {"tts_s": tts_s, "peak_n": peak_n, "missed": missed + missing}
+    peak_n = np.where(missing, NO_RESULT_FORCE_N, peak_n)
+    classes = np.array([CLASSES.index(name) if name in CLASSES else len(CLASSES) for name in table["class"]])
+    pfp_n = np.where(np.isnan(table["pfp_n"]), -100.0, table["pfp_n"])
+    not_true = lambda name: np.array([value is not True and value is not np.True_ for value in table[name]], dtype=float)  # noqa: E731
+    violation = not_true("force_positive") + not_true("form_closed") + np.maximum(classes - 1, 0) + np.maximum(-pfp_n, 0) / 10.0
+    return {"tts_s": tts_s, "peak_n": peak_n, "violation": violation + missing}

@@ -1,4 +1,4 @@
-"""Optuna over the same four variables, with its TPE sampler: batches of trials are asked for, run at once, and told.
+"""Optuna's TPE sampler over the four variables, with batches of trials that are evaluated together.
 
     python optuna_study.py [--out optuna.png] [--trials 400]
 """
@@ -16,11 +16,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 import optuna
 
-from grid import DESIGN_95, VARIABLES, judged, scene
+from grid import DESIGN_95, VARIABLES, evaluate_designs, load_scene
 
-# Trials that are asked for before the first of them is told.
-BATCH = 20
-# As in cma_es.py.
+# Trials per evaluation.
+BATCH_SIZE = 20
+# Cost of one violated criterion, ms, as in cma_es.py.
 PENALTY_MS = 100.0
 
 
@@ -34,15 +34,15 @@ def main(arguments: list[str] | None = None) -> None:
         args.trials = 40
 
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    base, start = scene(), time.perf_counter()
+    base, start = load_scene(), time.perf_counter()
     study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=1, multivariate=True, constant_liar=True))
     distributions = {path: optuna.distributions.FloatDistribution(low, high) for path, (low, high) in VARIABLES.items()}
-    # Design 95 is known: what is found is to be better.
+    # The first trial is design 95, for comparison.
     study.enqueue_trial(dict(zip(VARIABLES, DESIGN_95.tolist(), strict=True)))
     while len(study.trials) < args.trials:
-        trials = [study.ask(distributions) for _ in range(min(BATCH, args.trials - len(study.trials)))]
-        found = judged(base, np.array([[trial.params[path] for path in VARIABLES] for trial in trials]))
-        for trial, cost in zip(trials, 1e3 * found["tts_s"] + PENALTY_MS * found["missed"], strict=True):
+        trials = [study.ask(distributions) for _ in range(min(BATCH_SIZE, args.trials - len(study.trials)))]
+        results = evaluate_designs(base, np.array([[trial.params[path] for path in VARIABLES] for trial in trials]))
+        for trial, cost in zip(trials, 1e3 * results["tts_s"] + PENALTY_MS * results["violation"], strict=True):
             study.tell(trial, float(cost))
     wall_s = time.perf_counter() - start
 

@@ -7,8 +7,8 @@
     plt.plot(result.time, result["q11_rad"])
     plt.show()
 
-Everything is in SI, and the names of columns say their units. What a command of the program prints as JSON is a dictionary here,
-and its messages are those of the exceptions.
+All values are in SI; column names contain the units. The JSON output of a command of the program is a dictionary here,
+and its error messages are exceptions.
 """
 
 from ._phalanx import (

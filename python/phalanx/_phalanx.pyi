@@ -1,4 +1,4 @@
-"""The compiled part of phalanx. Everything here is exported by `phalanx` itself."""
+"""Compiled module of phalanx. `phalanx` exports all public names."""
 
 from collections.abc import Iterable, Sequence
 from os import PathLike
@@ -38,7 +38,7 @@ __version__: str
 _Path: TypeAlias = str | PathLike[str]
 _SceneLike: TypeAlias = Scene | _Path
 _Model: TypeAlias = Literal["analytic", "engine"]
-# A text with its unit, such as "20 mm", or a number in SI.
+# A string with a unit, such as "20 mm", or a number in SI.
 _Quantity: TypeAlias = str | float
 _Value: TypeAlias = str | float | bool | Sequence[str | float | bool] | numpy.generic
 _Values: TypeAlias = _Value | Iterable[_Value] | numpy.typing.NDArray[Any]
@@ -46,50 +46,53 @@ _Numbers: TypeAlias = numpy.typing.NDArray[numpy.float64]
 
 @final
 class Column:
-    """Numbers that phalanx holds, for numpy to look at: `numpy.asarray(column)` is a view that cannot be written to."""
+    """Numbers in memory of phalanx: `numpy.asarray(column)` returns a read-only view."""
 
     @property
     def __array_interface__(self) -> dict[str, Any]:
-        """How numpy finds the numbers: their address, kind and count."""
+        """Address, type and number of the values, for numpy."""
 
 @final
 class Scene:
-    """A scene of a finger, a gripper or discs, checked, with every default filled in. It never changes: `with_` makes another one."""
+    """A validated scene of a finger, a gripper or discs. It is immutable: `with_` returns a changed copy."""
 
     @staticmethod
     def load(path: _Path) -> Scene:
-        """Reads a scene file (TOML), and those it extends.
+        """Reads a scene file (TOML) and the files that it extends.
 
-        Raises SceneError with file, line, column and field of what is wrong.
+        Raises SceneError with file, line, column and field of the error.
         """
 
     @staticmethod
     def from_toml(text: str, name: str = "scene.toml") -> Scene:
-        """Reads a scene from a text (TOML). `name` is what messages and logs call its file; scenes it extends are looked for from there."""
+        """Reads a scene from a TOML string.
+
+        `name` is its file name in messages and logs; extended scenes are relative to its directory.
+        """
 
     @staticmethod
     def from_dict(scene: dict[str, Any], name: str = "scene.toml") -> Scene:
         """Reads a scene from a dictionary with the keys of a scene file: `{"design": {"base": "20 mm", …}, …}`."""
 
     def with_(self, fields: dict[str, _Value]) -> Scene:
-        """The same scene with other values in some fields, as `phalanx run --set` has them.
+        """Returns a copy with other values of some fields, as with `phalanx run --set`.
 
         `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`
 
-        A value is a text with its unit, a number where the field is one without a unit, True or False, or a list; one element of a
-        pair is `object.centre[0]`.
+        A value is a string with a unit, a number (for a field without a unit), True or False, or a list.
+        `object.centre[0]` is one element of a pair.
         """
 
     @property
     def toml(self) -> str:
-        """The scene as it was written with every default filled in, as a scene file: what `phalanx scene show` prints."""
+        """The scene as written, with all defaults, as the text of a scene file: the output of `phalanx scene show`."""
 
     @property
     def resolved(self) -> str:
-        """What is simulated, as a scene file in full precision: what `phalanx scene show --resolved` prints."""
+        """The simulated scene as text in full precision: the output of `phalanx scene show --resolved`."""
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as `toml`, as a dictionary of texts with units, numbers, flags and lists."""
+        """Returns the contents of `toml` as a dictionary of strings with units, numbers, flags and lists."""
 
     @property
     def kind(self) -> Literal["finger", "gripper", "bodies"]:
@@ -97,111 +100,112 @@ class Scene:
 
     @property
     def name(self) -> str:
-        """The name that the scene gives itself."""
+        """The field `name` of the scene."""
 
     @property
     def duration_s(self) -> float:
-        """Length of a run, in s."""
+        """Duration of a run, s."""
 
     def __getitem__(self, path: str, /) -> Any:
-        """A field by its path, as `toml` has it: `scene["design.base"]`. Of a section, its dictionary."""
+        """Returns a field of `toml` by its path, such as `scene["design.base"]`, or a section as a dictionary."""
 
     def __reduce__(self) -> tuple[Any, Any]:
-        """For copies in other processes."""
+        """Supports pickling, such as for other processes."""
 
     @staticmethod
-    def _of_texts(layers: list[tuple[str, str]], settings: list[tuple[str, str]]) -> Scene: ...
+    def _from_texts(layers: list[tuple[str, str]], settings: list[tuple[str, str]]) -> Scene: ...
 
 @final
 class Result:
-    """A run of a scene, or what a log has of one. Figures are in SI, their names say the unit."""
+    """The results of a run, or of the run in a log. All values are in SI; column names contain the units."""
 
     def __getitem__(self, column: str, /) -> _Numbers:
-        """A column as an array of numpy that cannot be written to, over the very numbers of the run: `result["q11_rad"]`.
+        """Returns a column as a read-only numpy array that shares memory with the run, such as `result["q11_rad"]`.
 
-        Names are those of `columns`; angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
+        `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
         """
 
     @property
     def columns(self) -> list[str]:
-        """Names of all columns with their units, as `phalanx replay --csv` has them: `time_s` first, the energies last."""
+        """Names of all columns with their units, as in `phalanx replay --csv`: `time_s` first, the energies last."""
 
     @property
     def time(self) -> _Numbers:
-        """Times of the samples, in s; two may share one, before and after an event."""
+        """Times of the samples, s. Two samples may have the same time, before and after an event."""
 
     @property
     def events(self) -> list[Event]:
-        """Changes of contact in order of time."""
+        """Contact events in order of time."""
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The document of `phalanx run --json` (of a log: `phalanx replay --json`) as a dictionary."""
+        """The document of `phalanx run --json` (for a log: `phalanx replay --json`) as a dictionary."""
 
     @property
     def outcome(self) -> dict[str, Any]:
-        """The same as `summary`."""
+        """Same as `summary`."""
 
     @property
     def contacts(self) -> Any:
-        """By contact: first touch (s), touch-downs, largest force (N), deepest penetration (m), impulse (N·s)."""
+        """Results by contact: first touch-down (s), touch-downs, force peak (N), penetration (m), impulse (N·s)."""
 
     @property
     def criteria(self) -> dict[str, Any] | None:
-        """Of a finger: class, what decides it (`class_reason`), `tts_s`, `rebound_percent`, …; of a gripper what became of its object.
+        """Criteria of a finger (`class`, `class_reason`, `tts_s`, …), or the fate of a gripper's object.
 
-        None of discs (`contacts` has their restitution), and where the run does not say: `summary["no_criteria"]` says why.
+        None for discs (`contacts` contains their restitution), and for a run without criteria; `summary["no_criteria"]`
+        gives the reason.
         """
 
     @property
     def energies(self) -> dict[str, float] | None:
-        """Energies and works at the end, in J."""
+        """Energies and work at the end, J."""
 
     @property
     def check(self) -> dict[str, Any] | None:
-        """What a second, independent resolution says of the error; None where the run was not checked."""
+        """Error estimate from a second, independent resolution; None if the run was not checked."""
 
     @property
     def warnings(self) -> list[str] | None:
-        """Sentences on what makes the results doubtful, such as an energy balance that is off; empty for a sound run, None of a log."""
+        """Reasons to doubt the results, such as an unbalanced energy; empty for a valid run, None for a log."""
 
     @property
     def completed(self) -> bool | None:
-        """Whether the run got to its end; None of a log that does not get that far."""
+        """Whether the run reached its full duration; None if a log ends too early to tell."""
 
     def to_pandas(self) -> pandas.DataFrame:
-        """All columns as a pandas DataFrame over the same numbers."""
+        """Returns all columns as a pandas DataFrame that shares memory with the run."""
 
     def to_polars(self) -> polars.DataFrame:
-        """All columns as a Polars DataFrame over the same numbers."""
+        """Returns all columns as a Polars DataFrame that shares memory with the run."""
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
-        """All columns as a stream of Arrow, for pyarrow, Polars, DuckDB and others; the numbers are not copied."""
+        """Returns all columns as an Arrow stream, for pyarrow, Polars, DuckDB and others, without a copy."""
 
     def save(self, path: _Path) -> None:
-        """Writes the log that `phalanx run --log` would (MCAP, for Foxglove, Rerun and PlotJuggler), byte for byte.
+        """Writes the same log as `phalanx run --log`, byte for byte (MCAP, for Foxglove, Rerun and PlotJuggler).
 
-        The run is made again for it: the same scene gives the same run. Of a result that was read from a log, that file is copied.
+        This repeats the run; the same scene gives the same run. For a result from a log, it copies the file.
         """
 
     def html(self) -> str | None:
-        """The page of `phalanx run --html`, the bodies in motion. None of a log whose scene is lost."""
+        """Returns the animated page of `phalanx run --html`. None for a log without a readable scene."""
 
     def _repr_html_(self) -> str | None:
-        """The same page in a frame of its own: what a notebook shows."""
+        """Returns the page of `html` in a frame, for notebooks."""
 
     def __len__(self) -> int:
-        """How many samples there are."""
+        """Returns the number of samples."""
 
 @final
 class Table:
-    """What a sweep found: a row for each run, columns as in the tables of `phalanx sweep`, figures in SI."""
+    """The results of a sweep: one row for each run, columns as in the tables of `phalanx sweep`, values in SI."""
 
     def __getitem__(self, column: str, /) -> numpy.typing.NDArray[Any]:
-        """A column as an array of numpy.
+        """Returns a column as a numpy array.
 
-        Numbers are a view that cannot be written to, or where some are missing a copy with NaN there; flags are bools and texts
-        objects, None where missing.
+        Numbers are a read-only view, or a copy with NaN if values are missing. Flags are bools, or objects if values
+        are missing; strings are objects. Missing objects are None.
         """
 
     @property
@@ -210,25 +214,25 @@ class Table:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """How many runs ended how: `runs`, `by_status`, `by_class`, and `reasons` of those that were not completed or have no class.
+        """Counts of runs: `runs`, `by_status`, `by_class`, and `reasons` of runs without completion or class.
 
-        `no_class` is how many of the completed runs have no class, because the finger cannot grasp its object.
+        `no_class` is the number of completed runs without a class, because the finger cannot grasp its object.
         """
 
     def to_pandas(self) -> pandas.DataFrame:
-        """All columns as a pandas DataFrame."""
+        """Returns all columns as a pandas DataFrame."""
 
     def to_polars(self) -> polars.DataFrame:
-        """All columns as a Polars DataFrame."""
+        """Returns all columns as a Polars DataFrame."""
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
-        """All columns as a stream of Arrow, for pyarrow, Polars, DuckDB and others."""
+        """Returns all columns as an Arrow stream, for pyarrow, Polars, DuckDB and others."""
 
     def write(self, path: _Path) -> None:
-        """Writes the table as CSV or Parquet, by the name."""
+        """Writes the table as CSV or Parquet, by the suffix of the path."""
 
     def __len__(self) -> int:
-        """How many runs there are."""
+        """Returns the number of runs."""
 
 def run(
     scene: _SceneLike,
@@ -247,19 +251,22 @@ def run(
 ) -> Result:
     """Simulates a scene.
 
-    check: True estimates the error by a second, independent resolution and says whether the outcome is chaotic, None does so where
-    it is cheap (as `phalanx run`), False never. log: also write a log there (MCAP).
+    check: True estimates the error from a second, independent resolution and detects a chaotic outcome, None does so if
+    it is cheap (as `phalanx run`), False never. log: path of a log to write (MCAP).
 
-    The others are the flags of `phalanx run`: preset (analytic), rtol (analytic), construction (engine), step such as "1 us"
-    (engine), tolerance such as "0.02 um" (engine), duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate such as
-    "1 kHz".
+    The other arguments are the flags of `phalanx run`: preset (analytic), rtol (analytic), construction (engine), step
+    such as "1 us" (engine), tolerance such as "0.02 um" (engine), duration such as "30 ms", numeric_rate such as
+    "20 kHz", picture_rate such as "1 kHz".
 
-    Raises SceneError for what is wrong with the scene or an argument, RunError if the run does not get to its end; the error's
-    `result` has the run up to there. Other threads go on meanwhile, and Ctrl-C ends the run.
+    Raises SceneError for an invalid scene or argument, and RunError if the run is not completed; the `result` of the
+    error contains the run up to its end. Other Python threads continue during the run; Ctrl-C interrupts it.
     """
 
 def read_log(path: _Path) -> Result:
-    """Reads a log of phalanx (MCAP), as far as it goes: `summary["losses"]` says what is lost, `summary["missing"]` which topics are missing."""
+    """Reads a log of phalanx (MCAP) up to its end or first damage.
+
+    `summary["losses"]` lists lost data, `summary["missing"]` missing topics.
+    """
 
 def evaluate(
     scene: _SceneLike,
@@ -270,16 +277,16 @@ def evaluate(
     columns: Sequence[str] | None = None,
     check: bool = False,
 ) -> Table:
-    """Simulates many designs of a scene, on Rust's threads, and makes of them the table of a sweep: a row each, in order.
+    """Simulates many designs of a scene on native threads and returns a table with one row per design, in order.
 
-    fields: values by the path of their field, such as
-    `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`. Arrays and lists are all of one length; a single
-    value is that of every design. A number is in SI, a text has its unit. threads: 0 for one on each core. columns: only these of
-    the table. check: check every run (three more runs for each).
+    fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
+    All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
+    strings with units. threads: 0 for one per core. columns: return only these columns. check: check every run (three
+    more runs each).
 
-    A design whose scene is not valid, or whose run does not end, is a row with `status` and `reason`, never an exception; one
-    that cannot grasp its object has a `reason` and no `class`. `class_reason` says what decides the class. Raises
-    StudyError for a path that is no field, or arrays of different lengths; SceneError for a scene that is none.
+    A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception; a
+    design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises
+    StudyError for an unknown field or arrays of different lengths, and SceneError for an invalid scene.
     """
 
 def sweep(
@@ -292,15 +299,15 @@ def sweep(
     limit: int | None = None,
     restart: bool = False,
 ) -> Table:
-    """Makes every run of a study (`phalanx sweep`).
+    """Simulates all runs of a study (`phalanx sweep`).
 
-    study: path of a study file (TOML). threads: 0 for one on each core. out: CSV or Parquet by the name; then a sweep that was
-    broken off goes on where it was when it is called again, and OUT.study.json beside it says of which study the results are.
-    model: instead of the study's. check: check every run. limit: only the first so many runs. restart: begin anew.
+    study: path of a study file (TOML). threads: 0 for one per core. out: path of the results, CSV or Parquet by its
+    suffix; an interrupted sweep then resumes when it is called again, and the file OUT.study.json identifies the study.
+    model: overrides the model of the study. check: check every run. limit: simulate only the first `limit` runs.
+    restart: discard earlier results in out.
 
-    A scene that is not valid and a run that does not end are rows, with status and reason; so are designs that cannot grasp,
-    which have a reason and no class. Raises StudyError for what is wrong
-    with the study, or with the place of its results.
+    An invalid scene or an incomplete run gives a row with status and reason; a design that cannot grasp its object has
+    a reason and no class. Raises StudyError for an invalid study or unusable results.
     """
 
 def sweep_shard(
@@ -314,10 +321,11 @@ def sweep_shard(
     check: bool = False,
     restart: bool = False,
 ) -> dict[str, Any]:
-    """Makes one part of a study into a Parquet file that appears whole or not at all (`phalanx sweep --shard k/n`).
+    """Simulates one part of a study and writes it atomically as a Parquet file (`phalanx sweep --shard k/n`).
 
-    k: from 1 to n. A part that is there already is left as it is, so the same call again takes a broken sweep up. Returns what
-    the part is: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole study), …, and `made_now`, how many runs were made now.
+    k: from 1 to n. An existing part is not simulated again, so the same call resumes an interrupted sweep. Returns the
+    description of the part: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole study), …, and `made_now`, the
+    number of new runs.
     """
 
 def sweep_merge(
@@ -328,17 +336,20 @@ def sweep_merge(
     model: _Model | None = None,
     check: bool = False,
 ) -> dict[str, int]:
-    """Joins the parts of a study to the results of the whole (`phalanx sweep merge`).
+    """Merges the parts of a study (`phalanx sweep merge`).
 
-    out and OUT.study.json get the very bytes that the undisturbed sweep writes. parts: files, or directories of them, in any
-    order. Raises StudyError with what is missing, there twice, damaged or foreign. Returns `parts`, `bytes` and `runs`.
+    out and OUT.study.json get the same bytes as from an uninterrupted sweep. parts: files or directories, in any order.
+    Raises StudyError that names missing, duplicate, damaged or foreign parts. Returns `parts`, `bytes` and `runs`.
     """
 
 def _study_files(study: _Path) -> list[Path]:
-    """The files of a study: its own, then those of its base scene."""
+    """Returns the files of a study: the study file, then the files of its base scene."""
 
 def study_info(study: _Path, *, model: _Model | None = None, check: bool = False) -> dict[str, Any]:
-    """What a study is: `name`, `model`, `runs`, `designs`, and `fingerprint`, which tells studies apart whose results differ."""
+    """Describes a study: `name`, `model`, `runs`, `designs`, and `fingerprint`.
+
+    Studies with different results have different fingerprints.
+    """
 
 def statics(
     scene: _SceneLike,
@@ -350,11 +361,12 @@ def statics(
     within: _Quantity | None = None,
     every: str | None = None,
 ) -> dict[str, Any]:
-    """The grasp of a scene at rest (`phalanx statics --json`): forces, form and force closure, what acceleration it bears.
+    """Computes the static grasp of a scene (`phalanx statics --json`): forces, closure, and allowable acceleration.
 
-    mu_static: friction coefficients, instead of 0 and those of the scene. motor: torque such as "500 N*mm", or in N·m. Of a
-    gripper: posture "run", "geometric" or angles ("q11=2 deg, q21=65 deg"), at (time of the run, s), within (m), every (angle
-    between directions).
+    mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: torque, a string such as
+    "500 N*mm" or a number in N·m. The other arguments are for grippers. posture: "run", "geometric" or angles such as
+    "q11=2 deg, q21=65 deg". at: time in the run. within: largest gap at which a surface counts as in contact. every: angle between
+    directions, such as "15 deg". Quantities are strings with units, or numbers in SI.
     """
 
 def size(
@@ -363,10 +375,11 @@ def size(
     closing_time: _Quantity | None = None,
     preload: _Quantity | None = None,
 ) -> dict[str, Any]:
-    """Spring and motor of a finger for a test trajectory (`phalanx size --json`).
+    """Sizes the spring and the motor of a finger for a test trajectory (`phalanx size --json`).
 
-    closing_time: length of the trajectory, 10 ms if it is not given. preload: of the torsional spring that the constant one is
-    compared with, 90 deg if it is not given. Texts with units, or numbers in s and rad.
+    closing_time: duration of the trajectory; default: 10 ms. preload: preload angle of the torsional spring that is
+    compared with the constant one; default: the preload of the scene, or 90 deg if it has none. Quantities are strings
+    with units, or numbers in s and rad.
     """
 
 def hold(
@@ -386,11 +399,12 @@ def hold(
     model: _Model = "analytic",
     threads: int = 0,
 ) -> dict[str, Any]:
-    """How much acceleration a gripper holds its object against (`phalanx hold --json`).
+    """Finds the accelerations up to which a gripper holds its object (`phalanx hold --json`).
 
-    Pulses of length `pulse` in `directions` directions, or vibrations at these frequencies (a list) along "x", "y", "angle", or
-    the scene's own move. slip: how far the object may slip in the hand. at: when loads begin. from_, to: peak accelerations that
-    are tried, scan of them; tol: how finely limits are found. Texts with units, or numbers in SI.
+    Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
+    list) along "x", "y" or "angle"; or, with `move`, the motion of the scene. slip: largest allowed slip of the object
+    in the hand. at: start of the loads. from_, to: range of the peak acceleration. scan: number of accelerations in
+    this range. tol: relative tolerance of a limit. Quantities are strings with units, or numbers in SI.
     """
 
 def capture(
@@ -400,10 +414,10 @@ def capture(
     finely: _Quantity | None = None,
     model: _Model = "analytic",
 ) -> dict[str, Any]:
-    """Which positioning errors a gripper captures (`phalanx capture --json`).
+    """Finds the positioning errors that a gripper captures (`phalanx capture --json`).
 
-    to: largest error, 3.5 mm if it is not given. places: how many of them, an odd number from 3. finely: how finely edges are
-    found, 0.01 mm if it is not given. Texts with units, or numbers in m.
+    to: largest error; default: 3.5 mm. places: number of object positions, odd and at least 3. finely: tolerance of the
+    edges of the range; default: 0.01 mm. Lengths are strings with units, or numbers in m.
     """
 
 def validate(
@@ -412,8 +426,8 @@ def validate(
     ladder: bool = False,
     ladder_time: _Quantity | None = None,
 ) -> dict[str, Any]:
-    """The engine compared with the analytic model (`phalanx validate --json`): `passed`, every bound with what was measured.
+    """Compares the engine with the analytic model (`phalanx validate --json`): `passed`, and each bound and value.
 
-    ladder: compare and time other settings as well, speed against error, in at most ladder_time, 10 s if it is not given. quick:
-    leave those that take long out of the ladder.
+    ladder: also compare and time other settings (speed against error), for at most `ladder_time`, by default 10 s.
+    quick: skip the slow settings of the ladder.
     """

@@ -1,4 +1,4 @@
-"""What can go wrong. Messages are those of the command line."""
+"""Exceptions of the package, with the messages of the command line."""
 
 from __future__ import annotations
 
@@ -11,33 +11,33 @@ __all__ = ["PhalanxError", "Problem", "RunError", "SceneError", "StudyError"]
 
 
 class Problem(TypedDict):
-    """One thing that is wrong with a scene or a study, and where."""
+    """An error in a scene or a study, with its position."""
 
     file: str
     line: int | None
-    """From 1; None where something is missing altogether."""
+    """From 1; None for a missing entry."""
     column: int | None
     """Characters, from 1."""
     field: str | None
-    """Such as "contact.friction.mu_static"; None where there is none."""
+    """Such as "contact.friction.mu_static"; None if the error concerns no field."""
     message: str
     help: str
-    """What is allowed, or what to do."""
+    """Allowed values, or a remedy."""
 
 
 class PhalanxError(Exception):
-    """Base of everything that phalanx raises."""
+    """Base class of all exceptions of phalanx."""
 
 
-class _Placed(PhalanxError):
-    """What is wrong has a place: that of the first problem, and all of them in `problems`."""
+class _LocatedError(PhalanxError):
+    """An error with a list of problems; its own attributes are those of the first problem."""
 
     def __init__(self, message: str, problems: list[Problem] | None = None) -> None:
         super().__init__(message)
         self.problems: list[Problem] = problems or []
         first: Any = self.problems[0] if self.problems else {}
         self.file: str | None = first.get("file")
-        """What the text is called that is wrong; "with_" for a field that was set by it."""
+        """Name of the file with the error; "with_" for a field that was set by `with_`."""
         self.line: int | None = first.get("line")
         """From 1."""
         self.column: int | None = first.get("column")
@@ -45,28 +45,28 @@ class _Placed(PhalanxError):
         self.field: str | None = first.get("field")
         """Such as "contact.friction.mu_static"."""
         self.help: str | None = first.get("help")
-        """What is allowed, or what to do."""
+        """Allowed values, or a remedy."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), (self.args[0], self.problems))
 
 
-class SceneError(_Placed):
-    """A scene, or an argument about one, is wrong."""
+class SceneError(_LocatedError):
+    """A scene or an argument is invalid."""
 
 
-class StudyError(_Placed):
-    """A study, its fields and rows, or the place of its results is wrong; parts do not make up a study."""
+class StudyError(_LocatedError):
+    """A study, its fields, rows or result files are invalid, or its parts are incomplete."""
 
 
 class RunError(PhalanxError):
-    """A run did not get to its end, or a log cannot be read or written."""
+    """A run was not completed, or a log cannot be read or written."""
 
     def __init__(self, message: str, result: Result | None = None) -> None:
         super().__init__(message)
         self.result = result
-        """The run up to there, if there is any of it."""
+        """The run up to the error; None if the error concerns no run."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # A result stays where it is.
+        # A result cannot be pickled.
         return (type(self), (self.args[0],))

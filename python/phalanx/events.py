@@ -1,4 +1,4 @@
-"""Changes of contact."""
+"""Contact events."""
 
 from typing import NamedTuple
 
@@ -6,15 +6,15 @@ __all__ = ["Event"]
 
 
 class Event(NamedTuple):
-    """A change of contact, as `Result.events` lists them."""
+    """A contact event in `Result.events`."""
 
     time_s: float
-    """When, in s."""
+    """Time of the event, s."""
     contact: str
-    """Where: "proximal", "distal", "limit" of a finger, "hammer-anvil" of discs, …"""
+    """Name of the contact: "proximal", "distal", "limit" of a finger, "hammer-anvil" of discs, …"""
     kind: str
     """ "touch-down", "lift-off", "pressed again", "begins to slip" or "sticks again"."""
     approach_speed: float
-    """Closing speed at a touch-down, in m/s (of a joint limit rad/s); 0 otherwise."""
+    """Approach speed at a touch-down, m/s (for a joint limit rad/s); 0 for other events."""
     impulse: float
-    """Normal impulse since the last touch-down, at a lift-off, in N·s (of a joint limit N·m·s); 0 otherwise."""
+    """Normal impulse since the last touch-down, at a lift-off, N·s (for a joint limit N·m·s); 0 for other events."""

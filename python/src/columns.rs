@@ -1,4 +1,4 @@
-//! Columns: as numpy sees them, and as a stream of Arrow. Neither is a copy.
+//! Columns as numpy arrays, Arrow streams and data frames, without copies unless values are missing.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
 
-/// Numbers that phalanx holds, for numpy to look at: `numpy.asarray(column)` is a view that cannot be written to.
+/// Numbers in memory of phalanx: `numpy.asarray(column)` returns a read-only view.
 #[pyclass(frozen, module = "phalanx._phalanx")]
 pub struct Column {
     array: ArrayRef,
@@ -20,107 +20,113 @@ pub struct Column {
 
 #[pymethods]
 impl Column {
-    /// How numpy finds the numbers: their address, kind and count.
+    /// Address, type and number of the values, for numpy.
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        fn start<T: ArrowPrimitiveType>(array: &ArrayRef) -> Option<usize> {
+        fn address_of_values<T: ArrowPrimitiveType>(array: &ArrayRef) -> Option<usize> {
             let array = array.as_any().downcast_ref::<PrimitiveArray<T>>()?;
-            // A slice that is empty has an address too, only none that anybody would read.
+            // The dangling pointer of an empty slice is allowed, because numpy does not dereference it.
             Some(array.values().as_ptr() as usize)
         }
-        let (kind, address) = match self.array.data_type() {
-            DataType::Int64 => ("<i8", start::<Int64Type>(&self.array)),
-            _ => ("<f8", start::<Float64Type>(&self.array)),
+        let (type_string, address) = match self.array.data_type() {
+            DataType::Int64 => ("<i8", address_of_values::<Int64Type>(&self.array)),
+            _ => ("<f8", address_of_values::<Float64Type>(&self.array)),
         };
-        let address = address.ok_or_else(|| PyRuntimeError::new_err("a column that is none of numbers"))?;
-        let found = PyDict::new(py);
-        found.set_item("version", 3)?;
-        found.set_item("typestr", kind)?;
-        found.set_item("shape", (self.array.len(),))?;
-        // Nobody may write to what others look at.
-        found.set_item("data", (address, true))?;
-        Ok(found)
+        let address = address.ok_or_else(|| PyRuntimeError::new_err("the column does not contain numbers"))?;
+        let interface = PyDict::new(py);
+        interface.set_item("version", 3)?;
+        interface.set_item("typestr", type_string)?;
+        interface.set_item("shape", (self.array.len(),))?;
+        // Read-only, because several arrays may share the memory.
+        interface.set_item("data", (address, true))?;
+        Ok(interface)
     }
 }
 
-/// A column of numbers as an array of numpy, which keeps the numbers alive.
-pub fn numpy<'py>(py: Python<'py>, array: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
+/// Returns a column of numbers as a numpy array, which keeps the numbers alive.
+pub fn number_array<'py>(py: Python<'py>, array: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
     let column = Bound::new(py, Column { array: Arc::clone(array) })?;
     py.import("numpy")?.call_method1("asarray", (column,))
 }
 
-/// The columns of a batch, by name, as arrays of numpy: see [`cells`].
-pub fn named<'py>(py: Python<'py>, batch: &RecordBatch) -> PyResult<Bound<'py, PyDict>> {
-    let found = PyDict::new(py);
+/// Returns the columns of a batch by name, each as [`column_array`].
+fn column_arrays<'py>(py: Python<'py>, batch: &RecordBatch) -> PyResult<Bound<'py, PyDict>> {
+    let arrays = PyDict::new(py);
     for (field, array) in batch.schema_ref().fields().iter().zip(batch.columns()) {
-        found.set_item(field.name(), cells(py, array)?)?;
+        arrays.set_item(field.name(), column_array(py, array)?)?;
     }
-    Ok(found)
+    Ok(arrays)
 }
 
-/// A column as an array of numpy. Where something is missing numbers are NaN; flags and texts are objects, None where missing.
-pub fn cells<'py>(py: Python<'py>, array: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
-    let whole = array.null_count() == 0;
+/// Returns a column as a numpy array. Missing numbers are NaN; columns of strings, and of flags with missing values, are
+/// objects with None where a value is missing.
+pub fn column_array<'py>(py: Python<'py>, array: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
+    let is_complete = array.null_count() == 0;
     match array.data_type() {
-        DataType::Float64 | DataType::Int64 if whole => numpy(py, array),
+        DataType::Float64 | DataType::Int64 if is_complete => number_array(py, array),
         DataType::Float64 => {
             let values = array.as_any().downcast_ref::<PrimitiveArray<Float64Type>>();
             let values: Vec<f64> = values.into_iter().flatten().map(|value| value.unwrap_or(f64::NAN)).collect();
-            numpy(py, &(Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef))
+            number_array(py, &(Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef))
         }
         DataType::Int64 => {
             let values = array.as_any().downcast_ref::<PrimitiveArray<Int64Type>>();
             let values: Vec<f64> =
                 values.into_iter().flatten().map(|value| value.map_or(f64::NAN, |value| value as f64)).collect();
-            numpy(py, &(Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef))
+            number_array(py, &(Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef))
         }
         DataType::Boolean => {
             let flags: Vec<Option<bool>> =
                 array.as_any().downcast_ref::<BooleanArray>().into_iter().flatten().collect();
-            listed(py, flags, if whole { "bool" } else { "object" })
+            array_from_list(py, flags, if is_complete { "bool" } else { "object" })
         }
         _ => {
             let texts = array.as_any().downcast_ref::<arrow_array::StringArray>();
             let texts: Vec<Option<&str>> = texts.into_iter().flatten().collect();
-            listed(py, texts, "object")
+            array_from_list(py, texts, "object")
         }
     }
 }
 
-fn listed<'py, T: IntoPyObject<'py>>(py: Python<'py>, values: Vec<T>, kind: &str) -> PyResult<Bound<'py, PyAny>> {
+/// Returns a numpy array with copies of the values.
+fn array_from_list<'py, T: IntoPyObject<'py>>(
+    py: Python<'py>,
+    values: Vec<T>,
+    dtype: &str,
+) -> PyResult<Bound<'py, PyAny>> {
     let options = PyDict::new(py);
-    options.set_item("dtype", kind)?;
+    options.set_item("dtype", dtype)?;
     py.import("numpy")?.call_method("array", (values,), Some(&options))
 }
 
-/// A batch of named columns of numbers.
-pub fn batch(columns: Vec<(String, Vec<f64>)>) -> PyResult<RecordBatch> {
+/// Builds a batch from named columns of numbers.
+pub fn number_batch(columns: Vec<(String, Vec<f64>)>) -> PyResult<RecordBatch> {
     let fields: Vec<Field> = columns.iter().map(|(name, _)| Field::new(name, DataType::Float64, false)).collect();
     let arrays =
         columns.into_iter().map(|(_, values)| Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef);
-    made(fields, arrays.collect())
+    build_batch(fields, arrays.collect())
 }
 
-/// A batch of columns with their names and kinds.
-pub fn made(fields: Vec<Field>, arrays: Vec<ArrayRef>) -> PyResult<RecordBatch> {
+/// Builds a batch from columns with their names and types.
+pub fn build_batch(fields: Vec<Field>, arrays: Vec<ArrayRef>) -> PyResult<RecordBatch> {
     RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 
-/// A batch as whoever speaks Arrow's C stream interface takes it.
-pub fn stream<'py>(py: Python<'py>, batch: &RecordBatch) -> PyResult<Bound<'py, PyCapsule>> {
+/// Returns a batch through the Arrow C stream interface.
+pub fn arrow_stream<'py>(py: Python<'py>, batch: &RecordBatch) -> PyResult<Bound<'py, PyCapsule>> {
     let reader = RecordBatchIterator::new([Ok(batch.clone())], batch.schema());
     PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(reader)), c"arrow_array_stream")
 }
 
-/// A batch as a frame of pandas, over the same numbers.
-pub fn pandas<'py>(py: Python<'py>, batch: &RecordBatch) -> PyResult<Bound<'py, PyAny>> {
+/// Returns a batch as a pandas DataFrame over the same memory.
+pub fn to_pandas<'py>(py: Python<'py>, batch: &RecordBatch) -> PyResult<Bound<'py, PyAny>> {
     let options = PyDict::new(py);
     options.set_item("copy", false)?;
-    py.import("pandas")?.call_method("DataFrame", (named(py, batch)?,), Some(&options))
+    py.import("pandas")?.call_method("DataFrame", (column_arrays(py, batch)?,), Some(&options))
 }
 
-/// A batch as a frame of Polars, over the same numbers.
-pub fn polars<'py>(py: Python<'py>, owner: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    py.import("polars")?.call_method1("DataFrame", (owner,))
+/// Returns an object with `__arrow_c_stream__` as a Polars DataFrame over the same memory.
+pub fn to_polars<'py>(py: Python<'py>, source: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    py.import("polars")?.call_method1("DataFrame", (source,))
 }

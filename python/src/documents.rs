@@ -1,39 +1,45 @@
-//! What commands print as JSON, as dictionaries: the same figures, under the same keys.
+//! Functions for commands with JSON output: each returns the document of the command as a dictionary.
 
-use phalanx::grasp::finger::{Instead, grasp};
-use phalanx::grasp::gripper::{Asked, gripper_grasp};
+use phalanx::format::ToReport;
+use phalanx::grasp::finger::{GraspOverrides, grasp};
+use phalanx::grasp::gripper::{GripperGraspRequest, gripper_grasp};
 use phalanx::report::capture::CaptureReport;
 use phalanx::report::hold::HoldReport;
 use phalanx::report::sizing::SizingReport;
 use phalanx::report::statics::{GripperStaticsReport, StaticsReport};
 use phalanx::report::validation::ValidationReport;
 use phalanx::scene::Axis;
-use phalanx::scene::words::SceneKind;
-use phalanx::study::capture::{CaptureError, Plan as Places, Source};
-use phalanx::study::hold::{HoldError, Loads, Plan};
-use phalanx::study::only_gripper;
-use phalanx::study::posture::{directions, posture};
-use phalanx::study::size::{Asked as Sizing, size as sized};
+use phalanx::scene::keywords::SceneKind;
+use phalanx::study::capture::{CaptureError, Plan as CapturePlan, SceneSource};
+use phalanx::study::hold::{HoldError, Loads, Plan as HoldPlan};
+use phalanx::study::posture::{PostureSpec, parse_direction_count, parse_posture};
+use phalanx::study::require_gripper;
+use phalanx::study::size::{SizingOptions, size_finger};
 use phalanx::units::Dimension;
-use phalanx::validate::{Climb, LADDER_TIME_S, StudyError, climb, refuse_too_fine};
-use phalanx::wording::Reported;
+use phalanx::validate::{LADDER_TIME_S, LadderOptions, ValidationError, check_sample_count, run_ladder};
 use pyo3::prelude::*;
 
 use super::result::model;
 use super::scene::SceneLike;
-use super::{errors, watch, words};
+use super::{conversion, errors, interruptible};
 
-/// A quantity above 0, if it is given.
-fn given(py: Python<'_>, what: &str, value: Option<&Bound<'_, PyAny>>, of: Dimension) -> PyResult<Option<f64>> {
-    let read = value.map(|value| words::positive(what, value, of)).transpose()?;
-    read.transpose().map_err(|error| errors::argument(py, error))
+/// Parses an optional argument that must be greater than 0.
+fn optional_positive(
+    py: Python<'_>,
+    name: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    dimension: Dimension,
+) -> PyResult<Option<f64>> {
+    let parsed = value.map(|value| conversion::parse_positive(name, value, dimension)).transpose()?;
+    parsed.transpose().map_err(|error| errors::argument(py, error))
 }
 
-/// The grasp of a scene at rest (`phalanx statics --json`): forces, form and force closure, what acceleration it bears.
+/// Computes the static grasp of a scene (`phalanx statics --json`): forces, closure, and allowable acceleration.
 ///
-/// mu_static: friction coefficients, instead of 0 and those of the scene. motor: torque such as "500 N*mm", or in N·m.
-/// Of a gripper: posture "run", "geometric" or angles ("q11=2 deg, q21=65 deg"), at (time of the run, s), within (m), every (angle
-/// between directions).
+/// mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: torque, a string such as
+/// "500 N*mm" or a number in N·m. The other arguments are for grippers. posture: "run", "geometric" or angles such as
+/// "q11=2 deg, q21=65 deg". at: time in the run. within: largest gap at which a surface counts as in contact. every: angle between
+/// directions, such as "15 deg". Quantities are strings with units, or numbers in SI.
 #[pyfunction]
 #[pyo3(signature = (scene, mu_static = None, motor = None, *, posture = None, at = None, within = None, every = None))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
@@ -48,14 +54,16 @@ pub fn statics<'py>(
     every: Option<&str>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
-    let wrong = |error: String| errors::argument(py, error);
+    let argument_error = |message: String| errors::argument(py, message);
     let mu_static = mu_static.unwrap_or_default();
     if let Some(mu) = mu_static.iter().find(|mu| !(mu.is_finite() && **mu >= 0.0)) {
-        return Err(wrong(format!("mu_static has {mu}: expected numbers, 0 or more, such as [0, 0.4, 0.8]")));
+        return Err(argument_error(format!(
+            "mu_static contains {mu}; expected numbers, 0 or more, such as [0, 0.4, 0.8]"
+        )));
     }
-    let motor_n_m = motor.map(|motor| words::quantity("motor", motor, Dimension::Torque)).transpose()?;
-    let motor_n_m = motor_n_m.transpose().map_err(wrong)?;
-    let own = [
+    let motor_n_m = motor.map(|motor| conversion::parse_quantity("motor", motor, Dimension::Torque)).transpose()?;
+    let motor_n_m = motor_n_m.transpose().map_err(argument_error)?;
+    let gripper_arguments = [
         ("posture", posture.is_some()),
         ("at", at.is_some()),
         ("within", within.is_some()),
@@ -63,42 +71,44 @@ pub fn statics<'py>(
     ];
     match scene.scene.kind() {
         SceneKind::Finger => {
-            if let Some((name, _)) = own.iter().find(|(_, given)| *given) {
-                return Err(wrong(format!(
-                    "{name} is for a gripper, and {} is a scene of one finger, whose posture is the geometric one: take it out",
+            if let Some((name, _)) = gripper_arguments.iter().find(|(_, is_given)| *is_given) {
+                return Err(argument_error(format!(
+                    "{name} is only allowed for a gripper, and {} is a scene of one finger, whose posture is always geometric; remove it",
                     scene.file()
                 )));
             }
-            let found = watch::free(py, |_| grasp(&scene.scene, &Instead { mu_static, motor_n_m }))?;
-            let found = found.map_err(|error| errors::run(py, error, None))?;
-            words::json(py, &StaticsReport::new(&found).json())
+            let result = interruptible::run(py, |_| grasp(&scene.scene, &GraspOverrides { mu_static, motor_n_m }))?;
+            let result = result.map_err(|error| errors::run(py, error, None))?;
+            conversion::parse_json(py, &StaticsReport::new(&result).json())
         }
         SceneKind::Gripper => {
-            let said = posture.map_or(Ok(phalanx::study::posture::Posture::Run), self::posture).map_err(wrong)?;
-            let at_s = given(py, "at", at, Dimension::Time)?;
-            let within_m = given(py, "within", within, Dimension::Length)?;
-            let asked = Asked {
-                posture: said.asked(at_s, within_m).map_err(wrong)?,
+            let posture = posture.map_or(Ok(PostureSpec::Run), parse_posture).map_err(argument_error)?;
+            let at_s = optional_positive(py, "at", at, Dimension::Time)?;
+            let within_m = optional_positive(py, "within", within, Dimension::Length)?;
+            let request = GripperGraspRequest {
+                posture: posture.to_grasp_posture(at_s, within_m).map_err(argument_error)?,
                 mu_static,
                 motor_n_m,
-                directions: directions(every.unwrap_or("15 deg")).map_err(wrong)?,
+                directions: parse_direction_count(every.unwrap_or("15 deg")).map_err(argument_error)?,
             };
-            let found = watch::free(py, |go_on| gripper_grasp(&scene.scene, &asked, &|| go_on()))?;
-            let found = found.map_err(|error| errors::run(py, error, None))?;
-            words::json(py, &GripperStaticsReport::new(&found, 1).json())
+            let result =
+                interruptible::run(py, |keep_running| gripper_grasp(&scene.scene, &request, &|| keep_running()))?;
+            let result = result.map_err(|error| errors::run(py, error, None))?;
+            conversion::parse_json(py, &GripperStaticsReport::new(&result, 1).json())
         }
-        SceneKind::Bodies => Err(wrong(format!(
-            "{} is a scene of discs (kind = \"bodies\"), and statics is about the grasp of a finger or a gripper; give a scene like \
+        SceneKind::Bodies => Err(argument_error(format!(
+            "{} is a scene of discs (kind = \"bodies\"), but statics needs a finger or a gripper; give a scene such as \
              scenes/experiment-95.toml or scenes/gripper/design-95.toml",
             scene.file()
         ))),
     }
 }
 
-/// Spring and motor of a finger for a test trajectory (`phalanx size --json`).
+/// Sizes the spring and the motor of a finger for a test trajectory (`phalanx size --json`).
 ///
-/// rule: "rigid" or "whole". closing_time: length of the trajectory, 10 ms if it is not given. preload: of the torsional spring that
-/// the constant one is compared with, that of the scene's own one or 90 deg if it is not given. Texts with units, or numbers in s and rad.
+/// rule: "rigid" or "whole". closing_time: duration of the trajectory; default: 10 ms. preload: preload angle of the
+/// torsional spring that is compared with the constant one; default: the preload of the scene, or 90 deg if it has
+/// none. Quantities are strings with units, or numbers in s and rad.
 #[pyfunction]
 #[pyo3(signature = (scene, rule = "rigid", closing_time = None, preload = None))]
 pub fn size<'py>(
@@ -109,25 +119,30 @@ pub fn size<'py>(
     preload: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
-    let wrong = |error: String| errors::argument(py, error);
+    let argument_error = |message: String| errors::argument(py, message);
     if scene.scene.kind() != SceneKind::Finger {
-        return Err(wrong(format!("{} is not a scene of one finger, whose spring and motor are sized", scene.file())));
+        return Err(argument_error(format!(
+            "{} is not a scene of one finger; only fingers have a spring and a motor to size",
+            scene.file()
+        )));
     }
-    let usual = Sizing::default();
-    let asked = Sizing {
-        rule: words::word("rule", rule).map_err(wrong)?,
-        closing_s: given(py, "closing_time", closing_time, Dimension::Time)?.unwrap_or(usual.closing_s),
-        preload_rad: given(py, "preload", preload, Dimension::Angle)?,
+    let defaults = SizingOptions::default();
+    let options = SizingOptions {
+        rule: conversion::parse_keyword("rule", rule).map_err(argument_error)?,
+        closing_s: optional_positive(py, "closing_time", closing_time, Dimension::Time)?.unwrap_or(defaults.closing_s),
+        preload_rad: optional_positive(py, "preload", preload, Dimension::Angle)?,
     };
-    let found = watch::free(py, |_| sized(&scene.scene, asked))?.map_err(|error| errors::argument(py, error))?;
-    words::json(py, &SizingReport::from(&found).json())
+    let sizing = interruptible::run(py, |_| size_finger(&scene.scene, options))?;
+    let sizing = sizing.map_err(|error| errors::argument(py, error))?;
+    conversion::parse_json(py, &SizingReport::from(&sizing).json())
 }
 
-/// How much acceleration a gripper holds its object against (`phalanx hold --json`).
+/// Finds the accelerations up to which a gripper holds its object (`phalanx hold --json`).
 ///
-/// Pulses of length `pulse` in `directions` directions, or vibrations at these frequencies (a list) along "x", "y", "angle", or the
-/// scene's own move. slip: how far the object may slip in the hand. at: when loads begin. from_, to: peak accelerations that are
-/// tried, scan of them; tol: how finely limits are found. Texts with units, or numbers in SI.
+/// Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
+/// list) along "x", "y" or "angle"; or, with `move`, the motion of the scene. slip: largest allowed slip of the object
+/// in the hand. at: start of the loads. from_, to: range of the peak acceleration. scan: number of accelerations in
+/// this range. tol: relative tolerance of a limit. Quantities are strings with units, or numbers in SI.
 #[pyfunction]
 #[pyo3(signature = (scene, *, pulse = None, directions = None, vibration = None, along = None, r#move = false, slip = None,
                     at = None, from_ = None, to = None, scan = None, tol = None, model = "analytic", threads = 0))]
@@ -150,66 +165,75 @@ pub fn hold<'py>(
     threads: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
-    let wrong = |error: String| errors::argument(py, error);
-    let usual = Plan::default();
+    let argument_error = |message: String| errors::argument(py, message);
+    let defaults = HoldPlan::default();
     let pulses = pulse.is_some() || directions.is_some();
     if usize::from(pulses) + usize::from(vibration.is_some()) + usize::from(r#move) > 1 {
-        return Err(wrong("pulses (pulse, directions), vibration and move exclude each other".to_string()));
+        return Err(argument_error(
+            "pulses (pulse, directions), vibration and move exclude each other; give only one of them".to_string(),
+        ));
     }
     if along.is_some() && vibration.is_none() {
-        return Err(wrong("along is of vibrations: give vibration too, such as [\"50 Hz\", \"200 Hz\"]".to_string()));
+        return Err(argument_error(
+            "along needs vibration, such as vibration=[\"50 Hz\", \"200 Hz\"]; give both or neither".to_string(),
+        ));
     }
-    let loads = match (vibration, r#move, usual.loads) {
+    let loads = match (vibration, r#move, defaults.loads) {
         (Some(frequencies), _, _) => {
-            let hz = |of: &Bound<'_, PyAny>| words::positive("vibration", of, Dimension::Frequency);
-            let read: PyResult<Vec<Result<f64, String>>> = frequencies.iter().map(hz).collect();
-            let mut frequencies_hz = read?.into_iter().collect::<Result<Vec<f64>, String>>().map_err(wrong)?;
+            let parse_hz =
+                |value: &Bound<'_, PyAny>| conversion::parse_positive("vibration", value, Dimension::Frequency);
+            let parsed: PyResult<Vec<Result<f64, String>>> = frequencies.iter().map(parse_hz).collect();
+            let mut frequencies_hz =
+                parsed?.into_iter().collect::<Result<Vec<f64>, String>>().map_err(argument_error)?;
             frequencies_hz.sort_by(f64::total_cmp);
             let along = along.unwrap_or_else(|| vec!["x".to_string(), "y".to_string()]);
-            let axes = along.iter().map(|word| axis(word)).collect::<Result<Vec<Axis>, String>>().map_err(wrong)?;
-            Loads::Vibrations { axes, frequencies_hz }
+            let axes = along.iter().map(|name| parse_axis(name)).collect::<Result<Vec<Axis>, String>>();
+            Loads::Vibrations { axes: axes.map_err(argument_error)?, frequencies_hz }
         }
         (None, true, _) => Loads::Move,
-        (None, false, Loads::Pulses { directions: many, length_s }) => Loads::Pulses {
-            directions: directions.unwrap_or(many),
-            length_s: given(py, "pulse", pulse, Dimension::Time)?.unwrap_or(length_s),
+        (None, false, Loads::Pulses { directions: default_directions, length_s }) => Loads::Pulses {
+            directions: directions.unwrap_or(default_directions),
+            length_s: optional_positive(py, "pulse", pulse, Dimension::Time)?.unwrap_or(length_s),
         },
         (None, false, other) => other,
     };
-    let plan = Plan {
+    let plan = HoldPlan {
         model: self::model(py, model)?,
         loads,
-        begins_s: given(py, "at", at, Dimension::Time)?,
-        slip_m: given(py, "slip", slip, Dimension::Length)?.unwrap_or(usual.slip_m),
-        from_m_s2: given(py, "from_", from_, Dimension::Acceleration)?.unwrap_or(usual.from_m_s2),
-        to_m_s2: given(py, "to", to, Dimension::Acceleration)?.unwrap_or(usual.to_m_s2),
-        scan: scan.unwrap_or(usual.scan),
-        tolerance: tol.unwrap_or(usual.tolerance),
+        start_s: optional_positive(py, "at", at, Dimension::Time)?,
+        slip_m: optional_positive(py, "slip", slip, Dimension::Length)?.unwrap_or(defaults.slip_m),
+        from_m_s2: optional_positive(py, "from_", from_, Dimension::Acceleration)?.unwrap_or(defaults.from_m_s2),
+        to_m_s2: optional_positive(py, "to", to, Dimension::Acceleration)?.unwrap_or(defaults.to_m_s2),
+        scan: scan.unwrap_or(defaults.scan),
+        tolerance: tol.unwrap_or(defaults.tolerance),
         threads,
     };
-    plan.check().map_err(wrong)?;
-    let gripper = only_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/hold.toml").map_err(wrong)?;
-    let found = watch::free(py, |go_on| phalanx::study::hold::hold(&gripper, plan, &mut |_, _| {}, go_on))?;
-    let found = found.map_err(|error| match error {
+    plan.check().map_err(argument_error)?;
+    let gripper = require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/hold.toml");
+    let gripper = gripper.map_err(argument_error)?;
+    let result = interruptible::run(py, |keep_running| {
+        phalanx::study::hold::hold(&gripper, plan, &mut |_, _| {}, keep_running)
+    })?;
+    let result = result.map_err(|error| match error {
         HoldError::Stopped { .. } | HoldError::Scene { .. } => errors::run(py, error, None),
         error => errors::argument(py, error),
     })?;
-    words::json(py, &HoldReport::from(&found).json())
+    conversion::parse_json(py, &HoldReport::from(&result).json())
 }
 
-fn axis(word: &str) -> Result<Axis, String> {
-    match word {
+fn parse_axis(name: &str) -> Result<Axis, String> {
+    match name {
         "x" => Ok(Axis::X),
         "y" => Ok(Axis::Y),
         "angle" => Ok(Axis::Angle),
-        _ => Err(format!("along has \"{word}\", but must be of \"x\", \"y\" and \"angle\"")),
+        _ => Err(format!("along contains \"{name}\"; expected \"x\", \"y\" or \"angle\"")),
     }
 }
 
-/// Which positioning errors a gripper captures (`phalanx capture --json`).
+/// Finds the positioning errors that a gripper captures (`phalanx capture --json`).
 ///
-/// to: largest error, 3.5 mm if it is not given. places: how many of them, an odd number from 3. finely: how finely edges are found,
-/// 0.01 mm if it is not given. Texts with units, or numbers in m.
+/// to: largest error; default: 3.5 mm. places: number of object positions, odd and at least 3. finely: tolerance of the
+/// edges of the range; default: 0.01 mm. Lengths are strings with units, or numbers in m.
 #[pyfunction]
 #[pyo3(signature = (scene, to = None, places = 15, finely = None, model = "analytic"))]
 pub fn capture<'py>(
@@ -221,29 +245,33 @@ pub fn capture<'py>(
     model: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
-    let wrong = |error: String| errors::argument(py, error);
+    let argument_error = |message: String| errors::argument(py, message);
     if !(3..=1001).contains(&places) || places.is_multiple_of(2) {
-        return Err(wrong(format!("places is {places}; expected an odd number from 3 to 1001, such as 15")));
+        return Err(argument_error(format!("places is {places}; expected an odd number from 3 to 1001, such as 15")));
     }
-    let plan = Places {
+    let plan = CapturePlan {
         model: self::model(py, model)?,
-        error_m: given(py, "to", to, Dimension::Length)?.unwrap_or(3.5e-3),
-        places,
-        tolerance_m: given(py, "finely", finely, Dimension::Length)?.unwrap_or(1e-5),
+        error_m: optional_positive(py, "to", to, Dimension::Length)?.unwrap_or(3.5e-3),
+        position_count: places,
+        tolerance_m: optional_positive(py, "finely", finely, Dimension::Length)?.unwrap_or(1e-5),
     };
-    only_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/offset.toml").map_err(wrong)?;
-    let source = Source { layers: scene.layers, settings: scene.settings };
-    let load = |offset_m: f64| source.placed(plan.error_m, offset_m);
-    let found = watch::free(py, |go_on| phalanx::study::capture::capture(plan, &load, &mut |_, _| {}, go_on))?;
-    let found = found.map_err(|error| match error {
+    require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/offset.toml").map_err(argument_error)?;
+    let source = SceneSource { layers: scene.layers, settings: scene.settings };
+    let load = |offset_m: f64| source.load_at_offset(plan.error_m, offset_m);
+    let result = interruptible::run(py, |keep_running| {
+        phalanx::study::capture::capture(plan, &load, &mut |_, _| {}, keep_running)
+    })?;
+    let result = result.map_err(|error| match error {
         CaptureError::Scene(error) => errors::scene(py, &error),
         error => errors::run(py, error, None),
     })?;
-    words::json(py, &CaptureReport::from(&found).json())
+    conversion::parse_json(py, &CaptureReport::from(&result).json())
 }
 
-/// The engine compared with the analytic model (`phalanx validate --json`): `passed`, every bound with what was measured. ladder: compare
-/// and time other settings as well, speed against error, in at most `ladder_time` ("10 s"). quick: leave those that take long out of it.
+/// Compares the engine with the analytic model (`phalanx validate --json`): `passed`, and each bound and value.
+///
+/// ladder: also compare and time other settings (speed against error), for at most `ladder_time`, by default 10 s.
+/// quick: skip the slow settings of the ladder.
 #[pyfunction]
 #[pyo3(signature = (scene, quick = false, ladder = false, ladder_time = None))]
 pub fn validate<'py>(
@@ -254,16 +282,17 @@ pub fn validate<'py>(
     ladder_time: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
-    refuse_too_fine(&scene.scene).map_err(|error| errors::argument(py, error))?;
-    let time_s = given(py, "ladder_time", ladder_time, Dimension::Time)?;
-    let plan = (ladder || time_s.is_some()).then(|| Climb { quick, time_s: time_s.unwrap_or(LADDER_TIME_S) });
-    let found = watch::free(py, |go_on| {
-        let mut found = phalanx::validate::validate(&scene.scene, go_on)?;
-        if let Some(plan) = plan {
-            climb(&mut found, &scene.scene, plan, &mut |_| {}, go_on)?;
+    check_sample_count(&scene.scene).map_err(|error| errors::argument(py, error))?;
+    let time_s = optional_positive(py, "ladder_time", ladder_time, Dimension::Time)?;
+    let ladder_options =
+        (ladder || time_s.is_some()).then(|| LadderOptions { quick, time_s: time_s.unwrap_or(LADDER_TIME_S) });
+    let validation = interruptible::run(py, |keep_running| {
+        let mut validation = phalanx::validate::validate(&scene.scene, keep_running)?;
+        if let Some(options) = ladder_options {
+            run_ladder(&mut validation, &scene.scene, options, &mut |_| {}, keep_running)?;
         }
-        Ok(found)
+        Ok(validation)
     })?;
-    let found = found.map_err(|error: StudyError| errors::run(py, error, None))?;
-    words::json(py, &ValidationReport::new(&scene.scene, &found, plan).json())
+    let validation = validation.map_err(|error: ValidationError| errors::run(py, error, None))?;
+    conversion::parse_json(py, &ValidationReport::new(&scene.scene, &validation, ladder_options).json())
 }

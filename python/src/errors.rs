@@ -1,80 +1,82 @@
-//! Errors of the library as the exceptions of `phalanx.errors`, with the messages of the command line.
+//! Converts errors of the library into the exceptions of `phalanx.errors`, with the messages of the command line.
 
 use std::fmt::Display;
 
-use phalanx::scene::{Located, SceneError, located};
+use phalanx::scene::{LocatedProblem, SceneError, locate_problems};
 use phalanx::study::sweep::StudyError;
 use phalanx::table::TableError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
 
-/// An exception of this name with these attributes.
-fn raised(py: Python<'_>, name: &str, message: &str, attributes: &Bound<'_, PyDict>) -> PyErr {
+/// Creates the exception with this class name and these attributes.
+fn create_exception(py: Python<'_>, name: &str, message: &str, attributes: &Bound<'_, PyDict>) -> PyErr {
     static MODULE: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
-    let made = || -> PyResult<Bound<'_, PyAny>> {
+    let create = || -> PyResult<Bound<'_, PyAny>> {
         let module = MODULE.get_or_try_init(py, || py.import("phalanx.errors").map(Bound::unbind))?;
         let class = module.bind(py).getattr(name)?.cast_into::<PyType>()?;
         class.call((message,), Some(attributes))
     };
-    made().map_or_else(|error| error, PyErr::from_value)
+    create().map_or_else(|error| error, PyErr::from_value)
 }
 
-/// What is wrong with a scene, or with what it was asked for.
+/// `SceneError` for an invalid scene.
 pub fn scene(py: Python<'_>, error: &SceneError) -> PyErr {
-    placed(py, "SceneError", &error.to_string(), &located(error))
+    located(py, "SceneError", &error.to_string(), &locate_problems(error))
 }
 
-/// What is wrong with an argument.
+/// `SceneError` for an invalid argument.
 pub fn argument(py: Python<'_>, message: impl Display) -> PyErr {
-    placed(py, "SceneError", &format!("error: {message}"), &[])
+    located(py, "SceneError", &format!("error: {message}"), &[])
 }
 
-/// What is wrong with a study.
+/// `StudyError` for an invalid study file.
 pub fn study(py: Python<'_>, error: &StudyError) -> PyErr {
     match error {
-        StudyError::Read { .. } => placed(py, "StudyError", &error.to_string(), &[]),
-        StudyError::Invalid(inner) => placed(py, "StudyError", &error.to_string(), &located(inner)),
+        StudyError::Read { .. } => located(py, "StudyError", &error.to_string(), &[]),
+        StudyError::Invalid(inner) => located(py, "StudyError", &error.to_string(), &locate_problems(inner)),
     }
 }
 
-/// What is wrong with the fields, the rows or the files of a study.
+/// `StudyError` for invalid fields, rows or result files of a study.
 pub fn sweep(py: Python<'_>, message: impl Display) -> PyErr {
-    placed(py, "StudyError", &message.to_string(), &[])
+    located(py, "StudyError", &message.to_string(), &[])
 }
 
-/// A table that cannot be read or written.
+/// `StudyError` for a table that cannot be read or written.
 pub fn table(py: Python<'_>, error: &TableError) -> PyErr {
     sweep(py, format!("error: {error}"))
 }
 
-/// A run that was not completed, or a log that cannot be read or written; `result` is what there is of the run.
+/// `RunError` for a run that was not completed, or a log that cannot be read or written; `result` contains the run up
+/// to the error.
 pub fn run(py: Python<'_>, message: impl Display, result: Option<Py<PyAny>>) -> PyErr {
     let attributes = PyDict::new(py);
     match attributes.set_item("result", result) {
-        Ok(()) => raised(py, "RunError", &format!("error: {message}"), &attributes),
+        Ok(()) => create_exception(py, "RunError", &format!("error: {message}"), &attributes),
         Err(error) => error,
     }
 }
 
-fn placed(py: Python<'_>, name: &str, message: &str, problems: &[Located]) -> PyErr {
+/// Creates an exception whose `problems` have positions in a file.
+fn located(py: Python<'_>, name: &str, message: &str, problems: &[LocatedProblem]) -> PyErr {
     let attributes = || -> PyResult<Bound<'_, PyDict>> {
-        let of = |problem: &Located| -> PyResult<Py<PyDict>> {
-            let place = PyDict::new(py);
-            place.set_item("file", &problem.file)?;
-            place.set_item("line", problem.line)?;
-            place.set_item("column", problem.column)?;
-            place.set_item("field", &problem.field)?;
-            place.set_item("message", &problem.message)?;
-            place.set_item("help", &problem.help)?;
-            Ok(place.unbind())
+        let to_dict = |problem: &LocatedProblem| -> PyResult<Py<PyDict>> {
+            let dict = PyDict::new(py);
+            dict.set_item("file", &problem.file)?;
+            dict.set_item("line", problem.line)?;
+            dict.set_item("column", problem.column)?;
+            dict.set_item("field", &problem.field)?;
+            dict.set_item("message", &problem.message)?;
+            dict.set_item("help", &problem.help)?;
+            Ok(dict.unbind())
         };
         let attributes = PyDict::new(py);
-        attributes.set_item("problems", problems.iter().map(of).collect::<PyResult<Vec<_>>>()?)?;
+        attributes.set_item("problems", problems.iter().map(to_dict).collect::<PyResult<Vec<_>>>()?)?;
         Ok(attributes)
     };
     match attributes() {
-        Ok(attributes) => raised(py, name, message, &attributes),
+        Ok(attributes) => create_exception(py, name, message, &attributes),
         Err(error) => error,
     }
 }

@@ -1,23 +1,24 @@
-//! Many designs of a scene at once, whose fields are given as arrays.
+//! Simulates many designs of a scene, with field values from arrays.
 
-use phalanx::study::sweep::{Field, Holds, MOST_RUNS, Point, columns, given};
+use phalanx::study::sweep::{AxisValue, Field, FieldType, MAX_RUNS, columns, in_memory_study};
 use phalanx::table::Value;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyIterator, PyList, PyString, PyTuple};
 
 use super::scene::SceneLike;
 use super::table::Table;
-use super::{errors, study, words};
+use super::{conversion, errors, study};
 
-/// Simulates many designs of a scene, on Rust's threads, and makes of them the table of a sweep: a row each, in order.
+/// Simulates many designs of a scene on native threads and returns a table with one row per design, in order.
 ///
-/// fields: values by the path of their field, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
-/// Arrays and lists are all of one length; a single value is that of every design. A number is in SI, a text has its unit.
-/// threads: 0 for one on each core. columns: only these of the table. check: check every run (three more runs for each).
+/// fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
+/// All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
+/// strings with units. threads: 0 for one per core. columns: return only these columns. check: check every run (three
+/// more runs each).
 ///
-/// A design whose scene is not valid, or whose run does not end, is a row with `status` and `reason`, never an exception; one that
-/// cannot grasp its object has a `reason` and no `class`. `class_reason` says what decides the class. Raises
-/// StudyError for a path that is no field, or arrays of different lengths; SceneError for a scene that is none.
+/// A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception; a
+/// design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises
+/// StudyError for an unknown field or arrays of different lengths, and SceneError for an invalid scene.
 #[pyfunction]
 #[pyo3(signature = (scene, fields, *, model = "analytic", threads = 0, columns = None, check = false))]
 pub fn evaluate(
@@ -33,128 +34,137 @@ pub fn evaluate(
     let paths = fields.keys().extract::<Vec<String>>()?;
     let names: Vec<&str> = paths.iter().map(String::as_str).collect();
     let model = super::result::model(py, model)?;
-    let mut study = given(&scene.layers, &scene.settings, &names, model).map_err(|error| match error {
-        phalanx::study::sweep::GivenError::Scene(error) => errors::scene(py, &error),
+    let mut study = in_memory_study(&scene.layers, &scene.settings, &names, model).map_err(|error| match error {
+        phalanx::study::sweep::InMemoryStudyError::Scene(error) => errors::scene(py, &error),
         error => errors::sweep(py, error),
     })?;
     study.checked = check;
-    refuse_unknown(py, &study, columns.as_deref())?;
-    let values: Vec<Given> = fields
+    require_known_columns(py, &study, columns.as_deref())?;
+    let values: Vec<FieldValues> = fields
         .values()
         .iter()
         .zip(study.row_fields())
-        .map(|(value, field)| Given::read(&value, field))
+        .map(|(value, field)| FieldValues::from_python(&value, field))
         .collect::<PyResult<_>>()?;
-    let count = length(py, &paths, &values)?;
-    let rows = (0..count).map(|row| values.iter().map(|value| value.at(row)).collect()).collect();
+    let count = design_count(py, &paths, &values)?;
+    let rows = (0..count).map(|row| values.iter().map(|value| value.of_row(row)).collect()).collect();
     let study = study.with_rows(rows);
-    let found = study::rows(py, &study, threads, u64::MAX)?;
-    Table::new(py, found, columns.as_deref())
+    let results = study::run_rows(py, &study, threads, u64::MAX)?;
+    Table::new(py, results, columns.as_deref())
 }
 
-fn refuse_unknown(py: Python<'_>, study: &phalanx::study::sweep::Study, wanted: Option<&[String]>) -> PyResult<()> {
-    let there: Vec<String> = columns(study).into_iter().map(|column| column.name).collect();
-    let there: Vec<&str> = there.iter().map(String::as_str).collect();
-    match wanted.into_iter().flatten().find(|name| !there.contains(&name.as_str())) {
+fn require_known_columns(
+    py: Python<'_>,
+    study: &phalanx::study::sweep::Study,
+    requested: Option<&[String]>,
+) -> PyResult<()> {
+    let known: Vec<String> = columns(study).into_iter().map(|column| column.name).collect();
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    match requested.into_iter().flatten().find(|name| !known.contains(&name.as_str())) {
         None => Ok(()),
         Some(name) => Err(errors::sweep(
             py,
-            format!("error: `{name}` is no column of these results\n  = help: there are {}", there.join(", ")),
+            format!("error: `{name}` is not a column of the results\n  = help: the columns are {}", known.join(", ")),
         )),
     }
 }
 
-/// What is given of a field.
-enum Given {
+/// The values of a field.
+enum FieldValues {
     /// One value for all designs.
-    One(Point),
-    Each(Vec<Point>),
+    Constant(AxisValue),
+    PerDesign(Vec<AxisValue>),
 }
 
-impl Given {
-    fn read(value: &Bound<'_, PyAny>, field: &Field) -> PyResult<Self> {
+impl FieldValues {
+    fn from_python(value: &Bound<'_, PyAny>, field: &Field) -> PyResult<Self> {
         let value = match value.hasattr("tolist")? {
             true => &value.call_method0("tolist")?,
             false => value,
         };
-        let several = value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>();
-        let lists = matches!(field.holds, Holds::List(_));
-        let of_lists = || {
+        let is_sequence = value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>();
+        let is_list_field = matches!(field.field_type, FieldType::List(_));
+        let contains_lists = || {
             value.get_item(0).is_ok_and(|first| first.is_instance_of::<PyList>() || first.is_instance_of::<PyTuple>())
         };
-        // A series of pandas or Polars, a generator: whatever can be gone through.
-        let each_design =
-            if several { !lists || value.len()? == 0 || of_lists() } else { !value.is_instance_of::<PyString>() };
-        if each_design && let Ok(items) = value.try_iter() {
-            return each(items, field);
+        // Any other iterable is accepted too, such as a generator or a series of pandas or Polars.
+        let is_per_design = if is_sequence {
+            !is_list_field || value.len()? == 0 || contains_lists()
+        } else {
+            !value.is_instance_of::<PyString>()
+        };
+        if is_per_design && let Ok(items) = value.try_iter() {
+            return collect_values(items, field);
         }
-        Ok(Given::One(point(value, field)?))
+        Ok(FieldValues::Constant(convert_value(value, field)?))
     }
 
-    fn at(&self, row: usize) -> Point {
+    fn of_row(&self, row: usize) -> AxisValue {
         match self {
-            Given::One(point) => point.clone(),
-            Given::Each(points) => points[row].clone(),
+            FieldValues::Constant(value) => value.clone(),
+            FieldValues::PerDesign(values) => values[row].clone(),
         }
     }
 }
 
-/// A value for each design, no more than are taken; Ctrl-C is heard meanwhile.
-fn each(items: Bound<'_, PyIterator>, field: &Field) -> PyResult<Given> {
+/// Collects one value per design, at most `MAX_RUNS`. Checks for Ctrl-C between values.
+fn collect_values(items: Bound<'_, PyIterator>, field: &Field) -> PyResult<FieldValues> {
     let py = items.py();
-    let mut points = Vec::new();
+    let mut values = Vec::new();
     for item in items {
-        if points.len() as u64 == MOST_RUNS {
-            let message =
-                format!("error: there are more than {MOST_RUNS} designs, all held in memory; give them in parts");
+        if values.len() as u64 == MAX_RUNS {
+            let message = format!(
+                "error: there are more than {MAX_RUNS} designs, and all results are stored in memory; evaluate fewer at a time"
+            );
             return Err(errors::sweep(py, message));
         }
         py.check_signals()?;
-        points.push(point(&item?, field)?);
+        values.push(convert_value(&item?, field)?);
     }
-    Ok(Given::Each(points))
+    Ok(FieldValues::PerDesign(values))
 }
 
-/// How many designs there are.
-fn length(py: Python<'_>, paths: &[String], values: &[Given]) -> PyResult<usize> {
-    let mut found: Option<(usize, &String)> = None;
-    for (path, value) in paths.iter().zip(values) {
-        let Given::Each(points) = value else { continue };
-        match found {
-            Some((count, first)) if count != points.len() => {
+/// Returns the number of designs.
+fn design_count(py: Python<'_>, paths: &[String], values: &[FieldValues]) -> PyResult<usize> {
+    let mut previous: Option<(usize, &String)> = None;
+    for (path, field_values) in paths.iter().zip(values) {
+        let FieldValues::PerDesign(values) = field_values else { continue };
+        match previous {
+            Some((count, first)) if count != values.len() => {
                 let message = format!(
-                    "error: `{first}` has {count} values and `{path}` {}\n  = help: give arrays of one length, or one value for all designs",
-                    points.len()
+                    "error: `{first}` has {count} values, but `{path}` has {}\n  = help: give arrays of equal length, or one value for all designs",
+                    values.len()
                 );
                 return Err(errors::sweep(py, message));
             }
-            _ => found = Some((points.len(), path)),
+            _ => previous = Some((values.len(), path)),
         }
     }
-    Ok(found.map_or(1, |(count, _)| count))
+    Ok(previous.map_or(1, |(count, _)| count))
 }
 
-/// One value. What the field does not take stands in the scene as it was given, and is refused there: a row says why.
-fn point(value: &Bound<'_, PyAny>, field: &Field) -> PyResult<Point> {
+/// Converts one value. An invalid value becomes scene text unchanged, so that its row reports the scene error as the
+/// reason.
+fn convert_value(value: &Bound<'_, PyAny>, field: &Field) -> PyResult<AxisValue> {
     if let Ok(number) = value.cast::<PyFloat>() {
-        return Ok(numbered(number.extract()?, field));
+        return Ok(convert_number(number.extract()?, field));
     }
     if value.is_instance_of::<PyInt>() && !value.is_instance_of::<PyBool>() {
-        return Ok(numbered(value.extract()?, field));
+        return Ok(convert_number(value.extract()?, field));
     }
     let text = match value.cast::<PyString>() {
         Ok(text) => toml::Value::from(text.to_str()?).to_string(),
-        Err(_) => words::toml(value)?,
+        Err(_) => conversion::setting_text(value)?,
     };
-    Ok(field.parsed(&text).unwrap_or(Point { text, value: Value::Missing }))
+    Ok(field.parse_toml(&text).unwrap_or(AxisValue { text, value: Value::Missing }))
 }
 
-fn numbered(si: f64, field: &Field) -> Point {
-    field.at(si).unwrap_or_else(|| {
-        let text = match &field.holds {
-            Holds::Quantity(dimension) => format!("\"{si:?} {}\"", dimension.units()[0].name),
-            _ => words::number(si),
+fn convert_number(si: f64, field: &Field) -> AxisValue {
+    field.value_of_si(si).unwrap_or_else(|| {
+        let text = match &field.field_type {
+            FieldType::Quantity(dimension) => format!("\"{si:?} {}\"", dimension.units()[0].name),
+            _ => conversion::format_toml_number(si),
         };
-        Point { text, value: Value::Missing }
+        AxisValue { text, value: Value::Missing }
     })
 }

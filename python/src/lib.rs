@@ -1,32 +1,33 @@
-//! The Python package of phalanx: a thin face of its library. Nothing is computed here.
+//! Python bindings of the library of phalanx, without any computations of their own.
 //!
-//! | file | job |
+//! | module | purpose |
 //! |---|---|
 //! | `errors` | errors of the library as exceptions |
-//! | `watch` | work without the interpreter's lock, ended by Ctrl-C |
-//! | `words` | values of Python as those of a scene, and JSON as Python |
-//! | `columns` | columns as numpy sees them, and as Arrow |
+//! | `interruptible` | computations without the interpreter lock, interrupted by Ctrl-C |
+//! | `conversion` | Python values to scene values and quantities, JSON to Python |
+//! | `columns` | columns as numpy arrays and Arrow streams |
 //! | `scene` | scenes |
-//! | `result`, `simulate` | runs, made or read from logs |
+//! | `result`, `simulate` | results of runs and logs; running simulations and reading logs |
 //! | `table` | tables of sweeps |
 //! | `study`, `evaluate` | sweeps of study files and of arrays |
-//! | `documents` | what commands print as JSON |
+//! | `documents` | JSON documents of other commands as dictionaries |
 
 mod columns;
+mod conversion;
 mod documents;
 mod errors;
 mod evaluate;
+mod interruptible;
 mod result;
 mod scene;
 mod simulate;
 mod study;
 mod table;
-mod watch;
-mod words;
 
 use pyo3::prelude::*;
 
-/// A planar simulator of high-speed underactuated grippers: stiff contact with exact events. The compiled part of `phalanx`.
+/// Compiled module of `phalanx`, a planar simulator of high-speed underactuated grippers with stiff contact and exact
+/// events.
 #[pymodule]
 mod _phalanx {
     #[pymodule_export]
@@ -47,10 +48,10 @@ mod _phalanx {
     use super::table::Table;
 
     #[pymodule_export]
-    #[expect(non_upper_case_globals, reason = "Python's own name for it")]
+    #[expect(non_upper_case_globals, reason = "the name is a Python convention")]
     const __version__: &str = phalanx_version();
 
-    /// Of the library; both are released together.
+    /// Version of the library and of the package, which are released together.
     const fn phalanx_version() -> &'static str {
         env!("CARGO_PKG_VERSION")
     }

@@ -1,43 +1,43 @@
-//! A run: its columns, its events, what it came to.
+//! The class `Result`: columns, events and summary of a run.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
-use phalanx::page::{Page, Reel, page};
+use phalanx::format::Report;
+use phalanx::page::{Page, PlaybackRecorder, render_page};
 use phalanx::scene::Scene;
 use phalanx::trace::{Event, Layout, Model, Recording};
-use phalanx::wording::Report;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
 
-use super::simulate::{self, Made};
-use super::{columns, errors, words};
+use super::simulate::{self, RunInput};
+use super::{columns, conversion, errors};
 
-/// A run of a scene, or what a log has of one. Figures are in SI, their names say the unit.
+/// The results of a run, or of the run in a log. All values are in SI; column names contain the units.
 #[pyclass(frozen, module = "phalanx")]
 pub struct Result {
     batch: RecordBatch,
     events: Vec<Event>,
     layout: Layout,
-    /// The document that the command prints: of `phalanx run --json`, or of `phalanx replay --json`.
+    /// JSON document of `phalanx run --json`, or of `phalanx replay --json`.
     document: String,
-    film: Option<Arc<Film>>,
+    playback: Option<Arc<Playback>>,
     source: Source,
 }
 
-/// What the page shows.
-pub struct Film {
+/// The data of the page.
+pub struct Playback {
     pub scene: Scene,
     pub label: String,
-    pub reel: Reel,
+    pub recorder: PlaybackRecorder,
     pub summary: Report,
 }
 
-/// Where a result comes from.
+/// What a result was computed from: the input of a run, or a log.
 pub enum Source {
-    Run(Arc<Made>),
+    Run(Arc<RunInput>),
     Log(PathBuf),
 }
 
@@ -46,146 +46,154 @@ impl Result {
         layout: Layout,
         recording: Recording,
         document: String,
-        film: Option<Film>,
+        playback: Option<Playback>,
         source: Source,
     ) -> PyResult<Self> {
         let (columns, events) = recording.into_parts();
-        let film = film.map(Arc::new);
-        Ok(Result { batch: columns::batch(columns)?, events, layout, document, film, source })
+        let playback = playback.map(Arc::new);
+        Ok(Result { batch: columns::number_batch(columns)?, events, layout, document, playback, source })
     }
 
-    fn part<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        let summary = words::json(py, &self.document)?;
+    /// Returns an entry of the summary, or None.
+    fn summary_entry<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        let summary = conversion::parse_json(py, &self.document)?;
         Ok(summary.cast::<PyDict>()?.get_item(key)?.unwrap_or_else(|| py.None().into_bound(py)))
     }
 }
 
 #[pymethods]
 impl Result {
-    /// A column as an array of numpy that cannot be written to, over the very numbers of the run: `result["q11_rad"]`. Names are
-    /// those of `columns`; angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
+    /// Returns a column as a read-only numpy array that shares memory with the run, such as `result["q11_rad"]`.
+    ///
+    /// `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
     fn __getitem__<'py>(&self, py: Python<'py>, column: &str) -> PyResult<Bound<'py, PyAny>> {
         let array = self.batch.column_by_name(column).ok_or_else(|| {
-            let near = phalanx::scene::nearest(column, &self.columns());
-            let meant = near.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default();
-            PyKeyError::new_err(format!("{column}: no column of this run{meant} result.columns names all"))
+            let similar = phalanx::scene::closest_match(column, &self.columns());
+            let suggestion =
+                similar.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_else(|| ".".to_string());
+            PyKeyError::new_err(format!(
+                "{column} is not a column of this run{suggestion} result.columns lists all columns"
+            ))
         })?;
-        columns::numpy(py, array)
+        columns::number_array(py, array)
     }
 
-    /// Names of all columns with their units, as `phalanx replay --csv` has them: `time_s` first, the energies last.
+    /// Names of all columns with their units, as in `phalanx replay --csv`: `time_s` first, the energies last.
     #[getter]
     fn columns(&self) -> Vec<&str> {
         self.batch.schema_ref().fields().iter().map(|field| field.name().as_str()).collect()
     }
 
-    /// Times of the samples, in s; two may share one, before and after an event.
+    /// Times of the samples, s. Two samples may have the same time, before and after an event.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        columns::numpy(py, self.batch.column(0))
+        columns::number_array(py, self.batch.column(0))
     }
 
-    /// Changes of contact in order of time, a `phalanx.Event` each.
+    /// Contact events in order of time, as `phalanx.Event`.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let class = py.import("phalanx.events")?.getattr("Event")?;
-        let of = |event: &Event| {
-            let place = self.layout.contacts.get(event.contact);
-            let name = place.map_or("", |place| place.name.as_str());
+        let to_python = |event: &Event| {
+            let contact = self.layout.contacts.get(event.contact);
+            let name = contact.map_or("", |contact| contact.name.as_str());
             class.call1((event.time_s, name, event.kind.name(), event.approach_speed, event.impulse))
         };
-        self.events.iter().map(of).collect()
+        self.events.iter().map(to_python).collect()
     }
 
-    /// The document of `phalanx run --json` (of a log: `phalanx replay --json`) as a dictionary.
+    /// The document of `phalanx run --json` (for a log: `phalanx replay --json`) as a dictionary.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        words::json(py, &self.document)
+        conversion::parse_json(py, &self.document)
     }
 
-    /// The same as `summary`.
+    /// Same as `summary`.
     #[getter]
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.summary(py)
     }
 
-    /// By contact: first touch (s), touch-downs, largest force (N), deepest penetration (m), impulse (N·s).
+    /// For each contact: time of the first touch-down (s), number of touch-downs, largest force (N), largest
+    /// penetration (m), impulse (N·s).
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.part(py, "contacts")
+        self.summary_entry(py, "contacts")
     }
 
-    /// Of a finger: class, what decides it (`class_reason`), time to stability `tts_s`, `rebound_percent`, …; of a gripper what became
-    /// of its object; of discs None (`contacts` has their restitution). None too where the run does not say: `summary["no_criteria"]`
-    /// says why.
+    /// Criteria of a finger (class, its reason `class_reason`, time to stability `tts_s`, `rebound_percent`, …), or the
+    /// fate of the object of a gripper.
+    ///
+    /// None for discs (`contacts` contains their restitution), and for a run without criteria; `summary["no_criteria"]`
+    /// gives the reason.
     #[getter]
     fn criteria<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let gripper = self.layout.fingers.len() > 1;
-        self.part(py, if gripper { "grasp" } else { "criteria" })
+        self.summary_entry(py, if gripper { "grasp" } else { "criteria" })
     }
 
-    /// Energies and works at the end, in J.
+    /// Energies and work at the end, J.
     #[getter]
     fn energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.part(py, "energy")
+        self.summary_entry(py, "energy")
     }
 
-    /// What a second, independent resolution says of the error; None where the run was not checked.
+    /// Error estimate from a second, independent resolution; None if the run was not checked.
     #[getter]
     fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.part(py, "check")
+        self.summary_entry(py, "check")
     }
 
-    /// Sentences on what makes the results doubtful, such as an energy balance that is off; empty for a sound run, None of a log.
+    /// Reasons to doubt the results, such as an unbalanced energy; empty for a valid run, None for a log.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.part(py, "warnings")
+        self.summary_entry(py, "warnings")
     }
 
-    /// Whether the run got to its end.
+    /// Whether the run reached its full duration; None if a log ends too early to tell.
     #[getter]
     fn completed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.part(py, "completed")
+        self.summary_entry(py, "completed")
     }
 
-    /// All columns as a pandas DataFrame over the same numbers.
+    /// Returns all columns as a pandas DataFrame that shares memory with the run.
     fn to_pandas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        columns::pandas(py, &self.batch)
+        columns::to_pandas(py, &self.batch)
     }
 
-    /// All columns as a Polars DataFrame over the same numbers.
+    /// Returns all columns as a Polars DataFrame that shares memory with the run.
     fn to_polars<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        columns::polars(slf.py(), slf.as_any())
+        columns::to_polars(slf.py(), slf.as_any())
     }
 
-    /// All columns as a stream of Arrow, for pyarrow, Polars, DuckDB and others; the numbers are not copied.
+    /// Returns all columns as an Arrow stream, for pyarrow, Polars, DuckDB and others, without a copy.
     #[pyo3(signature = (requested_schema = None))]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,
         requested_schema: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // A wish that nobody has to grant.
+        // The protocol allows a producer to ignore the requested schema.
         let _ = requested_schema;
-        columns::stream(py, &self.batch)
+        columns::arrow_stream(py, &self.batch)
     }
 
-    /// Writes the log that `phalanx run --log` would (MCAP, for Foxglove, Rerun and PlotJuggler), byte for byte.
+    /// Writes the same log as `phalanx run --log`, byte for byte (MCAP, for Foxglove, Rerun and PlotJuggler).
     ///
-    /// The run is made again for it: the same scene gives the same run. Of a result that was read from a log, that file is copied.
+    /// This repeats the run; the same scene gives the same run. For a result from a log, it copies the file.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         match &self.source {
-            Source::Run(made) => simulate::save(py, Arc::clone(made), &path),
+            Source::Run(input) => simulate::save(py, Arc::clone(input), &path),
             Source::Log(log) => {
-                let copied = std::fs::copy(log, &path).map(drop);
-                copied.map_err(|error| {
+                let outcome = std::fs::copy(log, &path).map(drop);
+                outcome.map_err(|error| {
                     errors::run(py, format!("cannot copy {} to {}: {error}", log.display(), path.display()), None)
                 })
             }
         }
     }
 
-    /// The moving page of `phalanx run --html`, in a frame of its own: what a notebook shows.
+    /// Returns the page of `html` in a frame, for notebooks.
     fn _repr_html_(&self) -> Option<String> {
         let page = self.html()?.replace('&', "&amp;").replace('"', "&quot;");
         Some(format!(
@@ -194,14 +202,14 @@ impl Result {
         ))
     }
 
-    /// The same page as a document of its own: what `phalanx run --html` writes. None of a log whose scene is lost.
+    /// Returns the animated page of `phalanx run --html`. None for a log without a readable scene.
     fn html(&self) -> Option<String> {
-        let film = self.film.as_ref()?;
-        let scene = &film.scene;
-        Some(page(&Page {
+        let playback = self.playback.as_ref()?;
+        let scene = &playback.scene;
+        Some(render_page(&Page {
             title: scene.name.clone(),
             description: scene.description.clone(),
-            runs: vec![film.reel.clone().film(&film.label, scene, film.summary.clone())],
+            runs: vec![playback.recorder.clone().into_playback(&playback.label, scene, playback.summary.clone())],
             ..Page::default()
         }))
     }
@@ -211,17 +219,17 @@ impl Result {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let text = |key: &str| -> PyResult<String> { Ok(self.part(py, key)?.str()?.to_string()) };
+        let text = |key: &str| -> PyResult<String> { Ok(self.summary_entry(py, key)?.str()?.to_string()) };
         let (scene, model, completed) = (text("scene")?, text("model")?, text("completed")?);
         let (samples, columns, events) = (self.batch.num_rows(), self.batch.num_columns(), self.events.len());
-        let end = if completed == "True" { "" } else { ", not completed" };
+        let suffix = if completed == "True" { "" } else { ", not completed" };
         Ok(format!(
-            "<phalanx.Result of \"{scene}\": {model} model, {samples} samples of {columns} columns, {events} events{end}>"
+            "<phalanx.Result of \"{scene}\": {model} model, {samples} samples of {columns} columns, {events} events{suffix}>"
         ))
     }
 }
 
-/// The model of a name.
+/// Parses the name of a model.
 pub fn model(py: Python<'_>, name: &str) -> PyResult<Model> {
-    words::word("model", name).map_err(|error| errors::argument(py, error))
+    conversion::parse_keyword("model", name).map_err(|error| errors::argument(py, error))
 }

@@ -1,53 +1,53 @@
-//! Scenes: texts, what is set besides, and what both come to.
+//! The class `Scene`: scene files as text layers, field settings, and the resulting validated scene.
 
 use std::path::{Path, PathBuf};
 
-use phalanx::scene::{self, Layer, SceneError, Words, parse_any, parse_layers};
+use phalanx::scene::{self, Keyword, Layer, SceneError, parse_any, parse_layers};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::{errors, words};
+use super::{conversion, errors};
 
 /// Names and contents of files.
-type Texts = Vec<(String, String)>;
+type NamedTexts = Vec<(String, String)>;
 
-/// What errors call a field that is set by `with_`.
-const SET: &str = "with_";
+/// File name in error messages about a field that `with_` sets.
+const SETTING_FILE: &str = "with_";
 
-/// A scene of a finger, a gripper or discs, checked, with every default filled in. It never changes: `with_` makes another one.
+/// A validated scene of a finger, a gripper or discs. It is immutable: `with_` returns a changed copy.
 #[pyclass(frozen, module = "phalanx")]
 #[derive(Clone)]
 pub struct Scene {
-    /// The texts it is made of: those it extends, and its own.
+    /// The scene text, after the texts that it extends.
     pub layers: Vec<Layer>,
-    /// Fields set besides.
+    /// Fields set by `with_`.
     pub settings: Vec<Layer>,
     pub scene: scene::Scene,
 }
 
 impl Scene {
-    fn of(py: Python<'_>, layers: Result<Vec<Layer>, SceneError>, settings: Vec<Layer>) -> PyResult<Self> {
-        let read = layers.and_then(|layers| {
+    fn from_layers(py: Python<'_>, layers: Result<Vec<Layer>, SceneError>, settings: Vec<Layer>) -> PyResult<Self> {
+        let scene = layers.and_then(|layers| {
             let scene = parse_layers(&layers, &settings, parse_any)?;
             Ok(Scene { layers, settings, scene })
         });
-        read.map_err(|error| errors::scene(py, &error))
+        scene.map_err(|error| errors::scene(py, &error))
     }
 
     pub fn load_from(py: Python<'_>, path: &Path) -> PyResult<Self> {
-        Scene::of(py, scene::layers(path), Vec::new())
+        Scene::from_layers(py, scene::load_layers(path), Vec::new())
     }
 
-    /// What messages call its file.
+    /// File name in messages.
     pub fn file(&self) -> &str {
-        self.layers.last().map_or("", |own| own.file.as_str())
+        self.layers.last().map_or("", |layer| layer.file.as_str())
     }
 
-    fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn to_python_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let table: toml::Table =
             scene::show_written(&self.scene).parse().map_err(|error| errors::argument(py, error))?;
-        words::json(py, &serde_json::to_string(&table).map_err(|error| errors::argument(py, error))?)
+        conversion::parse_json(py, &serde_json::to_string(&table).map_err(|error| errors::argument(py, error))?)
     }
 }
 
@@ -59,7 +59,7 @@ pub enum SceneLike {
 }
 
 impl SceneLike {
-    /// The scene itself.
+    /// Returns the scene; loads it if this is a path.
     pub fn get(&self, py: Python<'_>) -> PyResult<Scene> {
         match self {
             SceneLike::Scene(scene) => Ok(scene.get().clone()),
@@ -70,112 +70,113 @@ impl SceneLike {
 
 #[pymethods]
 impl Scene {
-    /// Reads a scene file (TOML), and those it extends.
+    /// Reads a scene file (TOML) and the files that it extends.
     ///
-    /// Raises SceneError with file, line, column and field of what is wrong.
+    /// Raises SceneError with file, line, column and field of the error.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         Scene::load_from(py, &path)
     }
 
-    /// Reads a scene from a text (TOML). `name` is what messages and logs call its file; scenes it extends are looked for from there.
+    /// Reads a scene from a TOML string. `name` is its file name in messages and logs; extended scenes are relative to
+    /// its directory.
     #[staticmethod]
     #[pyo3(signature = (text, name = "scene.toml"))]
     fn from_toml(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
-        let own = Layer { file: name.to_string(), text: text.to_string() };
-        Scene::of(py, scene::layers_of(own), Vec::new())
+        let layer = Layer { file: name.to_string(), text: text.to_string() };
+        Scene::from_layers(py, scene::load_extended(layer), Vec::new())
     }
 
     /// Reads a scene from a dictionary with the keys of a scene file: `{"design": {"base": "20 mm", …}, …}`.
     #[staticmethod]
     #[pyo3(signature = (scene, name = "scene.toml"))]
     fn from_dict(scene: &Bound<'_, PyDict>, name: &str) -> PyResult<Self> {
-        Scene::from_toml(scene.py(), &words::document(scene)?, name)
+        Scene::from_toml(scene.py(), &conversion::scene_text(scene)?, name)
     }
 
-    /// The same scene with other values in some fields, as `phalanx run --set` has them:
+    /// Returns a copy with other values of some fields, as with `phalanx run --set`:
     /// `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`.
     ///
-    /// A value is a text with its unit, a number where the field is one without a unit, True or False, or a list; one element of a pair
-    /// is `object.centre[0]`.
+    /// A value is a string with a unit, a number (for a field without a unit), True or False, or a list.
+    /// `object.centre[0]` is one element of a pair.
     fn with_(&self, py: Python<'_>, fields: &Bound<'_, PyDict>) -> PyResult<Self> {
         let mut settings = self.settings.clone();
         for (field, value) in fields {
             let field: String = field.extract()?;
-            let set = scene::setting_of(SET, &field, &words::toml(&value)?);
-            settings.push(set.map_err(|error| errors::argument(py, error))?);
+            let setting = scene::setting_from_parts(SETTING_FILE, &field, &conversion::setting_text(&value)?);
+            settings.push(setting.map_err(|error| errors::argument(py, error))?);
         }
-        Scene::of(py, Ok(self.layers.clone()), settings)
+        Scene::from_layers(py, Ok(self.layers.clone()), settings)
     }
 
-    /// The scene as it was written with every default filled in, as a scene file: what `phalanx scene show` prints.
+    /// The scene as written, with all defaults, as the text of a scene file: the output of `phalanx scene show`.
     #[getter]
     fn toml(&self) -> String {
         scene::show_written(&self.scene)
     }
 
-    /// What is simulated, as a scene file in full precision: lengths and masses in place of a design and a material, angles of the
-    /// start, the law of each contact. What `phalanx scene show --resolved` prints.
+    /// The simulated scene as the text of a scene file in full precision, with lengths and masses in place of a design
+    /// and a material, initial angles, and the law of each contact: the output of `phalanx scene show --resolved`.
     #[getter]
     fn resolved(&self) -> String {
         scene::show(&self.scene)
     }
 
-    /// The same as `toml`, as a dictionary of texts with units, numbers, flags and lists.
+    /// Returns the contents of `toml` as a dictionary of strings with units, numbers, flags and lists.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.table(py)
+        self.to_python_dict(py)
     }
 
     /// "finger", "gripper" or "bodies" (discs).
     #[getter]
     fn kind(&self) -> &'static str {
-        self.scene.kind().word()
+        self.scene.kind().keyword()
     }
 
-    /// The name that the scene gives itself.
+    /// The field `name` of the scene.
     #[getter]
     fn name(&self) -> &str {
         &self.scene.name
     }
 
-    /// Length of a run, in s.
+    /// Duration of a run, s.
     #[getter]
     fn duration_s(&self) -> f64 {
         self.scene.duration_s
     }
 
-    /// A field by its path, as `toml` has it: `scene["design.base"]`. Of a section, its dictionary.
+    /// Returns a field of `toml` by its path, such as `scene["design.base"]`, or a section as a dictionary.
     fn __getitem__<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyAny>> {
-        let mut here = self.table(py)?;
+        let mut value = self.to_python_dict(py)?;
         for key in path.split('.') {
-            let found = here.cast::<PyDict>().ok().map(|table| table.get_item(key)).transpose()?.flatten();
-            here = found.ok_or_else(|| {
+            let child = value.cast::<PyDict>().ok().map(|table| table.get_item(key)).transpose()?.flatten();
+            value = child.ok_or_else(|| {
                 PyKeyError::new_err(format!(
-                    "{path}: this scene of kind \"{}\" has no such field; scene.toml shows all",
+                    "{path} is not a field of this scene of kind \"{}\"; scene.toml shows all fields",
                     self.kind()
                 ))
             })?;
         }
-        Ok(here)
+        Ok(value)
     }
 
     fn __repr__(&self) -> String {
-        let set: Vec<&str> = self.settings.iter().map(|layer| layer.text.as_str()).collect();
-        let besides = if set.is_empty() { String::new() } else { format!(", with {}", set.join(", ")) };
+        let settings: Vec<&str> = self.settings.iter().map(|layer| layer.text.as_str()).collect();
+        let suffix = if settings.is_empty() { String::new() } else { format!(", with {}", settings.join(", ")) };
         let (kind, name) = (self.kind(), self.name());
-        format!("<phalanx.Scene \"{name}\": {kind}, {:?} ms, from {}{besides}>", self.duration_s() * 1e3, self.file())
+        format!("<phalanx.Scene \"{name}\": {kind}, {:?} ms, from {}{suffix}>", self.duration_s() * 1e3, self.file())
     }
 
-    /// For copies in other processes.
-    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (Texts, Texts))> {
-        let texts = |layers: &[Layer]| layers.iter().map(|of| (of.file.clone(), of.text.clone())).collect();
-        let make = py.get_type::<Scene>().getattr("_of_texts")?.unbind();
-        Ok((make, (texts(&self.layers), texts(&self.settings))))
+    /// Supports pickling, such as for other processes.
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (NamedTexts, NamedTexts))> {
+        let to_texts = |layers: &[Layer]| layers.iter().map(|layer| (layer.file.clone(), layer.text.clone())).collect();
+        let constructor = py.get_type::<Scene>().getattr("_from_texts")?.unbind();
+        Ok((constructor, (to_texts(&self.layers), to_texts(&self.settings))))
     }
 
     #[staticmethod]
-    fn _of_texts(py: Python<'_>, layers: Texts, settings: Texts) -> PyResult<Self> {
-        let of = |texts: Texts| texts.into_iter().map(|(file, text)| Layer { file, text }).collect();
-        Scene::of(py, Ok(of(layers)), of(settings))
+    fn _from_texts(py: Python<'_>, layers: NamedTexts, settings: NamedTexts) -> PyResult<Self> {
+        let to_layers = |texts: NamedTexts| texts.into_iter().map(|(file, text)| Layer { file, text }).collect();
+        Scene::from_layers(py, Ok(to_layers(layers)), to_layers(settings))
     }
 }

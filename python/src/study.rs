@@ -1,21 +1,23 @@
-//! Sweeps of study files: all of them, parts of them, and parts joined.
+//! Sweeps of study files, in one piece or in parts.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use phalanx::study::parts::{self, Made, Merged, PartError, Work};
-use phalanx::study::store::{Found, StoreError, open};
-use phalanx::study::sweep::{Row, Study, files, in_one_piece, load as loaded, run_while, shard, sorted};
+use phalanx::study::parts::{self, MergeResult, PartError, PartOptions, WrittenPart};
+use phalanx::study::store::{OpenedResults, StoreError, open};
+use phalanx::study::sweep::{
+    Row, Study, check_unsharded, files, load as load_study_file, run_while, shard, sorted_table,
+};
 use phalanx::table;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::table::Table;
-use super::{errors, watch, words};
+use super::{conversion, errors, interruptible};
 
 /// Reads a study file.
-pub fn load(py: Python<'_>, path: &Path, model: Option<&str>, check: bool) -> PyResult<Study> {
-    let mut study = loaded(path).map_err(|error| errors::study(py, &error))?;
+fn load(py: Python<'_>, path: &Path, model: Option<&str>, check: bool) -> PyResult<Study> {
+    let mut study = load_study_file(path).map_err(|error| errors::study(py, &error))?;
     if let Some(model) = model {
         study.model = super::result::model(py, model)?;
     }
@@ -23,30 +25,30 @@ pub fn load(py: Python<'_>, path: &Path, model: Option<&str>, check: bool) -> Py
     Ok(study)
 }
 
-/// Makes the first `most` runs of a study, on `threads` threads.
-pub fn rows(py: Python<'_>, study: &Study, threads: usize, most: u64) -> PyResult<table::Table> {
-    in_one_piece(study, most).map_err(|error| errors::sweep(py, format!("error: {error}")))?;
-    let made = watch::free(py, |go_on| {
+/// Simulates at most the first `limit` runs of a study, on `threads` threads, and returns their rows.
+pub fn run_rows(py: Python<'_>, study: &Study, threads: usize, limit: u64) -> PyResult<table::Table> {
+    check_unsharded(study, limit).map_err(|error| errors::sweep(py, format!("error: {error}")))?;
+    let rows = interruptible::run(py, |keep_running| {
         let mut rows = Vec::new();
-        let take = |row: Row| {
+        let push = |row: Row| {
             rows.push(row.cells);
             true
         };
-        run_while(study, threads, most, &HashSet::new(), go_on, take);
+        run_while(study, threads, limit, &HashSet::new(), keep_running, push);
         rows
     })?;
-    Ok(sorted(study, made))
+    Ok(sorted_table(study, rows))
 }
 
-/// Makes every run of a study (`phalanx sweep`).
+/// Simulates all runs of a study (`phalanx sweep`).
 ///
-/// study: path of a study file (TOML). threads: 0 for one on each core. out: CSV or Parquet by the name; then a sweep that was broken
-/// off goes on where it was when it is called again, and OUT.study.json beside it says of which study the results are.
-/// model: instead of the study's. check: check every run. limit: only the first so many runs. restart: begin anew, whatever is in out.
+/// study: path of a study file (TOML). threads: 0 for one per core. out: path of the results, CSV or Parquet by its
+/// suffix; an interrupted sweep then resumes when it is called again, and the file OUT.study.json identifies the study.
+/// model: overrides the model of the study. check: check every run. limit: simulate only the first `limit` runs.
+/// restart: discard earlier results in out.
 ///
-/// A scene that is not valid and a run that does not end are rows, with status and reason; so are designs that cannot grasp, which
-/// have a reason and no class. Raises StudyError for what is wrong
-/// with the study, or with the place of its results.
+/// An invalid scene or an incomplete run gives a row with status and reason; a design that cannot grasp its object has
+/// a reason and no class. Raises StudyError for an invalid study or unusable results.
 #[pyfunction]
 #[pyo3(signature = (study, threads = 0, out = None, *, model = None, check = false, limit = None, restart = false))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
@@ -61,43 +63,51 @@ pub fn sweep(
     restart: bool,
 ) -> PyResult<Table> {
     let study = load(py, &study, model, check)?;
-    let most = limit.unwrap_or(u64::MAX);
+    let limit = limit.unwrap_or(u64::MAX);
     let table = match out {
-        None => rows(py, &study, threads, most)?,
-        Some(out) => kept(py, &study, threads, &out, most, restart)?,
+        None => run_rows(py, &study, threads, limit)?,
+        Some(out) => run_to_file(py, &study, threads, &out, limit, restart)?,
     };
     Table::new(py, table, None)
 }
 
-/// The same with results on the disk.
-fn kept(py: Python<'_>, study: &Study, threads: usize, out: &Path, most: u64, restart: bool) -> PyResult<table::Table> {
-    let raised = |error: StoreError| errors::sweep(py, format!("error: {error}"));
-    let mut store = match open(study, out, most, restart).map_err(raised)? {
-        Found::Complete(table) => return Ok(table),
-        Found::Begun(store) => store,
+/// Simulates the runs of a study that are missing in the file `out`, and returns the complete table.
+fn run_to_file(
+    py: Python<'_>,
+    study: &Study,
+    threads: usize,
+    out: &Path,
+    limit: u64,
+    restart: bool,
+) -> PyResult<table::Table> {
+    let store_error = |error: StoreError| errors::sweep(py, format!("error: {error}"));
+    let mut store = match open(study, out, limit, restart).map_err(store_error)? {
+        OpenedResults::Complete(table) => return Ok(table),
+        OpenedResults::Incomplete(store) => store,
     };
-    let done: HashSet<u64> = store.done().collect();
-    let (store, broken) = watch::free(py, |go_on| {
-        let mut broken = None;
-        run_while(study, threads, most, &done, go_on, |row| {
-            // Nothing may follow what could not be written.
-            if broken.is_none() {
-                broken = store.add(row.cells).err();
+    let completed: HashSet<u64> = store.completed_runs().collect();
+    let (store, write_error) = interruptible::run(py, |keep_running| {
+        let mut write_error = None;
+        run_while(study, threads, limit, &completed, keep_running, |row| {
+            // After a failed write, later rows are dropped.
+            if write_error.is_none() {
+                write_error = store.append(row.cells).err();
             }
-            broken.is_none()
+            write_error.is_none()
         });
-        (store, broken)
+        (store, write_error)
     })?;
-    if let Some(error) = broken {
-        return Err(errors::sweep(py, format!("error: cannot write {}: {error}", store.partial().display())));
+    if let Some(error) = write_error {
+        return Err(errors::sweep(py, format!("error: cannot write {}: {error}", store.partial_path().display())));
     }
-    store.finish(study).map_err(raised)
+    store.finish(study).map_err(store_error)
 }
 
-/// Makes one part of a study into a Parquet file that appears whole or not at all (`phalanx sweep --shard k/n`).
+/// Simulates one part of a study and writes it atomically as a Parquet file (`phalanx sweep --shard k/n`).
 ///
-/// k: from 1 to n. A part that is there already is left as it is, so the same call again takes a broken sweep up. Returns what the
-/// part is: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole study), …, and `made_now`, how many runs were made now.
+/// k: from 1 to n. An existing part is not simulated again, so the same call resumes an interrupted sweep. Returns the
+/// description of the part: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole study), …, and `made_now`, the
+/// number of new runs.
 #[pyfunction]
 #[pyo3(signature = (study, k, n, out, threads = 0, *, model = None, check = false, restart = false))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
@@ -113,20 +123,21 @@ pub fn sweep_shard<'py>(
     restart: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = load(py, &study, model, check)?;
-    let shard = shard(&study, k, n).map_err(|error| part(py, &error.into()))?;
-    let work = Work { threads, restart };
-    let made = watch::free(py, |go_on| parts::write_part(&study, shard, &out, work, go_on, |_| {}))?;
-    let Made { part: info, ran, .. } = made.map_err(|error| part(py, &error))?;
-    let found = words::json(py, &serde_json::to_string(&info).unwrap_or_default())?.cast_into::<PyDict>()?;
-    found.set_item("made_now", ran.map_or(0, |ran| ran.runs))?;
-    Ok(found)
+    let shard = shard(&study, k, n).map_err(|error| part_error(py, &error.into()))?;
+    let options = PartOptions { threads, restart };
+    let written =
+        interruptible::run(py, |keep_running| parts::write_part(&study, shard, &out, options, keep_running, |_| {}))?;
+    let WrittenPart { part, stats, .. } = written.map_err(|error| part_error(py, &error))?;
+    let info = conversion::parse_json(py, &serde_json::to_string(&part).unwrap_or_default())?.cast_into::<PyDict>()?;
+    info.set_item("made_now", stats.map_or(0, |stats| stats.runs))?;
+    Ok(info)
 }
 
-/// Joins the parts of a study to the results of the whole (`phalanx sweep merge`): out and OUT.study.json get the very bytes that the
-/// undisturbed sweep writes.
+/// Merges the parts of a study (`phalanx sweep merge`): out and OUT.study.json get the same bytes as from an
+/// uninterrupted sweep.
 ///
-/// parts: files, or directories of them, in any order. Raises StudyError with what is missing, there twice, damaged or foreign.
-/// Returns `parts`, `bytes` and `runs`.
+/// parts: files or directories, in any order. Raises StudyError that names missing, duplicate, damaged or foreign
+/// parts. Returns `parts`, `bytes` and `runs`.
 #[pyfunction]
 #[pyo3(signature = (study, parts, out, *, model = None, check = false))]
 pub fn sweep_merge<'py>(
@@ -138,22 +149,24 @@ pub fn sweep_merge<'py>(
     check: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = load(py, &study, model, check)?;
-    let merged = watch::free(py, |go_on| parts::merge(&study, &parts, &out, &|| go_on(), &mut |_| {}))?;
-    let Merged { parts, bytes, found } = merged.map_err(|error| part(py, &error))?;
-    let said = PyDict::new(py);
-    said.set_item("parts", parts)?;
-    said.set_item("bytes", bytes)?;
-    said.set_item("runs", found.runs)?;
-    Ok(said)
+    let merged =
+        interruptible::run(py, |keep_running| parts::merge(&study, &parts, &out, &|| keep_running(), &mut |_| {}))?;
+    let MergeResult { parts, bytes, summary } = merged.map_err(|error| part_error(py, &error))?;
+    let info = PyDict::new(py);
+    info.set_item("parts", parts)?;
+    info.set_item("bytes", bytes)?;
+    info.set_item("runs", summary.runs)?;
+    Ok(info)
 }
 
-/// The files of a study: its own, then those of its base scene.
+/// Returns the files of a study: the study file, then the files of its base scene.
 #[pyfunction]
 pub fn _study_files(py: Python<'_>, study: PathBuf) -> PyResult<Vec<PathBuf>> {
     files(&study).map_err(|error| errors::study(py, &error))
 }
 
-/// What a study is: `name`, `model`, `runs`, `designs`, and `fingerprint`, which tells studies apart whose results differ.
+/// Describes a study: `name`, `model`, `runs`, `designs`, and `fingerprint`, which differs between studies with
+/// different results.
 #[pyfunction]
 #[pyo3(signature = (study, *, model = None, check = false))]
 pub fn study_info<'py>(
@@ -163,15 +176,15 @@ pub fn study_info<'py>(
     check: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = load(py, &study, model, check)?;
-    let said = PyDict::new(py);
-    said.set_item("name", &study.name)?;
-    said.set_item("model", study.model.name())?;
-    said.set_item("runs", study.runs())?;
-    said.set_item("designs", study.designs())?;
-    said.set_item("fingerprint", study.fingerprint())?;
-    Ok(said)
+    let info = PyDict::new(py);
+    info.set_item("name", &study.name)?;
+    info.set_item("model", study.model.name())?;
+    info.set_item("runs", study.runs())?;
+    info.set_item("designs", study.designs())?;
+    info.set_item("fingerprint", study.fingerprint())?;
+    Ok(info)
 }
 
-fn part(py: Python<'_>, error: &PartError) -> PyErr {
+fn part_error(py: Python<'_>, error: &PartError) -> PyErr {
     errors::sweep(py, format!("error: {error}"))
 }

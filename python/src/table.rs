@@ -1,4 +1,4 @@
-//! Tables of sweeps.
+//! The class `Table`: results of a sweep.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -6,45 +6,47 @@ use std::sync::Arc;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, BooleanArray, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field};
+use phalanx::format::numbers::format_number;
+use phalanx::format::report;
 use phalanx::study::sweep::summary;
 use phalanx::table::{self, Column, Kind, Value};
-use phalanx::wording::figures::figure;
-use phalanx::wording::report;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
-use super::{columns, errors, words};
+use super::{columns, conversion, errors};
 
-/// Rows that `print` shows, and how wide they may be.
-const SHOWN: usize = 5;
-const WIDTH: usize = 100;
+/// Number of rows that `print` shows.
+const PREVIEW_ROWS: usize = 5;
+/// Width of the printed text, characters.
+const PREVIEW_WIDTH: usize = 100;
 
-/// What a sweep found: a row for each run, columns as in the tables of `phalanx sweep`, figures in SI.
+/// The results of a sweep: one row for each run, columns as in the tables of `phalanx sweep`, values in SI.
 #[pyclass(frozen, module = "phalanx")]
 pub struct Table {
     batch: RecordBatch,
-    /// Counts, as a document.
-    counts: String,
+    /// Counts of runs, as a JSON document.
+    summary: String,
 }
 
 impl Table {
-    /// Of the results of a sweep; `wanted`: of these columns alone.
-    pub fn new(py: Python<'_>, found: table::Table, wanted: Option<&[String]>) -> PyResult<Self> {
-        let counts = summary(&found).map_err(|error| errors::table(py, &error))?;
+    /// Converts the results of a sweep; `requested`: only these columns.
+    pub fn new(py: Python<'_>, results: table::Table, requested: Option<&[String]>) -> PyResult<Self> {
+        let counts = summary(&results).map_err(|error| errors::table(py, &error))?;
         let mut document = serde_json::to_value(&counts).unwrap_or_default();
-        for (key, of) in [("by_status", &counts.by_status), ("by_class", &counts.by_class)] {
-            document[key] = of.iter().map(|(name, count)| (name.clone(), serde_json::Value::from(*count))).collect();
+        for (key, counts) in [("by_status", &counts.by_status), ("by_class", &counts.by_class)] {
+            document[key] =
+                counts.iter().map(|(name, count)| (name.clone(), serde_json::Value::from(*count))).collect();
         }
-        let table::Table { columns, rows, .. } = found;
-        let taken = |column: &Column| wanted.is_none_or(|wanted| wanted.contains(&column.name));
+        let table::Table { columns, rows, .. } = results;
+        let is_requested = |column: &Column| requested.is_none_or(|names| names.contains(&column.name));
         let (fields, arrays): (Vec<Field>, Vec<ArrayRef>) = columns
             .iter()
             .enumerate()
-            .filter(|(_, column)| taken(column))
-            .map(|(at, column)| of_kind(column, at, &rows))
+            .filter(|(_, column)| is_requested(column))
+            .map(|(index, column)| arrow_column(column, index, &rows))
             .unzip();
-        Ok(Table { batch: columns::made(fields, arrays)?, counts: document.to_string() })
+        Ok(Table { batch: columns::build_batch(fields, arrays)?, summary: document.to_string() })
     }
 
     fn names(&self) -> Vec<&str> {
@@ -52,34 +54,34 @@ impl Table {
     }
 }
 
-/// One column of rows.
-fn of_kind(column: &Column, at: usize, rows: &[Vec<Value>]) -> (Field, ArrayRef) {
-    let cells = rows.iter().map(|row| row.get(at).unwrap_or(&Value::Missing));
-    let (kind, array): (DataType, ArrayRef) = match column.kind {
+/// Converts one column of the rows to Arrow.
+fn arrow_column(column: &Column, index: usize, rows: &[Vec<Value>]) -> (Field, ArrayRef) {
+    let cells = rows.iter().map(|row| row.get(index).unwrap_or(&Value::Missing));
+    let (data_type, array): (DataType, ArrayRef) = match column.kind {
         Kind::Integer => {
-            let of = |cell: &Value| if let Value::Integer(whole) = cell { Some(*whole) } else { None };
-            (DataType::Int64, Arc::new(cells.map(of).collect::<PrimitiveArray<Int64Type>>()))
+            let integer = |cell: &Value| if let Value::Integer(integer) = cell { Some(*integer) } else { None };
+            (DataType::Int64, Arc::new(cells.map(integer).collect::<PrimitiveArray<Int64Type>>()))
         }
         Kind::Number => {
-            let of = |cell: &Value| if let Value::Number(number) = cell { Some(*number) } else { None };
-            (DataType::Float64, Arc::new(cells.map(of).collect::<PrimitiveArray<Float64Type>>()))
+            let number = |cell: &Value| if let Value::Number(number) = cell { Some(*number) } else { None };
+            (DataType::Float64, Arc::new(cells.map(number).collect::<PrimitiveArray<Float64Type>>()))
         }
         Kind::Flag => {
-            let of = |cell: &Value| if let Value::Flag(flag) = cell { Some(*flag) } else { None };
-            (DataType::Boolean, Arc::new(cells.map(of).collect::<BooleanArray>()))
+            let flag = |cell: &Value| if let Value::Flag(flag) = cell { Some(*flag) } else { None };
+            (DataType::Boolean, Arc::new(cells.map(flag).collect::<BooleanArray>()))
         }
         Kind::Text => (DataType::Utf8, Arc::new(cells.map(text).collect::<StringArray>())),
     };
-    (Field::new(&column.name, kind, true), array)
+    (Field::new(&column.name, data_type, true), array)
 }
 
 fn text(cell: &Value) -> Option<&str> {
     if let Value::Text(text) = cell { Some(text) } else { None }
 }
 
-/// The same as a table of phalanx, to be written.
-fn rows(batch: &RecordBatch) -> table::Table {
-    fn of<A: Array + 'static, V>(array: &ArrayRef, get: impl Fn(&A, usize) -> V) -> Vec<Value>
+/// Converts a batch to a table of the library, for writing and printing.
+fn to_library_table(batch: &RecordBatch) -> table::Table {
+    fn values<A: Array + 'static, V>(array: &ArrayRef, get: impl Fn(&A, usize) -> V) -> Vec<Value>
     where
         Value: From<V>,
     {
@@ -88,10 +90,14 @@ fn rows(batch: &RecordBatch) -> table::Table {
     }
     let column = |(field, array): (&Arc<Field>, &ArrayRef)| {
         let (kind, cells) = match field.data_type() {
-            DataType::Int64 => (Kind::Integer, of(array, |of: &PrimitiveArray<Int64Type>, row| of.value(row))),
-            DataType::Float64 => (Kind::Number, of(array, |of: &PrimitiveArray<Float64Type>, row| of.value(row))),
-            DataType::Boolean => (Kind::Flag, of(array, |of: &BooleanArray, row| of.value(row))),
-            _ => (Kind::Text, of(array, |of: &StringArray, row| of.value(row).to_string())),
+            DataType::Int64 => {
+                (Kind::Integer, values(array, |cells: &PrimitiveArray<Int64Type>, row| cells.value(row)))
+            }
+            DataType::Float64 => {
+                (Kind::Number, values(array, |cells: &PrimitiveArray<Float64Type>, row| cells.value(row)))
+            }
+            DataType::Boolean => (Kind::Flag, values(array, |cells: &BooleanArray, row| cells.value(row))),
+            _ => (Kind::Text, values(array, |cells: &StringArray, row| cells.value(row).to_string())),
         };
         (Column::new(field.name(), kind), cells.into_iter())
     };
@@ -104,15 +110,20 @@ fn rows(batch: &RecordBatch) -> table::Table {
 
 #[pymethods]
 impl Table {
-    /// A column as an array of numpy. Numbers are a view that cannot be written to, or where some are missing a copy with NaN there;
-    /// flags are bools and texts objects, None where missing.
+    /// Returns a column as a numpy array.
+    ///
+    /// Numbers are a read-only view, or a copy with NaN if values are missing. Flags are bools, or objects if values
+    /// are missing; strings are objects. Missing objects are None.
     fn __getitem__<'py>(&self, py: Python<'py>, column: &str) -> PyResult<Bound<'py, PyAny>> {
         let array = self.batch.column_by_name(column).ok_or_else(|| {
-            let near = phalanx::scene::nearest(column, &self.names());
-            let meant = near.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default();
-            PyKeyError::new_err(format!("{column}: no column of this table{meant} table.columns names all"))
+            let similar = phalanx::scene::closest_match(column, &self.names());
+            let suggestion =
+                similar.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_else(|| ".".to_string());
+            PyKeyError::new_err(format!(
+                "{column} is not a column of this table{suggestion} table.columns lists all columns"
+            ))
         })?;
-        columns::cells(py, array)
+        columns::column_array(py, array)
     }
 
     /// Names of all columns, with their units.
@@ -121,38 +132,39 @@ impl Table {
         self.names()
     }
 
-    /// How many runs ended how: `runs`, `by_status`, `by_class`, and `reasons` of those that were not completed or
-    /// have no class, because the finger cannot grasp its object (`no_class` of them).
+    /// Counts of runs: `runs`, `by_status`, `by_class`, and `reasons` of runs that were not completed or have no class.
+    ///
+    /// `no_class` is the number of completed runs without a class, because the finger cannot grasp its object.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        words::json(py, &self.counts)
+        conversion::parse_json(py, &self.summary)
     }
 
-    /// All columns as a pandas DataFrame.
+    /// Returns all columns as a pandas DataFrame.
     fn to_pandas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        columns::pandas(py, &self.batch)
+        columns::to_pandas(py, &self.batch)
     }
 
-    /// All columns as a Polars DataFrame.
+    /// Returns all columns as a Polars DataFrame.
     fn to_polars<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        columns::polars(slf.py(), slf.as_any())
+        columns::to_polars(slf.py(), slf.as_any())
     }
 
-    /// All columns as a stream of Arrow, for pyarrow, Polars, DuckDB and others.
+    /// Returns all columns as an Arrow stream, for pyarrow, Polars, DuckDB and others.
     #[pyo3(signature = (requested_schema = None))]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,
         requested_schema: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // A wish that nobody has to grant.
+        // The protocol allows a producer to ignore the requested schema.
         let _ = requested_schema;
-        columns::stream(py, &self.batch)
+        columns::arrow_stream(py, &self.batch)
     }
 
-    /// Writes the table as CSV or Parquet, by the name.
+    /// Writes the table as CSV or Parquet, by the suffix of the path.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        table::write(&path, &rows(&self.batch)).map_err(|error| errors::table(py, &error))
+        table::write(&path, &to_library_table(&self.batch)).map_err(|error| errors::table(py, &error))
     }
 
     fn __len__(&self) -> usize {
@@ -165,20 +177,21 @@ impl Table {
         Ok(format!("<phalanx.Table of {runs} runs and {columns} columns, {statuses}>"))
     }
 
-    /// The first rows, columns in groups as wide as a terminal, and how many rows there are.
+    /// Returns the first rows as text, wrapped by columns, and the number of all rows.
     fn __str__(&self, py: Python<'_>) -> PyResult<String> {
-        let first = rows(&self.batch.slice(0, self.batch.num_rows().min(SHOWN)));
-        let head = first.columns.iter().map(|column| column.name.clone()).collect();
-        let shown = |value: &Value| match value {
-            Value::Number(number) => figure(*number, 5),
+        let first = to_library_table(&self.batch.slice(0, self.batch.num_rows().min(PREVIEW_ROWS)));
+        let header = first.columns.iter().map(|column| column.name.clone()).collect();
+        let cell_text = |value: &Value| match value {
+            Value::Number(number) => format_number(*number, 5),
             Value::Missing => "–".to_string(),
             Value::Text(text) if text.chars().count() > 20 => text.chars().take(19).chain(['…']).collect(),
             other => other.text(),
         };
-        let cells = first.rows.iter().map(|row| row.iter().map(shown).collect());
-        let text = report::table(&std::iter::once(head).chain(cells).collect::<Vec<Vec<String>>>()).fitted(WIDTH);
-        let more = self.batch.num_rows() - first.rows.len();
-        let more = if more > 0 { format!("and {more} more rows\n") } else { String::new() };
-        Ok(format!("{text}{more}{}", self.__repr__(py)?))
+        let cells = first.rows.iter().map(|row| row.iter().map(cell_text).collect());
+        let lines = std::iter::once(header).chain(cells).collect::<Vec<Vec<String>>>();
+        let text = report::table(&lines).to_wrapped_text(PREVIEW_WIDTH);
+        let hidden = self.batch.num_rows() - first.rows.len();
+        let hidden = if hidden > 0 { format!("and {hidden} more rows\n") } else { String::new() };
+        Ok(format!("{text}{hidden}{}", self.__repr__(py)?))
     }
 }

@@ -1,4 +1,4 @@
-"""A Ray cluster of two nodes on this machine, a processor each, whose workers and nodes can be killed."""
+"""A Ray cluster of two nodes with one processor each on this machine, whose workers and nodes can be killed."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 HOST = "127.0.0.1"
-# A dead node is noticed in seconds, not in a quarter of a minute as by default.
-HEALTH = {
+# Ray then detects a dead node within seconds; by default it takes about 15 s.
+HEALTH_CHECK = {
     "RAY_health_check_initial_delay_ms": "1000",
     "RAY_health_check_period_ms": "1000",
     "RAY_health_check_timeout_ms": "2000",
@@ -25,7 +25,7 @@ HEALTH = {
 
 
 def descendants(pid: int) -> list[int]:
-    """All processes below one, from the kernel's table."""
+    """Returns all descendants of a process, from /proc."""
     children: dict[int, list[int]] = {}
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -33,12 +33,12 @@ def descendants(pid: int) -> list[int]:
         except OSError:
             continue
         children.setdefault(int(fields[1]), []).append(int(status.parent.name))
-    found, open_ = [], [pid]
-    while open_:
-        of = children.get(open_.pop(), [])
-        found += of
-        open_ += of
-    return found
+    result, pending = [], [pid]
+    while pending:
+        pids = children.get(pending.pop(), [])
+        result += pids
+        pending += pids
+    return result
 
 
 def command(pid: int) -> str:
@@ -56,13 +56,13 @@ def kill(pid: int) -> None:
 
 
 class Node:
-    """One `ray start`, with everything it starts."""
+    """A `ray start` process with its descendants."""
 
     def __init__(self, arguments: list[str], directory: str) -> None:
         ray = Path(sys.executable).with_name("ray")
         call = [str(ray), "start", *arguments, f"--node-ip-address={HOST}", "--num-cpus=1", "--block", "--disable-usage-stats"]
         log = Path(directory, f"{'head' if '--head' in arguments else 'second'}.log").open("w")
-        environment = {**os.environ, **HEALTH, "RAY_TMPDIR": directory}
+        environment = {**os.environ, **HEALTH_CHECK, "RAY_TMPDIR": directory}
         self.process = subprocess.Popen(call, stdout=log, stderr=subprocess.STDOUT, env=environment, start_new_session=True)
         log.close()
 
@@ -70,54 +70,56 @@ class Node:
         return [self.process.pid, *descendants(self.process.pid)]
 
     def busy_worker(self) -> int | None:
-        """A worker that is at one of our tasks."""
+        """Returns a worker process that runs a task of phalanx."""
         return next((pid for pid in self.processes() if "ray::" in command(pid) and "_shard" in command(pid)), None)
 
     def kill(self) -> None:
-        """All of it at once, as when a machine is gone; then whatever it started meanwhile."""
-        known = self.processes()
-        for pid in known:
+        """Kills all processes of the node, like the failure of a machine."""
+        for pid in self.processes():
             kill(pid)
         self.process.wait()
 
 
 @contextmanager
 def cluster() -> Iterator[tuple[str, Node, Node]]:
-    """The address of a cluster, its head and its second node. Ray is imported within it: its library looks for the token once."""
-    with socket.socket() as free:
-        free.bind((HOST, 0))
-        port = free.getsockname()[1]
+    """Yields the address of a cluster, its head and its second node.
+
+    Import Ray only inside, because it reads the token only once.
+    """
+    with socket.socket() as probe:
+        probe.bind((HOST, 0))
+        port = probe.getsockname()[1]
     address = f"{HOST}:{port}"
-    # Ray listens on all interfaces, and whoever may talk to it may run anything: only who has this cluster's own token may.
+    # Ray listens on all interfaces and executes arbitrary code for its clients, so the cluster requires a secret token.
     token = {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
     os.environ.update(token)
     with tempfile.TemporaryDirectory(prefix="ray-", dir="/tmp", ignore_cleanup_errors=True) as directory:
-        started: list[Node] = []
+        nodes: list[Node] = []
         try:
-            started.append(Node(["--head", f"--port={port}", "--include-dashboard=false"], directory))
-            _answers(port)
-            started.append(Node([f"--address={address}"], directory))
-            yield address, started[0], started[1]
+            nodes.append(Node(["--head", f"--port={port}", "--include-dashboard=false"], directory))
+            _wait_for_port(port)
+            nodes.append(Node([f"--address={address}"], directory))
+            yield address, nodes[0], nodes[1]
         finally:
-            for node in reversed(started):
+            for node in reversed(nodes):
                 node.kill()
             for name in token:
                 del os.environ[name]
 
 
-def _answers(port: int) -> None:
+def _wait_for_port(port: int) -> None:
     for _ in range(600):
         with socket.socket() as probe:
             if probe.connect_ex((HOST, port)) == 0:
                 return
         time.sleep(0.1)
-    raise TimeoutError("the head of the cluster does not answer")
+    raise TimeoutError("the head of the cluster does not respond")
 
 
 def wait_for_nodes(ray: object, count: int) -> None:
-    """Until so many nodes are there, a worker's start included."""
+    """Waits until the cluster has exactly `count` live nodes."""
     for _ in range(600):
         if sum(node["Alive"] for node in ray.nodes()) == count:  # type: ignore[attr-defined]
             return
         time.sleep(0.1)
-    raise TimeoutError(f"the cluster has not {count} nodes")
+    raise TimeoutError(f"the cluster does not have {count} nodes")

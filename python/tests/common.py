@@ -1,4 +1,4 @@
-"""What the tests share."""
+"""Paths and helpers of the tests."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ THESIS = SCENES / "studies" / "thesis.toml"
 
 
 def command(*arguments: object, status: int = 0) -> str:
-    """What a command of the program prints; $PHALANX is that."""
+    """Runs a command of the program $PHALANX; returns its output, or its error output if it is expected to fail."""
     call = [os.environ["PHALANX"], *map(str, arguments)]
     result = subprocess.run(call, capture_output=True, text=True, check=False)
     if result.returncode != status:
@@ -25,5 +25,5 @@ def command(*arguments: object, status: int = 0) -> str:
 
 
 def document(*arguments: object) -> dict:
-    """The same as JSON."""
+    """Returns the JSON output of a command."""
     return json.loads(command(*arguments, "--json"))

@@ -1,4 +1,4 @@
-"""Every example runs, small, and writes what it says."""
+"""Every example runs with `--quick` and writes its output file."""
 
 import os
 import subprocess
@@ -12,7 +12,7 @@ SHARED = {"grid.py"}
 
 
 class Examples(unittest.TestCase):
-    def test_every_example_runs_and_writes_its_picture_or_table(self):
+    def test_every_example_runs_and_writes_its_figure_or_table(self):
         scripts = sorted(path for path in EXAMPLES.glob("*.py") if path.name not in SHARED)
         self.assertEqual(len(scripts), 7)
         for script in scripts:

@@ -1,4 +1,4 @@
-"""Every piece of Python in the documents runs, in order, as a reader would go through it; and the plot takes five lines."""
+"""All Python blocks of the documents run in order, and the first plot takes five lines."""
 
 import re
 import shutil
@@ -15,7 +15,7 @@ BLOCK = re.compile(r"^```py\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 class Pages(unittest.TestCase):
-    def test_what_is_shown_runs(self):
+    def test_all_code_blocks_run(self):
         for page in PAGES:
             blocks = BLOCK.findall(page.read_text())
             self.assertTrue(blocks, page)
@@ -28,7 +28,7 @@ class Pages(unittest.TestCase):
                 if "savefig" in blocks[0]:
                     self.assertTrue((Path(directory) / "q11.png").read_bytes().startswith(b"\x89PNG"))
 
-    def test_a_plot_takes_five_lines(self):
+    def test_first_plot_takes_five_lines(self):
         first = BLOCK.findall((ROOT / "python" / "README.md").read_text())[0]
         self.assertEqual(len(first.strip().splitlines()), 5)
 

@@ -1,4 +1,4 @@
-"""Runs: the same as the program's, as columns that nobody has copied."""
+"""Runs give the same results as the program, as columns without copies."""
 
 import csv
 import html
@@ -19,12 +19,12 @@ def address(array: np.ndarray) -> int:
 
 
 class Runs(unittest.TestCase):
-    def same(self, ours: dict, theirs: dict) -> None:
+    def assert_same_results(self, package: dict, program: dict) -> None:
         for key in ("wall_s", "log"):
-            ours.pop(key), theirs.pop(key)
-        self.assertEqual(ours, theirs)
+            package.pop(key), program.pop(key)
+        self.assertEqual(package, program)
 
-    def test_a_run_is_that_of_the_program(self):
+    def test_run_equals_the_run_of_the_program(self):
         cases = [
             (ANCHOR, {}, []),
             (ANCHOR, {"preset": "reference", "duration": "8 ms"}, ["--preset", "reference", "--duration", "8 ms"]),
@@ -33,31 +33,31 @@ class Runs(unittest.TestCase):
             (GRIPPER, {"duration": "12 ms"}, ["--duration", "12 ms"]),
             (DISCS, {}, []),
         ]
-        for scene, ours, flags in cases:
+        for scene, options, flags in cases:
             with self.subTest(scene=scene.name, flags=flags):
-                result = phalanx.run(scene, check=None, **ours)
-                self.same(result.summary, document("run", scene, *flags))
+                result = phalanx.run(scene, check=None, **options)
+                self.assert_same_results(result.summary, document("run", scene, *flags))
                 self.assertEqual(result.outcome["steps"], result.summary["steps"])
 
-    def test_checks_are_made_where_they_are_wanted(self):
+    def test_run_is_checked_only_on_request(self):
         self.assertIsNone(phalanx.run(ANCHOR).check)
         self.assertEqual(phalanx.run(ANCHOR, check=True).check["verdict"], "sure")
 
-    def test_columns_are_those_of_the_table(self):
+    def test_columns_equal_the_csv_table_of_replay(self):
         with tempfile.TemporaryDirectory() as directory:
             log, table = Path(directory) / "run.mcap", Path(directory) / "run.csv"
             command("run", ANCHOR, "--log", log)
             command("replay", log, "--csv", table)
             with table.open(newline="") as file:
-                head, *rows = list(csv.reader(file))
+                header, *rows = list(csv.reader(file))
             result = phalanx.run(ANCHOR)
-            self.assertEqual(result.columns, head)
+            self.assertEqual(result.columns, header)
             self.assertEqual(len(result), len(rows))
-            for index, name in enumerate(head):
-                theirs = np.array([float(row[index] or "nan") for row in rows])
-                np.testing.assert_array_equal(result[name], theirs, err_msg=name)
+            for index, name in enumerate(header):
+                expected = np.array([float(row[index] or "nan") for row in rows])
+                np.testing.assert_array_equal(result[name], expected, err_msg=name)
 
-    def test_nothing_is_copied(self):
+    def test_columns_are_not_copied(self):
         result = phalanx.run(ANCHOR)
         q11 = result["q11_rad"]
         self.assertEqual((q11.dtype, q11.flags.writeable, q11.flags.owndata), (np.float64, False, False))
@@ -68,7 +68,7 @@ class Runs(unittest.TestCase):
         self.assertEqual(address(result.to_polars()["q11_rad"].to_numpy(allow_copy=False)), address(q11))
         self.assertTrue(np.shares_memory(result.to_pandas()["q11_rad"].to_numpy(), q11))
         self.assertEqual(polars.DataFrame(result).columns, result.columns)
-        # The numbers outlive the run.
+        # The array remains valid after its result has been deleted.
         last = q11[-1]
         del result, table
         self.assertEqual(q11[-1], last)
@@ -79,71 +79,70 @@ class Runs(unittest.TestCase):
 
     def test_events_and_criteria(self):
         result = phalanx.run(ANCHOR)
-        touches = [event for event in result.events if event.kind == "touch-down" and event.time_s > 0]
-        self.assertEqual([event.contact for event in touches], ["proximal", "distal"])
-        self.assertAlmostEqual(touches[1].time_s, 6.883746e-3, places=8)
-        self.assertGreater(touches[0].approach_speed, 2)
+        touch_downs = [event for event in result.events if event.kind == "touch-down" and event.time_s > 0]
+        self.assertEqual([event.contact for event in touch_downs], ["proximal", "distal"])
+        self.assertAlmostEqual(touch_downs[1].time_s, 6.883746e-3, places=8)
+        self.assertGreater(touch_downs[0].approach_speed, 2)
         self.assertEqual(result.criteria["class"], "stable")
         self.assertIn("from 6.88 ms on, in less than 15 ms", result.criteria["class_reason"])
         damped = phalanx.run(phalanx.Scene.load(ANCHOR).with_({"contact.damping": "1e4 N*s/m"})).criteria
         self.assertEqual(damped["class"], "unstable")
         self.assertEqual(damped["class_reason"], "q21 ends 0.249° from the grasp; at most 0.2° count as in position")
-        self.assertAlmostEqual(result.contacts["proximal"]["first_s"], touches[0].time_s, places=12)
+        self.assertAlmostEqual(result.contacts["proximal"]["first_s"], touch_downs[0].time_s, places=12)
         self.assertAlmostEqual(result.energies["balance_j"], result["balance_j"][-1])
         gripper = phalanx.run(GRIPPER)
         self.assertEqual(gripper.criteria["fate"], "held")
         self.assertIsNone(phalanx.run(DISCS).criteria)
 
-    def test_a_log_is_that_of_the_program(self):
+    def test_log_equals_the_log_of_the_program(self):
         with tempfile.TemporaryDirectory() as directory:
-            theirs, ours, during = (Path(directory) / f"{name}.mcap" for name in ("theirs", "ours", "during"))
-            for scene, flags, settings in ((ANCHOR, [], {}), (GRIPPER, ["--duration", "10 ms"], {"duration": "10 ms"})):
-                command("run", scene, "--log", theirs, *flags)
-                result = phalanx.run(scene, check=None, log=during, **settings)
-                result.save(ours)
-                self.assertEqual(ours.read_bytes(), theirs.read_bytes())
-                self.assertEqual(during.read_bytes(), theirs.read_bytes())
-                read = phalanx.read_log(theirs)
+            program, saved, logged = (Path(directory) / f"{name}.mcap" for name in ("program", "saved", "logged"))
+            for scene, flags, options in ((ANCHOR, [], {}), (GRIPPER, ["--duration", "10 ms"], {"duration": "10 ms"})):
+                command("run", scene, "--log", program, *flags)
+                result = phalanx.run(scene, check=None, log=logged, **options)
+                result.save(saved)
+                self.assertEqual(saved.read_bytes(), program.read_bytes())
+                self.assertEqual(logged.read_bytes(), program.read_bytes())
+                read = phalanx.read_log(program)
                 self.assertEqual(read.events, result.events)
                 self.assertEqual(read.columns, result.columns)
                 for name in result.columns:
                     np.testing.assert_array_equal(read[name], result[name], err_msg=name)
                 self.assertEqual(read.criteria, result.criteria)
-                summary, shown = read.summary, document("replay", theirs)
-                self.assertEqual(summary, shown)
+                self.assertEqual(read.summary, document("replay", program))
 
-    def test_what_is_no_log_is_refused(self):
-        for path, words in ((ANCHOR, "MCAP"), (ANCHOR.parent / "no.mcap", "there is no log")):
-            with self.assertRaisesRegex(phalanx.RunError, words):
+    def test_read_log_rejects_other_files(self):
+        for path, message in ((ANCHOR, "MCAP"), (ANCHOR.parent / "no.mcap", "there is no log")):
+            with self.assertRaisesRegex(phalanx.RunError, message):
                 phalanx.read_log(path)
 
-    def test_the_page_is_that_of_the_program(self):
+    def test_page_equals_the_page_of_the_program(self):
         with tempfile.TemporaryDirectory() as directory:
             page = Path(directory) / "run.html"
             command("run", ANCHOR, "--html", page)
-            # The one figure of a page that two runs do not share is how long they took.
-            timeless = lambda text: [line for line in text.splitlines() if " wall " not in line and "steps" not in line]  # noqa: E731
+            # Only the wall times differ between two runs.
+            without_times = lambda text: [line for line in text.splitlines() if " wall " not in line and "steps" not in line]  # noqa: E731
             result = phalanx.run(ANCHOR, check=None)
-            self.assertEqual(timeless(result.html()), timeless(page.read_text()))
+            self.assertEqual(without_times(result.html()), without_times(page.read_text()))
             frame = result._repr_html_()
-            inside = re.match(r'<iframe srcdoc="([^"]*)" sandbox="allow-scripts', frame)[1]
-            self.assertEqual(html.unescape(inside), result.html())
+            content = re.match(r'<iframe srcdoc="([^"]*)" sandbox="allow-scripts', frame)[1]
+            self.assertEqual(html.unescape(content), result.html())
 
-    def test_wrong_arguments_are_refused_as_by_the_program(self):
-        for settings, words in (
+    def test_invalid_arguments_raise_the_errors_of_the_program(self):
+        for options, message in (
             ({"model": "magic"}, "\"analytic\" or \"engine\""),
             ({"preset": "fine"}, "\"engineering\" or \"reference\""),
-            ({"step": "1 us"}, "leave --step out or say --model engine"),
+            ({"step": "1 us"}, "leave --step out or use --model engine"),
             ({"model": "engine", "rtol": 1e-6}, "leave --rtol out"),
             ({"rtol": 2.0}, "between 0 and 1"),
             ({"duration": "0 ms"}, "longer than 0"),
             ({"model": "engine", "step": "1 us", "tolerance": "1 um"}, "leave one of them out"),
-            ({"numeric_rate": "9000 MHz"}, "give --numeric-rate"),
+            ({"numeric_rate": "9000 MHz"}, "use --numeric-rate"),
         ):
-            with self.subTest(settings=settings), self.assertRaisesRegex(phalanx.SceneError, words):
-                phalanx.run(ANCHOR, **settings)
+            with self.subTest(options=options), self.assertRaisesRegex(phalanx.SceneError, message):
+                phalanx.run(ANCHOR, **options)
 
-    def test_a_run_that_breaks_off_is_there_up_to_where_it_did(self):
+    def test_error_of_an_incomplete_run_contains_its_result(self):
         scene = phalanx.Scene.load(ANCHOR).with_({"integrator.max_steps": 100})
         with self.assertRaisesRegex(phalanx.RunError, "the simulation stopped at") as caught:
             phalanx.run(scene)

@@ -1,4 +1,4 @@
-"""Scenes: read, changed, refused."""
+"""Scenes are read, changed and validated."""
 
 import copy
 import pickle
@@ -10,23 +10,23 @@ from common import ANCHOR, DISCS, GRIPPER, ROOT, SCENES, command
 
 
 class Scenes(unittest.TestCase):
-    def test_a_scene_is_what_the_program_shows(self):
+    def test_scene_text_equals_the_output_of_scene_show(self):
         for path in (ANCHOR, GRIPPER, DISCS):
             scene = phalanx.Scene.load(path)
             self.assertEqual(scene.toml, command("scene", "show", path))
             self.assertEqual(scene.resolved, command("scene", "show", path, "--resolved"))
         self.assertEqual([phalanx.Scene.load(path).kind for path in (ANCHOR, GRIPPER, DISCS)], ["finger", "gripper", "bodies"])
 
-    def test_every_shipped_scene_comes_back_from_its_dictionary(self):
+    def test_every_shipped_scene_survives_a_dictionary_round_trip(self):
         paths = [path for path in SCENES.glob("**/*.toml") if "studies" not in path.parts]
         self.assertGreater(len(paths), 40)
         for path in paths:
             with self.subTest(path=path.relative_to(ROOT)):
                 scene = phalanx.Scene.load(path)
-                again = phalanx.Scene.from_dict(scene.to_dict())
-                self.assertEqual(again.resolved, scene.resolved)
+                restored = phalanx.Scene.from_dict(scene.to_dict())
+                self.assertEqual(restored.resolved, scene.resolved)
 
-    def test_fields_are_set_as_on_the_command_line(self):
+    def test_with_sets_fields_like_the_command_line(self):
         scene = phalanx.Scene.load(ANCHOR)
         changed = scene.with_({"contact.friction.mu_static": 0.6, "design.base": "14 mm", "palm": False})
         flags = ["--set", "contact.friction.mu_static=0.6", "--set", "design.base=14 mm", "--set", "palm=false"]
@@ -40,12 +40,12 @@ class Scenes(unittest.TestCase):
         with self.assertRaises(KeyError):
             scene["design.bsae"]
 
-    def test_a_text_extends_what_stands_beside_its_name(self):
+    def test_text_extends_a_scene_in_the_directory_of_its_name(self):
         text = 'extends = "experiment-95.toml"\nduration = "5 ms"\n'
         scene = phalanx.Scene.from_toml(text, str(SCENES / "mine.toml"))
         self.assertEqual((scene.duration_s, scene["design.base"]), (0.005, "15.5 mm"))
 
-    def test_what_is_wrong_has_its_place(self):
+    def test_scene_error_has_a_position(self):
         with self.assertRaises(phalanx.SceneError) as caught:
             phalanx.Scene.from_toml('[design]\nbase = "12 s"\nbsae = 1\n', "own.toml")
         error = caught.exception
@@ -54,32 +54,32 @@ class Scenes(unittest.TestCase):
         self.assertIn("own.toml:2:8", str(error))
         self.assertTrue(error.help)
         self.assertIsInstance(error, phalanx.PhalanxError)
-        again = pickle.loads(pickle.dumps(error))
-        self.assertEqual((str(again), again.line, again.problems), (str(error), 2, error.problems))
+        restored = pickle.loads(pickle.dumps(error))
+        self.assertEqual((str(restored), restored.line, restored.problems), (str(error), 2, error.problems))
 
-    def test_messages_are_those_of_the_command_line(self):
+    def test_messages_equal_those_of_the_command_line(self):
         scene = phalanx.Scene.load(ANCHOR)
         for field, value in {"contact.friction.mu_static": -1, "design.base": "12", "design.bsae": "1 mm", "palm": "no"}.items():
-            said = command("run", ANCHOR, "--set", f"{field}={value}", status=2)
+            expected = command("run", ANCHOR, "--set", f"{field}={value}", status=2)
             with self.assertRaises(phalanx.SceneError) as caught:
                 scene.with_({field: value})
-            # Only what the place is called differs, and how long that is.
-            ours = str(caught.exception).replace("with_:", "--set:")
-            self.assertEqual(ours.split(), said.split())
+            # Only the name of the source differs, and with its length the indentation.
+            message = str(caught.exception).replace("with_:", "--set:")
+            self.assertEqual(message.split(), expected.split())
             self.assertEqual(caught.exception.field, field)
         with self.assertRaises(phalanx.SceneError) as caught:
             phalanx.Scene.load("no-such.toml")
         self.assertEqual(str(caught.exception).strip(), command("run", "no-such.toml", status=2).strip())
-        for wrong in ({"a b": 1}, {"design.base": ""}):
+        for invalid in ({"a b": 1}, {"design.base": ""}):
             with self.assertRaises(phalanx.SceneError):
-                scene.with_(wrong)
+                scene.with_(invalid)
         with self.assertRaises(TypeError):
             scene.with_({"design.base": object()})
 
-    def test_scenes_go_to_other_processes(self):
+    def test_scenes_can_be_pickled_and_copied(self):
         scene = phalanx.Scene.load(GRIPPER).with_({"contact.friction.mu_static": 0.3})
-        for again in (pickle.loads(pickle.dumps(scene)), copy.deepcopy(scene)):
-            self.assertEqual(again.resolved, scene.resolved)
+        for restored in (pickle.loads(pickle.dumps(scene)), copy.deepcopy(scene)):
+            self.assertEqual(restored.resolved, scene.resolved)
         self.assertIn("0.3", repr(scene))
 
 

@@ -1,4 +1,4 @@
-"""The stubs are those of the module: names, parameters, defaults; and everything says what it is."""
+"""The stubs match the module (names, parameters, defaults), and all public items have docstrings."""
 
 import inspect
 import subprocess
@@ -14,29 +14,29 @@ from phalanx import _phalanx
 CONFIGURATION = str(Path(__file__).resolve().parents[1] / "pyproject.toml")
 
 
-def call(*arguments: str) -> subprocess.CompletedProcess:
-    # Not where a directory is called phalanx too.
+def run_module(*arguments: str) -> subprocess.CompletedProcess:
+    # In an empty directory, so that no local directory shadows the package phalanx.
     with tempfile.TemporaryDirectory() as directory:
         return subprocess.run([sys.executable, "-m", *arguments], capture_output=True, text=True, check=False, cwd=directory)
 
 
 class Stubs(unittest.TestCase):
-    def test_they_are_those_of_the_module(self):
-        with tempfile.NamedTemporaryFile("w", suffix=".txt") as allowed:
-            # An entry that nothing needs is an error, and has to be the only one: so it is really looked.
-            allowed.write("phalanx.run\n")
-            allowed.flush()
-            result = call("mypy.stubtest", "phalanx", "--allowlist", allowed.name, "--mypy-config-file", CONFIGURATION)
-        said = result.stdout + result.stderr
-        self.assertEqual(result.returncode, 1, said)
-        self.assertIn("unused allowlist entry phalanx.run", said)
-        self.assertIn("Found 1 error ", said)
+    def test_stubs_match_the_module(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".txt") as allowlist:
+            # The unused entry must be the only error, which proves that stubtest has compared the package.
+            allowlist.write("phalanx.run\n")
+            allowlist.flush()
+            result = run_module("mypy.stubtest", "phalanx", "--allowlist", allowlist.name, "--mypy-config-file", CONFIGURATION)
+        output = result.stdout + result.stderr
+        self.assertEqual(result.returncode, 1, output)
+        self.assertIn("unused allowlist entry phalanx.run", output)
+        self.assertIn("Found 1 error ", output)
 
-    def test_the_package_is_typed(self):
-        result = call("mypy", "--strict", "--config-file", CONFIGURATION, "-p", "phalanx")
+    def test_package_passes_strict_type_checks(self):
+        result = run_module("mypy", "--strict", "--config-file", CONFIGURATION, "-p", "phalanx")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
 
-    def test_everything_says_what_it_is(self):
+    def test_all_public_items_have_docstrings(self):
         for name in phalanx.__all__:
             if name != "__version__":
                 self.assertTrue(inspect.getdoc(getattr(phalanx, name)), name)

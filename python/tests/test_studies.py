@@ -1,5 +1,4 @@
-"""Sweeps, arrays of designs, parts."""
-
+"""Sweeps of study files, of arrays and in parts."""
 
 import itertools
 import tempfile
@@ -14,28 +13,27 @@ import pyarrow
 from common import ANCHOR, SCENES, THESIS, command
 
 
-
 class Evaluate(unittest.TestCase):
-    def test_rows_are_those_of_a_sweep(self):
+    def test_rows_equal_those_of_a_sweep(self):
         base = [12e-3, 15.5e-3, 19e-3]
         with tempfile.TemporaryDirectory() as directory:
             study, out = Path(directory) / "s.toml", Path(directory) / "s.parquet"
             study.write_text(f'scene = "{ANCHOR}"\n[[axes]]\nfield = "design.base"\nvalues = ["12 mm", "15.5 mm", "19 mm"]\n')
             command("sweep", study, "--out", out)
-            theirs = pandas.read_parquet(out)
-        found = phalanx.evaluate(ANCHOR, {"design.base": np.array(base)}, threads=2)
-        self.assertEqual(found.columns, list(theirs.columns))
-        ours = found.to_pandas()
-        for name in found.columns:
-            if theirs[name].dtype.kind in "fi":
-                np.testing.assert_array_equal(ours[name].to_numpy(), theirs[name].to_numpy(), err_msg=name)
+            expected = pandas.read_parquet(out)
+        table = phalanx.evaluate(ANCHOR, {"design.base": np.array(base)}, threads=2)
+        self.assertEqual(table.columns, list(expected.columns))
+        actual = table.to_pandas()
+        for name in table.columns:
+            if expected[name].dtype.kind in "fi":
+                np.testing.assert_array_equal(actual[name].to_numpy(), expected[name].to_numpy(), err_msg=name)
             else:
-                same = [a == b or (a is None and pandas.isna(b)) for a, b in zip(ours[name], theirs[name], strict=True)]
-                self.assertTrue(all(same), name)
+                equal = [a == b or (a is None and pandas.isna(b)) for a, b in zip(actual[name], expected[name], strict=True)]
+                self.assertTrue(all(equal), name)
 
-    def test_numbers_texts_and_single_values(self):
+    def test_accepts_numbers_texts_and_single_values(self):
         scene = phalanx.Scene.load(ANCHOR)
-        found = phalanx.evaluate(
+        table = phalanx.evaluate(
             scene,
             {
                 "design.base": ["14 mm", 0.014, np.float64(0.014)],
@@ -44,52 +42,52 @@ class Evaluate(unittest.TestCase):
                 "palm": [True, True, False],
             },
         )
-        self.assertEqual(list(found["status"]), ["completed"] * 3)
-        self.assertEqual(found["tts_s"][0], found["tts_s"][1])
-        np.testing.assert_array_equal(found["design.base_m"], [0.014] * 3)
-        one = phalanx.run(scene.with_({"design.base": "14 mm", "contact.friction.mu_static": 0.6}))
-        self.assertEqual(found["tts_s"][0], one.criteria["tts_s"])
+        self.assertEqual(list(table["status"]), ["completed"] * 3)
+        self.assertEqual(table["tts_s"][0], table["tts_s"][1])
+        np.testing.assert_array_equal(table["design.base_m"], [0.014] * 3)
+        run = phalanx.run(scene.with_({"design.base": "14 mm", "contact.friction.mu_static": 0.6}))
+        self.assertEqual(table["tts_s"][0], run.criteria["tts_s"])
         series = phalanx.evaluate(scene, {"design.base": pandas.Series([0.014, 0.015])}, columns=["tts_s", "run"])
         self.assertEqual((series.columns, len(series)), (["run", "tts_s"], 2))
         self.assertEqual(len(phalanx.evaluate(scene, {"design.base": []})), 0)
 
-    def test_what_is_refused_or_fails_is_a_row(self):
+    def test_refused_and_failed_designs_are_rows(self):
         base = ["15.5 mm", float("nan"), 5.0, "3 furlongs", 0.0155, None]
         scene = phalanx.Scene.load(ANCHOR)
-        found = phalanx.evaluate(scene, {"design.base": base[:5]})
-        self.assertEqual(list(found["status"]), ["completed", "refused", "refused", "refused", "completed"])
-        for row, words in ((1, "not a finite number"), (2, "must be below"), (3, "unknown unit")):
-            self.assertIn(words, found["reason"][row])
-        self.assertTrue(np.isnan(found["tts_s"][1]))
-        self.assertEqual(found.summary["by_status"]["refused"], 3)
+        table = phalanx.evaluate(scene, {"design.base": base[:5]})
+        self.assertEqual(list(table["status"]), ["completed", "refused", "refused", "refused", "completed"])
+        for row, message in ((1, "not a finite number"), (2, "must be below"), (3, "unknown unit")):
+            self.assertIn(message, table["reason"][row])
+        self.assertTrue(np.isnan(table["tts_s"][1]))
+        self.assertEqual(table.summary["by_status"]["refused"], 3)
         steps = phalanx.evaluate(scene, {"integrator.max_steps": [100, 100_000, 1.5]})
         self.assertEqual(list(steps["status"]), ["failed", "completed", "refused"])
         with self.assertRaises(TypeError):
             phalanx.evaluate(scene, {"design.base": base})
 
-    def test_a_design_that_cannot_grasp_has_a_reason_and_no_class(self):
+    def test_design_that_cannot_grasp_has_a_reason_and_no_class(self):
         scene = SCENES / "long-fingers.toml"
-        found = phalanx.evaluate(scene, {"lengths.t22": [0.010, 0.016]})
-        self.assertEqual(list(found["status"]), ["completed"] * 2)
-        self.assertEqual(list(found["class"]), [None, "stable"])
-        self.assertRegex(found["reason"][0], "the distal phalanx does not reach its contact: it is 10.0000 mm long")
-        self.assertIsNone(found["reason"][1])
-        self.assertRegex(found["class_reason"][1], "both phalanges press in position from 8.05 ms on, in less than 15 ms")
-        self.assertEqual(found.summary["no_class"], 1)
-        self.assertIn(found["reason"][0], [reason["reason"] for reason in found.summary["reasons"]])
+        table = phalanx.evaluate(scene, {"lengths.t22": [0.010, 0.016]})
+        self.assertEqual(list(table["status"]), ["completed"] * 2)
+        self.assertEqual(list(table["class"]), [None, "stable"])
+        self.assertRegex(table["reason"][0], "the distal phalanx does not reach its contact: it is 10.0000 mm long")
+        self.assertIsNone(table["reason"][1])
+        self.assertRegex(table["class_reason"][1], "in position with both contacts active from 8.05 ms on, in less than 15 ms")
+        self.assertEqual(table.summary["no_class"], 1)
+        self.assertIn(table["reason"][0], [reason["reason"] for reason in table.summary["reasons"]])
         run = phalanx.run(phalanx.Scene.load(scene).with_({"lengths.t22": "10 mm"}))
         self.assertIsNone(run.criteria)
-        self.assertIn(found["reason"][0], run.summary["no_criteria"])
+        self.assertIn(table["reason"][0], run.summary["no_criteria"])
 
-    def test_what_is_no_field_is_refused(self):
-        for fields, words in (
+    def test_rejects_unknown_fields_and_columns(self):
+        for fields, message in (
             ({"design.bas": 1}, r"unknown key `bas` in \[design\]\s.*did you mean `base`"),
             ({"design": 1}, "is a table"),
-            ({"design.base": [1, 2], "palm": [True]}, "arrays of one length"),
+            ({"design.base": [1, 2], "palm": [True]}, "arrays of equal length"),
         ):
-            with self.assertRaisesRegex(phalanx.StudyError, words):
+            with self.assertRaisesRegex(phalanx.StudyError, message):
                 phalanx.evaluate(ANCHOR, fields)
-        with self.assertRaisesRegex(phalanx.StudyError, "is no column"):
+        with self.assertRaisesRegex(phalanx.StudyError, "is not a column"):
             phalanx.evaluate(ANCHOR, {"design.base": 0.0155}, columns=["tts"])
 
     def test_rows_do_not_depend_on_threads(self):
@@ -97,29 +95,29 @@ class Evaluate(unittest.TestCase):
         [one, two] = [pyarrow.table(phalanx.evaluate(ANCHOR, fields, threads=threads)) for threads in (1, 2)]
         self.assertTrue(one.equals(two))
 
-    def test_the_engine_too(self):
+    def test_engine_model_is_supported(self):
         scene = phalanx.Scene.load(ANCHOR).with_({"duration": "2 ms"})
-        found = phalanx.evaluate(scene, {"design.base": [0.014, 0.0155]}, model="engine")
-        self.assertEqual(list(found["status"]), ["completed"] * 2)
+        table = phalanx.evaluate(scene, {"design.base": [0.014, 0.0155]}, model="engine")
+        self.assertEqual(list(table["status"]), ["completed"] * 2)
 
 
 class Sweep(unittest.TestCase):
-    def test_results_are_those_of_the_program(self):
+    def test_results_equal_those_of_the_program(self):
         with tempfile.TemporaryDirectory() as directory:
-            for form in ("parquet", "csv"):
-                theirs, ours = Path(directory) / f"theirs.{form}", Path(directory) / f"ours.{form}"
-                command("sweep", THESIS, "--out", theirs)
-                table = phalanx.sweep(THESIS, out=ours)
-                self.assertEqual(ours.read_bytes(), theirs.read_bytes())
-                self.assertEqual(Path(f"{ours}.study.json").read_bytes(), Path(f"{theirs}.study.json").read_bytes())
-                # It is there already.
-                self.assertEqual(len(phalanx.sweep(THESIS, out=ours)), len(table))
+            for suffix in ("parquet", "csv"):
+                program, package = Path(directory) / f"program.{suffix}", Path(directory) / f"package.{suffix}"
+                command("sweep", THESIS, "--out", program)
+                table = phalanx.sweep(THESIS, out=package)
+                self.assertEqual(package.read_bytes(), program.read_bytes())
+                self.assertEqual(Path(f"{package}.study.json").read_bytes(), Path(f"{program}.study.json").read_bytes())
+                # A second call reads the existing results.
+                self.assertEqual(len(phalanx.sweep(THESIS, out=package)), len(table))
             written = Path(directory) / "written.parquet"
             phalanx.sweep(THESIS).write(written)
             self.assertEqual(pyarrow.parquet.read_table(written).num_rows, 384)
-            self.assertTrue(pyarrow.parquet.read_table(written).equals(pyarrow.parquet.read_table(Path(directory) / "ours.parquet")))
+            self.assertTrue(pyarrow.parquet.read_table(written).equals(pyarrow.parquet.read_table(Path(directory) / "package.parquet")))
 
-    def test_a_table_is_read_by_others(self):
+    def test_table_converts_to_other_libraries_and_text(self):
         table = phalanx.sweep(THESIS, limit=30)
         self.assertEqual(len(table), 30)
         memory = duckdb.connect()
@@ -129,12 +127,12 @@ class Sweep(unittest.TestCase):
         self.assertEqual(table["run"].dtype, np.int64)
         self.assertEqual(table["force_positive"].dtype, bool)
         self.assertIn("completed", repr(table))
-        for part in ["design.base_m", "0.012", "and 25 more rows", repr(table)]:
-            self.assertIn(part, str(table))
+        for text in ["design.base_m", "0.012", "and 25 more rows", repr(table)]:
+            self.assertIn(text, str(table))
         with self.assertRaisesRegex(phalanx.StudyError, "more than 1000000 designs"):
             phalanx.evaluate(ANCHOR, {"design.base": itertools.repeat(0.0155)})
 
-    def test_what_is_wrong_with_a_study_has_its_place(self):
+    def test_study_error_has_a_position(self):
         with tempfile.TemporaryDirectory() as directory:
             study = Path(directory) / "s.toml"
             study.write_text(f'scene = "{ANCHOR}"\n[[axes]]\nfield = "design.bas"\nvalues = [1]\n')
@@ -142,32 +140,32 @@ class Sweep(unittest.TestCase):
                 phalanx.sweep(study)
             self.assertEqual(caught.exception.line, 3)
             self.assertEqual(str(caught.exception).strip(), command("sweep", study, "--list", status=2).strip())
-            taken = Path(directory) / "taken.csv"
-            taken.write_text("years of work")
-            with self.assertRaisesRegex(phalanx.StudyError, "left alone"):
-                phalanx.sweep(THESIS, out=taken)
-            self.assertEqual(taken.read_text(), "years of work")
+            foreign = Path(directory) / "foreign.csv"
+            foreign.write_text("years of work")
+            with self.assertRaisesRegex(phalanx.StudyError, "not replaced"):
+                phalanx.sweep(THESIS, out=foreign)
+            self.assertEqual(foreign.read_text(), "years of work")
             with self.assertRaisesRegex(phalanx.StudyError, "no such file"):
                 phalanx.sweep(Path(directory) / "no.toml")
 
-    def test_parts_make_the_whole(self):
+    def test_merged_parts_equal_the_whole_sweep(self):
         with tempfile.TemporaryDirectory() as directory:
-            place = Path(directory)
+            root = Path(directory)
             info = phalanx.study_info(THESIS)
             self.assertEqual((info["runs"], info["designs"], info["model"]), (384, 192, "analytic"))
-            parts = [place / f"{k}.parquet" for k in (1, 2, 3)]
+            parts = [root / f"{k}.parquet" for k in (1, 2, 3)]
             for k, part in enumerate(parts, start=1):
-                made = phalanx.sweep_shard(THESIS, k, 3, part)
-                self.assertEqual((made["made_now"], made["shard"], made["of"]), (128, k, 3))
+                info = phalanx.sweep_shard(THESIS, k, 3, part)
+                self.assertEqual((info["made_now"], info["shard"], info["of"]), (128, k, 3))
             self.assertEqual(phalanx.sweep_shard(THESIS, 1, 3, parts[0])["made_now"], 0)
             with self.assertRaisesRegex(phalanx.StudyError, "--shard 2/3"):
-                phalanx.sweep_merge(THESIS, [parts[0], parts[2]], place / "out.parquet")
-            merged = phalanx.sweep_merge(THESIS, parts[::-1], place / "out.parquet")
+                phalanx.sweep_merge(THESIS, [parts[0], parts[2]], root / "out.parquet")
+            merged = phalanx.sweep_merge(THESIS, parts[::-1], root / "out.parquet")
             self.assertEqual((merged["parts"], merged["runs"]), (3, 384))
-            phalanx.sweep(THESIS, out=place / "whole.parquet")
-            self.assertEqual((place / "out.parquet").read_bytes(), (place / "whole.parquet").read_bytes())
+            phalanx.sweep(THESIS, out=root / "whole.parquet")
+            self.assertEqual((root / "out.parquet").read_bytes(), (root / "whole.parquet").read_bytes())
             with self.assertRaisesRegex(phalanx.StudyError, "no shard 4/3"):
-                phalanx.sweep_shard(THESIS, 4, 3, place / "4.parquet")
+                phalanx.sweep_shard(THESIS, 4, 3, root / "4.parquet")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Runs let other threads go on, and end at Ctrl-C."""
+"""Other threads continue during a run, and Ctrl-C interrupts it."""
 
 import signal
 import subprocess
@@ -11,7 +11,7 @@ import numpy as np
 import phalanx
 from common import ANCHOR, GRIPPER, ROOT
 
-LONG = """
+INTERRUPTED_SCRIPT = """
 import phalanx, sys, time
 scene = phalanx.Scene.load("scenes/experiment-95.toml").with_({"duration": "30 s"})
 print("ready", flush=True)
@@ -25,43 +25,43 @@ else:
 
 
 class Threads(unittest.TestCase):
-    def test_other_threads_go_on_meanwhile(self):
-        counted, over = [], threading.Event()
+    def test_other_threads_continue_during_a_run(self):
+        ticks, run_ended = [], threading.Event()
 
-        def count() -> None:
-            while not over.is_set():
-                counted.append(time.monotonic())
+        def tick() -> None:
+            while not run_ended.is_set():
+                ticks.append(time.monotonic())
                 time.sleep(0.002)
 
-        thread = threading.Thread(target=count)
+        thread = threading.Thread(target=tick)
         thread.start()
         start = time.monotonic()
         phalanx.run(GRIPPER, model="engine", duration="8 ms")
         end = time.monotonic()
-        over.set()
+        run_ended.set()
         thread.join()
-        during = [at for at in counted if start < at < end]
-        # Of a lock that is held all the while there would be none, but at most one at either end.
+        during = [time_s for time_s in ticks if start < time_s < end]
+        # If the run did not release the interpreter lock, there would be at most one tick at each end.
         self.assertGreater(len(during), max(3, 0.05 * (end - start) / 0.002))
 
-    def test_runs_on_many_threads_are_the_same(self):
-        scene, found = phalanx.Scene.load(ANCHOR), {}
+    def test_parallel_runs_are_identical(self):
+        scene, results_by_thread = phalanx.Scene.load(ANCHOR), {}
 
         def work(index: int) -> None:
-            found[index] = [phalanx.run(scene)["q11_rad"] for _ in range(3)]
+            results_by_thread[index] = [phalanx.run(scene)["q11_rad"] for _ in range(3)]
 
         threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
         [thread.start() for thread in threads]
         [thread.join() for thread in threads]
-        first = found[0][0]
-        self.assertEqual(len(found), 4)
-        for results in found.values():
+        first = results_by_thread[0][0]
+        self.assertEqual(len(results_by_thread), 4)
+        for results in results_by_thread.values():
             for other in results:
                 np.testing.assert_array_equal(other, first)
 
-    def interrupted(self, call: str) -> float:
-        """How long it takes to end once Ctrl-C has been pressed, in s."""
-        child = subprocess.Popen([sys.executable, "-c", LONG % call], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    def interrupt_delay_s(self, call: str) -> float:
+        """Returns the time between Ctrl-C and the end of a call, s."""
+        child = subprocess.Popen([sys.executable, "-c", INTERRUPTED_SCRIPT % call], cwd=ROOT, stdout=subprocess.PIPE, text=True)
         try:
             self.assertEqual(child.stdout.readline(), "ready\n")
             time.sleep(0.7)
@@ -75,7 +75,7 @@ class Threads(unittest.TestCase):
             child.wait()
             child.stdout.close()
 
-    def test_ctrl_c_ends_whatever_runs(self):
+    def test_ctrl_c_interrupts_all_long_functions(self):
         for call in (
             'phalanx.run(scene, model="engine", step="0.1 us")',
             'phalanx.evaluate(scene.with_({"duration": "1 s"}), {"design.base": [0.0155] * 64}, model="engine")',
@@ -84,8 +84,8 @@ class Threads(unittest.TestCase):
             'phalanx.capture("scenes/gripper/offset.toml", places=1001)',
         ):
             with self.subTest(call=call):
-                # A fraction of a second; more where others want the processors too. By themselves these take minutes.
-                self.assertLess(self.interrupted(call), 3.0)
+                # Usually a fraction of a second, more on a busy machine. Without an interrupt each call takes minutes.
+                self.assertLess(self.interrupt_delay_s(call), 3.0)
 
 
 if __name__ == "__main__":

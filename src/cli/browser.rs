@@ -1,4 +1,4 @@
-//! Opening a page in the browser of whoever asked for it.
+//! Opens a page in the user's browser.
 
 use std::env;
 use std::ffi::OsString;
@@ -7,32 +7,33 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// How long a program may take to say that it cannot open a page. One that is still there then shows it.
-const PATIENCE: Duration = Duration::from_millis(1500);
+/// Time in which a program must report that it cannot open a page. A program that still runs afterwards counts as
+/// successful.
+const FAILURE_TIMEOUT: Duration = Duration::from_millis(1500);
 
 /// A program that shows a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Browser {
     program: PathBuf,
-    /// What goes before the name of the page.
+    /// Arguments before the path of the page.
     arguments: Vec<OsString>,
 }
 
-/// The way out where there is no browser.
-const INSTEAD: &str = "write the page with --html FILE.html, and open that file where there is one";
+/// What to do without a browser.
+const ALTERNATIVE: &str = "write the page with --html FILE.html and open that file on a computer with a browser";
 
 impl Browser {
-    /// The program named by `BROWSER`, or whatever the system opens pages with.
+    /// Returns the program named by `BROWSER`, or the program that the system opens pages with.
     ///
     /// # Errors
-    /// Why there is none, and what to do instead.
+    /// Returns an error if no such program is found; the message says why and what to do instead.
     pub fn find() -> Result<Self, String> {
         if let Some(named) = env::var_os("BROWSER").filter(|named| !named.is_empty()) {
-            // A list of programs, as xdg-open and others read it.
-            let found = env::split_paths(&named).find_map(|name| program(&name));
-            return found.map(|program| Browser { program, arguments: Vec::new() }).ok_or_else(|| {
+            // BROWSER may be a list of programs; xdg-open reads it in the same way.
+            let browser = env::split_paths(&named).find_map(|name| find_program(&name));
+            return browser.map(|program| Browser { program, arguments: Vec::new() }).ok_or_else(|| {
                 format!(
-                    "there is no browser to open a page in: BROWSER is {:?}, which names no program; set it to one, or {INSTEAD}",
+                    "no browser was found to open the page: BROWSER is {:?}, which names no program; set it to one, or {ALTERNATIVE}",
                     named.display().to_string()
                 )
             });
@@ -43,27 +44,28 @@ impl Browser {
         if cfg!(windows) {
             return Ok(Browser { program: "explorer".into(), arguments: Vec::new() });
         }
-        let shown = ["DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME"];
-        if shown.iter().all(|name| env::var_os(name).is_none_or(|value| value.is_empty())) {
+        let displays = ["DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME"];
+        if displays.iter().all(|name| env::var_os(name).is_none_or(|value| value.is_empty())) {
             return Err(format!(
-                "there is no browser to open a page in: this session has no screen (DISPLAY and WAYLAND_DISPLAY are not set); \
-                 {INSTEAD}"
+                "no browser was found to open the page: this session has no screen (DISPLAY and WAYLAND_DISPLAY are not set); \
+                 {ALTERNATIVE}"
             ));
         }
         let openers = [("wslview", None), ("xdg-open", None), ("gio", Some("open")), ("sensible-browser", None)];
-        let found = openers.into_iter().find_map(|(name, argument)| Some((program(Path::new(name))?, argument)));
-        let (program, argument) = found.ok_or_else(|| {
+        let browser = openers.into_iter().find_map(|(name, argument)| Some((find_program(Path::new(name))?, argument)));
+        let (program, argument) = browser.ok_or_else(|| {
             format!(
-                "there is no browser to open a page in: no xdg-open here; install xdg-utils, set BROWSER to a program, or {INSTEAD}"
+                "no browser was found to open the page: no xdg-open is installed; install xdg-utils, set BROWSER to a program, \
+                 or {ALTERNATIVE}"
             )
         })?;
         Ok(Browser { program, arguments: argument.map(OsString::from).into_iter().collect() })
     }
 
-    /// Opens a page, and does not wait until it is closed.
+    /// Opens a page. Does not wait until it is closed.
     ///
     /// # Errors
-    /// Why it could not be opened.
+    /// Returns an error if the program does not start, or ends unsuccessfully within [`FAILURE_TIMEOUT`].
     pub fn open(&self, page: &Path) -> Result<(), String> {
         let mut child = Command::new(&self.program)
             .args(&self.arguments)
@@ -73,16 +75,16 @@ impl Browser {
             .stderr(Stdio::null())
             .spawn()
             .map_err(|error| format!("{}: {error}", self.program.display()))?;
-        failure(&mut child).map_or(Ok(()), |why| Err(format!("{}: {why}", self.program.display())))
+        early_failure(&mut child).map_or(Ok(()), |reason| Err(format!("{}: {reason}", self.program.display())))
     }
 }
 
-/// Why a program ended without success within our patience.
-fn failure(child: &mut Child) -> Option<String> {
+/// Reason why a program ended unsuccessfully within [`FAILURE_TIMEOUT`]; `None` if it did not.
+fn early_failure(child: &mut Child) -> Option<String> {
     let start = Instant::now();
-    while start.elapsed() < PATIENCE {
+    while start.elapsed() < FAILURE_TIMEOUT {
         match child.try_wait() {
-            // Windows' explorer shows the page and ends with 1.
+            // The Windows explorer exits with status 1 although it shows the page.
             Ok(Some(status)) if status.success() || cfg!(windows) => return None,
             Ok(Some(status)) => return Some(status.to_string()),
             Ok(None) => sleep(Duration::from_millis(10)),
@@ -92,8 +94,8 @@ fn failure(child: &mut Child) -> Option<String> {
     None
 }
 
-/// The file of a program: a path as it is, or a name along `PATH`.
-fn program(name: &Path) -> Option<PathBuf> {
+/// Returns the executable of a program, which is given as a path or as a name to be found in `PATH`.
+fn find_program(name: &Path) -> Option<PathBuf> {
     if name.components().count() > 1 {
         return name.is_file().then(|| name.to_path_buf());
     }

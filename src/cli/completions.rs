@@ -1,4 +1,4 @@
-//! `phalanx completions`: what a shell needs to complete commands, options and their values.
+//! `phalanx completions`: shell completion scripts for commands, options and their values.
 
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
@@ -6,20 +6,20 @@ use clap_complete::{Shell, generate};
 use super::output::print;
 use super::{Cli, Failure, Status};
 
-/// Print the completions of a shell: commands, options and values after pressing Tab.
+/// Print a shell completion script for commands, options and values.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx completions bash > ~/.local/share/bash-completion/completions/phalanx\n  phalanx \
                   completions zsh > ~/.zfunc/_phalanx\n  phalanx completions fish > \
-                  ~/.config/fish/completions/phalanx.fish\n\nThe directory has to be there. zsh looks in ~/.zfunc if \
-                  ~/.zshrc has `fpath+=~/.zfunc` before `compinit`. A new shell knows them."
+                  ~/.config/fish/completions/phalanx.fish\n\nThe directory must exist. zsh searches ~/.zfunc if \
+                  ~/.zshrc contains `fpath+=~/.zfunc` before `compinit`. Start a new shell to use the completions."
 )]
 pub struct CompletionsArgs {
-    /// The shell
+    /// Shell to generate the script for
     shell: Shell,
 }
 
-/// Runs the command.
+/// Runs `phalanx completions`.
 pub fn run(args: &CompletionsArgs) -> Result<Status, Failure> {
     let mut command = Cli::command();
     let name = command.get_name().to_string();

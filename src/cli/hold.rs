@@ -1,111 +1,113 @@
-//! `phalanx hold`: how much acceleration a gripper holds its object against.
+//! `phalanx hold`: the largest acceleration at which a gripper still holds its object.
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::interrupt::Interrupt;
-use super::output::answer;
-use super::overrides::positive;
-use super::own::Form;
-use super::progress::Count;
-use super::saved::save;
-use super::set::{SetArgs, files};
-use super::targets::{Kind, reserve};
-use super::words::ModelArg;
+use super::choice_args::ModelArg;
+use super::interrupt::{self, Interrupt};
+use super::output::print_result;
+use super::overrides::parse_positive;
+use super::ownership::FileKind;
+use super::progress::RunCounter;
+use super::save::save;
+use super::set::{SetArgs, source_files};
+use super::targets::{TargetKind, reserve};
 use super::{Failure, Status};
+use crate::format::ToReport;
 use crate::plot;
 use crate::report::hold::{HoldReport, hold_csv};
 use crate::scene::{Axis, Scene};
 use crate::study::hold::{HoldError, Loads, Plan, hold};
-use crate::study::only_gripper;
+use crate::study::require_gripper;
 use crate::units::Dimension;
-use crate::wording::Reported;
 
-/// How much acceleration a gripper holds its object against: in pulses, vibrations, or a pick-and-place move.
+/// Find the largest acceleration at which a gripper holds its object.
 ///
-/// Simulates the scene up to where its object is at rest, and moves the palm from there on: by pulses from rest to rest in directions all
-/// around (the default), by vibrations, or by a move in another time. How strong a load is, is its peak acceleration. A scan over the
-/// whole range, and bisection of the first failure in it, find the largest one at which the object slips less than the bound and is held
-/// at the end, and the largest one at which it is held. Where a larger load holds although a smaller one fails, that is said. Motors and
-/// brakes stay as they are when loads begin. Runs that cannot be finished count as neither.
+/// Simulates the scene until its object is at rest, then moves the palm: by pulses from rest to rest in equally spaced
+/// directions (the default), by vibrations, or by a move of varying duration. A load is measured by its peak
+/// acceleration. A scan over the whole range and bisection of its first failure find two limits: the largest load at
+/// which the object is held at the end and slips less than the bound, and the largest load at which it is held. The
+/// report also states whether the object is held at a larger load although a smaller one fails. Motors and brakes keep
+/// the state that they have when the loads begin. Runs that cannot be completed count neither as held nor as failed.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx hold scenes/gripper/hold.toml\n  phalanx hold scenes/gripper/hold.toml --directions 24 --svg \
                   hold.svg\n  phalanx hold scenes/gripper/lift.toml --set contact.friction.law=bristle --set motor.brake_law=bristle \
                   --vibration \"50 Hz, 200 Hz\" --along x,y,angle\n  phalanx hold scenes/gripper/cycle.toml --move --slip \"0.1 mm\" --out \
-                  hold\n\nExit status: 0 done, whatever is held; 2 bad input; 3 interrupted, or files could not be written."
+                  hold\n\nExit status: 0 done, whatever the result; 2 bad input; 3 interrupted, or files could not be written."
 )]
 pub struct HoldArgs {
-    /// Scene of a gripper (TOML)
+    /// Gripper scene file (TOML)
     scene: PathBuf,
 
     #[command(flatten)]
     set: SetArgs,
 
-    /// How long a pulse takes, with its unit
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "40 ms", conflicts_with_all = ["vibration", "moves"])]
+    /// Duration of a pulse, with its unit
+    #[arg(long, value_name = "TIME", value_parser = parse_duration, default_value = "40 ms", conflicts_with_all = ["vibration", "moves"])]
     pulse: f64,
 
-    /// Directions of pulses, all around from +x (along the palm)
-    #[arg(long, value_name = "COUNT", value_parser = directions, default_value = "8", conflicts_with_all = ["vibration", "moves"])]
+    /// Number of pulse directions, equally spaced from +x (along the palm)
+    #[arg(long, value_name = "COUNT", value_parser = parse_direction_count, default_value = "8", conflicts_with_all = ["vibration", "moves"])]
     directions: usize,
 
-    /// Vibrations at these frequencies instead, with their units, and commas between
+    /// Apply vibrations at these frequencies instead of pulses; comma-separated, with units
     #[arg(
         long,
         value_name = "FREQUENCIES",
-        value_parser = frequencies,
+        value_parser = parse_frequencies,
         num_args = 0..=1,
         default_missing_value = "20 Hz, 50 Hz, 100 Hz, 200 Hz",
         conflicts_with_all = ["moves"]
     )]
     vibration: Option<Frequencies>,
 
-    /// Along what vibrations go; an angle about the middle of the palm
+    /// Axes of the vibrations; angle is the rotation about the middle of the palm
     #[arg(long, value_enum, value_name = "AXES", value_delimiter = ',', default_value = "x,y", requires = "vibration")]
     along: Vec<AxisArg>,
 
-    /// The scene's own moves in another time instead; of a scene without any, 25/305/25 mm up, across and down
+    /// Scale the duration of the scene's own moves instead of applying pulses; a scene without moves gets 25 mm up,
+    /// 305 mm across and 25 mm down
     #[arg(long = "move")]
     moves: bool,
 
-    /// How far the object may slip in the hand, with its unit
-    #[arg(long, value_name = "LENGTH", value_parser = length, default_value = "0.5 mm")]
+    /// Largest slip of the object relative to the gripper, with its unit
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length, default_value = "0.5 mm")]
     slip: f64,
 
-    /// When loads begin, with its unit [default: when the object is at rest and brakes have gripped, or when the first of the scene's
-    /// moves is over; with --move when they begin]
-    #[arg(long, value_name = "TIME", value_parser = instant)]
+    /// Time at which loads begin, with its unit [default: when the object is at rest and the brakes are engaged, or
+    /// when the first of the scene's moves has ended; with --move: when the moves begin]
+    #[arg(long, value_name = "TIME", value_parser = parse_start_time)]
     at: Option<f64>,
 
-    /// Smallest peak acceleration that is tried, with its unit
-    #[arg(long, value_name = "ACCELERATION", value_parser = acceleration, default_value = "1 m/s^2")]
+    /// Smallest peak acceleration to try, with its unit
+    #[arg(long, value_name = "ACCELERATION", value_parser = parse_acceleration, default_value = "1 m/s^2")]
     from: f64,
 
-    /// Largest one
-    #[arg(long, value_name = "ACCELERATION", value_parser = acceleration, default_value = "1000 m/s^2")]
+    /// Largest peak acceleration to try, with its unit
+    #[arg(long, value_name = "ACCELERATION", value_parser = parse_acceleration, default_value = "1000 m/s^2")]
     to: f64,
 
-    /// How many are tried from the one to the other, before limits are narrowed: failures that lie closer together can be missed
-    #[arg(long, value_name = "COUNT", value_parser = scan, default_value = "11")]
+    /// Number of accelerations to try in this range before bisection; failures closer together than these can be missed
+    #[arg(long, value_name = "COUNT", value_parser = parse_scan_count, default_value = "11")]
     scan: usize,
 
-    /// How finely limits are found, as part of themselves
-    #[arg(long, value_name = "PART", value_parser = part, default_value = "0.02")]
+    /// Relative tolerance of the limits
+    #[arg(long, value_name = "FRACTION", value_parser = parse_fraction, default_value = "0.02")]
     tol: f64,
 
-    /// Model that simulates
+    /// Simulation model
     #[arg(long, value_enum, default_value_t = ModelArg::Analytic)]
     model: ModelArg,
 
-    /// Draw the limits into a picture: polar for pulses, over frequency for three vibrations or more, else the slip of every run; an
-    /// older file is replaced only when the new one is whole
+    /// Write a plot to this file: limits in polar coordinates for pulses, limits over frequency for three or more
+    /// vibrations, else the slip of every run; an existing file is replaced only when the new one is complete
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
 
-    /// Write hold.txt, .json, .csv (every run) and .svg there; the directory is made if need be, and an older file is replaced only when
-    /// the new one is whole
+    /// Write hold.txt, .json, .csv (every run) and .svg to this directory, which is created if needed; an existing file
+    /// is replaced only when the new one is complete
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -114,10 +116,10 @@ pub struct HoldArgs {
     json: bool,
 }
 
-/// Everything that is in the directory in the end.
+/// Files in the output directory.
 const FILES: [&str; 4] = ["hold.json", "hold.csv", "hold.svg", "hold.txt"];
 
-/// Values of one flag, each once.
+/// Distinct frequencies in Hz, in ascending order.
 #[derive(Clone, Debug, PartialEq)]
 struct Frequencies(Vec<f64>);
 
@@ -125,15 +127,15 @@ struct Frequencies(Vec<f64>);
 enum AxisArg {
     /// Along the palm
     X,
-    /// Out of the palm
+    /// Perpendicular to the palm
     Y,
-    /// About its middle
+    /// Rotation about the middle of the palm
     Angle,
 }
 
 impl From<AxisArg> for Axis {
-    fn from(word: AxisArg) -> Self {
-        match word {
+    fn from(arg: AxisArg) -> Self {
+        match arg {
             AxisArg::X => Axis::X,
             AxisArg::Y => Axis::Y,
             AxisArg::Angle => Axis::Angle,
@@ -141,43 +143,44 @@ impl From<AxisArg> for Axis {
     }
 }
 
-/// Runs the command.
+/// Runs `phalanx hold`.
 pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
-    let scene = gripper(args)?;
-    let plan = plan(args)?;
-    let svg = ("--svg", args.svg.as_deref(), Kind::File(Form::Picture));
-    let folder = reserve(&[("the scene", &files(&args.scene))], &[svg], ("--out", args.out.as_deref(), &FILES))?;
+    let scene = load_gripper(args)?;
+    let plan = build_plan(args)?;
+    let svg = ("--svg", args.svg.as_deref(), TargetKind::File(FileKind::Picture));
+    let directory =
+        reserve(&[("the scene", &source_files(&args.scene))], &[svg], ("--out", args.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
-    let mut count = Count::new();
-    let mut tell = |done: u64, total: u64| count.show(done as usize, total as usize, "runs");
-    let result = hold(&scene, plan, &mut tell, &|| interrupt.signal().is_none());
-    count.clear();
-    let found = result.map_err(|error| match (error, interrupt.signal()) {
+    let mut counter = RunCounter::new();
+    let mut report_progress = |done: u64, total: u64| counter.update(done as usize, total as usize, "runs");
+    let result = hold(&scene, plan, &mut report_progress, &|| interrupt.signal().is_none());
+    counter.clear();
+    let study = result.map_err(|error| match (error, interrupt.signal()) {
         (HoldError::Stopped { done }, Some(signal)) => {
-            let files = if args.out.is_some() { "; no file was written, and older ones are as they were" } else { "" };
+            let files = if args.out.is_some() { interrupt::NO_FILE_WRITTEN } else { "" };
             Failure::incomplete(format!("interrupted by {signal} after {done} runs{files}"))
         }
         (error @ (HoldError::Stopped { .. } | HoldError::Scene { .. }), _) => Failure::incomplete(error),
         (error, _) => Failure::bad_input(error),
     })?;
-    let report = HoldReport::from(&found);
-    if let Some(folder) = folder {
-        let texts = [report.json(), hold_csv(&report), plot::hold(&found), report.report().to_string()];
-        folder.write(&FILES, &texts)?;
+    let report = HoldReport::from(&study);
+    if let Some(directory) = directory {
+        let texts = [report.json(), hold_csv(&report), plot::hold(&study), report.report().to_string()];
+        directory.write(&FILES, &texts)?;
     }
     if let Some(path) = &args.svg {
-        save(path, &plot::hold(&found))?;
+        save(path, &plot::hold(&study))?;
     }
-    answer(&report, args.json)?;
+    print_result(&report, args.json)?;
     Ok(Status::Done)
 }
 
-fn gripper(args: &HoldArgs) -> Result<Scene, Failure> {
+fn load_gripper(args: &HoldArgs) -> Result<Scene, Failure> {
     let scene = args.set.load_any(&args.scene)?;
-    only_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml").map_err(Failure::bad_input)
+    require_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml").map_err(Failure::bad_input)
 }
 
-fn plan(args: &HoldArgs) -> Result<Plan, Failure> {
+fn build_plan(args: &HoldArgs) -> Result<Plan, Failure> {
     let loads = match (&args.vibration, args.moves) {
         (Some(Frequencies(frequencies_hz)), _) => {
             let axes = args.along.iter().map(|axis| Axis::from(*axis)).collect();
@@ -189,7 +192,7 @@ fn plan(args: &HoldArgs) -> Result<Plan, Failure> {
     let plan = Plan {
         model: args.model.into(),
         loads,
-        begins_s: args.at,
+        start_s: args.at,
         slip_m: args.slip,
         from_m_s2: args.from,
         to_m_s2: args.to,
@@ -201,54 +204,55 @@ fn plan(args: &HoldArgs) -> Result<Plan, Failure> {
     Ok(plan)
 }
 
-/// A quantity above 0, such as the example.
-fn above_zero(text: &str, dimension: Dimension, example: &str) -> Result<f64, String> {
-    positive(text, dimension, &format!("must be more than 0; expected {example}"))
+/// Parses a quantity that must be positive; error messages include `example`.
+fn parse_positive_quantity(text: &str, dimension: Dimension, example: &str) -> Result<f64, String> {
+    parse_positive(text, dimension, &format!("must be more than 0; expected {example}"))
 }
 
-fn length(text: &str) -> Result<f64, String> {
-    above_zero(text, Dimension::Length, "a length such as \"0.5 mm\"")
+fn parse_length(text: &str) -> Result<f64, String> {
+    parse_positive_quantity(text, Dimension::Length, "a length such as \"0.5 mm\"")
 }
 
-fn time(text: &str) -> Result<f64, String> {
-    above_zero(text, Dimension::Time, "a time such as \"40 ms\"")
+fn parse_duration(text: &str) -> Result<f64, String> {
+    parse_positive_quantity(text, Dimension::Time, "a time such as \"40 ms\"")
 }
 
-fn instant(text: &str) -> Result<f64, String> {
-    above_zero(text, Dimension::Time, "a time such as \"60 ms\"")
+fn parse_start_time(text: &str) -> Result<f64, String> {
+    parse_positive_quantity(text, Dimension::Time, "a time such as \"60 ms\"")
 }
 
-fn acceleration(text: &str) -> Result<f64, String> {
-    above_zero(text, Dimension::Acceleration, "an acceleration such as \"100 m/s^2\"")
+fn parse_acceleration(text: &str) -> Result<f64, String> {
+    parse_positive_quantity(text, Dimension::Acceleration, "an acceleration such as \"100 m/s^2\"")
 }
 
-fn frequencies(text: &str) -> Result<Frequencies, String> {
-    let one = |item: &str| above_zero(item.trim(), Dimension::Frequency, "frequencies such as \"50 Hz, 200 Hz\"");
-    let mut values = text.split(',').map(one).collect::<Result<Vec<f64>, _>>()?;
+fn parse_frequencies(text: &str) -> Result<Frequencies, String> {
+    let example = "frequencies such as \"50 Hz, 200 Hz\"";
+    let parse_item = |item: &str| parse_positive_quantity(item.trim(), Dimension::Frequency, example);
+    let mut values = text.split(',').map(parse_item).collect::<Result<Vec<f64>, _>>()?;
     values.sort_by(f64::total_cmp);
     match values.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(format!("{} Hz is there twice; expected frequencies such as \"50 Hz, 200 Hz\"", pair[0])),
+        Some(pair) => Err(format!("{} Hz is given twice; expected {example}", pair[0])),
         None => Ok(Frequencies(values)),
     }
 }
 
-fn directions(text: &str) -> Result<usize, String> {
+fn parse_direction_count(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 1..=360) => Ok(count),
         _ => Err("expected a number from 1 to 360, such as 8".to_string()),
     }
 }
 
-fn scan(text: &str) -> Result<usize, String> {
+fn parse_scan_count(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 2..=1000) => Ok(count),
         _ => Err("expected a number from 2 to 1000, such as 11".to_string()),
     }
 }
 
-fn part(text: &str) -> Result<f64, String> {
+fn parse_fraction(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(part) if (1e-9..1.0).contains(&part) => Ok(part),
+        Ok(fraction) if (1e-9..1.0).contains(&fraction) => Ok(fraction),
         _ => Err("expected a number from 1e-9 to below 1, such as 0.02".to_string()),
     }
 }
@@ -258,19 +262,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_checked() {
-        assert_eq!(frequencies("200 Hz, 50 Hz"), Ok(Frequencies(vec![50.0, 200.0])));
-        assert_eq!((time("40 ms"), acceleration("20 m/s^2"), scan("2")), (Ok(0.04), Ok(20.0), Ok(2)));
+    fn rejects_invalid_values() {
+        assert_eq!(parse_frequencies("200 Hz, 50 Hz"), Ok(Frequencies(vec![50.0, 200.0])));
+        let parsed = (parse_duration("40 ms"), parse_acceleration("20 m/s^2"), parse_scan_count("2"));
+        assert_eq!(parsed, (Ok(0.04), Ok(20.0), Ok(2)));
         for (message, error) in [
-            ("more than 0", length("0 mm").err()),
-            ("no unit", acceleration("20").err()),
-            ("more than 0", time("-1 ms").err()),
-            ("twice", frequencies("50 Hz,50 Hz").err()),
-            ("such as", frequencies("0 Hz").err()),
-            ("1 to 360", directions("0").err()),
-            ("from 2", scan("1").err()),
-            ("below 1", part("1").err()),
-            ("below 1", part("nan").err()),
+            ("more than 0", parse_length("0 mm").err()),
+            ("no unit", parse_acceleration("20").err()),
+            ("more than 0", parse_duration("-1 ms").err()),
+            ("twice", parse_frequencies("50 Hz,50 Hz").err()),
+            ("such as", parse_frequencies("0 Hz").err()),
+            ("1 to 360", parse_direction_count("0").err()),
+            ("from 2", parse_scan_count("1").err()),
+            ("below 1", parse_fraction("1").err()),
+            ("below 1", parse_fraction("nan").err()),
         ] {
             let error = error.expect(message);
             assert!(error.contains(message), "{error}");

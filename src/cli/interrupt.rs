@@ -1,4 +1,4 @@
-//! Signals that ask a command to end: the first one ends it in good order, the second one at once.
+//! Signals that interrupt a command. The first signal ends the command in an orderly way, the second one immediately.
 
 use std::fs;
 use std::sync::Arc;
@@ -12,89 +12,94 @@ use signal_hook::flag;
 use super::Failure;
 use crate::integrator::Reason;
 
-/// Signals that are listened to, as people know them.
+/// Signals that are handled, with their names in messages.
 const SIGNALS: &[(i32, &str)] = &[
     (SIGINT, "SIGINT (Ctrl-C)"),
     (SIGTERM, "SIGTERM"),
     #[cfg(unix)]
     (SIGHUP, HANGUP),
 ];
-/// A terminal that closes sends it, often twice.
+/// A closing terminal sends this signal, often twice.
 const HANGUP: &str = "SIGHUP";
 
-/// Lets a write beyond the largest size of a file (`ulimit -f`) fail with an error, as on a full disk, instead of killing the process.
-pub fn survive_file_limits() {
+/// Part of the message of an interrupted command with `--out`.
+pub const NO_FILE_WRITTEN: &str = "; no file was written, and existing files are unchanged";
+
+/// Makes writes beyond the file size limit (`ulimit -f`) fail with an error, as on a full disk, instead of killing the
+/// process.
+pub fn fail_writes_beyond_file_limit() {
     #[cfg(unix)]
     let _ = flag::register(SIGXFSZ, Arc::default());
 }
 
-/// Whether the process was started to outlive its terminal (`nohup`), or may have been.
+/// Returns whether the process ignores SIGHUP (`nohup`), or whether this is unknown.
 fn ignores_hangup() -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
     mask.is_none_or(|mask| mask & 1 == 1)
 }
 
-/// What a command says that a signal has ended after some of its parts.
-pub fn broken_off(what: &str, signal: &str, (done, total): (usize, usize), out: bool) -> Failure {
-    let files = if out { "; no file was written, and older ones are as they were" } else { "" };
+/// Returns the failure of a command that a signal ended after some of its parts.
+pub fn interrupted_failure(task: &str, signal: &str, (done, total): (usize, usize), has_out: bool) -> Failure {
+    let files = if has_out { NO_FILE_WRITTEN } else { "" };
     Failure::incomplete(format!(
-        "{what} was interrupted by {signal} after {done} of {total} parts: there is no result{files}"
+        "{task} was interrupted by {signal} after {done} of {total} parts; there is no result{files}"
     ))
 }
 
-/// Whether the command has been asked to end.
+/// Records whether a signal has interrupted the command.
 #[derive(Debug)]
 pub struct Interrupt {
-    /// One more than the index of the signal; 0 before any.
+    /// Index of the signal in [`SIGNALS`] plus 1; 0 if none has arrived.
     signal: Arc<AtomicUsize>,
 }
 
 impl Interrupt {
-    /// Listens from now on.
+    /// Installs the signal handlers.
     pub fn listen() -> Result<Self, Failure> {
         let signal = Arc::new(AtomicUsize::new(0));
-        let again = Arc::new(AtomicBool::new(false));
+        let already_received = Arc::new(AtomicBool::new(false));
         for (index, &(number, name)) in SIGNALS.iter().enumerate() {
-            let hangup = name == HANGUP;
-            if hangup && ignores_hangup() {
+            let is_hangup = name == HANGUP;
+            if is_hangup && ignores_hangup() {
                 continue;
             }
-            // In this order: the first signal finds `again` unset and sets it, the second one kills.
-            let kills = |again| (!hangup).then(|| flag::register_conditional_default(number, again)).transpose();
-            kills(Arc::clone(&again))
-                .and_then(|_| flag::register(number, Arc::clone(&again)))
+            // The order matters: the first signal finds `already_received` unset and sets it, the second one kills.
+            let register_kill =
+                |received| (!is_hangup).then(|| flag::register_conditional_default(number, received)).transpose();
+            register_kill(Arc::clone(&already_received))
+                .and_then(|_| flag::register(number, Arc::clone(&already_received)))
                 .and_then(|_| flag::register_usize(number, Arc::clone(&signal), index + 1))
-                .map_err(|error| Failure::incomplete(format!("cannot listen to signals: {error}")))?;
+                .map_err(|error| Failure::incomplete(format!("cannot install signal handlers: {error}")))?;
         }
         Ok(Interrupt { signal })
     }
 
-    /// The signal that has come.
+    /// Returns the name of the signal that has arrived.
     pub fn signal(&self) -> Option<&'static str> {
         let index = self.signal.load(Ordering::Relaxed).checked_sub(1)?;
         SIGNALS.get(index).map(|(_, name)| *name)
     }
 
-    /// An error once a signal has come, for who writes several files.
+    /// Returns an error once a signal has arrived; called between the files of a command.
     pub fn check(&self) -> Result<(), Failure> {
         match self.signal() {
             None => Ok(()),
             Some(signal) => Err(Failure::incomplete(format!(
-                "interrupted by {signal} while the files were written: older ones are as they were"
+                "interrupted by {signal} while the files were written; existing files are unchanged"
             ))),
         }
     }
 
-    /// Whether a signal has come, for who cannot keep a reference.
+    /// Returns an owned function that reports whether a signal has arrived.
     #[cfg_attr(not(feature = "live"), expect(dead_code))]
-    pub fn watch(&self) -> impl Fn() -> bool + Send + use<> {
+    pub fn stop_flag(&self) -> impl Fn() -> bool + Send + use<> {
         let signal = Arc::clone(&self.signal);
         move || signal.load(Ordering::Relaxed) != 0
     }
 
-    /// Why a run ended: in place of a stop, the signal that made it.
-    pub fn reason(&self, reason: &Reason) -> String {
+    /// Describes why a run ended; a stop is described by the signal that caused it.
+    pub fn describe_reason(&self, reason: &Reason) -> String {
         match (reason, self.signal()) {
             (Reason::Stopped, Some(signal)) => format!("interrupted by {signal}"),
             _ => reason.to_string(),

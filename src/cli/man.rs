@@ -10,19 +10,19 @@ use super::output::print;
 use super::targets::reserve;
 use super::{Cli, Failure, Status};
 
-/// Print the manual page of phalanx, or write one for it and for each of its commands.
+/// Print the manual page of phalanx, or write the pages of phalanx and all its commands to a directory.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx man | man -l -\n  phalanx man ~/.local/share/man/man1\n\nAfter the second, `man \
+    after_help = "Examples:\n  phalanx man | man -l -\n  phalanx man ~/.local/share/man/man1\n\nAfter the second command, `man \
                   phalanx-run` shows the page of `phalanx run`."
 )]
 pub struct ManArgs {
-    /// Write phalanx.1, phalanx-run.1 and so on there; the directory is made if need be, and only pages that were written by
+    /// Write phalanx.1, phalanx-run.1 and so on to this directory, which is created if needed; only pages written by
     /// phalanx are replaced
     dir: Option<PathBuf>,
 }
 
-/// Runs the command.
+/// Runs `phalanx man`.
 pub fn run(args: &ManArgs) -> Result<Status, Failure> {
     let pages =
         pages(Cli::command()).map_err(|error| Failure::incomplete(format!("cannot write the pages: {error}")))?;
@@ -32,9 +32,9 @@ pub fn run(args: &ManArgs) -> Result<Status, Failure> {
     };
     let (names, texts): (Vec<&str>, Vec<String>) =
         pages.iter().map(|(name, page)| (name.as_str(), page.clone())).unzip();
-    // The directory is no --out here.
-    let folder = reserve(&[], &[], ("", Some(dir), &names));
-    folder.and_then(|folder| folder.map_or(Ok(()), |folder| folder.write(&names, &texts))).map_err(
+    // This command takes the directory as an argument and has no --out.
+    let directory = reserve(&[], &[], ("", Some(dir), &names));
+    directory.and_then(|directory| directory.map_or(Ok(()), |directory| directory.write(&names, &texts))).map_err(
         |Failure { message, status }| Failure {
             message: message.replace("another --out", "another directory"),
             status,
@@ -44,22 +44,24 @@ pub fn run(args: &ManArgs) -> Result<Status, Failure> {
     Ok(Status::Done)
 }
 
-/// Names of files and their texts: the whole command first, then all below it.
+/// Returns the file names and texts of the manual pages: the main command first, then its subcommands.
 fn pages(command: Command) -> io::Result<Vec<(String, String)>> {
     let mut command = command.disable_help_subcommand(true);
-    // Names in full, and options that every command takes.
+    // Completes the names of subcommands and propagates the global options.
     command.build();
     let mut pages = Vec::new();
-    add(&command, &mut pages)?;
+    add_pages(&command, &mut pages)?;
     Ok(pages)
 }
 
-fn add(command: &Command, pages: &mut Vec<(String, String)>) -> io::Result<()> {
+/// Adds the pages of a command and its subcommands.
+fn add_pages(command: &Command, pages: &mut Vec<(String, String)>) -> io::Result<()> {
     let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_string();
     let mut page = Vec::new();
     Man::new(command.clone()).render(&mut page)?;
     pages.push((format!("{name}.1"), String::from_utf8_lossy(&page).into_owned()));
-    command.get_subcommands().filter(|below| !below.is_hide_set()).try_for_each(|below| add(below, pages))
+    let mut subcommands = command.get_subcommands().filter(|subcommand| !subcommand.is_hide_set());
+    subcommands.try_for_each(|subcommand| add_pages(subcommand, pages))
 }
 
 #[cfg(test)]

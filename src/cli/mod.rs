@@ -1,47 +1,48 @@
-//! The command line: arguments in, text or JSON out, an exit status.
+//! The command line: reads arguments, prints text or JSON, and returns an exit status.
 //!
 //! | status | meaning |
 //! |---|---|
 //! | 0 | done |
-//! | 1 | ran, but a check failed: a bound does not hold, or a part of a log is lost |
+//! | 1 | ran, but a check failed: a bound is exceeded, or a part of a log is lost |
 //! | 2 | bad input: arguments, scene, or a path that cannot be written |
-//! | 3 | the simulation could not be completed, or was interrupted, or its results could not be written; the log up to there is kept and readable |
+//! | 3 | the simulation could not be completed, was interrupted, or its results could not be written; the log up to that time is kept and readable |
 
-mod answer;
 mod browser;
 mod capture;
+mod choice_args;
+mod command_output;
 mod completions;
 mod explore;
-mod folder;
 mod hold;
 mod interrupt;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
 mod man;
 mod new;
-/// What a build without the feature says is tested in every build.
+// The messages of a build without the feature are tested in every build.
 #[cfg(all(test, feature = "live"))]
 #[allow(dead_code)]
 mod no_live;
 mod optimize;
 mod output;
+mod output_directory;
 mod overrides;
-mod own;
+mod ownership;
 mod progress;
 mod replay;
 mod replay_against;
 mod replay_args;
+mod replay_loaded_log;
 mod replay_page;
 mod replay_pair;
 mod replay_read;
 mod replay_recover;
-mod replay_side;
 mod replay_verify;
 mod reproduce;
 mod run;
 mod run_page;
 mod samples;
-mod saved;
+mod save;
 pub mod scene;
 mod scene_figure;
 mod select;
@@ -66,7 +67,6 @@ mod volume;
 mod volume_args;
 mod volume_files;
 mod watch;
-mod words;
 
 use std::any::TypeId;
 use std::fmt::Display;
@@ -79,19 +79,19 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::scene::error::shortened;
-use crate::scene::{SceneError, nearest};
+use crate::scene::{SceneError, closest_match};
 
-/// Help of longer lines is tiring to read.
-const WIDEST: usize = 100;
+/// Maximum width of help text in columns; longer lines are hard to read.
+const MAX_HELP_WIDTH: usize = 100;
 
-/// Only where colours are wanted: on a terminal, and not if NO_COLOR is set.
+/// Styles of help and messages. clap applies them only on a terminal and only if NO_COLOR is not set.
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
     .usage(AnsiColor::Green.on_default().bold())
     .literal(AnsiColor::Cyan.on_default().bold())
     .placeholder(AnsiColor::Cyan.on_default());
 
-/// What `--version` says: a release names the commit that it was built from.
+/// Output of `--version`; a release names the commit that it was built from.
 const VERSION: &str = match option_env!("PHALANX_VERSION") {
     Some(version) => version,
     None => env!("CARGO_PKG_VERSION"),
@@ -104,15 +104,15 @@ const VERSION: &str = match option_env!("PHALANX_VERSION") {
     version,
     long_version = VERSION,
     propagate_version = true,
-    max_term_width = WIDEST,
+    max_term_width = MAX_HELP_WIDTH,
     styles = STYLES,
     after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open\n  phalanx run scenes/experiment-95.toml --log run.mcap\n\nExit \
                   status: 0 done; 1 a check failed; 2 bad input; 3 the simulation could not be completed.\n\nTables and help \
-                  fit the terminal; COLUMNS sets another width, also in a pipe, where tables are as wide as need be \
-                  otherwise. NO_COLOR takes the colours from help and messages.\n\nThe thesis that help and reports cite is \"Dynamic grasping of objects with a high-speed parallel robot\" (master's thesis)."
+                  are wrapped to the width of the terminal. COLUMNS sets another width, also for pipes, where tables are not \
+                  wrapped by default. NO_COLOR disables the colours of help and messages.\n\nThe thesis that help and reports cite is \"Dynamic grasping of objects with a high-speed parallel robot\" (master's thesis)."
 )]
 struct Cli {
-    /// Print results, warnings and errors only: no progress and no notes on stderr
+    /// Print results, warnings and errors only; no progress and no notes on stderr
     #[arg(short, long, global = true, display_order = 900)]
     quiet: bool,
 
@@ -120,7 +120,7 @@ struct Cli {
     command: Command,
 }
 
-/// Makes of one line for each command its word on the command line and the way to what runs it.
+/// Defines the `Command` enum and its dispatch: each line names a command, its arguments and the function that runs it.
 macro_rules! commands {
     ($($(#[$attribute:meta])* $name:ident($arguments:ty) => $run:path,)*) => {
         #[derive(Debug, Subcommand)]
@@ -144,7 +144,7 @@ commands! {
     Explore(explore::ExploreArgs) => explore::run,
     Validate(validate_args::ValidateArgs) => validate::run,
     Replay(replay_args::ReplayArgs) => replay::run,
-    /// Show and check scene files, and print their schema
+    /// Show and check scene files, or print their schema
     #[command(
         subcommand,
         after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene check scenes/*.toml\n  phalanx scene \
@@ -160,7 +160,7 @@ commands! {
     Select(select::SelectArgs) => select::run,
     Optimize(optimize::OptimizeArgs) => optimize::run,
     Reproduce(reproduce::ReproduceArgs) => reproduce::run,
-    /// See what a choice of settings does to a result
+    /// Study how settings affect a result
     #[command(
         subcommand,
         after_help = "Examples:\n  phalanx study stability scenes/experiment-95.toml\n  phalanx study step-size --quick"
@@ -170,7 +170,7 @@ commands! {
     Man(man::ManArgs) => man::run,
 }
 
-/// How a command ended, see the [module](self).
+/// Exit status of a command; see the [module](self) documentation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     Done = 0,
@@ -179,7 +179,7 @@ pub enum Status {
     Incomplete = 3,
 }
 
-/// Why a command did not do what it was asked: what to print on stderr, and the exit status.
+/// Failure of a command: the message for stderr and the exit status.
 #[derive(Debug)]
 pub struct Failure {
     pub message: String,
@@ -187,81 +187,83 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// Something the user gave is wrong.
+    /// Failure caused by invalid arguments, or an invalid scene or path.
     pub fn bad_input(message: impl Display) -> Self {
         Failure { message: format!("error: {message}"), status: Status::BadInput }
     }
 
-    /// A run, or the writing of its results, broke off.
+    /// Failure of a run that was not completed, or whose results could not be written.
     pub fn incomplete(message: impl Display) -> Self {
         Failure { message: format!("error: {message}"), status: Status::Incomplete }
     }
 }
 
 impl From<SceneError> for Failure {
-    /// The scene's message shows the place in the file, and begins with `error:` itself.
+    /// The message of a scene error shows the position in the file and already begins with `error:`.
     fn from(error: SceneError) -> Self {
         Failure { message: error.to_string(), status: Status::BadInput }
     }
 }
 
-/// Runs the command that the process was started with.
+/// Runs the command given by the arguments of the process.
 pub fn main() -> ExitCode {
-    interrupt::survive_file_limits();
-    let matches = command_line().try_get_matches().unwrap_or_else(|error| refuse(meant(error)));
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| refuse(error));
+    interrupt::fail_writes_beyond_file_limit();
+    let matches = build_command().try_get_matches().unwrap_or_else(|error| exit_with_error(suggest_subcommand(error)));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| exit_with_error(error));
     if cli.quiet {
-        output::be_quiet();
+        output::set_quiet();
     }
     let status = cli.command.run().unwrap_or_else(|failure| {
-        output::complain(&failure.message);
+        output::print_diagnostic(&failure.message);
         failure.status
     });
     ExitCode::from(status as u8)
 }
 
-/// Ends with what is wrong with the arguments, which may be longer than anybody reads.
-fn refuse(error: clap::Error) -> ! {
+/// Prints an error of the arguments and exits. Very long messages are shortened.
+fn exit_with_error(error: clap::Error) -> ! {
     let text = error.render().to_string();
     if error.use_stderr() && shortened(&text) != text {
-        output::complain(text.trim_end());
+        output::print_diagnostic(text.trim_end());
         std::process::exit(error.exit_code());
     }
     error.exit()
 }
 
-/// The command line as it is read: help is as wide as the terminal, or as COLUMNS says.
-fn command_line() -> clap::Command {
-    let command = taking_negatives(Cli::command());
+/// Builds the command line parser. Help is as wide as the terminal, or as COLUMNS requests.
+fn build_command() -> clap::Command {
+    let command = allow_negative_values(Cli::command());
     match terminal::width() {
-        Some(width) => command.term_width(width.min(WIDEST)),
+        Some(width) => command.term_width(width.min(MAX_HELP_WIDTH)),
         None => command,
     }
 }
 
-/// Lets every flag of a value take one that begins with a minus: what is wrong with `--rtol -1` the flag itself says best.
-/// Flags of files and of words from a list go on refusing what looks like another flag.
-fn taking_negatives(command: clap::Command) -> clap::Command {
-    let takes = |arg: &Arg| {
-        let free = arg.get_value_parser().type_id() != TypeId::of::<PathBuf>() && arg.get_possible_values().is_empty();
-        let one = arg.get_action().takes_values() && arg.get_num_args().is_none_or(|count| count.min_values() == 1);
-        arg.get_long().is_some() && free && one
+/// Lets flags accept values that begin with a minus: the flag's own parser gives the best message for `--rtol -1`.
+/// Flags that take a file or one of several listed values still reject anything that looks like another flag.
+fn allow_negative_values(command: clap::Command) -> clap::Command {
+    let accepts_negatives = |arg: &Arg| {
+        let is_free_text =
+            arg.get_value_parser().type_id() != TypeId::of::<PathBuf>() && arg.get_possible_values().is_empty();
+        let takes_value =
+            arg.get_action().takes_values() && arg.get_num_args().is_none_or(|count| count.min_values() == 1);
+        arg.get_long().is_some() && is_free_text && takes_value
     };
-    let command = command.mut_args(|arg| if takes(&arg) { arg.allow_hyphen_values(true) } else { arg });
-    command.mut_subcommands(taking_negatives)
+    let command = command.mut_args(|arg| if accepts_negatives(&arg) { arg.allow_hyphen_values(true) } else { arg });
+    command.mut_subcommands(allow_negative_values)
 }
 
-/// Suggests a command for a mistyped one where clap does not: it compares words of two letters with nothing.
-fn meant(mut error: clap::Error) -> clap::Error {
+/// Suggests a command for a mistyped one of two letters, for which clap makes no suggestion.
+fn suggest_subcommand(mut error: clap::Error) -> clap::Error {
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
         && error.get(ContextKind::SuggestedSubcommand).is_none()
     {
         let command = Cli::command();
-        // Of `phalanx scene shwo` the second word is wrong.
-        let above = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).filter(|first| first != word);
-        let among = above.and_then(|first| command.find_subcommand(first)).unwrap_or(&command);
-        let names: Vec<&str> = among.get_subcommands().map(clap::Command::get_name).collect();
-        if let Some(name) = nearest(word, &names) {
+        // In `phalanx scene shwo`, the second word is the mistyped one.
+        let parent_name = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).filter(|first| first != word);
+        let parent = parent_name.and_then(|first| command.find_subcommand(first)).unwrap_or(&command);
+        let names: Vec<&str> = parent.get_subcommands().map(clap::Command::get_name).collect();
+        if let Some(name) = closest_match(word, &names) {
             let name = ContextValue::Strings(vec![name.to_string()]);
             error.insert(ContextKind::SuggestedSubcommand, name);
         }
@@ -274,7 +276,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_command_line_is_sound() {
-        taking_negatives(Cli::command()).debug_assert();
+    fn command_line_is_valid() {
+        allow_negative_values(Cli::command()).debug_assert();
     }
 }

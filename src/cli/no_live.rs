@@ -1,4 +1,4 @@
-//! `--live` in a build without the feature of that name: no server; the flags are known only to say what is missing.
+//! `--live` in a build without the feature `live`: the flags exist only to report that the server is missing.
 
 use std::ffi::OsString;
 
@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use crate::log::Feed;
+use crate::log::MessageFeed;
 
-/// The flags of a build that has the server, not shown in the help.
+/// Flags of a build with the server, hidden from the help.
 #[derive(Debug, Args)]
 pub struct LiveArgs {
     #[arg(long, hide = true, num_args = 0..=1)]
@@ -27,16 +27,16 @@ pub struct LiveArgs {
     live_keep: bool,
 }
 
-/// There is none.
+/// Server for one run; never constructed in this build.
 pub enum Live {}
 
 impl LiveArgs {
     pub fn start(&self, _: &str, _: f64, _: &Interrupt) -> Result<Option<Live>, Failure> {
-        self.refuse()?;
+        self.reject_flags()?;
         Ok(None)
     }
 
-    fn refuse(&self) -> Result<(), Failure> {
+    fn reject_flags(&self) -> Result<(), Failure> {
         match self.live.is_some()
             || self.live_origin.is_some()
             || self.live_speed.is_some()
@@ -45,23 +45,23 @@ impl LiveArgs {
         {
             false => Ok(()),
             true => Err(Failure::bad_input(
-                "this phalanx was built without the live server; build it with the feature (cargo run --release --features \
-                 live -- run SCENE --live), or leave --live out and look at the run afterwards (--log FILE.mcap)",
+                "phalanx was built without the live server; build it with the feature (cargo run --release --features \
+                 live -- run SCENE --live), or omit --live and view the run afterwards (--log FILE.mcap)",
             )),
         }
     }
 }
 
 impl Live {
-    pub fn feed(&self, _: &Interrupt) -> Box<dyn Feed> {
+    pub fn feed(&self, _: &Interrupt) -> Box<dyn MessageFeed> {
         match *self {}
     }
 
-    pub fn begin(&self) {
+    pub fn wait_for_client(&self) {
         match *self {}
     }
 
-    pub fn end(self) {
+    pub fn finish(self) {
         match self {}
     }
 }
@@ -73,17 +73,19 @@ mod tests {
     use super::*;
 
     #[derive(Parser)]
-    struct Alone {
+    struct TestCli {
         #[command(flatten)]
         live: LiveArgs,
     }
 
     #[test]
-    fn a_build_without_the_server_says_how_to_get_one() {
-        let refusal = |args: &[&str]| Alone::try_parse_from([&["run"], args].concat()).expect("known").live.refuse();
-        assert!(refusal(&[]).is_ok());
+    fn build_without_server_explains_how_to_build_it() {
+        let check = |args: &[&str]| {
+            TestCli::try_parse_from([&["run"], args].concat()).expect("known flags").live.reject_flags()
+        };
+        assert!(check(&[]).is_ok());
         for args in [&["--live"][..], &["--live", "0.0.0.0:8765"], &["--live-speed", "1e-3"], &["--live-keep"]] {
-            let message = refusal(args).expect_err("there is no server").message;
+            let message = check(args).expect_err("no server").message;
             assert!(message.contains("--features live") && message.contains("--log"), "{message}");
         }
     }

@@ -1,18 +1,18 @@
-//! Writing to stdout and stderr without a panic when the reader has gone.
+//! Writing to stdout and stderr. A closed pipe does not cause a panic.
 
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Failure, terminal};
+use crate::format::{Report, ToReport, is_unsafe_char};
 use crate::scene::error::shortened;
-use crate::wording::{Report, Reported, acts};
 
-/// Whether only results, warnings and errors are wanted: asked for once, before the command begins.
+/// Whether only results, warnings and errors are printed; set once, before the command starts.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// No progress and no notes from now on.
-pub fn be_quiet() {
+/// Disables progress and notes.
+pub fn set_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
@@ -20,51 +20,51 @@ pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// The text without commands to a terminal: they are shown as JSON writes them, so that a document stays one. Names in scenes and
-/// logs are others' words.
-pub fn visible(text: &str) -> Cow<'_, str> {
-    if !text.contains(acts) {
+/// Escapes control characters that a terminal would interpret, because names in scenes and logs are untrusted. The
+/// escapes are those of JSON, so a JSON document remains valid.
+pub fn escape_unsafe_chars(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_unsafe_char) {
         return Cow::Borrowed(text);
     }
-    let mut shown = String::with_capacity(text.len() + 16);
+    let mut escaped = String::with_capacity(text.len() + 16);
     for c in text.chars() {
-        match acts(c) {
-            true => shown.push_str(&format!("\\u{:04x}", u32::from(c))),
-            false => shown.push(c),
+        match is_unsafe_char(c) {
+            true => escaped.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => escaped.push(c),
         }
     }
-    Cow::Owned(shown)
+    Cow::Owned(escaped)
 }
 
-/// Whether standard output could be written to when the process began. Rust puts /dev/null in place of a closed one before `main`,
-/// and drops what a read-only one refuses: all results would be lost without a word.
-static WRITABLE: AtomicBool = AtomicBool::new(true);
+/// Whether standard output was writable when the process started. Before `main`, Rust replaces a closed standard output
+/// by /dev/null, and it ignores write errors of a read-only one; without this check all results would be lost silently.
+static STDOUT_WRITABLE: AtomicBool = AtomicBool::new(true);
 
 #[cfg(unix)]
 #[used]
 #[cfg_attr(not(target_vendor = "apple"), unsafe(link_section = ".init_array"))]
 #[cfg_attr(target_vendor = "apple", unsafe(link_section = "__DATA,__mod_init_func"))]
-static BEFORE_MAIN: extern "C" fn() = look;
+static CHECK_STDOUT_BEFORE_MAIN: extern "C" fn() = check_stdout;
 
-/// One system call, which needs nothing of Rust's runtime.
+/// Sets [`STDOUT_WRITABLE`]. Makes one system call and does not use the Rust runtime, which is not initialised yet.
 #[cfg(unix)]
-extern "C" fn look() {
+extern "C" fn check_stdout() {
     use rustix::fs::{OFlags, fcntl_getfl};
     let flags = fcntl_getfl(rustix::stdio::stdout());
-    WRITABLE.store(flags.is_ok_and(|flags| flags & OFlags::RWMODE != OFlags::RDONLY), Ordering::Relaxed);
+    STDOUT_WRITABLE.store(flags.is_ok_and(|flags| flags & OFlags::RWMODE != OFlags::RDONLY), Ordering::Relaxed);
 }
 
-/// Standard output, if it is open for writing.
+/// Returns standard output if it is open for writing.
 pub fn stdout() -> io::Result<io::StdoutLock<'static>> {
-    match WRITABLE.load(Ordering::Relaxed) {
+    match STDOUT_WRITABLE.load(Ordering::Relaxed) {
         true => Ok(io::stdout().lock()),
-        false => Err(io::Error::other("it is closed, or not open for writing")),
+        false => Err(io::Error::other("it is closed or not open for writing")),
     }
 }
 
-/// Prints to stdout. A reader that has seen enough (`| head`) is no error.
+/// Prints to stdout. A pipe closed by its reader (`| head`) is not an error.
 pub fn print(text: &str) -> Result<(), Failure> {
-    match stdout().and_then(|mut out| out.write_all(visible(text).as_bytes()).and_then(|()| out.flush())) {
+    match stdout().and_then(|mut out| out.write_all(escape_unsafe_chars(text).as_bytes()).and_then(|()| out.flush())) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::incomplete(format!("cannot write to standard output: {error}")))
         }
@@ -72,29 +72,29 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints what a command answers: as one JSON document, or for people.
-pub fn answer(of: &impl Reported, json: bool) -> Result<(), Failure> {
-    if json { print(&of.json()) } else { show(&of.report()) }
+/// Prints the result of a command, as one JSON document or as a text report.
+pub fn print_result(result: &impl ToReport, json: bool) -> Result<(), Failure> {
+    if json { print(&result.json()) } else { print_report(&result.report()) }
 }
 
-/// Prints a report: on a terminal no wider than it is.
-pub fn show(report: &Report) -> Result<(), Failure> {
+/// Prints a report, wrapped to the width of the terminal.
+pub fn print_report(report: &Report) -> Result<(), Failure> {
     print(&match terminal::width() {
-        Some(width) => report.fitted(width),
+        Some(width) => report.to_wrapped_text(width),
         None => report.to_string(),
     })
 }
 
-/// Says on stderr what is no warning and no error; nothing with `--quiet`.
-pub fn note(words: &str) {
+/// Prints a note to stderr, except with `--quiet`.
+pub fn print_note(note: &str) {
     if !is_quiet() {
-        complain(words);
+        print_diagnostic(note);
     }
 }
 
-/// Prints a warning or an error to stderr, as far as that takes it.
-pub fn complain(message: &str) {
-    let _ = writeln!(io::stderr().lock(), "{}", visible(&shortened(message)));
+/// Prints a warning or an error to stderr. Write errors are ignored.
+pub fn print_diagnostic(message: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", escape_unsafe_chars(&shortened(message)));
 }
 
 #[cfg(test)]
@@ -102,12 +102,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_that_a_terminal_obeys_is_printed() {
-        assert!(matches!(visible("µ: 1 mm\n\tfine"), Cow::Borrowed(_)));
-        assert_eq!(visible("a\u{1b}[31m\r\u{7f}\u{9b}2J\u{202e}z"), "a\\u001b[31m\\u000d\\u007f\\u009b2J\\u202ez");
-        // A document of JSON says the same as before.
+    fn control_characters_are_escaped() {
+        assert!(matches!(escape_unsafe_chars("µ: 1 mm\n\tfine"), Cow::Borrowed(_)));
+        assert_eq!(
+            escape_unsafe_chars("a\u{1b}[31m\r\u{7f}\u{9b}2J\u{202e}z"),
+            "a\\u001b[31m\\u000d\\u007f\\u009b2J\\u202ez"
+        );
+        // Escaping does not change the contents of a JSON document.
         let document = serde_json::to_string(&"\u{1b}\u{9b}\u{202e}").expect("JSON");
-        let read: String = serde_json::from_str(&visible(&document)).expect("still JSON");
+        let read: String = serde_json::from_str(&escape_unsafe_chars(&document)).expect("still JSON");
         assert_eq!(read, "\u{1b}\u{9b}\u{202e}");
     }
 }

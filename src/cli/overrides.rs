@@ -1,72 +1,74 @@
-//! Flags of `phalanx run` that are names for fields of the scene.
+//! Flags of `phalanx run` that override fields of the scene.
 
 use clap::{Args, ValueEnum};
 
 use super::Failure;
 use crate::scene::{Construction, Preset, Scene};
 use crate::trace::Model;
-use crate::trace::overrides::{self as of, duration, numeric_rate, picture_rate, rtol, step, tolerance};
-pub(super) use crate::units::positive;
+use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
+pub(super) use crate::units::parse_positive;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PresetArg {
     /// For everyday runs
     Engineering,
-    /// Tight tolerances, for figures to compare with
+    /// Tight tolerances, for reference results
     Reference,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ConstructionArg {
-    /// Free bodies, every joint a constraint
+    /// Free bodies; every joint is a constraint
     Maximal,
-    /// A tree of joints in its own coordinates, closed by one constraint
+    /// Joint coordinates of a tree, closed by one constraint
     Reduced,
 }
 
-/// Settings given on the command line.
+/// Settings of the simulation given on the command line.
 #[derive(Debug, Args)]
 pub struct Overrides {
-    /// Integrator method and tolerances of the analytic model, instead of those of the scene
+    /// Preset of integrator method and tolerances of the analytic model [default: as in the scene]
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
 
-    /// Relative tolerance of the analytic model, instead of that of the scene or preset; absolute ones are scaled along
+    /// Relative tolerance of the analytic model [default: from the scene or preset]; absolute tolerances are scaled by
+    /// the same factor
     #[arg(long, value_name = "X", value_parser = rtol)]
     rtol: Option<String>,
 
-    /// Coordinates of the engine model, instead of those of the scene
+    /// Coordinates of the engine model [default: as in the scene]
     #[arg(long, value_enum)]
     construction: Option<ConstructionArg>,
 
-    /// Fixed step of the engine model with its unit, such as "1 us", instead of the stepping of the scene
+    /// Use fixed steps of this size in the engine model, such as "1 us" [default: stepping of the scene]
     #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
     step: Option<String>,
 
-    /// Adaptive steps of the engine model: how far a joint may open in one, such as "0.02 um", instead of the stepping
-    /// of the scene
+    /// Use adaptive steps in the engine model, with this largest opening of a joint per step, such as "0.02 um"
+    /// [default: stepping of the scene]
     #[arg(long, value_name = "LENGTH", value_parser = tolerance)]
     tolerance: Option<String>,
 
-    /// Length of the run with its unit, such as "30 ms", instead of that of the scene
+    /// Duration of the run with its unit, such as "30 ms" [default: as in the scene]
     #[arg(long, value_name = "TIME", value_parser = duration)]
     duration: Option<f64>,
 
-    /// Samples a second of simulated time in the log, such as "20 kHz", instead of that of the scene; impacts are logged
-    /// at every step besides
+    /// Samples per simulated second in the log, such as "20 kHz" [default: as in the scene]; during impacts every step
+    /// is also logged
     #[arg(long, value_name = "FREQUENCY", value_parser = numeric_rate)]
     numeric_rate: Option<String>,
 
-    /// Pictures a second of simulated time in the log, such as "1 kHz" ("0 Hz": none), instead of that of the scene
+    /// Pictures per simulated second in the log, such as "1 kHz" ("0 Hz": none) [default: as in the scene]
     #[arg(long, value_name = "FREQUENCY", value_parser = picture_rate)]
     picture_rate: Option<String>,
 }
 
 impl Overrides {
-    /// Puts the flags into a scene.
+    /// Applies the flags to a scene.
     ///
     /// # Errors
-    /// A flag of the model that does not run, or, for a scene of discs, of a finger.
+    /// Returns an error if a flag belongs to the model that is not run, or if a flag for fingers is given for a scene
+    /// of discs.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
         let preset = self.preset.map(|preset| match preset {
             PresetArg::Engineering => Preset::Engineering,
@@ -76,7 +78,7 @@ impl Overrides {
             ConstructionArg::Maximal => Construction::Maximal,
             ConstructionArg::Reduced => Construction::Reduced,
         });
-        let overrides = of::Overrides {
+        let overrides = overrides::Overrides {
             preset,
             rtol: self.rtol.clone(),
             construction,

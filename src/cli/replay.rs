@@ -1,23 +1,23 @@
-//! `phalanx replay`: what a log says of its run; whether simulating again gives the same; two logs side by side; samples as
-//! a table; the good part of a damaged log.
+//! `phalanx replay`: summarises a log, verifies it by simulating again, compares two logs, exports samples as a table,
+//! and recovers the readable part of a damaged log.
 
 use std::slice;
 
 use super::interrupt::Interrupt;
-use super::output::answer;
-use super::own::Form;
-use super::replay_args::{ReplayArgs, defects};
-use super::replay_page::{Reels, Tee, undrawable};
-use super::replay_read::{Listeners, bad_log, head};
-use super::samples::{self, tabulated};
-use super::saved::save;
-use super::targets::{Kind, NONE, reserve};
+use super::output::print_result;
+use super::ownership::FileKind;
+use super::replay_args::{ReplayArgs, print_defects};
+use super::replay_page::{LogPlaybackRecorder, Tee, ensure_drawable};
+use super::replay_read::{SummarySink, read_failure, read_head};
+use super::samples::{self, write_table};
+use super::save::save;
+use super::targets::{NO_DIRECTORY, TargetKind, reserve};
 use super::{Failure, Status, replay_against, replay_recover, replay_verify};
-use crate::log::{LogSink, Reading, read_any_file};
-use crate::page::{Page, page};
-use crate::wording::Reported;
+use crate::format::ToReport;
+use crate::log::{LogSink, LogSummary, read_any_file};
+use crate::page::{Page, render_page};
 
-/// Runs the command.
+/// Runs `phalanx replay`.
 pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
     let interrupt = Interrupt::listen()?;
     if args.verify {
@@ -28,47 +28,48 @@ pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
     }
     match &args.against {
         Some(other) => replay_against::run(args, other, &interrupt),
-        None => one(args, &interrupt),
+        None => replay_log(args, &interrupt),
     }
 }
 
-/// Reads the log once: for its summary, unless the table goes where that would, its table and its page.
-fn one(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failure> {
+/// Reads the log once for its summary, its table and its page. The summary is omitted if the table goes to standard
+/// output.
+fn replay_log(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failure> {
     let path = &args.log;
-    let csv = samples::file(args.csv.as_deref(), args.json)?;
-    let reels = args.html.as_ref().map(|_| Reels::new(path, &head(path)?)).transpose()?;
-    let mut listeners = Listeners::new(path, interrupt)?;
-    let html = ("--html", args.html.as_deref(), Kind::File(Form::Page));
-    let csv_target = ("--csv", csv, Kind::File(Form::Samples));
-    reserve(&[("the log", slice::from_ref(path))], &[csv_target, html], NONE)?;
-    let (read, reels) = match reels {
-        Some(mut reels) => (read(args, &mut Tee(&mut listeners, &mut reels)), Some(reels)),
-        None => (read(args, &mut listeners), None),
+    let csv = samples::csv_file(args.csv.as_deref(), args.json)?;
+    let recorder = args.html.as_ref().map(|_| LogPlaybackRecorder::new(path, &read_head(path)?)).transpose()?;
+    let mut summary_sink = SummarySink::new(path, interrupt)?;
+    let html = ("--html", args.html.as_deref(), TargetKind::File(FileKind::Page));
+    let csv_target = ("--csv", csv, TargetKind::File(FileKind::Samples));
+    reserve(&[("the log", slice::from_ref(path))], &[csv_target, html], NO_DIRECTORY)?;
+    let (result, recorder) = match recorder {
+        Some(mut recorder) => (read_log(args, &mut Tee(&mut summary_sink, &mut recorder)), Some(recorder)),
+        None => (read_log(args, &mut summary_sink), None),
     };
-    listeners.done();
-    let Some(reading) = read? else { return Ok(Status::Done) };
-    let mut report = listeners.report(path.display().to_string(), &reading);
+    summary_sink.clear_progress();
+    let Some(summary) = result? else { return Ok(Status::Done) };
+    let mut report = summary_sink.report(path.display().to_string(), &summary);
     report.csv = csv.map(|csv| csv.display().to_string());
-    if let (Some(target), Some(reels)) = (&args.html, reels) {
-        undrawable(path, &reading)?;
-        let (title, description) = reels.about();
-        let film = reels.film(path, report.model.as_deref().unwrap_or("run"), report.report())?;
-        save(target, &page(&Page { title, description, runs: vec![film], ..Page::default() }))?;
+    if let (Some(target), Some(recorder)) = (&args.html, recorder) {
+        ensure_drawable(path, &summary)?;
+        let (title, description) = recorder.name_and_description();
+        let playback = recorder.into_playback(path, report.model.as_deref().unwrap_or("run"), report.report())?;
+        save(target, &render_page(&Page { title, description, runs: vec![playback], ..Page::default() }))?;
         report.page = Some(target.display().to_string());
     }
     if csv.is_some() || args.csv.is_none() {
-        answer(&report, args.json)?;
+        print_result(&report, args.json)?;
     }
-    Ok(defects(path, &reading, &report))
+    Ok(print_defects(path, &summary, &report))
 }
 
-/// Reads the log, and writes its table if there is to be one; `None` if the reader of that takes no more.
-fn read<S: LogSink>(args: &ReplayArgs, sink: &mut S) -> Result<Option<Reading>, Failure> {
-    let bad = |error| bad_log(&args.log, &error);
-    let Some(csv) = &args.csv else { return read_any_file(&args.log, sink).map(Some).map_err(bad) };
-    match tabulated(csv, Vec::new(), sink, |table| read_any_file(&args.log, table).map_err(bad)) {
+/// Reads the log and writes its table if requested. Returns `None` if the reader of standard output closed the pipe.
+fn read_log<S: LogSink>(args: &ReplayArgs, sink: &mut S) -> Result<Option<LogSummary>, Failure> {
+    let to_failure = |error| read_failure(&args.log, &error);
+    let Some(csv) = &args.csv else { return read_any_file(&args.log, sink).map(Some).map_err(to_failure) };
+    match write_table(csv, Vec::new(), sink, |table| read_any_file(&args.log, table).map_err(to_failure)) {
         (_, Ok(false)) => Ok(None),
         (Err(failure), _) | (_, Err(failure)) => Err(failure),
-        (Ok(reading), Ok(true)) => Ok(Some(reading)),
+        (Ok(summary), Ok(true)) => Ok(Some(summary)),
     }
 }

@@ -1,35 +1,35 @@
-//! `phalanx replay --against`: two logs side by side, with differences and pictures.
+//! `phalanx replay --against`: compares two logs, with differences and plots.
 
 use std::path::Path;
 
 use super::interrupt::Interrupt;
-use super::output::answer;
-use super::own::Form;
-use super::replay_args::{ReplayArgs, defects};
-use super::replay_page::{Reels, undrawable};
-use super::replay_pair::{common, notes};
-use super::replay_read::head;
-use super::replay_side::Side;
-use super::saved::{PAGE, save};
-use super::targets::{Kind, reserve};
+use super::output::print_result;
+use super::ownership::FileKind;
+use super::replay_args::{ReplayArgs, print_defects};
+use super::replay_loaded_log::LoadedLog;
+use super::replay_page::{LogPlaybackRecorder, ensure_drawable};
+use super::replay_pair::{comparison_notes, retain_common};
+use super::replay_read::read_head;
+use super::save::{PAGE_FILE, save};
+use super::targets::{TargetKind, reserve};
 use super::{Failure, Status};
-use crate::log::Reading;
-use crate::page::{Note, Page, page};
-use crate::plot::{self, Differences};
-use crate::report::replay::{AgainstReport, ApartReport, ReplayReport, side_by_side};
-use crate::scene::Words;
-use crate::scene::words::SceneKind;
+use crate::format::ToReport;
+use crate::log::LogSummary;
+use crate::page::{Note, Page, render_page};
+use crate::plot::{self, DifferencePlot};
+use crate::report::replay::{LogComparisonReport, ReplayReport, TrajectoryDifference, compare_summaries};
+use crate::scene::Keyword;
+use crate::scene::keywords::SceneKind;
 use crate::validate::{Angle, compare};
-use crate::wording::Reported;
 
-/// Everything that is in the directory in the end.
-const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "difference.svg"];
+/// Files in the output directory.
+const FILES: [&str; 5] = ["report.txt", "report.json", PAGE_FILE, "overlay.svg", "difference.svg"];
 
-/// Runs the command.
+/// Runs `phalanx replay --against`.
 pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
     let paths = [args.log.as_path(), other];
-    let heads = [head(paths[0])?, head(paths[1])?];
-    let kinds = heads.each_ref().map(Reading::kind);
+    let heads = [read_head(paths[0])?, read_head(paths[1])?];
+    let kinds = heads.each_ref().map(LogSummary::kind);
     if kinds[0] != kinds[1] {
         let kind = |kind: SceneKind| match kind {
             SceneKind::Finger => "a finger",
@@ -37,97 +37,107 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             SceneKind::Gripper => "a gripper",
         };
         return Err(Failure::bad_input(format!(
-            "{} is a log of {}, and {} one of {}: these have nothing in common; give two logs of one kind",
+            "{} is a log of {}, but {} is a log of {}; these cannot be compared; give two logs of one kind",
             paths[0].display(),
             kind(kinds[0]),
             paths[1].display(),
             kind(kinds[1])
         )));
     }
-    let html = ("--html", args.html.as_deref(), Kind::File(Form::Page));
+    let html = ("--html", args.html.as_deref(), TargetKind::File(FileKind::Page));
     let logs = paths.map(Path::to_path_buf);
-    let folder = reserve(&[("the log", &logs)], &[html], ("--out", args.out.as_deref(), &FILES))?;
-    // A page that is asked for must be possible; one among other files is left out where it is not.
-    let mut films = match (&args.html, &args.out) {
-        (Some(_), _) => Some([Reels::new(paths[0], &heads[0])?, Reels::new(paths[1], &heads[1])?]),
-        (None, Some(_)) => match heads.each_ref().map(|head| Reels::new(paths[0], head)) {
+    let directory = reserve(&[("the log", &logs)], &[html], ("--out", args.out.as_deref(), &FILES))?;
+    // If the page of --html is impossible, this is an error; the page of --out is only omitted.
+    let mut recorders = match (&args.html, &args.out) {
+        (Some(_), _) => {
+            Some([LogPlaybackRecorder::new(paths[0], &heads[0])?, LogPlaybackRecorder::new(paths[1], &heads[1])?])
+        }
+        (None, Some(_)) => match heads.each_ref().map(|head| LogPlaybackRecorder::new(paths[0], head)) {
             [Ok(first), Ok(second)] => Some([first, second]),
             _ => None,
         },
         (None, None) => None,
     };
-    let mut sides = match &mut films {
-        Some([first, second]) => [Side::read(paths[0], interrupt, first)?, Side::read(paths[1], interrupt, second)?],
-        None => [Side::read(paths[0], interrupt, &mut ())?, Side::read(paths[1], interrupt, &mut ())?],
+    let mut loaded = match &mut recorders {
+        Some([first, second]) => {
+            [LoadedLog::read(paths[0], interrupt, first)?, LoadedLog::read(paths[1], interrupt, second)?]
+        }
+        None => [LoadedLog::read(paths[0], interrupt, &mut ())?, LoadedLog::read(paths[1], interrupt, &mut ())?],
     };
-    let drawable = [0, 1].map(|k| undrawable(paths[k], &sides[k].reading));
+    let drawable = [0, 1].map(|k| ensure_drawable(paths[k], &loaded[k].summary));
     if let Some(missing) = drawable.into_iter().find_map(Result::err) {
-        films = match &args.html {
+        recorders = match &args.html {
             Some(_) => return Err(missing),
             None => None,
         };
     }
-    let logs = [0, 1].map(|k| sides[k].listeners.report(paths[k].display().to_string(), &sides[k].reading));
-    let labels = labels(paths, &logs);
-    let mut notes = notes(&sides, &labels);
-    let compared_to_s = sides.iter().filter_map(|side| side.reading.last_s).fold(f64::INFINITY, f64::min);
+    let logs = [0, 1].map(|k| loaded[k].sink.report(paths[k].display().to_string(), &loaded[k].summary));
+    let labels = choose_labels(paths, &logs);
+    let mut notes = comparison_notes(&loaded, &labels);
+    let compared_to_s = loaded.iter().filter_map(|log| log.summary.last_s).fold(f64::INFINITY, f64::min);
     let compared_to_s = if compared_to_s.is_finite() { compared_to_s } else { 0.0 };
-    notes.extend(common(&mut sides, &labels));
-    let (apart, pictures) = apart(&sides, &labels, &logs, compared_to_s);
-    let (figures, words) = side_by_side(&logs);
-    let kind = kinds[0].word();
-    let mut report = AgainstReport {
+    notes.extend(retain_common(&mut loaded, &labels));
+    let (differences, plots) = compute_differences(&loaded, &labels, &logs, compared_to_s);
+    let (numbers, texts) = compare_summaries(&logs);
+    let kind = kinds[0].keyword();
+    let mut report = LogComparisonReport {
         kind,
         labels,
         logs,
         compared_to_s,
         notes,
-        figures,
-        words,
-        apart,
+        numbers,
+        texts,
+        trajectory_differences: differences,
         directory: None,
         files: None,
         page: None,
     };
-    let shown = films.map(|films| both(films, paths, &report)).transpose()?;
-    if let (Some(out), Some(folder)) = (&args.out, folder) {
+    let page_text = recorders.map(|recorders| build_page(recorders, paths, &report)).transpose()?;
+    if let (Some(out), Some(directory)) = (&args.out, directory) {
         report.directory = Some(out.display().to_string());
-        report.files =
-            Some(FILES.into_iter().filter(|file| *file != PAGE || shown.is_some()).map(String::from).collect());
-        folder.fill(|out| {
-            for (file, picture) in ["overlay.svg", "difference.svg"].iter().zip(&pictures) {
-                save(&out.join(file), picture)?;
+        report.files = Some(
+            FILES.into_iter().filter(|file| *file != PAGE_FILE || page_text.is_some()).map(String::from).collect(),
+        );
+        directory.write_with(|out| {
+            for (file, plot) in ["overlay.svg", "difference.svg"].iter().zip(&plots) {
+                save(&out.join(file), plot)?;
             }
-            if let Some(page) = &shown {
-                save(&out.join(PAGE), page)?;
+            if let Some(page) = &page_text {
+                save(&out.join(PAGE_FILE), page)?;
             }
             save(&out.join("report.txt"), &report.report().to_string())?;
             save(&out.join("report.json"), &report.json())
         })?;
     }
-    if let (Some(target), Some(page)) = (&args.html, &shown) {
+    if let (Some(target), Some(page)) = (&args.html, &page_text) {
         save(target, page)?;
         report.page = Some(target.display().to_string());
     }
-    answer(&report, args.json)?;
-    let statuses = [0, 1].map(|k| defects(paths[k], &sides[k].reading, &report.logs[k]));
+    print_result(&report, args.json)?;
+    let statuses = [0, 1].map(|k| print_defects(paths[k], &loaded[k].summary, &report.logs[k]));
     Ok(if statuses == [Status::Done; 2] { Status::Done } else { Status::CheckFailed })
 }
 
-/// The page of both logs.
-fn both(films: [Reels; 2], paths: [&Path; 2], report: &AgainstReport) -> Result<String, Failure> {
-    let [(first, description), (second, _)] = films.each_ref().map(Reels::about);
+/// Builds the page of both logs.
+fn build_page(
+    recorders: [LogPlaybackRecorder; 2],
+    paths: [&Path; 2],
+    report: &LogComparisonReport,
+) -> Result<String, Failure> {
+    let [(first, description), (second, _)] = recorders.each_ref().map(LogPlaybackRecorder::name_and_description);
     let title = if first == second { first } else { format!("{first} and {second}") };
     let mut runs = Vec::new();
-    for (((film, path), label), log) in films.into_iter().zip(paths).zip(&report.labels).zip(&report.logs) {
-        runs.push(film.film(path, label, log.report())?);
+    for (((recorder, path), label), log) in recorders.into_iter().zip(paths).zip(&report.labels).zip(&report.logs) {
+        runs.push(recorder.into_playback(path, label, log.report())?);
     }
     let notes = vec![Note { title: "Side by side".to_string(), text: report.report() }];
-    Ok(page(&Page { title, description, runs, notes, pictures: Vec::new() }))
+    Ok(render_page(&Page { title, description, runs, notes, pictures: Vec::new() }))
 }
 
-/// What the logs are called: by their models, or else their files, as far as that tells them apart.
-fn labels(paths: [&Path; 2], logs: &[ReplayReport; 2]) -> [String; 2] {
+/// Labels of the logs: their models if these differ, else their file names if these differ and are short, else "first"
+/// and "second".
+fn choose_labels(paths: [&Path; 2], logs: &[ReplayReport; 2]) -> [String; 2] {
     let models = logs.each_ref().map(|log| log.model.clone());
     let names = paths.map(|path| path.file_name().map(|name| name.to_string_lossy().into_owned()));
     match (models, names) {
@@ -137,55 +147,56 @@ fn labels(paths: [&Path; 2], logs: &[ReplayReport; 2]) -> [String; 2] {
     }
 }
 
-fn title(logs: &[ReplayReport; 2], labels: &[String; 2]) -> String {
+/// Title of the plots.
+fn build_title(logs: &[ReplayReport; 2], labels: &[String; 2]) -> String {
     let scene = |log: &ReplayReport| log.scene.clone().unwrap_or_else(|| "unknown scene".to_string());
     let [first, second] = [scene(&logs[0]), scene(&logs[1])];
     let [a, b] = labels;
     if first == second { format!("{first}: {a} and {b}") } else { format!("{first} ({a}) and {second} ({b})") }
 }
 
-/// Differences along the way, and the pictures, of what both logs have. The run with more samples is the one that is
-/// interpolated in.
-fn apart(
-    sides: &[Side<'_>; 2],
+/// Computes the differences of the trajectories and the plots for everything that both logs contain. The run with more
+/// samples is interpolated.
+fn compute_differences(
+    loaded: &[LoadedLog<'_>; 2],
     labels: &[String; 2],
     logs: &[ReplayReport; 2],
     until_s: f64,
-) -> (Vec<ApartReport>, [String; 2]) {
-    let layout = &sides[0].layout;
-    let [first, second] = sides.each_ref().map(|side| &side.recording);
-    let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
+) -> (Vec<TrajectoryDifference>, [String; 2]) {
+    let layout = &loaded[0].layout;
+    let [first, second] = loaded.each_ref().map(|log| &log.recording);
+    let (sparse, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
     let angles = layout.fingers.iter().flat_map(|finger| {
-        let of = if finger.is_empty() { String::new() } else { format!("{finger}_") };
-        Angle::ALL.map(|angle| format!("{of}{}_rad", angle.name()))
+        let prefix = if finger.is_empty() { String::new() } else { format!("{finger}_") };
+        Angle::ALL.map(|angle| format!("{prefix}{}_rad", angle.name()))
     });
     let quantities = angles.chain(layout.bodies.iter().map(|name| format!("{name}_centre_m")));
-    let found = compare(run, dense, until_s);
-    // Where a topic is missing there is nothing to compare, and the difference is infinite.
-    let finite = quantities.zip(&found.path).filter(|(_, off)| off.max.is_finite());
-    let apart = finite.map(|(quantity, off)| ApartReport {
+    let comparison = compare(sparse, dense, until_s);
+    // The difference of a missing topic is infinite.
+    let finite = quantities.zip(&comparison.path).filter(|(_, off)| off.max.is_finite());
+    let differences = finite.map(|(quantity, off)| TrajectoryDifference {
         quantity,
         max: off.max,
         max_at_s: off.max_at_s,
         rms: off.rms,
         end: off.end,
     });
-    let apart = if run.samples.is_empty() { Vec::new() } else { apart.collect() };
-    let words = labels.each_ref().map(String::as_str);
+    let differences = if sparse.samples.is_empty() { Vec::new() } else { differences.collect() };
+    let label_texts = labels.each_ref().map(String::as_str);
     let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
-    let overlay = plot::overlay_of(title(logs, labels), words, layout, [first, second], end_s);
-    let [what, label] = match (layout.fingers.is_empty(), layout.bodies.is_empty()) {
+    let overlay = plot::overlay_runs(build_title(logs, labels), label_texts, layout, [first, second], end_s);
+    let [subject, label] = match (layout.fingers.is_empty(), layout.bodies.is_empty()) {
         (false, true) => ["joint angles", "|difference|, rad"],
         (false, false) => ["joint angles and centre", "|difference|, rad or m"],
         (true, _) => ["centres", "distance, m"],
     };
-    let difference = plot::difference_of(&Differences {
-        title: format!("{}: {what} apart", title(logs, labels)),
+    let difference = plot::plot_differences(&DifferencePlot {
+        title: format!("{}: differences of {subject}", build_title(logs, labels)),
         label,
-        curves: plot::paths_apart(layout, run, dense, until_s),
-        touches: plot::touches(layout, first, until_s),
+        curves: plot::path_differences(layout, sparse, dense, until_s),
+        touchdowns: plot::touchdowns(layout, first, until_s),
         bound: None,
         until_s,
     });
-    (apart, [overlay, difference])
+    (differences, [overlay, difference])
 }

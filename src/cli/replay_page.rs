@@ -1,75 +1,87 @@
-//! `phalanx replay --html`: the page of a log, or of two laid over each other.
+//! `phalanx replay --html`: the page of a log, or of two overlaid logs.
 
 use std::path::Path;
 
-use super::replay_read::attached;
+use super::replay_read::scene_in_log;
 use super::{Failure, Status};
-use crate::log::{Concerns, LogSink, Reading};
-use crate::page::{Film, Reel};
+use crate::format::Report;
+use crate::log::{LogSink, LogSummary, TopicSubject};
+use crate::page::{Playback, PlaybackRecorder};
 use crate::scene::Scene;
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
-use crate::wording::Report;
 
-/// A run kept for a page, in bounded memory: one of many samples is thinned out.
-pub(super) struct Reels {
+/// Records a log for a page in bounded memory; samples of long runs are decimated.
+pub(super) struct LogPlaybackRecorder {
     scene: Scene,
-    reel: Box<Reel>,
-    /// Whether the samples are of what the scene has.
-    fits: bool,
+    recorder: Box<PlaybackRecorder>,
+    /// Whether the layout of the samples matches the scene.
+    matches_scene: bool,
 }
 
-/// A page shows every part of a sample: without one of them there is none.
-pub(super) fn undrawable(path: &Path, reading: &Reading) -> Result<(), Failure> {
-    let Some(missing) = reading.missing.iter().find(|missing| missing.concerns != Concerns::Run) else { return Ok(()) };
-    let (topic, what) = (&missing.topic, &missing.what);
-    let message = format!("error: {}: no page can be made: missing topic: {topic} {what}", path.display());
+/// Returns an error if a topic is missing, because a page needs all parts of a sample.
+pub(super) fn ensure_drawable(path: &Path, summary: &LogSummary) -> Result<(), Failure> {
+    let Some(missing) = summary.missing.iter().find(|missing| missing.subject != TopicSubject::Run) else {
+        return Ok(());
+    };
+    let (topic, defect) = (&missing.topic, &missing.defect);
+    let message = format!("error: {}: no page can be written: missing data: {topic} {defect}", path.display());
     Err(Failure { message, status: Status::CheckFailed })
 }
 
-impl Reels {
-    /// For the scene of a log, without which nothing can be drawn.
-    pub fn new(path: &Path, head: &Reading) -> Result<Self, Failure> {
-        let refused = |why: String| Failure::bad_input(format!("{}: there is nothing to draw: {why}", path.display()));
-        match attached(head) {
-            Some(Ok(scene)) if scene.kind() == head.kind() => Ok(Reels { scene, reel: Box::default(), fits: true }),
-            Some(Ok(_)) => Err(refused("the scene in the log is of another kind than its metadata say".to_string())),
-            Some(Err(error)) => Err(refused(format!("the scene in the log cannot be read by this phalanx:\n{error}"))),
-            None => Err(refused("the part of the log that held its scene is lost".to_string())),
+impl LogPlaybackRecorder {
+    /// Creates a recorder for the scene in the head of a log.
+    ///
+    /// # Errors
+    /// Returns an error if the log has no readable scene of its kind.
+    pub fn new(path: &Path, head: &LogSummary) -> Result<Self, Failure> {
+        let bad_input =
+            |reason: String| Failure::bad_input(format!("{}: there is nothing to draw: {reason}", path.display()));
+        match scene_in_log(head) {
+            Some(Ok(scene)) if scene.kind() == head.kind() => {
+                Ok(LogPlaybackRecorder { scene, recorder: Box::default(), matches_scene: true })
+            }
+            Some(Ok(_)) => {
+                Err(bad_input("the kind of the scene in the log differs from the kind in its metadata".to_string()))
+            }
+            Some(Err(error)) => {
+                Err(bad_input(format!("the scene in the log cannot be read by this version of phalanx:\n{error}")))
+            }
+            None => Err(bad_input("the part of the log with its scene is lost".to_string())),
         }
     }
 
-    /// Name and description of the scene.
-    pub fn about(&self) -> (String, String) {
+    /// Returns the name and description of the scene.
+    pub fn name_and_description(&self) -> (String, String) {
         (self.scene.name.clone(), self.scene.description.clone())
     }
 
-    pub fn film(self, path: &Path, label: &str, summary: impl Into<Report>) -> Result<Film, Failure> {
-        match self.fits {
-            true => Ok(self.reel.film(label, &self.scene, summary)),
+    pub fn into_playback(self, path: &Path, label: &str, summary: impl Into<Report>) -> Result<Playback, Failure> {
+        match self.matches_scene {
+            true => Ok(self.recorder.into_playback(label, &self.scene, summary)),
             false => Err(Failure::bad_input(format!(
-                "{}: there is nothing to draw: the samples are not of what the scene in the log has",
+                "{}: there is nothing to draw: the samples do not match the scene in the log",
                 path.display()
             ))),
         }
     }
 }
 
-impl LogSink for Reels {
+impl LogSink for LogPlaybackRecorder {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.fits = Layout::of(&self.scene.system) == *layout;
+        self.matches_scene = Layout::from_system(&self.scene.system) == *layout;
         Ok(())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        if self.fits { self.reel.sample(sample) } else { Ok(()) }
+        if self.matches_scene { self.recorder.sample(sample) } else { Ok(()) }
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if self.fits { self.reel.event(event) } else { Ok(()) }
+        if self.matches_scene { self.recorder.event(event) } else { Ok(()) }
     }
 }
 
-/// Two sinks that take the same log.
+/// Passes a log to two sinks.
 pub(super) struct Tee<'a, A, B>(pub &'a mut A, pub &'a mut B);
 
 impl<A: LogSink, B: LogSink> LogSink for Tee<'_, A, B> {

@@ -1,118 +1,118 @@
-//! What two logs have in common, and what is to be borne in mind where they do not.
+//! Common parts of two logs, and notes on their differences.
 
-use super::replay_side::Side;
-use crate::scene::words::SceneKind;
-use crate::trace::{Layout, Sample, Site};
-use crate::wording::duration;
+use super::replay_loaded_log::LoadedLog;
+use crate::format::format_duration;
+use crate::scene::keywords::SceneKind;
+use crate::trace::{FingerContact, Layout, Sample};
 
-/// Notes on lengths, losses, scenes, and what only one of the logs has.
-pub(super) fn notes(sides: &[Side<'_>; 2], labels: &[String; 2]) -> Vec<String> {
+/// Returns notes on different durations, losses and scenes, and on parts that only one of the logs contains.
+pub(super) fn comparison_notes(logs: &[LoadedLog<'_>; 2], labels: &[String; 2]) -> Vec<String> {
     let mut notes = Vec::new();
-    let readings = sides.each_ref().map(|side| &side.reading);
-    let scenes = readings.map(|reading| reading.scene.as_ref().map(|(_, text)| text));
+    let summaries = logs.each_ref().map(|log| &log.summary);
+    let scenes = summaries.map(|summary| summary.scene.as_ref().map(|(_, text)| text));
     if let [Some(a), Some(b)] = scenes
         && a != b
     {
-        notes.push("the scenes are not the same: two variants".to_string());
+        notes.push("the scenes differ: two variants".to_string());
     }
-    if let [Some(a), Some(b)] = readings.map(|reading| reading.last_s)
+    if let [Some(a), Some(b)] = summaries.map(|summary| summary.last_s)
         && a != b
     {
         notes.push(format!(
-            "{} goes to {}, {} to {}: final figures are each log's own",
+            "{} ends at {}, {} at {}: final values are at the end of each log",
             labels[0],
-            duration(a),
+            format_duration(a),
             labels[1],
-            duration(b)
+            format_duration(b)
         ));
     }
-    for ((side, reading), label) in sides.iter().zip(readings).zip(labels) {
-        match &reading.ended {
-            _ if !reading.is_whole() => notes.push(format!("a part of {label} is lost")),
-            None => notes.push(format!("{label} does not say how its run ended")),
+    for ((log, summary), label) in logs.iter().zip(summaries).zip(labels) {
+        match &summary.run_end {
+            _ if !summary.is_complete() => notes.push(format!("a part of {label} is lost")),
+            None => notes.push(format!("{label} does not state how its run ended")),
             Some(ended) if ended.stopped.is_some() => notes.push(format!("the run of {label} was not completed")),
             Some(_) => {}
         }
         notes.extend(
-            reading.missing.iter().map(|missing| format!("missing in {label}: {} {}", missing.topic, missing.what)),
+            summary.missing.iter().map(|missing| format!("missing in {label}: {} {}", missing.topic, missing.defect)),
         );
-        if reading.recovered.is_some() {
-            notes.push(format!("{label} is a recovered log: where messages are missing it is interpolated"));
+        if summary.recovered.is_some() {
+            notes.push(format!("{label} is a recovered log: missing messages are interpolated"));
         }
-        if reading.samples == 0 {
-            notes.push(format!("{label} has no sample"));
+        if summary.samples == 0 {
+            notes.push(format!("{label} has no samples"));
         }
-        if reading.kind() != SceneKind::Bodies && side.recording.samples.first().is_some_and(|first| first.time_s > 0.0)
+        if summary.kind() != SceneKind::Bodies && log.recording.samples.first().is_some_and(|first| first.time_s > 0.0)
         {
             notes.push(format!("{label} does not begin at 0"));
         }
     }
-    if readings[0].kind() == SceneKind::Finger && readings.iter().all(|reading| reading.samples > 0) {
-        let last = sides.each_ref().map(|side| &side.recording.outcome.last);
-        let objects = last.map(|sample| sample.contact(Site::Proximal).gap_m.is_finite());
-        let limits = last.map(|sample| sample.contact(Site::Limit).gap_m.is_finite());
-        for (what, there) in [("an object", objects), ("a joint limit", limits)] {
-            if there[0] != there[1] {
-                notes.push(format!("only {} has {what}", labels[usize::from(there[1])]));
+    if summaries[0].kind() == SceneKind::Finger && summaries.iter().all(|summary| summary.samples > 0) {
+        let last = logs.each_ref().map(|log| &log.recording.outcome.last);
+        let objects = last.map(|sample| sample.contact(FingerContact::Proximal).gap_m.is_finite());
+        let limits = last.map(|sample| sample.contact(FingerContact::Limit).gap_m.is_finite());
+        for (part, is_present) in [("an object", objects), ("a joint limit", limits)] {
+            if is_present[0] != is_present[1] {
+                notes.push(format!("only {} has {part}", labels[usize::from(is_present[1])]));
             }
         }
     }
     notes
 }
 
-/// Leaves of both logs only the discs and pairs that both have, in the same order; says what goes.
-pub(super) fn common(sides: &mut [Side<'_>; 2], labels: &[String; 2]) -> Vec<String> {
-    let [first, second] = sides.each_ref().map(|side| side.layout.clone());
+/// Retains only the discs and pairs that both logs contain, in the same order. Returns notes on the removed ones.
+pub(super) fn retain_common(logs: &mut [LoadedLog<'_>; 2], labels: &[String; 2]) -> Vec<String> {
+    let [first, second] = logs.each_ref().map(|log| log.layout.clone());
     if first == second {
         return Vec::new();
     }
     let mut notes = Vec::new();
-    for ((ours, theirs), label) in [(&first, &second), (&second, &first)].into_iter().zip(labels) {
-        let discs = only(&ours.bodies, &theirs.bodies, |name| name);
-        let pairs = only(&ours.contacts, &theirs.contacts, |place| &place.name);
-        for (what, names) in [("disc", discs), ("pair", pairs)] {
+    for ((items, others), label) in [(&first, &second), (&second, &first)].into_iter().zip(labels) {
+        let discs = missing_names(&items.bodies, &others.bodies, |name| name);
+        let pairs = missing_names(&items.contacts, &others.contacts, |contact| &contact.name);
+        for (part, names) in [("disc", discs), ("pair", pairs)] {
             if !names.is_empty() {
-                notes.push(format!("only {label} has the {what} {names}"));
+                notes.push(format!("only {label} has the {part} {names}"));
             }
         }
     }
     let layout = Layout {
-        bodies: both(&first.bodies, &second.bodies),
-        contacts: both(&first.contacts, &second.contacts),
+        bodies: intersection(&first.bodies, &second.bodies),
+        contacts: intersection(&first.contacts, &second.contacts),
         ..first
     };
-    for side in sides {
-        let bodies = places(&layout.bodies, &side.layout.bodies);
-        let contacts = places(&layout.contacts, &side.layout.contacts);
-        let keep = |sample: &mut Sample| {
+    for log in logs {
+        let bodies = indices_of(&layout.bodies, &log.layout.bodies);
+        let contacts = indices_of(&layout.contacts, &log.layout.contacts);
+        let retain = |sample: &mut Sample| {
             sample.bodies = bodies.iter().filter_map(|&k| sample.bodies.get(k).copied()).collect();
             sample.contacts = contacts.iter().filter_map(|&k| sample.contacts.get(k).copied()).collect();
         };
-        side.recording.samples.iter_mut().for_each(keep);
-        let outcome = &mut side.recording.outcome;
-        keep(&mut outcome.last);
+        log.recording.samples.iter_mut().for_each(retain);
+        let outcome = &mut log.recording.outcome;
+        retain(&mut outcome.last);
         outcome.contacts = contacts.iter().filter_map(|&k| outcome.contacts.get(k).copied()).collect();
-        side.recording.events.retain_mut(|event| {
-            let place = contacts.iter().position(|&k| k == event.contact);
-            event.contact = place.unwrap_or(event.contact);
-            place.is_some()
+        log.recording.events.retain_mut(|event| {
+            let index = contacts.iter().position(|&k| k == event.contact);
+            event.contact = index.unwrap_or(event.contact);
+            index.is_some()
         });
-        side.layout = layout.clone();
+        log.layout = layout.clone();
     }
     notes
 }
 
-/// The names of what only `ours` has.
-fn only<T: PartialEq>(ours: &[T], theirs: &[T], name: impl Fn(&T) -> &String) -> String {
-    let names = ours.iter().filter(|part| !theirs.contains(part)).map(name);
+/// Names of the items that `others` does not contain.
+fn missing_names<T: PartialEq>(items: &[T], others: &[T], name: impl Fn(&T) -> &String) -> String {
+    let names = items.iter().filter(|item| !others.contains(item)).map(name);
     names.cloned().collect::<Vec<_>>().join(", ")
 }
 
-fn both<T: PartialEq + Clone>(ours: &[T], theirs: &[T]) -> Vec<T> {
-    ours.iter().filter(|part| theirs.contains(part)).cloned().collect()
+fn intersection<T: PartialEq + Clone>(items: &[T], others: &[T]) -> Vec<T> {
+    items.iter().filter(|item| others.contains(item)).cloned().collect()
 }
 
-/// Where the wanted parts are among those that are there.
-fn places<T: PartialEq>(wanted: &[T], there: &[T]) -> Vec<usize> {
-    wanted.iter().filter_map(|part| there.iter().position(|known| known == part)).collect()
+/// Indices of `items` in `all`.
+fn indices_of<T: PartialEq>(items: &[T], all: &[T]) -> Vec<usize> {
+    items.iter().filter_map(|item| all.iter().position(|other| other == item)).collect()
 }

@@ -1,4 +1,4 @@
-//! Reading a log with everything that listens to it: the summary of either kind, the criteria, the table of samples.
+//! Reading a log for its summary and criteria, with progress and interruption.
 
 use std::cell::RefCell;
 use std::io;
@@ -6,116 +6,116 @@ use std::path::Path;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use super::output::complain;
+use super::output::print_diagnostic;
 use super::progress::Progress;
-use crate::log::{self, LogSink, ReadError, Reading};
-pub(super) use crate::report::replay::attached;
-use crate::report::replay::{Heard, ReplayReport, Summary};
+use crate::log::{self, LogSink, LogSummary, ReadError};
+pub(super) use crate::report::replay::scene_in_log;
+use crate::report::replay::{LogObserver, ReplayReport, Summary};
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 
-/// Everything that listens to a log.
-pub(super) struct Listeners<'a> {
-    heard: Heard,
+/// A log sink that collects the summary of a run, shows progress and stops at a signal.
+pub(super) struct SummarySink<'a> {
+    observer: LogObserver,
     progress: Progress,
     interrupt: &'a Interrupt,
 }
 
-impl<'a> Listeners<'a> {
-    /// Looks at the head of the log: the criteria need its scene before the first sample.
+impl<'a> SummarySink<'a> {
+    /// Reads the head of the log, because the criteria need its scene before the first sample.
     pub fn new(path: &Path, interrupt: &'a Interrupt) -> Result<Self, Failure> {
-        let head = head(path)?;
+        let head = read_head(path)?;
         let duration_s = head.metadata.get("duration_s").and_then(|text| text.parse().ok());
-        let (heard, said) = Heard::new(&head);
-        said.iter().for_each(|said| complain(said));
-        Ok(Listeners { heard, progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)), interrupt })
+        let (observer, warning) = LogObserver::new(&head);
+        warning.iter().for_each(|warning| print_diagnostic(warning));
+        Ok(SummarySink { observer, progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)), interrupt })
     }
 
-    /// What is known of the run, and what its samples consist of.
+    /// Returns the summary of the run, including the layout of its samples.
     pub fn summary(&self) -> &Summary {
-        self.heard.summary()
+        self.observer.summary()
     }
 
-    /// Wipes the line that says how far it has come.
-    pub fn done(&mut self) {
+    /// Clears the progress line.
+    pub fn clear_progress(&mut self) {
         self.progress.clear();
     }
 
-    /// The summary of what was read.
-    pub fn report(&self, name: String, reading: &Reading) -> ReplayReport {
-        self.heard.report(name, reading)
+    /// Returns the report on the log.
+    pub fn report(&self, name: String, summary: &LogSummary) -> ReplayReport {
+        self.observer.report(name, summary)
     }
 
-    fn check(&self) -> Result<(), SinkError> {
-        go_on(self.interrupt, "a summary of the whole log")
+    fn check_interrupt(&self) -> Result<(), SinkError> {
+        check_interrupt(self.interrupt, "a summary of the whole log")
     }
 }
 
-impl LogSink for Listeners<'_> {
+impl LogSink for SummarySink<'_> {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.heard.layout(layout)
+        self.observer.layout(layout)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.check()?;
+        self.check_interrupt()?;
         Sink::sample(&mut self.progress, sample)?;
-        self.heard.sample(sample)
+        self.observer.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.heard.event(event)
+        self.observer.event(event)
     }
 }
 
-/// Reads a log.
-pub(super) fn read(path: &Path, listeners: &mut Listeners<'_>) -> Result<Reading, Failure> {
-    let reading = log::read_any_file(path, listeners).map_err(|error| bad_log(path, &error));
-    listeners.progress.clear();
-    reading
+/// Reads a log into a summary.
+pub(super) fn read_log(path: &Path, sink: &mut SummarySink<'_>) -> Result<LogSummary, Failure> {
+    let summary = log::read_any_file(path, sink).map_err(|error| read_failure(path, &error));
+    sink.progress.clear();
+    summary
 }
 
-/// Watches a log being gone through message by message: shows how far that has come, and ends it at a signal.
-pub(super) struct Watch<'a> {
+/// Shows the progress of reading a log message by message and stops at a signal.
+pub(super) struct ReadMonitor<'a> {
     progress: RefCell<Progress>,
     interrupt: &'a Interrupt,
-    /// What errors say is not done.
-    what: &'a str,
+    /// Output that an interrupt leaves unwritten, for error messages.
+    target: &'a str,
 }
 
-impl<'a> Watch<'a> {
-    pub fn new(duration_s: Option<f64>, interrupt: &'a Interrupt, what: &'a str) -> Self {
-        Watch { progress: RefCell::new(Progress::new(duration_s.unwrap_or(f64::INFINITY))), interrupt, what }
+impl<'a> ReadMonitor<'a> {
+    pub fn new(duration_s: Option<f64>, interrupt: &'a Interrupt, target: &'a str) -> Self {
+        ReadMonitor { progress: RefCell::new(Progress::new(duration_s.unwrap_or(f64::INFINITY))), interrupt, target }
     }
 
-    pub fn reached(&self, log_time_ns: u64) -> Result<(), SinkError> {
-        self.progress.borrow_mut().reached(log_time_ns as f64 * 1e-9);
-        go_on(self.interrupt, self.what)
+    pub fn update(&self, log_time_ns: u64) -> Result<(), SinkError> {
+        self.progress.borrow_mut().update(log_time_ns as f64 * 1e-9);
+        check_interrupt(self.interrupt, self.target)
     }
 
-    /// Wipes the line.
-    pub fn done(&self) {
+    /// Clears the progress line.
+    pub fn clear_progress(&self) {
         self.progress.borrow_mut().clear();
     }
 }
 
-/// An error that ends the reading of a log, once a signal has come.
-fn go_on(interrupt: &Interrupt, what: &str) -> Result<(), SinkError> {
+/// Returns an error once a signal has arrived; the error stops the reading of a log.
+fn check_interrupt(interrupt: &Interrupt, target: &str) -> Result<(), SinkError> {
     match interrupt.signal() {
         None => Ok(()),
         Some(signal) => {
-            Err(SinkError { what: what.to_string(), source: io::Error::other(format!("interrupted by {signal}")) })
+            Err(SinkError { target: target.to_string(), source: io::Error::other(format!("interrupted by {signal}")) })
         }
     }
 }
 
-pub(super) fn bad_log(path: &Path, error: &ReadError) -> Failure {
+pub(super) fn read_failure(path: &Path, error: &ReadError) -> Failure {
     match error {
-        ReadError::Missing { .. } | ReadError::NotAFile { .. } => Failure::bad_input(error),
+        ReadError::NotFound { .. } | ReadError::NotAFile { .. } => Failure::bad_input(error),
         ReadError::Sink(error) => Failure::incomplete(error),
         _ => Failure::bad_input(format!("{}: {error}", path.display())),
     }
 }
 
-/// The head of a log: its metadata and its scene.
-pub(super) fn head(log: &Path) -> Result<Reading, Failure> {
-    crate::log::read_head(log).map_err(|error| bad_log(log, &error))
+/// Reads the head of a log: its metadata and its scene.
+pub(super) fn read_head(log: &Path) -> Result<LogSummary, Failure> {
+    crate::log::read_head(log).map_err(|error| read_failure(log, &error))
 }

@@ -1,28 +1,28 @@
-//! `phalanx run`: one simulation, its summary, its log.
+//! `phalanx run`: one simulation with its summary and log.
 
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::choice_args::ModelArg;
 use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
-use super::output::answer;
+use super::output::print_result;
 use super::overrides::Overrides;
-use super::own::Form;
+use super::ownership::FileKind;
 use super::run_page::PageArgs;
-use super::samples::{self, tabulated};
-use super::set::{SetArgs, files};
-use super::simulate::{Checking, Limits, simulate};
-use super::targets::{Kind, NONE, reserve};
-use super::words::ModelArg;
+use super::samples::{self, write_table};
+use super::set::{SetArgs, source_files};
+use super::simulate::{CheckPolicy, RunLimits, simulate};
+use super::targets::{NO_DIRECTORY, TargetKind, reserve};
 use super::{Failure, Status, run_page, watch};
+use crate::format::{ToReport, format_duration};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
-use crate::page::Reel;
+use crate::page::PlaybackRecorder;
 use crate::report::document;
 use crate::trace::columns::columns;
 use crate::trace::{Layout, Model, SinkError};
-use crate::wording::{Reported, duration};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
 #[derive(Debug, Args)]
@@ -31,7 +31,7 @@ use crate::wording::{Reported, duration};
                   phalanx run scenes/experiment-95.toml --duration \"30 ms\" --preset reference --json > run.json\n  \
                   phalanx run scenes/experiment-95.toml --model engine --step \"1 us\"\n\nThe log \
                   opens in Foxglove, Rerun and PlotJuggler. Exit status: 0 done; 2 bad input; 3 the simulation could not be \
-                  completed (the log up to there is kept)."
+                  completed (the log up to that time is kept)."
 )]
 pub struct RunArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
@@ -40,24 +40,24 @@ pub struct RunArgs {
     #[command(flatten)]
     pub(super) set: SetArgs,
 
-    /// Which of the two independent models simulates the scene
+    /// Simulation model; the two models are independent
     #[arg(long, value_enum, default_value_t = ModelArg::Analytic)]
     pub(super) model: ModelArg,
 
-    /// Write a log (MCAP, readable while it grows as FILE.mcap.partial); an older log of that name is replaced only
-    /// when the new one is whole
+    /// Write a log (MCAP; FILE.mcap.partial is readable during the run); an existing log is replaced only when the new
+    /// one is complete
     #[arg(long, value_name = "FILE.mcap")]
     pub(super) log: Option<PathBuf>,
 
-    /// Write all samples to a file of comma-separated values, as `phalanx replay --csv` does of the log; - is standard output, in
-    /// place of the summary
+    /// Write all samples as comma-separated values to this file, as `phalanx replay --csv` does for a log; - writes
+    /// them to standard output instead of the summary
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
 
     #[command(flatten)]
     pub(super) page: PageArgs,
 
-    /// Run again whenever the scene file is saved, until Ctrl-C; the log and the page are written anew each time
+    /// Run again whenever the scene file is saved, until Ctrl-C; the log and the page are rewritten each time
     #[arg(long, conflicts_with = "json")]
     watch: bool,
 
@@ -65,12 +65,12 @@ pub struct RunArgs {
     #[arg(long)]
     pub(super) json: bool,
 
-    /// Estimate the error by a second, independent resolution, and say whether the outcome is chaotic; without the flag this is
-    /// done for runs of up to 20,000 steps
+    /// Estimate the error from further, independent runs and report whether the outcome is chaotic; the default for
+    /// runs of up to 20,000 steps
     #[arg(long, overrides_with = "no_check")]
     check: bool,
 
-    /// Do not check the run
+    /// Do not estimate the error
     #[arg(long, overrides_with = "check")]
     no_check: bool,
 
@@ -86,83 +86,83 @@ impl RunArgs {
         self.model.into()
     }
 
-    /// Whether the run is to be checked.
-    pub(super) fn checking(&self) -> Checking {
+    /// Returns when to check the run.
+    pub(super) fn check_policy(&self) -> CheckPolicy {
         match (self.check, self.no_check) {
-            (true, _) => Checking::Always,
-            (_, true) => Checking::Never,
-            _ => Checking::Cheap,
+            (true, _) => CheckPolicy::Always,
+            (_, true) => CheckPolicy::Never,
+            _ => CheckPolicy::IfCheap,
         }
     }
 }
 
-/// Runs the command.
+/// Runs `phalanx run`.
 pub fn run(args: &RunArgs) -> Result<Status, Failure> {
     match args.watch {
         true => {
-            args.page.can_be_watched()?;
-            watch::watch(&args.scene, |first| once(args, first))
+            args.page.ensure_watchable()?;
+            watch::watch(&args.scene, |first| run_once(args, first))
         }
-        false => once(args, true),
+        false => run_once(args, true),
     }
 }
 
-/// One run; `first` of those that are to be made.
-fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
+/// Performs one run. `first`: whether it is the first of several.
+fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let mut scene = args.set.load_any(&args.scene)?;
     args.overrides.apply(args.model(), &mut scene)?;
     let scene = &scene;
     let (name, duration_s) = (scene.name.as_str(), scene.duration_s);
-    let csv = samples::file(args.csv.as_deref(), args.json)?;
+    let csv = samples::csv_file(args.csv.as_deref(), args.json)?;
     let targets = [
-        ("--log", args.log.as_deref(), Kind::Log),
-        ("--csv", csv, Kind::File(Form::Samples)),
-        ("--html", args.page.html.as_deref(), Kind::File(Form::Page)),
+        ("--log", args.log.as_deref(), TargetKind::Log),
+        ("--csv", csv, TargetKind::File(FileKind::Samples)),
+        ("--html", args.page.html.as_deref(), TargetKind::File(FileKind::Page)),
     ];
-    reserve(&[("the scene", &files(&args.scene))], &targets, NONE)?;
-    let page = args.page.start(first)?;
-    let mut reel = page.as_ref().map(|_| Reel::default());
+    reserve(&[("the scene", &source_files(&args.scene))], &targets, NO_DIRECTORY)?;
+    let page = args.page.prepare(first)?;
+    let mut recorder = page.as_ref().map(|_| PlaybackRecorder::default());
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(name, duration_s, &interrupt)?;
-    let log = started(args, scene, live.as_ref(), &interrupt)?;
-    let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY, checking: args.checking() };
+    let log = create_log(args, scene, live.as_ref(), &interrupt)?;
+    let limits = RunLimits { interrupt: &interrupt, until_s: f64::INFINITY, check_policy: args.check_policy() };
     let (run, table) = match &args.csv {
-        None => (simulate(args.model(), scene, log, &limits, &mut reel), Ok(true)),
+        None => (simulate(args.model(), scene, log, &limits, &mut recorder), Ok(true)),
         Some(path) => {
-            let columns = columns(&Layout::of(&scene.system));
+            let columns = columns(&Layout::from_system(&scene.system));
             let model = args.model();
             let (run, table) =
-                tabulated(path, columns, &mut reel, |table| Ok(simulate(model, scene, log, &limits, table)));
+                write_table(path, columns, &mut recorder, |table| Ok(simulate(model, scene, log, &limits, table)));
             (run?, table)
         }
     };
     let mut report = run.report(args.model(), scene);
-    // A page is given to others: it does not say where the files are.
-    let made = page.as_ref().zip(reel).map(|(page, reel)| {
-        let film = reel.film(args.model().name(), scene, report.report());
-        page.write(name, &scene.description, film)
+    // Pages are shared, so the page does not contain local paths.
+    let page_path = page.as_ref().zip(recorder).map(|(page, recorder)| {
+        let playback = recorder.into_playback(args.model().name(), scene, report.report());
+        page.write(name, &scene.description, playback)
     });
-    report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());
+    report.page = page_path.as_ref().and_then(|path| path.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
     report.csv = csv.filter(|_| table.is_ok()).map(|path| path.display().to_string());
-    let kept = run.log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
+    let log_result = run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit));
     if csv.is_some() || args.csv.is_none() {
-        answer(&report, args.json)?;
+        print_result(&report, args.json)?;
     }
     if let Some(live) = live {
-        live.end();
+        live.finish();
     }
-    let ended = match table {
-        Ok(true) => ended(args, duration_s, report.error.as_ref(), kept),
-        // The reader of the table has seen enough.
+    let status = match table {
+        Ok(true) => exit_status(args, duration_s, report.error.as_ref(), log_result),
+        // The reader of standard output closed the pipe.
         Ok(false) => Ok(Status::Done),
-        Err(failure) => ended(args, duration_s, report.error.as_ref(), kept).and(Err(failure)),
+        Err(failure) => exit_status(args, duration_s, report.error.as_ref(), log_result).and(Err(failure)),
     };
-    run_page::ended(page.as_ref(), made, ended)
+    run_page::finish(page.as_ref(), page_path, status)
 }
 
-/// The log of a run, if there is to be one or the run is watched.
-fn started(
+/// Creates the log of a run if it is written to a file or streamed.
+fn create_log(
     args: &RunArgs,
     scene: &Scene,
     live: Option<&Live>,
@@ -172,60 +172,62 @@ fn started(
         return Ok(None);
     }
     let feed = live.map(|live| live.feed(interrupt));
-    let info = info(scene, &args.scene, args.model().name());
-    let log = log::create_with_feed(args.log.as_deref(), &info, feed).map_err(unstarted)?;
+    let run_info = run_info(scene, &args.scene, args.model().name());
+    let log = log::create_with_feed(args.log.as_deref(), &run_info, feed).map_err(log_failure)?;
     if let Some(live) = live {
-        live.begin();
+        live.wait_for_client();
     }
     Ok(Some(log))
 }
 
-/// How the command ends, by how the run and its log did.
-fn ended(
+/// Returns the exit status according to the errors of the run and its log.
+fn exit_status(
     args: &RunArgs,
     duration_s: f64,
     error: Option<&document::Failure>,
-    kept: Result<(), SinkError>,
+    log_result: Result<(), SinkError>,
 ) -> Result<Status, Failure> {
-    match (error, kept) {
-        (Some(error), kept) => Err(Failure::incomplete(stopped(error, duration_s) + &place_of(args, kept.is_ok()))),
-        (None, Err(error)) => Err(Failure::incomplete(format!("{error}{}", place_of(args, false)))),
+    match (error, log_result) {
+        (Some(error), log_result) => {
+            Err(Failure::incomplete(stop_message(error, duration_s) + &log_location(args, log_result.is_ok())))
+        }
+        (None, Err(error)) => Err(Failure::incomplete(format!("{error}{}", log_location(args, false)))),
         (None, Ok(())) => Ok(Status::Done),
     }
 }
 
-/// What the log says about the run.
-pub(super) fn info<'a>(scene: &'a Scene, path: &'a Path, model: &'a str) -> RunInfo<'a> {
+/// Returns the description of the run for its log.
+pub(super) fn run_info<'a>(scene: &'a Scene, path: &'a Path, model: &'a str) -> RunInfo<'a> {
     RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
 }
 
-/// A log that could not be started: the path is wrong, or the disk is full already.
-pub(super) fn unstarted(error: LogError) -> Failure {
+/// Failure of a log that could not be created: the path is invalid, or the disk is full.
+pub(super) fn log_failure(error: LogError) -> Failure {
     match error {
         LogError::Start(_) => Failure::incomplete(error),
         _ => Failure::bad_input(error),
     }
 }
 
-/// How far a run came, and why not further.
-fn stopped(failure: &document::Failure, duration_s: f64) -> String {
-    let (at, of) = (duration(failure.time_s), duration(duration_s));
-    format!("the simulation stopped at {at} of {of}: {}", failure.reason)
+/// Message with the time and reason at which a run stopped.
+fn stop_message(failure: &document::Failure, duration_s: f64) -> String {
+    let (stop_time, duration) = (format_duration(failure.time_s), format_duration(duration_s));
+    format!("the simulation stopped at {stop_time} of {duration}: {}", failure.reason)
 }
 
-/// Where what there is of a run can be found; `finished`: whether its log is.
-fn place_of(args: &RunArgs, finished: bool) -> String {
+/// Message with the location of the log of an incomplete run. `is_finished`: whether the log itself was finished.
+fn log_location(args: &RunArgs, is_finished: bool) -> String {
     let Some(path) = &args.log else {
-        return "; with --log FILE.mcap the run up to there is kept".to_string();
+        return "; use --log FILE.mcap to record the run up to that time".to_string();
     };
     let partial = log::partial_name(path);
-    match finished {
-        true => format!("; the log up to there is in {}", path.display()),
+    match is_finished {
+        true => format!("; the log up to that time is in {}", path.display()),
         false if partial.exists() => format!(
-            "; the log up to there is in {} (phalanx replay reads it), and {} is as it was before",
+            "; the log up to that time is in {} (phalanx replay reads it), and {} is unchanged",
             partial.display(),
             path.display()
         ),
-        false => "; what could be written of the log has gone where it was sent".to_string(),
+        false => format!("; {} contains only the part of the log that could be written", path.display()),
     }
 }

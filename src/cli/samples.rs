@@ -1,22 +1,25 @@
-//! `--csv` of `run` and `replay`: every sample as a line, as the run goes or a log is read.
+//! `--csv` of `run` and `replay`: writes every sample as a line during the run or while a log is read.
 
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::Failure;
 use super::output::stdout;
-use super::saved::broken;
-use crate::files::{own_words, replace};
+use super::save::write_failure;
+use crate::files::{replace_file, without_temporary_path};
 use crate::log::LogSink;
 use crate::report::samples::{csv_head, csv_sample};
 use crate::trace::columns::{Column, columns};
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 
-/// The name that stands for standard output.
+/// Name for standard output.
 const STDOUT: &str = "-";
 
-/// The file of `--csv`; none if it goes to standard output, in place of the summary, which two documents cannot share.
-pub(super) fn file(path: Option<&Path>, json: bool) -> Result<Option<&Path>, Failure> {
+/// Returns the file of `--csv`, or `None` if the table replaces the summary on standard output.
+///
+/// # Errors
+/// Returns an error if the table and `--json` would both go to standard output.
+pub(super) fn csv_file(path: Option<&Path>, json: bool) -> Result<Option<&Path>, Failure> {
     match path == Some(Path::new(STDOUT)) {
         false => Ok(path),
         true if !json => Ok(None),
@@ -26,35 +29,35 @@ pub(super) fn file(path: Option<&Path>, json: bool) -> Result<Option<&Path>, Fai
     }
 }
 
-/// Writes each sample as a line, and passes everything on.
-pub(super) struct Table<'a, S> {
+/// Sink that writes each sample as a line and passes all data to `inner`.
+pub(super) struct SampleTable<'a, S> {
     out: &'a mut dyn Write,
     inner: &'a mut S,
     columns: Vec<Column>,
-    /// The columns have been named.
-    headed: bool,
-    failed: Option<io::ErrorKind>,
+    /// Whether the header was written.
+    has_header: bool,
+    write_error: Option<io::ErrorKind>,
 }
 
-impl<S> Table<'_, S> {
-    fn line(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let head = if self.headed { Ok(()) } else { csv_head(self.out, &self.columns) };
-        self.headed = true;
-        head.and_then(|()| csv_sample(self.out, &self.columns, sample)).map_err(|source| {
-            self.failed = Some(source.kind());
-            SinkError { what: "the table of samples".to_string(), source: own_words(source) }
+impl<S> SampleTable<'_, S> {
+    fn write_line(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        let header = if self.has_header { Ok(()) } else { csv_head(self.out, &self.columns) };
+        self.has_header = true;
+        header.and_then(|()| csv_sample(self.out, &self.columns, sample)).map_err(|source| {
+            self.write_error = Some(source.kind());
+            SinkError { target: "the table of samples".to_string(), source: without_temporary_path(source) }
         })
     }
 }
 
-impl<S: LogSink> LogSink for Table<'_, S> {
+impl<S: LogSink> LogSink for SampleTable<'_, S> {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
         self.columns = columns(layout);
         self.inner.layout(layout)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.line(sample)?;
+        self.write_line(sample)?;
         self.inner.sample(sample)
     }
 
@@ -63,9 +66,9 @@ impl<S: LogSink> LogSink for Table<'_, S> {
     }
 }
 
-impl<S: Sink> Sink for Table<'_, S> {
+impl<S: Sink> Sink for SampleTable<'_, S> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.line(sample)?;
+        self.write_line(sample)?;
         self.inner.sample(sample)
     }
 
@@ -74,21 +77,21 @@ impl<S: Sink> Sink for Table<'_, S> {
     }
 }
 
-/// Lets `fill` write the table: to a file that appears whole or not at all, or to standard output. Returns its result, and whether
-/// the table was written: false if the reader of standard output takes no more (`| head`).
-pub(super) fn tabulated<S, T>(
+/// Calls `fill` to write the table to standard output, or atomically to a file. Returns the result of `fill`, and
+/// whether the table was written; `false` if the reader of standard output closed the pipe (`| head`).
+pub(super) fn write_table<S, T>(
     path: &Path,
     columns: Vec<Column>,
     inner: &mut S,
-    fill: impl FnOnce(&mut Table<'_, S>) -> Result<T, Failure>,
+    fill: impl FnOnce(&mut SampleTable<'_, S>) -> Result<T, Failure>,
 ) -> (Result<T, Failure>, Result<bool, Failure>) {
     let mut result = None;
     let write = |out: &mut dyn Write| {
-        let mut table = Table { out, inner, columns, headed: false, failed: None };
-        let filled = result.insert(fill(&mut table));
-        // Half a table is no file; the failure itself says why.
-        let whole = filled.as_ref().map_or(Err(io::ErrorKind::Other.into()), |_| Ok(()));
-        table.failed.map_or(whole, |kind| Err(kind.into()))
+        let mut table = SampleTable { out, inner, columns, has_header: false, write_error: None };
+        let fill_result = result.insert(fill(&mut table));
+        // Any error discards an incomplete file; `result` holds the actual error.
+        let table_result = fill_result.as_ref().map_or(Err(io::ErrorKind::Other.into()), |_| Ok(()));
+        table.write_error.map_or(table_result, |kind| Err(kind.into()))
     };
     let to_stdout = path == Path::new(STDOUT);
     let written = match to_stdout {
@@ -96,12 +99,12 @@ pub(super) fn tabulated<S, T>(
             let mut out = BufWriter::new(out);
             write(&mut out).and_then(|()| out.flush())
         }),
-        false => replace(path, |out| write(out)),
+        false => replace_file(path, |out| write(out)),
     };
     let written = match written {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe && to_stdout => Ok(false),
-        written => written.map(|()| true).map_err(|error| broken(path, error)),
+        written => written.map(|()| true).map_err(|error| write_failure(path, error)),
     };
-    let unstarted = || Err(Failure::incomplete(format!("cannot write {}", path.display())));
-    (result.unwrap_or_else(unstarted), written)
+    let not_started = || Err(Failure::incomplete(format!("cannot write {}", path.display())));
+    (result.unwrap_or_else(not_started), written)
 }

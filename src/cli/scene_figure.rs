@@ -1,46 +1,47 @@
-//! `phalanx scene show --figure`: the linkage of a scene with its letters.
+//! `phalanx scene show --figure`: draws the linkage of a scene with its symbols.
 
 use std::path::Path;
 
-use super::answer::Answer;
-use super::own::Form;
-use super::set::{SetArgs, files};
-use super::targets::{Kind, NONE, reserve};
-use crate::files::replace;
+use super::command_output::CommandOutput;
+use super::ownership::FileKind;
+use super::set::{SetArgs, source_files};
+use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use crate::files::replace_file;
 use crate::plot::linkage;
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 
-/// Draws the figure; says what was written, or why not.
-pub(super) fn answer(scene: &Path, set: &SetArgs, figure: &Path) -> Answer {
-    let refused = |why: String| Answer { stderr: format!("error: {why}\n"), ..Answer::default() };
-    let found = match set.load_any(scene) {
-        Ok(found) if found.kind() == SceneKind::Finger => found,
+/// Draws the figure and returns the output of the command.
+pub(super) fn execute(scene: &Path, set: &SetArgs, figure: &Path) -> CommandOutput {
+    let error_output =
+        |message: String| CommandOutput { stderr: format!("error: {message}\n"), ..CommandOutput::default() };
+    let loaded = match set.load_any(scene) {
+        Ok(loaded) if loaded.kind() == SceneKind::Finger => loaded,
         Ok(other) => {
-            let what = match other.kind() {
+            let advice = match other.kind() {
                 SceneKind::Gripper => {
-                    "a gripper, of which no letters are drawn; draw the scene of one finger, or see the gripper with"
+                    "a gripper, but only the scene of one finger can be drawn; give such a scene, or view the gripper with"
                 }
-                _ => "a scene of discs, which has no linkage; draw the scene of a finger, or see the discs with",
+                _ => "a scene of discs, which has no linkage; give the scene of a finger, or view the discs with",
             };
-            return refused(format!(
-                "--figure: {} is {what} phalanx run {} --html FILE.html",
+            return error_output(format!(
+                "--figure: {} is {advice} phalanx run {} --html FILE.html",
                 scene.display(),
                 scene.display()
             ));
         }
-        Err(error) => return Answer { stderr: format!("{error}\n"), ..Answer::default() },
+        Err(error) => return CommandOutput { stderr: format!("{error}\n"), ..CommandOutput::default() },
     };
-    let target = ("--figure", Some(figure), Kind::File(Form::Picture));
-    if let Err(error) = reserve(&[("the scene", &files(scene))], &[target], NONE) {
-        return Answer { stderr: format!("{}\n", error.message), ..Answer::default() };
+    let target = ("--figure", Some(figure), TargetKind::File(FileKind::Picture));
+    if let Err(error) = reserve(&[("the scene", &source_files(scene))], &[target], NO_DIRECTORY) {
+        return CommandOutput { stderr: format!("{}\n", error.message), ..CommandOutput::default() };
     }
-    match replace(figure, |out| out.write_all(linkage(&found).svg.as_bytes())) {
-        Ok(()) => Answer {
-            stdout: format!("wrote {}: the linkage of {} with its letters\n", figure.display(), found.name),
-            good: true,
-            ..Answer::default()
+    match replace_file(figure, |out| out.write_all(linkage(&loaded).svg.as_bytes())) {
+        Ok(()) => CommandOutput {
+            stdout: format!("wrote {}: the linkage of {} with its symbols\n", figure.display(), loaded.name),
+            is_valid: true,
+            ..CommandOutput::default()
         },
-        Err(error) => refused(format!(
+        Err(error) => error_output(format!(
             "cannot write {}: {error}; give a file in a directory where you may write",
             figure.display()
         )),

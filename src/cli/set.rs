@@ -1,4 +1,4 @@
-//! `--set FIELD=VALUE`: single fields of a scene, given on the command line and read as in a file.
+//! `--set FIELD=VALUE`: sets single fields of a scene on the command line, with the syntax of scene files.
 
 use std::path::{Path, PathBuf};
 
@@ -6,33 +6,32 @@ use clap::Args;
 
 use crate::scene::{self, Layer, Scene, SceneError, Template};
 
-/// Fields of the scene, set besides.
+/// Fields of the scene that override its file.
 #[derive(Clone, Debug, Default, Args)]
 pub struct SetArgs {
-    /// Set a field of the scene, such as contact.friction.mu_static=0.6 or design.base="12 mm", in place of what its file says;
-    /// may be given several times
-    #[arg(long = "set", value_name = "FIELD=VALUE", value_parser = line)]
+    /// Override a field of the scene, such as contact.friction.mu_static=0.6 or design.base="12 mm"; can be repeated
+    #[arg(long = "set", value_name = "FIELD=VALUE", value_parser = parse_set)]
     set: Vec<Layer>,
 }
 
 impl SetArgs {
-    /// The scene in a file, of either kind, with these fields.
+    /// Loads a scene of any kind and applies these fields.
     pub fn load_any(&self, path: &Path) -> Result<Scene, SceneError> {
         scene::load_any_with(path, &self.set)
     }
 
-    /// The scene of a finger in a file, with these fields.
+    /// Loads the scene of a finger and applies these fields.
     pub fn load(&self, path: &Path) -> Result<Scene, SceneError> {
         scene::load_with(path, &self.set)
     }
 
-    /// A shipped scene, given as text, with these fields.
+    /// Parses the text of a shipped scene and applies these fields.
     pub fn parse_any(&self, text: &str, file: &str) -> Result<Scene, SceneError> {
-        let own = Layer { file: file.to_string(), text: text.to_string() };
-        scene::parse_layers(&[own], &self.set, scene::parse_any)
+        let shipped = Layer { file: file.to_string(), text: text.to_string() };
+        scene::parse_layers(&[shipped], &self.set, scene::parse_any)
     }
 
-    /// These fields, as lines of a scene.
+    /// Returns these fields as lines of a scene file.
     pub fn settings(&self) -> &[Layer] {
         &self.set
     }
@@ -41,21 +40,21 @@ impl SetArgs {
         self.set.is_empty()
     }
 
-    /// What the designs of a study have in common, with these fields.
+    /// Loads the template that all designs of a study share and applies these fields.
     pub fn load_template(&self, path: &Path) -> Result<Template, SceneError> {
         scene::load_template_with(path, &self.set)
     }
 }
 
-/// The files that a scene is made of; only itself where they cannot be told.
-pub fn files(scene: &Path) -> Vec<PathBuf> {
-    // A pipe is read once.
-    let layers = if scene.is_file() { scene::layers(scene).unwrap_or_default() } else { Vec::new() };
-    let files: Vec<PathBuf> = layers.into_iter().map(|layer| layer.file.into()).collect();
-    if files.is_empty() { vec![scene.to_path_buf()] } else { files }
+/// Returns the files of a scene and of all scenes that it extends, or only its own path if these cannot be determined.
+pub fn source_files(scene: &Path) -> Vec<PathBuf> {
+    // A pipe can be read only once.
+    let layers = if scene.is_file() { scene::load_layers(scene).unwrap_or_default() } else { Vec::new() };
+    let source_files: Vec<PathBuf> = layers.into_iter().map(|layer| layer.file.into()).collect();
+    if source_files.is_empty() { vec![scene.to_path_buf()] } else { source_files }
 }
 
-/// One field as a line of a scene.
-fn line(text: &str) -> Result<Layer, String> {
-    scene::setting("--set", text)
+/// Parses one setting into a line of a scene file.
+fn parse_set(text: &str) -> Result<Layer, String> {
+    scene::parse_setting("--set", text)
 }

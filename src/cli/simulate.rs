@@ -1,86 +1,89 @@
-//! One simulation as a command makes it, `phalanx run`, `validate --out` or `replay --verify`: with a line that says how far it
-//! has come, ended by a signal. What its log holds and what is reported of it is decided in the library.
+//! One simulation of `phalanx run`, `validate --out` or `replay --verify`, with a progress line and interruption by
+//! signals. The library determines the contents of logs and reports.
 
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use std::io::Write;
 
 use super::interrupt::Interrupt;
-use super::output::complain;
+use super::output::print_diagnostic;
 use super::progress::Progress;
-use crate::criteria::{AtRest, at_rest};
-use crate::log::Beside;
-pub(super) use crate::report::simulated::{Broken, Checking, Finished};
-use crate::report::simulated::{Making, simulated};
+use crate::criteria::{StaticGrasp, static_grasp};
+use crate::log::ThreadedWriter;
+pub(super) use crate::report::simulation::{CheckPolicy, FailedRun, SimulatedRun};
+use crate::report::simulation::{SimulationOptions, simulate_and_check};
 use crate::scene::Scene;
 use crate::trace::{Event, Model, Sample, Sink, SinkError};
 
-/// What ends a run before its time: a signal, or that it is past what anybody wants to know.
-pub(super) struct Limits<'a> {
+/// Conditions that end a run early, and whether to check it.
+pub(super) struct RunLimits<'a> {
     pub interrupt: &'a Interrupt,
-    /// The run may end after the first sample beyond.
+    /// The run may end after the first sample beyond this time.
     pub until_s: f64,
-    pub checking: Checking,
+    pub check_policy: CheckPolicy,
 }
 
 /// Simulates a scene.
 pub(super) fn simulate<W: Write + Send + 'static>(
     model: Model,
     scene: &Scene,
-    log: Option<Beside<W>>,
-    limits: &Limits<'_>,
-    also: &mut impl Sink,
-) -> Finished<W> {
+    log: Option<ThreadedWriter<W>>,
+    limits: &RunLimits<'_>,
+    other_sink: &mut impl Sink,
+) -> SimulatedRun<W> {
     if scene.kind() == SceneKind::Finger {
-        grasp(scene);
+        warn_if_ungraspable(scene);
     }
-    let mut watched = Watched::new(scene.duration_s, limits, also);
-    let making = Making {
-        checking: limits.checking,
-        go_on: &|| limits.interrupt.signal().is_none(),
-        reason: &|reason| limits.interrupt.reason(reason),
+    let mut monitored_sink = MonitoredSink::new(scene.duration_s, limits, other_sink);
+    let options = SimulationOptions {
+        check_policy: limits.check_policy,
+        keep_running: &|| limits.interrupt.signal().is_none(),
+        describe_reason: &|reason| limits.interrupt.describe_reason(reason),
     };
-    let finished = simulated(model, scene, log, &making, &mut watched);
-    watched.progress.clear();
-    finished
+    let run = simulate_and_check(model, scene, log, &options, &mut monitored_sink);
+    monitored_sink.progress.clear();
+    run
 }
 
-/// The grasp at rest that a run is judged by; `None`, and said why, if the criteria make no sense for this scene.
-pub(super) fn grasp(scene: &Scene) -> Option<AtRest> {
-    at_rest(scene, scene.object()?)
-        .map_err(|error| complain(&format!("no dynamic criteria, for the finger cannot grasp this object: {error}")))
+/// Computes the static grasp for the criteria of a run. If the finger cannot grasp the object, prints the reason and
+/// returns `None`.
+fn warn_if_ungraspable(scene: &Scene) -> Option<StaticGrasp> {
+    static_grasp(scene, scene.object()?)
+        .map_err(|error| {
+            print_diagnostic(&format!("no dynamic criteria, because the finger cannot grasp this object: {error}"))
+        })
         .ok()
 }
 
-/// What the command line adds to those who listen to a run: how far it has come, and that it may be ended.
-struct Watched<'a, A> {
-    /// Time of the latest sample.
+/// Adds a progress line and interruption to the sinks of a run.
+struct MonitoredSink<'a, A> {
+    /// Time of the last sample.
     last_s: f64,
     progress: Progress,
-    limits: &'a Limits<'a>,
-    /// Whoever else wants what the log gets.
-    also: &'a mut A,
+    limits: &'a RunLimits<'a>,
+    /// Sink that receives the same data as the log.
+    other_sink: &'a mut A,
 }
 
-impl<'a, A> Watched<'a, A> {
-    fn new(duration_s: f64, limits: &'a Limits<'a>, also: &'a mut A) -> Self {
-        // A run may end before it is over.
+impl<'a, A> MonitoredSink<'a, A> {
+    fn new(duration_s: f64, limits: &'a RunLimits<'a>, other_sink: &'a mut A) -> Self {
+        // The run may end before the duration of the scene.
         let progress = Progress::new(duration_s.min(limits.until_s));
-        Watched { last_s: 0.0, progress, limits, also }
+        MonitoredSink { last_s: 0.0, progress, limits, other_sink }
     }
 }
 
-impl<A: Sink> Sink for Watched<'_, A> {
+impl<A: Sink> Sink for MonitoredSink<'_, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         Sink::sample(&mut self.progress, sample)?;
-        self.also.sample(sample)
+        self.other_sink.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.also.event(event)
+        self.other_sink.event(event)
     }
 
-    fn proceed(&self) -> bool {
+    fn should_continue(&self) -> bool {
         self.last_s <= self.limits.until_s && self.limits.interrupt.signal().is_none()
     }
 }

@@ -1,53 +1,54 @@
-//! `phalanx size`: spring and motor for a finger.
+//! `phalanx size`: sizes the spring and motor of a finger.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::answer;
-use super::overrides::positive;
-use super::set::{SetArgs, files};
+use super::choice_args::RuleArg;
+use super::output::print_result;
+use super::overrides::parse_positive;
+use super::set::{SetArgs, source_files};
 use super::targets::reserve;
-use super::words::RuleArg;
 use super::{Failure, Status};
+use crate::format::ToReport;
 use crate::plot;
 use crate::report::sizing::{SizingReport, sizing_csv};
-use crate::study::size::{Asked, size};
+use crate::study::size::{SizingOptions, size_finger};
 use crate::units::Dimension;
-use crate::wording::Reported;
 
-/// Size spring and motor of a finger: what a test trajectory asks of them.
+/// Size the spring and motor of a finger from a test trajectory.
 ///
-/// The motor link goes from the start of the scene to the closed finger in 10 ms. The spring must hold the finger straight until
-/// the proximal phalanx meets the object; the motor has the RMS torque. Whatever torques the scene itself has are shown beside.
+/// The motor link moves from the initial posture to the closed finger in 10 ms. The spring must keep the finger
+/// straight until the proximal phalanx contacts the object; the motor provides the RMS torque. The torques in the scene
+/// are shown for comparison.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx size scenes/experiment-95.toml\n  phalanx size scenes/experiment-95.toml --closing-time \"8 \
-                  ms\" --json\n  phalanx size my-gripper.toml --out sizing\n\nA scene that says sizing = \"rigid\" (or \"whole\") at \
-                  its top takes these torques by itself. Exit status: 0 done; 2 bad input, or a finger that cannot be sized."
+                  ms\" --json\n  phalanx size my-gripper.toml --out sizing\n\nA scene with sizing = \"rigid\" (or \"whole\") at \
+                  its top uses these torques automatically. Exit status: 0 done; 2 bad input, or a finger that cannot be sized."
 )]
 pub struct SizeArgs {
-    /// Scene file of a finger (TOML)
+    /// Finger scene file (TOML)
     scene: PathBuf,
 
     #[command(flatten)]
     set: SetArgs,
 
-    /// Over what the motor torque is averaged
+    /// Time span over which the motor torque is averaged
     #[arg(long, value_enum, default_value_t = RuleArg::Rigid)]
     rule: RuleArg,
 
-    /// Length of the test trajectory with its unit [default: 10 ms]
-    #[arg(long, value_name = "TIME", value_parser = closing_time)]
+    /// Duration of the test trajectory with its unit [default: 10 ms]
+    #[arg(long, value_name = "TIME", value_parser = parse_closing_time)]
     closing_time: Option<f64>,
 
-    /// How far the torsional spring that the constant one is compared with is turned where the finger is straight [default: the
-    /// preload of the scene's own torsional spring, or 90 deg]
-    #[arg(long, value_name = "ANGLE", value_parser = preload)]
+    /// Deflection of the torsional spring, which is compared with the constant one, when the finger is straight
+    /// [default: the preload of the scene's torsional spring, or 90 deg]
+    #[arg(long, value_name = "ANGLE", value_parser = parse_preload)]
     preload: Option<f64>,
 
-    /// Write size.txt, .json, .csv (the profile), and trajectory.svg, springs.svg and spring-types.svg there; the directory is
-    /// made if need be
+    /// Write size.txt, .json, .csv (the profile), trajectory.svg, springs.svg and spring-types.svg to this directory,
+    /// which is created if needed
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -56,23 +57,23 @@ pub struct SizeArgs {
     json: bool,
 }
 
-/// Everything that is in the directory in the end.
+/// Files in the output directory.
 const FILES: [&str; 6] = ["size.txt", "size.json", "size.csv", "trajectory.svg", "springs.svg", "spring-types.svg"];
 
-/// Runs the command.
+/// Runs `phalanx size`.
 pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let scene = args.set.load(&args.scene)?;
-    let folder = reserve(&[("the scene", &files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
-    let usual = Asked::default();
-    let asked = Asked {
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
+    let defaults = SizingOptions::default();
+    let options = SizingOptions {
         rule: args.rule.into(),
-        closing_s: args.closing_time.unwrap_or(usual.closing_s),
+        closing_s: args.closing_time.unwrap_or(defaults.closing_s),
         preload_rad: args.preload,
     };
-    let found = size(&scene, asked).map_err(Failure::bad_input)?;
-    let report = SizingReport::from(&found);
-    let profile = &found.profile;
-    if let Some(folder) = folder {
+    let sizing = size_finger(&scene, options).map_err(Failure::bad_input)?;
+    let report = SizingReport::from(&sizing);
+    let profile = &sizing.profile;
+    if let Some(directory) = directory {
         let texts = [
             report.report().to_string(),
             report.json(),
@@ -81,16 +82,16 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
             plot::sizing_springs(&scene.name, profile),
             plot::sizing_spring_types(&scene.name, profile),
         ];
-        folder.write(&FILES, &texts)?;
+        directory.write(&FILES, &texts)?;
     }
-    answer(&report, args.json)?;
+    print_result(&report, args.json)?;
     Ok(Status::Done)
 }
 
-fn closing_time(text: &str) -> Result<f64, String> {
-    positive(text, Dimension::Time, "the closing takes some time; expected one such as \"10 ms\"")
+fn parse_closing_time(text: &str) -> Result<f64, String> {
+    parse_positive(text, Dimension::Time, "the closing time must be more than 0; expected a time such as \"10 ms\"")
 }
 
-fn preload(text: &str) -> Result<f64, String> {
-    positive(text, Dimension::Angle, "a preload must be more than 0; expected an angle such as \"90 deg\"")
+fn parse_preload(text: &str) -> Result<f64, String> {
+    parse_positive(text, Dimension::Angle, "the preload must be more than 0; expected an angle such as \"90 deg\"")
 }

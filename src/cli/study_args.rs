@@ -2,18 +2,18 @@
 
 use clap::Args;
 
-/// How a study is run and told of.
+/// Options for running a study and printing its results.
 #[derive(Debug, Args)]
 pub struct StudyArgs {
-    /// Begin anew, whatever is there of earlier runs
+    /// Discard the results of earlier commands and start again
     #[arg(long)]
     pub restart: bool,
 
-    /// Show what would be run, and run nothing
+    /// List the planned runs without running them
     #[arg(long)]
     pub list: bool,
 
-    /// Print the JSON Schema of these files, for editors
+    /// Print the JSON Schema of study files, for editors
     #[arg(long, conflicts_with_all = ["study", "out", "list"])]
     pub schema: bool,
 

@@ -1,36 +1,37 @@
-//! `phalanx sweep`: every run of a study, and a table of them.
+//! `phalanx sweep`: performs all runs of a study and writes a table of them.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::choice_args::ModelArg;
 use super::interrupt::Interrupt;
-use super::output::{answer, note, print, show};
+use super::output::{print, print_note, print_report, print_result};
 use super::study_args::StudyArgs;
 use super::sweep_merge::{self, MergeArgs};
-use super::sweep_progress::SoFar;
-use super::sweep_shard::{self, Place, ShardOf, shard_of};
-use super::targets::{Kind, NONE, reserve};
-use super::volume_args::threads_or_all;
-use super::words::ModelArg;
+use super::sweep_progress::SweepProgress;
+use super::sweep_shard::{self, ShardArg, ShardOutput, parse_shard};
+use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::volume_args::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
-use crate::study::store::{Found, Store, StoreError, open};
-use crate::study::sweep::{self, Ran, Study, StudyError, Summary, run_while, summary};
+use crate::study::store::{OpenedResults, Store, StoreError, open};
+use crate::study::sweep::{self, RunStats, Study, StudyError, Summary, run_while, summary};
 use crate::table::Table;
 
-/// Rows that `--list` shows.
-const LISTED: u64 = 12;
+/// Number of rows that `--list` shows by default.
+const DEFAULT_LISTED_RUNS: u64 = 12;
 
-/// Simulate every run of a study, on all cores, and write a table of them.
+/// Simulate all runs of a study on all cores and write a table of them.
 ///
-/// A study file (TOML) names a base scene and the fields of it that vary; scenes/studies has some to copy. Rows are added to
-/// OUT.partial.csv as they are found; in the end all are in OUT, in order, and OUT.study.json says of which study. The same
-/// command again goes on where an earlier one was ended, however it was. A scene that is not valid and a simulation that does
-/// not end are rows too, with their reasons.
+/// A study file (TOML) names a base scene and the fields to vary; scenes/studies contains examples to copy. Each row is
+/// appended to OUT.partial.csv as soon as it is available. At the end, OUT contains all rows in order and OUT.study.json
+/// identifies the study. Repeating an interrupted command resumes the sweep. Invalid scenes and incomplete simulations
+/// have rows too, which state the reason.
 ///
-/// On several machines each makes a part (--shard), and `phalanx sweep merge` joins the parts to the same bytes.
+/// To use several machines, run one shard of the study on each machine (--shard) and join the shards with `phalanx sweep
+/// merge`; the result has the same bytes.
 #[derive(Debug, Args)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -39,7 +40,7 @@ const LISTED: u64 = 12;
                   --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep \
                   scenes/studies/thesis.toml --shard 2/3 --out part-2.parquet\n  phalanx sweep --schema > \
                   study.schema.json\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
-                  goes on), or not one run could be simulated."
+                  resumes), or no run could be simulated."
 )]
 pub struct SweepArgs {
     #[command(subcommand)]
@@ -49,32 +50,33 @@ pub struct SweepArgs {
     #[arg(required_unless_present = "schema")]
     study: Option<PathBuf>,
 
-    /// Results, as CSV or Parquet by the name
+    /// Write the results to this file, as CSV or Parquet according to its extension
     #[arg(long, value_name = "FILE", required_unless_present_any = ["schema", "list"])]
     out: Option<PathBuf>,
 
-    /// Which of the two models simulates, instead of the study's
+    /// Simulation model, instead of the one in the study
     #[arg(long, value_enum)]
     model: Option<ModelArg>,
 
-    /// Check every run: columns `check` (sure, uncertain, chaotic or unknown) and `check_error_rad`; takes three more runs for each
+    /// Check every run, with three additional runs for each; adds the columns `check` (sure, uncertain, chaotic or
+    /// unknown) and `check_error_rad`
     #[arg(long)]
     check: bool,
 
-    /// Threads, 0 for one on each core
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads_or_all)]
+    /// Number of threads; 0 uses all cores
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads_or_all)]
     threads: usize,
 
-    /// Make only the first N runs; more can be added later
-    #[arg(long, value_name = "N", value_parser = runs)]
+    /// Simulate only the first N runs; later commands can add more
+    #[arg(long, value_name = "N", value_parser = parse_run_limit)]
     limit: Option<u64>,
 
-    /// Make only part K of N, as one Parquet file that appears whole or not at all; a part that is there is left as it is
-    #[arg(long, value_name = "K/N", value_parser = shard_of, conflicts_with_all = ["limit", "list", "schema"])]
-    shard: Option<ShardOf>,
+    /// Simulate only shard K of N and write it atomically to one Parquet file; an existing shard is not replaced
+    #[arg(long, value_name = "K/N", value_parser = parse_shard, conflicts_with_all = ["limit", "list", "schema"])]
+    shard: Option<ShardArg>,
 
     #[command(flatten)]
-    how: StudyArgs,
+    study_args: StudyArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -86,19 +88,19 @@ impl From<StoreError> for Failure {
     fn from(error: StoreError) -> Self {
         match error {
             StoreError::Refused(message) => Failure::bad_input(message),
-            StoreError::Broken(message) => Failure::incomplete(message),
+            StoreError::WriteFailed(message) => Failure::incomplete(message),
         }
     }
 }
 
 impl From<StudyError> for Failure {
-    /// The message shows the place in the file, and begins with `error:` itself.
+    /// The message shows the position in the file and already begins with `error:`.
     fn from(error: StudyError) -> Self {
         Failure { message: error.to_string(), status: Status::BadInput }
     }
 }
 
-/// Runs the command.
+/// Runs `phalanx sweep`.
 pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
     if let Some(SweepCommand::Merge(args)) = &args.command {
         return sweep_merge::run(args);
@@ -112,82 +114,98 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
         study.model = model.into();
     }
     study.checked = args.check;
-    let (Some(out), false) = (&args.out, args.how.list) else {
-        show(&sweep_list(&study, args.limit.unwrap_or(LISTED)))?;
+    let (Some(out), false) = (&args.out, args.study_args.list) else {
+        print_report(&sweep_list(&study, args.limit.unwrap_or(DEFAULT_LISTED_RUNS)))?;
         return Ok(Status::Done);
     };
-    reserve(&[("the study", &sweep::sources(file))], &[("--out", Some(out), Kind::Results)], NONE)?;
-    if let Some(of) = args.shard {
-        let place = Place { out, threads: args.threads, restart: args.how.restart, json: args.how.json };
-        return sweep_shard::run(&study, of, &place);
+    reserve(&[("the study", &sweep::source_files(file))], &[("--out", Some(out), TargetKind::Results)], NO_DIRECTORY)?;
+    if let Some(shard) = args.shard {
+        let output =
+            ShardOutput { out, threads: args.threads, restart: args.study_args.restart, json: args.study_args.json };
+        return sweep_shard::run(&study, shard, &output);
     }
-    let most = args.limit.unwrap_or(u64::MAX);
-    match open(&study, out, most, args.how.restart)? {
-        Found::Complete(table) => {
-            note(&format!(
-                "{} has all runs of this study already: nothing was run. --restart runs them again.",
+    let run_limit = args.limit.unwrap_or(u64::MAX);
+    match open(&study, out, run_limit, args.study_args.restart)? {
+        OpenedResults::Complete(table) => {
+            print_note(&format!(
+                "{} already contains all runs of this study; nothing was run. --restart runs them again.",
                 out.display()
             ));
-            tell(args, &study, out, &table, SweepWork::new(0, 0, 0, 0.0))
+            print_summary(args, &study, out, &table, SweepWork::new(0, 0, 0, 0.0))
         }
-        Found::Begun(store) => make(args, &study, out, store, most),
+        OpenedResults::Incomplete(store) => run_missing(args, &study, out, store, run_limit),
     }
 }
 
-/// Makes the runs that are not there yet.
-fn make(args: &SweepArgs, study: &Study, out: &Path, mut store: Store, most: u64) -> Result<Status, Failure> {
-    let done: HashSet<u64> = store.done().collect();
+/// Performs the missing runs.
+fn run_missing(
+    args: &SweepArgs,
+    study: &Study,
+    out: &Path,
+    mut store: Store,
+    run_limit: u64,
+) -> Result<Status, Failure> {
+    let completed: HashSet<u64> = store.completed_runs().collect();
     let interrupt = Interrupt::listen()?;
-    let mut so_far = SoFar::new(study.runs().min(most), done.len() as u64);
-    let mut broken = None;
-    let ran = run_while(study, args.threads, most, &done, &|| interrupt.signal().is_none(), |row| {
-        // Nothing may follow what could not be written.
-        if broken.is_none() {
-            so_far.take(&row);
-            broken = store.add(row.cells).err();
+    let mut progress = SweepProgress::new(study.runs().min(run_limit), completed.len() as u64);
+    let mut write_error = None;
+    let stats = run_while(study, args.threads, run_limit, &completed, &|| interrupt.signal().is_none(), |row| {
+        // Rows must stay in order, so nothing is written after a failed write.
+        if write_error.is_none() {
+            progress.record(&row);
+            write_error = store.append(row.cells).err();
         }
-        broken.is_none()
+        write_error.is_none()
     });
-    so_far.count.clear();
-    let goes_on = format!(
-        "{} of {} runs are in {}: the same command goes on from there",
-        so_far.done,
-        so_far.total,
-        store.partial().display()
+    progress.counter.clear();
+    let resume_hint = format!(
+        "{} of {} runs are in {}; the same command resumes from there",
+        progress.done,
+        progress.total,
+        store.partial_path().display()
     );
-    if let Some(error) = broken {
-        return Err(Failure::incomplete(format!("cannot write {}: {error}; {goes_on}", store.partial().display())));
+    if let Some(error) = write_error {
+        return Err(Failure::incomplete(format!(
+            "cannot write {}: {error}; {resume_hint}",
+            store.partial_path().display()
+        )));
     }
-    if let (false, Some(signal)) = (ran.complete, interrupt.signal()) {
-        return Err(Failure::incomplete(format!("the sweep was interrupted by {signal}; {goes_on}")));
+    if let (false, Some(signal)) = (stats.complete, interrupt.signal()) {
+        return Err(Failure::incomplete(format!("the sweep was interrupted by {signal}; {resume_hint}")));
     }
     let table = store.finish(study)?;
-    let Ran { runs, threads, wall_s, .. } = ran;
-    tell(args, study, out, &table, SweepWork::new(runs, so_far.simulations, threads, wall_s))
+    let RunStats { runs, threads, wall_s, .. } = stats;
+    print_summary(args, study, out, &table, SweepWork::new(runs, progress.simulations, threads, wall_s))
 }
 
-/// Says what is in the results.
-fn tell(args: &SweepArgs, study: &Study, out: &Path, table: &Table, now: SweepWork) -> Result<Status, Failure> {
-    let found = summary(table).map_err(Failure::incomplete)?;
-    let nothing = nothing(&found);
-    let report = SweepReport::new(study, out, found, now);
-    answer(&report, args.how.json)?;
-    match nothing {
+/// Prints a summary of the results.
+fn print_summary(
+    args: &SweepArgs,
+    study: &Study,
+    out: &Path,
+    table: &Table,
+    work: SweepWork,
+) -> Result<Status, Failure> {
+    let sweep_summary = summary(table).map_err(Failure::incomplete)?;
+    let has_no_result = has_no_result(&sweep_summary);
+    let report = SweepReport::new(study, out, sweep_summary, work);
+    print_result(&report, args.study_args.json)?;
+    match has_no_result {
         true => Err(Failure::incomplete(format!(
-            "not one run could be simulated to its end; {} says why of each",
+            "no run could be completed; {} contains the reason for each run",
             out.display()
         ))),
         false => Ok(Status::Done),
     }
 }
 
-fn runs(text: &str) -> Result<u64, String> {
+fn parse_run_limit(text: &str) -> Result<u64, String> {
     let number = text.parse().ok().filter(|runs| *runs > 0);
-    number.ok_or("expected a number of runs from 1; leave it out for all".to_string())
+    number.ok_or("expected a number of runs, 1 or more; omit the flag to perform all runs".to_string())
 }
 
-/// Whether a sweep found nothing but refusals and failures.
-fn nothing(found: &Summary) -> bool {
+/// Returns whether all runs of a sweep were refused or failed.
+fn has_no_result(summary: &Summary) -> bool {
     use sweep::Status::{Completed, Filtered};
-    found.runs > 0 && found.with(Completed) == 0 && found.with(Filtered) == 0
+    summary.runs > 0 && summary.count_with_status(Completed) == 0 && summary.count_with_status(Filtered) == 0
 }

@@ -1,32 +1,41 @@
-//! How far a sweep, or a part of one, has come.
+//! Progress of a sweep or of a part of one.
 
 use std::time::{Duration, Instant};
 
-use super::progress::Count;
+use super::progress::RunCounter;
 use crate::study::sweep::{self, Row};
 
-/// How far a sweep has come.
-pub struct SoFar {
-    pub count: Count,
+/// Progress of a sweep.
+pub struct SweepProgress {
+    pub counter: RunCounter,
     pub total: u64,
     pub done: u64,
     pub simulations: u64,
     failed: u64,
     refused: u64,
     start: Instant,
-    next: Duration,
+    next_update: Duration,
 }
 
-impl SoFar {
-    /// With so many done before this sweep.
+impl SweepProgress {
+    /// Creates the progress; `done` runs were completed by earlier commands.
     pub fn new(total: u64, done: u64) -> Self {
-        let (mut count, start) = (Count::new(), Instant::now());
-        count.show(done as usize, total as usize, "");
-        SoFar { count, total, done, simulations: 0, failed: 0, refused: 0, start, next: Duration::ZERO }
+        let (mut counter, start) = (RunCounter::new(), Instant::now());
+        counter.update(done as usize, total as usize, "");
+        SweepProgress {
+            counter,
+            total,
+            done,
+            simulations: 0,
+            failed: 0,
+            refused: 0,
+            start,
+            next_update: Duration::ZERO,
+        }
     }
 
-    /// Counts a row that was found.
-    pub fn take(&mut self, row: &Row) {
+    /// Counts a new row.
+    pub fn record(&mut self, row: &Row) {
         self.done += 1;
         match row.status {
             sweep::Status::Completed => self.simulations += 1,
@@ -35,11 +44,11 @@ impl SoFar {
             sweep::Status::Filtered => {}
         }
         let elapsed = self.start.elapsed();
-        // Texts are made only as often as somebody can read them.
-        if elapsed >= self.next {
-            self.next = elapsed + Duration::from_millis(100);
+        // Updates more frequent than this cannot be read.
+        if elapsed >= self.next_update {
+            self.next_update = elapsed + Duration::from_millis(100);
             let text = format!("{} failed, {} refused", self.failed, self.refused);
-            self.count.show(self.done as usize, self.total as usize, &text);
+            self.counter.update(self.done as usize, self.total as usize, &text);
         }
     }
 }

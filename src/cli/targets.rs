@@ -1,95 +1,104 @@
-//! All files that a command is to write, checked together before it computes anything: no output overwrites another or an input.
+//! Checks all output files of a command together before any computation: no output may overwrite another output or an
+//! input.
 
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use super::folder::{CHECKSUMS, Folder, fits};
-use super::own::{Form, writable};
-use crate::files::same;
+use super::output_directory::{CHECKSUM_FILE, OutputDirectory, matches_pattern};
+use super::ownership::{FileKind, check_target};
+use crate::files::refer_to_same_file;
 use crate::log::partial_name;
-use crate::study::store::companions;
+use crate::study::store::companion_files;
 
-/// A file that a flag names, and the files that come with it.
+/// Kind of the file that a flag names; some kinds come with companion files.
 #[derive(Clone, Copy, Debug)]
-pub enum Kind {
-    File(Form),
-    /// The log checks by itself what it may replace.
+pub enum TargetKind {
+    File(FileKind),
+    /// A log; the log writer checks which files it may replace.
     Log,
-    /// Results of a sweep, with checkpoint and study beside them; so does their store.
+    /// Results of a sweep with the files of their checkpoint and study; their store checks which files it may replace.
     Results,
 }
 
-/// A flag, the path that it gives, and what is written there.
-pub type Target<'a> = (&'a str, Option<&'a Path>, Kind);
-/// A flag, the directory that it gives, and names of files in it; `*` stands for any text.
+/// A flag, its path, and the kind of file to write.
+pub type Target<'a> = (&'a str, Option<&'a Path>, TargetKind);
+/// A flag, its directory, and the names of files to write in it; `*` matches any text.
 pub type Directory<'a> = (&'a str, Option<&'a Path>, &'a [&'a str]);
 
 /// No directory.
-pub const NONE: Directory<'static> = ("", None, &[]);
+pub const NO_DIRECTORY: Directory<'static> = ("", None, &[]);
 
-/// The files of one flag.
-struct Written<'a> {
+/// Files written for one flag.
+struct FlagFiles<'a> {
     flag: &'a str,
-    given: &'a Path,
+    path: &'a Path,
     files: Vec<PathBuf>,
-    /// Names of further files in the directory `given`.
+    /// Name patterns of further files in the directory `path`.
     names: &'a [&'a str],
 }
 
-impl Written<'_> {
-    /// The first of some files that is one of these.
-    fn clash<'f>(&self, others: &'f [PathBuf]) -> Option<&'f PathBuf> {
+impl FlagFiles<'_> {
+    /// Returns the first of `others` that is one of these files.
+    fn find_conflict<'f>(&self, others: &'f [PathBuf]) -> Option<&'f PathBuf> {
         others.iter().find(|path| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let within = || path.parent().is_some_and(|parent| same(self.given, &parent.join(".")));
-            self.files.iter().any(|file| same(file, path)) || self.names.iter().any(|of| fits(of, &name)) && within()
+            let is_inside = || path.parent().is_some_and(|parent| refer_to_same_file(self.path, &parent.join(".")));
+            self.files.iter().any(|file| refer_to_same_file(file, path))
+                || self.names.iter().any(|pattern| matches_pattern(pattern, &name)) && is_inside()
         })
     }
 }
 
-/// Refuses targets that are one file, or an input (`reads`: its name in messages, and its files), or that cannot be written, or that
-/// hold something else. Opens the directory.
+/// Checks the targets of a command and opens its output directory.
+///
+/// # Errors
+/// Returns an error if two targets are the same file, a target is an input, a target cannot be written, or a target is
+/// a foreign file. `inputs` lists the name of each input in messages and its files.
 pub fn reserve(
-    reads: &[(&str, &[PathBuf])],
+    inputs: &[(&str, &[PathBuf])],
     targets: &[Target<'_>],
     directory: Directory<'_>,
-) -> Result<Option<Folder>, Failure> {
-    let mut all: Vec<Written<'_>> = Vec::new();
-    for (flag, given, kind) in targets.iter().filter_map(|(flag, path, kind)| Some((*flag, (*path)?, kind))) {
-        let mut files = vec![given.to_path_buf()];
+) -> Result<Option<OutputDirectory>, Failure> {
+    let mut all: Vec<FlagFiles<'_>> = Vec::new();
+    for (flag, path, kind) in targets.iter().filter_map(|(flag, path, kind)| Some((*flag, (*path)?, kind))) {
+        let mut files = vec![path.to_path_buf()];
         match kind {
-            Kind::Log => files.push(partial_name(given)),
-            Kind::Results => files.extend(companions(given)),
-            Kind::File(_) => {}
+            TargetKind::Log => files.push(partial_name(path)),
+            TargetKind::Results => files.extend(companion_files(path)),
+            TargetKind::File(_) => {}
         }
-        all.push(Written { flag, given, files, names: &[] });
+        all.push(FlagFiles { flag, path, files, names: &[] });
     }
-    if let (flag, Some(given), names) = directory {
-        let new = given.ancestors().filter(|path| !path.as_os_str().is_empty() && !path.is_dir());
-        let whole = names.iter().chain(&[CHECKSUMS]).filter(|name| !name.contains('*'));
-        let files = whole.map(|name| given.join(name)).chain(new.map(Path::to_path_buf)).collect();
-        all.push(Written { flag, given, files, names });
+    if let (flag, Some(path), names) = directory {
+        let new_directories =
+            path.ancestors().filter(|ancestor| !ancestor.as_os_str().is_empty() && !ancestor.is_dir());
+        let exact_names = names.iter().chain(&[CHECKSUM_FILE]).filter(|name| !name.contains('*'));
+        let files = exact_names.map(|name| path.join(name)).chain(new_directories.map(Path::to_path_buf)).collect();
+        all.push(FlagFiles { flag, path, files, names });
     }
-    for (index, one) in all.iter().enumerate() {
-        let read = |(what, files): &(&str, &[PathBuf])| {
-            Some((one.clash(files)?.clone(), format!("{what} itself, which must stay as it is")))
+    for (index, output) in all.iter().enumerate() {
+        let conflict_with_input = |(input, files): &(&str, &[PathBuf])| {
+            Some((output.find_conflict(files)?.clone(), format!("{input} itself, which must not change")))
         };
-        let written = |other: &Written<'_>| {
-            let file = one.clash(&other.files).or(other.clash(&one.files))?;
-            Some((file.clone(), format!("the file of {} {} too", other.flag, other.given.display())))
+        let conflict_with_output = |other: &FlagFiles<'_>| {
+            let file = output.find_conflict(&other.files).or(other.find_conflict(&output.files))?;
+            Some((file.clone(), format!("also the file of {} {}", other.flag, other.path.display())))
         };
-        if let Some((file, whose)) = reads.iter().find_map(read).or_else(|| all[..index].iter().find_map(written)) {
-            let also =
-                if same(one.given, &file) { String::new() } else { format!("writes {}, which ", file.display()) };
-            let (flag, given) = (one.flag, one.given.display());
-            return Err(Failure::bad_input(format!("{flag} {given} {also}is {whose}; give another file")));
+        let conflict = inputs.iter().find_map(conflict_with_input);
+        if let Some((file, owner)) = conflict.or_else(|| all[..index].iter().find_map(conflict_with_output)) {
+            let writes = match refer_to_same_file(output.path, &file) {
+                true => String::new(),
+                false => format!("writes {}, which ", file.display()),
+            };
+            let (flag, path) = (output.flag, output.path.display());
+            return Err(Failure::bad_input(format!("{flag} {path} {writes}is {owner}; give another file")));
         }
     }
     for (_, path, kind) in targets {
-        if let (Some(path), Kind::File(form)) = (path, kind) {
-            writable(path, *form)?;
+        if let (Some(path), TargetKind::File(kind)) = (path, kind) {
+            check_target(path, *kind)?;
         }
     }
     let (_, out, names) = directory;
-    out.map(|out| Folder::open(out, names)).transpose()
+    out.map(|out| OutputDirectory::open(out, names)).transpose()
 }

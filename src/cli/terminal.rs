@@ -1,28 +1,29 @@
-//! How wide what is printed may be.
+//! Width of printed text.
 
 use std::env;
 use std::io::{self, IsTerminal};
 
-/// Of a terminal that does not say.
-const USUAL: usize = 80;
+/// Width of a terminal of unknown size.
+const DEFAULT_WIDTH: usize = 80;
 
-/// Nothing can be read in less.
-const LEAST: usize = 20;
+/// Minimum width; narrower text is unreadable.
+const MIN_WIDTH: usize = 20;
 
-/// Columns there are on stdout; `None` where there is no end to a line: what reads a pipe or a file finds every row of a table
-/// on one line. The variable COLUMNS is heeded in a pipe too, for `watch` and pagers set it for those they show.
+/// Number of columns of stdout; `None` if it is unlimited. In a pipe or file each row of a table is one line. The
+/// variable COLUMNS also applies to pipes, because `watch` and pagers set it for their programs.
 pub fn width() -> Option<usize> {
-    let measured = || {
+    let measure = || {
         let stdout = io::stdout();
         stdout.is_terminal().then(|| {
-            terminal_size::terminal_size_of(&stdout).map_or(USUAL, |(terminal_size::Width(width), _)| width.into())
+            terminal_size::terminal_size_of(&stdout)
+                .map_or(DEFAULT_WIDTH, |(terminal_size::Width(width), _)| width.into())
         })
     };
-    asked(env::var("COLUMNS").ok().as_deref()).or_else(measured).map(|width| width.max(LEAST))
+    parse_columns(env::var("COLUMNS").ok().as_deref()).or_else(measure).map(|width| width.max(MIN_WIDTH))
 }
 
-/// What COLUMNS says; nothing where that is no width.
-fn asked(columns: Option<&str>) -> Option<usize> {
+/// Parses the value of COLUMNS; `None` if it is not a positive width.
+fn parse_columns(columns: Option<&str>) -> Option<usize> {
     columns?.trim().parse().ok().filter(|width| *width > 0)
 }
 
@@ -31,8 +32,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_width_is_as_if_nothing_was_asked_for() {
+    fn invalid_columns_are_ignored() {
         let all = [Some("132"), Some(" 90 "), Some("0"), Some("wide"), Some("-4"), Some(""), None];
-        assert_eq!(all.map(asked), [Some(132), Some(90), None, None, None, None, None]);
+        assert_eq!(all.map(parse_columns), [Some(132), Some(90), None, None, None, None, None]);
     }
 }

@@ -1,4 +1,4 @@
-//! What `phalanx validate` is asked.
+//! Arguments of `phalanx validate`.
 
 use std::path::PathBuf;
 
@@ -6,9 +6,10 @@ use clap::Args;
 
 use super::set::SetArgs;
 use crate::trace::overrides::duration;
-use crate::validate::{Climb, LADDER_TIME_S};
+use crate::validate::{LADDER_TIME_S, LadderOptions};
 
-/// Compare the engine with the analytic model, and judge it by the scene's bounds; with a ladder, weigh speed against error.
+/// Compare the engine with the analytic model and check the differences against the scene's bounds; --ladder compares
+/// speed with error.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx validate scenes/experiment-95.toml\n  phalanx validate scenes/experiment-95.toml --out \
@@ -23,8 +24,8 @@ pub struct ValidateArgs {
     #[command(flatten)]
     pub(super) set: SetArgs,
 
-    /// Write everything there: reports, a page to look at in a browser, series of both models, pictures, both logs; the
-    /// directory is made if need be, and an older file is replaced only when the new one is whole
+    /// Write reports, a page for a browser, time series of both models, plots and both logs to this directory, which is
+    /// created if needed; an existing file is replaced only when the new one is complete
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
 
@@ -32,23 +33,23 @@ pub struct ValidateArgs {
     #[arg(long)]
     pub(super) json: bool,
 
-    /// Compare and time other settings of both models as well: speed against error. --out has them too
+    /// Also run a ladder of other settings of both models and compare their errors and times; included in --out
     #[arg(long)]
     pub(super) ladder: bool,
 
-    /// Time that the ladder may take, such as "60 s": settings beyond it are left out, and named [default: 10 s]
+    /// Time limit of the ladder, such as "60 s"; settings that exceed it are omitted and listed [default: 10 s]
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub(super) ladder_time: Option<f64>,
 
-    /// Leave settings that take long out of the ladder: fixed steps below 1e-5 s and reduced coordinates
+    /// Omit slow settings from the ladder: fixed steps below 1e-5 s and reduced coordinates
     #[arg(long)]
     pub(super) quick: bool,
 }
 
 impl ValidateArgs {
-    /// The ladder, where one is wanted.
-    pub(super) fn climb(&self) -> Option<Climb> {
-        let wanted = self.ladder || self.ladder_time.is_some() || self.out.is_some();
-        wanted.then(|| Climb { quick: self.quick, time_s: self.ladder_time.unwrap_or(LADDER_TIME_S) })
+    /// Returns the options of the ladder if it is requested.
+    pub(super) fn ladder_options(&self) -> Option<LadderOptions> {
+        let is_requested = self.ladder || self.ladder_time.is_some() || self.out.is_some();
+        is_requested.then(|| LadderOptions { quick: self.quick, time_s: self.ladder_time.unwrap_or(LADDER_TIME_S) })
     }
 }

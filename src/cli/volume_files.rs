@@ -1,26 +1,26 @@
-//! The files of `phalanx volume --out`.
+//! Files of `phalanx volume --out`.
 
 use std::path::Path;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use super::saved::save;
+use super::save::save;
 use super::volume_args::DataArg;
+use crate::format::ToReport;
 use crate::page::{Note, VolumePage, volume_page};
 use crate::plot;
 use crate::report::volume::VolumeReport;
 use crate::report::volume_points::volume_points;
 use crate::study::volume::{Quantity, Volume, VolumeRequest};
 use crate::table;
-use crate::wording::Reported;
 
-/// The volumes in three dimensions.
-const PAGE: &str = "page.html";
+/// Page with the volumes in three dimensions.
+const PAGE_FILE: &str = "page.html";
 
-/// Files of volumes.
-pub const FILES: [&str; 6] = ["table.txt", "table.json", "points.csv", "points.parquet", PAGE, "slices-*.svg"];
+/// Files in the output directory.
+pub const FILES: [&str; 6] = ["table.txt", "table.json", "points.csv", "points.parquet", PAGE_FILE, "slices-*.svg"];
 
-/// Writes everything, and says in the report what was written; the table that says so comes last.
+/// Writes all files and lists them in the report; the tables are written last.
 pub fn write(
     out: &Path,
     request: &VolumeRequest,
@@ -31,23 +31,26 @@ pub fn write(
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let mut files = Vec::new();
-    let mut keep = |file: String, drawn: String| {
+    let mut save_slices = |file: String, svg: String| {
         interrupt.check()?;
         let path = out.join(&file);
         files.push(file);
-        save(&path, &drawn)
+        save(&path, &svg)
     };
     for &quantity in quantities {
         for frictions in volumes.chunks(request.mu_static.len()) {
-            let of_base: Vec<&Volume> = frictions.iter().collect();
+            let base_volumes: Vec<&Volume> = frictions.iter().collect();
             let base = format!("{}", (frictions[0].base_m * 1e9).round() / 1e6);
-            keep(format!("slices-{base}mm-{}.svg", quantity.key()), plot::volume_slices(&of_base, quantity))?;
+            save_slices(
+                format!("slices-{base}mm-{}.svg", quantity.key()),
+                plot::volume_slices(&base_volumes, quantity),
+            )?;
         }
         if request.bases_m.len() > 1 {
-            let of_friction = |mu: &f64| volumes.iter().filter(|volume| volume.mu_static == *mu).collect::<Vec<_>>();
-            let frictions: Vec<_> = request.mu_static.iter().map(of_friction).collect();
-            let drawn = plot::intersection_slices(&frictions, quantity);
-            keep(format!("slices-intersection-{}.svg", quantity.key()), drawn)?;
+            let volumes_with = |mu: &f64| volumes.iter().filter(|volume| volume.mu_static == *mu).collect::<Vec<_>>();
+            let frictions: Vec<_> = request.mu_static.iter().map(volumes_with).collect();
+            let svg = plot::intersection_slices(&frictions, quantity);
+            save_slices(format!("slices-intersection-{}.svg", quantity.key()), svg)?;
         }
     }
     let points = match data {
@@ -60,28 +63,28 @@ pub fn write(
     table::write(&out.join(points), &table).map_err(Failure::incomplete)?;
     interrupt.check()?;
     files.insert(0, points.to_string());
-    let path = out.join(PAGE);
-    // A page is given to others: it does not say where it was made.
-    let nowhere = VolumeReport { directory: None, ..report.clone() };
+    let path = out.join(PAGE_FILE);
+    // Pages are shared, so the page does not contain local paths.
+    let portable_report = VolumeReport { directory: None, ..report.clone() };
     let page = VolumePage {
         title: format!("Grasp-state volumes: {}", request.template.name),
         description: description(report),
         volumes,
-        notes: vec![Note { title: "Shares".to_string(), text: nowhere.report() }],
+        notes: vec![Note { title: "Shares".to_string(), text: portable_report.report() }],
         pictures: Vec::new(),
     };
     save(&path, &volume_page(&page))?;
-    files.insert(0, PAGE.to_string());
+    files.insert(0, PAGE_FILE.to_string());
     report.files = ["table.txt", "table.json"].map(String::from).into_iter().chain(files).collect();
     save(&out.join("table.json"), &report.json())?;
     save(&out.join("table.txt"), &report.report().to_string())
 }
 
-/// What the volumes are, in one sentence.
+/// Describes the volumes in one sentence.
 fn description(report: &VolumeReport) -> String {
     format!(
-        "Which designs hold the object, over three design variables: every cell is a design, sized by the rule “{}”, closed on \
-         the object and in equilibrium.",
+        "Designs that hold the object, over three design variables. Every cell is a design that is sized by the rule “{}” and closed \
+         on the object in equilibrium.",
         report.sizing
     )
 }

@@ -24,6 +24,9 @@ pub mod errata {}
 #[doc = include_str!("explorer.md")]
 pub mod explorer {}
 
+#[doc = include_str!("glossary.md")]
+pub mod glossary {}
+
 #[doc = include_str!("grippers.md")]
 pub mod grippers {}
 

@@ -1,20 +1,20 @@
-//! A running simulation, watched in the Foxglove app: the messages of its log over Foxglove's WebSocket protocol.
+//! Live view of a running simulation in the Foxglove app: the messages of its log over Foxglove's WebSocket protocol.
 //!
-//! The server is a [`Feed`](crate::log::Feed) of the log writer, so clients see the channels, the descriptors and the bytes of
-//! a log. Unlike a log it keeps pace with the wall clock: the simulation waits until a message is due. It never waits for a
-//! client: each has a queue, from which the oldest messages go when it is full.
+//! The server is a [`MessageFeed`](crate::log::MessageFeed) of the log writer, so clients receive the channels,
+//! descriptors and bytes of a log. Unlike a log it follows the wall clock: the simulation waits until a message is due.
+//! It never waits for a client: each client has a queue that drops the oldest messages when full.
 //!
-//! **Late clients.** Who subscribes to a channel gets its latest message first, whatever its age, so the shapes and the state
-//! are there from the beginning, and after the end of the run.
+//! **Late clients.** A new subscriber of a channel first gets its latest message, so shapes and state are available at
+//! once, also after the end of the run.
 //!
-//! **Who may watch.** Programs, the Foxglove app, and web pages that this machine serves itself. Other pages, which a browser
-//! names in the header `Origin`, are refused.
+//! **Access.** Programs, the Foxglove app and web pages served by this machine may connect. Other pages, identified by
+//! the header `Origin` of the browser, are rejected.
 //!
-//! **Time.** Messages carry the time of the simulation, from 0, and the server announces that time between them.
+//! **Time.** Messages have the simulated time, from 0; the server announces that time between messages.
 
-mod gate;
-mod pace;
+mod origin_filter;
+mod pacer;
 mod server;
 
-pub use pace::Pace;
+pub use pacer::RealTimePacer;
 pub use server::{DEFAULT_ADDRESS, LiveError, Server};

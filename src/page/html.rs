@@ -1,31 +1,31 @@
-//! The file: assets, texts and data put together, everything foreign escaped.
+//! Assembles a page from assets, texts and data; escapes all input.
 
 use std::fmt::Write;
 
 use super::{Note, Page, Picture};
+use crate::format::{Report, escape_markup, is_unsafe_char};
 use crate::plot::theme::variables;
-use crate::wording::{Report, acts, escaped};
-use phalanx_show::film::data;
+use phalanx_show::playback::json;
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 2] = [include_str!("assets/texts.css"), include_str!("assets/layout.css")];
-/// What shows films, on any page that does. In the order of their dependence; they share one scope.
-pub(super) const VIEWER: [&str; 21] = [
+/// Scripts of the playback viewer, in order of dependence; all share one scope.
+pub(super) const VIEWER_SCRIPTS: [&str; 21] = [
     include_str!("assets/format.js"),
     include_str!("assets/data.js"),
-    include_str!("assets/reading.js"),
+    include_str!("assets/interpolation.js"),
     include_str!("assets/clock.js"),
     include_str!("assets/axis.js"),
     include_str!("assets/canvas.js"),
-    include_str!("assets/recorder.js"),
+    include_str!("assets/svg_context.js"),
     include_str!("assets/camera.js"),
     include_str!("assets/shapes.js"),
-    include_str!("assets/letters.js"),
+    include_str!("assets/symbols.js"),
     include_str!("assets/stage.js"),
     include_str!("assets/plots.js"),
     include_str!("assets/events.js"),
     include_str!("assets/gif.js"),
-    include_str!("assets/movie.js"),
+    include_str!("assets/animation.js"),
     include_str!("assets/save.js"),
     include_str!("assets/controls.js"),
     include_str!("assets/help.js"),
@@ -33,107 +33,108 @@ pub(super) const VIEWER: [&str; 21] = [
     include_str!("assets/viewer.js"),
     include_str!("assets/hooks.js"),
 ];
-const MAIN: &str = include_str!("assets/main.js");
+const MAIN_SCRIPT: &str = include_str!("assets/main.js");
 
-/// The whole file. The same page gives the same bytes.
-pub fn page(page: &Page) -> String {
-    let data = in_script(&data::json(&page.runs));
-    let Script { nonce, script } = Script::new(&data, &[&VIEWER[..], &[MAIN]].concat());
+/// Renders the page. Equal contents give equal bytes.
+pub fn render_page(page: &Page) -> String {
+    let json = escape_for_script(&json::to_json(&page.runs));
+    let PageScript { nonce, script } = PageScript::new(&json, &[&VIEWER_SCRIPTS[..], &[MAIN_SCRIPT]].concat());
     let fields = [
         ("nonce", nonce),
-        ("title", escaped(&page.title)),
-        ("description", description(&page.description)),
-        ("style", style(&STYLES)),
-        ("summaries", summaries(page)),
-        ("notes", notes(&page.notes)),
-        ("pictures", pictures(&page.pictures)),
-        ("data", data),
+        ("title", escape_markup(&page.title)),
+        ("description", description_html(&page.description)),
+        ("style", page_style(&STYLES)),
+        ("summaries", summaries_html(page)),
+        ("notes", notes_html(&page.notes)),
+        ("pictures", pictures_html(&page.pictures)),
+        ("data", json),
         ("script", script),
     ];
-    filled(TEMPLATE, &fields)
+    fill_template(TEMPLATE, &fields)
 }
 
-/// The style sheets of a page behind those of all: colours first.
-pub(super) fn style(own: &[&str]) -> String {
-    [&variables(), include_str!("assets/theme.css"), &own.concat()].concat()
+/// Concatenates the colours, the common style sheet and the style sheets of a page.
+pub(super) fn page_style(page_sheets: &[&str]) -> String {
+    [&variables(), include_str!("assets/theme.css"), &page_sheets.concat()].concat()
 }
 
-/// The script of a page and the nonce that lets it run.
-pub(super) struct Script {
+/// The script of a page and the nonce that allows it to run.
+pub(super) struct PageScript {
     pub nonce: String,
     pub script: String,
 }
 
-impl Script {
-    /// Parts in one scope of their own.
+impl PageScript {
+    /// Wraps the parts in one function scope.
     pub fn new(data: &str, parts: &[&str]) -> Self {
         Self {
-            // Scripts of the page carry it; what else might pass for one does not, and is not run.
+            // Scripts without the nonce do not run, so injected ones are blocked.
             nonce: format!("{:08x}", crc32fast::hash(data.as_bytes())),
             script: format!("(() => {{\n\"use strict\";\n{}}})();\n", parts.concat()),
         }
     }
 }
 
-/// The template with every `{{name}}` in it replaced; what is put in is not looked at again.
-pub(super) fn filled(template: &str, fields: &[(&str, String)]) -> String {
+/// Replaces every `{{name}}` in a template. Inserted values are not expanded again.
+pub(super) fn fill_template(template: &str, fields: &[(&str, String)]) -> String {
     let mut parts = template.split("{{");
     let mut text = parts.next().unwrap_or_default().to_string();
     for part in parts {
-        let (name, rest) = part.split_once("}}").expect("every mark of the template is closed");
-        let (_, value) = fields.iter().find(|field| field.0 == name).expect("every mark of the template has a field");
+        let (name, rest) = part.split_once("}}").expect("every placeholder of the template is closed");
+        let (_, value) =
+            fields.iter().find(|field| field.0 == name).expect("every placeholder of the template has a field");
         text.push_str(value);
         text.push_str(rest);
     }
     text
 }
 
-/// JSON within a script element: nothing in it may look like the end of the element or the start of a comment.
-pub(super) fn in_script(json: &str) -> String {
+/// Escapes JSON for a script element: it cannot contain the end of the element or the start of a comment.
+pub(super) fn escape_for_script(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
         match c {
             '<' | '>' | '&' => out.push_str(&format!("\\u{:04x}", u32::from(c))),
-            // JSON takes those above 127 as they are.
-            c if acts(c) || c.is_control() => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            // JSON allows other characters above 127 unescaped.
+            c if is_unsafe_char(c) || c.is_control() => out.push_str(&format!("\\u{:04x}", u32::from(c))),
             other => out.push(other),
         }
     }
     out
 }
 
-fn description(text: &str) -> String {
-    if text.is_empty() { String::new() } else { format!("<p class=\"description\">{}</p>", escaped(text)) }
+fn description_html(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("<p class=\"description\">{}</p>", escape_markup(text)) }
 }
 
-/// What each run says of itself.
-fn summaries(page: &Page) -> String {
+/// Sections with the summaries of the runs.
+fn summaries_html(page: &Page) -> String {
     let mut text = String::new();
-    for film in page.runs.iter().filter(|film| !film.summary.is_empty()) {
-        section(&mut text, &format!("Summary: {}", film.label), &film.summary);
+    for playback in page.runs.iter().filter(|playback| !playback.summary.is_empty()) {
+        write_section(&mut text, &format!("Summary: {}", playback.label), &playback.summary);
     }
     text
 }
 
-pub(super) fn notes(notes: &[Note]) -> String {
+pub(super) fn notes_html(notes: &[Note]) -> String {
     let mut text = String::new();
     for note in notes {
-        section(&mut text, &note.title, &note.text);
+        write_section(&mut text, &note.title, &note.text);
     }
     text
 }
 
-/// Words and tables under a heading; wide tables scroll within boxes of their own.
-fn section(out: &mut String, title: &str, body: &Report) {
-    let (title, body) = (escaped(title), body.html(title));
+/// Appends a section of text and tables; wide tables scroll horizontally.
+fn write_section(out: &mut String, title: &str, body: &Report) {
+    let (title, body) = (escape_markup(title), body.html(title));
     // Writing to a string cannot fail.
     let _ = writeln!(out, "<section class=\"text\"><h2>{title}</h2>\n{body}</section>");
 }
 
-pub(super) fn pictures(pictures: &[Picture]) -> String {
+pub(super) fn pictures_html(pictures: &[Picture]) -> String {
     let mut text = String::new();
     for picture in pictures {
-        let title = escaped(&picture.title);
+        let title = escape_markup(&picture.title);
         let _ = writeln!(
             text,
             "<section class=\"picture\"><h2>{title}</h2><div class=\"sheet\" tabindex=\"0\" role=\"img\" aria-label=\"{title}\">{}</div></section>",
@@ -148,10 +149,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_foreign_is_read_as_markup_or_as_a_mark_of_the_template() {
-        assert_eq!(escaped("<b a=\"1\" c='2'>&\0"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;\u{fffd}");
-        assert_eq!(in_script("</script><!--&"), "\\u003c/script\\u003e\\u003c!--\\u0026");
+    fn input_is_never_read_as_markup_or_placeholder() {
+        assert_eq!(escape_markup("<b a=\"1\" c='2'>&\0"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;\u{fffd}");
+        assert_eq!(escape_for_script("</script><!--&"), "\\u003c/script\\u003e\\u003c!--\\u0026");
         let fields = [("a", "{{b}} {{".to_string()), ("b", "2".to_string())];
-        assert_eq!(filled("1 {{a}} {{b}}.", &fields), "1 {{b}} {{ 2.");
+        assert_eq!(fill_template("1 {{a}} {{b}}.", &fields), "1 {{b}} {{ 2.");
     }
 }

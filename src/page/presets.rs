@@ -1,18 +1,18 @@
-//! Scenes that the explorer's page brings along: the shipped ones of fingers and grippers.
+//! Scenes included in the explorer's page: the shipped scenes of fingers and grippers.
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Layer, Scene, SceneError};
 
-macro_rules! shipped {
+macro_rules! shipped_scenes {
     ($($file:literal),* $(,)?) => {
-        /// Files under `scenes` and what is in them.
-        const SHIPPED: &[(&str, &str)] = &[$(($file, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/", $file)))),*];
+        /// Paths under `scenes` and contents of the files.
+        const SHIPPED_SCENES: &[(&str, &str)] = &[$(($file, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/", $file)))),*];
     };
 }
 
-shipped![
+shipped_scenes![
     "experiment-95.toml",
     "experiment-95-cad.toml",
     "experiment-95-frictionless.toml",
@@ -43,31 +43,31 @@ shipped![
     "hard/gripper-undamped.toml",
 ];
 
-/// A scene of its own, whatever it was made from.
+/// A standalone scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Preset {
-    /// Its place under `scenes`.
+    /// Path under `scenes`.
     pub file: String,
-    /// Its file's name without what it ends with.
+    /// File name without its extension.
     pub name: String,
     /// `finger`, `gripper` or `hard`.
     pub group: &'static str,
-    /// What it is for: the first sentence of its description, else of what its file begins with.
+    /// First sentence of the description, otherwise of the first comment in the file.
     pub title: String,
-    /// Its text, with all that it extends.
+    /// Text of the scene, merged with the scenes that it extends.
     pub text: String,
 }
 
-/// All of them.
+/// Returns all presets.
 pub fn presets() -> Vec<Preset> {
-    // The files are part of the program, and its tests read every one.
-    SHIPPED.iter().map(|(file, text)| preset(file, text).expect("a shipped scene is one")).collect()
+    // A test parses every shipped scene.
+    SHIPPED_SCENES.iter().map(|(file, text)| preset(file, text).expect("a shipped scene is valid")).collect()
 }
 
 fn preset(file: &str, text: &str) -> Result<Preset, SceneError> {
-    let scene = scene::parse_layers(&layers(file, text), &[], scene::parse_any)?;
+    let scene = scene::parse_layers(&scene_layers(file, text), &[], scene::parse_any)?;
     let comment = text.lines().next().unwrap_or_default().trim_start_matches('#').trim();
-    let about = if scene.description.is_empty() { comment } else { &scene.description };
+    let description = if scene.description.is_empty() { comment } else { &scene.description };
     Ok(Preset {
         file: file.to_string(),
         name: Path::new(file).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
@@ -76,41 +76,41 @@ fn preset(file: &str, text: &str) -> Result<Preset, SceneError> {
             (_, SceneKind::Gripper) => "gripper",
             _ => "finger",
         },
-        title: about.split_inclusive(". ").next().unwrap_or_default().trim().to_string(),
-        text: whole(&scene, text),
+        title: description.split_inclusive(". ").next().unwrap_or_default().trim().to_string(),
+        text: standalone_text(&scene, text),
     })
 }
 
-/// The text of a scene: as it was written, or put together of those it extends.
-pub fn whole(scene: &Scene, own: &str) -> String {
-    // A scene is read from a text without the key that it extends by.
-    if scene::extended(own).is_some() { scene.source.clone() } else { own.to_string() }
+/// Returns `file_text` if the scene extends no other, otherwise the text merged from all layers.
+pub fn standalone_text(scene: &Scene, file_text: &str) -> String {
+    // `source` omits the key `extends`.
+    if scene::extended(file_text).is_some() { scene.source.clone() } else { file_text.to_string() }
 }
 
-/// A shipped scene after those that it extends.
-fn layers(file: &str, text: &str) -> Vec<Layer> {
-    let mut found = vec![Layer { file: file.to_string(), text: text.to_string() }];
-    while let Some((under, _)) = scene::extended(&found[0].text) {
-        let under = beside(&found[0].file, &under);
-        let Some((file, text)) = SHIPPED.iter().find(|(file, _)| *file == under) else { break };
-        found.insert(0, Layer { file: (*file).to_string(), text: (*text).to_string() });
+/// Returns the scenes that a shipped scene extends, then the scene.
+fn scene_layers(file: &str, text: &str) -> Vec<Layer> {
+    let mut layers = vec![Layer { file: file.to_string(), text: text.to_string() }];
+    while let Some((base, _)) = scene::extended(&layers[0].text) {
+        let base = resolve_relative(&layers[0].file, &base);
+        let Some((file, text)) = SHIPPED_SCENES.iter().find(|(file, _)| *file == base) else { break };
+        layers.insert(0, Layer { file: (*file).to_string(), text: (*text).to_string() });
     }
-    found
+    layers
 }
 
-/// The place of a file that is named from another's.
-fn beside(file: &str, named: &str) -> String {
-    let mut place = PathBuf::from(file);
-    place.pop();
-    for part in Path::new(named).components() {
-        match part {
+/// Resolves `relative` against the folder of `file`.
+fn resolve_relative(file: &str, relative: &str) -> String {
+    let mut path = PathBuf::from(file);
+    path.pop();
+    for component in Path::new(relative).components() {
+        match component {
             Component::ParentDir => {
-                place.pop();
+                path.pop();
             }
-            other => place.push(other),
+            other => path.push(other),
         }
     }
-    place.to_string_lossy().replace('\\', "/")
+    path.to_string_lossy().replace('\\', "/")
 }
 
 #[cfg(test)]
@@ -118,22 +118,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_preset_reads_by_itself_as_its_file_does() {
-        let all = presets();
-        assert_eq!(all.len(), SHIPPED.len());
-        for preset in all {
+    fn presets_are_standalone_and_equal_their_files() {
+        let presets = presets();
+        assert_eq!(presets.len(), SHIPPED_SCENES.len());
+        for preset in presets {
             assert!(!preset.title.is_empty(), "{}", preset.file);
-            let alone = scene::parse_any(&preset.text, &preset.file).unwrap_or_else(|error| panic!("{error}"));
+            let standalone = scene::parse_any(&preset.text, &preset.file).unwrap_or_else(|error| panic!("{error}"));
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(&preset.file);
-            let read = scene::load_any(&path).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(scene::show(&alone), scene::show(&read), "{}", preset.file);
+            let from_file = scene::load_any(&path).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(scene::show(&standalone), scene::show(&from_file), "{}", preset.file);
         }
     }
 
     #[test]
-    fn names_are_read_from_the_file_they_stand_in() {
-        assert_eq!(beside("hard/a.toml", "../gripper/b.toml"), "gripper/b.toml");
-        assert_eq!(beside("gripper/a.toml", "b.toml"), "gripper/b.toml");
-        assert_eq!(beside("a.toml", "gripper/b.toml"), "gripper/b.toml");
+    fn relative_names_are_resolved_against_the_file() {
+        assert_eq!(resolve_relative("hard/a.toml", "../gripper/b.toml"), "gripper/b.toml");
+        assert_eq!(resolve_relative("gripper/a.toml", "b.toml"), "gripper/b.toml");
+        assert_eq!(resolve_relative("a.toml", "gripper/b.toml"), "gripper/b.toml");
     }
 }

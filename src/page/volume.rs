@@ -1,14 +1,14 @@
-//! The page of grasp-state volumes: one self-contained file that turns them in three dimensions.
+//! The page of grasp-state volumes: a self-contained file that shows them in three dimensions.
 
-use super::html::{Script, filled, in_script, notes, pictures, style};
-use super::volume_data::{is_thinned, json};
+use super::html::{PageScript, escape_for_script, fill_template, notes_html, page_style, pictures_html};
+use super::volume_data::{is_thinned, to_json};
 use super::{Note, Picture};
+use crate::format::escape_markup;
 use crate::study::volume::Volume;
-use crate::wording::escaped;
 
 const TEMPLATE: &str = include_str!("assets/volume/page.html");
 const STYLES: [&str; 2] = [include_str!("assets/texts.css"), include_str!("assets/volume/layout.css")];
-/// In the order of their dependence; they share one scope.
+/// Scripts in order of dependence; all share one scope.
 const SCRIPTS: [&str; 11] = [
     include_str!("assets/format.js"),
     include_str!("assets/canvas.js"),
@@ -23,46 +23,46 @@ const SCRIPTS: [&str; 11] = [
     include_str!("assets/volume/main.js"),
 ];
 
-/// What the page shows.
+/// Contents of the page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumePage<'a> {
     pub title: String,
     pub description: String,
-    /// As they come from [`volumes`](crate::study::volume::volumes).
+    /// Volumes in the order of [`volumes`](crate::study::volume::volumes).
     pub volumes: &'a [Volume],
-    /// Words and tables.
+    /// Texts and tables.
     pub notes: Vec<Note>,
     pub pictures: Vec<Picture>,
 }
 
-/// The whole file. The same page gives the same bytes.
+/// Renders the page. Equal contents give equal bytes.
 pub fn volume_page(page: &VolumePage) -> String {
-    let data = in_script(&json(page.volumes, &note(page.volumes)));
-    let Script { nonce, script } = Script::new(&data, &SCRIPTS);
+    let data = escape_for_script(&to_json(page.volumes, &sampling_note(page.volumes)));
+    let PageScript { nonce, script } = PageScript::new(&data, &SCRIPTS);
     let fields = [
         ("nonce", nonce),
-        ("title", escaped(&page.title)),
-        ("description", escaped(&page.description)),
-        ("style", style(&STYLES)),
-        ("notes", notes(&page.notes)),
-        ("pictures", pictures(&page.pictures)),
+        ("title", escape_markup(&page.title)),
+        ("description", escape_markup(&page.description)),
+        ("style", page_style(&STYLES)),
+        ("notes", notes_html(&page.notes)),
+        ("pictures", pictures_html(&page.pictures)),
         ("data", data),
         ("script", script),
     ];
-    filled(TEMPLATE, &fields)
+    fill_template(TEMPLATE, &fields)
 }
 
-/// How points became what is seen.
-fn note(volumes: &[Volume]) -> String {
+/// Describes which of the computed points the page contains.
+fn sampling_note(volumes: &[Volume]) -> String {
     let Some(first) = volumes.first() else { return String::new() };
     let [l21, phi22, arm] = first.resolution();
-    let all = format!("{l21} × {phi22} × {arm} points a volume");
-    let digits = "Figures here have seven digits; the data file has all.";
+    let resolution = format!("{l21} × {phi22} × {arm} points per volume");
+    let digits = "Numbers on this page have seven digits; the data file has full precision.";
     match is_thinned(&first.axes) {
         true => format!(
-            "{all}, thinned out to fit a page: some values of each axis, the first and the last among them. Shares here are of \
-             the points shown; the tables below count all. {digits}"
+            "{resolution}, reduced for this page: a subset of the values of each axis, including the first and the last. Shares in \
+             the viewer refer to the points shown; the tables below count all points. {digits}"
         ),
-        false => format!("{all}, all of them here. {digits}"),
+        false => format!("{resolution}, all on this page. {digits}"),
     }
 }

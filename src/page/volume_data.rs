@@ -1,23 +1,25 @@
-//! Volumes → JSON. Columns are base64 of little-endian numbers: `f32` for quantities (seven digits: the data file has all),
-//! `u16` for reasons, bytes for flags.
+//! Volumes → JSON. Columns are little-endian numbers in base64: `f32` for quantities (seven digits; the data file has
+//! full precision), `u16` for reasons, bytes for flags.
 
 use std::collections::{BTreeMap, HashMap};
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::Serialize;
 
+use crate::format;
 use crate::plot::colours;
 use crate::plot::theme::Colour;
-use crate::study::volume::{Axes, Point, Quantity, Sized, Volume, Worst};
-use crate::wording;
+use crate::study::volume::{Axes, Point, Quantity, SizedFinger, Volume, WorstCase};
 
-/// Most values an axis has on the page; finer ones are thinned out.
-pub const MOST_VALUES: usize = 40;
+/// Maximum number of values of an axis on the page; a finer axis is subsampled.
+pub const MAX_AXIS_VALUES: usize = 40;
 
-/// Bits of a point's flags, as the page's scripts have them.
-const STABLE: u8 = 1;
-const PALM: u8 = 2;
-const CLOSED: u8 = 4;
+/// Flag of a point with a stable grasp. The scripts of the page define the same flags.
+const FLAG_STABLE: u8 = 1;
+/// Flag of a point at which the palm force is positive.
+const FLAG_PALM: u8 = 2;
+/// Flag of a point with form closure.
+const FLAG_CLOSED: u8 = 4;
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -25,8 +27,8 @@ struct Document<'a> {
     mu_static: Vec<f64>,
     quantities: [QuantityData; 7],
     colours: Colours,
-    bases: Vec<Base>,
-    /// How points became what is seen.
+    bases: Vec<BaseData>,
+    /// Which of the computed points are included.
     note: &'a str,
 }
 
@@ -59,29 +61,29 @@ struct Colours {
 
 /// The designs of one base.
 #[derive(Serialize)]
-struct Base {
+struct BaseData {
     base_m: f64,
     columns: BTreeMap<&'static str, String>,
-    /// One more than the index of the reason why there is no finger; 0 where there is one.
+    /// For each point: 0 if the finger exists, otherwise 1 + the index in `reasons`.
     reason: String,
     reasons: Vec<String>,
-    frictions: Vec<Friction>,
+    frictions: Vec<FrictionData>,
 }
 
 #[derive(Serialize)]
-struct Friction {
+struct FrictionData {
     flags: String,
     columns: BTreeMap<&'static str, String>,
 }
 
-/// The document of volumes as they come from [`volumes`](crate::study::volume::volumes): bases slowest.
-pub fn json(volumes: &[Volume], note: &str) -> String {
+/// Serialises volumes in the order of [`volumes`](crate::study::volume::volumes): the base varies slowest.
+pub fn to_json(volumes: &[Volume], note: &str) -> String {
     let Some(first) = volumes.first() else { return "{}".to_string() };
     let mu_static: Vec<f64> =
         volumes.iter().take_while(|volume| volume.base_m == first.base_m).map(|volume| volume.mu_static).collect();
-    let kept = kept(&first.axes);
+    let shown_indices = shown_indices(&first.axes);
     let Axes { l21_fraction, phi22_rad, arm_ratio } = &first.axes;
-    let [l21, phi22, arm] = &kept;
+    let [l21, phi22, arm] = &shown_indices;
     let values =
         |axis: &crate::study::volume::Axis, indices: &[usize]| indices.iter().map(|&i| axis.value(i)).collect();
     let document = Document {
@@ -90,56 +92,56 @@ pub fn json(volumes: &[Volume], note: &str) -> String {
             AxisData { name: "φ22", unit: "rad", values: values(phi22_rad, phi22) },
             AxisData { name: "r_l", unit: "", values: values(arm_ratio, arm) },
         ],
-        quantities: Quantity::ALL.map(quantity),
+        quantities: Quantity::ALL.map(quantity_data),
         colours: Colours {
-            sequential: hex(&colours::SEQUENTIAL),
-            negative: hex(&colours::NEGATIVE),
-            positive: hex(&colours::POSITIVE),
-            flag: hex(&colours::FLAG),
+            sequential: hex_colours(&colours::SEQUENTIAL),
+            negative: hex_colours(&colours::NEGATIVE),
+            positive: hex_colours(&colours::POSITIVE),
+            flag: hex_colours(&colours::FLAG),
         },
-        bases: volumes.chunks(mu_static.len()).map(|frictions| base(frictions, &kept)).collect(),
+        bases: volumes.chunks(mu_static.len()).map(|frictions| base_data(frictions, &shown_indices)).collect(),
         mu_static,
         note,
     };
     serde_json::to_string(&document).expect("plain data with string keys")
 }
 
-/// The indices along each axis that are on the page.
-fn kept(axes: &Axes) -> [Vec<usize>; 3] {
-    [&axes.l21_fraction, &axes.phi22_rad, &axes.arm_ratio].map(|axis| axis.spread(MOST_VALUES))
+/// Indices along each axis that are included in the page.
+fn shown_indices(axes: &Axes) -> [Vec<usize>; 3] {
+    [&axes.l21_fraction, &axes.phi22_rad, &axes.arm_ratio].map(|axis| axis.spaced_indices(MAX_AXIS_VALUES))
 }
 
-/// Whether the page shows fewer points than there are.
+/// Whether the page contains only a subset of the points.
 pub fn is_thinned(axes: &Axes) -> bool {
-    axes.resolution().into_iter().any(|points| points > MOST_VALUES)
+    axes.resolution().into_iter().any(|points| points > MAX_AXIS_VALUES)
 }
 
-fn quantity(quantity: Quantity) -> QuantityData {
-    let shown = wording::Quantity::of(quantity.column());
+fn quantity_data(quantity: Quantity) -> QuantityData {
+    let displayed = format::Quantity::for_column(quantity.column());
     QuantityData {
         key: quantity.key(),
         column: quantity.column(),
         name: quantity.name(),
-        unit: shown.unit,
-        factor: shown.scale,
+        unit: displayed.unit,
+        factor: displayed.scale,
         signed: quantity == Quantity::Pfp,
         flag: quantity == Quantity::FormClosed,
         worst: match quantity.worst() {
-            Worst::Smallest => "smallest",
-            Worst::Largest => "largest",
+            WorstCase::Smallest => "smallest",
+            WorstCase::Largest => "largest",
         },
     }
 }
 
-/// A quantity of a design, whatever the friction.
-type OfDesign = fn(&Sized) -> f64;
+/// A quantity of a design that does not depend on friction.
+type DesignValue = fn(&SizedFinger) -> f64;
 
-fn base(frictions: &[Volume], kept: &[Vec<usize>; 3]) -> Base {
-    let points: Vec<Vec<&Point>> = frictions.iter().map(|volume| picked(volume, kept)).collect();
-    let of_design = |value: OfDesign| {
-        floats(points[0].iter().map(|point| point.state.as_ref().map_or(f64::NAN, |state| value(&state.sized))))
+fn base_data(frictions: &[Volume], shown_indices: &[Vec<usize>; 3]) -> BaseData {
+    let points: Vec<Vec<&Point>> = frictions.iter().map(|volume| select_points(volume, shown_indices)).collect();
+    let design_column = |value: DesignValue| {
+        encode_f32(points[0].iter().map(|point| point.state.as_ref().map_or(f64::NAN, |state| value(&state.sized))))
     };
-    let columns: [(&'static str, OfDesign); 8] = [
+    let columns: [(&'static str, DesignValue); 8] = [
         ("l11_m", |sized| sized.lengths.l11_m),
         ("l12_m", |sized| sized.lengths.l12_m),
         ("l21_m", |sized| sized.lengths.l21_m),
@@ -150,46 +152,46 @@ fn base(frictions: &[Volume], kept: &[Vec<usize>; 3]) -> Base {
         ("spring_n_m", |sized| sized.sizing.spring_n_m),
     ];
     let mut reasons: Vec<String> = Vec::new();
-    let mut places: HashMap<String, u16> = HashMap::new();
+    let mut reason_indices: HashMap<String, u16> = HashMap::new();
     let reason = points[0].iter().flat_map(|point| {
-        let place = point.state.as_ref().err().map_or(0, |error| {
+        let reason_index = point.state.as_ref().err().map_or(0, |error| {
             let text = error.to_string();
-            *places.entry(text).or_insert_with_key(|text| {
+            *reason_indices.entry(text).or_insert_with_key(|text| {
                 reasons.push(text.clone());
                 u16::try_from(reasons.len()).unwrap_or(u16::MAX)
             })
         });
-        place.to_le_bytes()
+        reason_index.to_le_bytes()
     });
     let reason = BASE64_STANDARD.encode(reason.collect::<Vec<u8>>());
-    Base {
+    BaseData {
         base_m: frictions[0].base_m,
-        columns: columns.into_iter().map(|(name, value)| (name, of_design(value))).collect(),
+        columns: columns.into_iter().map(|(name, value)| (name, design_column(value))).collect(),
         reason,
         reasons,
-        frictions: points.iter().map(|points| friction(points)).collect(),
+        frictions: points.iter().map(|points| friction_data(points)).collect(),
     }
 }
 
-fn friction(points: &[&Point]) -> Friction {
+fn friction_data(points: &[&Point]) -> FrictionData {
     let flags = points.iter().map(|point| {
         point.state.as_ref().map_or(0, |state| {
-            let set = |is: bool, bit: u8| if is { bit } else { 0 };
-            set(state.is_stable(), STABLE)
-                | set(state.forces.is_palm_force_positive(), PALM)
-                | set(state.sized.form_closed, CLOSED)
+            let set = |flag: bool, bit: u8| if flag { bit } else { 0 };
+            set(state.is_stable(), FLAG_STABLE)
+                | set(state.forces.is_palm_force_positive(), FLAG_PALM)
+                | set(state.sized.form_closed, FLAG_CLOSED)
         })
     });
     let flags = BASE64_STANDARD.encode(flags.collect::<Vec<u8>>());
     let column = |quantity: Quantity| {
         let values = points.iter().map(|point| point.state.as_ref().map_or(f64::NAN, |state| quantity.value(state)));
-        (quantity.column(), floats(values))
+        (quantity.column(), encode_f32(values))
     };
-    Friction { flags, columns: [Quantity::F21, Quantity::F22, Quantity::Pfp].map(column).into_iter().collect() }
+    FrictionData { flags, columns: [Quantity::F21, Quantity::F22, Quantity::Pfp].map(column).into_iter().collect() }
 }
 
-/// The points at the kept indices, in the order of the volume.
-fn picked<'a>(volume: &'a Volume, [l21, phi22, arm]: &[Vec<usize>; 3]) -> Vec<&'a Point> {
+/// Returns the points at the given indices, in the order of the volume.
+fn select_points<'a>(volume: &'a Volume, [l21, phi22, arm]: &[Vec<usize>; 3]) -> Vec<&'a Point> {
     let mut points = Vec::with_capacity(l21.len() * phi22.len() * arm.len());
     for &i in l21 {
         for &j in phi22 {
@@ -199,10 +201,10 @@ fn picked<'a>(volume: &'a Volume, [l21, phi22, arm]: &[Vec<usize>; 3]) -> Vec<&'
     points
 }
 
-fn floats(values: impl Iterator<Item = f64>) -> String {
+fn encode_f32(values: impl Iterator<Item = f64>) -> String {
     BASE64_STANDARD.encode(values.flat_map(|value| (value as f32).to_le_bytes()).collect::<Vec<u8>>())
 }
 
-fn hex(colours: &[Colour]) -> Vec<String> {
+fn hex_colours(colours: &[Colour]) -> Vec<String> {
     colours.iter().map(|colour| colour.to_string().to_lowercase()).collect()
 }

@@ -1,80 +1,80 @@
-//! The difference of two runs over time, with the touch-downs.
+//! The difference of two runs over time, with touch-downs.
 
 use super::axis::Axis;
-use super::canvas::{Entry, Mark, THIN, chart, level, line, upright};
-use super::curve::thin;
+use super::canvas::{LegendEntry, Marker, THIN_LINE, chart, horizontal_line, line, vertical_line};
+use super::curve::decimate;
 use super::theme::{INK, SERIES, SOFT};
 use crate::scene::Scene;
 use crate::trace::{EventKind, Layout};
-use crate::validate::{Angle, Recording, Validation, off};
+use crate::validate::{Angle, Recording, Validation, coordinate_errors};
 
 const HEIGHT: f64 = 560.0;
-/// Decades shown: what is smaller than the largest by more lies on the foot of the picture.
-const DECADES: f64 = 8.0;
-/// More touch-downs than this would hide the curves.
-const MOST_TOUCHES: usize = 60;
+/// Maximum number of decades shown; smaller values are clamped to the lower edge.
+const MAX_DECADES: f64 = 8.0;
+/// Maximum number of touch-downs drawn per contact; more would hide the curves.
+const MAX_TOUCHDOWNS: usize = 60;
 
-/// A curve of differences: its name, and (time in s, difference).
-pub struct Apart {
+/// A curve of differences: its name, and points (time in s, difference).
+pub struct DifferenceCurve {
     pub name: String,
     pub points: Vec<(f64, f64)>,
 }
 
-/// Touch-downs at one place.
-pub struct Touches {
+/// Touch-downs of one contact.
+pub struct TouchdownTimes {
     pub name: String,
     pub times_s: Vec<f64>,
 }
 
-/// What is on a picture of differences.
-pub struct Differences<'a> {
+/// Content of a plot of differences.
+pub struct DifferencePlot<'a> {
     pub title: String,
-    /// What is drawn, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub label: &'a str,
-    pub curves: Vec<Apart>,
-    pub touches: Vec<Touches>,
+    pub curves: Vec<DifferenceCurve>,
+    pub touchdowns: Vec<TouchdownTimes>,
     pub bound: Option<f64>,
     pub until_s: f64,
 }
 
-/// The picture of a validation of a scene with fingers, of the run with its own torque.
+/// Draws the difference between the two models in a validation of a scene with fingers.
 pub fn difference(scene: &Scene, found: &Validation) -> String {
-    let (layout, until_s, name) = (Layout::of(&scene.system), found.until_s, &scene.name);
-    let (what, label) = match layout.bodies.is_empty() {
+    let (layout, until_s, name) = (Layout::from_system(&scene.system), found.until_s, &scene.name);
+    let (quantity, label) = match layout.bodies.is_empty() {
         true => ("the joint angles", "|engine − analytic|, rad"),
         false => ("the joint angles and the object", "|engine − analytic|, rad or m"),
     };
-    difference_of(&Differences {
-        title: format!("{name}: difference of {what} over time"),
+    plot_differences(&DifferencePlot {
+        title: format!("{name}: difference of {quantity} over time"),
         label,
-        curves: paths_apart(&layout, &found.engine, &found.reference, until_s),
-        touches: touches(&layout, &found.reference, until_s),
+        curves: path_differences(&layout, &found.engine, &found.reference, until_s),
+        touchdowns: touchdowns(&layout, &found.reference, until_s),
         bound: Some(found.path_bound),
         until_s,
     })
 }
 
-/// How far the angles of fingers and the centres of bodies of a run are from those of another.
-pub fn paths_apart(layout: &Layout, run: &Recording, reference: &Recording, until_s: f64) -> Vec<Apart> {
+/// Differences of the angles of fingers and of the centres of bodies between a run and a reference.
+pub fn path_differences(layout: &Layout, run: &Recording, reference: &Recording, until_s: f64) -> Vec<DifferenceCurve> {
     let angles = layout
         .fingers
         .iter()
         .flat_map(|finger| Angle::ALL.map(|angle| [finger.as_str(), angle.name()].join(" ").trim_start().to_string()));
     let names = angles.chain(layout.bodies.iter().cloned());
-    let mut curves: Vec<Apart> = names.map(|name| Apart { name, points: Vec::new() }).collect();
+    let mut curves: Vec<DifferenceCurve> = names.map(|name| DifferenceCurve { name, points: Vec::new() }).collect();
     let mut cursor = 0;
     for sample in run.samples.iter().filter(|sample| sample.time_s <= until_s) {
-        let Some(expected) = reference.at(sample.time_s, &mut cursor) else { continue };
-        for (curve, off) in curves.iter_mut().zip(off(sample, &expected)) {
-            curve.points.push((sample.time_s, off.abs()));
+        let Some(expected) = reference.interpolate(sample.time_s, &mut cursor) else { continue };
+        for (curve, error) in curves.iter_mut().zip(coordinate_errors(sample, &expected)) {
+            curve.points.push((sample.time_s, error.abs()));
         }
     }
     curves
 }
 
 /// Touch-downs of all contacts between surfaces.
-pub fn touches(layout: &Layout, run: &Recording, until_s: f64) -> Vec<Touches> {
-    let at = |contact: usize| Touches {
+pub fn touchdowns(layout: &Layout, run: &Recording, until_s: f64) -> Vec<TouchdownTimes> {
+    let contact_touchdowns = |contact: usize| TouchdownTimes {
         name: layout.contacts[contact].name.clone(),
         times_s: run
             .events
@@ -83,34 +83,34 @@ pub fn touches(layout: &Layout, run: &Recording, until_s: f64) -> Vec<Touches> {
             .map(|event| event.time_s)
             .collect(),
     };
-    layout.surfaces().map(at).collect()
+    layout.surfaces().map(contact_touchdowns).collect()
 }
 
-/// The picture: differences on a logarithmic axis over time.
-pub fn difference_of(found: &Differences<'_>) -> String {
+/// Draws differences on a logarithmic axis over time.
+pub fn plot_differences(found: &DifferencePlot<'_>) -> String {
     let all = found.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
-    let y = Axis::decades(found.label, all.chain(found.bound), DECADES);
+    let y = Axis::logarithmic(found.label, all.chain(found.bound), MAX_DECADES);
     let x = Axis::linear("time, ms", [0.0, found.until_s * 1e3]);
-    chart(&found.title, HEIGHT, &x, &y, |svg, on| {
+    chart(&found.title, HEIGHT, &x, &y, |svg, frame| {
         let mut entries = Vec::new();
-        for (place, colour) in found.touches.iter().zip([SOFT, INK].into_iter().cycle()) {
-            for t in place.times_s.iter().take(MOST_TOUCHES).map(|time_s| time_s * 1e3) {
-                upright(svg, on, t, colour);
+        for (contact, colour) in found.touchdowns.iter().zip([SOFT, INK].into_iter().cycle()) {
+            for t in contact.times_s.iter().take(MAX_TOUCHDOWNS).map(|time_s| time_s * 1e3) {
+                vertical_line(svg, frame, t, colour);
             }
-            if !place.times_s.is_empty() {
-                entries.push(Entry::new(THIN, colour, &format!("touch-down {}", place.name)));
+            if !contact.times_s.is_empty() {
+                entries.push(LegendEntry::new(THIN_LINE, colour, &format!("touch-down {}", contact.name)));
             }
         }
         if let Some(bound) = found.bound {
-            let mark = Mark::Pale { width: 4.0 };
-            level(svg, on, y.place(bound), mark, INK);
-            entries.push(Entry::new(mark, INK, "bound of the scene"));
+            let marker = Marker::FaintLine { width: 4.0 };
+            horizontal_line(svg, frame, y.coordinate(bound), marker, INK);
+            entries.push(LegendEntry::new(marker, INK, "bound of the scene"));
         }
         for (curve, colour) in found.curves.iter().zip(SERIES.into_iter().cycle()) {
-            let points = curve.points.iter().map(|&(time_s, value)| (time_s * 1e3, y.place(value)));
-            let mark = Mark::Line { width: 2.0 };
-            line(svg, on, thin(points.collect()), mark, colour);
-            entries.push(Entry::new(mark, colour, &curve.name));
+            let points = curve.points.iter().map(|&(time_s, value)| (time_s * 1e3, y.coordinate(value)));
+            let marker = Marker::Line { width: 2.0 };
+            line(svg, frame, decimate(points.collect()), marker, colour);
+            entries.push(LegendEntry::new(marker, colour, &curve.name));
         }
         entries
     })

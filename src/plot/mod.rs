@@ -1,19 +1,19 @@
-//! Pictures of a validation and of studies, as SVG text: the same figures give the same bytes. What they are drawn with, and the
-//! pictures of a grasp at rest, are in the crate that shows runs.
+//! Pictures of a validation and of studies as SVG text; equal figures give equal bytes. The drawing primitives and the
+//! pictures of a grasp at rest are in `phalanx_show::plot`.
 //!
 //! | file | job |
 //! |---|---|
-//! | `capture` | where an object ends, over where it lay |
-//! | `closings` | angles of closings over time |
+//! | `capture` | final position of an object over its initial position |
+//! | `closings` | joint angles over time in several closing motions |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
-//! | `speed_error` | wall time against error, every setting that was tried |
+//! | `speed_error` | wall time against error of all evaluated settings |
 //! | `optimize` | designs by their objectives, and the front |
 //! | `overlay` | two runs over time |
-//! | `select` | what a selection left, and where |
+//! | `select` | results of a selection by criterion, class, force and variable |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
-//! | `hold` | what a gripper holds: by direction, by frequency, or slip over load |
-//! | `linkage` | the letters of scenes and results on the finger itself |
+//! | `hold` | loads that a gripper holds: by direction, by frequency, or slip over load |
+//! | `linkage` | drawing of a finger with the symbols of scenes and results |
 //! | `volume` | slices of grasp-state volumes |
 //! | `difference` | difference of two runs over time |
 
@@ -35,12 +35,14 @@ use phalanx_show::plot::{axis, canvas, curve, outline, svg};
 
 pub use capture::capture;
 pub use closings::closings;
-pub use difference::{Apart, Differences, Touches, difference, difference_of, paths_apart, touches};
+pub use difference::{
+    DifferenceCurve, DifferencePlot, TouchdownTimes, difference, path_differences, plot_differences, touchdowns,
+};
 pub use hold::hold;
-pub use linkage::{Linkage, Spot, linkage};
+pub use linkage::{LabelBox, Linkage, linkage};
 pub use optimize::optimisation;
-pub use overlay::{overlay, overlay_of};
-pub use phalanx_show::plot::{Form, PICTURE_MARK, balance, colours, grasp, theme};
+pub use overlay::{overlay, overlay_runs};
+pub use phalanx_show::plot::{PICTURE_MARK, PictureFormat, balance, colours, grasp, theme};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
 pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};
 pub use speed_error::speed_error;

@@ -1,113 +1,142 @@
-//! The designs of an optimisation by their objectives, and the best of them.
+//! The designs of an optimisation by their objectives, and the best designs.
 
 use std::collections::HashSet;
 
 use super::axis::Axis;
-use super::canvas::{Area, Entry, HEAD, LEGEND, Mark, WIDTH, fitted, frame, legend, line, picture, point, points};
+use super::canvas::{
+    Area, LEGEND_WIDTH, LegendEntry, Marker, TITLE_HEIGHT, WIDTH, fitted_text, frame, legend, line, picture, point,
+    points,
+};
 use super::svg::{Pixel, Svg};
 use super::theme::{BLUE, GREEN, ORANGE, SOFT};
-use crate::study::optimize::{Design, Found, Optimisation};
-use crate::wording::Quantity;
+use crate::format::Quantity;
+use crate::study::optimize::{Design, Optimisation, OptimisationResult};
 
-const PANEL: f64 = 480.0;
-/// Pixels between marks of designs that are not on the front.
-const APART: f64 = 5.0;
+const PANEL_HEIGHT: f64 = 480.0;
+/// Minimum distance in pixels between markers of designs that are not on the front.
+const MIN_MARKER_DISTANCE: f64 = 5.0;
 
-/// What is drawn of a design on a panel.
-type Place<'a> = dyn Fn(&Design) -> Option<(f64, f64)> + 'a;
+/// Coordinates of a design in a panel.
+type PanelPosition<'a> = dyn Fn(&Design) -> Option<(f64, f64)> + 'a;
 
-/// The picture. Of several objectives the first is compared with each of the others; of one, every design is shown in the order in which it
-/// was looked at. Designs that miss a constraint are not shown, except the start. Where it is `linked`, the front's leads to `#design-N`.
-pub fn optimisation(of: &Optimisation, found: &Found, linked: bool) -> String {
-    let quantities: Vec<Quantity> =
-        of.objectives.iter().map(|of| Quantity::new(&of.figure.name, &of.figure.holds)).collect();
-    let value = |design: &Design, at: usize| Some(design.judged.values[at]? * quantities[at].scale);
-    let panels = (of.objectives.len() - 1).max(1);
-    let title = format!("{}: the designs that meet all constraints", of.name());
-    picture(&title, HEAD + panels as f64 * PANEL, |svg| {
+/// Draws the results of an optimisation. With several objectives, the first is plotted against each of the others; with
+/// one, designs are plotted in the order of their evaluation. Designs that violate a constraint are omitted, except the
+/// start. If `has_links`, designs of the front link to `#design-N`.
+pub fn optimisation(study: &Optimisation, found: &OptimisationResult, has_links: bool) -> String {
+    let quantities: Vec<Quantity> = study
+        .objectives
+        .iter()
+        .map(|objective| Quantity::new(&objective.figure.name, &objective.figure.column_type))
+        .collect();
+    let value =
+        |design: &Design, objective: usize| Some(design.evaluation.values[objective]? * quantities[objective].scale);
+    let panels = (study.objectives.len() - 1).max(1);
+    let title = format!("{}: the designs that meet all constraints", study.name());
+    picture(&title, TITLE_HEIGHT + panels as f64 * PANEL_HEIGHT, |svg| {
         for panel in 0..panels {
-            let (place, labels): (Box<Place>, [String; 2]) = match &quantities[..] {
-                [one] => (
+            let (position, labels): (Box<PanelPosition>, [String; 2]) = match &quantities[..] {
+                [single] => (
                     Box::new(|design| Some((design.number as f64, value(design, 0)?))),
-                    ["design, in the order they were looked at".to_string(), one.label()],
+                    ["design, in the order of evaluation".to_string(), single.label()],
                 ),
                 all => (
                     Box::new(move |design| Some((value(design, 0)?, value(design, panel + 1)?))),
                     [all[0].label(), all[panel + 1].label()],
                 ),
             };
-            let top = [0.0, PANEL * panel as f64];
-            svg.moved(top, |svg| {
-                let front = draw(svg, of, found, &*place, labels);
-                for (number, at) in front.into_iter().filter(|_| linked) {
-                    svg.link(&format!("#design-{number}"), &format!("design {number}"), at, 9.0);
+            let top = [0.0, PANEL_HEIGHT * panel as f64];
+            svg.translated(top, |svg| {
+                let front = draw(svg, study, found, &*position, labels);
+                for (number, point_xy) in front.into_iter().filter(|_| has_links) {
+                    svg.link(&format!("#design-{number}"), &format!("design {number}"), point_xy, 9.0);
                 }
             });
         }
     })
 }
 
-/// One panel; the members of the front and where they are on it.
-fn draw(svg: &mut Svg, of: &Optimisation, found: &Found, place: &Place, labels: [String; 2]) -> Vec<(u64, Pixel)> {
+/// Draws one panel and returns the members of the front with their pixels.
+fn draw(
+    svg: &mut Svg,
+    study: &Optimisation,
+    found: &OptimisationResult,
+    position: &PanelPosition,
+    labels: [String; 2],
+) -> Vec<(u64, Pixel)> {
     let front: Vec<&Design> = found.front.iter().map(|&index| &found.designs[index]).collect();
     let feasible = found.designs.iter().filter(|design| design.is_feasible());
-    let all: Vec<(f64, f64)> = feasible.filter_map(place).collect();
-    let start = place(found.start());
-    // What lies far off would press the front into a corner: the range is that of the front and the start, and half of it more.
-    let shown = || front.iter().filter_map(|design| place(design)).chain(start);
-    let several = of.objectives.len() > 1;
-    let x = axis(&labels[0], shown().map(|at| at.0), all.iter().map(|at| at.0), several);
-    let y = axis(&labels[1], shown().map(|at| at.1), all.iter().map(|at| at.1), true);
-    let within = |at: &(f64, f64)| (x.from..=x.to).contains(&at.0) && (y.from..=y.to).contains(&at.1);
-    let on = frame(svg, Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND, height: PANEL }, &x, &y, true);
-    // Of thousands no more can be seen than one mark on so many pixels, which is less than a mark is wide.
+    let all: Vec<(f64, f64)> = feasible.filter_map(position).collect();
+    let start = position(found.start());
+    // Distant designs would compress the front: the range is that of the front and the start, enlarged by half.
+    let visible_points = || front.iter().filter_map(|design| position(design)).chain(start);
+    let has_several_objectives = study.objectives.len() > 1;
+    let x = axis(
+        &labels[0],
+        visible_points().map(|point_xy| point_xy.0),
+        all.iter().map(|point_xy| point_xy.0),
+        has_several_objectives,
+    );
+    let y = axis(&labels[1], visible_points().map(|point_xy| point_xy.1), all.iter().map(|point_xy| point_xy.1), true);
+    let is_in_range =
+        |point_xy: &(f64, f64)| (x.from..=x.to).contains(&point_xy.0) && (y.from..=y.to).contains(&point_xy.1);
+    let frame =
+        frame(svg, Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND_WIDTH, height: PANEL_HEIGHT }, &x, &y, true);
+    // More than one marker within this distance, which is less than its width, would not be visible.
     let mut marked = HashSet::new();
-    let mut is_fresh = |at: (f64, f64)| marked.insert(on.pixel(at).map(|pixels| (pixels / APART) as i64));
-    let fresh = all.iter().copied().filter(|at| within(at) && is_fresh(*at));
-    points(svg, &on, fresh, Mark::SmallDot, SOFT);
+    let mut is_visible =
+        |point_xy: (f64, f64)| marked.insert(frame.pixel(point_xy).map(|pixels| (pixels / MIN_MARKER_DISTANCE) as i64));
+    let visible = all.iter().copied().filter(|point_xy| is_in_range(point_xy) && is_visible(*point_xy));
+    points(svg, &frame, visible, Marker::SmallDot, SOFT);
     let numbered: Vec<(u64, (f64, f64))> =
-        front.iter().filter_map(|design| Some((design.number, place(design)?))).collect();
-    if of.objectives.len() == 2 && numbered.len() > 1 {
-        let mut path: Vec<(f64, f64)> = numbered.iter().map(|(_, at)| *at).collect();
+        front.iter().filter_map(|design| Some((design.number, position(design)?))).collect();
+    if study.objectives.len() == 2 && numbered.len() > 1 {
+        let mut path: Vec<(f64, f64)> = numbered.iter().map(|(_, point_xy)| *point_xy).collect();
         path.sort_by(|a, b| a.0.total_cmp(&b.0));
-        line(svg, &on, path, Mark::Pale { width: 2.0 }, BLUE);
+        line(svg, &frame, path, Marker::FaintLine { width: 2.0 }, BLUE);
     }
-    points(svg, &on, numbered.iter().map(|(_, at)| *at), Mark::Circle, BLUE);
-    let out = found.designs.len() > found.feasible();
-    let mut entries = vec![Entry::new(Mark::Circle, BLUE, if several { "front" } else { "best" })];
-    entries.push(Entry::new(Mark::SmallDot, SOFT, "other designs"));
-    if let Some(at) = start {
-        point(svg, &on, at, Mark::Triangle, ORANGE);
-        let text = if found.start().is_feasible() { "start" } else { "start, misses a constraint" };
-        entries.push(Entry::new(Mark::Triangle, ORANGE, text));
+    points(svg, &frame, numbered.iter().map(|(_, point_xy)| *point_xy), Marker::Circle, BLUE);
+    let has_infeasible = found.designs.len() > found.feasible_count();
+    let mut entries =
+        vec![LegendEntry::new(Marker::Circle, BLUE, if has_several_objectives { "front" } else { "best" })];
+    entries.push(LegendEntry::new(Marker::SmallDot, SOFT, "other designs"));
+    if let Some(point_xy) = start {
+        point(svg, &frame, point_xy, Marker::Triangle, ORANGE);
+        let text = if found.start().is_feasible() { "start" } else { "start, violates a constraint" };
+        entries.push(LegendEntry::new(Marker::Triangle, ORANGE, text));
     }
-    if let Some(at) = found.compromise().and_then(|index| place(&found.designs[index])) {
-        point(svg, &on, at, Mark::Ring, GREEN);
-        entries.push(Entry::new(Mark::Ring, GREEN, "compromise"));
+    if let Some(point_xy) = found.compromise().and_then(|index| position(&found.designs[index])) {
+        point(svg, &frame, point_xy, Marker::Ring, GREEN);
+        entries.push(LegendEntry::new(Marker::Ring, GREEN, "compromise"));
     }
-    legend(svg, [WIDTH - LEGEND, 0.0], LEGEND, &entries);
+    legend(svg, [WIDTH - LEGEND_WIDTH, 0.0], LEGEND_WIDTH, &entries);
     let mut notes = Vec::new();
-    if out {
-        notes.push(format!("{} miss a constraint", found.designs.len() - found.feasible()));
+    if has_infeasible {
+        notes.push(format!("{} violate a constraint", found.designs.len() - found.feasible_count()));
     }
-    let beyond = all.iter().filter(|at| !within(at)).count();
-    if beyond > 0 {
-        notes.push(format!("{beyond} lie outside the picture"));
+    let outside_count = all.iter().filter(|point_xy| !is_in_range(point_xy)).count();
+    if outside_count > 0 {
+        notes.push(format!("{outside_count} lie outside the picture"));
     }
     for (index, note) in notes.iter().enumerate() {
-        let at = [WIDTH - LEGEND + 10.0, 40.0 + 24.0 * (entries.len() + index) as f64];
-        fitted(svg, note, at, 13.0, LEGEND - 16.0);
+        let point_xy = [WIDTH - LEGEND_WIDTH + 10.0, 40.0 + 24.0 * (entries.len() + index) as f64];
+        fitted_text(svg, note, point_xy, 13.0, LEGEND_WIDTH - 16.0);
     }
-    numbered.into_iter().map(|(number, at)| (number, on.pixel(at))).collect()
+    numbered.into_iter().map(|(number, point_xy)| (number, frame.pixel(point_xy))).collect()
 }
 
-/// An axis over what has to be seen, and as much of the others as is near.
-fn axis(label: &str, shown: impl Iterator<Item = f64>, all: impl Iterator<Item = f64>, near: bool) -> Axis {
-    let shown: Vec<f64> = shown.collect();
-    let (low, high) =
-        shown.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), of| (low.min(*of), high.max(*of)));
-    let room = if high > low { 0.5 * (high - low) } else { 0.2 * low.abs() };
-    let others = all.filter(|of| !near || (low - room..=high + room).contains(of));
+/// Creates an axis over the values that must be visible, and over other values near them.
+fn axis(
+    label: &str,
+    visible_points: impl Iterator<Item = f64>,
+    all: impl Iterator<Item = f64>,
+    is_limited: bool,
+) -> Axis {
+    let visible_points: Vec<f64> = visible_points.collect();
+    let (low, high) = visible_points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
+    let margin = if high > low { 0.5 * (high - low) } else { 0.2 * low.abs() };
+    let others = all.filter(|value| !is_limited || (low - margin..=high + margin).contains(value));
     let others: Vec<f64> = others.collect();
-    Axis::linear(label, shown.into_iter().chain(others)).with_room()
+    Axis::linear(label, visible_points.into_iter().chain(others)).with_margin()
 }

@@ -1,82 +1,88 @@
-//! The sizing along its test trajectory (thesis Figs. 3.1–3.3).
+//! A sizing along its test trajectory (thesis Figs. 3.1–3.3).
 
 use super::axis::Axis;
-use super::canvas::{Area, Entry, FOOT, HEAD, LEGEND, Mark, THIN, WIDTH, frame, legend, line, picture, upright};
+use super::canvas::{
+    AXIS_HEIGHT, Area, LEGEND_WIDTH, LegendEntry, Marker, THIN_LINE, TITLE_HEIGHT, WIDTH, frame, legend, line, picture,
+    vertical_line,
+};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, PURPLE, SOFT};
 use crate::sizing::{Profile, ProfilePoint};
 
-/// Heights of the only panel of a picture, and of one of several, without its foot.
-const ONE: f64 = 350.0;
-const OF_SEVERAL: f64 = 177.0;
-const THICK: Mark = Mark::Line { width: 2.0 };
+/// Height of a single panel, without axis labels.
+const SINGLE_PANEL_HEIGHT: f64 = 350.0;
+/// Height of each of several panels, without axis labels.
+const PANEL_HEIGHT: f64 = 177.0;
+/// Line style of the curves.
+const THICK_LINE: Marker = Marker::Line { width: 2.0 };
 
 type Curve<'a> = (&'a str, Colour, Vec<(f64, f64)>);
 
 /// Fig. 3.1: angle, rate and acceleration of the motor link, and the angles of the phalanges.
 pub fn sizing_trajectory(scene: &str, profile: &Profile) -> String {
-    let of = |value: fn(&ProfilePoint) -> f64| over_time(profile, |point| Some(value(point)));
+    let coordinates = |value: fn(&ProfilePoint) -> f64| time_series(profile, |point| Some(value(point)));
     let angles: [Curve; 3] = [
-        ("q11", BLUE, of(|point| point.q11_rad.to_degrees())),
-        ("q21", ORANGE, of(|point| point.q21_rad.to_degrees())),
+        ("q11", BLUE, coordinates(|point| point.q11_rad.to_degrees())),
+        ("q21", ORANGE, coordinates(|point| point.q21_rad.to_degrees())),
         ("q22 + φ22", GREEN, {
             let straight = profile.closing.start.q22_rad;
-            over_time(profile, |point| Some((point.q22_rad - straight).to_degrees()))
+            time_series(profile, |point| Some((point.q22_rad - straight).to_degrees()))
         }),
     ];
-    let rate: [Curve; 1] = [("rate of q11", BLUE, of(|point| point.qd11_rad_s))];
-    let acceleration: [Curve; 1] = [("acceleration of q11", BLUE, of(|point| point.qdd11_rad_s2 * 1e-3))];
+    let rate: [Curve; 1] = [("rate of q11", BLUE, coordinates(|point| point.qd11_rad_s))];
+    let acceleration: [Curve; 1] = [("acceleration of q11", BLUE, coordinates(|point| point.qdd11_rad_s2 * 1e-3))];
     let panels =
         [("angle, deg", &angles[..]), ("rate, rad/s", &rate[..]), ("acceleration, 1000 rad/s²", &acceleration[..])];
-    drawn(&format!("{scene}: test trajectory"), OF_SEVERAL, profile, &panels)
+    draw_panels(&format!("{scene}: test trajectory"), PANEL_HEIGHT, profile, &panels)
 }
 
-/// Fig. 3.2: the spring that the rigid phase needs at each moment, by its place.
+/// Fig. 3.2: the spring torque required in the rigid phase over time, by placement.
 pub fn sizing_springs(scene: &str, profile: &Profile) -> String {
-    let of = |place: usize| over_time(profile, |point| point.springs_n_m.map(|springs| springs[place] * 1e3));
+    let coordinates =
+        |placement: usize| time_series(profile, |point| point.springs_n_m.map(|springs| springs[placement] * 1e3));
     let curves: [Curve; 4] = [
-        ("q21 − q11", BLUE, of(0)),
-        ("q12", ORANGE, of(1)),
-        ("q22", GREEN, of(2)),
-        ("q11+q12−(q21+q22)", PURPLE, of(3)),
+        ("q21 − q11", BLUE, coordinates(0)),
+        ("q12", ORANGE, coordinates(1)),
+        ("q22", GREEN, coordinates(2)),
+        ("q11+q12−(q21+q22)", PURPLE, coordinates(3)),
     ];
-    let title = format!("{scene}: least spring torque along the swing, by place");
-    drawn(&title, ONE, profile, &[("k_s(t), N·mm", &curves)])
+    let title = format!("{scene}: minimum spring torque along the swing, by placement");
+    draw_panels(&title, SINGLE_PANEL_HEIGHT, profile, &[("k_s(t), N·mm", &curves)])
 }
 
-/// Fig. 3.3: the motor's torque along the trajectory, against either spring.
+/// Fig. 3.3: the motor torque along the trajectory for either type of spring.
 pub fn sizing_spring_types(scene: &str, profile: &Profile) -> String {
-    let of = |value: fn(&ProfilePoint) -> f64| over_time(profile, |point| Some(value(point) * 1e3));
+    let coordinates = |value: fn(&ProfilePoint) -> f64| time_series(profile, |point| Some(value(point) * 1e3));
     let curves: [Curve; 3] = [
-        ("torsional spring", ORANGE, of(|point| point.torsional_n_m)),
-        ("constant spring", BLUE, of(|point| point.constant_n_m)),
-        ("net, distal held", GREEN, over_time(profile, |point| point.net_n_m.map(|n_m| n_m * 1e3))),
+        ("torsional spring", ORANGE, coordinates(|point| point.torsional_n_m)),
+        ("constant spring", BLUE, coordinates(|point| point.constant_n_m)),
+        ("net, distal held", GREEN, time_series(profile, |point| point.net_n_m.map(|n_m| n_m * 1e3))),
     ];
     let title = format!("{scene}: motor torque along the trajectory, by spring");
-    drawn(&title, ONE, profile, &[("motor torque, N·mm", &curves)])
+    draw_panels(&title, SINGLE_PANEL_HEIGHT, profile, &[("motor torque, N·mm", &curves)])
 }
 
-/// Panels one above the other, with the legend of the first.
-fn drawn(title: &str, tall: f64, profile: &Profile, panels: &[(&str, &[Curve<'_>])]) -> String {
+/// Draws stacked panels with the legend of the first.
+fn draw_panels(title: &str, panel_height: f64, profile: &Profile, panels: &[(&str, &[Curve<'_>])]) -> String {
     let x = Axis::linear("time, ms", [0.0, profile.closing.trajectory.length_s * 1e3]);
-    picture(title, HEAD + tall * panels.len() as f64 + FOOT, |svg| {
+    picture(title, TITLE_HEIGHT + panel_height * panels.len() as f64 + AXIS_HEIGHT, |svg| {
         for (index, (label, curves)) in panels.iter().enumerate() {
-            let foot = index + 1 == panels.len();
-            let height = if foot { tall + FOOT } else { tall };
-            let area = Area { left: 0.0, top: tall * index as f64, width: WIDTH - LEGEND, height };
+            let is_last = index + 1 == panels.len();
+            let height = if is_last { panel_height + AXIS_HEIGHT } else { panel_height };
+            let area = Area { left: 0.0, top: panel_height * index as f64, width: WIDTH - LEGEND_WIDTH, height };
             let y = Axis::linear(label, curves.iter().flat_map(|curve| curve.2.iter().map(|point| point.1)));
-            let on = frame(svg, area, &x, &y, foot);
-            upright(svg, &on, profile.closing.contact_s() * 1e3, SOFT);
+            let frame = frame(svg, area, &x, &y, is_last);
+            vertical_line(svg, &frame, profile.closing.contact_s() * 1e3, SOFT);
             for (_, colour, points) in *curves {
-                line(svg, &on, points.iter().copied(), THICK, *colour);
+                line(svg, &frame, points.iter().copied(), THICK_LINE, *colour);
             }
         }
-        let lines = panels[0].1.iter().map(|(name, colour, _)| Entry::new(THICK, *colour, name));
-        let entries: Vec<Entry> = lines.chain([Entry::new(THIN, SOFT, "proximal contact")]).collect();
-        legend(svg, [WIDTH - LEGEND, 0.0], LEGEND, &entries);
+        let lines = panels[0].1.iter().map(|(name, colour, _)| LegendEntry::new(THICK_LINE, *colour, name));
+        let entries: Vec<LegendEntry> = lines.chain([LegendEntry::new(THIN_LINE, SOFT, "proximal contact")]).collect();
+        legend(svg, [WIDTH - LEGEND_WIDTH, 0.0], LEGEND_WIDTH, &entries);
     })
 }
 
-/// (time in ms, value) wherever there is a value.
-fn over_time(profile: &Profile, value: impl Fn(&ProfilePoint) -> Option<f64>) -> Vec<(f64, f64)> {
+/// Points (time in ms, value) where a value exists.
+fn time_series(profile: &Profile, value: impl Fn(&ProfilePoint) -> Option<f64>) -> Vec<(f64, f64)> {
     profile.points.iter().filter_map(|point| Some((point.time_s * 1e3, value(point)?))).collect()
 }

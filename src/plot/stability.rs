@@ -1,61 +1,76 @@
-//! Map of verdicts: a panel for each damping factor, tiles over step size and stiffness, the angle error in each.
+//! Map of verdicts: a panel for each damping factor, with tiles over step size and stiffness that contain the angle
+//! error.
 
-use super::canvas::{HEAD as TITLE, WIDTH, key, picture, text_width, tile, words, words_from};
+use super::canvas::{TITLE_HEIGHT, WIDTH, colour_key, picture, text_centred, text_right_of, text_width, tile};
 use super::svg::{Pixel, Svg};
 use super::theme::{BROKEN, Colour, DOUBTFUL, FINE, INK, PAPER, SOFT};
+use crate::format::format_duration;
 use crate::study::stability::{Cell, Stability, Verdict};
-use crate::wording::duration;
 
-/// Panels side by side; their heads, feet and left margins; a row of tiles; the legend above them. In pixels.
-const ACROSS: usize = 2;
-const HEAD: f64 = 34.0;
-const FOOT: f64 = 52.0;
-const LEFT: f64 = 82.0;
-const RIGHT: f64 = 14.0;
-const ROW: f64 = 38.0;
-const LEGEND: f64 = 40.0;
-const TEXT: f64 = 14.0;
+/// Maximum number of panels side by side.
+const MAX_COLUMNS: usize = 2;
+/// Height of the heading of a panel, in pixels.
+const HEADER_HEIGHT: f64 = 34.0;
+/// Height of the step sizes and the axis label below a panel, in pixels.
+const FOOTER_HEIGHT: f64 = 52.0;
+/// Width of the stiffness factors left of a panel, in pixels.
+const LEFT_MARGIN: f64 = 82.0;
+/// Margin right of a panel, in pixels.
+const RIGHT_MARGIN: f64 = 14.0;
+/// Height of a row of tiles, in pixels.
+const ROW_HEIGHT: f64 = 38.0;
+/// Height of the legend at the top, in pixels.
+const LEGEND_HEIGHT: f64 = 40.0;
+/// Text size, in pixels.
+const TEXT_SIZE: f64 = 14.0;
 
-/// The picture.
+/// Draws a map of stability and accuracy over stiffness and step, with one panel for each damping factor.
 pub fn stability(study: &Stability) -> String {
     let grid = &study.grid;
     let panels = grid.damping_factors.len();
-    let across = ACROSS.min(panels);
-    let panel = HEAD + FOOT + ROW * grid.stiffness_factors.len() as f64;
-    let width = WIDTH / across as f64;
-    let title = format!("{}: where the engine is stable, and where it is right", study.scene);
-    picture(&title, TITLE + LEGEND + panel * panels.div_ceil(across) as f64, |svg| {
+    let panel_columns = MAX_COLUMNS.min(panels);
+    let panel = HEADER_HEIGHT + FOOTER_HEIGHT + ROW_HEIGHT * grid.stiffness_factors.len() as f64;
+    let width = WIDTH / panel_columns as f64;
+    let title = format!("{}: stability and accuracy of the engine", study.scene);
+    picture(&title, TITLE_HEIGHT + LEGEND_HEIGHT + panel * panels.div_ceil(panel_columns) as f64, |svg| {
         legend(svg, study);
         for damping in 0..panels {
-            let at = [width * (damping % across) as f64, LEGEND + panel * (damping / across) as f64];
-            svg.moved(at, |svg| draw(svg, width, study, damping));
+            let origin =
+                [width * (damping % panel_columns) as f64, LEGEND_HEIGHT + panel * (damping / panel_columns) as f64];
+            svg.translated(origin, |svg| draw(svg, width, study, damping));
         }
     })
 }
 
-/// One panel, so wide: steps to the right from short to long, stiffness upwards.
+/// Draws one panel of a width: step size increases to the right, stiffness upwards.
 fn draw(svg: &mut Svg, width: f64, study: &Stability, damping: usize) {
     let grid = &study.grid;
     let columns = grid.steps_s.len();
-    let width = width - LEFT - RIGHT;
-    let edge = |column: usize| LEFT + (width * column as f64 / columns as f64).round();
-    let size = TEXT.min(((width / columns as f64 - 4.0) / text_width("0.0e−00", 1.0)).floor());
-    let middle = LEFT + 0.5 * width;
-    words(svg, &format!("c_max × {}", factor(grid.damping_factors[damping])), [middle, 16.0], 16.0, INK);
-    let foot = HEAD + ROW * grid.stiffness_factors.len() as f64;
+    let width = width - LEFT_MARGIN - RIGHT_MARGIN;
+    let edge = |column: usize| LEFT_MARGIN + (width * column as f64 / columns as f64).round();
+    let size = TEXT_SIZE.min(((width / columns as f64 - 4.0) / text_width("0.0e−00", 1.0)).floor());
+    let middle = LEFT_MARGIN + 0.5 * width;
+    text_centred(svg, &format!("c_max × {}", factor(grid.damping_factors[damping])), [middle, 16.0], 16.0, INK);
+    let foot = HEADER_HEIGHT + ROW_HEIGHT * grid.stiffness_factors.len() as f64;
     for (stiffness, &k) in grid.stiffness_factors.iter().enumerate() {
-        let top = foot - ROW * (stiffness + 1) as f64;
-        words(svg, &format!("k × {}", factor(k)), [0.5 * LEFT + 2.0, top + 0.5 * ROW], TEXT, INK);
+        let top = foot - ROW_HEIGHT * (stiffness + 1) as f64;
+        text_centred(
+            svg,
+            &format!("k × {}", factor(k)),
+            [0.5 * LEFT_MARGIN + 2.0, top + 0.5 * ROW_HEIGHT],
+            TEXT_SIZE,
+            INK,
+        );
         for step in 0..columns {
-            let corners = [[edge(columns - 1 - step), top], [edge(columns - step), top + ROW]];
+            let corners = [[edge(columns - 1 - step), top], [edge(columns - step), top + ROW_HEIGHT]];
             cell(svg, study.cell(step, stiffness, damping), corners, size);
         }
     }
     for (step, &step_s) in grid.steps_s.iter().enumerate() {
-        let at = 0.5 * (edge(columns - 1 - step) + edge(columns - step));
-        words(svg, &duration(step_s), [at, foot + 14.0], size, INK);
+        let middle_x = 0.5 * (edge(columns - 1 - step) + edge(columns - step));
+        text_centred(svg, &format_duration(step_s), [middle_x, foot + 14.0], size, INK);
     }
-    words(svg, "step dt", [middle, foot + 34.0], TEXT, INK);
+    text_centred(svg, "step dt", [middle, foot + 34.0], TEXT_SIZE, INK);
 }
 
 fn cell(svg: &mut Svg, cell: &Cell, corners: [Pixel; 2], size: f64) {
@@ -67,10 +82,10 @@ fn cell(svg: &mut Svg, cell: &Cell, corners: [Pixel; 2], size: f64) {
         (_, Some(rad)) => format!("{rad:.1e}").replace('-', "−"),
         (_, None) => "∞".to_string(),
     };
-    words(svg, &error, [0, 1].map(|k| 0.5 * (corners[0][k] + corners[1][k])), size, ink);
+    text_centred(svg, &error, [0, 1].map(|k| 0.5 * (corners[0][k] + corners[1][k])), size, ink);
 }
 
-/// Verdicts with their colours, and what the figures are, in one line.
+/// Draws the colours of the verdicts and the meaning of the figures in one line.
 fn legend(svg: &mut Svg, study: &Stability) {
     let bound = format!("{:e} rad", study.accuracy_rad).replace('-', "−");
     let entries = [
@@ -79,12 +94,17 @@ fn legend(svg: &mut Svg, study: &Stability) {
         (Verdict::Failed, "failed".to_string()),
         (Verdict::NotJudged, "not judged".to_string()),
     ];
-    let there = entries.iter().filter(|(verdict, _)| study.count(*verdict) > 0);
-    let [x, y] = key(svg, [16.0, 17.0], there.map(|(verdict, text)| (colours(*verdict).0, text.as_str())), TEXT);
-    words_from(svg, "figures: largest angle error, rad", [x, y], TEXT, INK);
+    let verdicts_present = entries.iter().filter(|(verdict, _)| study.count(*verdict) > 0);
+    let [x, y] = colour_key(
+        svg,
+        [16.0, 17.0],
+        verdicts_present.map(|(verdict, text)| (colours(*verdict).0, text.as_str())),
+        TEXT_SIZE,
+    );
+    text_right_of(svg, "figures: largest angle error, rad", [x, y], TEXT_SIZE, INK);
 }
 
-/// Fill and text: three steps of lightness, so that they stay apart in grey and for every kind of eye.
+/// Fill and text colours: three levels of lightness, distinguishable in greyscale and with colour blindness.
 fn colours(verdict: Verdict) -> (Colour, Colour) {
     match verdict {
         Verdict::Accurate => (FINE, INK),
@@ -94,8 +114,8 @@ fn colours(verdict: Verdict) -> (Colour, Colour) {
     }
 }
 
-/// A factor as a power of ten where it is one beyond ten.
+/// Formats a factor; long numbers have an exponent.
 fn factor(value: f64) -> String {
-    let plain = format!("{value}");
-    if plain.len() > 4 { format!("{value:e}").replace('-', "−") } else { plain }
+    let plain_number = format!("{value}");
+    if plain_number.len() > 4 { format!("{value:e}").replace('-', "−") } else { plain_number }
 }

@@ -1,46 +1,47 @@
-//! Error of a contact force against the step size: one line a formulation, whole for the curve and pale for the peak.
+//! Error of a contact force against the step size: one line per formulation, solid for the curve and faint for the
+//! peak.
 
 use super::axis::Axis;
-use super::canvas::{Entry, Mark, THIN, chart, level, line, points};
+use super::canvas::{LegendEntry, Marker, THIN_LINE, chart, horizontal_line, line, points};
 use super::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
-use crate::study::step_size::{Formulation, LEVELS, Row, StepSize};
+use crate::study::step_size::{ERROR_LEVELS, Formulation, Row, StepSize};
 
 const HEIGHT: f64 = 600.0;
 
-/// The picture; errors of zero are not in it.
+/// Draws errors over step size; errors of zero are omitted.
 pub fn step_size(study: &StepSize) -> String {
     let errors = study.rows.iter().flat_map(|row| [row.curve_max_error, row.peak_error]);
-    let x = Axis::decades("step, part of the plotted time", study.rows.iter().map(|row| row.step_fraction), 12.0)
-        .with_room();
-    let y = Axis::decades("error of the contact force, relative to its peak", errors.chain(LEVELS), 12.0);
-    chart(&format!("{}: contact force against step size", study.scene), HEIGHT, &x, &y, |svg, on| {
-        for of in LEVELS {
-            level(svg, on, y.place(of), THIN, SOFT);
+    let x = Axis::logarithmic("step, part of the plotted time", study.rows.iter().map(|row| row.step_fraction), 12.0)
+        .with_margin();
+    let y = Axis::logarithmic("error of the contact force, relative to its peak", errors.chain(ERROR_LEVELS), 12.0);
+    chart(&format!("{}: contact force against step size", study.scene), HEIGHT, &x, &y, |svg, frame| {
+        for error_level in ERROR_LEVELS {
+            horizontal_line(svg, frame, y.coordinate(error_level), THIN_LINE, SOFT);
         }
-        let pale = Mark::Pale { width: 3.0 };
+        let peak_marker = Marker::FaintLine { width: 3.0 };
         let mut entries = Vec::new();
         for formulation in Formulation::ALL {
-            let (mark, colour) = style(formulation);
-            let of = |error: fn(&Row) -> f64| -> Vec<(f64, f64)> {
+            let (marker, colour) = style(formulation);
+            let error_curve = |error: fn(&Row) -> f64| -> Vec<(f64, f64)> {
                 let rows = study.rows.iter().filter(|row| row.formulation == formulation && error(row) > 0.0);
-                rows.map(|row| (x.place(row.step_fraction), y.place(error(row)))).collect()
+                rows.map(|row| (x.coordinate(row.step_fraction), y.coordinate(error(row)))).collect()
             };
-            line(svg, on, of(|row| row.peak_error), pale, colour);
-            let places = of(|row| row.curve_max_error);
-            line(svg, on, places.clone(), THIN, colour);
-            points(svg, on, places, mark, colour);
-            entries.push(Entry::new(mark, colour, formulation.name()));
+            line(svg, frame, error_curve(|row| row.peak_error), peak_marker, colour);
+            let max_errors = error_curve(|row| row.curve_max_error);
+            line(svg, frame, max_errors.clone(), THIN_LINE, colour);
+            points(svg, frame, max_errors, marker, colour);
+            entries.push(LegendEntry::new(marker, colour, formulation.name()));
         }
-        entries.push(Entry::new(THIN, SOFT, "60, 10, 1, 0.01 %"));
-        entries.push(Entry::new(pale, SOFT, "pale: the peak alone"));
+        entries.push(LegendEntry::new(THIN_LINE, SOFT, "60, 10, 1, 0.01 %"));
+        entries.push(LegendEntry::new(peak_marker, SOFT, "faint: the peak only"));
         entries
     })
 }
 
-fn style(formulation: Formulation) -> (Mark, Colour) {
+fn style(formulation: Formulation) -> (Marker, Colour) {
     match formulation {
-        Formulation::EngineLaws => (Mark::Square, GREEN),
-        Formulation::EngineRapier => (Mark::Cross, AMBER),
-        Formulation::Analytic => (Mark::Circle, ORANGE),
+        Formulation::EngineLaws => (Marker::Square, GREEN),
+        Formulation::EngineRapier => (Marker::Cross, AMBER),
+        Formulation::Analytic => (Marker::Circle, ORANGE),
     }
 }

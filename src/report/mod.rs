@@ -1,6 +1,6 @@
-//! What commands report: documents of plain figures, and how they are said to people.
+//! Reports of commands: documents for JSON and CSV, and text.
 //!
-//! A run and a grasp are reported by the crate that shows them; here is what studies and logs come to besides.
+//! The crate `phalanx-show` reports runs and grasps; this module adds the reports of studies and logs.
 
 pub mod capture;
 pub mod hold;
@@ -9,7 +9,7 @@ pub mod optimize;
 pub mod replay;
 pub mod reproduce;
 pub mod select;
-pub mod simulated;
+pub mod simulation;
 pub mod sizing;
 pub mod stability;
 pub mod step_size;

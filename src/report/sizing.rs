@@ -1,48 +1,49 @@
-//! A sizing as tables, JSON and CSV.
+//! Report of a sizing: tables, JSON and CSV.
 
 use serde::Serialize;
 
 use super::csv;
+use crate::format::format_duration;
+use crate::format::numbers::{format_number, row};
+use crate::format::report::{Report, ToReport, table};
 use crate::gripper::Placement;
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
-use crate::study::size::Sized;
-use crate::wording::duration;
-use crate::wording::figures::{figure, row};
-use crate::wording::report::{Report, Reported, table};
+use crate::study::size::FingerSizing;
 
-/// A finger's sizing, with what its scene has now.
+/// The sizing of a finger and the current torques of its scene.
 #[derive(Clone, Debug, Serialize)]
 #[serde(into = "SizingDocument")]
 pub struct SizingReport<'a> {
     pub scene: &'a str,
     pub profile: &'a Profile,
     pub rule: Rule,
-    /// Preload of the torsional spring it is compared with.
+    /// Preload of the torsional spring used for comparison.
     pub preload_rad: f64,
-    /// Torques that the scene itself has, where it has constant ones.
-    pub given_motor_n_m: Option<f64>,
-    pub given_spring_n_m: Option<f64>,
+    /// Motor torque of the scene, if it is constant.
+    pub scene_motor_n_m: Option<f64>,
+    /// Spring torque of the scene, if it is constant.
+    pub scene_spring_n_m: Option<f64>,
 }
 
-impl<'a> From<&'a Sized> for SizingReport<'a> {
-    fn from(found: &'a Sized) -> Self {
+impl<'a> From<&'a FingerSizing> for SizingReport<'a> {
+    fn from(found: &'a FingerSizing) -> Self {
         SizingReport {
             scene: &found.scene,
             profile: &found.profile,
-            rule: found.asked.rule,
+            rule: found.options.rule,
             preload_rad: found.preload_rad,
-            given_motor_n_m: found.given_motor_n_m,
-            given_spring_n_m: found.given_spring_n_m,
+            scene_motor_n_m: found.given_motor_n_m,
+            scene_spring_n_m: found.given_spring_n_m,
         }
     }
 }
 
-/// Largest and root mean square of the motor's torque after the contact, against either spring: constant, torsional.
-fn after_contact(profile: &Profile) -> [[f64; 2]; 2] {
+/// Returns the maximum and the RMS of the motor torque after the contact, for a constant and for a torsional spring.
+fn torques_after_contact(profile: &Profile) -> [[f64; 2]; 2] {
     let after = || profile.points.iter().filter(|point| point.net_n_m.is_none());
-    let of = |torque: fn(&ProfilePoint) -> f64| {
+    let max_and_rms = |torque: fn(&ProfilePoint) -> f64| {
         let largest = after().map(|point| torque(point).abs()).fold(0.0, f64::max);
-        // By the trapezoidal rule: the first and the last point count half, for steps of time are even in between.
+        // Trapezoidal rule.
         let squares: f64 = after()
             .zip(after().skip(1))
             .map(|(a, b)| (b.time_s - a.time_s) * 0.5 * (torque(a).powi(2) + torque(b).powi(2)))
@@ -50,22 +51,21 @@ fn after_contact(profile: &Profile) -> [[f64; 2]; 2] {
         let span = profile.closing.trajectory.length_s - profile.closing.contact_s();
         [largest, (squares / span).sqrt()]
     };
-    [of(|point| point.constant_n_m), of(|point| point.torsional_n_m)]
+    [max_and_rms(|point| point.constant_n_m), max_and_rms(|point| point.torsional_n_m)]
 }
 
-/// Tables for people.
-impl Reported for SizingReport<'_> {
+impl ToReport for SizingReport<'_> {
     fn report(&self) -> Report {
         let SizingReport { scene, profile, .. } = self;
         let closing = &profile.closing;
-        let deg = |rad: f64| figure(rad.to_degrees(), 5);
-        let torque = |n_m: f64| figure(n_m * 1e3, 5);
+        let deg = |rad: f64| format_number(rad.to_degrees(), 5);
+        let torque = |n_m: f64| format_number(n_m * 1e3, 5);
         let end = &closing.end.posture;
         let mut text = Report::from(format!(
             "{scene}: test trajectory of {}, q11 over {} deg, proximal contact at {}\n\n",
-            duration(closing.trajectory.length_s),
+            format_duration(closing.trajectory.length_s),
             deg(closing.trajectory.stroke_rad),
-            duration(closing.contact_s())
+            format_duration(closing.contact_s())
         ));
         let q11_contact = closing.trajectory.at(closing.contact_x).angle_rad;
         text.push(table(&[
@@ -76,39 +76,39 @@ impl Reported for SizingReport<'_> {
         ]));
 
         text.push('\n');
-        let given = |n_m: Option<f64>| n_m.map_or("–".to_string(), torque);
+        let or_dash = |n_m: Option<f64>| n_m.map_or("–".to_string(), torque);
         let line = |name: &str, rule: Rule, sizing: &Sizing| {
-            let chosen = if rule == self.rule { "  <-" } else { "" };
-            row([name, &torque(sizing.motor_n_m), &torque(sizing.spring_n_m), chosen])
+            let marker = if rule == self.rule { "  <-" } else { "" };
+            row([name, &torque(sizing.motor_n_m), &torque(sizing.spring_n_m), marker])
         };
         text.push(table(&[
             row(["", "motor τ11, N·mm", "spring k_s, N·mm", ""]),
             line("rigid: RMS until the contact", Rule::Rigid, &profile.rigid),
-            line("whole: RMS of all the trajectory", Rule::Whole, &profile.whole),
-            row(["the scene has", &given(self.given_motor_n_m), &given(self.given_spring_n_m), ""]),
+            line("whole: RMS of the whole trajectory", Rule::Whole, &profile.whole),
+            row(["in the scene", &or_dash(self.scene_motor_n_m), &or_dash(self.scene_spring_n_m), ""]),
         ]));
         text.push_str(&format!(
-            "Twice the samples change these by {} at most, relatively.\n\n",
-            figure(profile.convergence, 2)
+            "Doubling the number of samples changes these torques by at most {} (relative).\n\n",
+            format_number(profile.convergence, 2)
         ));
 
-        let mut rows = vec![row(["spring at", "k_s, N·mm", "of q22's"])];
+        let mut rows = vec![row(["spring at", "k_s, N·mm", "relative to q22"])];
         for (placement, n_m) in Placement::ALL.into_iter().zip(profile.placements_n_m) {
-            let share = figure(n_m / profile.rigid.spring_n_m, 3);
-            rows.push(row([placement.name(), &torque(n_m), &share]));
+            let ratio = format_number(n_m / profile.rigid.spring_n_m, 3);
+            rows.push(row([placement.name(), &torque(n_m), &ratio]));
         }
         text.push(table(&rows));
 
-        let [constant, torsional] = after_contact(profile).map(|torques| torques.map(torque));
+        let [constant, torsional] = torques_after_contact(profile).map(|torques| torques.map(torque));
         text.push('\n');
         text.push(table(&[
-            row(["motor after the contact, against", "largest, N·mm", "RMS, N·mm"]),
+            row(["motor after the contact, with", "largest, N·mm", "RMS, N·mm"]),
             row(["a constant spring", &constant[0], &constant[1]]),
             row(["a torsional spring", &torsional[0], &torsional[1]]),
         ]));
         text.push_str(&format!(
-            "The torsional spring, at q22, has {} N·mm/rad and a preload of {} deg: k_s where the finger is straight.\n",
-            figure(profile.torsional_n_m_per_rad * 1e3, 5),
+            "Torsional spring at q22: stiffness {} N·mm/rad, preload {} deg; it gives k_s when the finger is straight.\n",
+            format_number(profile.torsional_n_m_per_rad * 1e3, 5),
             deg(self.preload_rad)
         ));
         text
@@ -178,7 +178,7 @@ impl From<SizingReport<'_>> for SizingDocument {
             Rule::Rigid => profile.rigid,
             Rule::Whole => profile.whole,
         };
-        let [constant, torsional] = after_contact(profile);
+        let [constant, torsional] = torques_after_contact(profile);
         let spring_type = |spring, stiffness_n_m_per_rad, preload_rad, [peak, rms]: [f64; 2]| SpringTypeDocument {
             spring,
             stiffness_n_m_per_rad,
@@ -193,7 +193,7 @@ impl From<SizingReport<'_>> for SizingDocument {
             spring_n_m: chosen.spring_n_m,
             rigid: torques(&profile.rigid),
             whole: torques(&profile.whole),
-            given: TorquesDocument { motor_n_m: report.given_motor_n_m, spring_n_m: report.given_spring_n_m },
+            given: TorquesDocument { motor_n_m: report.scene_motor_n_m, spring_n_m: report.scene_spring_n_m },
             convergence_relative: profile.convergence,
             intervals: crate::sizing::INTERVALS,
             trajectory: TrajectoryDocument {
@@ -221,7 +221,7 @@ impl From<SizingReport<'_>> for SizingDocument {
     }
 }
 
-/// The profile, one sample a line; torques of the rigid phase are empty after it.
+/// Returns the profile as CSV, one sample per line. Torques of the rigid phase are empty after it.
 pub fn sizing_csv(profile: &Profile) -> String {
     let mut text =
         "time_s,q11_rad,q21_rad,q22_rad,qd11_rad_s,qdd11_rad_s2,spring_q21_q11_n_m,spring_q12_n_m,spring_q22_n_m,\

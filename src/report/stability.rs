@@ -1,28 +1,29 @@
-//! The map of stability as tables, JSON and CSV.
+//! Report of the stability map: tables, JSON and CSV.
 
+use crate::format::format_duration;
+use crate::format::numbers::format_number;
+use crate::format::report::{Report, ToReport, table};
 use crate::study::stability::{Cell, Stability, Verdict};
-use crate::wording::duration;
-use crate::wording::figures::figure;
-use crate::wording::report::{Report, Reported, table};
 
-/// Tables for people: one for each damping factor, and what failed and why.
-impl Reported for Stability {
+/// One table for each damping factor, and the reasons of failed cells.
+impl ToReport for Stability {
     fn report(&self) -> Report {
         let Stability { scene, accuracy_rad, until_s, stiffness_si, damping_max_n_s_per_m, grid, .. } = self;
         let mut text = Report::from(format!(
             "{scene}: engine with fixed steps against the analytic reference, up to {}\nk = {} N/m^e, c_max = {} N·s/m \
              (proximal, distal), times the factors below\n",
-            duration(*until_s),
+            format_duration(*until_s),
             pair(stiffness_si),
             pair(damping_max_n_s_per_m)
         ));
         for (damping, factor) in grid.damping_factors.iter().enumerate() {
-            let head = ["k \\ dt".to_string()].into_iter().chain(grid.steps_s.iter().map(|&step_s| duration(step_s)));
-            let mut rows = vec![head.chain(["determined to".to_string()]).collect::<Vec<_>>()];
+            let header =
+                ["k \\ dt".to_string()].into_iter().chain(grid.steps_s.iter().map(|&step_s| format_duration(step_s)));
+            let mut rows = vec![header.chain(["determined to".to_string()]).collect::<Vec<_>>()];
             for (stiffness, k) in grid.stiffness_factors.iter().enumerate().rev() {
-                let cells = (0..grid.steps_s.len()).map(|step| shown(self.cell(step, stiffness, damping)));
+                let cells = (0..grid.steps_s.len()).map(|step| format_cell(self.cell(step, stiffness, damping)));
                 let reference = self.reference(stiffness, damping);
-                let determined = reference.sensitivity_rad.map_or("–".to_string(), |rad| figure(rad, 2));
+                let determined = reference.sensitivity_rad.map_or("–".to_string(), |rad| format_number(rad, 2));
                 rows.push([format!("× {k}")].into_iter().chain(cells).chain([determined]).collect());
             }
             text.push_str(&format!("\nc_max × {factor}\n"));
@@ -34,13 +35,13 @@ impl Reported for Stability {
             "\n{} cells: {}; {steps} steps in {} s\n",
             self.cells.len(),
             counts.join(", "),
-            figure(self.wall_s, 3)
+            format_number(self.wall_s, 3)
         ));
         text.push_str(&reasons(self));
         text.push(Report::paragraph(&format!(
-            "\nFigures are the largest difference of a joint angle, in rad; within {accuracy_rad:e} a cell is accurate, beyond it \
-             stable but\ninaccurate: (in brackets). \"failed\" is a run that broke off or broke what stability means, \"–\" one that is not \
-             judged.\n\"determined to\" is by how much the reference changes if the motor torque changes by 1e-9.\n"
+            "\nNumbers are the largest difference of a joint angle, in rad. Up to {accuracy_rad:e} a cell is accurate; above, it is \
+             stable but\ninaccurate (in parentheses). \"failed\" is a run that was not completed or violated a stability criterion, \"–\" \
+             one that is not\njudged. \"determined to\" is the change of the reference for a relative change of the motor torque of 1e-9.\n"
         )));
         text
     }
@@ -50,7 +51,7 @@ fn pair([proximal, distal]: &[f64; 2]) -> String {
     if proximal == distal { format!("{proximal:e}") } else { format!("{proximal:e}, {distal:e}") }
 }
 
-fn shown(cell: &Cell) -> String {
+fn format_cell(cell: &Cell) -> String {
     let error = cell.angle_error_rad.map_or("–".to_string(), |rad| format!("{rad:.1e}"));
     match cell.verdict {
         Verdict::Accurate => error,
@@ -60,22 +61,26 @@ fn shown(cell: &Cell) -> String {
     }
 }
 
-/// One line for each run that failed or could not be judged.
+/// Returns one line for each run that failed or could not be judged.
 fn reasons(study: &Stability) -> String {
-    let references = study.references.iter().filter_map(|of| {
-        let reason = of.reason.as_ref()?;
-        Some(format!("  k × {}, c_max × {}, reference: {reason}\n", of.stiffness_factor, of.damping_factor))
+    let references = study.references.iter().filter_map(|reference| {
+        let reason = reference.reason.as_ref()?;
+        let (stiffness, damping) = (reference.stiffness_factor, reference.damping_factor);
+        Some(format!("  k × {stiffness}, c_max × {damping}, reference: {reason}\n"))
     });
-    let cells = study.cells.iter().filter_map(|of| {
-        let reason = of.reason.as_ref()?;
-        let (verdict, step) = (of.verdict.name(), duration(of.step_s));
-        Some(format!("  k × {}, c_max × {}, dt {step}, {verdict}: {reason}\n", of.stiffness_factor, of.damping_factor))
+    let cells = study.cells.iter().filter_map(|cell| {
+        let reason = cell.reason.as_ref()?;
+        let (verdict, step) = (cell.verdict.name(), format_duration(cell.step_s));
+        Some(format!(
+            "  k × {}, c_max × {}, dt {step}, {verdict}: {reason}\n",
+            cell.stiffness_factor, cell.damping_factor
+        ))
     });
     let lines: String = references.chain(cells).collect();
     if lines.is_empty() { lines } else { format!("\n{lines}") }
 }
 
-/// All runs of the engine, one a line; what is unknown is empty.
+/// Returns all runs of the engine as CSV, one per line. Unknown values are empty.
 pub fn stability_csv(study: &Stability) -> String {
     let mut text = "step_s,stiffness_factor,damping_factor,verdict,angle_error_rad,energy_created_j,energy_created,\
                     energy_balance,loop_gap_m,steps,contact_substeps,wall_s,reason\n"

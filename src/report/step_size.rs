@@ -1,22 +1,21 @@
-//! The study of step sizes as tables, JSON and CSV.
+//! Report of the step-size study: tables, JSON and CSV.
 
-use crate::study::step_size::{Crossing, Formulation, LEVELS, Row, StepSize};
-use crate::wording::duration;
-use crate::wording::figures::{figure, row};
-use crate::wording::report::{Report, Reported, Table, table};
+use crate::format::format_duration;
+use crate::format::numbers::{format_number, row};
+use crate::format::report::{Report, Table, ToReport, table};
+use crate::study::step_size::{Crossing, ERROR_LEVELS, Formulation, Row, StepSize};
 
-/// Tables for people.
-impl Reported for StepSize {
+impl ToReport for StepSize {
     fn report(&self) -> Report {
         let StepSize { scene, pair, peak_n, restitution, .. } = self;
         let mut text = Report::from(format!(
             "{scene}, {pair}: {} in contact of {} plotted, peak {} N, restitution {}\n\n",
-            duration(self.contact_s),
-            duration(self.plotted_s),
-            figure(*peak_n, 5),
-            figure(*restitution, 5)
+            format_duration(self.contact_s),
+            format_duration(self.plotted_s),
+            format_number(*peak_n, 5),
+            format_number(*restitution, 5)
         ));
-        let head = row([
+        let header = row([
             "",
             "step, %",
             "step, µs",
@@ -27,50 +26,50 @@ impl Reported for StepSize {
             "curve max, %",
             "restitution",
         ]);
-        let percent = |value: f64| figure(100.0 * value, 3);
-        let line = |of: &Row| {
-            let setting = of.rtol.map_or(String::new(), |rtol| format!(", rtol {rtol:e}"));
+        let percent = |value: f64| format_number(100.0 * value, 3);
+        let line = |run: &Row| {
+            let tolerance = run.rtol.map_or(String::new(), |rtol| format!(", rtol {rtol:e}"));
             vec![
-                format!("{}{setting}", of.formulation.name()),
-                percent(of.step_fraction),
-                figure(of.step_s * 1e6, 3),
-                of.steps.to_string(),
-                figure(of.wall_s * 1e3, 3),
-                percent(of.peak_error),
-                percent(of.curve_rms_error),
-                percent(of.curve_max_error),
-                figure(of.restitution_error, 3),
+                format!("{}{tolerance}", run.formulation.name()),
+                percent(run.step_fraction),
+                format_number(run.step_s * 1e6, 3),
+                run.steps.to_string(),
+                format_number(run.wall_s * 1e3, 3),
+                percent(run.peak_error),
+                percent(run.curve_rms_error),
+                percent(run.curve_max_error),
+                format_number(run.restitution_error, 3),
             ]
         };
-        let rows: Vec<_> = std::iter::once(head).chain(self.rows.iter().map(line)).collect();
-        text.push(Table::new(&rows).keys(2));
-        text.push_str("\nstep, % of the plotted time, from which on the whole force curve is right to\n");
-        let levels = LEVELS.map(|level| format!("{} %", 100.0 * level));
-        let head = std::iter::once(String::new()).chain(levels).collect();
-        let line = |of: Formulation| {
-            let cells = self.crossings.iter().filter(|crossing| crossing.formulation == of).map(step);
-            std::iter::once(of.name().to_string()).chain(cells).collect()
+        let rows: Vec<_> = std::iter::once(header).chain(self.rows.iter().map(line)).collect();
+        text.push(Table::new(&rows).key_columns(2));
+        text.push_str("\nlargest step, % of the plotted time, with errors of the whole force curve below\n");
+        let levels = ERROR_LEVELS.map(|level| format!("{} %", 100.0 * level));
+        let header = std::iter::once(String::new()).chain(levels).collect();
+        let line = |formulation: Formulation| {
+            let cells = self.crossings.iter().filter(|crossing| crossing.formulation == formulation).map(step_cell);
+            std::iter::once(formulation.name().to_string()).chain(cells).collect()
         };
-        let rows: Vec<Vec<String>> = std::iter::once(head).chain(Formulation::ALL.map(line)).collect();
+        let rows: Vec<Vec<String>> = std::iter::once(header).chain(Formulation::ALL.map(line)).collect();
         text.push(table(&rows));
         text.push(Report::paragraph(
-            "\nErrors are against the analytic model at its reference preset, of forces relative to its peak. Forces of the \
-             engine are\nknown at its steps and joined by straight lines; rapier's own contact is rigid and has no finite force: \
-             impulse over step\nstands in for it. Steps of the analytic model are mean ones within the contact.\n",
+            "\nErrors are relative to the analytic model at its reference preset; force errors are relative to its peak. Forces of \
+             the engine\nare interpolated linearly between its steps. rapier's own contact is rigid and has no finite force, so \
+             impulse over step is used\ninstead. Steps of the analytic model are mean steps within the contact.\n",
         ));
         text
     }
 }
 
-fn step(crossing: &Crossing) -> String {
+fn step_cell(crossing: &Crossing) -> String {
     match crossing.step_fraction {
         None => "never".to_string(),
-        Some(fraction) if crossing.at_least => format!("≥ {}", figure(100.0 * fraction, 2)),
-        Some(fraction) => figure(100.0 * fraction, 2),
+        Some(fraction) if crossing.at_least => format!("≥ {}", format_number(100.0 * fraction, 2)),
+        Some(fraction) => format_number(100.0 * fraction, 2),
     }
 }
 
-/// All runs, one a line.
+/// Returns all runs as CSV, one per line.
 pub fn step_size_csv(study: &StepSize) -> String {
     let mut text = "formulation,rtol,step_s,step_fraction,steps,wall_s,peak_error,curve_rms_error,curve_max_error,\
                     restitution_error\n"

@@ -1,15 +1,15 @@
-//! What a sweep came to, as tables and JSON.
+//! Report of a sweep: tables and JSON.
 
 use std::path::Path;
 
 use serde::Serialize;
 
+use crate::format::numbers::format_number;
+use crate::format::report::{Report, ToReport, list, table, to_json_document};
 use crate::study::sweep::{Reason, Shard, Study, Summary};
 use crate::table::Value;
-use crate::wording::figures::figure;
-use crate::wording::report::{Report, Reported, document, list, table};
 
-/// A finished sweep, or a part of one.
+/// Report of a finished sweep or shard.
 #[derive(Clone, Debug, Serialize)]
 pub struct SweepReport {
     pub study: String,
@@ -18,21 +18,22 @@ pub struct SweepReport {
     pub out: String,
     pub runs: u64,
     pub designs: u64,
-    /// The part of the study that the results are, if they are one.
+    /// The shard, if the results are a part of the study.
     #[serde(flatten)]
     pub shard: Option<Shard>,
-    /// How many parts the results were joined from, if they were.
+    /// Number of parts that the results were merged from, if they were merged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parts: Option<u64>,
     #[serde(flatten)]
-    pub found: Summary,
-    /// What was done now; all else was there already.
-    pub now: SweepWork,
+    pub summary: Summary,
+    /// Work of this invocation; the other results existed already.
+    #[serde(rename = "now")]
+    pub work: SweepWork,
 }
 
 impl SweepReport {
-    /// Of the whole of a study, written to `out`.
-    pub fn new(study: &Study, out: &Path, found: Summary, now: SweepWork) -> Self {
+    /// Creates the report of a whole study with results in `out`.
+    pub fn new(study: &Study, out: &Path, summary: Summary, work: SweepWork) -> Self {
         SweepReport {
             study: study.name.clone(),
             model: study.model.name().to_string(),
@@ -41,17 +42,17 @@ impl SweepReport {
             designs: study.designs(),
             shard: None,
             parts: None,
-            found,
-            now,
+            summary,
+            work,
         }
     }
 }
 
-/// What this sweep itself did.
+/// Computational cost of one invocation of `phalanx sweep`.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct SweepWork {
     pub runs: u64,
-    /// Runs that were simulated: neither filtered nor refused.
+    /// Number of simulated runs: neither filtered nor rejected.
     pub simulations: u64,
     pub threads: usize,
     pub wall_s: f64,
@@ -73,44 +74,47 @@ impl SweepWork {
     }
 }
 
-/// Tables for people.
-impl Reported for SweepReport {
-    /// Keys stand by the alphabet.
+impl ToReport for SweepReport {
+    /// Keys are in alphabetical order.
     fn json(&self) -> String {
-        document(&serde_json::to_value(self).unwrap_or_default())
+        to_json_document(&serde_json::to_value(self).unwrap_or_default())
     }
 
     fn report(&self) -> Report {
-        let SweepReport { study, model, out, runs, designs, shard, parts, found, now } = self;
-        let of = match shard {
-            Some(Shard { number, of, .. }) if found.runs == 0 => format!("shard {number}/{of}: none of {runs} runs"),
-            Some(Shard { number, of, first, last }) => format!("shard {number}/{of}: runs {first} to {last} of {runs}"),
-            None if found.runs == *runs => format!("{runs} runs"),
-            None => format!("{} of {runs} runs", found.runs),
+        let SweepReport { study, model, out, runs, designs, shard, parts, summary, work } = self;
+        let scope = match shard {
+            Some(Shard { number, count, .. }) if summary.runs == 0 => {
+                format!("shard {number}/{count}: none of {runs} runs")
+            }
+            Some(Shard { number, count, first, last }) => {
+                format!("shard {number}/{count}: runs {first} to {last} of {runs}")
+            }
+            None if summary.runs == *runs => format!("{runs} runs"),
+            None => format!("{} of {runs} runs", summary.runs),
         };
-        let mut text = Report::from(format!("{study}: {model} model, {of}, {designs} designs; in {out}\n\n"));
+        let mut text = Report::from(format!("{study}: {model} model, {scope}, {designs} designs; in {out}\n\n"));
         let line = |(name, count): &(String, u64)| vec![name.clone(), count.to_string()];
-        text.push(list(&found.by_status.iter().map(line).collect::<Vec<_>>()));
-        if found.no_class > 0 || found.by_class.iter().any(|(_, count)| *count > 0) {
-            text.push_str("\nof the completed ones\n");
-            let no_class = (found.no_class > 0).then(|| ("no class".to_string(), found.no_class));
-            text.push(list(&found.by_class.iter().chain(&no_class).map(line).collect::<Vec<_>>()));
+        text.push(list(&summary.by_status.iter().map(line).collect::<Vec<_>>()));
+        if summary.no_class > 0 || summary.by_class.iter().any(|(_, count)| *count > 0) {
+            text.push_str("\nclasses of completed runs\n");
+            let no_class = (summary.no_class > 0).then(|| ("no class".to_string(), summary.no_class));
+            text.push(list(&summary.by_class.iter().chain(&no_class).map(line).collect::<Vec<_>>()));
         }
-        text.push_str(&reasons(&found.reasons));
+        text.push_str(&reasons(&summary.reasons));
         let mut done = String::new();
         if let Some(parts) = parts {
-            done.push_str(&format!("Joined from {parts} {}.", if *parts == 1 { "part" } else { "parts" }));
-        } else if now.runs < found.runs {
-            done.push_str(&format!("{} runs were there already. ", found.runs - now.runs));
+            done.push_str(&format!("Merged from {parts} {}.", if *parts == 1 { "shard" } else { "shards" }));
+        } else if work.runs < summary.runs {
+            done.push_str(&format!("{} runs existed already. ", summary.runs - work.runs));
         }
-        if now.simulations > 0 {
-            let threads = if now.threads == 1 { "1 thread".to_string() } else { format!("{} threads", now.threads) };
+        if work.simulations > 0 {
+            let threads = if work.threads == 1 { "1 thread".to_string() } else { format!("{} threads", work.threads) };
             done.push_str(&format!(
-                "{} simulations in {} s on {threads}: {} a second, {} on each",
-                now.simulations,
-                figure(now.wall_s, 3),
-                figure(now.simulations_per_s, 3),
-                figure(now.simulations_per_s_per_thread, 3)
+                "{} simulations in {} s on {threads}: {} per second, {} per second and thread",
+                work.simulations,
+                format_number(work.wall_s, 3),
+                format_number(work.simulations_per_s, 3),
+                format_number(work.simulations_per_s_per_thread, 3)
             ));
         }
         if !done.is_empty() {
@@ -120,13 +124,13 @@ impl Reported for SweepReport {
     }
 }
 
-/// Why runs were not completed, or have no class, a line each; nothing if all were and have.
-pub(super) fn reasons(of: &[Reason]) -> String {
-    if of.is_empty() {
+/// Returns the reasons why runs were not completed or have no class, one per line; empty if there are none.
+pub(super) fn reasons(reasons: &[Reason]) -> String {
+    if reasons.is_empty() {
         return String::new();
     }
-    let mut text = "\nreasons (numbers are those of the first run)\n".to_string();
-    for reason in of {
+    let mut text = "\nreasons (numbers from the first run)\n".to_string();
+    for reason in reasons {
         text.push_str(&format!(
             "{:>7} {}, first run {}: {}\n",
             reason.runs, reason.status, reason.first_run, reason.reason
@@ -135,8 +139,8 @@ pub(super) fn reasons(of: &[Reason]) -> String {
     text
 }
 
-/// What a study would run: its axes and its first runs.
-pub fn sweep_list(study: &Study, most: u64) -> Report {
+/// Lists the axes of a study and its first `max_runs` runs.
+pub fn sweep_list(study: &Study, max_runs: u64) -> Report {
     let runs = study.runs();
     let (name, model, designs) = (&study.name, study.model.name(), study.designs());
     let mut text = Report::from(format!("{name}: {model} model, {runs} runs, {designs} designs\n\n"));
@@ -144,19 +148,19 @@ pub fn sweep_list(study: &Study, most: u64) -> Report {
         study.fields().map(|(column, count)| vec![column, format!("{count} values")]).collect();
     text.push(list(&axes));
     let names = study.fields().map(|(column, _)| column);
-    let head = ["run", "design"].map(String::from).into_iter().chain(names).collect();
+    let header = ["run", "design"].map(String::from).into_iter().chain(names).collect();
     let line = |run: u64| {
-        let values = study.points(run).into_iter().map(|point| match point.value {
-            Value::Number(number) => figure(number, 6),
+        let values = study.field_values(run).into_iter().map(|field| match field.value {
+            Value::Number(number) => format_number(number, 6),
             other => other.text(),
         });
         [run.to_string(), study.design(run).to_string()].into_iter().chain(values).collect()
     };
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain((1..=runs.min(most)).map(line)).collect();
+    let rows: Vec<Vec<String>> = std::iter::once(header).chain((1..=runs.min(max_runs)).map(line)).collect();
     text.push('\n');
     text.push(table(&rows));
-    if runs > most {
-        text.push_str(&format!("and {} more\n", runs - most));
+    if runs > max_runs {
+        text.push_str(&format!("and {} more\n", runs - max_runs));
     }
     text
 }

@@ -2,90 +2,95 @@
 
 use serde::Serialize;
 
-use crate::study::volume::{Axes, Intersection, Point, Shares, Volume, VolumeRequest, intersections, percent, shares};
-use crate::wording::report::{Report, Reported, Table};
+use crate::format::report::{Report, Table, ToReport};
+use crate::study::volume::{
+    Axes, Intersection, Point, Volume, VolumeCounts, VolumeRequest, count_volume, intersections, percent,
+};
 
-/// Reasons for missing fingers that are told of one volume; there may be as many as points.
-const MOST_REASONS: usize = 3;
+/// Maximum number of reported reasons for missing fingers per volume.
+const MAX_REASONS: usize = 3;
 
-/// What is reported of volumes.
+/// Report of grasp-state volumes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VolumeReport {
     /// Name of the scene that the designs vary.
     pub scene: String,
     /// How motor and spring were sized.
     pub sizing: &'static str,
-    /// Of every volume.
+    /// Axes of every volume.
     pub axes: Axes,
-    /// Bases slowest, as they were asked for.
-    pub volumes: Vec<ShareReport>,
-    /// What holds at every base, for each friction.
+    /// Volumes in the requested order, grouped by base.
+    pub volumes: Vec<VolumeShareReport>,
+    /// Points that satisfy a criterion at every base, for each friction.
     pub intersections: Vec<IntersectionReport>,
-    /// Designs that were sized.
+    /// Number of sized designs.
     pub designs: usize,
-    /// In how much time and on how many threads; left out of files, so that the same request gives the same bytes.
+    /// Time and threads. Omitted from files, so that the same request gives the same bytes.
     #[serde(flatten)]
-    pub effort: Option<Effort>,
-    /// Where files were written, and which.
+    pub timing: Option<Timing>,
+    /// Directory of the written files.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<String>,
+    /// Names of the written files.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
 }
 
-/// What it took.
+/// Wall time and number of threads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Effort {
+pub struct Timing {
     pub wall_s: f64,
     pub threads: usize,
 }
 
-/// Shares of all points of a volume, or of those that hold at every base.
+/// Fractions of all points of a volume, or of the intersection over all bases, in percent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PercentReport {
+pub struct FractionReport {
     pub points: usize,
-    /// Points where there is a finger.
+    /// Points with an existing finger.
     pub fingers: usize,
     pub stable_percent: f64,
-    /// Stable with PFP ≥ 0.
+    /// Fraction of points with a stable grasp and PFP ≥ 0.
     pub palm_positive_percent: f64,
-    /// Stable and form-closed.
+    /// Fraction of points with a stable and form-closed grasp.
     pub form_closed_percent: f64,
-    /// Form-closed, stable or not.
-    pub form_closed_anyway_percent: f64,
+    /// Fraction of points with a form-closed grasp, stable or not.
+    #[serde(rename = "form_closed_anyway_percent")]
+    pub form_closed_total_percent: f64,
 }
 
-/// One volume.
+/// Fractions of one volume.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ShareReport {
+pub struct VolumeShareReport {
     pub base_m: f64,
     pub mu_static: f64,
     #[serde(flatten)]
-    pub of: PercentReport,
-    /// The largest palm force of the stable region; null where nothing is stable.
-    pub largest_palm_force: Option<BestReport>,
-    /// Why there are no fingers: the most frequent reasons.
-    pub no_finger: Vec<ReasonReport>,
+    pub fractions: FractionReport,
+    /// The largest palm force of the stable region; null if no point is stable.
+    pub largest_palm_force: Option<LargestPalmForce>,
+    /// The most frequent reasons for missing fingers.
+    #[serde(rename = "no_finger")]
+    pub missing_finger_reasons: Vec<ReasonReport>,
 }
 
-/// What holds at every base.
+/// Fractions of the points that satisfy a criterion at every base.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IntersectionReport {
     pub mu_static: f64,
     #[serde(flatten)]
-    pub of: PercentReport,
+    pub fractions: FractionReport,
 }
 
-/// Where a palm force is largest.
+/// The largest palm force and its design.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BestReport {
+pub struct LargestPalmForce {
     pub static_pfp_n: f64,
     pub l21_fraction: f64,
     pub phi22_rad: f64,
     pub arm_ratio: f64,
 }
 
-/// A reason for missing fingers, in the words of the first of them.
+/// A reason for missing fingers, with the message of the first such point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReasonReport {
     pub points: usize,
@@ -93,71 +98,78 @@ pub struct ReasonReport {
 }
 
 impl VolumeReport {
-    /// Counts the volumes of a request.
+    /// Creates the report of the volumes of a request.
     pub fn new(request: &VolumeRequest, volumes: &[Volume]) -> Self {
         Self {
             scene: request.template.name.clone(),
             sizing: request.rule.name(),
             axes: request.axes,
-            volumes: volumes.iter().map(|volume| share(volume, &shares(volume))).collect(),
-            intersections: intersections(volumes).iter().map(common).collect(),
+            volumes: volumes.iter().map(|volume| volume_report(volume, &count_volume(volume))).collect(),
+            intersections: intersections(volumes).iter().map(intersection_report).collect(),
             designs: request.bases_m.len() * request.axes.len(),
-            effort: None,
+            timing: None,
             directory: None,
             files: Vec::new(),
         }
     }
 }
 
-fn share(volume: &Volume, counted: &Shares) -> ShareReport {
-    let best = counted.best.map(|best| {
+fn volume_report(volume: &Volume, counts: &VolumeCounts) -> VolumeShareReport {
+    let best = counts.best.map(|best| {
         let Point { l21_fraction, phi22_rad, arm_ratio, .. } = volume.points[best.point];
-        BestReport { static_pfp_n: best.pfp_n, l21_fraction, phi22_rad, arm_ratio }
+        LargestPalmForce { static_pfp_n: best.pfp_n, l21_fraction, phi22_rad, arm_ratio }
     });
-    let Shares { base_m, mu_static, points, fingers, stable, palm_positive, form_closed, form_closed_anyway, .. } =
-        *counted;
-    let of = percents([points, fingers, stable, palm_positive, form_closed, form_closed_anyway]);
-    ShareReport { base_m, mu_static, of, largest_palm_force: best, no_finger: reasons(volume) }
+    let VolumeCounts {
+        base_m, mu_static, points, fingers, stable, palm_positive, form_closed, form_closed_total, ..
+    } = *counts;
+    let fractions = to_percent([points, fingers, stable, palm_positive, form_closed, form_closed_total]);
+    VolumeShareReport {
+        base_m,
+        mu_static,
+        fractions,
+        largest_palm_force: best,
+        missing_finger_reasons: missing_finger_reasons(volume),
+    }
 }
 
-fn common(counted: &Intersection) -> IntersectionReport {
-    let Intersection { mu_static, points, fingers, stable, palm_positive, form_closed, form_closed_anyway } = *counted;
-    let of = percents([points, fingers, stable, palm_positive, form_closed, form_closed_anyway]);
-    IntersectionReport { mu_static, of }
+fn intersection_report(counts: &Intersection) -> IntersectionReport {
+    let Intersection { mu_static, points, fingers, stable, palm_positive, form_closed, form_closed_total } = *counts;
+    let fractions = to_percent([points, fingers, stable, palm_positive, form_closed, form_closed_total]);
+    IntersectionReport { mu_static, fractions }
 }
 
-fn percents([points, fingers, parts @ ..]: [usize; 6]) -> PercentReport {
-    let [stable_percent, palm_positive_percent, form_closed_percent, form_closed_anyway_percent] =
-        parts.map(|part| percent(part, points));
-    PercentReport {
+fn to_percent([points, fingers, counts @ ..]: [usize; 6]) -> FractionReport {
+    let [stable_percent, palm_positive_percent, form_closed_percent, form_closed_total_percent] =
+        counts.map(|count| percent(count, points));
+    FractionReport {
         points,
         fingers,
         stable_percent,
         palm_positive_percent,
         form_closed_percent,
-        form_closed_anyway_percent,
+        form_closed_total_percent,
     }
 }
 
-/// The most frequent reasons; two are one where they are of one kind, whatever the figures in them.
-fn reasons(volume: &Volume) -> Vec<ReasonReport> {
-    let mut found: Vec<(String, ReasonReport)> = Vec::new();
+/// Returns the most frequent reasons for missing fingers. Messages that differ in numbers only count as the same
+/// reason.
+fn missing_finger_reasons(volume: &Volume) -> Vec<ReasonReport> {
+    let mut by_kind: Vec<(String, ReasonReport)> = Vec::new();
     for error in volume.points.iter().filter_map(|point| point.state.as_ref().err()) {
         let reason = error.to_string();
         let kind: String = reason.chars().filter(|c| !(c.is_ascii_digit() || matches!(c, '.' | '-'))).collect();
-        match found.iter_mut().find(|(of, _)| *of == kind) {
-            Some((_, told)) => told.points += 1,
-            None => found.push((kind, ReasonReport { points: 1, reason })),
+        match by_kind.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, report)) => report.points += 1,
+            None => by_kind.push((kind, ReasonReport { points: 1, reason })),
         }
     }
-    let mut reasons: Vec<ReasonReport> = found.into_iter().map(|(_, told)| told).collect();
-    reasons.sort_by_key(|told| std::cmp::Reverse(told.points));
-    reasons.truncate(MOST_REASONS);
+    let mut reasons: Vec<ReasonReport> = by_kind.into_iter().map(|(_, report)| report).collect();
+    reasons.sort_by_key(|report| std::cmp::Reverse(report.points));
+    reasons.truncate(MAX_REASONS);
     reasons
 }
 
-/// Tables for people.
-impl Reported for VolumeReport {
+impl ToReport for VolumeReport {
     fn report(&self) -> Report {
         let Axes { l21_fraction, phi22_rad, arm_ratio } = &self.axes;
         let [phi_from, phi_to] = [phi22_rad.from, phi22_rad.to].map(|angle| short(angle.to_degrees()));
@@ -175,21 +187,27 @@ impl Reported for VolumeReport {
             short(arm_ratio.to)
         ));
         text.push_str("\nstable: F21 >= 0 and F22 >= 0, %\n");
-        text.push(grid(self, &[""], |of, _| vec![two(of.stable_percent)]));
+        text.push(grid(self, &[""], |fractions, _| vec![two_decimals(fractions.stable_percent)]));
         text.push_str(
-            "\nstable with PFP >= 0 (the object is pressed on the palm), %; largest PFP of the stable region, N\n",
+            "\nstable with PFP >= 0 (the object is pressed against the palm), %; largest PFP of the stable region, N\n",
         );
-        let largest = |best: Option<&BestReport>| best.map_or("-".to_string(), |best| two(best.static_pfp_n));
-        text.push(grid(self, &["%", "max"], |of, best| vec![two(of.palm_positive_percent), largest(best)]));
-        text.push_str("\nstable and form-closed, %; form-closed, stable or not, %\n");
-        text.push(grid(self, &["stable", "any"], |of, _| {
-            vec![two(of.form_closed_percent), two(of.form_closed_anyway_percent)]
+        let largest =
+            |best: Option<&LargestPalmForce>| best.map_or("-".to_string(), |best| two_decimals(best.static_pfp_n));
+        text.push(grid(self, &["%", "max"], |fractions, best| {
+            vec![two_decimals(fractions.palm_positive_percent), largest(best)]
         }));
-        text.push(best(self));
-        text.push_str(&missing(self));
-        if let Some(Effort { wall_s, threads }) = self.effort {
-            let of = if threads == 1 { "thread" } else { "threads" };
-            text.push_str(&format!("\n{} designs sized and closed in {wall_s:.2} s on {threads} {of}\n", self.designs));
+        text.push_str("\nstable and form-closed, %; form-closed, stable or not, %\n");
+        text.push(grid(self, &["stable", "any"], |fractions, _| {
+            vec![two_decimals(fractions.form_closed_percent), two_decimals(fractions.form_closed_total_percent)]
+        }));
+        text.push(largest_palm_forces(self));
+        text.push_str(&missing_fingers(self));
+        if let Some(Timing { wall_s, threads }) = self.timing {
+            let unit = if threads == 1 { "thread" } else { "threads" };
+            text.push_str(&format!(
+                "\n{} designs sized and closed in {wall_s:.2} s on {threads} {unit}\n",
+                self.designs
+            ));
         }
         if let Some(directory) = &self.directory {
             text.push_str(&format!("\nfiles in {directory}: {}\n", self.files.join(", ")));
@@ -198,46 +216,52 @@ impl Reported for VolumeReport {
     }
 }
 
-/// A row for each base, columns for each friction, and the intersection below where there are several bases.
+/// Returns a table with a row for each base, columns for each friction, and the intersection below if there are several
+/// bases.
 fn grid(
     report: &VolumeReport,
-    heads: &[&str],
-    cells: impl Fn(&PercentReport, Option<&BestReport>) -> Vec<String>,
+    subheaders: &[&str],
+    cells: impl Fn(&FractionReport, Option<&LargestPalmForce>) -> Vec<String>,
 ) -> Report {
-    let mut head = vec!["base".to_string()];
-    for of in &report.intersections {
-        for (index, sub) in heads.iter().enumerate() {
-            let mu = if index == 0 { format!("mu_s {}", short(of.mu_static)) } else { String::new() };
-            head.push(format!("{mu} {sub}").trim().to_string());
+    let mut header = vec!["base".to_string()];
+    for intersection in &report.intersections {
+        for (index, subheader) in subheaders.iter().enumerate() {
+            let mu = if index == 0 { format!("mu_s {}", short(intersection.mu_static)) } else { String::new() };
+            header.push(format!("{mu} {subheader}").trim().to_string());
         }
     }
-    let mut rows = vec![head];
+    let mut rows = vec![header];
     let frictions = report.intersections.len().max(1);
     for shares in report.volumes.chunks(frictions) {
         let base = format!("{} mm", short(shares[0].base_m * 1e3));
         rows.push(
             [base]
                 .into_iter()
-                .chain(shares.iter().flat_map(|share| cells(&share.of, share.largest_palm_force.as_ref())))
+                .chain(shares.iter().flat_map(|share| cells(&share.fractions, share.largest_palm_force.as_ref())))
                 .collect(),
         );
     }
     if report.volumes.len() > frictions {
         let name = "intersection".to_string();
-        rows.push([name].into_iter().chain(report.intersections.iter().flat_map(|all| cells(&all.of, None))).collect());
+        rows.push(
+            [name]
+                .into_iter()
+                .chain(report.intersections.iter().flat_map(|intersection| cells(&intersection.fractions, None)))
+                .collect(),
+        );
     }
-    Table::new(&rows).together(heads.len()).into()
+    Table::new(&rows).columns_per_group(subheaders.len()).into()
 }
 
-/// Where the largest palm forces are.
-fn best(report: &VolumeReport) -> Report {
+/// Returns a table of the largest palm force of each volume and its design.
+fn largest_palm_forces(report: &VolumeReport) -> Report {
     let mut rows = vec![["base", "mu_s", "PFP, N", "l21 of its range", "phi22, deg", "r_l"].map(String::from).to_vec()];
     for share in &report.volumes {
         if let Some(best) = &share.largest_palm_force {
             rows.push(vec![
                 format!("{} mm", short(share.base_m * 1e3)),
                 short(share.mu_static),
-                two(best.static_pfp_n),
+                two_decimals(best.static_pfp_n),
                 short(best.l21_fraction),
                 short(best.phi22_rad.to_degrees()),
                 short(best.arm_ratio),
@@ -247,29 +271,31 @@ fn best(report: &VolumeReport) -> Report {
     if rows.len() == 1 {
         Report::default()
     } else {
-        Report::from("\nwhere PFP is largest\n").and(Table::new(&rows).keys(2))
+        Report::from("\nwhere PFP is largest\n").with(Table::new(&rows).key_columns(2))
     }
 }
 
-/// Which designs do not exist, and why; the same for every friction.
-fn missing(report: &VolumeReport) -> String {
+/// Reports how many designs do not exist, and why; the same for every friction.
+fn missing_fingers(report: &VolumeReport) -> String {
     let mut text = String::new();
     let frictions = report.intersections.len().max(1);
-    for share in report.volumes.iter().step_by(frictions).filter(|share| share.of.fingers < share.of.points) {
-        let (gone, base) = (share.of.points - share.of.fingers, short(share.base_m * 1e3));
-        text.push_str(&format!("\nbase {base} mm: {gone} of {} points have no finger\n", share.of.points));
-        for ReasonReport { points, reason } in &share.no_finger {
+    for share in
+        report.volumes.iter().step_by(frictions).filter(|share| share.fractions.fingers < share.fractions.points)
+    {
+        let (missing, base) = (share.fractions.points - share.fractions.fingers, short(share.base_m * 1e3));
+        text.push_str(&format!("\nbase {base} mm: {missing} of {} points have no finger\n", share.fractions.points));
+        for ReasonReport { points, reason } in &share.missing_finger_reasons {
             text.push_str(&format!("  {points} points, such as: {reason}\n"));
         }
     }
     text
 }
 
-fn two(value: f64) -> String {
+fn two_decimals(value: f64) -> String {
     format!("{value:.2}")
 }
 
-/// A number of up to four digits without needless zeros.
+/// Formats a number with up to four decimals, without trailing zeros.
 fn short(value: f64) -> String {
     let text = format!("{value:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()

@@ -1,9 +1,10 @@
-//! All points of volumes as one table: a row for each base, friction and design.
+//! Table of all points of grasp-state volumes: one row for each base, friction and design.
 
-use crate::study::volume::{Point, State, Volume};
+use crate::study::volume::{GraspState, Point, Volume};
 use crate::table::{Column, Kind, Table, Value};
 
-/// Columns and what they hold; those of a state are missing where there is no finger, `reason` where there is one.
+/// Names and types of the columns. State columns are missing where no finger exists; `reason` is missing where one
+/// exists.
 const COLUMNS: [(&str, Kind); 20] = [
     ("base_m", Kind::Number),
     ("mu_static", Kind::Number),
@@ -27,7 +28,7 @@ const COLUMNS: [(&str, Kind); 20] = [
     ("reason", Kind::Text),
 ];
 
-/// Every point of every volume, in their order.
+/// Returns the table of all points of all volumes, in order.
 pub fn volume_points(volumes: &[Volume]) -> Table {
     let columns = COLUMNS.map(|(name, kind)| Column::new(name, kind)).to_vec();
     let rows = volumes.iter().flat_map(|volume| volume.points.iter().map(|point| row(volume, point)));
@@ -39,7 +40,7 @@ fn row(volume: &Volume, point: &Point) -> Vec<Value> {
     let mut row: Vec<Value> = Vec::with_capacity(COLUMNS.len());
     row.extend([volume.base_m, volume.mu_static, l21_fraction, phi22_rad, arm_ratio].map(Value::Number));
     match &point.state {
-        Ok(State { sized, forces }) => {
+        Ok(GraspState { sized, forces }) => {
             let (lengths, sizing) = (&sized.lengths, &sized.sizing);
             row.extend(
                 [lengths.l11_m, lengths.l12_m, lengths.l21_m, lengths.l22_m, lengths.t22_m, sized.mass_kg]

@@ -1,4 +1,4 @@
-//! From a file to a scene.
+//! Loads scene files and the scenes that they extend.
 
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -6,111 +6,112 @@ use std::path::{Path, PathBuf};
 use super::error::line_column;
 use super::{Layer, Problem, Scene, SceneError, Template, extended, parse, parse_any, parse_layers, parse_template};
 use crate::files::read_at_most;
-use crate::limits::LARGEST_SCENE_BYTES;
+use crate::limits::MAX_SCENE_BYTES;
 
 /// Reads, checks and resolves the scene file of a finger.
 ///
 /// # Errors
-/// What is wrong with the file, or that it is a scene of another kind.
+/// Returns all problems of the file, or an error if the scene is of another kind.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     load_with(path, &[])
 }
 
-/// The same with single fields set besides: lines of `key = value`, as a scene file would have them.
+/// Like [`load`], but single fields are overridden by `settings`: lines of `key = value` as in a scene file.
 ///
 /// # Errors
-/// What is wrong with the file or with what is set, or that it is a scene of another kind.
+/// Returns all problems of the file and of the settings, or an error if the scene is of another kind.
 pub fn load_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Scene, SceneError> {
-    parse_layers(&layers(path.as_ref())?, settings, parse)
+    parse_layers(&load_layers(path.as_ref())?, settings, parse)
 }
 
-/// Reads, checks and resolves a scene file of either kind.
+/// Reads, checks and resolves a scene file of any kind.
 pub fn load_any(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     load_any_with(path, &[])
 }
 
-/// The same with single fields set besides; see [`load_with`].
+/// Like [`load_any`], but single fields are overridden; see [`load_with`].
 ///
 /// # Errors
-/// As for [`load_with`].
+/// Returns all problems of the file and of the settings.
 pub fn load_any_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Scene, SceneError> {
-    parse_layers(&layers(path.as_ref())?, settings, parse_any)
+    parse_layers(&load_layers(path.as_ref())?, settings, parse_any)
 }
 
-/// Reads the scene of a finger as what many designs have in common.
+/// Reads the scene file of a finger as a template for many designs.
 ///
 /// # Errors
-/// What is wrong with the file, or what ties the scene to one design.
+/// Returns all problems of the file, including keys that tie the scene to one design.
 pub fn load_template(path: impl AsRef<Path>) -> Result<Template, SceneError> {
     load_template_with(path, &[])
 }
 
-/// The same with single fields set besides; see [`load_with`].
+/// Like [`load_template`], but single fields are overridden; see [`load_with`].
 ///
 /// # Errors
-/// As for [`load_template`].
+/// See [`load_template`].
 pub fn load_template_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Template, SceneError> {
-    parse_layers(&layers(path.as_ref())?, settings, parse_template)
+    parse_layers(&load_layers(path.as_ref())?, settings, parse_template)
 }
 
-/// Scenes that may extend one another in a row.
-const MOST_LAYERS: usize = 16;
+/// Maximum number of scenes in a chain of extensions.
+const MAX_LAYERS: usize = 16;
 
-/// The text of a scene file, behind those of the scenes it extends.
+/// Reads a scene file and the scenes it extends; the scene's own text comes last.
 ///
 /// # Errors
-/// A file that cannot be read, or scenes that extend each other.
-pub fn layers(path: &Path) -> Result<Vec<Layer>, SceneError> {
+/// Returns an error if a file cannot be read or scenes extend each other.
+pub fn load_layers(path: &Path) -> Result<Vec<Layer>, SceneError> {
     let (text, file) = read(path)?;
-    behind(Layer { file, text }, path.to_path_buf())
+    load_bases(Layer { file, text }, path.to_path_buf())
 }
 
-/// The text of a scene, behind those of the scenes it extends: files, whose paths are seen from where its own file is, or would be.
+/// Reads the scenes that the text of a scene extends; the given text comes last. Paths are relative to its `file`,
+/// which need not exist.
 ///
 /// # Errors
-/// As [`layers`].
-pub fn layers_of(own: Layer) -> Result<Vec<Layer>, SceneError> {
-    let here = PathBuf::from(&own.file);
-    behind(own, here)
+/// See [`load_layers`].
+pub fn load_extended(scene_layer: Layer) -> Result<Vec<Layer>, SceneError> {
+    let path = PathBuf::from(&scene_layer.file);
+    load_bases(scene_layer, path)
 }
 
-/// A text that stands `here`, behind those it extends.
-fn behind(own: Layer, mut here: PathBuf) -> Result<Vec<Layer>, SceneError> {
-    let (mut layers, mut last) = (Vec::new(), own);
-    let mut seen = vec![here.canonicalize().ok()];
+/// Reads the scenes that a text with this path extends; the given text comes last.
+fn load_bases(scene_layer: Layer, mut path: PathBuf) -> Result<Vec<Layer>, SceneError> {
+    let (mut layers, mut last) = (Vec::new(), scene_layer);
+    let mut visited = vec![path.canonicalize().ok()];
     while let Some((base, span)) = extended(&last.text) {
-        let refuse = |message: String, label: &str, help: &str| SceneError::Invalid {
+        let invalid = |message: String, label: &str, help: &str| SceneError::Invalid {
             file: last.file.clone(),
             text: last.text.clone(),
             problems: vec![Problem { span: Some(span.clone()), message, label: label.into(), help: help.into() }],
         };
-        here = here.parent().unwrap_or(Path::new("")).join(&base);
-        let found = here.canonicalize().ok();
-        if found.is_some() && seen.contains(&found) {
-            let help = "leave one of them out: what is extended last says all that the others do not";
-            return Err(refuse(format!("{} extends itself", here.display()), "comes back to a scene before it", help));
+        path = path.parent().unwrap_or(Path::new("")).join(&base);
+        let canonical = path.canonicalize().ok();
+        if canonical.is_some() && visited.contains(&canonical) {
+            let help = "remove one `extends` of the cycle: the scene without it is the base of the others";
+            return Err(invalid(format!("{} extends itself", path.display()), "leads back to an earlier scene", help));
         }
-        if seen.len() == MOST_LAYERS {
-            let message = format!("more than {MOST_LAYERS} scenes extend one another");
-            return Err(refuse(message, "one too many", "put some of them together"));
+        if visited.len() == MAX_LAYERS {
+            let message = format!("more than {MAX_LAYERS} scenes extend one another");
+            return Err(invalid(message, "one too many", "merge some of them"));
         }
-        let (text, file) = read(&here).map_err(|error| match error {
-            SceneError::Read { file, reason } => refuse(
+        let (text, file) = read(&path).map_err(|error| match error {
+            SceneError::Read { file, reason } => invalid(
                 format!("cannot read the scene {file}: {reason}"),
                 "this file",
-                "name a scene file; its path is seen from the directory of the scene that extends it",
+                "name a scene file; its path is relative to the directory of the scene that extends it",
             ),
             error => error,
         })?;
         layers.push(std::mem::replace(&mut last, Layer { file, text }));
-        seen.push(found);
+        visited.push(canonical);
     }
     layers.push(last);
     layers.reverse();
     Ok(layers)
 }
 
-/// The text of a file, and what messages call it.
+/// Returns the text of a file and its name for messages.
 pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
     let file = path.display().to_string();
     let read = |reason: &str| SceneError::Read { file: file.clone(), reason: reason.to_string() };
@@ -125,7 +126,7 @@ pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
     if is_log(path).map_err(unreadable)? {
         return Err(SceneError::Log { file });
     }
-    let bytes = read_at_most(path, LARGEST_SCENE_BYTES).map_err(unreadable)?.ok_or_else(|| read(&too_large()))?;
+    let bytes = read_at_most(path, MAX_SCENE_BYTES).map_err(unreadable)?.ok_or_else(|| read(&too_large()))?;
     let text = String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&e.as_bytes()[..valid]);
@@ -135,7 +136,7 @@ pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
     Ok((text, file))
 }
 
-/// Whether a file begins as logs do. What cannot be read twice, such as a pipe, is none.
+/// Whether a file begins with the magic bytes of a log. `false` for files that cannot be read twice, such as pipes.
 fn is_log(path: &Path) -> std::io::Result<bool> {
     if !std::fs::metadata(path)?.is_file() {
         return Ok(false);
@@ -145,8 +146,8 @@ fn is_log(path: &Path) -> std::io::Result<bool> {
     Ok(head == mcap::MAGIC)
 }
 
-/// Why a file is not read to its end.
+/// Message for a file above the size limit.
 pub(crate) fn too_large() -> String {
-    let most = LARGEST_SCENE_BYTES >> 20;
-    format!("it is larger than {most} MiB, and no file that somebody wrote by hand is; check the path")
+    let max = MAX_SCENE_BYTES >> 20;
+    format!("it is larger than {max} MiB, more than a file written by hand; check the path")
 }

@@ -1,6 +1,8 @@
-//! Scenes from files; what a scene is, and how its text is read, is the core's.
+//! Loads scenes from files. The core defines scenes and parses their text.
 
 pub(crate) mod file;
 
-pub use file::{layers, layers_of, load, load_any, load_any_with, load_template, load_template_with, load_with};
+pub use file::{
+    load, load_any, load_any_with, load_extended, load_layers, load_template, load_template_with, load_with,
+};
 pub use phalanx_core::scene::*;

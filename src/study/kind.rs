@@ -1,15 +1,17 @@
-//! Studies that are about grippers.
+//! Check of the scene kind for gripper studies.
 
 use crate::scene::Scene;
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 
-/// The gripper of a scene; `what` is what messages call that, `like` a scene that would do.
+/// Returns the scene if it is of a gripper. Messages call it `name` and suggest `example`.
 ///
 /// # Errors
-/// A scene of another kind.
-pub fn only_gripper(scene: Scene, what: &str, like: &str) -> Result<Scene, String> {
+/// Returns an error if the scene is of another kind.
+pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {
     match scene.kind() {
         SceneKind::Gripper => Ok(scene),
-        _ => Err(format!("{what} is no gripper; this study takes a scene of kind = \"gripper\", like {like}")),
+        _ => Err(format!(
+            "{name} is not a gripper; this study requires a scene of kind = \"gripper\", such as {example}"
+        )),
     }
 }

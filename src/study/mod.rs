@@ -1,26 +1,25 @@
-//! Studies: what a choice of settings does to a result, and what a choice of design does.
+//! Studies: how results depend on settings and on designs.
 //!
-//! | file | job |
+//! | module | content |
 //! |---|---|
-//! | `beside` | what stands beside the results of a sweep |
-//! | `capture` | which positioning errors a gripper captures |
-//! | `posture` | a gripper's posture in words |
-//! | `hold` | how much acceleration a gripper holds its object against |
-//! | `kind` | studies that are about grippers |
-//! | `parts` | sweeps beyond one machine: parts of a study, and such parts joined |
-//! | `optimize` | the best designs over ranges of fields |
-//! | `pool` | the threads that the others work on |
-//! | `random` | random numbers that stay the same |
-//! | `reproduce` | the thesis's figures again, beside what it prints |
-//! | `select` | which designs of a sweep meet the criteria, and which is best |
-//! | `size` | spring and motor for the finger of a scene |
-//! | `stability` | where the engine is stable, and where it is right |
-//! | `step_size` | the force of an impact against the step |
-//! | `store` | results of a sweep that grow on the disk |
-//! | `sweep` | a scene again and again, with other values in some of its fields |
-//! | `volume` | grasp-state volumes: which designs hold the object |
+//! | `capture` | positioning errors that a gripper captures |
+//! | `posture` | text form of a gripper's posture |
+//! | `hold` | largest acceleration under which a gripper holds its object |
+//! | `kind` | check of the scene kind for gripper studies |
+//! | `parts` | sweeps distributed over several machines: parts of a study and their merge |
+//! | `optimize` | optimal designs over ranges of scene fields |
+//! | `pool` | thread pool of the studies |
+//! | `provenance` | provenance file of sweep results |
+//! | `random` | reproducible random numbers |
+//! | `reproduce` | figures of the thesis, recomputed and compared with the printed ones |
+//! | `select` | selection and ranking of the designs of a sweep |
+//! | `size` | sizing of spring and motor for the finger of a scene |
+//! | `stability` | stability and accuracy of the engine model |
+//! | `step_size` | impact force as a function of step size |
+//! | `store` | incremental storage of sweep results |
+//! | `sweep` | parameter sweeps over fields of a scene |
+//! | `volume` | grasp-state volumes: designs that hold the object |
 
-pub mod beside;
 pub mod capture;
 pub mod hold;
 mod kind;
@@ -28,6 +27,7 @@ pub mod optimize;
 pub mod parts;
 mod pool;
 pub mod posture;
+pub mod provenance;
 mod random;
 pub mod reproduce;
 pub mod select;
@@ -38,4 +38,4 @@ pub mod store;
 pub mod sweep;
 pub mod volume;
 
-pub use kind::only_gripper;
+pub use kind::require_gripper;

@@ -1,66 +1,68 @@
-//! What a test trajectory asks of spring and motor, for the finger of a scene.
+//! Sizing of spring and motor for the finger of a scene from a test trajectory.
 
 use std::f64::consts::PI;
 
 use crate::gripper::contact_angle_proximal;
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{Actuation, Scene, SpringKind, WrongKind};
 use crate::sizing::{CLOSING_S, Profile, Rule, SizingError, Task, profile};
 
-/// Samples of the profile.
+/// Number of samples of the profile.
 const SAMPLES: usize = 400;
 
-/// What is asked.
+/// Options of a sizing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Asked {
-    /// Over what the motor torque is averaged.
+pub struct SizingOptions {
+    /// Rule by which the motor torque is averaged.
     pub rule: Rule,
-    /// Length of the test trajectory.
+    /// Duration of the test trajectory, s.
     pub closing_s: f64,
-    /// How far the torsional spring that the constant one is compared with is turned where the finger is straight; `None`: as far as the
-    /// scene's own, a right angle where it has none with a preload.
+    /// Preload angle, with the finger straight, of the torsional spring that is compared with the constant spring.
+    /// Default: the preload of the scene's spring, or a right angle if the scene has no preloaded torsional spring.
     pub preload_rad: Option<f64>,
 }
 
-impl Default for Asked {
+impl Default for SizingOptions {
     fn default() -> Self {
-        Asked { rule: Rule::Rigid, closing_s: CLOSING_S, preload_rad: None }
+        SizingOptions { rule: Rule::Rigid, closing_s: CLOSING_S, preload_rad: None }
     }
 }
 
-/// A finger's sizing, with what its scene has now.
+/// Sized torques of a finger, with the current torques of its scene.
 #[derive(Clone, Debug)]
-pub struct Sized {
+pub struct FingerSizing {
     pub scene: String,
-    pub asked: Asked,
-    /// Preload of the torsional spring.
+    pub options: SizingOptions,
+    /// Preload angle of the torsional spring, rad.
     pub preload_rad: f64,
     pub profile: Profile,
-    /// Torques that the scene itself has, where it has constant ones.
+    /// Constant torques of the scene; `None` if they are not constant.
     pub given_motor_n_m: Option<f64>,
     pub given_spring_n_m: Option<f64>,
 }
 
-/// Why a finger cannot be sized.
+/// Error while sizing a finger.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SizeError {
     #[error(transparent)]
     Kind(#[from] WrongKind),
     #[error(
-        "{scene} has no object to close on, so nothing says how far its finger goes; give a scene without [object] present = false"
+        "{scene} has no object, so the closing angle of its finger is undefined; give a scene without [object] present = false"
     )]
     NoObject { scene: String },
     #[error(transparent)]
     Sizing(#[from] SizingError),
 }
 
-/// Sizes the finger of a scene for its object, from where it starts.
+/// Sizes spring and motor of the finger for closing on the object from its initial posture.
 ///
 /// # Errors
-/// A scene of another kind or without an object, or a finger that does not close on it.
-pub fn size(scene: &Scene, asked: Asked) -> Result<Sized, SizeError> {
-    let object =
-        scene.only(SceneKind::Finger)?.object().ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
+/// Returns an error if the scene is of another kind, has no object, or its finger does not close on the object.
+pub fn size_finger(scene: &Scene, options: SizingOptions) -> Result<FingerSizing, SizeError> {
+    let object = scene
+        .require_kind(SceneKind::Finger)?
+        .object()
+        .ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
     let object = object.placed();
     let contact_rad =
         contact_angle_proximal(scene.finger().linkage.lengths.half_width_m, object).map_err(SizingError::from)?;
@@ -68,16 +70,16 @@ pub fn size(scene: &Scene, asked: Asked) -> Result<Sized, SizeError> {
         object,
         opening_rad: contact_rad - scene.finger().initial.q21_rad,
         gravity_m_s2: scene.system.gravity_m_s2,
-        closing_s: asked.closing_s,
+        closing_s: options.closing_s,
     };
-    let own_rad = scene.finger().spring.and_then(|spring| match spring.kind {
+    let scene_preload_rad = scene.finger().spring.and_then(|spring| match spring.kind {
         SpringKind::Torsional { preload_rad, .. } => Some(preload_rad).filter(|preload_rad| *preload_rad > 0.0),
         SpringKind::Constant { .. } => None,
     });
-    let preload_rad = asked.preload_rad.or(own_rad).unwrap_or(0.5 * PI);
-    Ok(Sized {
+    let preload_rad = options.preload_rad.or(scene_preload_rad).unwrap_or(0.5 * PI);
+    Ok(FingerSizing {
         scene: scene.name.clone(),
-        asked,
+        options,
         preload_rad,
         profile: profile(&scene.finger().linkage, &task, preload_rad, SAMPLES)?,
         given_motor_n_m: match scene.finger().motor.actuation {

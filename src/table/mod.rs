@@ -1,36 +1,38 @@
-//! Typed tables: columns with a name and a kind, rows of values, to and from files.
+//! Typed tables: named columns of a kind, rows of values, reading and writing.
 //!
-//! A file is CSV or Parquet by its name. Numbers are written as the shortest decimal that is read as the same `f64`, so that
-//! either file gives back the table bit for bit; Parquet keeps the kinds of columns, CSV shows them by how values are
-//! written (a number has a point, an exponent, or is `NaN` or `inf`). What is empty in a CSV file is [`Value::Missing`].
+//! The file name determines the format, CSV or Parquet. Numbers are written as the shortest decimal that reads back to
+//! the same `f64`, so both formats preserve a table bit for bit. Parquet stores the kinds of columns; in CSV they
+//! follow from the notation of values (a number has a point or an exponent, or is `NaN` or `inf`). An empty CSV cell is
+//! [`Value::Missing`].
 //!
 //! | file | job |
 //! |---|---|
-//! | `value` | values and kinds, to and from text |
-//! | `get` | columns by name, of one kind |
-//! | `csv_file`, `parquet_file` | either format |
-//! | `row_writer` | rows to either format, as they come |
-//! | `error` | what can be wrong, with its place |
+//! | `value` | values and kinds, conversion from and to text |
+//! | `typed_columns` | access to columns by name and kind |
+//! | `csv_file`, `parquet_file` | the two formats |
+//! | `formula_escape` | escaping of texts that look like formulas |
+//! | `row_writer` | writes tables row by row |
+//! | `error` | errors with their location |
 
 mod csv_file;
 mod error;
-mod formula;
-mod get;
+mod formula_escape;
 mod parquet_file;
 mod row_writer;
+mod typed_columns;
 mod value;
 
 use std::path::Path;
 
-pub use csv_file::{line, read_csv, read_rows};
+pub use csv_file::{format_csv_line, read_csv, read_rows};
 pub use error::TableError;
-pub use parquet_file::Groups;
+pub use parquet_file::RowGroupReader;
 pub use row_writer::RowWriter;
 pub use value::{Kind, Value};
 
-use crate::files::replace;
+use crate::files::replace_file;
 
-/// A column: its name, which carries the unit, and what its values are.
+/// A column: its name, which includes the unit, and the kind of its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
     pub name: String,
@@ -47,22 +49,22 @@ impl Column {
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     pub columns: Vec<Column>,
-    /// Each as long as there are columns; values are of the column's kind or missing.
+    /// One value per column in each row; values are of the column's kind or missing.
     pub rows: Vec<Vec<Value>>,
-    /// Where the table was read, for messages.
+    /// Source of the table, for messages.
     pub origin: Origin,
 }
 
-/// Where a table comes from.
+/// Source of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Origin {
-    /// Its file; empty if it was not read.
+    /// File name; empty if the table was not read from a file.
     pub file: String,
-    /// Line of each row in a text file; empty otherwise.
+    /// Line of each row in a CSV file; empty otherwise.
     pub lines: Vec<u64>,
 }
 
-/// Tables are equal that say the same, wherever they come from. Numbers are compared by their bits.
+/// Tables with the same contents are equal, whatever their source. Numbers are compared by their bits.
 impl PartialEq for Table {
     fn eq(&self, other: &Self) -> bool {
         self.columns == other.columns && self.rows == other.rows
@@ -75,33 +77,34 @@ impl Table {
     }
 }
 
-/// Formats of a file.
+/// File format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Csv,
     Parquet,
 }
 
-/// The format of a file by its name.
+/// Returns the format of a file by its extension.
 ///
 /// # Errors
-/// A name that ends neither in `.csv` nor in `.parquet`.
+/// Returns an error if the extension is neither `.csv` nor `.parquet`.
 pub fn format(path: &Path) -> Result<Format, TableError> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
         "csv" => Ok(Format::Csv),
         "parquet" => Ok(Format::Parquet),
-        _ => Err(TableError::Name { file: path.display().to_string() }),
+        _ => Err(TableError::UnknownFormat { file: path.display().to_string() }),
     }
 }
 
 /// Reads a table.
 ///
-/// The kind of a column of a CSV file is that of all its values: integers, numbers (integers among them), flags
-/// (`true`, `false`), or texts; a column without values is text.
+/// The kind of a CSV column is the narrowest kind of all its values: integers, numbers (including integers), flags
+/// (`true`,
+/// `false`), or texts. A column without values is text.
 ///
 /// # Errors
-/// The file cannot be read, or is no table; says where.
+/// Returns an error if the file cannot be read, or is not a table; the error contains the location.
 pub fn read(path: &Path) -> Result<Table, TableError> {
     match format(path)? {
         Format::Csv => read_csv(path, &[]),
@@ -109,36 +112,35 @@ pub fn read(path: &Path) -> Result<Table, TableError> {
     }
 }
 
-/// Writes a table, whole or not at all: an older file is replaced when the new one is on the disk.
+/// Writes a table atomically: an older file is replaced once the new one is on the disk.
 ///
 /// # Errors
-/// The file cannot be written, or a value is not of its column's kind.
+/// Returns an error if the file cannot be written, or a value is not of its column's kind.
 pub fn write(path: &Path, table: &Table) -> Result<(), TableError> {
     let format = format(path)?;
     check(table)?;
-    let written = replace(path, |out| match format {
+    let written = replace_file(path, |out| match format {
         Format::Csv => csv_file::write(out, table),
         Format::Parquet => parquet_file::write(out, table, &[]),
     });
     written.map_err(|error| TableError::Write { file: path.display().to_string(), reason: error.to_string() })
 }
 
-/// Writes a table as Parquet, whole or not at all, with notes of what it is in its metadata and a checksum of its rows:
-/// [`Groups`] reads them.
+/// Writes a table as Parquet atomically, with metadata and a checksum of its rows, which [`RowGroupReader`] reads.
 ///
 /// # Errors
-/// The file cannot be written, or a value is not of its column's kind.
-pub fn write_noted(path: &Path, table: &Table, notes: &[(String, String)]) -> Result<(), TableError> {
+/// Returns an error if the file cannot be written, or a value is not of its column's kind.
+pub fn write_with_metadata(path: &Path, table: &Table, metadata: &[(String, String)]) -> Result<(), TableError> {
     check(table)?;
-    let written = replace(path, |out| parquet_file::write(out, table, notes));
+    let written = replace_file(path, |out| parquet_file::write(out, table, metadata));
     written.map_err(|error| TableError::Write { file: path.display().to_string(), reason: error.to_string() })
 }
 
-/// Whether the table is one: rows as long as there are columns, values of their kinds, names that differ.
+/// Validates a table: unique column names, one value per column in each row, values of the column's kind.
 fn check(table: &Table) -> Result<(), TableError> {
     for (index, column) in table.columns.iter().enumerate() {
         if table.columns[..index].iter().any(|other| other.name == column.name) {
-            return Err(TableError::Twice { file: table.origin.file.clone(), name: column.name.clone() });
+            return Err(TableError::DuplicateColumn { file: table.origin.file.clone(), name: column.name.clone() });
         }
     }
     for (index, row) in table.rows.iter().enumerate() {
@@ -147,7 +149,7 @@ fn check(table: &Table) -> Result<(), TableError> {
         }
         for (value, column) in row.iter().zip(&table.columns) {
             if value.kind().is_some_and(|kind| kind != column.kind) {
-                return Err(table.cell(index, &column.name, value, column.kind));
+                return Err(table.cell_error(index, &column.name, value, column.kind));
             }
         }
     }

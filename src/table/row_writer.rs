@@ -1,10 +1,10 @@
-//! Rows to a file as they come: its bytes are those that [`super::write`] gives the whole table.
+//! Writes a table row by row, with the same bytes as [`super::write`].
 
 use std::io::{self, Write};
 
 use super::{Column, Format, Value, csv_file, parquet_file};
 
-/// A table that is written row by row, so that it may be larger than memory.
+/// Writer of a table row by row, for tables larger than memory.
 pub struct RowWriter<'a> {
     columns: usize,
     rows: Rows<'a>,
@@ -16,10 +16,10 @@ enum Rows<'a> {
 }
 
 impl<'a> RowWriter<'a> {
-    /// A table of these columns.
+    /// Starts a table with these columns.
     ///
     /// # Errors
-    /// `out` does not take its head.
+    /// Returns an error if the header cannot be written.
     pub fn new(out: &'a mut (dyn Write + Send), format: Format, columns: &[Column]) -> io::Result<Self> {
         let rows = match format {
             Format::Csv => Rows::Csv(Box::new(csv_file::Rows::new(out, columns)?)),
@@ -28,10 +28,10 @@ impl<'a> RowWriter<'a> {
         Ok(RowWriter { columns: columns.len(), rows })
     }
 
-    /// Adds a row: a value of its kind, or none, for each of the columns.
+    /// Adds a row with one value per column, of the column's kind or missing.
     ///
     /// # Errors
-    /// `out` does not take it, or the row has other columns.
+    /// Returns an error if the row cannot be written, or its length differs from the number of columns.
     pub fn add(&mut self, row: Vec<Value>) -> io::Result<()> {
         if row.len() != self.columns {
             let message = format!("a row has {} values for {} columns", row.len(), self.columns);
@@ -43,10 +43,10 @@ impl<'a> RowWriter<'a> {
         }
     }
 
-    /// Writes what is left to be written.
+    /// Writes the remaining data.
     ///
     /// # Errors
-    /// `out` does not take it.
+    /// Returns an error if the data cannot be written.
     pub fn finish(self) -> io::Result<()> {
         match self.rows {
             Rows::Csv(rows) => rows.finish(),

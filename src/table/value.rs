@@ -1,8 +1,8 @@
-//! Values of a table, to and from the text of a cell.
+//! Values of a table and their conversion from and to the text of a cell.
 
 use serde::Serialize;
 
-/// What the values of a column are.
+/// Kind of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Integer,
@@ -12,13 +12,13 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What one value is, with its article, for messages.
-    pub fn name(self) -> &'static str {
+    /// Description of one value with its article, for messages.
+    pub fn description(self) -> &'static str {
         match self {
             Kind::Integer => "a whole number",
             Kind::Number => "a number",
             Kind::Flag => "true or false",
-            Kind::Text => "a text",
+            Kind::Text => "a string",
         }
     }
 }
@@ -31,11 +31,11 @@ pub enum Value {
     Number(f64),
     Flag(bool),
     Text(String),
-    /// Nothing was found, or it means nothing here.
+    /// Not available or not applicable.
     Missing,
 }
 
-/// Numbers are equal if their bits are: a table that is read back is compared with the one that was written. NaN is NaN.
+/// Numbers are compared by their bits, to compare a table that was read back with the written one; all NaN are equal.
 impl PartialEq for Value {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -50,7 +50,7 @@ impl PartialEq for Value {
 }
 
 impl Value {
-    /// `None` if it is missing.
+    /// Kind of the value; `None` if it is missing.
     pub fn kind(&self) -> Option<Kind> {
         match self {
             Value::Integer(_) => Some(Kind::Integer),
@@ -61,7 +61,8 @@ impl Value {
         }
     }
 
-    /// What a CSV cell says. A number is told from an integer by its point, its exponent, or by not being finite.
+    /// Text of the value in a CSV cell. A number differs from an integer: it contains a decimal point or an exponent,
+    /// or is not finite.
     pub fn text(&self) -> String {
         match self {
             Value::Integer(value) => value.to_string(),
@@ -109,29 +110,29 @@ impl<T: Into<Value>> From<Option<T>> for Value {
     }
 }
 
-/// The value of a cell in a column of a known kind; `None` if it is not of that kind.
-pub(super) fn read(cell: &str, kind: Kind) -> Option<Value> {
-    let bare = cell.trim();
-    if cell.is_empty() || (bare.is_empty() && kind != Kind::Text) {
+/// Parses a cell in a column of a known kind; `None` if it is not of that kind.
+pub(super) fn parse_cell(cell: &str, kind: Kind) -> Option<Value> {
+    let trimmed = cell.trim();
+    if cell.is_empty() || (trimmed.is_empty() && kind != Kind::Text) {
         return Some(Value::Missing);
     }
     match kind {
-        Kind::Integer => bare.parse().ok().map(Value::Integer),
-        Kind::Number => number(bare).map(Value::Number),
-        Kind::Flag => flag(bare).map(Value::Flag),
-        Kind::Text => Some(Value::Text(super::formula::meant(cell).to_string())),
+        Kind::Integer => trimmed.parse().ok().map(Value::Integer),
+        Kind::Number => parse_number(trimmed).map(Value::Number),
+        Kind::Flag => parse_flag(trimmed).map(Value::Flag),
+        Kind::Text => Some(Value::Text(super::formula_escape::unescape(cell).to_string())),
     }
 }
 
-/// The narrowest kind that has all these cells; `None` if all are empty.
-pub(super) fn kind_of<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Kind> {
+/// Returns the narrowest kind that contains all cells; `None` if all are empty.
+pub(super) fn infer_kind<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Kind> {
     let mut found = None;
     for cell in cells.map(str::trim).filter(|cell| !cell.is_empty()) {
         let kind = if cell.parse::<i64>().is_ok() {
             Kind::Integer
-        } else if number(cell).is_some() {
+        } else if parse_number(cell).is_some() {
             Kind::Number
-        } else if flag(cell).is_some() {
+        } else if parse_flag(cell).is_some() {
             Kind::Flag
         } else {
             Kind::Text
@@ -146,14 +147,14 @@ pub(super) fn kind_of<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Kind> 
     found
 }
 
-/// Words that Rust takes for numbers are texts, except those that numbers are written as.
-fn number(text: &str) -> Option<f64> {
+/// Parses a number. Words that Rust parses as numbers are strings, except `NaN`, `inf` and `-inf`.
+fn parse_number(text: &str) -> Option<f64> {
     let value = text.parse().ok()?;
     (text.contains(|c: char| c.is_ascii_digit()) || matches!(text, "NaN" | "inf" | "-inf")).then_some(value)
 }
 
-/// As Rust and as Python write them.
-fn flag(text: &str) -> Option<bool> {
+/// Parses a flag as written by Rust or Python.
+fn parse_flag(text: &str) -> Option<bool> {
     match text {
         "true" | "True" => Some(true),
         "false" | "False" => Some(false),

@@ -1,58 +1,61 @@
-//! Everything in which a run differs from its reference.
+//! Differences between a run and its reference.
 
-use super::{Angle, Impact, Impacts, Rate, Recording, Track};
-use crate::check::LENGTH_M;
+use super::{Angle, Impact, Impacts, Rate, Recording, RunningDifference};
+use crate::check::REFERENCE_LENGTH_M;
 use crate::trace::{ContactSummary, Event, Outcome, Sample, Sink, SinkError};
 
-/// Impacts of a finger with less than this part of the largest impulse, and pairs of bodies with less than this part of the
-/// largest figure of all, are too small to compare in it.
+/// Impacts of a finger with less than this fraction of the largest impulse, and pairs of bodies with less than this
+/// fraction of the largest impulse or force of all pairs, are not compared.
 const SIGNIFICANT: f64 = 0.01;
-/// Places of the size of these scenes are rounded to less than this, m.
+/// Upper bound of the rounding error of positions in these scenes, m.
 const ROUNDING_M: f64 = 1e-15;
-/// A reference force below this is no force: the difference is then absolute, in N.
-const NO_FORCE_N: f64 = 1e-6;
+/// A reference force below this counts as zero, and the difference is absolute, in N.
+const ZERO_FORCE_N: f64 = 1e-6;
 
-/// How far one coordinate is off along the way: an angle in rad, the centre of a body in m.
+/// Error of one coordinate over a run: an angle in rad, the centre of a body in m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Off {
-    /// Largest difference, and when it was.
+pub struct CoordinateError {
+    /// Largest absolute difference.
     pub max: f64,
+    /// Time of the largest difference, s.
     pub max_at_s: f64,
     /// Root mean square.
     pub rms: f64,
-    /// At the end of what is compared.
+    /// Difference at the end of the compared time.
     pub end: f64,
 }
 
-/// Differences of a run from its reference, or the worst of several. Infinite where one of the two has what the other
-/// lacks; `None` where neither has it.
+/// Differences of a run from its reference, or the worst of several runs. A value is infinite where only one of the two
+/// has the quantity, and `None` where neither has it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
-    /// Of q11, q21, q22 of every finger, then of the centre of every body.
-    pub path: Vec<Off>,
-    /// Of qd11, qd21, qd22 of every finger: root mean square.
+    /// Errors of q11, q21, q22 of every finger, then of the centre of every body.
+    pub path: Vec<CoordinateError>,
+    /// RMS errors of qd11, qd21, qd22 of every finger.
     pub rate_rms_rad_s: Vec<f64>,
-    /// Of the angle of every body, at the end.
+    /// Error of the angle of every body at the end.
     pub angle_end_rad: Vec<f64>,
-    /// Of every contact between surfaces: first touch-down.
+    /// Difference of the first touch-down of every contact between surfaces.
     pub contact_time_s: Vec<Option<f64>>,
-    /// Worst relative difference of the normal impulse of an impact; of pairs of bodies, of that over the run.
+    /// Worst relative difference of the normal impulse of an impact; for pairs of bodies, of the impulse over the run.
     pub impulse: Vec<Option<f64>>,
-    /// Normal force at the end of the run, relative to the reference (in N where that presses with nothing).
+    /// Difference of the normal force at the end of the run, relative to the reference (in N where the reference force
+    /// is zero).
     pub final_force: Vec<Option<f64>>,
-    /// Largest normal force, relative.
+    /// Relative difference of the largest normal force.
     pub peak_force: Vec<Option<f64>>,
     /// Largest opening of a joint.
     pub loop_gap_m: f64,
-    /// Largest excess of the energy balance, in J and relative to the motor's work; of bodies, to the energy there is.
+    /// Largest excess of the energy balance, J.
     pub energy_created_j: f64,
+    /// The same relative to the motor's work, or for scenes of discs to the largest energy of the run.
     pub energy_created: f64,
 }
 
 impl Differences {
-    /// Largest difference of any coordinate; centres beside angles count in [lengths](LENGTH_M).
+    /// Largest difference of any coordinate. In scenes with fingers, distances are scaled by [`REFERENCE_LENGTH_M`].
     pub fn path_max(&self) -> f64 {
-        let unit = if self.has_fingers() { LENGTH_M } else { 1.0 };
+        let unit = if self.has_fingers() { REFERENCE_LENGTH_M } else { 1.0 };
         self.angle_max().max(self.centre_max() / unit)
     }
 
@@ -66,15 +69,15 @@ impl Differences {
 
     /// Largest difference of an angle of any finger.
     pub fn angle_max(&self) -> f64 {
-        self.path[..self.rate_rms_rad_s.len()].iter().map(|off| off.max).fold(0.0, f64::max)
+        self.path[..self.rate_rms_rad_s.len()].iter().map(|error| error.max).fold(0.0, f64::max)
     }
 
-    /// Largest distance of the centres of any body.
+    /// Largest distance between the centres of any body.
     pub fn centre_max(&self) -> f64 {
-        self.path[self.rate_rms_rad_s.len()..].iter().map(|off| off.max).fold(0.0, f64::max)
+        self.path[self.rate_rms_rad_s.len()..].iter().map(|error| error.max).fold(0.0, f64::max)
     }
 
-    /// The worse of each figure.
+    /// Returns the maximum of each difference.
     pub fn worst(&self, other: &Self) -> Self {
         let mut worst = self.clone();
         for (worst, other) in worst.path.iter_mut().zip(&other.path) {
@@ -105,25 +108,25 @@ impl Differences {
     }
 }
 
-/// The largest of several figures, as far as there are any.
-pub fn largest(figures: &[Option<f64>]) -> Option<f64> {
-    figures.iter().copied().fold(None, larger)
+/// Returns the largest of the values that are present.
+pub fn largest(values: &[Option<f64>]) -> Option<f64> {
+    values.iter().copied().fold(None, larger)
 }
 
 fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a.max(b)),
-        (some, None) | (None, some) => some,
+        (value, None) | (None, value) => value,
     }
 }
 
-/// A [`Sink`] that compares a run with its reference as it goes by, and keeps next to nothing of it.
+/// A [`Sink`] that compares a run with its reference without storing its samples.
 pub struct Comparison<'a> {
     reference: &'a Recording,
     until_s: f64,
     cursor: usize,
-    path: Vec<Track>,
-    rates: Vec<Track>,
+    path: Vec<RunningDifference>,
+    rates: Vec<RunningDifference>,
     impacts: Impacts,
     excess_j: f64,
     motor_work_j: f64,
@@ -131,7 +134,7 @@ pub struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Trajectories are compared up to `until_s`.
+    /// Creates a comparison of trajectories up to `until_s`.
     pub fn new(reference: &'a Recording, until_s: f64) -> Self {
         let Sample { fingers, bodies, .. } = &reference.outcome.last;
         let (angles, rates) = (Angle::ALL.len() * fingers.len(), Rate::ALL.len() * fingers.len());
@@ -139,8 +142,8 @@ impl<'a> Comparison<'a> {
             reference,
             until_s,
             cursor: 0,
-            path: vec![Track::default(); angles + bodies.len()],
-            rates: vec![Track::default(); rates],
+            path: vec![RunningDifference::default(); angles + bodies.len()],
+            rates: vec![RunningDifference::default(); rates],
             impacts: Impacts::default(),
             excess_j: 0.0,
             motor_work_j: 0.0,
@@ -148,76 +151,83 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// Largest depth of a contact in either model.
-    fn deepest_m(&self, index: usize, outcome: &Outcome) -> f64 {
+    /// Maximum penetration of a contact in either model, m.
+    fn max_penetration_m(&self, index: usize, outcome: &Outcome) -> f64 {
         let runs = [outcome, &self.reference.outcome];
         let depths = runs.map(|run| run.contacts.get(index).map_or(f64::NAN, |contact| contact.max_penetration_m));
         depths[0].max(depths[1])
     }
 
-    /// Whether a pair of discs carried no force to speak of in either model: it overlapped by rounding, or its largest force is next to
-    /// nothing beside that of its spring alone. The law held the force at zero then, and what is left of it as the surfaces part is too
-    /// short for steps.
-    fn carries_nothing(&self, index: usize, outcome: &Outcome) -> bool {
-        let spring_n = self.reference.spring_n.get(index).copied().unwrap_or(0.0);
+    /// Whether the contact force of a pair of discs is negligible in both models: the pair overlaps by rounding only,
+    /// or its largest force is negligible compared with its spring force alone. In the latter case the contact law
+    /// clamps the force to zero, and the remaining force during separation is too short to be resolved by steps.
+    fn is_force_negligible(&self, index: usize, outcome: &Outcome) -> bool {
+        let peak_spring_n = self.reference.peak_spring_n.get(index).copied().unwrap_or(0.0);
         let runs = [outcome, &self.reference.outcome];
         let peaks = runs.map(|run| run.contacts.get(index).map_or(f64::NAN, |contact| contact.peak_normal_n));
-        let by_rounding = spring_n > 0.0 && self.deepest_m(index, outcome) <= ROUNDING_M;
-        by_rounding || peaks.iter().all(|peak| *peak < SIGNIFICANT * spring_n)
+        let is_rounding = peak_spring_n > 0.0 && self.max_penetration_m(index, outcome) <= ROUNDING_M;
+        is_rounding || peaks.iter().all(|peak| *peak < SIGNIFICANT * peak_spring_n)
     }
 
-    /// The differences, once the run is over.
+    /// Returns the differences after the end of the run.
     pub fn finish(self, outcome: &Outcome) -> Differences {
         let reference = &self.reference.outcome;
         let compared: Vec<usize> =
             (0..reference.contacts.len()).filter(|&index| !reference.last.is_stop(index)).collect();
-        let of_fingers = !reference.last.fingers.is_empty();
-        let over_the_run = |figure: fn(&ContactSummary) -> f64| -> Vec<Option<f64>> {
-            let largest = reference.contacts.iter().map(figure).fold(0.0, f64::max);
-            let of = |&index: &usize| {
-                let found = outcome.contacts.get(index).map_or(f64::NAN, figure);
-                if self.carries_nothing(index, outcome) {
+        let has_fingers = !reference.last.fingers.is_empty();
+        let compare_totals = |quantity: fn(&ContactSummary) -> f64| -> Vec<Option<f64>> {
+            let largest = reference.contacts.iter().map(quantity).fold(0.0, f64::max);
+            let compare_total = |&index: &usize| {
+                let found = outcome.contacts.get(index).map_or(f64::NAN, quantity);
+                if self.is_force_negligible(index, outcome) {
                     return None;
                 }
-                relative(found, figure(&reference.contacts[index]), largest)
+                relative_difference(found, quantity(&reference.contacts[index]), largest)
             };
-            compared.iter().map(of).collect()
+            compared.iter().map(compare_total).collect()
         };
         let first_s = |outcome: &Outcome, index: usize| outcome.contacts.get(index).and_then(|contact| contact.first_s);
-        // Discs that overlap by rounding in both runs are in contact in neither.
-        let touch = |&index: &usize| {
+        // Discs that overlap by rounding only do not count as in contact.
+        let contact_time = |&index: &usize| {
             let (found, expected) = (first_s(outcome, index), first_s(reference, index));
-            let one_lacks = found.is_some() != expected.is_some();
-            let of_discs = self.reference.spring_n.get(index).is_some();
-            if one_lacks && of_discs && self.deepest_m(index, outcome) <= ROUNDING_M {
+            let is_missing_in_one = found.is_some() != expected.is_some();
+            let is_between_discs = self.reference.peak_spring_n.get(index).is_some();
+            if is_missing_in_one && is_between_discs && self.max_penetration_m(index, outcome) <= ROUNDING_M {
                 None
             } else {
-                first_touch(found, expected, self.until_s)
+                first_contact_difference(found, expected, self.until_s)
             }
         };
         let ends_within = outcome.last.time_s <= self.until_s;
         let final_force = |&index: &usize| match ends_within {
-            true => final_force(&outcome.last, &reference.last, index),
-            // The end lies beyond what is compared.
+            true => final_force_difference(&outcome.last, &reference.last, index),
+            // The end of the run is beyond the compared time.
             false => None,
         };
-        let turned = outcome.last.bodies.iter().zip(&reference.last.bodies);
-        let off = |track: &Track| Off { max: track.max, max_at_s: track.max_at_s, rms: track.rms(), end: track.end };
-        let energy_j = if of_fingers { self.motor_work_j } else { self.energy_j };
+        let angles = outcome.last.bodies.iter().zip(&reference.last.bodies);
+        let error = |running: &RunningDifference| CoordinateError {
+            max: running.max,
+            max_at_s: running.max_at_s,
+            rms: running.rms(),
+            end: running.end,
+        };
+        let energy_j = if has_fingers { self.motor_work_j } else { self.energy_j };
         Differences {
-            path: self.path.iter().map(off).collect(),
-            rate_rms_rad_s: self.rates.iter().map(Track::rms).collect(),
-            angle_end_rad: turned.map(|(found, expected)| distance(found.angle_rad, expected.angle_rad)).collect(),
-            contact_time_s: compared.iter().map(touch).collect(),
-            impulse: match of_fingers {
+            path: self.path.iter().map(error).collect(),
+            rate_rms_rad_s: self.rates.iter().map(RunningDifference::rms).collect(),
+            angle_end_rad: angles.map(|(found, expected)| distance(found.angle_rad, expected.angle_rad)).collect(),
+            contact_time_s: compared.iter().map(contact_time).collect(),
+            impulse: match has_fingers {
                 true => {
-                    let of = |&index: &usize| impulses(&self.impacts, &self.reference.impacts, index, self.until_s);
-                    compared.iter().map(of).collect()
+                    let worst = |&index: &usize| {
+                        worst_impulse_difference(&self.impacts, &self.reference.impacts, index, self.until_s)
+                    };
+                    compared.iter().map(worst).collect()
                 }
-                false => over_the_run(|contact| contact.impulse_n_s),
+                false => compare_totals(|contact| contact.impulse_n_s),
             },
             final_force: compared.iter().map(final_force).collect(),
-            peak_force: over_the_run(|contact| contact.peak_normal_n),
+            peak_force: compare_totals(|contact| contact.peak_normal_n),
             loop_gap_m: outcome.loop_gap_m,
             energy_created_j: self.excess_j,
             energy_created: if self.excess_j > 0.0 { self.excess_j / energy_j } else { 0.0 },
@@ -232,18 +242,18 @@ impl Sink for Comparison<'_> {
         self.excess_j = self.excess_j.max(energy.balance_j);
         self.motor_work_j = self.motor_work_j.max(energy.motor_work_j.abs());
         self.energy_j = self.energy_j.max(energy.kinetic_j + energy.elastic_j).max(energy.motor_work_j.abs());
-        // A reference may end early, where the object of a gripper is thrown out.
+        // The reference ends early if the object of a gripper is ejected.
         if sample.time_s > self.until_s.min(self.reference.outcome.last.time_s) {
             return Ok(());
         }
-        let Some(expected) = self.reference.at(sample.time_s, &mut self.cursor) else { return Ok(()) };
-        for (track, off) in self.path.iter_mut().zip(off(sample, &expected)) {
-            track.push(sample.time_s, off);
+        let Some(expected) = self.reference.interpolate(sample.time_s, &mut self.cursor) else { return Ok(()) };
+        for (running, error) in self.path.iter_mut().zip(coordinate_errors(sample, &expected)) {
+            running.push(sample.time_s, error);
         }
         let fingers = sample.fingers.iter().zip(&expected.fingers);
-        let rates = fingers.flat_map(|(a, b)| Rate::ALL.map(|rate| rate.of(a) - rate.of(b)));
-        for (track, off) in self.rates.iter_mut().zip(rates) {
-            track.push(sample.time_s, off);
+        let rates = fingers.flat_map(|(a, b)| Rate::ALL.map(|rate| rate.value(a) - rate.value(b)));
+        for (running, error) in self.rates.iter_mut().zip(rates) {
+            running.push(sample.time_s, error);
         }
         Ok(())
     }
@@ -253,8 +263,9 @@ impl Sink for Comparison<'_> {
     }
 }
 
-/// How far the coordinates of a sample are off: q11, q21, q22 of every finger, and the distances of the centres of all bodies.
-pub fn off(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
+/// Returns the errors of the coordinates of a sample: q11, q21, q22 of every finger, then the distances between the
+/// centres of all bodies.
+pub fn coordinate_errors(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
     let fingers = sample.fingers.iter().zip(&expected.fingers);
     let angles = fingers.flat_map(|(a, b)| Angle::ALL.map(|angle| angle.difference(a, b)));
     let centres = sample.bodies.iter().zip(&expected.bodies).map(|(a, b)| {
@@ -264,28 +275,27 @@ pub fn off(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
     angles.chain(centres)
 }
 
-/// Compares a run that was kept with its reference, trajectories up to `until_s`.
+/// Compares a recorded run with its reference, with trajectories up to `until_s`.
 pub fn compare(run: &Recording, reference: &Recording, until_s: f64) -> Differences {
     let mut comparison = Comparison::new(reference, until_s);
-    // Events and samples of a kept run are apart: impacts are already measured, and only samples are gone through
-    // again.
+    // A recording stores samples and events separately, so its impacts are reused instead of being measured again.
     for sample in &run.samples {
-        comparison.sample(sample).expect("comparing writes nothing");
+        comparison.sample(sample).expect("Comparison::sample does not write output");
     }
     comparison.impacts = run.impacts.clone();
     comparison.finish(&run.outcome)
 }
 
-fn final_force(last: &Sample, expected: &Sample, index: usize) -> Option<f64> {
+fn final_force_difference(last: &Sample, expected: &Sample, index: usize) -> Option<f64> {
     let (contact, expected) = (last.contacts.get(index)?, expected.contacts.get(index)?);
-    // Without an object there is nothing to press on.
-    let there = expected.gap_m.is_finite() || contact.gap_m.is_finite();
-    let scale = if expected.normal_n > NO_FORCE_N { expected.normal_n } else { 1.0 };
-    there.then(|| distance(contact.normal_n, expected.normal_n) / scale)
+    // The gap is infinite without an object.
+    let has_object = expected.gap_m.is_finite() || contact.gap_m.is_finite();
+    let scale = if expected.normal_n > ZERO_FORCE_N { expected.normal_n } else { 1.0 };
+    has_object.then(|| distance(contact.normal_n, expected.normal_n) / scale)
 }
 
-/// Difference of two first touches, unless both come after what is compared.
-fn first_touch(time_s: Option<f64>, expected_s: Option<f64>, until_s: f64) -> Option<f64> {
+/// Difference of two times of first contact; `None` if both are after the compared time.
+fn first_contact_difference(time_s: Option<f64>, expected_s: Option<f64>, until_s: f64) -> Option<f64> {
     match (time_s, expected_s) {
         (Some(t), Some(expected)) => (t.min(expected) <= until_s).then(|| distance(t, expected)),
         (Some(t), None) | (None, Some(t)) => (t <= until_s).then_some(f64::INFINITY),
@@ -293,13 +303,13 @@ fn first_touch(time_s: Option<f64>, expected_s: Option<f64>, until_s: f64) -> Op
     }
 }
 
-/// Worst relative difference of the impulse of the impacts that matter.
-fn impulses(impacts: &Impacts, expected: &Impacts, contact: usize, until_s: f64) -> Option<f64> {
-    let whole = |impact: &&Impact| impact.end_s() <= until_s;
-    let largest = expected.all.iter().filter(whole).map(Impact::impulse_n_s).fold(0.0, f64::max);
-    let mut found = impacts.of(contact);
+/// Worst relative difference of the impulse over the significant impacts of a contact.
+fn worst_impulse_difference(impacts: &Impacts, expected: &Impacts, contact: usize, until_s: f64) -> Option<f64> {
+    let ends_within = |impact: &&Impact| impact.end_s() <= until_s;
+    let largest = expected.all.iter().filter(ends_within).map(Impact::impulse_n_s).fold(0.0, f64::max);
+    let mut found = impacts.of_contact(contact);
     let mut worst = None;
-    for expected in expected.of(contact).filter(whole) {
+    for expected in expected.of_contact(contact).filter(ends_within) {
         let found = found.next();
         let impulse = expected.impulse_n_s();
         if impulse > 0.0 && impulse >= SIGNIFICANT * largest {
@@ -310,8 +320,8 @@ fn impulses(impacts: &Impacts, expected: &Impacts, contact: usize, until_s: f64)
     worst
 }
 
-/// Difference relative to what is expected; `None` where that is next to nothing beside the largest of all.
-fn relative(found: f64, expected: f64, largest: f64) -> Option<f64> {
+/// Difference relative to the expected value; `None` where the latter is negligible compared with the largest value.
+fn relative_difference(found: f64, expected: f64, largest: f64) -> Option<f64> {
     if expected > 0.0 && expected >= SIGNIFICANT * largest {
         Some(distance(found, expected) / expected)
     } else if found > SIGNIFICANT * largest && found > 0.0 {
@@ -321,7 +331,7 @@ fn relative(found: f64, expected: f64, largest: f64) -> Option<f64> {
     }
 }
 
-/// |a − b|; infinite where that is no number.
+/// |a − b|; infinite where that is NaN.
 fn distance(a: f64, b: f64) -> f64 {
     let difference = (a - b).abs();
     if difference.is_nan() { f64::INFINITY } else { difference }
@@ -348,16 +358,16 @@ mod tests {
     }
 
     #[test]
-    fn places_touches_and_impulses_are_compared_pair_by_pair() {
+    fn positions_contact_times_and_impulses_are_compared_per_pair() {
         let reference = recording(0.0, [pair(Some(0.5), 2.0), pair(None, 0.0), pair(Some(0.7), 0.001)]);
         let found = recording(3e-6, [pair(Some(0.501), 2.1), pair(None, 0.0), pair(None, 0.0)]);
         let differences = compare(&found, &reference, 1.0);
         assert!((differences.path_max() - 3e-6).abs() < 1e-18);
         assert_eq!(differences.path[0].max_at_s, 1.0);
-        assert!((differences.contact_time_s[0].expect("touches") - 1e-3).abs() < 1e-12);
-        assert_eq!(differences.contact_time_s[1..], [None, Some(f64::INFINITY)], "one touch is missing");
+        assert!((differences.contact_time_s[0].expect("a contact") - 1e-3).abs() < 1e-12);
+        assert_eq!(differences.contact_time_s[1..], [None, Some(f64::INFINITY)], "one contact is missing");
         assert!((differences.impulse[0].expect("an impulse") - 0.05).abs() < 1e-12);
-        assert_eq!(differences.impulse[1..], [None, None], "nothing, and next to nothing");
+        assert_eq!(differences.impulse[1..], [None, None], "zero and negligible impulses");
         assert!((largest(&differences.peak_force).expect("a force") - 0.05).abs() < 1e-12);
         let exact = compare(&reference, &reference, 1.0);
         let worst = (largest(&exact.impulse), largest(&exact.contact_time_s));
@@ -366,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn an_impulse_out_of_nothing_is_infinitely_wrong() {
+    fn impulse_missing_in_the_reference_is_an_infinite_difference() {
         let reference = recording(0.0, [pair(None, 0.0); 3]);
         let found = recording(0.0, [pair(Some(0.1), 1.0), pair(None, 0.0), pair(None, 0.0)]);
         assert_eq!(largest(&compare(&found, &reference, 1.0).impulse), Some(f64::INFINITY));

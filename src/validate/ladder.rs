@@ -1,29 +1,30 @@
-//! The settings that are tried: both models, from coarse to fine.
+//! The solver configurations of the ladder: both models, from coarse to fine.
 
-use super::members;
-use super::subject::{is_jointed, reference, touching_friction, with};
+use super::ensemble_size;
+use super::scenes::{contact_static_friction, is_single_finger, modify, reference_scene};
 use crate::scene::ENGINE_MAX_STEP_S;
 use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::trace::Model;
 
-/// A setting that is predicted to need more steps than this is left out.
-pub const LONGEST_STEPS: f64 = 2e6;
-/// A finer setting is tried, unasked, if it takes no more steps than this.
-const FINER_STEPS: f64 = 2e5;
-/// A fixed step that makes more steps than this is run once, not with the whole ensemble.
-const ONCE_STEPS: f64 = 15e3;
-/// Shortest fixed step where there is no time for shorter ones, a little less than 1e-5 s for the sake of the last bit.
-const QUICK_STEP_S: f64 = 0.999e-5;
+/// Configurations with more predicted steps than this are skipped.
+pub const MAX_PREDICTED_STEPS: f64 = 2e6;
+/// Finer configurations are run after a failed verdict only up to this number of predicted steps.
+const MAX_FINER_STEPS: f64 = 2e5;
+/// Configurations with more fixed steps than this are run once instead of with the whole ensemble.
+const MAX_ENSEMBLE_STEPS: f64 = 15e3;
+/// Shortest fixed step of a quick ladder, s; slightly less than 1e-5 s to allow for rounding.
+const MIN_QUICK_STEP_S: f64 = 0.999e-5;
 
-/// Settings that differ in a number only.
+/// Configurations that differ in numerical parameters only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Maximal construction, scene's laws: steps as long as a tolerance lets them be, or all the same.
+    /// Maximal coordinates, contact laws of the scene, adaptive steps.
     EngineAdaptive,
+    /// Maximal coordinates, contact laws of the scene, fixed steps.
     EngineFixed,
-    /// Reduced construction, scene's laws.
+    /// Reduced coordinates, contact laws of the scene.
     Reduced,
-    /// rapier's own contact.
+    /// Contact model of rapier.
     Native,
     Analytic,
 }
@@ -32,7 +33,7 @@ impl Family {
     pub const ALL: [Family; 5] =
         [Family::EngineAdaptive, Family::EngineFixed, Family::Reduced, Family::Native, Family::Analytic];
 
-    /// In tables and pictures.
+    /// Name in tables and plots.
     pub fn name(self) -> &'static str {
         match self {
             Family::EngineAdaptive => "engine, adaptive steps",
@@ -43,7 +44,7 @@ impl Family {
         }
     }
 
-    fn of(engine: &Engine) -> Family {
+    fn from_engine(engine: &Engine) -> Family {
         match (engine.response, engine.construction, engine.stepping) {
             (Response::Rapier { .. }, ..) => Family::Native,
             (_, Construction::Reduced, _) => Family::Reduced,
@@ -53,35 +54,41 @@ impl Family {
     }
 }
 
-/// What a setting sets.
+/// The parameters of a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Settings {
     Analytic(Integrator),
     Engine(Engine),
 }
 
-/// One setting.
+/// One configuration of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung {
+pub struct SolverConfiguration {
     pub family: Family,
     pub settings: Settings,
-    /// Whether this is what the scene asks for: the setting that is judged.
-    pub own: bool,
-    /// Runs of which the worst counts.
+    /// Whether the scene requests this configuration. Only that configuration is judged.
+    pub is_from_scene: bool,
+    /// Number of runs; the worst one determines the result.
     pub members: usize,
 }
 
-impl Rung {
+impl SolverConfiguration {
     fn engine(engine: Engine, scene: &Scene) -> Self {
-        let own = engine == scene.engine;
-        let long = matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > ONCE_STEPS);
-        let members = if long && !own { 1 } else { members(scene) };
-        Rung { family: Family::of(&engine), settings: Settings::Engine(engine), own, members }
+        let is_from_scene = engine == scene.engine;
+        let is_long =
+            matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > MAX_ENSEMBLE_STEPS);
+        let members = if is_long && !is_from_scene { 1 } else { ensemble_size(scene) };
+        SolverConfiguration {
+            family: Family::from_engine(&engine),
+            settings: Settings::Engine(engine),
+            is_from_scene,
+            members,
+        }
     }
 
     fn analytic(integrator: Integrator, scene: &Scene) -> Self {
         let settings = Settings::Analytic(integrator);
-        Rung { family: Family::Analytic, settings, own: false, members: members(scene) }
+        SolverConfiguration { family: Family::Analytic, settings, is_from_scene: false, members: ensemble_size(scene) }
     }
 
     pub fn model(&self) -> Model {
@@ -91,47 +98,48 @@ impl Rung {
         }
     }
 
-    /// The scene with this setting.
+    /// Returns the scene with this configuration.
     pub fn apply(&self, scene: &Scene) -> Scene {
-        with(scene, |scene| match self.settings {
+        modify(scene, |scene| match self.settings {
             Settings::Analytic(integrator) => scene.integrator = integrator,
             Settings::Engine(engine) => scene.engine = engine,
         })
     }
 
-    /// Whether this is the reference: it has no error to speak of.
+    /// Whether this is the reference configuration, which has no error by definition.
     pub fn is_reference(&self) -> bool {
         matches!(self.settings, Settings::Analytic(integrator) if integrator.preset == Preset::Reference)
     }
 
-    /// Steps a run will take, as far as that can be told; `own` is what the scene's own engine run took.
-    pub fn predicted_steps(&self, scene: &Scene, own: u64) -> Option<f64> {
+    /// Predicts the number of steps of a run; `None` if it cannot be predicted. `scene_steps` is the number of steps of
+    /// the engine at the scene's own settings.
+    pub fn predicted_steps(&self, scene: &Scene, scene_steps: u64) -> Option<f64> {
         match (self.settings, scene.engine.stepping) {
             (Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }), _) => {
                 Some(scene.duration_s / step_s)
             }
             (
                 Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, .. }, .. }),
-                Stepping::Adaptive { tolerance_m: usual_m, .. },
-            ) => Some(own as f64 * (usual_m / tolerance_m).sqrt()),
+                Stepping::Adaptive { tolerance_m: scene_tolerance_m, .. },
+            ) => Some(scene_steps as f64 * (scene_tolerance_m / tolerance_m).sqrt()),
             _ => None,
         }
     }
 }
 
-/// The setting the scene asks for.
-pub fn own(scene: &Scene) -> Rung {
-    Rung::engine(scene.engine, scene)
+/// Returns the configuration that the scene requests.
+pub fn scene_configuration(scene: &Scene) -> SolverConfiguration {
+    SolverConfiguration::engine(scene.engine, scene)
 }
 
-/// The setting of the reference.
-pub fn of_reference(scene: &Scene) -> Rung {
-    Rung::analytic(reference(scene).integrator, scene)
+/// Returns the configuration of the reference.
+pub fn reference_configuration(scene: &Scene) -> SolverConfiguration {
+    SolverConfiguration::analytic(reference_scene(scene).integrator, scene)
 }
 
-/// A setting in few words, without its family.
-pub fn name(rung: &Rung) -> String {
-    match rung.settings {
+/// Returns the name of a configuration without its family.
+pub fn configuration_name(configuration: &SolverConfiguration) -> String {
+    match configuration.settings {
         Settings::Analytic(Integrator { method: Method::Rodas5p, rtol, .. }) => format!("rodas5p rtol {rtol:e}"),
         Settings::Analytic(Integrator { method: Method::RadauIIa5, rtol, .. }) => format!("radau5 rtol {rtol:e}"),
         Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => format!("dt {step_s:e} s"),
@@ -145,99 +153,113 @@ pub fn name(rung: &Rung) -> String {
     }
 }
 
-/// Keys of `[engine]` with which the engine is stepped like this, for a scene of the same kind of stepping.
-pub fn keys(rung: &Rung) -> String {
-    match rung.settings {
+/// Returns the keys of `[engine]` for this stepping, for a scene with the same kind of stepping.
+pub fn engine_keys(configuration: &SolverConfiguration) -> String {
+    match configuration.settings {
         Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => format!("step = \"{step_s:e} s\""),
         Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
-            let longest = match max_step_s == ENGINE_MAX_STEP_S {
+            let max_step = match max_step_s == ENGINE_MAX_STEP_S {
                 true => String::new(),
                 false => format!(", max_step = \"{max_step_s:e} s\""),
             };
-            format!("tolerance = \"{tolerance_m:e} m\"{longest}")
+            format!("tolerance = \"{tolerance_m:e} m\"{max_step}")
         }
-        Settings::Analytic(_) => name(rung),
+        Settings::Analytic(_) => configuration_name(configuration),
     }
 }
 
-/// All settings for a scene, family by family; `quick` leaves out those that take long. The scene's own is among them.
-pub fn ladder(scene: &Scene, quick: bool) -> Vec<Rung> {
+/// Returns all configurations for a scene, grouped by family, including the scene's own. `quick` omits those that take
+/// long.
+pub fn ladder_configurations(scene: &Scene, quick: bool) -> Vec<SolverConfiguration> {
     let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
-    let mut engines = adaptive(scene);
-    engines.extend(fixed(scene, maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
-    if is_jointed(scene) && !quick {
-        engines.extend(fixed(scene, reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
+    let mut engines = adaptive_step_engines(scene);
+    engines.extend(fixed_step_engines(scene, maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
+    if is_single_finger(scene) && !quick {
+        engines.extend(fixed_step_engines(scene, reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
     }
-    if let Some(friction) = touching_friction(scene) {
+    if let Some(friction) = contact_static_friction(scene) {
         let native = Response::Rapier { friction, restitution: 0.0 };
-        engines.extend(fixed(scene, maximal, native, &[1e-4, 1e-5, 1e-6], quick));
+        engines.extend(fixed_step_engines(scene, maximal, native, &[1e-4, 1e-5, 1e-6], quick));
     }
-    let own = scene.engine;
-    if !engines.contains(&own) {
-        let family = Family::of(&own);
-        let place = engines.iter().rposition(|engine| Family::of(engine) == family);
-        engines.insert(place.map_or(engines.len(), |place| place + 1), own);
+    let scene_engine = scene.engine;
+    if !engines.contains(&scene_engine) {
+        let family = Family::from_engine(&scene_engine);
+        let last_of_family = engines.iter().rposition(|engine| Family::from_engine(engine) == family);
+        engines.insert(last_of_family.map_or(engines.len(), |index| index + 1), scene_engine);
     }
-    let engines = engines.into_iter().map(|engine| Rung::engine(engine, scene));
-    engines.chain(analytic(scene).into_iter().map(|integrator| Rung::analytic(integrator, scene))).collect()
+    let engines = engines.into_iter().map(|engine| SolverConfiguration::engine(engine, scene));
+    engines
+        .chain(
+            analytic_integrators(scene).into_iter().map(|integrator| SolverConfiguration::analytic(integrator, scene)),
+        )
+        .collect()
 }
 
-/// Settings of the engine finer than the scene's, each by a factor of ten, coarse to fine, as long as they take few steps; none for
-/// rapier's own contact, since no step makes it follow the scene's law.
-pub fn finer_settings(scene: &Scene, own_steps: u64) -> Vec<Rung> {
+/// Returns configurations of the engine finer than the scene's, each by a factor of ten, from coarse to fine, up to
+/// 200,000 predicted steps. There are none for rapier's own contact model, which does not converge to the scene's
+/// contact law.
+pub fn finer_configurations(scene: &Scene, scene_steps: u64) -> Vec<SolverConfiguration> {
     if matches!(scene.engine.response, Response::Rapier { .. }) {
         return Vec::new();
     }
-    let finer = |factor: f64| match scene.engine.stepping {
+    let refine = |factor: f64| match scene.engine.stepping {
         Stepping::Fixed { step_s } => Stepping::Fixed { step_s: scaled(step_s, factor) },
         Stepping::Adaptive { tolerance_m, max_step_s } => {
-            // Without joints the longest step decides, not the tolerance.
-            let longer = if is_jointed(scene) { 1.0 } else { factor.sqrt() };
-            Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s: scaled(max_step_s, longer) }
+            // Without joints, the longest step limits the accuracy, not the tolerance.
+            let step_factor = if is_single_finger(scene) { 1.0 } else { factor.sqrt() };
+            Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s: scaled(max_step_s, step_factor) }
         }
     };
-    let rungs =
-        [0.1, 0.01, 1e-3, 1e-4].map(|factor| Rung::engine(Engine { stepping: finer(factor), ..scene.engine }, scene));
-    let is_short = |rung: &Rung| rung.predicted_steps(scene, own_steps).is_none_or(|steps| steps <= FINER_STEPS);
-    rungs.into_iter().filter(is_short).collect()
+    let configurations = [0.1, 0.01, 1e-3, 1e-4]
+        .map(|factor| SolverConfiguration::engine(Engine { stepping: refine(factor), ..scene.engine }, scene));
+    let is_short = |configuration: &SolverConfiguration| {
+        configuration.predicted_steps(scene, scene_steps).is_none_or(|steps| steps <= MAX_FINER_STEPS)
+    };
+    configurations.into_iter().filter(is_short).collect()
 }
 
-/// Tolerances around the scene's own, or around the usual one where its steps are fixed. Bodies without joints are rarely
-/// held back by the tolerance: there the longest step goes with it, as its square root.
-fn adaptive(scene: &Scene) -> Vec<Engine> {
+/// Adaptive stepping with coarser and finer tolerances than the scene's, or than the default if the scene has fixed
+/// steps. Without joints, the tolerance rarely limits a step, so the longest step is scaled with its square root.
+fn adaptive_step_engines(scene: &Scene) -> Vec<Engine> {
     let stepping = match scene.engine.stepping {
         Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
         adaptive @ Stepping::Adaptive { .. } => adaptive,
     };
     let Stepping::Adaptive { tolerance_m, max_step_s } = stepping else { return Vec::new() };
-    let at = |[factor, longer]: [f64; 2]| {
-        let (tolerance_m, max_step_s) = (scaled(tolerance_m, factor), scaled(max_step_s, longer));
+    let scaled_engine = |[factor, step_factor]: [f64; 2]| {
+        let (tolerance_m, max_step_s) = (scaled(tolerance_m, factor), scaled(max_step_s, step_factor));
         engine(scene, Construction::Maximal, Response::Laws, Stepping::Adaptive { tolerance_m, max_step_s })
     };
-    match is_jointed(scene) {
-        true => [100.0, 10.0, 1.0, 0.1].map(|factor| at([factor, 1.0])).to_vec(),
-        false => [[100.0, 10.0], [1.0, 1.0], [0.01, 0.1]].map(at).to_vec(),
+    match is_single_finger(scene) {
+        true => [100.0, 10.0, 1.0, 0.1].map(|factor| scaled_engine([factor, 1.0])).to_vec(),
+        false => [[100.0, 10.0], [1.0, 1.0], [0.01, 0.1]].map(scaled_engine).to_vec(),
     }
 }
 
-fn fixed(scene: &Scene, construction: Construction, response: Response, steps_s: &[f64], quick: bool) -> Vec<Engine> {
-    let coarse = steps_s.iter().filter(|&&step_s| !quick || step_s >= QUICK_STEP_S);
-    coarse.map(|&step_s| engine(scene, construction, response, Stepping::Fixed { step_s })).collect()
+fn fixed_step_engines(
+    scene: &Scene,
+    construction: Construction,
+    response: Response,
+    steps_s: &[f64],
+    quick: bool,
+) -> Vec<Engine> {
+    let allowed = steps_s.iter().filter(|&&step_s| !quick || step_s >= MIN_QUICK_STEP_S);
+    allowed.map(|&step_s| engine(scene, construction, response, Stepping::Fixed { step_s })).collect()
 }
 
-/// The engine of the scene built and stepped in another way; sweeps are the scene's where its contact is of the same
-/// kind.
+/// Returns the engine of the scene with another construction and stepping. The number of solver iterations is the
+/// scene's if its contact model is of the same kind, and the default otherwise.
 fn engine(scene: &Scene, construction: Construction, response: Response, stepping: Stepping) -> Engine {
-    let own = scene.engine;
-    let same = matches!(response, Response::Laws) == matches!(own.response, Response::Laws);
-    let iterations = if same { own.iterations } else { Engine::usual_iterations(response) };
-    Engine { construction, response, stepping, iterations, ..own }
+    let scene_engine = scene.engine;
+    let is_same_contact = matches!(response, Response::Laws) == matches!(scene_engine.response, Response::Laws);
+    let iterations = if is_same_contact { scene_engine.iterations } else { Engine::default_iterations(response) };
+    Engine { construction, response, stepping, iterations, ..scene_engine }
 }
 
-/// The everyday preset loosened and tightened as a whole, and two of the method of the reference.
-fn analytic(scene: &Scene) -> Vec<Integrator> {
-    let (usual, reference) = (Integrator::preset(Preset::Engineering), reference(scene).integrator);
-    let at = |preset: Integrator, rtol: f64| {
+/// Returns the engineering preset with all tolerances scaled, and two configurations with the method of the reference.
+fn analytic_integrators(scene: &Scene) -> Vec<Integrator> {
+    let (engineering, reference) = (Integrator::preset(Preset::Engineering), reference_scene(scene).integrator);
+    let with_rtol = |preset: Integrator, rtol: f64| {
         let factor = rtol / preset.rtol;
         Integrator {
             preset: if factor == 1.0 { preset.preset } else { Preset::Engineering },
@@ -248,12 +270,12 @@ fn analytic(scene: &Scene) -> Vec<Integrator> {
             ..preset
         }
     };
-    let rodas = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8].map(|rtol| at(usual, rtol));
-    let radau = [1e-8, reference.rtol].map(|rtol| at(reference, rtol));
+    let rodas = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8].map(|rtol| with_rtol(engineering, rtol));
+    let radau = [1e-8, reference.rtol].map(|rtol| with_rtol(reference, rtol));
     rodas.into_iter().chain(radau).collect()
 }
 
-/// A value times a power of ten, without the last bit's dust in tables.
+/// Returns a value times a power of ten, rounded to ten digits so that tables show no rounding errors.
 fn scaled(value: f64, factor: f64) -> f64 {
     if factor == 1.0 { value } else { format!("{:.9e}", value * factor).parse().unwrap_or(value * factor) }
 }

@@ -1,39 +1,40 @@
-//! How far the engine model is from the analytic one, and what accuracy costs: speed against error.
+//! Accuracy and cost of the engine model, measured against the analytic model.
 //!
-//! The *reference* is the analytic model at [`Preset::Reference`](crate::scene::Preset). The engine at the scene's own
-//! settings is compared with it and judged by the scene's bounds: [`validate`]. A ladder of other settings of both models
-//! is compared and timed, but not judged, where it is wanted: [`climb`].
+//! The *reference* is the analytic model at [`Preset::Reference`](crate::scene::Preset). [`validate`] compares the
+//! engine at the scene's own settings with the reference and judges it by the scene's bounds. On request,
+//! [`run_ladder`] compares and times a ladder of other solver configurations of both models without judging them.
 //!
-//! **Ensemble.** Where an integrator's steps fall relative to an impact is luck, and one run may be right by it. The
-//! error of a setting is therefore the worst over [`MEMBERS`] runs (grippers: [`GRIPPER_MEMBERS`]) whose motor torque differs by
-//! parts in 1e9, each against a reference of its own. Settings that take long are run once, and say so.
+//! **Ensemble.** The position of an integrator's steps relative to an impact is arbitrary, so a single run may be
+//! accurate by chance. The error of a configuration is therefore the worst over [`ENSEMBLE_SIZE`] runs (grippers:
+//! [`GRIPPER_ENSEMBLE_SIZE`]) whose motor torques differ by parts in 1e9. Each run has its own reference.
+//! Configurations that take long are run once; the report states the number of runs.
 //!
-//! **Criteria.** The criteria of both runs are compared as well: class, fate, time to stability, lost contacts, form closure,
-//! restitution ([`Criterion`]).
+//! **Criteria.** The criteria of both runs are compared as well: class, fate, time to stability, lost contacts, form
+//! closure, restitution ([`Criterion`]).
 //!
-//! **What is compared.** Joint angles (a whole turn apart is the same) and rates at every step of the engine, the
-//! reference interpolated between its dense samples; forces at the end of the run; times of first touch; the normal
-//! impulse of every impact up to its lift-off, or in the first [`IMPACT_S`] of a contact that stays, each model counted
-//! from its own touch-down; the opening of the engine's joints; energy that came from nowhere.
+//! **Compared quantities.** Joint angles (modulo a full turn) and rates at every step of the engine, with the reference
+//! interpolated between its dense samples; forces at the end of the run; times of first contact; the normal impulse of
+//! every impact up to its lift-off, or in the first [`IMPACT_S`] of a lasting contact, where each model counts from its
+//! own touch-down; the opening of the engine's joints; spurious energy.
 //!
-//! Of scenes of discs: places of the discs, times of first touch, impulse and peak of every pair, up to `until`; the
-//! members of the ensemble differ in speeds and gravity.
+//! For scenes of discs: positions of the discs, times of first contact, impulse and peak force of every pair, up to
+//! `until`. The members of the ensemble differ in speeds and gravity.
 //!
-//! | file | job |
+//! | file | content |
 //! |---|---|
-//! | `subject` | what a validation does to a scene: settings, members, bounds |
-//! | `recording` | the reference: a sink that keeps a run, on a grid dense enough to interpolate in |
-//! | `ensemble` | the members: the same scene with its motor torque, or its speeds and gravity, a little changed |
-//! | `statistics` | means over many runs, where trajectories are too sensitive to be compared |
-//! | `impacts` | normal impulse of every impact, as a run goes by |
-//! | `track` | differences of angles and rates along the way |
-//! | `difference` | everything in which a run differs from its reference |
-//! | `room` | what fits into memory |
-//! | `criteria` | what both runs are judged by, side by side |
-//! | `ladder` | the settings that are tried |
-//! | `cost` | wall time of a setting, beside that of the everyday analytic run |
-//! | `study` | the validation of a scene: verdict, and ladder |
-//! | `verdict` | measured against bounds |
+//! | `scenes` | variants of a scene that a validation runs, and its bounds |
+//! | `recording` | a sink that stores a whole run, on a grid dense enough for interpolation |
+//! | `ensemble` | the members of the ensemble: the scene with slightly changed motor torque, or speeds and gravity |
+//! | `statistics` | means over many runs, for trajectories that are too sensitive to be compared |
+//! | `impacts` | normal impulse of every impact, measured during a run |
+//! | `running_difference` | maximum, RMS and final value of a difference over a run |
+//! | `difference` | all differences between a run and its reference |
+//! | `memory` | limit on the number of stored samples |
+//! | `criteria` | comparison of the criteria of both runs |
+//! | `ladder` | the solver configurations of the ladder |
+//! | `cost` | wall time of a configuration, next to that of the analytic model at its engineering preset |
+//! | `validation` | the validation of a scene: verdict and ladder |
+//! | `verdict` | measured differences against bounds |
 
 mod cost;
 mod criteria;
@@ -41,25 +42,39 @@ mod difference;
 mod ensemble;
 mod impacts;
 mod ladder;
+mod memory;
 mod recording;
-mod room;
+mod running_difference;
+mod scenes;
 mod statistics;
-mod study;
-mod subject;
-mod track;
+mod validation;
 mod verdict;
 
-pub use crate::numeric::plane::turned;
-pub use cost::{Cost, cost};
-pub use criteria::{Criterion, FEW_LOSSES, LOST_SHARE, LOST_TIME_SHARE, Value, checks, criteria, unjudged};
-pub use difference::{Comparison, Differences, Off, compare, largest, off};
-pub use ensemble::{GRIPPER_MEMBERS, MEMBERS, TORQUE_STEP, member, members};
+pub use crate::numeric::plane::wrap_angle;
+pub use cost::{Cost, measure_cost};
+pub use criteria::{
+    Criterion, MAX_LOST_CONTACTS_DIFFERENCE, MAX_LOST_TIME_DIFFERENCE, MIN_LOSS_SCALE, Value, compare_criteria,
+    criteria_checks, reason_not_judged,
+};
+pub use difference::{Comparison, CoordinateError, Differences, compare, coordinate_errors, largest};
+pub use ensemble::{ENSEMBLE_SIZE, GRIPPER_ENSEMBLE_SIZE, MEMBER_PERTURBATION, ensemble_member, ensemble_size};
 pub use impacts::{IMPACT_S, Impact, Impacts};
-pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, finer_settings, keys, ladder, name, of_reference, own};
-pub use recording::{Recording, record, record_while};
-pub use room::refuse_too_fine;
-pub use statistics::{FIGURES, MOST_ERRORS, RUNS, SPREAD, Spread, Statistic, Statistics, statistics};
-pub use study::{Climb, LADDER_TIME_S, Progress, Row, StudyError, Tried, Validation, Wanted, climb, validate};
-pub use subject::{compared, invariants, path_bound, reference, sampled, steps_only};
-pub use track::{Angle, Rate, Track};
-pub use verdict::{Check, Verdict, verdicts};
+pub use ladder::{
+    Family, MAX_PREDICTED_STEPS, Settings, SolverConfiguration, configuration_name, engine_keys, finer_configurations,
+    ladder_configurations, reference_configuration, scene_configuration,
+};
+pub use memory::check_sample_count;
+pub use recording::{Recording, record, record_cancellable};
+pub use running_difference::{Angle, Rate, RunningDifference};
+pub use scenes::{
+    check_invariants, compared_scene, path_bound, reference_scene, sampled_scene, scene_sampled_at_steps,
+};
+pub use statistics::{
+    MAX_STANDARD_ERRORS, MeanAndDeviation, STATISTIC_NAMES, STATISTICS_RUNS, Statistic, Statistics, TORQUE_SPREAD,
+    compare_statistics,
+};
+pub use validation::{
+    Evaluation, LADDER_TIME_S, LadderOptions, LadderRow, Progress, SyncKeepRunning, Validation, ValidationError,
+    run_ladder, validate,
+};
+pub use verdict::{Check, Verdict, check_bounds};

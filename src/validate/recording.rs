@@ -1,25 +1,25 @@
-//! A run kept whole.
+//! A run stored in memory.
 
 use super::Impacts;
-use crate::criteria::{Judge, Judged};
+use crate::criteria::{RunCriteria, RunCriteriaTracker};
 use crate::law::spring_force;
-use crate::scene::words::SceneKind;
-use crate::scene::{Scene, System, Touching};
-use crate::trace::{ContactSummary, Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
-use crate::trace::{GoOn, While};
+use crate::scene::keywords::SceneKind;
+use crate::scene::{ContactId, Scene, System};
+use crate::trace::{Cancellable, KeepRunning};
+use crate::trace::{ContactSummary, Event, Model, Outcome, RunError, Sample, Sink, SinkError, interpolate, run};
 
-/// Everything a run said, in memory.
+/// All samples, events and results of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
-    /// In order of time; two may share one.
+    /// Samples in order of time; two samples may have the same time.
     pub samples: Vec<Sample>,
     pub events: Vec<Event>,
     pub impacts: Impacts,
     pub outcome: Outcome,
-    /// What the run is judged by.
-    pub judged: Option<Judged>,
-    /// Of pairs of discs: the force of the spring of the contact at its largest depth, N.
-    pub spring_n: Vec<f64>,
+    /// Criteria of the run.
+    pub run_criteria: Option<RunCriteria>,
+    /// Spring force of each contact of discs at its maximum penetration, N.
+    pub peak_spring_n: Vec<f64>,
 }
 
 impl Sink for Recording {
@@ -37,9 +37,9 @@ impl Sink for Recording {
 }
 
 impl Recording {
-    /// The state at a time, between the samples around it; `cursor` is where the last search ended, and makes going
-    /// through in order cheap. `None` without samples.
-    pub fn at(&self, time_s: f64, cursor: &mut usize) -> Option<Sample> {
+    /// Returns the state at a time, interpolated between the two adjacent samples; `None` without samples. `cursor`
+    /// stores the index of the previous search, which makes access in order of time cheap.
+    pub fn interpolate(&self, time_s: f64, cursor: &mut usize) -> Option<Sample> {
         let last = self.samples.len().checked_sub(1)?;
         *cursor = (*cursor).min(last);
         if self.samples[*cursor].time_s > time_s {
@@ -49,55 +49,57 @@ impl Recording {
             *cursor += 1;
         }
         let (from, to) = (&self.samples[*cursor], &self.samples[(*cursor + 1).min(last)]);
-        Some(between(from, to, time_s.min(to.time_s)))
+        Some(interpolate(from, to, time_s.min(to.time_s)))
     }
 }
 
-/// Runs the scene and keeps all of it.
+/// Runs the scene and records it.
 pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
-    record_while(model, scene, &|| true)
+    record_cancellable(model, scene, &|| true)
 }
 
-/// Runs the scene as long as it may and keeps all of it.
-pub fn record_while(model: Model, scene: &Scene, go_on: GoOn) -> Result<Recording, RunError> {
+/// Runs the scene until it ends or `keep_running` returns false, and records it.
+pub fn record_cancellable(model: Model, scene: &Scene, keep_running: KeepRunning) -> Result<Recording, RunError> {
     let mut recording = Recording::default();
-    let mut heard = Heard { recording: &mut recording, judge: Judge::of(scene) };
-    let outcome = run(model, scene, &mut While { sink: &mut heard, go_on })?;
-    let judged = heard.judge.judged(true);
-    recording.judged = Some(judged);
+    let mut recording_sink =
+        RecordingSink { recording: &mut recording, criteria_tracker: RunCriteriaTracker::for_scene(scene) };
+    let outcome = run(model, scene, &mut Cancellable { sink: &mut recording_sink, keep_running })?;
+    let run_criteria = recording_sink.criteria_tracker.finish(true);
+    recording.run_criteria = Some(run_criteria);
     if scene.kind() == SceneKind::Bodies {
-        let contacts = scene.system.touching().into_iter().zip(&outcome.contacts);
-        recording.spring_n = contacts.map(|(touching, contact)| spring_n(&scene.system, touching, contact)).collect();
+        let contacts = scene.system.contact_ids().into_iter().zip(&outcome.contacts);
+        recording.peak_spring_n =
+            contacts.map(|(contact_id, contact)| peak_spring_n(&scene.system, contact_id, contact)).collect();
     }
     recording.outcome = outcome;
     Ok(recording)
 }
 
-/// Force of the spring of a contact of discs at its largest depth, N.
-fn spring_n(system: &System, touching: Touching, contact: &ContactSummary) -> f64 {
-    let law = match touching {
-        Touching::Discs(..) => system.between_discs,
-        Touching::Palm(_) => system.palm.and_then(|palm| palm.contact),
-        Touching::Table(_) => system.table.and_then(|table| table.contact),
-        Touching::Phalanx(..) | Touching::Stop(_) => None,
+/// Spring force of a contact of discs at its maximum penetration, N.
+fn peak_spring_n(system: &System, contact_id: ContactId, contact: &ContactSummary) -> f64 {
+    let law = match contact_id {
+        ContactId::Discs(..) => system.between_discs,
+        ContactId::Palm(_) => system.palm.and_then(|palm| palm.contact),
+        ContactId::Table(_) => system.table.and_then(|table| table.contact),
+        ContactId::Phalanx(..) | ContactId::Stop(_) => None,
     };
     law.map_or(0.0, |law| spring_force(&law.normal, contact.max_penetration_m))
 }
 
-/// A recording that is judged as it is made.
-struct Heard<'a> {
+/// Records a run and evaluates its criteria.
+struct RecordingSink<'a> {
     recording: &'a mut Recording,
-    judge: Judge,
+    criteria_tracker: RunCriteriaTracker,
 }
 
-impl Sink for Heard<'_> {
+impl Sink for RecordingSink<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.judge.sample(sample)?;
+        self.criteria_tracker.sample(sample)?;
         self.recording.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.judge.event(event)?;
+        self.criteria_tracker.event(event)?;
         self.recording.event(event)
     }
 }
@@ -107,7 +109,7 @@ mod tests {
     use super::*;
     use crate::trace::BodyState;
 
-    fn thrown(time_s: f64) -> Sample {
+    fn projectile(time_s: f64) -> Sample {
         let disc = BodyState {
             centre_m: [3.0 * time_s, 1.0 - 5.0 * time_s * time_s],
             angle_rad: 7.0 * time_s,
@@ -118,11 +120,11 @@ mod tests {
     }
 
     #[test]
-    fn a_throw_between_two_samples_is_exact() {
-        let recording = Recording { samples: [0.0, 0.5, 2.0].map(thrown).to_vec(), ..Recording::default() };
+    fn projectile_motion_is_interpolated_exactly() {
+        let recording = Recording { samples: [0.0, 0.5, 2.0].map(projectile).to_vec(), ..Recording::default() };
         let mut cursor = 0;
         for t in [0.0, 0.2, 0.5, 1.1, 2.0, 0.3] {
-            let (found, expected) = (recording.at(t, &mut cursor).expect("samples"), thrown(t));
+            let (found, expected) = (recording.interpolate(t, &mut cursor).expect("samples"), projectile(t));
             let (found, expected) = (found.bodies[0], expected.bodies[0]);
             for k in 0..2 {
                 assert!((found.centre_m[k] - expected.centre_m[k]).abs() < 1e-14, "{t}");
@@ -130,6 +132,6 @@ mod tests {
             }
             assert!((found.angle_rad - expected.angle_rad).abs() < 1e-14, "{t}");
         }
-        assert_eq!(Recording::default().at(0.0, &mut 0), None);
+        assert_eq!(Recording::default().interpolate(0.0, &mut 0), None);
     }
 }

@@ -1,4 +1,5 @@
-//! One definition of contact in both models: when surfaces touch, how deep they get, how fast they met, and where a figure says nothing.
+//! Both models share one definition of contact: time of contact, penetration, approach speed, and when a figure is
+//! undefined.
 
 use std::path::Path;
 
@@ -9,10 +10,10 @@ use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError, 
 use phalanx::validate::validate;
 use serde_json::Value;
 
-const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
+const BOTH_MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
 
-/// A disc pressed 1 mm into the plane is pulled out at 10 m/s: the clamp holds the force at zero.
-const YANKED: &str = r#"
+/// A disc that starts 1 mm inside the plane and is pulled out at 10 m/s, so that the clamped normal force is zero.
+const DISC_PULLED_OUT: &str = r#"
 kind = "bodies"
 duration = "1 ms"
 [discs.hammer]
@@ -53,13 +54,13 @@ fn parse(text: &str) -> Scene {
     scene::parse_any(text, "contact.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Events and rebounds of a run.
-struct Heard {
+/// Collects events and rebounds of a run.
+struct ContactSink {
     rebounds: Rebounds,
     events: Vec<Event>,
 }
 
-impl Sink for Heard {
+impl Sink for ContactSink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.rebounds.sample(sample)
     }
@@ -70,39 +71,40 @@ impl Sink for Heard {
     }
 }
 
-/// The first pair of a run: what it came to, its rebound, and its touch-downs.
+/// Returns the outcome of a run, and the rebound and touch-downs of its first pair.
 fn first_pair(model: Model, scene: &Scene) -> (Outcome, Rebound, Vec<Event>) {
-    let mut heard = Heard { rebounds: Rebounds::of(&scene.system), events: Vec::new() };
-    let outcome = run(model, scene, &mut heard).unwrap_or_else(|error| panic!("{error}"));
-    heard.events.retain(|event| event.contact == 0 && event.kind == EventKind::TouchDown);
-    (outcome, heard.rebounds.pairs()[0], heard.events)
+    let mut sink = ContactSink { rebounds: Rebounds::for_system(&scene.system), events: Vec::new() };
+    let outcome = run(model, scene, &mut sink).unwrap_or_else(|error| panic!("{error}"));
+    sink.events.retain(|event| event.contact == 0 && event.kind == EventKind::TouchDown);
+    (outcome, sink.rebounds.pairs()[0], sink.events)
 }
 
 #[test]
 fn an_overlap_without_a_force_is_a_contact_in_both_models() {
     for velocity in [10.0, 3.0, 40.0] {
-        let scene = parse(&YANKED.replace("\"10 m/s\"", &format!("\"{velocity:?} m/s\"")));
-        for model in BOTH {
+        let scene = parse(&DISC_PULLED_OUT.replace("\"10 m/s\"", &format!("\"{velocity:?} m/s\"")));
+        for model in BOTH_MODELS {
             let (outcome, rebound, touchdowns) = first_pair(model, &scene);
             let contact = &outcome.contacts[0];
             assert_eq!((contact.first_s, contact.touchdowns), (Some(0.0), 1), "{model:?}");
-            // The depth of the start, force or not.
+            // The initial penetration counts although there is no force.
             assert!((contact.max_penetration_m - 1e-3).abs() < 1e-15, "{model:?}: {contact:?}");
             assert!(!contact.passed_through() && contact.depth_m().is_some(), "{model:?}");
-            // The surfaces met before the start, nobody knows how fast.
+            // The surfaces met before the start, so the approach speed is unknown.
             let approaches: Vec<f64> = touchdowns.iter().map(|event| event.approach_speed).collect();
             assert_eq!((approaches, rebound.restitution()), (vec![0.0], None), "{model:?}");
         }
-        let found = validate(&scene, &|| true).expect("both models run");
-        let failed: Vec<_> = found.verdict.checks.iter().filter(|check| !check.passed()).collect();
+        let validation = validate(&scene, &|| true).expect("both models run");
+        let failed: Vec<_> = validation.verdict.checks.iter().filter(|check| !check.passed()).collect();
         assert!(failed.is_empty(), "{velocity} m/s: {failed:?}");
     }
 }
 
-/// Near the surface the damper is weaker than the spring again: k δ − c(δ) v is positive below δ = k t²/(3 c v), for nanoseconds.
+/// Near the surface the damper is weaker than the spring: k δ − c(δ) v is positive below δ = k t²/(3 c v), for
+/// nanoseconds.
 #[test]
-fn a_force_within_one_step_has_its_peak() {
-    let (outcome, ..) = first_pair(Model::Analytic, &parse(YANKED));
+fn peak_force_within_one_step_is_found() {
+    let (outcome, ..) = first_pair(Model::Analytic, &parse(DISC_PULLED_OUT));
     let contact = &outcome.contacts[0];
     let last_m = 1e5 * 1e-4_f64.powi(2) / (3.0 * 1e3 * 10.0);
     let peak_n = 0.25 * 1e5 * last_m;
@@ -111,16 +113,17 @@ fn a_force_within_one_step_has_its_peak() {
 }
 
 #[test]
-fn a_start_in_touch_that_closes_has_its_approach_speed() {
+fn a_closing_start_at_zero_gap_has_its_approach_speed() {
     for speed in [1.0, 0.1, 7.0] {
-        for model in BOTH {
+        for model in BOTH_MODELS {
             let (outcome, rebound, touchdowns) = first_pair(model, &ball(10.0, -speed, 0.0));
             assert_eq!((outcome.contacts[0].first_s, outcome.contacts[0].touchdowns), (Some(0.0), 1), "{model:?}");
             assert!((touchdowns[0].approach_speed - speed).abs() < 1e-12, "{model:?}: {touchdowns:?}");
             let restitution = rebound.restitution().unwrap_or(f64::NAN);
             assert!((restitution - 1.0).abs() < 1e-3, "{model:?} at {speed} m/s: {restitution}");
         }
-        // Invariants are another question: that of energy allows 1e-9, which the reference misses by as much again when it is slow.
+        // The invariants are excluded: at low speed the reference exceeds the energy tolerance of 1e-9 by a factor of
+        // two.
         let mut checks = validate(&ball(10.0, -speed, 0.0), &|| true).expect("both run").verdict.checks;
         checks.retain(|check| !check.passed() && !check.bound.ends_with("_invariants"));
         assert!(checks.is_empty(), "{speed} m/s: {checks:?}");
@@ -128,11 +131,11 @@ fn a_start_in_touch_that_closes_has_its_approach_speed() {
 }
 
 #[test]
-fn a_gap_of_zero_that_does_not_close_is_no_contact() {
-    // At rest without a force, receding, and pulled away; the last two at rest on the plane.
+fn a_zero_gap_that_does_not_close_is_not_a_contact() {
+    // Velocity, gravity, touch-downs: at rest without a force, receding, pulled away; the last two rest on the plane.
     let cases = [(0.0, 0.0, 0), (0.5, 0.0, 0), (0.0, 9.81, 0), (0.0, -9.81, 1), (-0.0, -9.81, 1)];
     for (velocity, gravity, touchdowns) in cases {
-        for model in BOTH {
+        for model in BOTH_MODELS {
             let (outcome, ..) = first_pair(model, &ball(10.0, velocity, gravity));
             let contact = &outcome.contacts[0];
             assert_eq!(contact.touchdowns, touchdowns, "{model:?}: {velocity} m/s, {gravity} m/s²");
@@ -144,16 +147,16 @@ fn a_gap_of_zero_that_does_not_close_is_no_contact() {
 
 #[test]
 fn a_start_in_an_overlap_has_no_approach_speed() {
-    for model in BOTH {
+    for model in BOTH_MODELS {
         let (outcome, rebound, touchdowns) = first_pair(model, &ball(9.9, -1.0, 0.0));
         assert_eq!((outcome.contacts[0].first_s, outcome.contacts[0].touchdowns), (Some(0.0), 1), "{model:?}");
         assert_eq!((touchdowns[0].approach_speed, rebound.restitution()), (0.0, None), "{model:?}");
-        assert!(outcome.contacts[0].max_penetration_m > 1e-4, "{model:?}: deeper than at the start");
+        assert!(outcome.contacts[0].max_penetration_m > 1e-4, "{model:?}: not deeper than at the start");
     }
 }
 
-/// Two discs that touch at a speed and are pulled apart by what drives one of them.
-fn driven_apart(approach: f64, acceleration: f64) -> String {
+/// Two discs that meet at an approach speed and are separated by the drive of one of them.
+fn separated_by_drive(approach: f64, acceleration: f64) -> String {
     format!(
         r#"
 kind = "bodies"
@@ -178,24 +181,24 @@ damping = "0 N*s/m"
 }
 
 #[test]
-fn restitution_is_no_ratio_of_speeds_that_something_else_made() {
-    for model in BOTH {
-        // An impact, before the other disc has got anywhere.
-        let (_, impact, _) = first_pair(model, &parse(&driven_apart(2.0, 0.0)));
+fn restitution_is_undefined_if_a_drive_causes_the_separation() {
+    for model in BOTH_MODELS {
+        // An impact with a disc at rest.
+        let (_, impact, _) = first_pair(model, &parse(&separated_by_drive(2.0, 0.0)));
         assert!((impact.restitution().expect("an impact") - 1.0).abs() < 1e-2, "{model:?}: {impact:?}");
-        // A touch that is over at once, and speeds that the drive makes.
+        // Short contacts whose separation speed is caused by the drive.
         for (approach, acceleration) in [(1e-3, 1e3), (1e-2, 1e4), (1e-9, 1e3)] {
-            let (_, touch, _) = first_pair(model, &parse(&driven_apart(approach, acceleration)));
-            assert_eq!(touch.restitution(), None, "{model:?}: {touch:?}");
+            let (_, brief_contact, _) = first_pair(model, &parse(&separated_by_drive(approach, acceleration)));
+            assert_eq!(brief_contact.restitution(), None, "{model:?}: {brief_contact:?}");
         }
-        // Slow as a whole is no reason.
+        // A low speed alone does not make restitution undefined.
         let (_, slow, _) = first_pair(model, &ball(10.0, -1e-3, 0.0));
         assert!(slow.restitution().is_none_or(|ratio| (ratio - 1.0).abs() < 0.05), "{model:?}: {slow:?}");
     }
 }
 
-/// A ball of 1 mm meets a post of 1 mm at 100 m/s: a step of 0.1 ms takes it through.
-fn bullet(height_mm: f64) -> String {
+/// A ball of 1 mm radius approaches a post of 1 mm radius at 100 m/s; a step of 0.1 ms takes it past the post.
+fn fast_ball(height_mm: f64) -> String {
     format!(
         r#"
 kind = "bodies"
@@ -218,14 +221,14 @@ damping = "0 N*s/m"
 }
 
 #[test]
-fn bodies_that_pass_through_each_other_have_no_depth_and_are_named() {
-    let place = directory("passed_through");
+fn bodies_that_pass_through_each_other_are_reported_without_depth() {
+    let directory = directory("passed_through");
     for height_mm in [11.0, 11.1, 10.7] {
-        let file = write(&place, "bullet.toml", &bullet(height_mm));
-        let log = place.join("bullet.mcap");
+        let file = write(&directory, "bullet.toml", &fast_ball(height_mm));
+        let log = directory.join("bullet.mcap");
         let log = log.to_str().expect("text");
-        let fixed = ["run", file.as_str(), "--model", "engine", "--step", "100 us"];
-        let document = json(&phalanx(&[&fixed[..], &["--json", "--log", log]].concat()));
+        let fixed_step_args = ["run", file.as_str(), "--model", "engine", "--step", "100 us"];
+        let document = json(&phalanx(&[&fixed_step_args[..], &["--json", "--log", log]].concat()));
         let replayed = json(&phalanx(&["replay", log, "--json"]));
         for contact in [&document["contacts"]["ball-post"], &replayed["contacts"]["ball-post"]] {
             assert_eq!((&contact["passed_through"], &contact["touchdowns"]), (&true.into(), &0.into()), "{contact}");
@@ -235,19 +238,38 @@ fn bodies_that_pass_through_each_other_have_no_depth_and_are_named() {
                 "{contact}"
             );
         }
-        let html = place.join("bullet.html");
-        let text = phalanx(&[&fixed[..], &["--html", html.to_str().expect("text")]].concat());
+        let html = directory.join("bullet.html");
+        let text = phalanx(&[&fixed_step_args[..], &["--html", html.to_str().expect("text")]].concat());
         let page = std::fs::read_to_string(html).expect("a page");
-        for said in [stdout(&text), stdout(&phalanx(&["replay", log])), &page] {
-            assert!(said.contains("WARNING: ball-post: the bodies passed through each other"), "{said}");
+        for output_text in [stdout(&text), stdout(&phalanx(&["replay", log])), &page] {
+            assert!(output_text.contains("WARNING: ball-post: the bodies passed through each other"), "{output_text}");
         }
         let row = stdout(&text).lines().find(|line| line.starts_with("ball-post")).expect("a row").to_string();
         let cells: Vec<&str> = row.split_whitespace().collect();
         assert_eq!(cells, ["ball-post", "–", "0", "0", "0", "0", "–", "0", "–"]);
     }
-    // Adaptive steps see the contact, and say nothing of the kind.
-    let file = write(Path::new(&place), "bullet.toml", &bullet(11.0));
+    // Adaptive steps detect the contact, and there is no warning.
+    let file = write(Path::new(&directory), "bullet.toml", &fast_ball(11.0));
     let output = phalanx(&["run", &file, "--model", "engine", "--json"]);
     let contact = &json(&output)["contacts"]["ball-post"];
     assert!(contact["passed_through"].is_null() && contact["max_penetration_m"].is_number(), "{}", stderr(&output));
+}
+
+#[test]
+fn a_half_plane_has_its_surface_at_its_level() {
+    // Free fall over 1 mm onto the plane: the first contact is after √(2 h / g).
+    let fall_s = (2.0 * 1e-3 / 100.0_f64).sqrt();
+    for level_mm in [-30.0, -0.5, 0.0, 12.5, 40.0] {
+        let mut scene = ball(11.0, 0.0, -100.0);
+        scene.system.discs[0].centre_m[1] += 1e-3 * level_mm;
+        scene.system.palm.as_mut().expect("a half plane").level_m = 1e-3 * level_mm;
+        for model in BOTH_MODELS {
+            let (outcome, ..) = first_pair(model, &scene);
+            let first_s = outcome.contacts[0].first_s.unwrap_or(f64::NAN);
+            assert!(
+                (first_s - fall_s).abs() < 1e-8,
+                "{model:?}, level {level_mm} mm: {first_s} s instead of {fall_s} s"
+            );
+        }
+    }
 }

@@ -1,265 +1,297 @@
-//! The analytic model of a gripper against an independent program, against its own finger, and against what must hold.
+//! The analytic model of a gripper against an independent program, against the model of one finger, and against
+//! conservation laws.
 
-use phalanx::analytic::multibody::{Multibody, guards, quadratures};
-use phalanx::analytic::{self, SiteState};
-use phalanx::gripper::Site;
+use phalanx::analytic::multibody::{Multibody, event_function_count, quadratures};
+use phalanx::analytic::{self, ContactState};
+use phalanx::gripper::FingerContact;
 use phalanx::integrator::{
     End, Linearised, Method, Observer, Options, RadauOrRodas, Rates, Rodas5p, State, Step, StepTools,
     System as Equations, Tolerances, integrate,
 };
-use phalanx::scene::{Disc, DiscMotion, Integrator, Place, Preset, Scene, System};
-use phalanx::shape::{Placed, reach};
+use phalanx::scene::{Disc, DiscMotion, GripperContact, Integrator, Preset, Scene, System};
+use phalanx::shape::{PlacedShape, max_radius};
 
-use crate::support::grippers::{Anchor, anchor, anchors};
+use crate::support::reference_cases::{ReferenceCase, cases_at_rest, reference_case};
 
-/// The model of a gripper: of two fingers and an object.
-pub type GripperModel<const N: usize> = Multibody<N, PLACES>;
-pub type GripperMode = analytic::Mode<PLACES>;
+/// The model of a gripper: two fingers and an object.
+pub type GripperModel<const N: usize> = Multibody<N, CONTACTS>;
+pub type GripperMode = analytic::Mode<CONTACTS>;
 
-pub const PLACES: usize = Place::ALL.len();
-pub const QUADRATURES: usize = quadratures(PLACES);
-const GUARDS: usize = guards(PLACES);
+pub const CONTACTS: usize = GripperContact::ALL.len();
+pub const QUADRATURES: usize = quadratures(CONTACTS);
+const EVENT_FUNCTIONS: usize = event_function_count(CONTACTS);
 
-pub fn start<const N: usize>(system: &System) -> State<N, QUADRATURES> {
+pub fn initial_state<const N: usize>(system: &System) -> State<N, QUADRATURES> {
     GripperModel::<N>::new(system).start(system)
 }
 
-/// States at given times, and every event: time, place, whether it presses from then on.
-pub struct Watcher<const N: usize> {
-    times: Vec<f64>,
+/// Records the states at given times, and of every event the time, the contact, and whether the contact has a force
+/// afterwards.
+pub struct StateRecorder<const N: usize> {
+    sample_times: Vec<f64>,
     pub states: Vec<State<N, QUADRATURES>>,
     pub events: Vec<(f64, usize, bool)>,
 }
 
-impl<const N: usize> Observer<N, QUADRATURES, GripperMode> for Watcher<N> {
+impl<const N: usize> Observer<N, QUADRATURES, GripperMode> for StateRecorder<N> {
     fn step(
         &mut self,
         step: &Step<N, QUADRATURES>,
         _: &GripperMode,
         tools: &mut dyn StepTools<N, QUADRATURES>,
     ) -> bool {
-        while let Some(time) = self.times.get(self.states.len()).filter(|time| **time <= step.t1 + 1e-15) {
-            let inside = *time < step.t1;
-            self.states.push(if inside { tools.resolve((time - step.t0) / step.h) } else { *step.end });
+        while let Some(time) = self.sample_times.get(self.states.len()).filter(|time| **time <= step.t1 + 1e-15) {
+            let is_first_phase = *time < step.t1;
+            self.states.push(if is_first_phase { tools.resolve((time - step.t0) / step.h) } else { *step.end });
         }
         true
     }
 
-    fn event(&mut self, t: f64, _: &State<N, QUADRATURES>, place: usize, mode: &GripperMode) {
-        self.events.push((t, place, mode[place].presses()));
+    fn event(&mut self, t: f64, _: &State<N, QUADRATURES>, contact: usize, mode: &GripperMode) {
+        self.events.push((t, contact, mode[contact].has_force()));
     }
 }
 
-fn run_by<const N: usize, K: Method<N, QUADRATURES>>(
+fn run_with_method<const N: usize, K: Method<N, QUADRATURES>>(
     scene: &Scene,
     settings: &Integrator,
-    times: Vec<f64>,
-) -> (Watcher<N>, End<N, QUADRATURES>) {
-    let mut watcher = Watcher { times, states: Vec::new(), events: Vec::new() };
+    sample_times: Vec<f64>,
+) -> (StateRecorder<N>, End<N, QUADRATURES>) {
+    let mut recorder = StateRecorder { sample_times, states: Vec::new(), events: Vec::new() };
     let Integrator { atol_angle_rad, atol_rate_rad_s, rtol, max_steps, .. } = *settings;
     let tolerances = Tolerances { atol_q: atol_angle_rad, atol_v: atol_rate_rad_s, rtol_v: rtol };
     let options = Options { tolerances, max_steps };
     let model = GripperModel::<N>::new(&scene.system);
-    let start = start::<N>(&scene.system);
-    let end =
-        integrate::<N, QUADRATURES, GUARDS, _, K, _>(&model, &options, 0.0, start, scene.duration_s, &mut watcher);
+    let start = initial_state::<N>(&scene.system);
+    let end = integrate::<N, QUADRATURES, EVENT_FUNCTIONS, _, K, _>(
+        &model,
+        &options,
+        0.0,
+        start,
+        scene.duration_s,
+        &mut recorder,
+    );
     assert!(end.result.is_ok(), "{:?}", end.result);
-    (watcher, end)
+    (recorder, end)
 }
 
-pub fn reference<const N: usize>(scene: &Scene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
-    run_by::<N, RadauOrRodas<N, QUADRATURES>>(scene, &Integrator::preset(Preset::Reference), times)
+pub fn run_reference<const N: usize>(scene: &Scene, sample_times: Vec<f64>) -> (StateRecorder<N>, End<N, QUADRATURES>) {
+    run_with_method::<N, RadauOrRodas<N, QUADRATURES>>(scene, &Integrator::preset(Preset::Reference), sample_times)
 }
 
-pub fn everyday<const N: usize>(scene: &Scene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
-    run_by::<N, Rodas5p<N, QUADRATURES>>(scene, &Integrator::preset(Preset::Engineering), times)
+pub fn run_engineering<const N: usize>(
+    scene: &Scene,
+    sample_times: Vec<f64>,
+) -> (StateRecorder<N>, End<N, QUADRATURES>) {
+    run_with_method::<N, Rodas5p<N, QUADRATURES>>(scene, &Integrator::preset(Preset::Engineering), sample_times)
 }
 
-/// Largest difference of coordinates from the states of an anchor; positions in object radii.
-pub fn off<const N: usize>(anchor: &Anchor, found: &[State<N, QUADRATURES>]) -> f64 {
-    assert_eq!(found.len(), anchor.states.len(), "{}", anchor.name);
-    let radius = reach(&anchor.scene.system.grasped().shape);
+/// Largest difference between the found states and the reference states: angles in rad, positions in object radii.
+pub fn max_error<const N: usize>(case: &ReferenceCase, actual: &[State<N, QUADRATURES>]) -> f64 {
+    assert_eq!(actual.len(), case.states.len(), "{}", case.name);
+    let radius = max_radius(&case.scene.system.grasped().shape);
     let scale = |coordinate: usize| if coordinate == 4 || coordinate == 5 { 1.0 / radius } else { 1.0 };
-    let of = |(found, wanted): (&State<N, QUADRATURES>, &[f64; 7])| {
-        (0..N.min(7)).map(|i| scale(i) * (found.q[i] - wanted[i]).abs()).fold(0.0, f64::max)
+    let state_error = |(actual, expected): (&State<N, QUADRATURES>, &[f64; 7])| {
+        (0..N.min(7)).map(|i| scale(i) * (actual.q[i] - expected[i]).abs()).fold(0.0, f64::max)
     };
-    found.iter().zip(anchor.states.iter().map(|state| &state.q)).map(of).fold(0.0, f64::max)
+    actual.iter().zip(case.states.iter().map(|state| &state.q)).map(state_error).fold(0.0, f64::max)
 }
 
-/// Impulses of phalanges, palm and table are those of an anchor.
+/// Asserts that the normal impulses of phalanges, palm and table agree with the reference.
 #[track_caller]
-pub fn assert_impulses<const N: usize>(anchor: &Anchor, end: &End<N, QUADRATURES>) {
-    for (place, wanted) in [0, 1, 3, 4, 6, 7].into_iter().zip(anchor.impulse) {
-        let impulse = end.state.z[place];
-        assert!((impulse - wanted).abs() < 1e-6 * wanted.max(1e-3), "{}: {place} {impulse} {wanted}", anchor.name);
+pub fn assert_impulses<const N: usize>(case: &ReferenceCase, end: &End<N, QUADRATURES>) {
+    for (contact, expected) in [0, 1, 3, 4, 6, 7].into_iter().zip(case.impulse) {
+        let impulse = end.state.z[contact];
+        assert!(
+            (impulse - expected).abs() < 1e-6 * expected.max(1e-3),
+            "{}: contact {contact}: impulse {impulse}, expected {expected}",
+            case.name
+        );
     }
 }
 
-pub fn times(anchor: &Anchor) -> Vec<f64> {
-    anchor.states.iter().map(|state| state.time_s).collect()
+pub fn sample_times(case: &ReferenceCase) -> Vec<f64> {
+    case.states.iter().map(|state| state.time_s).collect()
 }
 
 #[test]
-fn the_reference_agrees_with_an_independent_program() {
-    for anchor in anchors() {
-        let (found, end) = reference::<7>(&anchor.scene, times(&anchor));
-        let off = off(&anchor, &found.states);
-        assert!(off < 2e-9, "{}: {off:.1e}", anchor.name);
-        for (place, wanted) in [0, 1, 3, 4].into_iter().zip(anchor.first_touch_s) {
-            let first = found.events.iter().find(|(_, at, presses)| *at == place && *presses).expect("a touch").0;
-            assert!((first - wanted).abs() < 1e-10, "{}: place {place} at {first}, not {wanted}", anchor.name);
+fn reference_preset_agrees_with_an_independent_program() {
+    for case in cases_at_rest() {
+        let (samples, end) = run_reference::<7>(&case.scene, sample_times(&case));
+        let max_error = max_error(&case, &samples.states);
+        assert!(max_error < 2e-9, "{}: {max_error:.1e}", case.name);
+        for (contact, expected) in [0, 1, 3, 4].into_iter().zip(case.first_contact_s) {
+            let first = samples
+                .events
+                .iter()
+                .find(|(_, at, is_active)| *at == contact && *is_active)
+                .expect("a first contact")
+                .0;
+            assert!(
+                (first - expected).abs() < 1e-10,
+                "{}: contact {contact} at {first} s, expected {expected} s",
+                case.name
+            );
         }
-        assert_impulses(&anchor, &end);
+        assert_impulses(&case, &end);
     }
 }
 
 #[test]
-fn the_everyday_preset_is_near_it() {
+fn engineering_preset_is_close_to_the_independent_program() {
     for (letter, bound) in [("a", 2e-7), ("b", 2e-7), ("c", 2e-5), ("f", 3e-6), ("i", 2e-7)] {
-        let anchor = anchor(letter);
-        let (found, _) = everyday::<7>(&anchor.scene, times(&anchor));
-        let off = off(&anchor, &found.states);
-        assert!(off < bound, "{}: {off:.1e}", anchor.name);
+        let case = reference_case(letter);
+        let (samples, _) = run_engineering::<7>(&case.scene, sample_times(&case));
+        let max_error = max_error(&case, &samples.states);
+        assert!(max_error < bound, "{}: {max_error:.1e}", case.name);
     }
 }
 
-/// Both fingers do the same to the last digit of what the object's place has.
+/// Symmetry of the fingers is only limited by rounding of the object position.
 #[test]
 fn a_symmetric_gripper_stays_symmetric() {
     for letter in ["a", "b", "i"] {
-        let (found, end) = everyday::<7>(&anchor(letter).scene, Vec::new());
+        let (samples, end) = run_engineering::<7>(&reference_case(letter).scene, Vec::new());
         let q = end.state.q;
-        let apart = (q[0] - q[2]).abs().max((q[1] - q[3]).abs()).max(q[6].abs());
-        assert!(apart < 1e-10 && q[4].abs() < 1e-12, "{letter}: {apart:.1e} rad apart, {:.1e} m aside", q[4]);
-        assert!(found.events.iter().any(|(_, place, _)| *place == 1), "{letter}: the tips touch");
+        let asymmetry = (q[0] - q[2]).abs().max((q[1] - q[3]).abs()).max(q[6].abs());
+        assert!(
+            asymmetry < 1e-10 && q[4].abs() < 1e-12,
+            "{letter}: asymmetry {asymmetry:.1e} rad, lateral offset {:.1e} m",
+            q[4]
+        );
+        assert!(
+            samples.events.iter().any(|(_, contact, _)| *contact == 1),
+            "{letter}: no contact at the distal phalanx"
+        );
     }
 }
 
-fn fixed(scene: &Scene) -> Scene {
+fn with_fixed_object(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.system.grasped_mut().motion = DiscMotion::Fixed;
     scene
 }
 
-/// With the object held, each finger is a finger's scene; the left one sees its mirror image.
+/// With a fixed object, each finger moves as in a scene of one finger; the left finger as its mirror image.
 #[test]
-fn a_fixed_object_gives_each_finger_its_own_scene() {
-    let anchor = anchor("c");
-    let (_, end) = reference::<4>(&fixed(&anchor.scene), Vec::new());
+fn each_finger_on_a_fixed_object_matches_its_single_finger_scene() {
+    let case = reference_case("c");
+    let (_, end) = run_reference::<4>(&with_fixed_object(&case.scene), Vec::new());
     for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        let finger = &anchor.scene.system.fingers[side];
-        let mut scene = crate::support::runs::anchor();
+        let finger = &case.scene.system.fingers[side];
+        let mut scene = crate::support::runs::experiment_95();
         (scene.finger_mut().linkage, scene.finger_mut().spring, scene.finger_mut().limit) =
             (finger.linkage, finger.spring, finger.limit);
         (scene.finger_mut().contact, scene.finger_mut().initial, scene.finger_mut().motor.actuation) =
             (finger.contact, finger.initial, finger.motor.actuation.clone());
-        scene.duration_s = anchor.scene.duration_s;
-        scene.system.gravity_m_s2 = anchor.scene.system.gravity_m_s2;
-        let [x, y] = anchor.scene.system.grasped().centre_m;
-        scene.system.discs = vec![Disc::object(Placed::disc(
-            reach(&anchor.scene.system.grasped().shape),
-            [sign * x - 0.5 * anchor.scene.system.palm_width_m, y],
+        scene.duration_s = case.scene.duration_s;
+        scene.system.gravity_m_s2 = case.scene.system.gravity_m_s2;
+        let [x, y] = case.scene.system.grasped().centre_m;
+        scene.system.discs = vec![Disc::fixed_object(PlacedShape::disc(
+            max_radius(&case.scene.system.grasped().shape),
+            [sign * x - 0.5 * case.scene.system.palm_width_m, y],
         ))];
         scene.integrator = Integrator::preset(Preset::Reference);
-        let alone = phalanx::trace::run_analytic(&scene, &mut ()).expect("a run").last;
-        let off = (end.state.q[2 * side] - alone.finger().q11_rad)
+        let single = phalanx::trace::run_analytic(&scene, &mut ()).expect("a run").last;
+        let error = (end.state.q[2 * side] - single.finger().q11_rad)
             .abs()
-            .max((end.state.q[2 * side + 1] - alone.finger().q21_rad).abs());
-        assert!(off < 1e-10, "finger {side}: {off:.1e} rad");
+            .max((end.state.q[2 * side + 1] - single.finger().q21_rad).abs());
+        assert!(error < 1e-10, "finger {side}: {error:.1e} rad");
     }
 }
 
 #[test]
-fn a_very_heavy_object_is_a_fixed_one() {
-    let anchor = anchor("c");
-    let mut scene = anchor.scene.clone();
+fn a_heavy_object_converges_to_a_fixed_object() {
+    let case = reference_case("c");
+    let mut scene = case.scene.clone();
     scene.system.gravity_m_s2 = [0.0; 2];
-    let held = reference::<4>(&fixed(&scene), Vec::new()).1.state.q;
+    let fixed = run_reference::<4>(&with_fixed_object(&scene), Vec::new()).1.state.q;
     let mut last = f64::INFINITY;
     for factor in [1e3, 1e6] {
         let DiscMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.system.grasped_mut().motion else {
-            panic!("a free object")
+            panic!("the object is fixed")
         };
         (*mass_kg, *inertia_kg_m2) = (0.0537840662 * factor, Some(1.0756813e-5 * factor));
-        let heavy = reference::<7>(&scene, Vec::new()).1.state.q;
-        let off = (0..4).map(|i| (heavy[i] - held[i]).abs()).fold(0.0, f64::max);
-        assert!(off < 0.02 * last, "{factor:e} times: {off:.1e} rad off");
-        last = off;
+        let heavy = run_reference::<7>(&scene, Vec::new()).1.state.q;
+        let error = (0..4).map(|i| (heavy[i] - fixed[i]).abs()).fold(0.0, f64::max);
+        assert!(error < 0.02 * last, "mass times {factor:e}: error {error:.1e} rad");
+        last = error;
     }
     assert!(last < 1e-4, "{last:.1e}");
 }
 
-/// Energy is lost in dampers and friction only.
+/// Energy is dissipated only by dampers and friction.
 #[test]
-fn energy_balances() {
-    for anchor in anchors() {
-        let model = GripperModel::<7>::new(&anchor.scene.system);
-        let before = start::<7>(&anchor.scene.system);
-        let (_, end) = reference::<7>(&anchor.scene, Vec::new());
+fn energy_balances_in_contacts_and_motors() {
+    for case in cases_at_rest() {
+        let model = GripperModel::<7>::new(&case.scene.system);
+        let before = initial_state::<7>(&case.scene.system);
+        let (_, end) = run_reference::<7>(&case.scene, Vec::new());
         let stored = |state: &State<7, QUADRATURES>| {
             let energies = model.energies(&state.q, &state.v);
             energies.kinetic + energies.gravity + energies.spring
         };
-        let (contact, motors) = (end.state.z[PLACES], end.state.z[PLACES + 1]);
+        let (contact, motors) = (end.state.z[CONTACTS], end.state.z[CONTACTS + 1]);
         let balance = stored(&end.state) - stored(&before) - contact - motors;
-        assert!(balance.abs() < 1e-9, "{}: {balance:.1e} J", anchor.name);
-        assert!(contact < 0.0 && motors > 0.1, "{}: {contact} J in contacts, {motors} J of motors", anchor.name);
+        assert!(balance.abs() < 1e-9, "{}: {balance:.1e} J", case.name);
+        assert!(contact < 0.0 && motors > 0.1, "{}: {contact} J in contacts, {motors} J of motors", case.name);
     }
 }
 
-/// Force and moment about its centre that contacts exert on the object in a state: what is read of them, with the sign turned; and the sum
-/// of the sizes of all forces.
-fn on_object(model: &GripperModel<7>, state: &State<7, QUADRATURES>, mode: &GripperMode) -> ([f64; 3], f64) {
-    let (mut sum, mut sizes) = ([0.0; 3], 0.0);
-    for index in (0..PLACES).filter(|place| !Place::ALL[*place].is_stop()) {
-        let Some(reading) = model.reading(&state.q, &state.v, index, mode[index]) else { continue };
+/// Force on the object and moment about its centre, summed over all contacts, and the sum of the magnitudes of all
+/// contact forces. The contact readings give the opposite forces.
+fn contact_wrench(model: &GripperModel<7>, state: &State<7, QUADRATURES>, mode: &GripperMode) -> ([f64; 3], f64) {
+    let (mut sum, mut force_sum) = ([0.0; 3], 0.0);
+    for index in (0..CONTACTS).filter(|contact| !GripperContact::ALL[*contact].is_stop()) {
+        let Some(reading) = model.contact_reading(&state.q, &state.v, index, mode[index]) else { continue };
         let ([nx, ny], [px, py]) = (reading.geometry.normal, reading.geometry.point);
         let force = [-reading.normal * nx + reading.tangential * ny, -reading.normal * ny - reading.tangential * nx];
         let lever = [px - state.q[4], py - state.q[5]];
         sum[0] += force[0];
         sum[1] += force[1];
         sum[2] += lever[0] * force[1] - lever[1] * force[0];
-        sizes += force[0].hypot(force[1]);
+        force_sum += force[0].hypot(force[1]);
     }
-    (sum, sizes)
+    (sum, force_sum)
 }
 
-/// Sums what contacts give the object, by Simpson's rule over every step; and how far its accelerations are from those forces at most.
-struct Books<'a> {
+/// Integrates the contact forces on the object by Simpson's rule over every step, and compares them with its
+/// acceleration.
+struct MomentumBalance<'a> {
     model: &'a GripperModel<7>,
-    given: [f64; 3],
-    /// Sizes of all that was given, N·s.
-    size: f64,
-    /// Of mass times acceleration from the forces, relative to the largest force.
-    off: f64,
-    largest: f64,
+    transferred: [f64; 3],
+    /// Time integral of the magnitudes of all contact forces, N·s.
+    impulse_scale: f64,
+    /// Largest difference between mass times acceleration and the forces, N.
+    error: f64,
+    largest_force: f64,
     inertia: [f64; 3],
     weight: [f64; 3],
 }
 
-impl Observer<7, QUADRATURES, GripperMode> for Books<'_> {
+impl Observer<7, QUADRATURES, GripperMode> for MomentumBalance<'_> {
     fn step(
         &mut self,
         step: &Step<7, QUADRATURES>,
         mode: &GripperMode,
         tools: &mut dyn StepTools<7, QUADRATURES>,
     ) -> bool {
-        let parts = [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)];
-        for (part, weight) in parts {
-            let state = match part {
+        let quadrature = [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)];
+        for (node, weight) in quadrature {
+            let state = match node {
                 0.0 => *step.start,
                 1.0 => *step.end,
-                part => tools.resolve(part),
+                node => tools.resolve(node),
             };
-            let (force, sizes) = on_object(self.model, &state, mode);
-            let rates: Rates<7, QUADRATURES> = self.model.rates(step.t0 + part * step.h, &state.q, &state.v, mode);
-            self.size += weight * step.h * sizes;
-            self.largest = self.largest.max(sizes);
+            let (force, force_sum) = contact_wrench(self.model, &state, mode);
+            let rates: Rates<7, QUADRATURES> = self.model.rates(step.t0 + node * step.h, &state.q, &state.v, mode);
+            self.impulse_scale += weight * step.h * force_sum;
+            self.largest_force = self.largest_force.max(force_sum);
             for (i, force) in force.into_iter().enumerate() {
-                self.given[i] += weight * step.h * force;
+                self.transferred[i] += weight * step.h * force;
                 let inertial = self.inertia[i] * rates.a[4 + i] - self.weight[i];
                 let lever = if i == 2 { 0.02 } else { 1.0 };
-                self.off = self.off.max((inertial - force).abs() / lever);
+                self.error = self.error.max((inertial - force).abs() / lever);
             }
         }
         true
@@ -268,42 +300,66 @@ impl Observer<7, QUADRATURES, GripperMode> for Books<'_> {
     fn event(&mut self, _: f64, _: &State<7, QUADRATURES>, _: usize, _: &GripperMode) {}
 }
 
-/// What contacts and gravity give the object is what its momentum and its angular momentum become.
+/// The impulse of contacts and gravity equals the change of the momentum and angular momentum of the object.
 #[test]
-fn momentum_balances() {
-    for anchor in anchors() {
-        let model = GripperModel::<7>::new(&anchor.scene.system);
-        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = anchor.scene.system.grasped().motion
+fn momentum_of_the_object_balances() {
+    for case in cases_at_rest() {
+        let model = GripperModel::<7>::new(&case.scene.system);
+        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = case.scene.system.grasped().motion
         else {
-            panic!("free")
+            panic!("the object is fixed")
         };
-        let [gx, gy] = anchor.scene.system.gravity_m_s2;
+        let [gx, gy] = case.scene.system.gravity_m_s2;
         let (inertia, weight) = ([mass_kg, mass_kg, inertia_kg_m2], [mass_kg * gx, mass_kg * gy, 0.0]);
-        let mut books = Books { model: &model, given: [0.0; 3], size: 0.0, off: 0.0, largest: 0.0, inertia, weight };
+        let mut balance = MomentumBalance {
+            model: &model,
+            transferred: [0.0; 3],
+            impulse_scale: 0.0,
+            error: 0.0,
+            largest_force: 0.0,
+            inertia,
+            weight,
+        };
         let Integrator { atol_angle_rad, atol_rate_rad_s, rtol, max_steps, .. } = Integrator::preset(Preset::Reference);
         let tolerances = Tolerances { atol_q: atol_angle_rad, atol_v: atol_rate_rad_s, rtol_v: rtol };
         let options = Options { tolerances, max_steps };
-        let (before, duration_s) = (start::<7>(&anchor.scene.system), anchor.scene.duration_s);
-        let end = integrate::<7, QUADRATURES, GUARDS, _, RadauOrRodas<7, QUADRATURES>, _>(
-            &model, &options, 0.0, before, duration_s, &mut books,
+        let (before, duration_s) = (initial_state::<7>(&case.scene.system), case.scene.duration_s);
+        let end = integrate::<7, QUADRATURES, EVENT_FUNCTIONS, _, RadauOrRodas<7, QUADRATURES>, _>(
+            &model,
+            &options,
+            0.0,
+            before,
+            duration_s,
+            &mut balance,
         );
-        // At every instant, to rounding.
-        assert!(books.off < 1e-12 * books.largest, "{}: {:.1e} of {:.1e} N", anchor.name, books.off, books.largest);
-        // Over the run, as closely as Simpson's rule goes through impacts.
+        // Instantaneous balance, to rounding.
+        assert!(
+            balance.error < 1e-12 * balance.largest_force,
+            "{}: {:.1e} of {:.1e} N",
+            case.name,
+            balance.error,
+            balance.largest_force
+        );
+        // Balance over the run, limited by the error of Simpson's rule in impacts.
         for i in 0..3 {
-            let gained = inertia[i] * (end.state.v[4 + i] - before.v[4 + i]) - weight[i] * duration_s;
-            let off = (gained - books.given[i]).abs();
-            let size = books.size * if i == 2 { 0.02 } else { 1.0 };
-            assert!(off < 1e-5 * size, "{}: {i}: {gained:e}, given {:e}, of {size:e}", anchor.name, books.given[i]);
+            let momentum_change = inertia[i] * (end.state.v[4 + i] - before.v[4 + i]) - weight[i] * duration_s;
+            let error = (momentum_change - balance.transferred[i]).abs();
+            let impulse_scale = balance.impulse_scale * if i == 2 { 0.02 } else { 1.0 };
+            assert!(
+                error < 1e-5 * impulse_scale,
+                "{}: {i}: momentum change {momentum_change:e}, impulse {:e}, scale {impulse_scale:e}",
+                case.name,
+                balance.transferred[i]
+            );
         }
     }
 }
 
-/// The Jacobian is put together from blocks: every entry against central differences, with everything in contact at once.
+/// Compares every entry of the Jacobian with central differences, with all contacts active.
 #[test]
-fn the_jacobian_is_that_of_the_accelerations() {
+fn jacobian_matches_central_differences() {
     for letter in ["c", "f", "i"] {
-        let mut scene = anchor(letter).scene;
+        let mut scene = reference_case(letter).scene;
         scene.system.fingers[0].spring.as_mut().expect("a spring").kind =
             phalanx::gripper::SpringKind::Torsional { stiffness_n_m_per_rad: 0.08, preload_rad: 1.0 };
         scene.system.table.iter_mut().for_each(|table| table.level_m = 0.0399);
@@ -314,8 +370,8 @@ fn the_jacobian_is_that_of_the_accelerations() {
             .for_each(|differential| differential.motor.no_load_speed_rad_s = Some(300.0));
         let model = GripperModel::<7>::new(&scene.system);
         let mut mode = GripperMode::FREE;
-        mode.sites = [SiteState::Active; PLACES];
-        // Both fingers close on the object without its centre in the middle; the surfaces press where gaps are negative.
+        mode.contacts = [ContactState::Active; CONTACTS];
+        // Both fingers are in contact with an object off centre; contacts with negative gaps have forces.
         let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02];
         let v = [12.0, -7.0, 9.0, 5.0, 0.3, -0.2, 4.0];
         let exact: Linearised<7, QUADRATURES> = model.linearise(1e-3, &q, &v, &mode);
@@ -326,31 +382,33 @@ fn the_jacobian_is_that_of_the_accelerations() {
             all[7..].copy_from_slice(&rates.g);
             all
         };
-        let pressing = (0..PLACES).filter(|place| model.reading(&q, &v, *place, SiteState::Active).is_some());
-        assert!(pressing.count() >= 7);
+        let active_contacts =
+            (0..CONTACTS).filter(|index| model.contact_reading(&q, &v, *index, ContactState::Active).is_some());
+        assert!(active_contacts.count() >= 7);
         for j in 0..7 {
-            for (rows, by_rate) in [((&exact.a_q, &exact.g_q), false), ((&exact.a_v, &exact.g_v), true)] {
-                let at = |h: f64| {
+            for (rows, is_rate) in [((&exact.a_q, &exact.g_q), false), ((&exact.a_v, &exact.g_v), true)] {
+                let shifted_outputs = |h: f64| {
                     let (mut q, mut v) = (q, v);
-                    if by_rate {
+                    if is_rate {
                         v[j] += h
                     } else {
                         q[j] += h
                     }
                     outputs(&q, &v)
                 };
-                // Derivatives of order 4 by central differences.
-                let h = if by_rate { 1e-3 } else { if j == 4 || j == 5 { 2e-7 } else { 5e-6 } };
-                let (near, far): ([_; 2], [_; 2]) = ([at(h), at(-h)], [at(2.0 * h), at(-2.0 * h)]);
+                // Central differences of fourth order.
+                let h = if is_rate { 1e-3 } else { if j == 4 || j == 5 { 2e-7 } else { 5e-6 } };
+                let (near, far): ([_; 2], [_; 2]) =
+                    ([shifted_outputs(h), shifted_outputs(-h)], [shifted_outputs(2.0 * h), shifted_outputs(-2.0 * h)]);
                 for i in 0..7 + QUADRATURES {
-                    let by_difference = (8.0 * (near[0][i] - near[1][i]) - (far[0][i] - far[1][i])) / (12.0 * h);
+                    let difference = (8.0 * (near[0][i] - near[1][i]) - (far[0][i] - far[1][i])) / (12.0 * h);
                     let entry = if i < 7 { rows.0[i][j] } else { rows.1[i - 7][j] };
                     let row = if i < 7 { &rows.0[i] } else { &rows.1[i - 7] };
-                    let scale = row.iter().fold(0.0f64, |most, entry| most.max(entry.abs()));
+                    let scale = row.iter().fold(0.0f64, |largest, entry| largest.max(entry.abs()));
                     assert!(
-                        (entry - by_difference).abs() <= 1e-6 * scale,
-                        "{letter}: output {i} by {} {j}: {entry:e}, by differences {by_difference:e}",
-                        if by_rate { "rate" } else { "coordinate" }
+                        (entry - difference).abs() <= 1e-6 * scale,
+                        "{letter}: output {i} by {} {j}: {entry:e}, by central differences {difference:e}",
+                        if is_rate { "rate" } else { "coordinate" }
                     );
                 }
             }
@@ -358,22 +416,22 @@ fn the_jacobian_is_that_of_the_accelerations() {
     }
 }
 
-/// A left phalanx is read in the palm's frame: mirrored, and pressing the object the other way.
+/// Readings of the left phalanges are in the palm frame: mirrored, with the opposite normal direction.
 #[test]
-fn contacts_are_read_in_the_palms_frame() {
-    let anchor = anchor("a");
-    let model = GripperModel::<7>::new(&anchor.scene.system);
-    let (_, end) = reference::<7>(&anchor.scene, Vec::new());
-    let read = |side, site| {
-        let place = Place::Finger(side, site).index();
-        model.reading(&end.state.q, &end.state.v, place, analytic::SiteState::Active).expect("a contact")
+fn contact_readings_are_in_the_palm_frame() {
+    let case = reference_case("a");
+    let model = GripperModel::<7>::new(&case.scene.system);
+    let (_, end) = run_reference::<7>(&case.scene, Vec::new());
+    let reading = |side, contact| {
+        let index = GripperContact::Finger(side, contact).index();
+        model.contact_reading(&end.state.q, &end.state.v, index, analytic::ContactState::Active).expect("a contact")
     };
-    for site in [Site::Proximal, Site::Distal] {
-        let [right, left] = phalanx::scene::Side::BOTH.map(|side| read(side, site));
-        assert!(right.normal > 1.0, "{site:?} presses");
-        assert!((right.geometry.point[0] + left.geometry.point[0]).abs() < 1e-9, "{site:?}: points");
-        assert!((right.geometry.normal[0] + left.geometry.normal[0]).abs() < 1e-7, "{site:?}: normals");
-        let towards = |reading: &analytic::SiteReading| {
+    for contact in [FingerContact::Proximal, FingerContact::Distal] {
+        let [right, left] = phalanx::scene::Side::BOTH.map(|side| reading(side, contact));
+        assert!(right.normal > 1.0, "{contact:?} has no force");
+        assert!((right.geometry.point[0] + left.geometry.point[0]).abs() < 1e-9, "{contact:?}: points");
+        assert!((right.geometry.normal[0] + left.geometry.normal[0]).abs() < 1e-7, "{contact:?}: normals");
+        let towards = |reading: &analytic::ContactReading| {
             let [x, y] = reading.geometry.point;
             let [cx, cy] = [end.state.q[4], end.state.q[5]];
             reading.geometry.normal[0] * (x - cx) + reading.geometry.normal[1] * (y - cy)
@@ -381,7 +439,7 @@ fn contacts_are_read_in_the_palms_frame() {
         for reading in [&right, &left] {
             assert!(
                 (towards(reading) - 0.02).abs() < 1e-5,
-                "{site:?}: the normal points from the object to the phalanx"
+                "{contact:?}: the normal points from the object to the phalanx"
             );
         }
     }

@@ -1,154 +1,168 @@
-//! Criteria of grippers whose motion an independent program has found, and whether their objects are held fast.
+//! Grasp criteria of the gripper reference cases, and form closure of their final grasps.
 
-use phalanx::criteria::{ContactCriteria, Fate, GraspCriteria, GraspTracker, normal_forces, stance};
-use phalanx::gripper::{Site, final_posture};
-use phalanx::scene::{Place, Scene, Side, Thresholds};
-use phalanx::shape::Placed;
+use phalanx::criteria::{ContactCriteria, Fate, GraspCriteria, GraspTracker, grasp_configuration, normal_forces};
+use phalanx::gripper::{FingerContact, final_posture};
+use phalanx::scene::{GripperContact, Scene, Side, Thresholds};
+use phalanx::shape::PlacedShape;
 use phalanx::statics::{
     Blocked, Decision, FormClosure, GripperRow, PerContact, form_closure, gripper_closure, gripper_unilateral,
 };
 use phalanx::trace::{Model, Sample, run};
 
-use crate::support::grippers::{anchor, anchors};
-use crate::support::statics::check;
+use crate::support::reference_cases::{cases_at_rest, reference_case};
+use crate::support::statics::check_certificate;
 
-fn watch(scene: &Scene) -> (GraspCriteria, Sample) {
-    let mut tracker = GraspTracker::of(scene);
-    let outcome = run(Model::Analytic, scene, &mut tracker).expect("a run to its end");
+fn run_with_tracker(scene: &Scene) -> (GraspCriteria, Sample) {
+    let mut tracker = GraspTracker::for_scene(scene);
+    let outcome = run(Model::Analytic, scene, &mut tracker).expect("a completed run");
     (tracker.criteria().expect("samples"), outcome.last)
 }
 
-fn of(criteria: &GraspCriteria, place: Place) -> ContactCriteria {
-    *criteria.contacts.iter().find(|contact| contact.place == place).expect("no joint limit")
+fn criteria_of(criteria: &GraspCriteria, id: GripperContact) -> ContactCriteria {
+    *criteria.contacts.iter().find(|contact| contact.id == id).expect("criteria of this contact")
 }
 
-const PHALANGES: [Place; 4] = [
-    Place::Finger(Side::Right, Site::Proximal),
-    Place::Finger(Side::Right, Site::Distal),
-    Place::Finger(Side::Left, Site::Proximal),
-    Place::Finger(Side::Left, Site::Distal),
+const PHALANGES: [GripperContact; 4] = [
+    GripperContact::Finger(Side::Right, FingerContact::Proximal),
+    GripperContact::Finger(Side::Right, FingerContact::Distal),
+    GripperContact::Finger(Side::Left, FingerContact::Proximal),
+    GripperContact::Finger(Side::Left, FingerContact::Distal),
 ];
 
 #[test]
-fn every_anchor_is_held_and_its_first_touches_are_those_of_the_independent_program() {
-    for anchor in anchors() {
-        let (found, _) = watch(&anchor.scene);
-        assert_eq!(found.fate, Fate::Held, "{}", anchor.name);
-        for (place, wanted) in PHALANGES.into_iter().zip(anchor.first_touch_s) {
-            let contact = of(&found, place);
-            let first = contact.first_touch_s.expect("a touch");
-            // Errors grow through impacts: those after the first are known to 1e-8 s from the reference preset alone.
-            assert!((first - wanted).abs() < 5e-8, "{}: {place:?} at {first}, not {wanted}", anchor.name);
-            assert!(contact.presses_since_s.expect("it holds") <= found.tts_s.expect("a stable grasp"));
+fn every_case_is_held_and_first_contacts_match_the_independent_program() {
+    for case in cases_at_rest() {
+        let (criteria, _) = run_with_tracker(&case.scene);
+        assert_eq!(criteria.fate, Fate::Held, "{}", case.name);
+        for (id, expected) in PHALANGES.into_iter().zip(case.first_contact_s) {
+            let contact = criteria_of(&criteria, id);
+            let first = contact.first_contact_s.expect("a first contact");
+            // Errors grow through impacts. Only the reference preset gives contact times after the first to 1e-8 s.
+            assert!((first - expected).abs() < 5e-8, "{}: {id:?} at {first} s, expected {expected} s", case.name);
+            assert!(contact.active_since_s.expect("a lasting contact") <= criteria.tts_s.expect("a stable grasp"));
         }
-        let second = anchor.first_touch_s[0].max(anchor.first_touch_s[2]);
-        let grasped = found.grasped_s.expect("a grasp");
-        assert!((grasped - second).abs() < 5e-8, "{}: grasped at {grasped}, not {second}", anchor.name);
-        let end = anchor.states.last().expect("states");
-        assert!((found.end.centre_m[0] - end.q[4]).abs() < 2e-7 && (found.end.centre_m[1] - end.q[5]).abs() < 2e-7);
+        let second_finger_s = case.first_contact_s[0].max(case.first_contact_s[2]);
+        let grasped = criteria.grasped_s.expect("a grasp");
+        assert!(
+            (grasped - second_finger_s).abs() < 5e-8,
+            "{}: grasped at {grasped} s, expected {second_finger_s} s",
+            case.name
+        );
+        let end = case.states.last().expect("states");
+        assert!(
+            (criteria.end.centre_m[0] - end.q[4]).abs() < 2e-7 && (criteria.end.centre_m[1] - end.q[5]).abs() < 2e-7
+        );
     }
 }
 
-/// Without a table the object is held by the four phalanges alone, which never let go, and stable when the last of them has touched.
+/// Without a table the object is held by the four phalanges alone. They never lose contact, and the grasp is stable
+/// from the last first contact on.
 #[test]
 fn case_a_is_held_by_four_contacts() {
-    let (found, last) = watch(&anchor("a").scene);
-    for place in [Place::Palm, Place::Table] {
-        assert_eq!(of(&found, place).first_touch_s, None, "{place:?}");
+    let (criteria, last) = run_with_tracker(&reference_case("a").scene);
+    for contact in [GripperContact::Palm, GripperContact::Table] {
+        assert_eq!(criteria_of(&criteria, contact).first_contact_s, None, "{contact:?}");
     }
-    let touches = PHALANGES.map(|place| of(&found, place).first_touch_s.expect("a touch"));
-    assert_eq!(found.tts_s, Some(touches.into_iter().fold(0.0, f64::max)));
-    assert!(PHALANGES.iter().all(|place| of(&found, *place).times_lost == 0));
-    assert_eq!(found.offset_ratio(), None, "it was centred");
-    // Regularised friction does not hold: the object sinks, and has sunk by what its end says.
-    assert!((found.end_speed_m_s() - 0.0186).abs() < 1e-4, "{}", found.end_speed_m_s());
-    assert!((found.travel.displacement_m - (last.bodies[0].centre_m[1] - 0.02)).abs() < 1e-9);
-    let slip = found.slip.expect("a grasp").displacement_m;
-    assert!(slip > 1e-4 && slip < found.travel.displacement_m, "{slip}");
+    let first_contacts =
+        PHALANGES.map(|contact| criteria_of(&criteria, contact).first_contact_s.expect("a first contact"));
+    assert_eq!(criteria.tts_s, Some(first_contacts.into_iter().fold(0.0, f64::max)));
+    assert!(PHALANGES.iter().all(|contact| criteria_of(&criteria, *contact).times_lost == 0));
+    assert_eq!(criteria.offset_ratio(), None, "the object starts at the centre");
+    // With regularised friction the object creeps; the criteria report its speed and displacement.
+    assert!((criteria.end_speed_m_s() - 0.0186).abs() < 1e-4, "{}", criteria.end_speed_m_s());
+    assert!((criteria.travel.displacement_m - (last.bodies[0].centre_m[1] - 0.02)).abs() < 1e-9);
+    let slip = criteria.slip.expect("a grasp").displacement_m;
+    assert!(slip > 1e-4 && slip < criteria.travel.displacement_m, "{slip}");
 }
 
-/// From 3.5 mm beside the middle to 0.550 mm: the grasp centres its object.
+/// The grasp centres its object: the offset decreases from 3.5 mm to 0.550 mm.
 #[test]
 fn case_c_centres_its_object() {
-    // Every loss of contact counts here.
-    let (found, _) = watch(&Scene { thresholds: Thresholds::NONE, ..anchor("c").scene });
-    assert!((found.end.centre_m[0] - 0.5504e-3).abs() < 2e-7, "{:?}", found.end.centre_m);
-    let ratio = found.offset_ratio().expect("it was off centre");
+    // Without thresholds every loss of contact counts.
+    let (criteria, _) = run_with_tracker(&Scene { thresholds: Thresholds::NONE, ..reference_case("c").scene });
+    assert!((criteria.end.centre_m[0] - 0.5504e-3).abs() < 2e-7, "{:?}", criteria.end.centre_m);
+    let ratio = criteria.offset_ratio().expect("an initial offset");
     assert!((ratio - 0.5504 / 3.5).abs() < 1e-4, "{ratio}");
-    // It still moves at the end, and has since all contacts held.
-    assert!(found.end_speed_m_s() > 0.03, "{}", found.end_speed_m_s());
-    assert!(found.slip.expect("a grasp").displacement_m > 1e-3);
-    // The last to hold is the table, which the impacts have thrown the object off.
-    assert_eq!(found.tts_s, of(&found, Place::Table).presses_since_s);
-    assert!(of(&found, Place::Finger(Side::Left, Site::Proximal)).lost_s > 4e-3);
+    // The object still moves at the end, and has moved since the grasp.
+    assert!(criteria.end_speed_m_s() > 0.03, "{}", criteria.end_speed_m_s());
+    assert!(criteria.slip.expect("a grasp").displacement_m > 1e-3);
+    // The table is the last contact to close for good, because the impacts have thrown the object off it.
+    assert_eq!(criteria.tts_s, criteria_of(&criteria, GripperContact::Table).active_since_s);
+    assert!(criteria_of(&criteria, GripperContact::Finger(Side::Left, FingerContact::Proximal)).lost_s > 4e-3);
 }
 
-/// Before the left finger arrives there is no grasp; without friction and table there was one, and the object is thrown out.
+/// Before the left finger arrives there is no grasp. Without friction and table the object is grasped and then ejected.
 #[test]
-fn what_is_not_held_says_why() {
-    let mut early = anchor("c").scene;
-    early.duration_s = 6e-3;
-    assert_eq!(watch(&early).0.fate, Fate::NotGrasped);
+fn lost_objects_are_reported_with_their_fate() {
+    let mut early_end = reference_case("c").scene;
+    early_end.duration_s = 6e-3;
+    assert_eq!(run_with_tracker(&early_end).0.fate, Fate::NotGrasped);
 
-    let mut slippery = anchor("a").scene;
-    for finger in &mut slippery.system.fingers {
+    let mut frictionless = reference_case("a").scene;
+    for finger in &mut frictionless.system.fingers {
         (finger.contact.proximal.friction, finger.contact.distal.friction) = (None, None);
     }
-    let mut lasting = |duration_s: f64| {
-        slippery.duration_s = duration_s;
-        watch(&slippery)
+    let mut run_for = |duration_s: f64| {
+        frictionless.duration_s = duration_s;
+        run_with_tracker(&frictionless)
     };
-    // As long as fingers still squeeze it out it is held by its definition: whoever asks too early reads it off the speed.
-    let (found, _) = lasting(25e-3);
-    assert_eq!(found.fate, Fate::Held);
-    assert!((found.end_speed_m_s() - 1.5).abs() < 0.1, "thrown out at {} m/s", found.end_speed_m_s());
-    let (found, _) = lasting(33e-3);
-    let Fate::Dropped { since_s } = found.fate else { panic!("{:?}", found.fate) };
+    // While the fingers still squeeze the object out, it counts as held; its speed shows that it is being ejected.
+    let (criteria, _) = run_for(25e-3);
+    assert_eq!(criteria.fate, Fate::Held);
+    assert!((criteria.end_speed_m_s() - 1.5).abs() < 0.1, "thrown out at {} m/s", criteria.end_speed_m_s());
+    let (criteria, _) = run_for(33e-3);
+    let Fate::Dropped { since_s } = criteria.fate else { panic!("{:?}", criteria.fate) };
     assert!(since_s > 25e-3, "{since_s}");
 
-    let (found, _) = lasting(80e-3);
-    let Fate::Ejected { at_s } = found.fate else { panic!("{:?}", found.fate) };
-    assert!(found.grasped_s.expect("a grasp at first") < 5e-3 && found.tts_s.is_none());
-    let [x, y] = lasting(at_s).1.bodies[0].centre_m;
+    let (criteria, _) = run_for(80e-3);
+    let Fate::Ejected { at_s } = criteria.fate else { panic!("{:?}", criteria.fate) };
+    assert!(criteria.grasped_s.expect("a grasp at first") < 5e-3 && criteria.tts_s.is_none());
+    let [x, y] = run_for(at_s).1.bodies[0].centre_m;
     let reach_m = 0.02 + 0.02443242165159721 + 0.012856584748806986 + 0.0025;
     assert!(((x.abs() - 0.0155).hypot(y) - reach_m).abs() < 1e-6, "out of reach at {at_s}: {x}, {y}");
 }
 
-fn closure(scene: &Scene, last: &Sample, touching: &PerContact<bool>, blocked: Blocked) -> FormClosure<GripperRow> {
-    let stance = stance(scene, last);
-    let found = gripper_closure(&stance, touching, blocked).expect("a decision");
-    check(&gripper_unilateral(&stance, touching, blocked).expect("a posture"), &found);
-    found
+fn checked_closure(
+    scene: &Scene,
+    last: &Sample,
+    active_contacts: &PerContact<bool>,
+    blocked: Blocked,
+) -> FormClosure<GripperRow> {
+    let configuration = grasp_configuration(scene, last);
+    let closure = gripper_closure(&configuration, active_contacts, blocked).expect("a decision");
+    check_certificate(&gripper_unilateral(&configuration, active_contacts, blocked).expect("a posture"), &closure);
+    closure
 }
 
-/// All four phalanges press at the end of every case, and the palm, from which tables have taken the object over, in none: 4 + 2 < 7.
-/// What is within 10 µm of it rests on the palm as soon as the table is gone, which makes b form-closed. On a palm of 34 mm design 95 is
-/// not, as it is not with the object in the middle of one.
+/// At the end of every case all four phalanges are in contact with the object; the palm is not, because a table
+/// supports the object instead. The count 4 + 2 < 7 excludes form closure. An object within 10 µm of the palm would
+/// rest on the palm without the table, which makes case b form-closed. On a palm of 34 mm, design 95 is not
+/// form-closed, even with a centred object.
 #[test]
-fn the_final_grasp_of_b_is_form_closed_with_the_palm_and_those_on_a_wider_palm_are_not() {
-    for (letter, palm_is_near, closed) in
+fn form_closure_of_final_grasps_with_and_without_the_palm() {
+    for (letter, palm_is_close, closed) in
         [("a", false, false), ("b", true, true), ("c", true, false), ("f", true, false)]
     {
-        let scene = anchor(letter).scene;
-        let (_, last) = watch(&scene);
-        let pressing = normal_forces(&last).map(|force| force > 0.0);
-        assert_eq!(pressing, PerContact { phalanges: [[true; 2]; 2], palm: false }, "{letter}");
-        let alone = closure(&scene, &last, &pressing, Blocked::Outputs);
-        assert!(!alone.closed && !alone.necessary.is_met(), "{letter}");
+        let scene = reference_case(letter).scene;
+        let (_, last) = run_with_tracker(&scene);
+        let active_contacts = normal_forces(&last).map(|force| force > 0.0);
+        assert_eq!(active_contacts, PerContact { phalanges: [[true; 2]; 2], palm: false }, "{letter}");
+        let without_palm = checked_closure(&scene, &last, &active_contacts, Blocked::Outputs);
+        assert!(!without_palm.closed && !without_palm.necessary.is_met(), "{letter}");
 
-        let near = stance(&scene, &last).gaps().expect("a posture").map(|gap| gap <= 1e-5);
-        assert_eq!(near, PerContact { palm: palm_is_near, ..pressing }, "{letter}");
-        let with_palm = PerContact { palm: true, ..pressing };
-        let found = closure(&scene, &last, &with_palm, Blocked::Outputs);
-        assert_eq!((found.decision, found.necessary.is_met()), (Decision::Signs, true), "{letter}");
-        assert_eq!(found.closed, closed, "{letter}: margin {:?}", found.margin);
+        let close_contacts = grasp_configuration(&scene, &last).gaps().expect("a posture").map(|gap| gap <= 1e-5);
+        assert_eq!(close_contacts, PerContact { palm: palm_is_close, ..active_contacts }, "{letter}");
+        let with_palm = PerContact { palm: true, ..active_contacts };
+        let closure = checked_closure(&scene, &last, &with_palm, Blocked::Outputs);
+        assert_eq!((closure.decision, closure.necessary.is_met()), (Decision::Signs, true), "{letter}");
+        assert_eq!(closure.closed, closed, "{letter}: margin {:?}", closure.margin);
 
-        let input = closure(&scene, &last, &with_palm, Blocked::Input);
-        assert!(!input.closed && !input.necessary.is_met(), "{letter}");
+        let input_blocked = checked_closure(&scene, &last, &with_palm, Blocked::Input);
+        assert!(!input_blocked.closed && !input_blocked.necessary.is_met(), "{letter}");
     }
-    let finger = anchor("c").scene.system.fingers[0].linkage;
+    let finger = reference_case("c").scene.system.fingers[0].linkage;
     for (base_m, closed) in [(15.5e-3, true), (17e-3, false)] {
-        let disc = Placed::disc(0.02, [-base_m, 0.02]);
+        let disc = PlacedShape::disc(0.02, [-base_m, 0.02]);
         let end = final_posture(&finger.lengths, finger.assembly, disc).expect("a grasp");
         assert_eq!(form_closure(&finger, &end).expect("a decision").closed, closed, "{base_m}");
     }

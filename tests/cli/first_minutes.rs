@@ -1,24 +1,24 @@
-//! The first minutes with the program: a new scene, a run, its page on the screen.
+//! First use of the program: a new scene, a run, and its page in the browser.
 
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::support::cli::{ANCHOR, directory, json, phalanx, stderr, stdout, variant, write};
+use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, variant, write};
 use phalanx::scene;
 
-/// The command in a session that has no screen and no browser, but for what is set here.
-fn with(settings: &[(&str, &str)], args: &[&str]) -> Output {
+/// Runs the command in a session without a screen or browser, except for the given variables.
+fn phalanx_with_env(variables: &[(&str, &str)], args: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
     for name in ["BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME"] {
         command.env_remove(name);
     }
-    command.envs(settings.iter().copied()).args(args).output().expect("the binary starts")
+    command.envs(variables.iter().copied()).args(args).output().expect("the binary starts")
 }
 
-/// A program that writes down what it was asked to open, and ends with a status.
+/// Creates a program that records the page to open and exits with a status.
 #[cfg(unix)]
-fn browser(directory: &Path, status: u8) -> String {
+fn fake_browser(directory: &Path, status: u8) -> String {
     use std::os::unix::fs::PermissionsExt;
     let script = format!("#!/bin/sh\nprintf '%s' \"$1\" > '{}/opened'\nexit {status}\n", directory.display());
     let path = write(directory, "browser", &script);
@@ -27,10 +27,10 @@ fn browser(directory: &Path, status: u8) -> String {
 }
 
 #[test]
-fn a_new_scene_runs_as_it_is_and_says_what_can_be_changed() {
+fn new_scene_runs_unchanged_and_has_comments() {
     let directory = directory("cli_new");
     let place = directory.join("my gripper.toml");
-    let file = place.to_str().expect("text");
+    let file = place.to_str().expect("UTF-8 path");
     let output = phalanx(&["new", file]);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
     assert!(stdout(&output).starts_with(&format!("wrote {file}")), "{}", stdout(&output));
@@ -43,101 +43,105 @@ fn a_new_scene_runs_as_it_is_and_says_what_can_be_changed() {
     assert!(values.count() >= 10 && text.matches('#').count() >= 20);
     let scene = scene::load(&place).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.name, "my gripper");
-    // It is the anchor, whose outcome is known.
-    assert_eq!(scene.finger().linkage, scene::load(ANCHOR).expect("the anchor").finger().linkage);
+    // The scene equals experiment-95, whose outcome is known.
+    assert_eq!(scene.finger().linkage, scene::load(EXPERIMENT_95).expect("experiment-95").finger().linkage);
     let output = phalanx(&["run", file, "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(json(&output)["criteria"]["class"], "stable");
 }
 
 #[test]
-fn a_new_scene_replaces_nothing() {
+fn new_scene_does_not_replace_files() {
     let directory = directory("cli_new_refused");
-    let mine = write(&directory, "mine.toml", "my work");
-    let nowhere = directory.join("nowhere/scene.toml").display().to_string();
+    let existing = write(&directory, "mine.toml", "my work");
+    let missing_path = directory.join("nowhere/scene.toml").display().to_string();
     for (file, part) in [
-        (mine.as_str(), "something of that name already"),
-        (directory.to_str().expect("text"), "something of that name already"),
-        (nowhere.as_str(), "give a file in a directory where you may write"),
+        (existing.as_str(), "a file or directory of that name already exists"),
+        (directory.to_str().expect("UTF-8 path"), "a file or directory of that name already exists"),
+        (missing_path.as_str(), "give a file in a directory where you may write"),
     ] {
         let output = phalanx(&["new", file]);
         assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{file}");
         assert!(stderr(&output).contains(file) && stderr(&output).contains(part), "{}", stderr(&output));
     }
-    assert_eq!(fs::read_to_string(&mine).expect("the file"), "my work");
+    assert_eq!(fs::read_to_string(&existing).expect("the file"), "my work");
 }
 
 #[test]
-fn a_run_writes_its_page() {
+fn run_writes_page() {
     let directory = directory("cli_run_html");
-    let place = |name: &str| directory.join(name).to_str().expect("text").to_string();
-    for (scene, model) in [(ANCHOR, "analytic"), (ANCHOR, "engine"), ("scenes/laws/impact.toml", "analytic")] {
+    let place = |name: &str| directory.join(name).to_str().expect("UTF-8 path").to_string();
+    for (scene, model) in
+        [(EXPERIMENT_95, "analytic"), (EXPERIMENT_95, "engine"), ("scenes/laws/impact.toml", "analytic")]
+    {
         let (page, log) = (place("run.html"), place("run.mcap"));
         let output = phalanx(&["run", scene, "--model", model, "--html", &page, "--log", &log]);
         assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
         assert!(stdout(&output).contains(&format!("\npage: {page}\n")), "{}", stdout(&output));
-        let of_run = fs::read_to_string(&page).expect("the page");
-        // Given to others, it does not say where it was made.
-        assert!(!of_run.contains(&directory.display().to_string()));
-        // The same film as the page of the log.
+        let run_page = fs::read_to_string(&page).expect("the page");
+        // Pages are shared, so they must not contain local paths.
+        assert!(!run_page.contains(&directory.display().to_string()));
+        // The page of the log contains the same data.
         let output = phalanx(&["replay", &log, "--html", &page]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let of_log = fs::read_to_string(&page).expect("the page");
+        let log_page = fs::read_to_string(&page).expect("the page");
         let data = |html: &str| {
             html.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next().map(String::from))
         };
-        assert!(data(&of_run).is_some());
-        assert_eq!(data(&of_run), data(&of_log), "{scene}, {model}");
+        assert!(data(&run_page).is_some());
+        assert_eq!(data(&run_page), data(&log_page), "{scene}, {model}");
         let output = phalanx(&["run", scene, "--model", model, "--html", &page, "--json"]);
         assert_eq!(json(&output)["page"], page.as_str());
     }
 }
 
 #[test]
-fn a_run_that_stops_shows_how_far_it_came() {
+fn page_of_stopped_run_says_not_completed() {
     let directory = directory("cli_run_html_stopped");
     let page = directory.join("run.html");
     let scene = variant(&directory, "few-steps.toml", "[integrator]\nmax_steps = 60");
-    let output = phalanx(&["run", &scene, "--html", page.to_str().expect("text")]);
+    let output = phalanx(&["run", &scene, "--html", page.to_str().expect("UTF-8 path")]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(fs::read_to_string(&page).expect("the page").contains("NOT COMPLETED"));
 }
 
 #[cfg(unix)]
 #[test]
-fn the_page_is_opened_with_the_browser_of_the_session() {
+fn page_opens_in_session_browser() {
     let directory = directory("cli_open");
     let page = directory.join("run.html");
-    let browser = browser(&directory, 0);
-    let output = with(&[("BROWSER", &browser)], &["run", ANCHOR, "--open", "--html", page.to_str().expect("text")]);
+    let browser = fake_browser(&directory, 0);
+    let output = phalanx_with_env(
+        &[("BROWSER", &browser)],
+        &["run", EXPERIMENT_95, "--open", "--html", page.to_str().expect("UTF-8 path")],
+    );
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-    let opened = || fs::read_to_string(directory.join("opened")).expect("the browser was started");
-    assert_eq!(Path::new(&opened()), page.canonicalize().expect("the page"));
-    // Without a name it is a temporary file, which stays for the browser.
+    let opened_page = || fs::read_to_string(directory.join("opened")).expect("the browser was started");
+    assert_eq!(Path::new(&opened_page()), page.canonicalize().expect("the page"));
+    // Without a name the page is a temporary file, which is kept for the browser.
     let temporary = directory.join("tmp");
     fs::create_dir(&temporary).expect("a directory");
-    let settings = [("BROWSER", browser.as_str()), ("TMPDIR", temporary.to_str().expect("text"))];
-    let output = with(&settings, &["run", ANCHOR, "--open"]);
+    let settings = [("BROWSER", browser.as_str()), ("TMPDIR", temporary.to_str().expect("UTF-8 path"))];
+    let output = phalanx_with_env(&settings, &["run", EXPERIMENT_95, "--open"]);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-    assert!(Path::new(&opened()).starts_with(temporary.canonicalize().expect("a directory")), "{}", opened());
+    assert!(Path::new(&opened_page()).starts_with(temporary.canonicalize().expect("a directory")), "{}", opened_page());
     assert!(stdout(&output).contains("\npage: "), "{}", stdout(&output));
-    assert!(fs::read_to_string(opened()).expect("the page").starts_with("<!DOCTYPE html>"));
+    assert!(fs::read_to_string(opened_page()).expect("the page").starts_with("<!DOCTYPE html>"));
 }
 
-/// What `--watch` prints, as it comes.
 #[cfg(unix)]
 #[test]
-fn a_scene_that_is_saved_is_run_again() {
+fn saved_scene_runs_again() {
     use std::io::{BufRead, BufReader};
     use std::process::Stdio;
     use std::sync::mpsc::channel;
     use std::time::Duration;
 
     let directory = directory("cli_watch");
-    let scene = write(&directory, "scene.toml", &fs::read_to_string(ANCHOR).expect("the anchor"));
+    let scene = write(&directory, "scene.toml", &fs::read_to_string(EXPERIMENT_95).expect("experiment-95"));
     let page = directory.join("run.html");
     let mut child = Command::new(env!("CARGO_BIN_EXE_phalanx"))
-        .args(["run", &scene, "--watch", "--no-check", "--html", page.to_str().expect("text")])
+        .args(["run", &scene, "--watch", "--no-check", "--html", page.to_str().expect("UTF-8 path")])
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
@@ -149,32 +153,35 @@ fn a_scene_that_is_saved_is_run_again() {
     let wait_for = |part: &str| {
         while !lines.recv_timeout(Duration::from_secs(60)).expect(part).contains(part) {}
     };
-    wait_for("save it and it runs again");
+    wait_for("save the file to run again");
     let first = fs::read_to_string(&page).expect("the page");
-    // A mistake is told, and does not end it; its correction runs.
+    // An error is printed without ending the loop, and the corrected scene runs.
     write(&directory, "scene.toml", "[design]\nbase = 3\n");
     wait_for("error:");
-    wait_for("save it and it runs again");
+    wait_for("save the file to run again");
     variant(&directory, "scene.toml", "[initial]\noffset = \"20 deg\"");
-    wait_for("save it and it runs again");
+    wait_for("save the file to run again");
     assert_ne!(fs::read_to_string(&page).expect("the page"), first);
-    let asked = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
-    assert!(asked.success());
-    assert_eq!(child.wait().expect("an end").code(), Some(0));
-    reader.join().expect("all was read");
+    let kill_status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(kill_status.success());
+    assert_eq!(child.wait().expect("exit status").code(), Some(0));
+    reader.join().expect("a finished reader");
 
-    let output = with(&[("BROWSER", "true")], &["run", &scene, "--watch", "--open"]);
+    let output = phalanx_with_env(&[("BROWSER", "true")], &["run", &scene, "--watch", "--open"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("--html FILE.html"), "{}", stderr(&output));
 }
 
 #[cfg(unix)]
 #[test]
-fn a_browser_that_fails_leaves_the_page() {
+fn failing_browser_leaves_the_page() {
     let directory = directory("cli_open_fails");
     let page = directory.join("run.html");
-    let browser = browser(&directory, 4);
-    let output = with(&[("BROWSER", &browser)], &["run", ANCHOR, "--open", "--html", page.to_str().expect("text")]);
+    let browser = fake_browser(&directory, 4);
+    let output = phalanx_with_env(
+        &[("BROWSER", &browser)],
+        &["run", EXPERIMENT_95, "--open", "--html", page.to_str().expect("UTF-8 path")],
+    );
     assert_eq!(output.status.code(), Some(3));
     assert!(
         stderr(&output).contains("could not be opened") && stderr(&output).contains("run.html"),
@@ -186,25 +193,26 @@ fn a_browser_that_fails_leaves_the_page() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn without_a_browser_nothing_is_simulated_and_the_way_out_is_said() {
+fn missing_browser_is_reported_before_simulation() {
     for (settings, part) in [
         (&[][..], "has no screen"),
         (&[("BROWSER", "no-such-program")][..], "names no program"),
         (&[("DISPLAY", ":0"), ("PATH", "/nowhere")][..], "no xdg-open"),
     ] {
-        let output = with(settings, &["run", ANCHOR, "--open"]);
+        let output = phalanx_with_env(settings, &["run", EXPERIMENT_95, "--open"]);
         assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""));
         assert!(stderr(&output).contains(part) && stderr(&output).contains("--html FILE.html"), "{}", stderr(&output));
     }
 }
 
 #[test]
-fn the_explorer_without_its_module_names_the_command_of_the_readme() {
+fn missing_explorer_module_error_names_install_command() {
     let output = phalanx(&["explore", "--module", "nowhere.wasm.gz", "-o", "page.html"]);
     let command = "tools/explorer.sh --install";
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains(command), "{}", stderr(&output));
     let readme = include_str!("../../README.md");
-    let places = ["\ncargo install --path . --locked\n", command, "\nphalanx explore\n"].map(|of| readme.find(of));
+    let places = ["\ncargo install --path . --locked\n", command, "\nphalanx explore\n"]
+        .map(|find_command| readme.find(find_command));
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
 }

@@ -1,56 +1,60 @@
-//! Grippers on the command line: a run, its log and what is made of it, a page, a sweep, what is captured, and what is held.
+//! Grippers on the command line: run, log, page, sweep, capture and hold.
 
 use std::fs;
 
 use serde_json::Value;
 
-use crate::support::cli::{ANCHOR, directory, json, phalanx, stderr, stdout, write};
+use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, write};
 
 const GRIPPER: &str = "scenes/gripper/offset.toml";
 const HOLD: &str = "scenes/gripper/hold.toml";
 
-fn done(args: &[&str]) -> Value {
+fn run_json(args: &[&str]) -> Value {
     let output = phalanx(args);
     assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
     json(&output)
 }
 
 #[test]
-fn a_log_says_what_its_run_said() {
+fn replay_report_equals_run_report() {
     let dir = directory("cli_gripper_log");
     for model in ["analytic", "engine"] {
         let log = dir.join(format!("{model}.mcap")).display().to_string();
-        let run = done(&["run", GRIPPER, "--model", model, "--log", &log, "--json"]);
+        let run = run_json(&["run", GRIPPER, "--model", model, "--log", &log, "--json"]);
         assert_eq!((run["kind"].as_str(), run["grasp"]["fate"].as_str()), (Some("gripper"), Some("held")));
-        let replay = done(&["replay", &log, "--json"]);
+        let replay = run_json(&["replay", &log, "--json"]);
         for key in ["fingers", "object", "grasp", "energy", "warnings"] {
             assert_eq!(replay[key], run[key], "{model}: {key}");
         }
-        for (place, contact) in run["contacts"].as_object().expect("contacts") {
+        for (name, contact) in run["contacts"].as_object().expect("contacts") {
             for (figure, value) in contact.as_object().expect("figures") {
-                assert_eq!(replay["contacts"][place][figure], *value, "{model}: {place} {figure}");
+                assert_eq!(replay["contacts"][name][figure], *value, "{model}: {name} {figure}");
             }
         }
-        let verified = done(&["replay", &log, "--verify", "--json"]);
+        let verified = run_json(&["replay", &log, "--verify", "--json"]);
         assert_eq!(verified["verification"]["same"], Value::Bool(true), "{verified:?}");
-        // What is there of a log that breaks off is a gripper too.
+        // A truncated log is still recognised as the log of a gripper.
         let bytes = fs::read(&log).expect("the log");
-        let cut = dir.join(format!("{model}-cut.mcap"));
-        fs::write(&cut, &bytes[..bytes.len() / 2]).expect("written");
-        let half = json(&phalanx(&["replay", cut.to_str().expect("text"), "--json"]));
+        let truncated = dir.join(format!("{model}-cut.mcap"));
+        fs::write(&truncated, &bytes[..bytes.len() / 2]).expect("written");
+        let half = json(&phalanx(&["replay", truncated.to_str().expect("UTF-8 path"), "--json"]));
         assert!(half["fingers"]["left"]["q21_rad"].is_number() && half["grasp"].is_null(), "{half:?}");
     }
     let logs = ["analytic", "engine"].map(|model| dir.join(format!("{model}.mcap")).display().to_string());
-    let against = done(&["replay", &logs[0], "--against", &logs[1], "--json"]);
-    let quantities: Vec<&str> =
-        against["apart"].as_array().expect("differences").iter().filter_map(|of| of["quantity"].as_str()).collect();
+    let comparison = run_json(&["replay", &logs[0], "--against", &logs[1], "--json"]);
+    let quantities: Vec<&str> = comparison["apart"]
+        .as_array()
+        .expect("differences")
+        .iter()
+        .filter_map(|entry| entry["quantity"].as_str())
+        .collect();
     assert_eq!(quantities.len(), 7, "{quantities:?}");
     assert!(quantities.contains(&"left_q22_rad") && quantities.contains(&"object_centre_m"), "{quantities:?}");
 }
 
-/// Fingers around an object of 4 mm cross each other.
+/// Fingers around an object with a radius of 4 mm overlap.
 #[test]
-fn links_that_pass_through_each_other_are_a_warning_everywhere() {
+fn overlapping_links_are_a_warning_in_every_output() {
     let dir = directory("cli_gripper_warnings");
     let scene = write(
         &dir,
@@ -61,13 +65,13 @@ fn links_that_pass_through_each_other_are_a_warning_everywhere() {
     );
     let log = dir.join("run.mcap").display().to_string();
     let page = dir.join("run.html").display().to_string();
-    let run = done(&["run", &scene, "--log", &log, "--html", &page, "--json"]);
+    let run = run_json(&["run", &scene, "--log", &log, "--html", &page, "--json"]);
     let warning = run["warnings"][0].as_str().expect("a warning");
     assert!(
         warning.starts_with("t22 of the right finger overlaps t22 of the left finger by up to 5.000 mm"),
         "{warning}"
     );
-    assert_eq!(done(&["replay", &log, "--json"])["warnings"], run["warnings"]);
+    assert_eq!(run_json(&["replay", &log, "--json"])["warnings"], run["warnings"]);
     for text in [phalanx(&["run", &scene]), phalanx(&["replay", &log])].map(|output| stdout(&output).to_string()) {
         assert!(text.contains(&format!("Warning: {warning}")), "{text}");
     }
@@ -79,7 +83,7 @@ fn links_that_pass_through_each_other_are_a_warning_everywhere() {
 fn samples_have_a_column_for_each_figure() {
     let dir = directory("cli_gripper_csv");
     let log = dir.join("run.mcap").display().to_string();
-    done(&["run", GRIPPER, "--log", &log, "--json", "--no-check"]);
+    run_json(&["run", GRIPPER, "--log", &log, "--json", "--no-check"]);
     let output = phalanx(&["replay", &log, "--csv", "-"]);
     let text = stdout(&output).to_string();
     let mut lines = text.lines();
@@ -110,31 +114,34 @@ fn summaries_and_pages_name_fingers_and_object() {
     for part in ["right_l21", "left_l22", "\"table\"", "left distal"] {
         assert!(html.contains(part), "{part}");
     }
-    // Without friction the disc is thrown out.
+    // Without friction the disc is ejected.
     let text = stdout(&phalanx(&["run", "scenes/hard/gripper-no-friction.toml"])).to_string();
     assert!(text.contains("EJECTED: the object left the reach of both fingers at 33.99"), "{text}");
 }
 
-/// A cycle from end to end, one that loses its object, and one that ends before its fingers let go.
+/// A complete cycle, and one that loses its object.
 #[test]
-fn summaries_say_what_became_of_a_cycle() {
-    let told = |args: &[&str]| {
+fn summaries_describe_the_outcome_of_a_cycle() {
+    let run_text = |args: &[&str]| {
         let output = phalanx(&[&["run", "--no-check"], args].concat());
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
         stdout(&output).to_string()
     };
-    let cycle = told(&["scenes/gripper/cycle.toml"]);
+    let cycle = run_text(&["scenes/gripper/cycle.toml"]);
     for line in [
-        "Carried from 20.000000 ms to 350.000000 ms: slip in the hand 3.4",
-        "Blocked driven links turn by up to 0.001",
-        "Let go, and clear of the object 4.12",
-        "ms later: a cycle of 354.12",
+        "Transport from 20.000000 ms to 350.000000 ms: the object slips 3.4",
+        "Blocked driven links rotate by up to 0.001",
+        "Released; the fingers are clear of the object 4.12",
+        "ms later; cycle time 354.12",
     ] {
         assert!(cycle.contains(line), "{line}: {cycle}");
     }
-    let dropped = told(&["scenes/gripper/cycle-dropped.toml"]);
-    assert!(dropped.contains("Dropped: no longer held from 123.883"), "{dropped}");
-    assert!(dropped.contains("ms to the end: slip in the hand") && !dropped.contains("Let go"), "{dropped}");
+    let dropped_text = run_text(&["scenes/gripper/cycle-dropped.toml"]);
+    assert!(dropped_text.contains("Dropped: no longer held from 123.883"), "{dropped_text}");
+    assert!(
+        dropped_text.contains("ms to the end: the object slips") && !dropped_text.contains("Released"),
+        "{dropped_text}"
+    );
 }
 
 #[test]
@@ -149,127 +156,130 @@ fn sweeps_vary_any_field_of_a_gripper() {
          [[axes]]\nfield = \"object.offset\"\nvalues = [\"0 mm\", \"2 mm\", \"-2 mm\", \"5 mm\"]\n",
     );
     let out = dir.join("out.csv").display().to_string();
-    let report = done(&["sweep", &study, "--out", &out, "--json"]);
+    let report = run_json(&["sweep", &study, "--out", &out, "--json"]);
     assert_eq!((report["runs"].as_u64(), report["by_status"]["refused"].as_u64()), (Some(8), Some(2)), "{report:?}");
     assert!(report["by_class"]["held"].as_u64() >= Some(3), "{report:?}");
     let text = fs::read_to_string(&out).expect("the table");
     let columns: Vec<&str> = text.lines().next().expect("a head").split(',').collect();
     let cell = |line: &str, name: &str| {
-        let at = columns.iter().position(|column| *column == name).unwrap_or_else(|| panic!("{name}: {columns:?}"));
-        line.split(',').nth(at).expect("a cell").to_string()
+        let column = columns.iter().position(|column| *column == name).unwrap_or_else(|| panic!("{name}: {columns:?}"));
+        line.split(',').nth(column).expect("a cell").to_string()
     };
     let lines: Vec<&str> = text.lines().skip(1).collect();
-    // 2 mm to either side are mirror images.
+    // Offsets of 2 mm to either side are mirror images.
     let ends = [5, 6].map(|run| cell(lines[run], "x_m").parse::<f64>().expect("a number"));
     assert!((ends[0] + ends[1]).abs() < 1e-7 && ends[0].abs() < 2e-3, "{ends:?}");
     assert!(cell(lines[7], "reason").contains("positioning_error"), "{}", lines[7]);
-    // A filter speaks of one finger; so do fields of one.
-    let wrong = write(
+    // Filters and some fields exist only for single fingers.
+    let invalid_study = write(
         &dir,
         "wrong.toml",
         "scene = \"gripper.toml\"\n[filter]\nform_closed = true\n[[axes]]\nfield = \"object.centre\"\nvalues = [[\"0 mm\", \"20 mm\"]]\n",
     );
     let design = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
     write(&dir, "gripper.toml", &format!("kind = \"gripper\"\nsizing = \"rigid\"\n{design}"));
-    let output = phalanx(&["sweep", &wrong, "--out", &out]);
-    let said = stderr(&output).to_string();
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("[filter] is about the statics of one finger") && said.contains("object.centre"), "{said}");
+    let output = phalanx(&["sweep", &invalid_study, "--out", &out]);
+    let message = stderr(&output).to_string();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(
+        message.contains("[filter] concerns the statics of one finger") && message.contains("object.centre"),
+        "{message}"
+    );
 }
 
 #[test]
-fn what_is_captured_is_a_table_and_a_picture() {
+fn capture_writes_table_and_picture() {
     let dir = directory("cli_gripper_capture");
     let out = dir.join("capture").display().to_string();
     let args = ["capture", GRIPPER, "--to", "3.5 mm", "--places", "5", "--out", &out, "--json"];
-    let report = done(&args);
+    let report = run_json(&args);
     assert_eq!((report["captured_from_m"].as_f64(), report["captured_to_m"].as_f64()), (Some(-3.5e-3), Some(3.5e-3)));
     let places = report["places"].as_array().expect("places");
     assert_eq!(places.len(), 5);
-    let end = |index: usize| places[index]["x_m"].as_f64().expect("a place");
-    assert!((end(0) + end(4)).abs() < 1e-7 && (end(4) - 0.5504e-3).abs() < 1e-6 && end(2).abs() < 1e-9);
+    let final_x = |index: usize| places[index]["x_m"].as_f64().expect("a place");
+    assert!((final_x(0) + final_x(4)).abs() < 1e-7 && (final_x(4) - 0.5504e-3).abs() < 1e-6 && final_x(2).abs() < 1e-9);
     for file in ["capture.json", "capture.csv", "capture.svg", "capture.txt"] {
         assert!(fs::metadata(format!("{out}/{file}")).expect(file).len() > 300, "{file}");
     }
-    let text = fs::read_to_string(format!("{out}/capture.txt")).expect("text");
+    let text = fs::read_to_string(format!("{out}/capture.txt")).expect("UTF-8 text");
     assert!(
-        text.contains("Captured: from −3.500 mm (as far as was asked) to +3.500 mm (as far as was asked)."),
+        text.contains("Captured: from −3.500 mm (the requested limit) to +3.500 mm (the requested limit)."),
         "{text}"
     );
-    // Without friction and table nothing is held for long: not even in the middle.
+    // Without friction and table the object is lost even in the middle.
     let slippery = ["--set", "contact.friction.mu_static=0", "--set", "duration=60 ms"];
-    let alone = ["capture", "scenes/gripper/design-95.toml", "--to", "0.1 mm", "--places", "3", "--json"];
-    let report = done(&[&alone[..], &slippery].concat());
+    let capture_args = ["capture", "scenes/gripper/design-95.toml", "--to", "0.1 mm", "--places", "3", "--json"];
+    let report = run_json(&[&capture_args[..], &slippery].concat());
     assert!(report["captured_from_m"].is_null() && report["places"][1]["fate"] == "ejected", "{report:?}");
-    for (args, said) in [
-        (vec!["capture", ANCHOR], "is no gripper"),
+    for (args, message) in [
+        (vec!["capture", EXPERIMENT_95], "is not a gripper"),
         (vec!["capture", GRIPPER, "--to", "9 mm"], "ground joint"),
         (vec!["capture", GRIPPER, "--places", "4"], "odd number"),
     ] {
         let output = phalanx(&args);
         assert_eq!(output.status.code(), Some(2), "{args:?}");
-        assert!(stderr(&output).contains(said), "{args:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{args:?}: {}", stderr(&output));
     }
 }
 
-/// The study's runs are runs like any other: the scene with the same move says the same.
+/// A run of the study gives the same result as a single run of the scene with the same move.
 #[test]
-fn what_is_held_is_what_a_run_with_the_same_move_says() {
+fn hold_agrees_with_runs_of_the_same_move() {
     let dir = directory("cli_gripper_hold");
     let out = dir.join("hold").display().to_string();
     let svg = dir.join("polar.svg").display().to_string();
     let scan = ["--scan", "4", "--from", "5 m/s^2", "--to", "1280 m/s^2", "--tol", "0.1"];
     let args = [&["hold", HOLD, "--directions", "4", "--out", &out, "--svg", &svg, "--json"][..], &scan].concat();
-    let report = done(&args);
+    let report = run_json(&args);
     let loads = report["loads"].as_array().expect("loads");
     assert_eq!((loads.len(), report["begins"].as_str()), (4, Some("at rest")));
-    let begins_s = report["begins_s"].as_f64().expect("a time");
+    let start_s = report["begins_s"].as_f64().expect("a time");
     let out_of_the_palm = &loads[1];
     assert!((out_of_the_palm["direction_rad"].as_f64().expect("an angle") - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
-    for (limit, key, held) in
+    for (limit, key, is_held) in
         [("slips", "held_m_s2", true), ("slips", "failed_m_s2", false), ("drops", "failed_m_s2", false)]
     {
         let peak = &out_of_the_palm[limit][key];
         let runs = out_of_the_palm["runs"].as_array().expect("runs");
-        let run = runs.iter().find(|run| run["peak_m_s2"] == *peak).expect("it was tried");
+        let run = runs.iter().find(|run| run["peak_m_s2"] == *peak).expect("a run at this peak");
         let set = [
             format!("moves.push.y={} m", run["distance_m"]),
-            format!("moves.push.start={begins_s} s"),
+            format!("moves.push.start={start_s} s"),
             "moves.push.time=40 ms".to_string(),
-            format!("duration={} s", begins_s + 70e-3),
+            format!("duration={} s", start_s + 70e-3),
         ];
         let set: Vec<&str> = set.iter().flat_map(|field| ["--set", field.as_str()]).collect();
-        let alone = done(&[&["run", HOLD, "--no-check", "--json"][..], &set].concat());
-        assert_eq!(alone["grasp"]["fate"], run["fate"], "{limit} {key}");
-        let slip = |of: &Value| of["displacement_m"].as_f64().expect("a slip");
-        let (alone, studied) = (slip(&alone["grasp"]["cycle"]["carried"]), slip(&run["slip"]));
-        assert!((alone - studied).abs() < 0.02 * studied, "{limit} {key}: {alone} {studied}");
-        assert_eq!(studied <= 0.5e-3, held, "{limit} {key}: {studied}");
+        let single_run = run_json(&[&["run", HOLD, "--no-check", "--json"][..], &set].concat());
+        assert_eq!(single_run["grasp"]["fate"], run["fate"], "{limit} {key}");
+        let slip = |report: &Value| report["displacement_m"].as_f64().expect("a slip");
+        let (single_run, study_slip) = (slip(&single_run["grasp"]["cycle"]["carried"]), slip(&run["slip"]));
+        assert!((single_run - study_slip).abs() < 0.02 * study_slip, "{limit} {key}: {single_run} {study_slip}");
+        assert_eq!(study_slip <= 0.5e-3, is_held, "{limit} {key}: {study_slip}");
     }
     assert_eq!(out_of_the_palm["slips"]["ended_by"].as_str(), Some("slip"));
     for file in ["hold.json", "hold.csv", "hold.svg", "hold.txt"] {
         assert!(fs::metadata(format!("{out}/{file}")).expect(file).len() > 300, "{file}");
     }
     assert_eq!(fs::read(&svg).expect("the picture"), fs::read(format!("{out}/hold.svg")).expect("the picture"));
-    let text = fs::read_to_string(format!("{out}/hold.txt")).expect("text");
+    let text = fs::read_to_string(format!("{out}/hold.txt")).expect("UTF-8 text");
     for part in [
         "+y (out of the palm)",
-        "where the object is at rest",
+        "when the object is at rest",
         "palm): the object slips less than 0.500 mm up to ",
-        "Least: ",
+        "Smallest limit: ",
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
-    let lines = fs::read_to_string(format!("{out}/hold.csv")).expect("text").lines().count();
+    let lines = fs::read_to_string(format!("{out}/hold.csv")).expect("UTF-8 text").lines().count();
     assert_eq!(report["runs"].as_u64(), Some(lines as u64 - 1));
 }
 
 #[test]
-fn vibrations_and_moves_have_their_own_figures() {
+fn vibrations_and_moves_report_their_figures() {
     let dir = directory("cli_gripper_shaken");
-    let svg = dir.join("shaken.svg").display().to_string();
-    let few = ["--scan", "3", "--from", "10 m/s^2", "--to", "40 m/s^2", "--tol", "0.2", "--json"];
-    let shaken = [
+    let svg = dir.join("vibration.svg").display().to_string();
+    let coarse_scan = ["--scan", "3", "--from", "10 m/s^2", "--to", "40 m/s^2", "--tol", "0.2", "--json"];
+    let vibration = [
         "hold",
         "scenes/gripper/hold.toml",
         "--along",
@@ -279,40 +289,40 @@ fn vibrations_and_moves_have_their_own_figures() {
         "--vibration",
         "100 Hz, 200 Hz, 400 Hz",
     ];
-    let report = done(&[&shaken[..], &few].concat());
+    let report = run_json(&[&vibration[..], &coarse_scan].concat());
     let loads = report["loads"].as_array().expect("loads");
     assert_eq!(loads.len(), 6);
-    let (along, about) = (&loads[0]["runs"][0], &loads[3]["runs"][0]);
-    let amplitude_m = along["peak_m_s2"].as_f64().expect("a peak") / (200.0 * std::f64::consts::PI).powi(2);
-    assert!((along["amplitude_m"].as_f64().expect("an amplitude") - amplitude_m).abs() < 1e-12);
+    let (translation, rotation) = (&loads[0]["runs"][0], &loads[3]["runs"][0]);
+    let amplitude_m = translation["peak_m_s2"].as_f64().expect("a peak") / (200.0 * std::f64::consts::PI).powi(2);
+    assert!((translation["amplitude_m"].as_f64().expect("an amplitude") - amplitude_m).abs() < 1e-12);
     // The object's centre is 20 mm from the middle of the palm.
-    assert!((about["amplitude_rad"].as_f64().expect("an amplitude") - amplitude_m / 0.02).abs() < 1e-9);
-    assert!(about["amplitude_m"].is_null() && loads[3]["quasi_static"].is_null());
+    assert!((rotation["amplitude_rad"].as_f64().expect("an amplitude") - amplitude_m / 0.02).abs() < 1e-9);
+    assert!(rotation["amplitude_m"].is_null() && loads[3]["quasi_static"].is_null());
     assert!(fs::read_to_string(&svg).expect("the picture").contains("frequency, Hz"));
-    let report = done(&[&["hold", "scenes/gripper/cycle.toml", "--move"][..], &few].concat());
+    let report = run_json(&[&["hold", "scenes/gripper/cycle.toml", "--move"][..], &coarse_scan].concat());
     let run = &report["loads"][0]["runs"][0];
     assert_eq!((report["begins"].as_str(), run["fate"].as_str()), (Some("own move"), Some("held")));
-    let own_s = 0.32 * (0.305 * 3.36 * 5f64.sqrt() / 0.04 / 10.0).sqrt();
-    assert!((run["time_s"].as_f64().expect("a time") - own_s).abs() < 1e-5 * own_s, "{run:?}");
-    for (args, said) in [
-        (vec!["hold", ANCHOR], "is no gripper"),
+    let expected_s = 0.32 * (0.305 * 3.36 * 5f64.sqrt() / 0.04 / 10.0).sqrt();
+    assert!((run["time_s"].as_f64().expect("a time") - expected_s).abs() < 1e-5 * expected_s, "{run:?}");
+    for (args, message) in [
+        (vec!["hold", EXPERIMENT_95], "is not a gripper"),
         (vec!["hold", GRIPPER], "lies on a table"),
-        (vec!["hold", GRIPPER, "--from", "9 m/s^2", "--to", "3 m/s^2"], "the first must be smaller"),
+        (vec!["hold", GRIPPER, "--from", "9 m/s^2", "--to", "3 m/s^2"], "--from must be smaller"),
         (vec!["hold", GRIPPER, "--move", "--directions", "4"], "cannot be used with"),
         (vec!["hold", GRIPPER, "--along", "x"], "--vibration"),
         (vec!["hold", GRIPPER, "--vibration", "50 Hz", "--along", "x,x"], "an axis twice"),
         (vec!["hold", GRIPPER, "--slip", "0 mm"], "more than 0"),
-        (vec!["hold", HOLD, "--vibration", "1e-300 Hz"], "a run may take 3600 s; give a higher frequency"),
+        (vec!["hold", HOLD, "--vibration", "1e-300 Hz"], "more than the 3600 s allowed; set a higher frequency"),
         (vec!["hold", HOLD, "--move", "--from", "1e-300 m/s^2"], "a larger --from"),
     ] {
         let output = phalanx(&args);
         assert_eq!(output.status.code(), Some(2), "{args:?}");
-        assert!(stderr(&output).contains(said), "{args:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{args:?}: {}", stderr(&output));
     }
-    let low = phalanx(&["hold", HOLD, "--directions", "2", "--scan", "2", "--to", "2 m/s^2"]);
+    let limited = phalanx(&["hold", HOLD, "--directions", "2", "--scan", "2", "--to", "2 m/s^2"]);
     for part in
-        ["up to 2.000 m/s² (0.204 g, over 0.426 mm), the largest tried, and is held", "2 loads of 2", "raise --to."]
+        ["up to 2.000 m/s² (0.204 g, over 0.426 mm), the largest load, and is held", "2 loads of 2", "raise --to."]
     {
-        assert!(stdout(&low).contains(part), "{part}\n{}", stdout(&low));
+        assert!(stdout(&limited).contains(part), "{part}\n{}", stdout(&limited));
     }
 }

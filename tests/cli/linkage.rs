@@ -1,13 +1,13 @@
-//! The labelled drawing of a linkage: every letter is there, and none lies over another.
+//! Labelled drawing of a linkage: every label is drawn, and labels do not overlap.
 
 use std::fs;
 
-use crate::support::cli::{ANCHOR, directory, phalanx, stderr, stdout, write};
+use crate::support::cli::{EXPERIMENT_95, directory, phalanx, stderr, stdout, write};
 use phalanx::plot::{Linkage, linkage};
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Scene};
 
-const ALWAYS: [&str; 11] = ["l11", "l12", "l21", "l22", "t22", "w", "q11", "q21", "q12", "q22", "φ22"];
+const COMMON_LABELS: [&str; 11] = ["l11", "l12", "l21", "l22", "t22", "w", "q11", "q21", "q12", "q22", "φ22"];
 
 fn scenes(directory: &str) -> Vec<Scene> {
     let entries = fs::read_dir(directory).expect("scenes");
@@ -18,51 +18,51 @@ fn scenes(directory: &str) -> Vec<Scene> {
     paths.into_iter().filter_map(load).collect()
 }
 
-/// Letters that lie over each other or outside of the drawing.
-fn faults(drawn: &Linkage) -> Vec<String> {
-    let mut found = Vec::new();
-    for (index, (letter, spot)) in drawn.labels.iter().enumerate() {
-        if !spot.within(drawn.size) {
-            found.push(format!("{letter} is outside"));
+/// Labels that overlap or are outside the drawing.
+fn label_conflicts(drawn: &Linkage) -> Vec<String> {
+    let mut conflicts = Vec::new();
+    for (index, (label, bounds)) in drawn.labels.iter().enumerate() {
+        if !bounds.is_within(drawn.size) {
+            conflicts.push(format!("{label} is outside"));
         }
-        for (other, there) in &drawn.labels[index + 1..] {
-            if spot.overlaps(there, 0.0) {
-                found.push(format!("{letter} lies over {other}"));
+        for (other, other_bounds) in &drawn.labels[index + 1..] {
+            if bounds.overlaps(other_bounds, 0.0) {
+                conflicts.push(format!("{label} overlaps {other}"));
             }
         }
     }
-    found
+    conflicts
 }
 
 #[test]
-fn every_letter_is_on_the_drawing_and_none_over_another() {
+fn every_label_is_drawn_without_overlap() {
     let all = [scenes("scenes"), scenes("scenes/hard")].concat();
     assert!(all.len() > 40, "{}", all.len());
     for scene in all {
         let drawn = linkage(&scene);
-        let letters: Vec<&str> = drawn.labels.iter().map(|label| label.0).collect();
+        let labels: Vec<&str> = drawn.labels.iter().map(|drawn| drawn.0).collect();
         let with_object: &[&str] = if scene.object().is_some() { &["base", "radius"] } else { &[] };
-        for letter in ALWAYS.iter().chain(with_object) {
-            assert_eq!(letters.iter().filter(|other| *other == letter).count(), 1, "{}: {letter}", scene.name);
-            // Once in the drawing, once in the table below.
-            assert_eq!(drawn.svg.matches(&format!(">{letter}</text>")).count(), 2, "{}: {letter}", scene.name);
+        for label in COMMON_LABELS.iter().chain(with_object) {
+            assert_eq!(labels.iter().filter(|other| *other == label).count(), 1, "{}: {label}", scene.name);
+            // Once in the drawing and once in the table below it.
+            assert_eq!(drawn.svg.matches(&format!(">{label}</text>")).count(), 2, "{}: {label}", scene.name);
         }
-        assert_eq!(faults(&drawn), [""; 0], "{}", scene.name);
+        assert_eq!(label_conflicts(&drawn), [""; 0], "{}", scene.name);
         assert!(!drawn.svg.contains("NaN") && !drawn.svg.contains("inf"), "{}", scene.name);
     }
-    let anchor = linkage(&scene::load(ANCHOR).expect("the anchor"));
+    let drawing = linkage(&scene::load(EXPERIMENT_95).expect("experiment-95"));
     for force in ["F21", "F22"] {
-        assert!(anchor.labels.iter().any(|label| label.0 == force), "{force}");
+        assert!(drawing.labels.iter().any(|drawn| drawn.0 == force), "{force}");
     }
     for value in ["15 mm", "22.36 mm", "24.43 mm", "12.86 mm", "120°", "2.5 mm", "15.5 mm", "2.08", "65"] {
-        assert!(anchor.svg.contains(&format!(">{value}")), "{value}");
+        assert!(drawing.svg.contains(&format!(">{value}")), "{value}");
     }
 }
 
 #[test]
-fn random_designs_have_room_for_their_letters() {
-    let base = fs::read_to_string(ANCHOR).expect("the anchor");
-    let mut drawn = 0;
+fn labels_of_random_designs_do_not_overlap() {
+    let base = fs::read_to_string(EXPERIMENT_95).expect("experiment-95");
+    let mut drawn_count = 0;
     for base_mm in [12.0, 16.0, 20.0, 24.0] {
         for phi22 in [80, 100, 120, 140] {
             for arm in [0.3, 0.6, 0.9] {
@@ -73,35 +73,39 @@ fn random_designs_have_room_for_their_letters() {
                         .replace("arm_ratio = 0.5", &format!("arm_ratio = {arm}"))
                         .replace("l21_fraction = 1.0", &format!("l21_fraction = {fraction}"));
                     let Ok(scene) = scene::parse(&text, "random.toml") else { continue };
-                    drawn += 1;
-                    assert_eq!(faults(&linkage(&scene)), [""; 0], "{text}");
+                    drawn_count += 1;
+                    assert_eq!(label_conflicts(&linkage(&scene)), [""; 0], "{text}");
                 }
             }
         }
     }
-    assert!(drawn > 40, "{drawn}");
+    assert!(drawn_count > 40, "{drawn_count}");
 }
 
 #[test]
-fn the_picture_of_the_readme_is_what_the_command_draws() {
+fn readme_picture_matches_command_output() {
     let directory = directory("linkage");
     let figure = directory.join("linkage.svg").display().to_string();
-    let output = phalanx(&["scene", "show", ANCHOR, "--figure", &figure]);
+    let output = phalanx(&["scene", "show", EXPERIMENT_95, "--figure", &figure]);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-    assert_eq!(stdout(&output), format!("wrote {figure}: the linkage of experiment-95 with its letters\n"));
-    let kept = fs::read_to_string("tools/figures/linkage.svg").expect("the picture of the README");
-    assert_eq!(fs::read_to_string(&figure).expect("the figure"), kept, "tools/readme_figures.py scenes draws it anew");
+    assert_eq!(stdout(&output), format!("wrote {figure}: the linkage of experiment-95 with its symbols\n"));
+    let readme_picture = fs::read_to_string("tools/figures/linkage.svg").expect("the picture of the README");
+    assert_eq!(
+        fs::read_to_string(&figure).expect("the figure"),
+        readme_picture,
+        "run tools/readme_figures.py scenes to redraw it"
+    );
 }
 
 #[test]
-fn what_cannot_be_drawn_is_said_and_costs_nothing() {
+fn figure_errors_leave_files_unchanged() {
     let directory = directory("linkage_refused");
-    let text = fs::read_to_string(ANCHOR).expect("the anchor");
+    let text = fs::read_to_string(EXPERIMENT_95).expect("experiment-95");
     let scene = write(&directory, "scene.toml", &text);
-    let nowhere = directory.join("nowhere/figure.svg").display().to_string();
+    let missing_directory = directory.join("nowhere/figure.svg").display().to_string();
     for (scene, figure, part) in [
         (scene.as_str(), scene.as_str(), "the scene itself"),
-        (scene.as_str(), nowhere.as_str(), "does not exist; create it first (mkdir -p"),
+        (scene.as_str(), missing_directory.as_str(), "does not exist; create it first (mkdir -p"),
         ("scenes/laws/impact.toml", "figure.svg", "a scene of discs"),
     ] {
         let output = phalanx(&["scene", "show", scene, "--figure", figure]);
@@ -112,8 +116,8 @@ fn what_cannot_be_drawn_is_said_and_costs_nothing() {
 }
 
 #[test]
-fn a_hostile_name_stays_a_name() {
-    let text = fs::read_to_string(ANCHOR).expect("the anchor");
+fn malicious_name_is_escaped() {
+    let text = fs::read_to_string(EXPERIMENT_95).expect("experiment-95");
     let name = "</title><script>alert(1)</script>\\u001b[31m";
     let scene = scene::parse(&text.replace("experiment-95\"\n", &format!("{name}\"\n")), "x.toml").expect("a scene");
     let svg = linkage(&scene).svg;

@@ -1,19 +1,18 @@
 //! Tests of the command line, its reports, its pages and pictures.
 //!
-//! One program for the room: linking is most of what a test program costs.
+//! A single test program, because linking is most of its cost.
 
 #[path = "../support/mod.rs"]
 mod support;
 
 mod drawing;
 mod first_minutes;
-mod foreign_words;
 mod gripper;
 mod limits;
 mod linkage;
 mod manual;
 mod messages;
-mod own;
+mod ownership;
 mod page;
 mod replay;
 mod report;
@@ -24,5 +23,6 @@ mod size;
 mod status;
 #[cfg(unix)]
 mod terminal;
+mod untrusted_names;
 mod version;
 mod volume;

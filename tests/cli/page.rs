@@ -1,10 +1,10 @@
-//! The page with the moving bodies: what is in the file, read back from its bytes alone.
+//! Contents of the page with the moving bodies, read back from its bytes.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use phalanx::drawing::poses;
-use phalanx::page::{Film, MOST_SAMPLES, Note, Page, Picture, Reel, film, page};
+use phalanx::page::{MAX_SAMPLES, Note, Page, Picture, Playback, PlaybackRecorder, build_playback, render_page};
 use phalanx::scene::{self, Scene};
-use phalanx::trace::{Model, Sink, Site, run};
+use phalanx::trace::{FingerContact, Model, Sink, run};
 use phalanx::validate::{Recording, record};
 use serde_json::Value;
 
@@ -16,21 +16,22 @@ fn load_discs(name: &str) -> Scene {
     scene::load_any(format!("scenes/{name}.toml")).expect("a scene")
 }
 
-fn films(scene: &Scene) -> (Vec<Recording>, Vec<Film>) {
+fn playbacks(scene: &Scene) -> (Vec<Recording>, Vec<Playback>) {
     let recordings: Vec<Recording> =
         [Model::Analytic, Model::Engine].map(|model| record(model, scene).expect("a run")).into();
     let labels = ["analytic", "engine"];
-    let film =
-        |(recording, label): (&Recording, &str)| film(label, scene, &recording.samples, &recording.events, "a summary");
-    let films = recordings.iter().zip(labels).map(film).collect();
-    (recordings, films)
+    let playback = |(recording, label): (&Recording, &str)| {
+        build_playback(label, scene, &recording.samples, &recording.events, "a summary")
+    };
+    let playbacks = recordings.iter().zip(labels).map(playback).collect();
+    (recordings, playbacks)
 }
 
-fn of(title: &str, runs: Vec<Film>) -> Page {
+fn page_with_runs(title: &str, runs: Vec<Playback>) -> Page {
     Page { title: title.to_string(), runs, ..Page::default() }
 }
 
-/// The data of a page, from between the tags as a browser would take it.
+/// Data of a page, extracted from its tags as in a browser.
 fn data(html: &str) -> Value {
     let head = "<script type=\"application/json\" id=\"data\">";
     let from = html.find(head).expect("the data") + head.len();
@@ -38,14 +39,14 @@ fn data(html: &str) -> Value {
     serde_json::from_str(&html[from..from + length]).expect("JSON")
 }
 
-/// A column of a run.
+/// Values of a column of a run.
 fn column(run: &Value, index: &Value) -> Vec<f64> {
     let text = run["columns"][index.as_u64().expect("an index") as usize].as_str().expect("base64");
     let bytes = BASE64_STANDARD.decode(text).expect("base64");
     let values: Vec<f64> =
         bytes.chunks_exact(8).map(|chunk| f64::from_le_bytes(chunk.try_into().expect("8 bytes"))).collect();
     let samples = run["samples"].as_u64().expect("a number") as usize;
-    // What does not change is there once.
+    // A constant column is stored as one value.
     if values.len() == 1 { vec![values[0]; samples] } else { values }
 }
 
@@ -58,10 +59,10 @@ fn bits(values: impl IntoIterator<Item = f64>) -> Vec<u64> {
 }
 
 #[test]
-fn every_sample_of_a_closing_is_in_the_page_to_the_bit() {
+fn page_contains_every_sample_bit_for_bit() {
     let scene = load("experiment-95");
-    let (recordings, films) = films(&scene);
-    let html = page(&of("closing", films));
+    let (recordings, playbacks) = playbacks(&scene);
+    let html = render_page(&page_with_runs("closing", playbacks));
     let document = data(&html);
     for (run, recording) in list(&document["runs"]).iter().zip(&recordings) {
         let samples = &recording.samples;
@@ -81,111 +82,114 @@ fn every_sample_of_a_closing_is_in_the_page_to_the_bit() {
         let contacts = list(&run["contacts"]);
         assert_eq!(contacts.len(), 2);
         for contact in contacts {
-            let of = |sample: &phalanx::trace::Sample| match contact["name"].as_str() {
-                Some("proximal") => *sample.contact(Site::Proximal),
-                _ => *sample.contact(Site::Distal),
+            let contact_of = |sample: &phalanx::trace::Sample| match contact["name"].as_str() {
+                Some("proximal") => *sample.contact(FingerContact::Proximal),
+                _ => *sample.contact(FingerContact::Distal),
             };
             let same = |key: &str, value: &dyn Fn(&phalanx::trace::Sample) -> f64| {
                 assert_eq!(bits(column(run, &contact[key])), bits(samples.iter().map(value)), "{key}");
             };
-            same("gap_m", &|s| of(s).gap_m);
-            same("gap_rate_m_s", &|s| of(s).gap_rate_m_s);
-            same("normal_n", &|s| of(s).normal_n);
-            same("tangential_n", &|s| of(s).tangential_n);
-            same("point_x_m", &|s| of(s).point_m[0]);
-            same("point_y_m", &|s| of(s).point_m[1]);
-            same("normal_x", &|s| of(s).normal[0]);
-            same("normal_y", &|s| of(s).normal[1]);
+            same("gap_m", &|s| contact_of(s).gap_m);
+            same("gap_rate_m_s", &|s| contact_of(s).gap_rate_m_s);
+            same("normal_n", &|s| contact_of(s).normal_n);
+            same("tangential_n", &|s| contact_of(s).tangential_n);
+            same("point_x_m", &|s| contact_of(s).point_m[0]);
+            same("point_y_m", &|s| contact_of(s).point_m[1]);
+            same("normal_x", &|s| contact_of(s).normal[0]);
+            same("normal_y", &|s| contact_of(s).normal[1]);
         }
         let series = |panel: &str, name: &str| {
             let panel = list(&run["panels"]).iter().find(|each| each["title"] == panel).expect("a panel");
             let series = list(&panel["series"]).iter().find(|each| each["name"] == name).expect("a series");
             bits(column(run, &series["values"]))
         };
-        assert_eq!(series("Normal force", "distal"), bits(samples.iter().map(|s| s.contact(Site::Distal).normal_n)));
+        assert_eq!(
+            series("Normal force", "distal"),
+            bits(samples.iter().map(|s| s.contact(FingerContact::Distal).normal_n))
+        );
         assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger().qd22_rad_s)));
         assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy.balance_j)));
-        assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.contact(Site::Limit).normal_n)));
+        assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.contact(FingerContact::Limit).normal_n)));
         let times: Vec<f64> =
             list(&run["events"]).iter().map(|event| event["time_s"].as_f64().expect("a time")).collect();
         assert_eq!(times.len(), recording.events.len());
         for (time, event) in times.iter().zip(&recording.events) {
-            // The parser of this test is right to the last bit but one, as it is set.
+            // With its settings here, the JSON parser of this test may be off by the last bit.
             assert!((time - event.time_s).abs() <= f64::EPSILON * time);
         }
     }
 }
 
 #[test]
-fn a_page_is_small_asks_for_nothing_and_repeats() {
+fn page_is_small_self_contained_and_reproducible() {
     let scene = load("experiment-95");
-    let (_, films) = films(&scene);
+    let (_, playbacks) = playbacks(&scene);
     let contents = Page {
         notes: vec![Note { title: "Validation".to_string(), text: "within bounds".into() }],
-        ..of("experiment-95", films)
+        ..page_with_runs("experiment-95", playbacks)
     };
-    let html = page(&contents);
+    let html = render_page(&contents);
     assert!(html.len() < 800_000, "{} bytes", html.len());
-    assert_eq!(html, page(&contents.clone()));
+    assert_eq!(html, render_page(&contents.clone()));
     for word in ["http://", "https://", "url(", "@import", "src=", "{{"] {
-        let foreign = html.replace("http://www.w3.org/2000/svg", "").contains(word);
-        assert!(!foreign, "{word} in the page");
+        let is_external = html.replace("http://www.w3.org/2000/svg", "").contains(word);
+        assert!(!is_external, "{word} in the page");
     }
     assert!(html.contains("default-src 'none'"));
     assert!(html.contains("within bounds") && html.contains("a summary"));
 }
 
 #[test]
-fn what_comes_from_a_scene_is_never_markup() {
-    let hostile = "</script><script>alert(1)</script><!--<svg onload='x'>\"&amp;{{data}}\u{2028}";
+fn scene_text_is_never_markup() {
+    let untrusted_text = "</script><script>alert(1)</script><!--<svg onload='x'>\"&amp;{{data}}\u{2028}";
     let mut scene = load_discs("laws/two-free");
-    scene.name = hostile.to_string();
-    scene.system.discs[0].name = hostile.to_string();
+    scene.name = untrusted_text.to_string();
+    scene.system.discs[0].name = untrusted_text.to_string();
     let mut recording = Recording::default();
     run(Model::Analytic, &scene, &mut recording).expect("a run");
-    let named = film(hostile, &scene, &recording.samples, &recording.events, hostile);
-    let plain = film("label", &load_discs("laws/two-free"), &recording.samples, &recording.events, "text");
+    let named = build_playback(untrusted_text, &scene, &recording.samples, &recording.events, untrusted_text);
+    let plain = build_playback("label", &load_discs("laws/two-free"), &recording.samples, &recording.events, "text");
     let contents = Page {
-        title: hostile.to_string(),
-        description: hostile.to_string(),
+        title: untrusted_text.to_string(),
+        description: untrusted_text.to_string(),
         runs: vec![named],
-        notes: vec![Note { title: hostile.to_string(), text: hostile.into() }],
-        pictures: vec![Picture { title: hostile.to_string(), svg: "<svg></svg>".to_string() }],
+        notes: vec![Note { title: untrusted_text.to_string(), text: untrusted_text.into() }],
+        pictures: vec![Picture { title: untrusted_text.to_string(), svg: "<svg></svg>".to_string() }],
     };
-    let html = page(&contents);
-    let harmless = page(&Page {
+    let html = render_page(&contents);
+    let expected = render_page(&Page {
         description: "description".to_string(),
         notes: vec![Note { title: "title".to_string(), text: "text".into() }],
         pictures: vec![Picture { title: "title".to_string(), svg: "<svg></svg>".to_string() }],
-        ..of("title", vec![plain])
+        ..page_with_runs("title", vec![plain])
     });
-    // Not one tag or comment more than with harmless words.
+    // The page has exactly as many tags and comments as with harmless text.
     for tag in ["<script", "</script", "<!--", "<svg", "<img"] {
-        assert_eq!(html.matches(tag).count(), harmless.matches(tag).count(), "{tag}");
+        assert_eq!(html.matches(tag).count(), expected.matches(tag).count(), "{tag}");
     }
     let document = data(&html);
     let run = &document["runs"][0];
-    assert_eq!(run["label"], hostile);
-    assert!(list(&run["bodies"]).iter().any(|body| body["name"] == hostile));
+    assert_eq!(run["label"], untrusted_text);
+    assert!(list(&run["bodies"]).iter().any(|body| body["name"] == untrusted_text));
 }
 
 #[test]
-fn a_picture_of_ours_escapes_the_name_of_its_scene() {
-    let hostile = "</svg><script>alert(1)</script>";
+fn plot_escapes_scene_name() {
+    let untrusted_text = "</svg><script>alert(1)</script>";
     let mut scene = load_discs("laws/spring");
-    scene.name = hostile.to_string();
-    let mut found = phalanx::validate::validate(&scene, &|| true).expect("a validation of a scene of discs");
-    let plan = phalanx::validate::Climb { quick: true, time_s: 1.0 };
-    phalanx::validate::climb(&mut found, &scene, plan, &mut |_| {}, &|| true).expect("its ladder");
-    let svg = phalanx::plot::speed_error(&scene.name, &found);
+    scene.name = untrusted_text.to_string();
+    let mut validation = phalanx::validate::validate(&scene, &|| true).expect("a validation of a scene of discs");
+    let plan = phalanx::validate::LadderOptions { quick: true, time_s: 1.0 };
+    phalanx::validate::run_ladder(&mut validation, &scene, plan, &mut |_| {}, &|| true).expect("its ladder");
+    let svg = phalanx::plot::speed_error(&scene.name, &validation);
     assert!(!svg.contains("<script") && svg.contains("&lt;script&gt;"));
 }
 
 #[test]
 fn a_swing_without_an_object_has_no_contacts() {
     let scene = load("free-swing");
-    let (_, films) = films(&scene);
-    let document = data(&page(&of("swing", films)));
+    let (_, playbacks) = playbacks(&scene);
+    let document = data(&render_page(&page_with_runs("swing", playbacks)));
     for run in list(&document["runs"]) {
         assert_eq!(list(&run["contacts"]).len(), 0);
         let titles: Vec<&str> =
@@ -196,15 +200,15 @@ fn a_swing_without_an_object_has_no_contacts() {
 }
 
 #[test]
-fn discs_are_in_the_page_to_the_bit() {
+fn page_contains_discs_bit_for_bit() {
     let scene = load_discs("laws/rolling");
     let mut recording = Recording::default();
     run(Model::Analytic, &scene, &mut recording).expect("a run");
-    let (count, step) = (recording.samples.len(), recording.samples.len().div_ceil(MOST_SAMPLES));
+    let (count, step) = (recording.samples.len(), recording.samples.len().div_ceil(MAX_SAMPLES));
     let samples: Vec<_> = recording.samples.iter().step_by(step).cloned().collect();
     assert!(count > 100);
-    let shown = film("analytic", &scene, &samples, &recording.events, "");
-    let document = data(&page(&of("rolling", vec![shown])));
+    let playback = build_playback("analytic", &scene, &samples, &recording.events, "");
+    let document = data(&render_page(&page_with_runs("rolling", vec![playback])));
     let run = &document["runs"][0];
     let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
     for (index, body) in list(&run["bodies"]).iter().enumerate() {
@@ -216,39 +220,43 @@ fn discs_are_in_the_page_to_the_bit() {
 }
 
 #[test]
-fn a_long_run_is_thinned_out_and_keeps_its_extremes() {
+fn long_run_is_decimated_and_keeps_its_extremes() {
     let mut scene = load("experiment-95");
     scene.log.numeric_hz = 4e6;
-    let mut reel = Reel::default();
+    let mut recorder = PlaybackRecorder::default();
     let mut largest = [0.0_f64; 2];
     let recording = record(Model::Analytic, &scene).expect("a run");
     for sample in &recording.samples {
-        reel.sample(sample).expect("a reel takes everything");
+        recorder.sample(sample).expect("recorded");
         largest = [
-            largest[0].max(sample.contact(Site::Proximal).normal_n),
-            largest[1].max(sample.contact(Site::Distal).normal_n),
+            largest[0].max(sample.contact(FingerContact::Proximal).normal_n),
+            largest[1].max(sample.contact(FingerContact::Distal).normal_n),
         ];
     }
     assert!(recording.samples.len() > 70_000, "{}", recording.samples.len());
-    let film = reel.film("analytic", &scene, "");
-    assert_eq!(film.recorded, recording.samples.len());
-    assert!(film.times_s.len() <= MOST_SAMPLES && film.times_s.len() > MOST_SAMPLES * 3 / 4, "{}", film.times_s.len());
-    assert_eq!(film.times_s[0], 0.0);
-    assert_eq!(film.times_s.last(), recording.samples.last().map(|sample| &sample.time_s));
-    for (contact, largest) in film.contacts.iter().zip(largest) {
+    let playback = recorder.into_playback("analytic", &scene, "");
+    assert_eq!(playback.recorded, recording.samples.len());
+    assert!(
+        playback.times_s.len() <= MAX_SAMPLES && playback.times_s.len() > MAX_SAMPLES * 3 / 4,
+        "{}",
+        playback.times_s.len()
+    );
+    assert_eq!(playback.times_s[0], 0.0);
+    assert_eq!(playback.times_s.last(), recording.samples.last().map(|sample| &sample.time_s));
+    for (contact, largest) in playback.contacts.iter().zip(largest) {
         assert_eq!(contact.normal_n.iter().copied().fold(0.0, f64::max), largest, "{}", contact.name);
     }
-    let html = page(&of("long", vec![film]));
+    let html = render_page(&page_with_runs("long", vec![playback]));
     assert_eq!(data(&html)["runs"][0]["recorded"], recording.samples.len());
 }
 
 #[test]
 fn the_same_run_gives_the_same_page() {
     let scene = load("experiment-95");
-    let once = || {
-        let mut reel = Reel::default();
-        run(Model::Analytic, &scene, &mut reel).expect("a run");
-        page(&of("twice", vec![reel.film("analytic", &scene, "summary")]))
+    let render = || {
+        let mut recorder = PlaybackRecorder::default();
+        run(Model::Analytic, &scene, &mut recorder).expect("a run");
+        render_page(&page_with_runs("twice", vec![recorder.into_playback("analytic", &scene, "summary")]))
     };
-    assert_eq!(once(), once());
+    assert_eq!(render(), render());
 }

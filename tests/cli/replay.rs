@@ -1,48 +1,49 @@
-//! `phalanx replay` as a user meets it: the same figures as the run's own summary, from the log alone.
+//! `phalanx replay`: gives the same figures from the log as the summary of the run.
 
 use std::fs;
 use std::path::Path;
 
-use crate::support::cli::{ANCHOR, directory, json, phalanx, stderr, stdout, variant, write};
+use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, variant, write};
 use serde_json::Value;
 
-/// Runs the anchor case into a log; returns its report.
-fn logged(log: &Path, more: &[&str]) -> Value {
-    let output = phalanx(&[&["run", ANCHOR, "--json", "--log", log.to_str().expect("text")], more].concat());
+/// Runs experiment-95 with a log; returns its report.
+fn write_log(log: &Path, more: &[&str]) -> Value {
+    let output =
+        phalanx(&[&["run", EXPERIMENT_95, "--json", "--log", log.to_str().expect("UTF-8 path")], more].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     json(&output)
 }
 
 fn replay(log: &Path) -> std::process::Output {
-    phalanx(&["replay", log.to_str().expect("text"), "--json"])
+    phalanx(&["replay", log.to_str().expect("UTF-8 path"), "--json"])
 }
 
 #[test]
-fn a_log_says_what_its_run_said() {
+fn replay_report_equals_run_report() {
     let directory = directory("cli_replay");
     for model in ["analytic", "engine"] {
         let log = directory.join(format!("{model}.mcap"));
-        let run = logged(&log, &["--model", model]);
+        let run = write_log(&log, &["--model", model]);
         let output = replay(&log);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         assert_eq!(stderr(&output), "");
-        let found = json(&output);
+        let actual = json(&output);
         for key in ["scene", "model", "duration_s", "end_s", "completed", "final", "energy", "criteria"] {
-            assert_eq!(found[key], run[key], "{model} {key}");
+            assert_eq!(actual[key], run[key], "{model} {key}");
         }
         for key in ["integrator", "engine"] {
-            assert_eq!(found[key], run[key], "{model} {key}");
+            assert_eq!(actual[key], run[key], "{model} {key}");
         }
-        assert_eq!((&found["kind"], &found["log_numeric_hz"]), (&"finger".into(), &1e4.into()));
-        assert_eq!(found["settings"]["scene_file"], "experiment-95.toml");
-        assert_eq!((&found["recovered"], &found["verification"]), (&Value::Null, &Value::Null));
-        assert_eq!(found["whole"], true);
-        assert_eq!(found["losses"], Value::Array(Vec::new()));
-        assert_eq!(found["error"], Value::Null);
-        assert!(found["events"].as_u64() >= run["work"]["events"].as_u64());
-        assert!(found["samples"].as_u64().expect("a count") > 201);
-        for site in ["proximal", "distal"] {
-            let (found, run) = (&found["contacts"][site], &run["contacts"][site]);
+        assert_eq!((&actual["kind"], &actual["log_numeric_hz"]), (&"finger".into(), &1e4.into()));
+        assert_eq!(actual["settings"]["scene_file"], "experiment-95.toml");
+        assert_eq!((&actual["recovered"], &actual["verification"]), (&Value::Null, &Value::Null));
+        assert_eq!(actual["whole"], true);
+        assert_eq!(actual["losses"], Value::Array(Vec::new()));
+        assert_eq!(actual["error"], Value::Null);
+        assert!(actual["events"].as_u64() >= run["work"]["events"].as_u64());
+        assert!(actual["samples"].as_u64().expect("a count") > 201);
+        for name in ["proximal", "distal"] {
+            let (actual, run) = (&actual["contacts"][name], &run["contacts"][name]);
             for key in [
                 "first_s",
                 "touchdowns",
@@ -52,11 +53,11 @@ fn a_log_says_what_its_run_said() {
                 "max_penetration_m",
                 "impulse_n_s",
             ] {
-                assert_eq!(found[key], run[key], "{model} {site} {key}");
+                assert_eq!(actual[key], run[key], "{model} {name} {key}");
             }
         }
-        assert_eq!(found["contacts"]["limit"], run["contacts"]["limit"], "{model}");
-        let output = phalanx(&["replay", log.to_str().expect("text")]);
+        assert_eq!(actual["contacts"]["limit"], run["contacts"]["limit"], "{model}");
+        let output = phalanx(&["replay", log.to_str().expect("UTF-8 path")]);
         let text = stdout(&output);
         let settings =
             if model == "engine" { "maximal construction" } else { "rodas5p (rtol 1e-5, engineering preset)" };
@@ -67,24 +68,27 @@ fn a_log_says_what_its_run_said() {
 }
 
 #[test]
-fn a_truncated_log_is_summarised_up_to_there_with_status_1() {
+fn truncated_log_is_summarised_with_status_1() {
     let directory = directory("cli_replay_cut");
-    let whole = directory.join("whole.mcap");
+    let complete = directory.join("whole.mcap");
     let scene = variant(&directory, "fine.toml", "[log]\nnumeric_rate = \"100 kHz\"");
-    let output = phalanx(&["run", &scene, "--log", whole.to_str().expect("text")]);
+    let output = phalanx(&["run", &scene, "--log", complete.to_str().expect("UTF-8 path")]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let bytes = fs::read(&whole).expect("the log");
+    let bytes = fs::read(&complete).expect("the log");
     let log = directory.join("cut.mcap");
     fs::write(&log, &bytes[..bytes.len() / 2]).expect("written");
     let output = replay(&log);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert!(stderr(&output).contains("truncated") && stderr(&output).contains("cut.mcap"), "{}", stderr(&output));
-    let found = json(&output);
-    assert_eq!((&found["whole"], &found["completed"], &found["criteria"]), (&false.into(), &Value::Null, &Value::Null));
-    assert_eq!(found["losses"].as_array().expect("a list").len(), 1);
-    let end_s = found["end_s"].as_f64().expect("a time");
+    let report = json(&output);
+    assert_eq!(
+        (&report["whole"], &report["completed"], &report["criteria"]),
+        (&false.into(), &Value::Null, &Value::Null)
+    );
+    assert_eq!(report["losses"].as_array().expect("a list").len(), 1);
+    let end_s = report["end_s"].as_f64().expect("a time");
     assert!(end_s > 0.004 && end_s < 0.02, "{end_s}");
-    let output = phalanx(&["replay", log.to_str().expect("text")]);
+    let output = phalanx(&["replay", log.to_str().expect("UTF-8 path")]);
     assert_eq!(output.status.code(), Some(1));
     assert!(stdout(&output).contains("NOT COMPLETE: the log reaches") && stdout(&output).contains("LOST: "));
 
@@ -98,24 +102,24 @@ fn a_truncated_log_is_summarised_up_to_there_with_status_1() {
 }
 
 #[test]
-fn a_run_that_broke_off_is_a_whole_log() {
+fn log_of_incomplete_run_is_complete() {
     let directory = directory("cli_replay_budget");
     let scene = variant(&directory, "budget.toml", "[integrator]\nmax_steps = 40");
     let log = directory.join("run.mcap");
-    let output = phalanx(&["run", &scene, "--log", log.to_str().expect("text")]);
+    let output = phalanx(&["run", &scene, "--log", log.to_str().expect("UTF-8 path")]);
     assert_eq!(output.status.code(), Some(3));
     let output = replay(&log);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let found = json(&output);
-    assert_eq!((&found["completed"], &found["whole"]), (&false.into(), &true.into()));
-    assert!(found["error"]["reason"].as_str().expect("a reason").contains("budget of 40"), "{found}");
-    assert_eq!(found["criteria"], Value::Null);
+    let report = json(&output);
+    assert_eq!((&report["completed"], &report["whole"]), (&false.into(), &true.into()));
+    assert!(report["error"]["reason"].as_str().expect("a reason").contains("budget of 40"), "{report}");
+    assert_eq!(report["criteria"], Value::Null);
 }
 
 #[test]
-fn what_is_no_log_is_bad_input() {
+fn non_logs_are_bad_input() {
     let directory = directory("cli_replay_bad");
-    let refused = |path: &Path, parts: &[&str]| {
+    let assert_rejected = |path: &Path, parts: &[&str]| {
         let output = replay(path);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
         assert_eq!(stdout(&output), "");
@@ -124,15 +128,15 @@ fn what_is_no_log_is_bad_input() {
             assert!(stderr(&output).contains(part), "no {part} in {}", stderr(&output));
         }
     };
-    refused(&directory.join("no.mcap"), &["there is no log", "no.mcap", "check the path"]);
-    refused(&directory, &["is a directory"]);
-    refused(Path::new(ANCHOR), &["not an MCAP file", ANCHOR]);
+    assert_rejected(&directory.join("no.mcap"), &["there is no log", "no.mcap", "check the path"]);
+    assert_rejected(&directory, &["is a directory"]);
+    assert_rejected(Path::new(EXPERIMENT_95), &["not an MCAP file", EXPERIMENT_95]);
     write(&directory, "left.mcap.partial", "");
-    refused(&directory.join("left.mcap"), &["left.mcap.partial", "has not finished"]);
-    refused(&directory.join("left.mcap.partial"), &["not an MCAP file"]);
+    assert_rejected(&directory.join("left.mcap"), &["left.mcap.partial", "the log of an unfinished run"]);
+    assert_rejected(&directory.join("left.mcap.partial"), &["not an MCAP file"]);
 }
 
-/// Everything that a table has, by the names of its columns.
+/// Column names and rows of a table.
 fn table(text: &str) -> (Vec<String>, Vec<Vec<Option<f64>>>) {
     let mut lines = text.lines();
     let names: Vec<String> = lines.next().expect("names").split(',').map(String::from).collect();
@@ -143,7 +147,7 @@ fn table(text: &str) -> (Vec<String>, Vec<Vec<Option<f64>>>) {
 }
 
 #[test]
-fn a_log_of_discs_says_what_its_run_said() {
+fn replay_report_of_discs_equals_run_report() {
     let directory = directory("cli_replay_discs");
     for (scene, model, pair) in [
         ("scenes/laws/impact.toml", "analytic", "hammer-anvil"),
@@ -152,29 +156,29 @@ fn a_log_of_discs_says_what_its_run_said() {
         ("scenes/laws/two-free.toml", "engine", ""),
     ] {
         let log = directory.join("run.mcap");
-        let name = log.to_str().expect("text");
+        let name = log.to_str().expect("UTF-8 path");
         let output = phalanx(&["run", scene, "--model", model, "--json", "--log", name]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let run = json(&output);
         let output = replay(&log);
         assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-        let found = json(&output);
+        let contact = json(&output);
         for key in
             ["scene", "kind", "model", "duration_s", "end_s", "completed", "discs", "energy", "integrator", "engine"]
         {
-            assert_eq!(found[key], run[key], "{scene} {model} {key}");
+            assert_eq!(contact[key], run[key], "{scene} {model} {key}");
         }
-        assert_eq!((&found["final"], &found["criteria"]), (&Value::Null, &Value::Null));
+        assert_eq!((&contact["final"], &contact["criteria"]), (&Value::Null, &Value::Null));
         for (name, expected) in run["contacts"].as_object().expect("pairs") {
-            let found = &found["contacts"][name];
+            let contact = &contact["contacts"][name];
             for (key, expected) in expected.as_object().expect("figures") {
-                let figures = [&found[key], expected].map(Value::as_f64);
+                let figures = [&contact[key], expected].map(Value::as_f64);
                 match (key.as_str(), figures) {
-                    // At rest both go up and down by rounding, and the run looks at steps only.
-                    ("peak_normal_n" | "max_penetration_m", [Some(found), Some(expected)]) => {
-                        assert!((found - expected).abs() <= 1e-12 * expected, "{scene} {model} {name} {key}");
+                    // At rest both vary by rounding errors, and the run evaluates them only at steps.
+                    ("peak_normal_n" | "max_penetration_m", [Some(contact), Some(expected)]) => {
+                        assert!((contact - expected).abs() <= 1e-12 * expected, "{scene} {model} {name} {key}");
                     }
-                    _ => assert_eq!(&found[key], expected, "{scene} {model} {name} {key}"),
+                    _ => assert_eq!(&contact[key], expected, "{scene} {model} {name} {key}"),
                 }
             }
         }
@@ -183,7 +187,7 @@ fn a_log_of_discs_says_what_its_run_said() {
     }
 }
 
-/// A number as the reader of JSON here gives it back: it may be off by the last bit, though what was written is exact.
+/// A number after writing and parsing as JSON. The written number is exact, but this parser may be off by the last bit.
 fn read_back(value: f64) -> f64 {
     let text = serde_json::to_string(&value).expect("a number");
     serde_json::from_str(&text).expect("a number")
@@ -193,7 +197,7 @@ fn read_back(value: f64) -> f64 {
 fn every_sample_is_a_line_of_the_table() {
     let directory = directory("cli_replay_csv");
     for (scene, columns, ends) in [
-        (ANCHOR, 42, [("q11_rad", "/final/q11_rad"), ("distal_normal_n", "/contacts/distal/final_normal_n")]),
+        (EXPERIMENT_95, 42, [("q11_rad", "/final/q11_rad"), ("distal_normal_n", "/contacts/distal/final_normal_n")]),
         ("scenes/free-swing.toml", 42, [("q21_rad", "/final/q21_rad"), ("kinetic_j", "/energy/kinetic_j")]),
         (
             "scenes/laws/impact.toml",
@@ -202,36 +206,39 @@ fn every_sample_is_a_line_of_the_table() {
         ),
     ] {
         let (log, csv) = (directory.join("run.mcap"), directory.join("run.csv"));
-        let names = [&log, &csv].map(|path| path.to_str().expect("text"));
-        let (of_run, page) = (directory.join("of-run.csv"), directory.join("page.html"));
-        let of_run = of_run.to_str().expect("text");
-        let output = phalanx(&["run", scene, "--log", names[0], "--csv", of_run]);
+        let names = [&log, &csv].map(|path| path.to_str().expect("UTF-8 path"));
+        let (run_csv, page) = (directory.join("of-run.csv"), directory.join("page.html"));
+        let run_csv = run_csv.to_str().expect("UTF-8 path");
+        let output = phalanx(&["run", scene, "--log", names[0], "--csv", run_csv]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        assert!(stdout(&output).contains(&format!("\nsamples: {of_run}\n")), "{}", stdout(&output));
-        let html = page.to_str().expect("text");
+        assert!(stdout(&output).contains(&format!("\nsamples: {run_csv}\n")), "{}", stdout(&output));
+        let html = page.to_str().expect("UTF-8 path");
         let output = phalanx(&["replay", names[0], "--csv", names[1], "--html", html, "--json"]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let report = json(&output);
         assert_eq!((&report["csv"], &report["page"]), (&names[1].into(), &html.into()));
         assert!(page.exists());
         let text = fs::read_to_string(&csv).expect("the table");
-        assert_eq!(fs::read_to_string(of_run).expect("the table of the run"), text, "{scene}");
+        assert_eq!(fs::read_to_string(run_csv).expect("the table of the run"), text, "{scene}");
         let output = phalanx(&["run", scene, "--csv", "-"]);
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), text.as_str()), "{scene}");
-        let (heads, rows) = table(&text);
-        assert_eq!((heads.len(), rows.len() as u64), (columns, report["samples"].as_u64().expect("a count")));
+        let (headers, rows) = table(&text);
+        assert_eq!((headers.len(), rows.len() as u64), (columns, report["samples"].as_u64().expect("a count")));
         assert!(rows.is_sorted_by(|a, b| a[0] <= b[0]));
         for (column, pointer) in ends {
-            let place = heads.iter().position(|head| head == column).unwrap_or_else(|| panic!("no {column}"));
+            let column = headers.iter().position(|header| header == column).unwrap_or_else(|| panic!("no {column}"));
             assert_eq!(
-                rows[rows.len() - 1][place].map(read_back),
+                rows[rows.len() - 1][column].map(read_back),
                 report.pointer(pointer).and_then(Value::as_f64),
                 "{column}"
             );
         }
         if scene.contains("free-swing") {
-            let place = heads.iter().position(|head| head == "proximal_gap_m").expect("a column");
-            assert!(rows.iter().all(|row| row[place..place + 10] == [None; 10]), "nothing to touch");
+            let column = headers.iter().position(|header| header == "proximal_gap_m").expect("a column");
+            assert!(
+                rows.iter().all(|row| row[column..column + 10] == [None; 10]),
+                "no contact columns without an object"
+            );
         }
         let output = phalanx(&["replay", names[0], "--csv", "-"]);
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), text.as_str()));
@@ -241,43 +248,43 @@ fn every_sample_is_a_line_of_the_table() {
         let output = phalanx(&["replay", names[0], "--csv", names[0]]);
         assert_eq!(output.status.code(), Some(2));
         assert!(stderr(&output).contains("the log itself"), "{}", stderr(&output));
-        assert!(fs::read(&log).expect("still there").len() > 1000);
-        // A damaged log: its good part, and status 1.
+        assert!(fs::read(&log).expect("readable").len() > 1000);
+        // A damaged log gives its readable part and status 1.
         let bytes = fs::read(&log).expect("the log");
         fs::write(&log, &bytes[..bytes.len() - 10]).expect("written");
         let output = phalanx(&["replay", names[0], "--csv", names[1]]);
         assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
         assert_eq!(fs::read_to_string(&csv).expect("the table"), text);
-        let output = phalanx(&["replay", ANCHOR, "--csv", names[1]]);
+        let output = phalanx(&["replay", EXPERIMENT_95, "--csv", names[1]]);
         assert_eq!(output.status.code(), Some(2));
-        assert_eq!(fs::read_to_string(&csv).expect("as it was"), text);
+        assert_eq!(fs::read_to_string(&csv).expect("an unchanged table"), text);
     }
 }
 
-/// The figure of a name in a report of two logs.
+/// Figure of this name in a report on two logs.
 fn figure<'a>(report: &'a Value, name: &str) -> &'a Value {
     let all = report["figures"].as_array().expect("figures");
     all.iter().find(|figure| figure["figure"] == name).unwrap_or_else(|| panic!("no {name}"))
 }
 
 #[test]
-fn two_logs_side_by_side() {
+fn compares_two_logs() {
     let directory = directory("cli_replay_against");
-    let place = |name: &str| directory.join(name).to_str().expect("text").to_string();
-    let made = |scene: &str, name: &str, more: &[&str]| {
-        let log = place(name);
-        let output = phalanx(&[&["run", scene, "--json", "--log", &log], more].concat());
+    let path_in = |name: &str| directory.join(name).to_str().expect("UTF-8 path").to_string();
+    let run_and_log = |scene: &str, name: &str, extra_args: &[&str]| {
+        let log = path_in(name);
+        let output = phalanx(&[&["run", scene, "--json", "--log", &log], extra_args].concat());
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         (log, json(&output))
     };
     let discs = "scenes/laws/impact.toml";
     for (scene, name, quantity, largest) in [
-        (ANCHOR, "contacts.distal.first_s", "q22_rad", 2e-5),
+        (EXPERIMENT_95, "contacts.distal.first_s", "q22_rad", 2e-5),
         (discs, "contacts.hammer-anvil.first_s", "hammer_centre_m", 1e-6),
     ] {
-        let (analytic, first) = made(scene, "analytic.mcap", &[]);
-        let (engine, second) = made(scene, "engine.mcap", &["--model", "engine"]);
-        let out = place("comparison");
+        let (analytic, first) = run_and_log(scene, "analytic.mcap", &[]);
+        let (engine, second) = run_and_log(scene, "engine.mcap", &["--model", "engine"]);
+        let out = path_in("comparison");
         let output = phalanx(&["replay", &analytic, "--against", &engine, "--out", &out, "--json"]);
         assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
         let report = json(&output);
@@ -285,12 +292,12 @@ fn two_logs_side_by_side() {
         assert_eq!(report["notes"], serde_json::json!([]));
         let pointer = format!("/{}", name.replace('.', "/"));
         let [a, b] = [&first, &second].map(|run| run.pointer(&pointer).and_then(Value::as_f64).expect("a time"));
-        let found = figure(&report, name);
-        assert_eq!(found["values"], serde_json::json!([a, b]));
-        assert!((found["difference"].as_f64().expect("a number") - (b - a)).abs() < 1e-20);
-        let apart = report["apart"].as_array().expect("a list");
-        let apart = apart.iter().find(|found| found["quantity"] == quantity).expect("a quantity");
-        let max = apart["max"].as_f64().expect("a number");
+        let difference = figure(&report, name);
+        assert_eq!(difference["values"], serde_json::json!([a, b]));
+        assert!((difference["difference"].as_f64().expect("a number") - (b - a)).abs() < 1e-20);
+        let differences = report["apart"].as_array().expect("a list");
+        let differences = differences.iter().find(|difference| difference["quantity"] == quantity).expect("a quantity");
+        let max = differences["max"].as_f64().expect("a number");
         assert!(max > 1e-12 && max < largest, "{max}");
         for file in ["report.txt", "report.json", "overlay.svg", "difference.svg"] {
             assert!(fs::metadata(Path::new(&out).join(file)).expect(file).len() > 500, "{file}");
@@ -300,24 +307,24 @@ fn two_logs_side_by_side() {
             stdout(&phalanx(&["replay", &analytic, "--against", &engine])).lines().count() + 1,
             text.lines().count()
         );
-        // A log against itself differs in nothing.
+        // A log does not differ from itself.
         let same = json(&phalanx(&["replay", &engine, "--against", &engine, "--json"]));
         assert_eq!(same["labels"], serde_json::json!(["first", "second"]));
         assert!(same["figures"].as_array().expect("figures").iter().all(|figure| figure["difference"] == 0.0));
-        assert!(same["apart"].as_array().expect("a list").iter().all(|found| found["max"] == 0.0));
+        assert!(same["apart"].as_array().expect("a list").iter().all(|difference| difference["max"] == 0.0));
     }
-    // Variants: without an object, of another length, of another kind.
-    let (closing, _) = made(ANCHOR, "closing.mcap", &[]);
-    let (swing, _) = made("scenes/free-swing.toml", "swing.mcap", &["--duration", "12 ms"]);
+    // The second scenes have no object, another duration or another kind.
+    let (closing, _) = run_and_log(EXPERIMENT_95, "closing.mcap", &[]);
+    let (swing, _) = run_and_log("scenes/free-swing.toml", "swing.mcap", &["--duration", "12 ms"]);
     let report = json(&phalanx(&["replay", &closing, "--against", &swing, "--json"]));
     let notes = report["notes"].to_string();
-    for part in ["two variants", "closing.mcap goes to 20 ms, swing.mcap to 12 ms", "only closing.mcap has an object"] {
+    for part in ["two variants", "closing.mcap ends at 20 ms, swing.mcap at 12 ms", "only closing.mcap has an object"] {
         assert!(notes.contains(part), "no {part} in {notes}");
     }
     assert_eq!(report["compared_to_s"], 0.012);
     assert_eq!(figure(&report, "contacts.proximal.first_s")["values"][1], Value::Null);
-    let (rolling, _) = made("scenes/laws/rolling.toml", "rolling.mcap", &[]);
-    let (impact, _) = made(discs, "impact.mcap", &[]);
+    let (rolling, _) = run_and_log("scenes/laws/rolling.toml", "rolling.mcap", &[]);
+    let (impact, _) = run_and_log(discs, "impact.mcap", &[]);
     let output = phalanx(&["replay", &rolling, "--against", &impact, "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(
@@ -328,7 +335,7 @@ fn two_logs_side_by_side() {
     let output = phalanx(&["replay", &closing, "--against", &impact]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("two logs of one kind"), "{}", stderr(&output));
-    // A part of one is lost: said, and status 1.
+    // A lost part of one log is reported with status 1.
     let bytes = fs::read(&closing).expect("the log");
     fs::write(&closing, &bytes[..bytes.len() - 5]).expect("written");
     let output = phalanx(&["replay", &swing, "--against", &closing, "--json"]);
@@ -337,34 +344,43 @@ fn two_logs_side_by_side() {
 }
 
 #[test]
-fn a_page_of_one_log_and_of_two() {
+fn writes_page_of_one_log_and_of_two() {
     let directory = directory("cli_replay_html");
-    let place = |name: &str| directory.join(name).to_str().expect("text").to_string();
-    for scene in [ANCHOR, "scenes/laws/impact.toml"] {
+    let path_in = |name: &str| directory.join(name).to_str().expect("UTF-8 path").to_string();
+    for scene in [EXPERIMENT_95, "scenes/laws/impact.toml"] {
         let [analytic, engine] = ["analytic", "engine"].map(|model| {
-            let log = place(&format!("{model}.mcap"));
+            let log = path_in(&format!("{model}.mcap"));
             let output = phalanx(&["run", scene, "--model", model, "--log", &log]);
             assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
             log
         });
-        let target = place("run.html");
+        let target = path_in("run.html");
         let summary = phalanx(&["replay", &analytic]);
         let output = phalanx(&["replay", &analytic, "--html", &target]);
         assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
         assert!(!stdout(&summary).contains("page:") && stdout(&output).contains(&format!("\npage: {target}\n")));
         assert_eq!(stdout(&output).replace(&format!("page: {target}\n"), ""), stdout(&summary));
-        let one = fs::read_to_string(&target).expect("the page");
-        assert!(one.starts_with("<!doctype html>") || one.starts_with("<!DOCTYPE html>"), "{}", &one[..40]);
-        let out = place("comparison");
+        let single_log_page = fs::read_to_string(&target).expect("the page");
+        assert!(
+            single_log_page.starts_with("<!doctype html>") || single_log_page.starts_with("<!DOCTYPE html>"),
+            "{}",
+            &single_log_page[..40]
+        );
+        let out = path_in("comparison");
         let output = phalanx(&["replay", &analytic, "--against", &engine, "--html", &target, "--out", &out]);
         assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
         assert!(stdout(&output).contains(&format!("\npage: {target}\n")), "{}", stdout(&output));
-        let two = fs::read_to_string(&target).expect("the page");
-        assert!(two.len() > one.len() + 10_000, "{} and {}", one.len(), two.len());
-        assert!(two.contains("Side by side") && !one.contains("Side by side"));
-        assert_eq!(fs::read_to_string(Path::new(&out).join("page.html")).expect("the page"), two);
-        // The log must not be lost to a slip of the hand, and a page needs somewhere to go.
-        for (target, part) in [(analytic.clone(), "the log itself"), (place("nowhere/run.html"), "cannot write")] {
+        let two_log_page = fs::read_to_string(&target).expect("the page");
+        assert!(
+            two_log_page.len() > single_log_page.len() + 10_000,
+            "{} and {}",
+            single_log_page.len(),
+            two_log_page.len()
+        );
+        assert!(two_log_page.contains("Side by side") && !single_log_page.contains("Side by side"));
+        assert_eq!(fs::read_to_string(Path::new(&out).join("page.html")).expect("the page"), two_log_page);
+        // The page must not replace the log, and its directory must exist.
+        for (target, part) in [(analytic.clone(), "the log itself"), (path_in("nowhere/run.html"), "cannot write")] {
             let output = phalanx(&["replay", &analytic, "--html", &target]);
             assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
             assert!(stderr(&output).contains(part), "{}", stderr(&output));

@@ -1,11 +1,11 @@
-//! The report of a run: the JSON document key by key, and the summary for people.
+//! Report of a run: the keys of the JSON document, and the text summary.
 
 use crate::support::synthetic::{posture, scene};
 use phalanx::criteria::{Class, ClassReason, Criteria};
-use phalanx::report::document::{Came, Failure, RunReport};
+use phalanx::format::ToReport;
+use phalanx::report::document::{Failure, RunData, RunReport};
 use phalanx::scene::Scene;
-use phalanx::trace::{ContactSummary, Model, Outcome, Sample, Site, Work};
-use phalanx::wording::Reported;
+use phalanx::trace::{ContactSummary, FingerContact, Model, Outcome, Sample, Work};
 use serde_json::Value;
 
 fn last() -> Sample {
@@ -18,7 +18,7 @@ fn last() -> Sample {
 }
 
 fn outcome() -> Outcome {
-    let site = |first_s, touchdowns, peak_normal_n| ContactSummary {
+    let contact_summary = |first_s, touchdowns, peak_normal_n| ContactSummary {
         first_s,
         touchdowns,
         peak_normal_n,
@@ -29,8 +29,8 @@ fn outcome() -> Outcome {
     Outcome {
         last: last(),
         contacts: vec![
-            site(Some(4.501315e-3), 1, 98765.4),
-            site(Some(6.883746e-3), 2, 51234.5),
+            contact_summary(Some(4.501315e-3), 1, 98765.4),
+            contact_summary(Some(6.883746e-3), 2, 51234.5),
             ContactSummary::default(),
         ],
         work: Work {
@@ -58,19 +58,19 @@ fn criteria() -> Criteria {
     }
 }
 
-fn came(
+fn build_report(
     scene: &Scene,
     wall_s: f64,
     outcome: Option<&Outcome>,
     criteria: Option<Criteria>,
     failure: Option<Failure>,
 ) -> RunReport {
-    let came = Came { wall_s, outcome, criteria, grasp: None, rebounds: &[], warnings: &[] };
-    RunReport::new(scene, Model::Analytic, &came, failure)
+    let data = RunData { wall_s, outcome, criteria, grasp: None, rebounds: &[], warnings: &[] };
+    RunReport::new(scene, Model::Analytic, &data, failure)
 }
 
 fn report() -> RunReport {
-    came(&scene(), 1.25e-3, Some(&outcome()), Some(criteria()), None)
+    build_report(&scene(), 1.25e-3, Some(&outcome()), Some(criteria()), None)
 }
 
 fn parsed(report: &RunReport) -> Value {
@@ -92,7 +92,7 @@ fn warnings_are_lines_of_the_summary_and_a_list_of_the_document() {
 }
 
 #[test]
-fn the_document_has_every_promised_key() {
+fn document_has_every_documented_key() {
     let document = parsed(&report());
     for key in ["scene", "model", "duration_s", "steps", "wall_s", "final", "contacts", "criteria"] {
         assert!(document.get(key).is_some(), "{key}");
@@ -100,12 +100,12 @@ fn the_document_has_every_promised_key() {
     for key in ["q11_rad", "q21_rad", "q22_rad", "qd11_rad_s", "qd21_rad_s"] {
         assert!(document["final"][key].is_f64(), "{key}");
     }
-    for site in ["proximal", "distal"] {
-        let contact = &document["contacts"][site];
+    for name in ["proximal", "distal"] {
+        let contact = &document["contacts"][name];
         for key in
             ["first_s", "touchdowns", "final_normal_n", "final_tangential_n", "peak_normal_n", "max_penetration_m"]
         {
-            assert!(contact[key].is_number(), "{site} {key}");
+            assert!(contact[key].is_number(), "{name} {key}");
         }
     }
     let limit = keys(&document["contacts"]["limit"]);
@@ -117,7 +117,7 @@ fn the_document_has_every_promised_key() {
     assert_eq!(document["contacts"]["limit"]["touchdowns"], 0);
     assert_eq!(document["criteria"]["class"], "stable");
     let reason = document["criteria"]["class_reason"].as_str().expect("a sentence");
-    assert_eq!(reason, "both phalanges press in position from 6.88 ms on, in less than 15 ms, without a rebound");
+    assert_eq!(reason, "in position with both contacts active from 6.88 ms on, in less than 15 ms, without a rebound");
     assert_eq!(document["criteria"]["rebound_percent"], 0.0);
     assert_eq!(document["error"], Value::Null);
     assert_eq!(document["log"], Value::Null);
@@ -126,49 +126,49 @@ fn the_document_has_every_promised_key() {
 #[test]
 fn keys_come_in_the_documented_order() {
     let text = report().json();
-    let place = |key: &str| text.find(&format!("\"{key}\":")).unwrap_or_else(|| panic!("{key}"));
-    let order = ["scene", "model", "duration_s", "steps", "wall_s", "final", "contacts", "criteria"].map(place);
+    let position = |key: &str| text.find(&format!("\"{key}\":")).unwrap_or_else(|| panic!("{key}"));
+    let order = ["scene", "model", "duration_s", "steps", "wall_s", "final", "contacts", "criteria"].map(position);
     assert!(order.is_sorted(), "{order:?}");
     assert!(text.ends_with("}\n"));
 }
 
 #[test]
 fn floats_are_not_rounded() {
-    // Read by hand: serde_json's own reader may be off by the last bit.
+    // Parsed here, because the parser of serde_json may be off by the last bit.
     let text = report().json();
     let numbers = |key: &str| -> Vec<u64> {
         text.match_indices(&format!("\"{key}\": "))
-            .map(|(place, found)| {
-                let rest = &text[place + found.len()..];
-                let end = rest.find([',', '\n']).expect("more lines follow");
-                rest[..end].parse::<f64>().expect("a number").to_bits()
+            .map(|(index, matched)| {
+                let following = &text[index + matched.len()..];
+                let end = following.find([',', '\n']).expect("more lines follow");
+                following[..end].parse::<f64>().expect("a number").to_bits()
             })
             .collect()
     };
     assert_eq!(numbers("q11_rad"), [last().finger().q11_rad.to_bits()]);
-    let forces = [last().contact(Site::Proximal).normal_n, last().contact(Site::Distal).normal_n];
+    let forces = [last().contact(FingerContact::Proximal).normal_n, last().contact(FingerContact::Distal).normal_n];
     assert_eq!(numbers("final_normal_n"), forces.map(f64::to_bits));
     assert_eq!(numbers("balance_j"), [last().energy.balance_j.to_bits()]);
 }
 
 #[test]
-fn what_is_not_known_is_null() {
+fn unknown_values_are_null() {
     let mut outcome = outcome();
     outcome.contacts = vec![ContactSummary::default(); 3];
     let mut swing = scene();
     swing.system.discs.clear();
-    let document = parsed(&came(&swing, 0.0, Some(&outcome), None, None));
+    let document = parsed(&build_report(&swing, 0.0, Some(&outcome), None, None));
     assert_eq!(document["criteria"], Value::Null);
-    for site in ["proximal", "distal"] {
-        assert_eq!(document["contacts"][site]["first_s"], Value::Null);
-        assert_eq!(document["contacts"][site]["touchdowns"], 0);
+    for name in ["proximal", "distal"] {
+        assert_eq!(document["contacts"][name]["first_s"], Value::Null);
+        assert_eq!(document["contacts"][name]["touchdowns"], 0);
     }
 }
 
 #[test]
-fn a_run_that_broke_off_reports_what_was_seen_of_it() {
+fn incomplete_run_reports_its_partial_outcome() {
     let failure = Failure { time_s: 4.6e-3, reason: "step budget of 10 used up".to_string() };
-    let report = came(&scene(), 0.5, Some(&outcome()), None, Some(failure));
+    let report = build_report(&scene(), 0.5, Some(&outcome()), None, Some(failure));
     let document = parsed(&report);
     assert_eq!(document["completed"], false);
     assert_eq!(document["error"]["time_s"], 4.6e-3);
@@ -181,9 +181,9 @@ fn a_run_that_broke_off_reports_what_was_seen_of_it() {
 }
 
 #[test]
-fn a_run_that_cannot_say_how_far_it_came_has_nulls() {
+fn run_without_outcome_has_null_fields() {
     let failure = Failure { time_s: 4.6e-3, reason: "cannot write the log run.mcap: no space left".to_string() };
-    let report = came(&scene(), 0.5, None, None, Some(failure));
+    let report = build_report(&scene(), 0.5, None, None, Some(failure));
     let document = parsed(&report);
     for key in ["steps", "final", "contacts", "criteria", "end_s", "energy", "work"] {
         assert_eq!(document[key], Value::Null, "{key}");
@@ -192,7 +192,7 @@ fn a_run_that_cannot_say_how_far_it_came_has_nulls() {
 }
 
 #[test]
-fn the_summary_says_it_in_units_people_read() {
+fn summary_uses_practical_units() {
     let mut report = report();
     report.log = Some("run.mcap".to_string());
     let text = report.report().to_string();

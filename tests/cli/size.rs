@@ -1,21 +1,21 @@
-//! `phalanx size`: its tables, its JSON, its files, its refusals.
+//! `phalanx size`: tables, JSON, files and errors.
 
 use std::fs;
 
-use crate::support::cli::{ANCHOR, directory, phalanx, stderr, write};
+use crate::support::cli::{EXPERIMENT_95, directory, phalanx, stderr, write};
 use serde_json::Value;
 
-fn done(args: &[&str]) -> String {
+fn run_ok(args: &[&str]) -> String {
     let output = phalanx(args);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     crate::support::cli::stdout(&output).to_string()
 }
 
 fn json(args: &[&str]) -> Value {
-    serde_json::from_str(&done(args)).unwrap()
+    serde_json::from_str(&run_ok(args)).unwrap()
 }
 
-fn refused(args: &[&str], parts: &[&str]) {
+fn assert_rejected(args: &[&str], parts: &[&str]) {
     let output = phalanx(args);
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
@@ -26,20 +26,20 @@ fn refused(args: &[&str], parts: &[&str]) {
 }
 
 #[test]
-fn the_table_says_both_sizings_and_what_the_scene_has() {
-    let text = done(&["size", ANCHOR]);
+fn table_compares_both_sizings_with_the_scene() {
+    let text = run_ok(&["size", EXPERIMENT_95]);
     for line in ["516.60            117.72    <-", "440.88            117.72", "480.00            132.60"] {
         assert!(text.contains(line), "{line}\n{text}");
     }
-    for place in ["q21-q11", "q12", "q22", "q11+q12-(q21+q22)"] {
-        assert!(text.lines().any(|line| line.starts_with(place)), "{place}\n{text}");
+    for row in ["q21-q11", "q12", "q22", "q11+q12-(q21+q22)"] {
+        assert!(text.lines().any(|line| line.starts_with(row)), "{row}\n{text}");
     }
     assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
 }
 
 #[test]
-fn the_json_has_the_chosen_rule_and_agrees_with_a_scene_that_sizes_itself() {
-    let report = json(&["size", ANCHOR, "--rule", "whole", "--json"]);
+fn json_agrees_with_self_sizing_scene() {
+    let report = json(&["size", EXPERIMENT_95, "--rule", "whole", "--json"]);
     assert_eq!(report["rule"], "whole");
     assert_eq!(report["motor_n_m"], report["whole"]["motor_n_m"]);
     assert_eq!(report["given"]["motor_n_m"], 0.48);
@@ -47,20 +47,20 @@ fn the_json_has_the_chosen_rule_and_agrees_with_a_scene_that_sizes_itself() {
 
     let design = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
     let scene = write(&directory("size-scene"), "sized.toml", &format!("sizing = \"whole\"\n{design}"));
-    let sized = json(&["size", &scene, "--json"]);
-    assert_eq!(sized["given"], report["whole"]);
+    let sizing = json(&["size", &scene, "--json"]);
+    assert_eq!(sizing["given"], report["whole"]);
     let torsional = json(&["size", "scenes/torsional-spring.toml", "--json"]);
-    assert_eq!(torsional["spring_types"][1]["preload_rad"], 110f64.to_radians(), "the scene's own");
-    // Faster takes more, about as the square of the time.
-    let fast = json(&["size", ANCHOR, "--closing-time", "5 ms", "--json"]);
-    let ratio = fast["motor_n_m"].as_f64().unwrap() / report["rigid"]["motor_n_m"].as_f64().unwrap();
+    assert_eq!(torsional["spring_types"][1]["preload_rad"], 110f64.to_radians(), "preload of the scene");
+    // The torque is about inversely proportional to the square of the closing time.
+    let fast_sizing = json(&["size", EXPERIMENT_95, "--closing-time", "5 ms", "--json"]);
+    let ratio = fast_sizing["motor_n_m"].as_f64().unwrap() / report["rigid"]["motor_n_m"].as_f64().unwrap();
     assert!((3.9..4.1).contains(&ratio), "{ratio}");
 }
 
 #[test]
-fn files_are_written_whole() {
+fn files_are_complete() {
     let out = directory("size-files");
-    done(&["size", ANCHOR, "--out", out.to_str().unwrap()]);
+    run_ok(&["size", EXPERIMENT_95, "--out", out.to_str().unwrap()]);
     let read = |file: &str| fs::read_to_string(out.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
     for picture in ["trajectory.svg", "springs.svg", "spring-types.svg"] {
         let svg = read(picture);
@@ -72,15 +72,15 @@ fn files_are_written_whole() {
     assert!(csv.lines().count() > 400);
     assert!(csv.lines().all(|line| line.split(',').count() == columns));
     assert_eq!(serde_json::from_str::<Value>(&read("size.json")).unwrap()["rule"], "rigid");
-    assert_eq!(read("size.txt"), done(&["size", ANCHOR]));
+    assert_eq!(read("size.txt"), run_ok(&["size", EXPERIMENT_95]));
 }
 
 #[test]
-fn what_cannot_be_sized_is_refused() {
-    refused(&["size", "scenes/free-swing.toml"], &["no object to close on"]);
-    refused(&["size", "scenes/other-assembly.toml"], &["no object"]);
-    refused(&["size", "scenes/laws/spring.toml"], &["kind \"finger\""]);
-    refused(&["size", ANCHOR, "--closing-time", "0 ms"], &["--closing-time", "takes some time"]);
-    refused(&["size", ANCHOR, "--preload=-1 deg"], &["--preload", "more than 0"]);
-    refused(&["size", ANCHOR, "--out", "Cargo.toml/x"], &["cannot make the directory"]);
+fn unsizable_scenes_are_rejected() {
+    assert_rejected(&["size", "scenes/free-swing.toml"], &["has no object"]);
+    assert_rejected(&["size", "scenes/other-assembly.toml"], &["no object"]);
+    assert_rejected(&["size", "scenes/laws/spring.toml"], &["kind \"finger\""]);
+    assert_rejected(&["size", EXPERIMENT_95, "--closing-time", "0 ms"], &["--closing-time", "more than 0"]);
+    assert_rejected(&["size", EXPERIMENT_95, "--preload=-1 deg"], &["--preload", "more than 0"]);
+    assert_rejected(&["size", EXPERIMENT_95, "--out", "Cargo.toml/x"], &["cannot create the directory"]);
 }

@@ -1,69 +1,72 @@
-//! What is printed on a terminal fits it, and what is printed into a pipe is for programs.
+//! Output fits the width of a terminal; output into a pipe is not wrapped.
 
 use std::collections::HashSet;
 use std::fs;
 use std::io::Read;
 
-use crate::support::cli::{ANCHOR, directory, json, stderr, stdout};
-use crate::support::terminal::{Seen, command, errors_on_terminal, on_terminal, piped, start};
+use crate::support::cli::{EXPERIMENT_95, directory, json, stderr, stdout};
+use crate::support::terminal::{
+    TerminalOutput, command, run_on_terminal, run_piped, run_with_stderr_on_terminal, spawn_on_terminal,
+};
 
-/// Lines of a screen that are wider than they may be.
-fn wide(text: &str, columns: usize) -> Vec<&str> {
+/// Lines that are wider than `columns`.
+fn wide_lines(text: &str, columns: usize) -> Vec<&str> {
     text.lines().filter(|line| line.chars().count() > columns).collect()
 }
 
-/// Runs a command on terminals of several widths; returns what was seen on the last.
+/// Asserts that the output of a command fits terminals of several widths; returns the last output.
 #[track_caller]
-fn fits(args: &[&str], widths: &[u16]) -> Seen {
+fn assert_fits(args: &[&str], widths: &[u16]) -> TerminalOutput {
     let mut last = None;
     for &columns in widths {
-        let seen = on_terminal(columns, &[], args);
-        assert!(matches!(seen.status, Some(0 | 1)), "{args:?}: {:?}, {}", seen.status, seen.other);
-        assert!(seen.screen.lines().count() > 3, "{args:?}:\n{}", seen.screen);
-        let wide = wide(&seen.screen, columns.into());
-        assert!(wide.is_empty(), "{args:?} at {columns}: {wide:#?}\n{}", seen.screen);
-        last = Some(seen);
+        let output = run_on_terminal(columns, &[], args);
+        assert!(matches!(output.status, Some(0 | 1)), "{args:?}: {:?}, {}", output.status, output.other_stream);
+        assert!(output.screen.lines().count() > 3, "{args:?}:\n{}", output.screen);
+        let too_wide = wide_lines(&output.screen, columns.into());
+        assert!(too_wide.is_empty(), "{args:?} at {columns}: {too_wide:#?}\n{}", output.screen);
+        last = Some(output);
     }
     last.expect("a width")
 }
 
-/// Everything that the command says in a pipe is on the terminal too, whole.
+/// Asserts that the terminal shows every word that the command prints into a pipe.
 #[track_caller]
-fn complete(args: &[&str], columns: u16) {
-    let seen = fits(args, &[columns]);
-    let words: HashSet<&str> = seen.screen.split_whitespace().collect();
-    let output = piped(&[], args);
+fn assert_complete(args: &[&str], columns: u16) {
+    let terminal_output = assert_fits(args, &[columns]);
+    let words: HashSet<&str> = terminal_output.screen.split_whitespace().collect();
+    let output = run_piped(&[], args);
     let missing: Vec<&str> = stdout(&output).split_whitespace().filter(|word| !words.contains(word)).collect();
-    assert!(missing.is_empty(), "{args:?} at {columns}: {missing:?}\n{}", seen.screen);
+    assert!(missing.is_empty(), "{args:?} at {columns}: {missing:?}\n{}", terminal_output.screen);
 }
 
-/// A file of a test as the checks' own directory sees it: a path is one word, and wherever the checkout is, it has to fit.
+/// Path of a test file relative to the working directory, because an absolute path is one word and might not fit the
+/// terminal.
 fn file(test: &str, name: &str) -> String {
     let path = directory(test).join(name);
-    let here = std::env::current_dir().expect("a directory");
-    path.strip_prefix(here).unwrap_or(&path).display().to_string()
+    let current_directory = std::env::current_dir().expect("a directory");
+    path.strip_prefix(current_directory).unwrap_or(&path).display().to_string()
 }
 
-/// Results of the first runs of the thesis' study.
+/// Writes results of the first runs of the thesis study.
 fn results(name: &str) -> String {
     let path = file(name, "results.csv");
-    let output = piped(&[], &["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", &path]);
+    let output = run_piped(&[], &["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", &path]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     path
 }
 
 #[test]
-fn tables_fit_the_terminal_and_nothing_is_lost_or_broken() {
+fn tables_fit_the_terminal_completely() {
     let results = results("cli_terminal_tables");
     let log = file("cli_terminal_log", "run.mcap");
-    assert_eq!(piped(&[], &["run", ANCHOR, "--log", &log]).status.code(), Some(0));
+    assert_eq!(run_piped(&[], &["run", EXPERIMENT_95, "--log", &log]).status.code(), Some(0));
     for columns in [60, 80, 120] {
-        complete(&["select", &results, "--no-form-closed", "--no-pfp"], columns);
-        complete(&["statics", ANCHOR, "--mu-static", "0,0.4,0.8"], columns);
-        complete(&["size", ANCHOR], columns);
-        complete(&["sweep", "scenes/studies/thesis.toml", "--list"], columns);
-        complete(&["replay", &log], columns);
-        complete(&["scene", "check", ANCHOR, "scenes/free-swing.toml"], columns);
+        assert_complete(&["select", &results, "--no-form-closed", "--no-pfp"], columns);
+        assert_complete(&["statics", EXPERIMENT_95, "--mu-static", "0,0.4,0.8"], columns);
+        assert_complete(&["size", EXPERIMENT_95], columns);
+        assert_complete(&["sweep", "scenes/studies/thesis.toml", "--list"], columns);
+        assert_complete(&["replay", &log], columns);
+        assert_complete(&["scene", "check", EXPERIMENT_95, "scenes/free-swing.toml"], columns);
     }
 }
 
@@ -71,42 +74,48 @@ fn tables_fit_the_terminal_and_nothing_is_lost_or_broken() {
 fn reports_with_wall_times_fit_the_terminal() {
     let results = results("cli_terminal_sweep");
     let widths = [60, 80];
-    fits(&["run", ANCHOR], &widths);
-    fits(&["run", "scenes/laws/two-free.toml"], &widths);
-    fits(&["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", &results], &widths);
-    fits(&["volume", "--base", "15.5 mm, 19 mm", "--mu-static", "0,0.2,0.4,0.6,0.8", "--resolution", "3"], &widths);
-    fits(&["study", "stability", ANCHOR, "--quick"], &[80]);
-    fits(&["study", "step-size", "--quick"], &[80]);
-    fits(&["validate", "scenes/laws/step-size.toml", "--ladder", "--quick", "--set", "duration=2 ms"], &[80]);
-    let validated = fits(&["validate", "scenes/free-swing.toml", "--ladder", "--quick"], &[80]);
+    assert_fits(&["run", EXPERIMENT_95], &widths);
+    assert_fits(&["run", "scenes/laws/two-free.toml"], &widths);
+    assert_fits(&["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", &results], &widths);
+    assert_fits(
+        &["volume", "--base", "15.5 mm, 19 mm", "--mu-static", "0,0.2,0.4,0.6,0.8", "--resolution", "3"],
+        &widths,
+    );
+    assert_fits(&["study", "stability", EXPERIMENT_95, "--quick"], &[80]);
+    assert_fits(&["study", "step-size", "--quick"], &[80]);
+    assert_fits(&["validate", "scenes/laws/step-size.toml", "--ladder", "--quick", "--set", "duration=2 ms"], &[80]);
+    let validated = assert_fits(&["validate", "scenes/free-swing.toml", "--ladder", "--quick"], &[80]);
     assert!(validated.screen.contains("speed against error"), "{}", validated.screen);
 }
 
 #[test]
-fn pipes_get_tables_as_wide_as_they_are_and_columns_says_another_width() {
+fn tables_in_pipes_are_unwrapped_unless_columns_is_set() {
     let results = results("cli_terminal_pipe");
     let args = ["select", &results, "--no-form-closed", "--no-pfp"];
-    let plain = piped(&[], &args);
-    let widest = stdout(&plain).lines().map(|line| line.chars().count()).max();
+    let piped = run_piped(&[], &args);
+    let widest = stdout(&piped).lines().map(|line| line.chars().count()).max();
     assert!(widest > Some(120), "{widest:?}");
-    // A ranking in a pipe is one line for each run.
-    assert_eq!(stdout(&plain).matches("r_WC\n").count(), 1);
-    assert_eq!(on_terminal(500, &[], &args).screen, stdout(&plain));
+    // In a pipe a ranking has one line per run.
+    assert_eq!(stdout(&piped).matches("r_WC\n").count(), 1);
+    assert_eq!(run_on_terminal(500, &[], &args).screen, stdout(&piped));
     for columns in ["0", "wide", ""] {
-        assert_eq!(stdout(&piped(&[("COLUMNS", columns)], &args)), stdout(&plain), "{columns}");
+        assert_eq!(stdout(&run_piped(&[("COLUMNS", columns)], &args)), stdout(&piped), "{columns}");
     }
-    let narrow = piped(&[("COLUMNS", "80")], &args);
-    assert_eq!(wide(stdout(&narrow), 80), [""; 0]);
-    let told = on_terminal(80, &[("COLUMNS", "500")], &args);
-    assert_eq!(told.screen, stdout(&plain));
-    // A document is for programs, whatever shows it.
-    let document = on_terminal(40, &[], &["select", &results, "--no-form-closed", "--no-pfp", "--json"]);
-    assert_eq!(document.screen, stdout(&piped(&[], &["select", &results, "--no-form-closed", "--no-pfp", "--json"])));
+    let narrow_output = run_piped(&[("COLUMNS", "80")], &args);
+    assert_eq!(wide_lines(stdout(&narrow_output), 80), [""; 0]);
+    let wide_output = run_on_terminal(80, &[("COLUMNS", "500")], &args);
+    assert_eq!(wide_output.screen, stdout(&piped));
+    // JSON documents are never wrapped.
+    let document = run_on_terminal(40, &[], &["select", &results, "--no-form-closed", "--no-pfp", "--json"]);
+    assert_eq!(
+        document.screen,
+        stdout(&run_piped(&[], &["select", &results, "--no-form-closed", "--no-pfp", "--json"]))
+    );
 }
 
 #[test]
-fn help_fits_the_terminal_and_has_colours_only_where_they_are_wanted() {
-    let bold = |text: &str| text.contains('\u{1b}');
+fn help_fits_the_terminal_and_respects_colour_settings() {
+    let is_styled = |text: &str| text.contains('\u{1b}');
     for args in [
         &["--help"][..],
         &["run", "--help"],
@@ -127,83 +136,84 @@ fn help_fits_the_terminal_and_has_colours_only_where_they_are_wanted() {
         &["run", "-h"],
     ] {
         for columns in [80, 120] {
-            let plain = on_terminal(columns, &[("NO_COLOR", "1")], args).screen;
-            assert!(plain.contains("Usage:") && !bold(&plain), "{plain}");
+            let uncoloured = run_on_terminal(columns, &[("NO_COLOR", "1")], args).screen;
+            assert!(uncoloured.contains("Usage:") && !is_styled(&uncoloured), "{uncoloured}");
             let at_most = usize::from(columns).min(100);
-            assert_eq!(wide(&plain, at_most), [""; 0], "{args:?} at {columns}");
+            assert_eq!(wide_lines(&uncoloured, at_most), [""; 0], "{args:?} at {columns}");
         }
-        assert!(args.contains(&"-h") || on_terminal(80, &[("NO_COLOR", "1")], args).screen.contains("Examples:"));
+        assert!(args.contains(&"-h") || run_on_terminal(80, &[("NO_COLOR", "1")], args).screen.contains("Examples:"));
     }
-    assert!(bold(&on_terminal(80, &[], &["--help"]).screen));
-    assert!(!bold(&on_terminal(80, &[("CLICOLOR", "0")], &["--help"]).screen));
-    assert!(!bold(&on_terminal(80, &[("TERM", "dumb")], &["--help"]).screen));
-    assert!(!bold(stdout(&piped(&[], &["--help"]))));
-    assert!(bold(stdout(&piped(&[("CLICOLOR_FORCE", "1")], &["--help"]))));
+    assert!(is_styled(&run_on_terminal(80, &[], &["--help"]).screen));
+    assert!(!is_styled(&run_on_terminal(80, &[("CLICOLOR", "0")], &["--help"]).screen));
+    assert!(!is_styled(&run_on_terminal(80, &[("TERM", "dumb")], &["--help"]).screen));
+    assert!(!is_styled(stdout(&run_piped(&[], &["--help"]))));
+    assert!(is_styled(stdout(&run_piped(&[("CLICOLOR_FORCE", "1")], &["--help"]))));
 }
 
-/// What a command shows on stderr until it says how long it takes yet; it is ended then.
+/// Output of a command on stderr until it shows the remaining time; then the command is killed.
 fn progress(args: &[&str]) -> String {
-    let (mut child, mut ours, _) = start(command(args, &[]), true, 100);
-    let mut seen = String::new();
+    let (mut child, mut terminal, _) = spawn_on_terminal(command(args, &[]), true, 100);
+    let mut screen = String::new();
     let mut bytes = [0; 256];
-    while !seen.contains(" left") && seen.len() < 100_000 {
-        match ours.read(&mut bytes) {
-            Ok(count) if count > 0 => seen.push_str(&String::from_utf8_lossy(&bytes[..count])),
+    while !screen.contains(" left") && screen.len() < 100_000 {
+        match terminal.read(&mut bytes) {
+            Ok(count) if count > 0 => screen.push_str(&String::from_utf8_lossy(&bytes[..count])),
             _ => break,
         }
     }
-    child.kill().expect("still at work");
+    child.kill().expect("a running command");
     let _ = child.wait();
-    seen
+    screen
 }
 
 #[test]
-fn long_commands_say_how_far_they_are_and_how_long_they_take_yet() {
-    // Of many parts, and of one; both take far longer than anybody waits here.
+fn long_commands_show_progress_and_remaining_time() {
+    // One command with many parts and one with a single run; both would run much longer than this test.
     let volume = progress(&["volume", "--resolution", "60", "--mu-static", "0.5", "--threads", "1"]);
     for part in ["[", " %  ", " of 864000, designs", " s, ", " left"] {
         assert!(volume.contains(part), "no {part:?} in {volume:?}");
     }
-    let run = progress(&["run", ANCHOR, "--model", "engine", "--step", "1 us", "--duration", "5 s", "--no-check"]);
+    let run =
+        progress(&["run", EXPERIMENT_95, "--model", "engine", "--step", "1 us", "--duration", "5 s", "--no-check"]);
     for part in ["[", " %  ", " of 5 s  ", " s, ", " left"] {
         assert!(run.contains(part), "no {part:?} in {run:?}");
     }
 }
 
 #[test]
-fn quiet_commands_say_results_warnings_and_errors_only() {
+fn quiet_commands_print_only_results_warnings_and_errors() {
     let results = results("cli_terminal_quiet");
-    let again = ["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", &results, "--json"];
-    let loud = piped(&[], &again);
-    assert!(stderr(&loud).contains("nothing was run"), "{}", stderr(&loud));
-    for args in [[&["-q"], &again[..]].concat(), [&again[..], &["--quiet"]].concat()] {
-        let quiet = piped(&[], &args);
+    let sweep_args = ["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", &results, "--json"];
+    let verbose = run_piped(&[], &sweep_args);
+    assert!(stderr(&verbose).contains("nothing was run"), "{}", stderr(&verbose));
+    for args in [[&["-q"], &sweep_args[..]].concat(), [&sweep_args[..], &["--quiet"]].concat()] {
+        let quiet = run_piped(&[], &args);
         assert_eq!((stderr(&quiet), quiet.status.code()), ("", Some(0)));
-        assert_eq!(json(&quiet), json(&loud));
+        assert_eq!(json(&quiet), json(&verbose));
     }
-    let warned = piped(&[], &["volume", "-q", "--base", "15.5 mm, 155 mm", "--resolution", "2"]);
-    assert!(stderr(&warned).contains("warning: no design exists"), "{}", stderr(&warned));
-    let wrong = piped(&[], &["-q", "run", "no/such/scene.toml"]);
-    assert!(stderr(&wrong).starts_with("error: ") && wrong.status.code() == Some(2), "{}", stderr(&wrong));
+    let with_warning = run_piped(&[], &["volume", "-q", "--base", "15.5 mm, 155 mm", "--resolution", "2"]);
+    assert!(stderr(&with_warning).contains("warning: no design exists"), "{}", stderr(&with_warning));
+    let failed = run_piped(&[], &["-q", "run", "no/such/scene.toml"]);
+    assert!(stderr(&failed).starts_with("error: ") && failed.status.code() == Some(2), "{}", stderr(&failed));
 }
 
 #[test]
 fn short_commands_show_no_progress() {
-    for args in [&["statics", ANCHOR][..], &["run", ANCHOR], &["run", ANCHOR, "-q"]] {
-        let seen = errors_on_terminal(args);
-        assert_eq!((seen.screen.as_str(), seen.status), ("", Some(0)), "{args:?}");
-        assert!(!seen.other.is_empty());
+    for args in [&["statics", EXPERIMENT_95][..], &["run", EXPERIMENT_95], &["run", EXPERIMENT_95, "-q"]] {
+        let output = run_with_stderr_on_terminal(args);
+        assert_eq!((output.screen.as_str(), output.status), ("", Some(0)), "{args:?}");
+        assert!(!output.other_stream.is_empty());
     }
 }
 
 #[test]
-fn files_are_as_wide_as_they_are_whatever_the_terminal() {
+fn files_are_not_wrapped() {
     let out = directory("cli_terminal_files");
-    let place = out.display().to_string();
-    let args = ["volume", "--resolution", "2", "--mu-static", "0,0.2,0.4,0.6,0.8", "--out", &place];
-    let seen = on_terminal(40, &[], &args);
-    assert_eq!(seen.status, Some(0), "{}", seen.other);
+    let out_text = out.display().to_string();
+    let args = ["volume", "--resolution", "2", "--mu-static", "0,0.2,0.4,0.6,0.8", "--out", &out_text];
+    let output = run_on_terminal(40, &[], &args);
+    assert_eq!(output.status, Some(0), "{}", output.other_stream);
     let text = fs::read_to_string(out.join("table.txt")).expect("the tables");
-    assert!(!wide(&text, 60).is_empty(), "{text}");
+    assert!(!wide_lines(&text, 60).is_empty(), "{text}");
     assert!(!text.contains('\u{1b}'));
 }

@@ -1,5 +1,6 @@
-// Headless Chromium goes through the tutorial's site: the explorer on its first page, and every link into the explorer, whose page is
-// held to the native program and to what the chapter with the link states. Screenshots go to target/page-screenshots.
+// Tests of the tutorial's site in headless Chromium: the explorer on its first page, and every link into the explorer,
+// which is compared with the native program and with the figures stated in the chapter. Screenshots: target/page-
+// screenshots.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -22,14 +23,14 @@ let server, site;
 before(async () => {
   await start();
   execFileSync("python3", [path.join(PROJECT, "tools/book.py"), SITE], { stdio: ["ignore", "ignore", "inherit"], env: { ...process.env, PHALANX } });
-  // The search of MkDocs does not run from the disk.
-  server = createServer((request, answer) => {
+  // The search of MkDocs needs a server.
+  server = createServer((request, response) => {
     const name = decodeURIComponent(new URL(request.url, site).pathname);
     try {
       const body = readFileSync(path.join(SITE, path.normalize(name)));
-      answer.writeHead(200, { "content-type": TYPES[path.extname(name)] ?? "application/octet-stream" }).end(body);
+      response.writeHead(200, { "content-type": TYPES[path.extname(name)] ?? "application/octet-stream" }).end(body);
     } catch {
-      answer.writeHead(404).end();
+      response.writeHead(404).end();
     }
   });
   await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
@@ -40,45 +41,45 @@ after(async () => {
   server?.close();
 });
 
-/** The file of a scene: a shipped one, or one that an address brings whole. */
-function fileOf(scene, text) {
+/** Path of a shipped scene, or of a scene whose compressed text is in the address. */
+function scenePath(scene, text) {
   if (text === null) return path.join(PROJECT, "scenes", scene);
   const file = path.join(DIRECTORY, scene);
   writeFileSync(file, inflateRawSync(Buffer.from(text, "base64url")));
   return file;
 }
 
-/** What the native program says of a scene file with fields set. */
+/** JSON output of the native program for a scene file with overridden fields. */
 function native(file, set) {
   const flags = set.flatMap(([field, value]) => ["--set", `${field}=${value}`]);
   return JSON.parse(execFileSync(PHALANX, ["run", file, ...flags, "--json"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
 }
 
-/** How many figures of the explorer are numbers of the native program's, by their keys; each must be the same. */
-function compared({ figures }, document) {
+/** Asserts that numeric figures of the explorer equal those of the native program; returns their number. */
+function countEqualFigures({ figures }, document) {
   const pairs = figures.map(({ key, value }) => [key, value, key.split(".").reduce((at, part) => at?.[part], document)]);
-  const both = pairs.filter(([, value, found]) => typeof found === "number" && value !== null);
-  for (const [key, value, found] of both) assert.ok(Math.abs(value - found) <= 1e-9 * Math.max(Math.abs(found), 1e-6), `${key}: ${value}, not ${found}`);
-  return both.length;
+  const numeric = pairs.filter(([, value, found]) => typeof found === "number" && value !== null);
+  for (const [key, value, found] of numeric) assert.ok(Math.abs(value - found) <= 1e-9 * Math.max(Math.abs(found), 1e-6), `${key}: ${value}, not ${found}`);
+  return numeric.length;
 }
 
-/** Whether a number is what is stated of it: in its unit, to half of its last digit. */
+/** Whether a number equals a stated figure within half of the last stated digit. */
 function isStated(value, stated) {
-  const [, number, unit] = stated.match(/^(-?[\d.]+)\s?(\S*)$/) ?? assert.fail(`${stated} is no number with a unit`);
-  const size = unit === "" ? 1 : SIZES[unit] ?? assert.fail(`${unit} is not known`);
-  const last = 10 ** -(number.split(".")[1] ?? "").length;
-  return Math.abs(value / size - Number(number)) <= 0.5001 * last;
+  const [, number, unit] = stated.match(/^(-?[\d.]+)\s?(\S*)$/) ?? assert.fail(`${stated} is not a number with a unit`);
+  const size = unit === "" ? 1 : SIZES[unit] ?? assert.fail(`unknown unit ${unit}`);
+  const resolution = 10 ** -(number.split(".")[1] ?? "").length;
+  return Math.abs(value / size - Number(number)) <= 0.5001 * resolution;
 }
 
-/** What the explorer says of the grasp at rest. */
-async function atRest(page) {
+/** Text of the statics tab of the explorer. */
+async function readStaticsTab(page) {
   await page.locator("#tab-statics").click();
   await page.locator("#panel-statics svg").first().waitFor();
   return page.locator("#panel-statics").innerText();
 }
 
-/** The map that an address asks for is the one that the explorer has, and its points are the native program's. */
-async function isMapped(page, call, [x, y, criterion], file, set) {
+/** Asserts that the explorer shows the map of an address, and that its points equal the native program. */
+async function assertMapMatches(page, call, [x, y, criterion], file, set) {
   await page.locator("#tab-map").click();
   await page.waitForFunction(() => document.getElementById("map-state").textContent.endsWith("closings"), null, { timeout: 120_000 });
   const chosen = await page.locator("#map-x, #map-y, #map-criterion").evaluateAll((all) => all.map(({ value }) => value));
@@ -91,7 +92,7 @@ async function isMapped(page, call, [x, y, criterion], file, set) {
     try {
       found = criterion.split(".").reduce((part, key) => part?.[key], native(file, [...rest, [x, at.x], [y, at.y]])) ?? null;
     } catch (error) {
-      // What is no scene to the program has no value on the map.
+      // An invalid scene has no value on the map.
       assert.equal(error.status, 2, `${at.x}, ${at.y}`);
     }
     assert.equal(at.value, typeof found === "boolean" ? (found ? "yes" : "no") : found, `${at.x}, ${at.y}`);
@@ -100,12 +101,12 @@ async function isMapped(page, call, [x, y, criterion], file, set) {
   assert.ok(seen.size > 1, "the map has more than one colour");
 }
 
-/** Every link into the explorer, and the page that it is on. */
+/** Returns every link into the explorer with its page. */
 async function links() {
   const found = [];
   for (const name of readdirSync(SITE, { recursive: true }).filter((each) => each.endsWith(".html") && each !== "explorer.html" && !each.startsWith("live"))) {
     if (!readFileSync(path.join(SITE, name), "utf8").includes('class="explore"')) continue;
-    const { page, close } = await opened(site + name, { beside: site });
+    const { page, close } = await opened(site + name, { allowedSite: site });
     const text = await page.locator("body").innerText();
     for (const { href, says } of await page.locator("a.explore").evaluateAll((all) => all.map(({ href, dataset }) => ({ href, says: dataset.says ?? "" })))) {
       assert.equal(href.split("#")[0], `${site}explorer.html`, name);
@@ -120,7 +121,7 @@ describe("the tutorial's site", () => {
   for (const [width, height] of [[1280, 800], [390, 844]]) {
     for (const scheme of ["light", "dark"]) {
       it(`shows the explorer on its first page, ${width} px, ${scheme}`, SLOW, async () => {
-        const { page, close } = await opened(`${site}index.html`, { width, height, scheme, beside: site });
+        const { page, close } = await opened(`${site}index.html`, { width, height, scheme, allowedSite: site });
         const holder = page.locator("iframe.explorer");
         assert.equal(await holder.getAttribute("loading"), "lazy");
         await holder.scrollIntoViewIfNeeded();
@@ -128,17 +129,16 @@ describe("the tutorial's site", () => {
         await frame.waitForFunction(() => window.phalanx);
         await frame.evaluate(() => window.phalanx.settled());
         const size = await holder.boundingBox();
-        assert.ok(size.height >= 560 && size.height < height, `${size.height} px high: there is page left above or below it`);
+        assert.ok(size.height >= 560 && size.height < height, `${size.height} px high: part of the page remains visible`);
         for (const each of [page, frame]) assert.equal(await each.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth), 0);
-        assert.ok(compared(await frame.evaluate(() => window.phalanx.state()), native(EXPERIMENT, [])) > 20);
-        // A slider in it is the explorer's.
+        assert.ok(countEqualFigures(await frame.evaluate(() => window.phalanx.state()), native(EXPERIMENT, [])) > 20);
         const slider = frame.locator('.field[data-path="design.base"] input[type=range]');
         await slider.focus();
         await page.keyboard.press("Shift+ArrowRight");
         await frame.waitForFunction(() => window.phalanx.state().set.length === 1);
         await frame.evaluate(() => window.phalanx.settled());
         const moved = await frame.evaluate(() => window.phalanx.state());
-        assert.ok(compared(moved, native(EXPERIMENT, moved.set)) > 20);
+        assert.ok(countEqualFigures(moved, native(EXPERIMENT, moved.set)) > 20);
         await frame.evaluate(() => window.phalanx.pause());
         await holder.evaluate((each) => each.scrollIntoView({ block: "center" }));
         await page.waitForTimeout(200);
@@ -148,44 +148,44 @@ describe("the tutorial's site", () => {
     }
   }
 
-  it("opens what its chapters show in the explorer, which has the figures they state", SLOW, async (test) => {
+  it("opens every link into the explorer, which shows the figures stated in the chapters", SLOW, async (test) => {
     const all = await links();
-    const into = all.filter(({ hash }) => hash !== "");
-    assert.deepEqual(all.filter(({ hash }) => hash === "").map(({ page }) => page), ["index.html"], "the explorer by itself");
-    assert.ok(into.length >= 10, `${into.length} links`);
+    const sceneLinks = all.filter(({ hash }) => hash !== "");
+    assert.deepEqual(all.filter(({ hash }) => hash === "").map(({ page }) => page), ["index.html"], "one link without a scene");
+    assert.ok(sceneLinks.length >= 10, `${sceneLinks.length} links`);
     let stated = 0;
-    for (const { page: name, text, hash, says } of into) {
-      const asked = new URLSearchParams(hash.slice(1));
-      const [scene, set] = [asked.get("scene"), asked.getAll("set").map((pair) => pair.split(/=(.*)/).slice(0, 2))];
-      const file = fileOf(scene, asked.get("text"));
+    for (const { page: name, text, hash, says } of sceneLinks) {
+      const query = new URLSearchParams(hash.slice(1));
+      const [scene, set] = [query.get("scene"), query.getAll("set").map((pair) => pair.split(/=(.*)/).slice(0, 2))];
+      const file = scenePath(scene, query.get("text"));
       const at = `${name}: ${hash}`;
       const { page, state, call, close } = await opened(`${site}explorer.html`, { hash });
       await page.waitForFunction(() => window.phalanx);
       await call("settled");
       const now = await state();
       assert.deepEqual([now.file, now.set, now.problems], [scene, set, []], at);
-      for (const [field] of set) assert.ok(field in now.fields, `${at}: there is no field ${field}`);
-      if (asked.has("t")) assert.equal(now.time_s, Number(asked.get("t")), at);
-      assert.ok(compared(now, native(file, set)) > 10, at);
+      for (const [field] of set) assert.ok(field in now.fields, `${at}: unknown field ${field}`);
+      if (query.has("t")) assert.equal(now.time_s, Number(query.get("t")), at);
+      assert.ok(countEqualFigures(now, native(file, set)) > 10, at);
       for (const [key, value] of says) {
         const number = value.split(/\s|(?=ms$)/)[0];
         assert.ok(text.includes(number), `${name} does not state ${number}`);
         const figure = now.figures.find((each) => each.key === key);
-        if (key === "statics") assert.ok((await atRest(page)).includes(value), `${at}: the grasp at rest does not say ${value}`);
+        if (key === "statics") assert.ok((await readStaticsTab(page)).includes(value), `${at}: the statics tab does not contain ${value}`);
         else if (key === "verdict") assert.equal((await call("check")).verdict, value.toLowerCase(), at);
-        else if (key === "t") assert.ok(isStated(now.time_s, value), `${at}: it is at ${now.time_s} s`);
+        else if (key === "t") assert.ok(isStated(now.time_s, value), `${at}: time ${now.time_s} s`);
         else if (/^-?\d/.test(value)) assert.ok(isStated(figure?.value, value), `${at}: ${key} is ${figure?.value}, not ${value}`);
         else assert.equal(figure?.text, value, at);
         stated++;
       }
-      if (asked.has("map")) await isMapped(page, call, asked.get("map").split(","), file, set);
+      if (query.has("map")) await assertMapMatches(page, call, query.get("map").split(","), file, set);
       await close();
     }
-    test.diagnostic(`${into.length} links, ${stated} figures that are stated`);
+    test.diagnostic(`${sceneLinks.length} links, ${stated} figures that are stated`);
     assert.ok(stated >= 8, `${stated} figures are stated`);
   });
 
-  it("notices a figure that is not the one stated", () => {
+  it("rejects a figure that differs from the stated one", () => {
     assert.ok(isStated(0.006883746, "6.88 ms") && isStated(23.6091, "23.6091 N") && isStated(98861.4, "98861 N"));
     assert.ok(!isStated(0.006883746, "6.89 ms") && !isStated(98862, "98861 N") && !isStated(undefined, "1 N"));
   });

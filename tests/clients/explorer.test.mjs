@@ -1,6 +1,5 @@
-// Headless Chromium opens the explorer from the disk and moves its sliders; what it says is held against the native program.
-// The module is the one that tools/explorer.sh puts beside the program, or what $MODULE names. Screenshots go to
-// target/page-screenshots.
+// Tests of the explorer in headless Chromium: its results are compared with the native program. The module is the one
+// next to the program (built by tools/explorer.sh), or $MODULE. Screenshots: target/page-screenshots.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -20,25 +19,25 @@ const SLOW = { timeout: 120_000 };
 let file;
 before(async () => {
   await start();
-  file = explored(SCENE, "explorer.html");
+  file = writeExplorer(SCENE, "explorer.html");
 });
 after(stop);
 
-/** The explorer of a scene. */
-function explored(scene, name) {
+/** Writes the explorer of a scene; returns its path. */
+function writeExplorer(scene, name) {
   const out = path.join(DIRECTORY, name);
   execFileSync(PHALANX, ["explore", ...MODULE, scene, "-o", out], { stdio: ["ignore", "ignore", "inherit"] });
   return out;
 }
 
-/** What the native program says of a scene with fields set. */
+/** JSON output of the native program for a scene with overridden fields. */
 function native(scene, set = []) {
   const flags = set.flatMap(([field, value]) => ["--set", `${field}=${value}`]);
   return JSON.parse(execFileSync(PHALANX, ["run", scene, ...flags, "--json"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
 }
 
-/** A page whose first picture is there and whose film stands still. */
-async function ready(options = {}, from = file) {
+/** Opens a page; waits for its first run and pauses the playback. */
+async function openReady(options = {}, from = file) {
   const all = await opened(from, options);
   await all.page.waitForFunction(() => window.phalanx);
   await all.call("settled");
@@ -46,11 +45,11 @@ async function ready(options = {}, from = file) {
   return all;
 }
 
-/** A figure of the page by its key. */
+/** Returns a figure of the page by key. */
 const figure = ({ figures }, key) => figures.find((each) => each.key === key) ?? assert.fail(`no figure ${key}`);
 
-/** All figures of the page that are numbers against those of the native program, by the path their key is: the same bits. */
-function agrees(state, expected) {
+/** Asserts that all numeric figures of the page equal those of the native program exactly. */
+function assertFiguresEqual(state, expected) {
   let compared = 0;
   for (const { key, value } of state.figures) {
     const found = key.split(".").reduce((at, part) => at?.[part], expected);
@@ -67,23 +66,22 @@ const entry = (page, field) => page.locator(`.field[data-path="${field}"] input[
 const median = (values) => values.sort((a, b) => a - b)[values.length >> 1];
 
 describe("the explorer", () => {
-  it("is a file under 3 MB that asks for nothing", () => assert.ok(statSync(file).size < 3e6, `${statSync(file).size} bytes`));
+  it("is a file under 3 MB", () => assert.ok(statSync(file).size < 3e6, `${statSync(file).size} bytes`));
 
-  it("shows its first picture at once", async (test) => {
+  it("shows its first picture quickly", async (test) => {
     const times = [];
     for (let k = 0; k < 3; k++) {
-      const { state, close } = await ready();
+      const { state, close } = await openReady();
       times.push((await state()).firstPicture_ms);
       await close();
     }
-    test.diagnostic(`first picture after ${times.map(Math.round).join(", ")} ms; wanted below 1000`);
+    test.diagnostic(`first picture after ${times.map(Math.round).join(", ")} ms; target: below 1000`);
     assert.ok(median(times) < 3000, `${times} ms`);
   });
 
-  it("says of the scene what the native program says", async () => {
-    const { page, state, close } = await ready();
-    agrees(await state(), native(SCENE));
-    // What is read on the page is what was compared.
+  it("has the figures of the native program", async () => {
+    const { page, state, close } = await openReady();
+    assertFiguresEqual(await state(), native(SCENE));
     const strip = await page.locator("#strip output").allTextContents();
     const figures = (await state()).figures.slice(0, strip.length).map(({ text }) => text);
     assert.deepEqual(strip, figures);
@@ -93,8 +91,8 @@ describe("the explorer", () => {
     await close();
   });
 
-  it("simulates again as a slider moves, by keyboard and by mouse", SLOW, async () => {
-    const { page, call, state, close } = await ready();
+  it("simulates again when a slider moves, by keyboard and by mouse", SLOW, async () => {
+    const { page, call, state, close } = await openReady();
     const before = await state();
     await slider(page, "design.base").focus();
     for (let k = 0; k < 7; k++) await page.keyboard.press("ArrowRight");
@@ -102,29 +100,29 @@ describe("the explorer", () => {
     await call("settled");
     const keyed = await state();
     assert.notEqual(keyed.fields["design.base"].value, before.fields["design.base"].value);
-    agrees(keyed, native(SCENE, keyed.set));
+    assertFiguresEqual(keyed, native(SCENE, keyed.set));
     assert.equal(await entry(page, "design.base").inputValue(), keyed.fields["design.base"].text);
 
     const box = await slider(page, "design.phi22").boundingBox();
-    const at = (part) => [box.x + part * box.width, box.y + box.height / 2];
-    await page.mouse.move(...at(0.5));
+    const pointAt = (part) => [box.x + part * box.width, box.y + box.height / 2];
+    await page.mouse.move(...pointAt(0.5));
     await page.mouse.down();
     const seen = new Set();
     for (let k = 1; k <= 20; k++) {
-      await page.mouse.move(...at(0.5 + 0.01 * k));
+      await page.mouse.move(...pointAt(0.5 + 0.01 * k));
       seen.add(await page.locator("#strip output").nth(1).textContent());
     }
     await page.mouse.up();
-    assert.ok(seen.size > 3, `${seen.size} different times to stability under a moving hand`);
+    assert.ok(seen.size > 3, `${seen.size} different times to stability while dragging`);
     await call("settled");
     const dragged = await state();
     assert.equal(dragged.set.length, 2);
-    agrees(dragged, native(SCENE, dragged.set));
+    assertFiguresEqual(dragged, native(SCENE, dragged.set));
     await close();
   });
 
-  it("answers a slider in 3 ms and keeps the instant", SLOW, async (test) => {
-    const { page, call, state, close } = await ready();
+  it("updates quickly when a slider moves, and retains the time", SLOW, async (test) => {
+    const { page, call, state, close } = await openReady();
     await call("seek", 0.005);
     const { ms, frames, seconds } = await page.evaluate(async () => {
       const slider = document.querySelector(".field[data-path='design.base'] input[type=range]");
@@ -152,14 +150,14 @@ describe("the explorer", () => {
     await close();
   });
 
-  it("takes any text with a unit, and says what is wrong beside the field", async () => {
-    const { page, call, state, close } = await ready();
+  it("accepts values with a unit, and shows problems next to the field", async () => {
+    const { page, call, state, close } = await openReady();
     const field = entry(page, "design.base");
     await field.fill("1.6 cm");
     await field.press("Enter");
     await call("settled");
-    agrees(await state(), native(SCENE, [["design.base", "1.6 cm"]]));
-    // A bare number is in the unit of the field.
+    assertFiguresEqual(await state(), native(SCENE, [["design.base", "1.6 cm"]]));
+    // A number without a unit has the unit of the field.
     await field.fill("1.65");
     await field.press("Enter");
     await call("settled");
@@ -170,19 +168,19 @@ describe("the explorer", () => {
     await call("settled");
     const wrong = await state();
     assert.equal(wrong.problems.length, 1);
-    const said = await page.locator('.field[data-path="design.base"] .problem').textContent();
-    assert.match(said, /3 kg is a mass/);
-    assert.ok(await page.locator("#warning").isHidden(), "it is said once");
-    assert.deepEqual(wrong.figures, good.figures, "the last good picture stays");
+    const text = await page.locator('.field[data-path="design.base"] .problem').textContent();
+    assert.match(text, /3 kg is a mass/);
+    assert.ok(await page.locator("#warning").isHidden(), "the problem is shown once");
+    assert.deepEqual(wrong.figures, good.figures, "the last valid results remain");
     assert.equal(await call("check"), null);
     assert.equal(await page.locator("#verdict").textContent(), "not simulated");
-    const pale = await page.evaluate(() => ["stage", "strip", "class-reason", "panel-plots", "panel-map"].map((id) => Number(getComputedStyle(document.getElementById(id)).opacity)));
-    assert.ok(pale.every((opacity) => opacity < 0.5), `${pale}`);
+    const opacities = await page.evaluate(() => ["stage", "strip", "class-reason", "panel-plots", "panel-map"].map((id) => Number(getComputedStyle(document.getElementById(id)).opacity)));
+    assert.ok(opacities.every((opacity) => opacity < 0.5), `${opacities}`);
     await page.keyboard.press("Escape");
     await call("undo");
     const back = await state();
     assert.deepEqual([back.problems, back.figures], [[], good.figures]);
-    // Of a field that is folded away, it is said over the page.
+    // A problem of a hidden field is shown as a warning on the page.
     await call("set", "integrator.rtol", "3 kg");
     assert.match(await page.locator("#warning").textContent(), /integrator.rtol/);
     assert.equal(await page.locator(".problem:visible").count(), 0);
@@ -192,8 +190,8 @@ describe("the explorer", () => {
     await close();
   });
 
-  it("goes back and forth, and back to the scene", async () => {
-    const { page, call, state, close } = await ready();
+  it("undoes, redoes and restores values of the scene", async () => {
+    const { page, call, state, close } = await openReady();
     const first = await state();
     await call("set", "design.base", "16 mm");
     const second = await state();
@@ -220,8 +218,8 @@ describe("the explorer", () => {
     await close();
   });
 
-  it("finds fields, and shows those that have changed", async () => {
-    const { page, call, state, close } = await ready();
+  it("filters fields by text and by change", async () => {
+    const { page, call, state, close } = await openReady();
     await call("set", "design.base", "16 mm");
     const shown = () => page.locator(".field:visible").evaluateAll((rows) => rows.map((row) => row.dataset.path));
     await page.keyboard.press("/");
@@ -231,12 +229,12 @@ describe("the explorer", () => {
     await page.locator("#changed-only").check();
     assert.deepEqual(await shown(), ["design.base"]);
     const sections = new Set(Object.keys((await state()).fields).map((field) => field.split(".")[0]));
-    assert.deepEqual(["integrator", "engine", "validate", "log"].filter((section) => sections.has(section)), ["integrator"], "sections that it uses");
+    assert.deepEqual(["integrator", "engine", "validate", "log"].filter((section) => sections.has(section)), ["integrator"], "only sections that are used");
     await close();
   });
 
-  it("keeps all of it in its address", async () => {
-    const one = await ready();
+  it("restores its state from its address", async () => {
+    const one = await openReady();
     await one.call("set", "design.base", "14.5 mm");
     one.call("keep");
     await one.call("set", "motor.torque", "500 N*mm");
@@ -245,70 +243,70 @@ describe("the explorer", () => {
     const [address, before] = [await one.call("url"), await one.state()];
     await one.page.waitForFunction((address) => location.hash === address, address);
     await one.close();
-    const two = await ready({ hash: address });
-    await two.page.waitForFunction(() => window.phalanx.state().kept);
+    const two = await openReady({ hash: address });
+    await two.page.waitForFunction(() => window.phalanx.state().reference);
     const after = await two.state();
-    assert.deepEqual([after.set, after.figures, after.kept, after.time_s], [before.set, before.figures, before.kept, before.time_s]);
+    assert.deepEqual([after.set, after.figures, after.reference, after.time_s], [before.set, before.figures, before.reference, before.time_s]);
     assert.equal(await two.call("url"), address);
     await two.close();
-    // A scene of one's own goes along whole.
-    const own = await ready();
+    // A custom scene is contained in the address.
+    const own = await openReady();
     await own.page.locator("#tab-scene").click();
     await own.page.locator("#scene").fill(readFileSync(SCENE, "utf8").replace("experiment-95", "own").replace("15.5 mm", "15 mm"));
     await own.page.locator("#scene-take").click();
     await own.call("settled");
     const [link, figures] = [await own.call("url"), (await own.state()).figures];
     await own.close();
-    const again = await ready({ hash: link });
+    const again = await openReady({ hash: link });
     assert.deepEqual((await again.state()).figures, figures);
     assert.equal(await again.page.title(), "own");
     await again.close();
-    // As does a file that is opened.
-    const chosen = await ready();
+    // A scene file can be opened.
+    const chosen = await openReady();
     await chosen.page.locator("#scene-file").setInputFiles(path.join(PROJECT, "scenes/torsional-spring.toml"));
     await chosen.page.waitForFunction(() => window.phalanx.state().file === "torsional-spring.toml");
     await chosen.call("settled");
-    agrees(await chosen.state(), native(path.join(PROJECT, "scenes/torsional-spring.toml")));
+    assertFiguresEqual(await chosen.state(), native(path.join(PROJECT, "scenes/torsional-spring.toml")));
     await chosen.close();
-    // What was cut short on its way opens the page as it would without.
-    const cut = await ready({ hash: "#scene=own.toml&text=eJ" });
-    agrees(await cut.state(), native(SCENE));
+    // A truncated address is ignored with a warning.
+    const cut = await openReady({ hash: "#scene=own.toml&text=eJ" });
+    assertFiguresEqual(await cut.state(), native(SCENE));
     assert.match(await cut.page.locator("#warning").textContent(), /cannot be read/);
-    // One that would fill the memory is not unpacked.
+    // A decompression bomb is rejected.
     const bomb = deflateRawSync(Buffer.alloc(400 << 20, "#")).toString("base64url");
     await cut.page.evaluate((text) => { location.hash = `scene=own.toml&text=${text}`; }, bomb);
-    await cut.page.locator("#warning", { hasText: "longer than the 1024 KiB" }).waitFor();
-    agrees(await cut.state(), native(SCENE));
+    await cut.page.locator("#warning", { hasText: "longer than the limit of 1024 KiB" }).waitFor();
+    assertFiguresEqual(await cut.state(), native(SCENE));
     await cut.close();
   });
 
-  it("holds A against B", async () => {
-    const { page, call, state, close } = await ready();
+  it("compares A and B", async () => {
+    const { page, call, state, close } = await openReady();
     const a = await state();
     await page.keyboard.press("k");
     await call("set", "design.base", "17 mm");
     const b = await state();
-    assert.deepEqual(b.kept, a.figures);
+    assert.deepEqual(b.reference, a.figures);
     await page.locator("#tab-compare").click();
     const rows = await page.locator("table.figures tbody tr").evaluateAll((rows) => rows.map((row) => [...row.children].map((cell) => cell.textContent)));
     b.figures.forEach(({ label, text }, index) => assert.deepEqual(rows[index].slice(0, 3), [label, a.figures[index].text, text]));
     const time = b.figures.findIndex(({ key }) => key === "criteria.tts_s");
-    const apart = b.figures[time].value - a.figures[time].value;
-    const [, said] = rows[time][3].replace("−", "-").match(/^([+-]?[\d.]+)\u202f[mµ]s/) ?? assert.fail(rows[time][3]);
-    assert.ok(Math.abs(Number(said) - apart * (Math.abs(apart) >= 1e-3 ? 1e3 : 1e6)) <= 6e-3 * Math.abs(Number(said)), `${rows[time][3]} of ${apart} s`);
+    const difference = b.figures[time].value - a.figures[time].value;
+    const [, shownDifference] = rows[time][3].replace("−", "-").match(/^([+-]?[\d.]+)\u202f[mµ]s/) ?? assert.fail(rows[time][3]);
+    assert.ok(Math.abs(Number(shownDifference) - difference * (Math.abs(difference) >= 1e-3 ? 1e3 : 1e6)) <= 6e-3 * Math.abs(Number(shownDifference)), `${rows[time][3]} of ${difference} s`);
     assert.deepEqual(b.runs.map(({ label }) => label), ["B", "A"]);
     await call("seek", 0.02);
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-compared.png") });
     await call("swap");
     const swapped = await state();
-    assert.deepEqual([swapped.figures, swapped.kept, swapped.set], [a.figures, b.figures, []]);
+    assert.deepEqual([swapped.figures, swapped.reference, swapped.set], [a.figures, b.figures, []]);
     await call("drop");
-    assert.equal((await state()).kept, null);
+    assert.equal((await state()).reference, null);
     await close();
   });
 
-  it("fills a map, each point as the native program has it, and goes where it is clicked", SLOW, async () => {
-    const { page, call, state, close } = await ready();
+  it("fills a map with the values of the native program, and adopts a clicked point", SLOW, async () => {
+    const { page, call, state, close } = await openReady();
     const { failed, points } = await call("map", "design.base", "design.phi22", "criteria.tts_s");
     assert.deepEqual([failed, points], [null, 33 * 33]);
     for (const [i, j] of [[8, 16], [12, 20], [15, 9]]) {
@@ -323,18 +321,18 @@ describe("the explorer", () => {
     assert.deepEqual(there.set, [["design.base", goal.x], ["design.phi22", goal.y]]);
     assert.equal(figure(there, "criteria.tts_s").value, goal.value);
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-map.png") });
-    // By keyboard, from where the pointer was: two to the right and one down.
+    // By keyboard, from the position of the pointer: two to the right and one down.
     await page.locator("#map").focus();
     for (const key of ["ArrowRight", "ArrowRight", "ArrowDown", "Enter"]) await page.keyboard.press(key);
     await call("settled");
     const next = await call("mapAt", 14, 19);
     assert.deepEqual((await state()).set, [["design.base", next.x], ["design.phi22", next.y]]);
-    assert.match(await page.locator("#map-said").textContent(), /time to stability/);
-    // Another variable makes another map; the class has colours of its own.
+    assert.match(await page.locator("#map-description").textContent(), /time to stability/);
+    // Another field changes the map; classes have their own colours.
     await call("set", "motor.torque", "450 N*mm");
     const torque = ["motor.torque", "450 N*mm"];
     await call("map", "design.base", "design.phi22", "criteria.class");
-    // Each class has its colour, in the legend, in the strip and in pictures of studies, whichever of them are there and came first.
+    // Each class has the same colour in the legend, in the strip and in pictures of studies.
     const colours = () => page.evaluate(() => {
       const of = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`);
       const named = Object.entries({ stable: "s0", "semi-stable": "pale", "semi-unstable": "doubtful", unstable: "neutral" });
@@ -344,10 +342,10 @@ describe("the explorer", () => {
       return { legend, dot: shown(dot), wanted: named.map(([word, name]) => [word, shown(of(name))]) };
     });
     for (let scheme = 0; scheme < 2; scheme++) {
-      const { legend, dot, wanted } = await colours();
-      assert.deepEqual(legend.slice(0, -1), wanted);
-      assert.equal(dot, new Map(wanted).get((await state()).figures[0].text));
-      assert.deepEqual(legend.at(-1), ["no valid scene, or the run has no such figure", "none"]);
+      const { legend, dot, wanted: expectedColours } = await colours();
+      assert.deepEqual(legend.slice(0, -1), expectedColours);
+      assert.equal(dot, new Map(expectedColours).get((await state()).figures[0].text));
+      assert.deepEqual(legend.at(-1), ["invalid scene, or no such result", "none"]);
       await page.keyboard.press("d");
     }
     const { x, y, value } = await call("mapAt", 12, 20);
@@ -355,27 +353,27 @@ describe("the explorer", () => {
     await close();
   });
 
-  it("checks a run when the hand rests, and shows which cannot be trusted", SLOW, async () => {
-    const sure = await ready();
+  it("checks a run after a pause in the edits, and marks unreliable runs", SLOW, async () => {
+    const sure = await openReady();
     assert.equal((await sure.call("check")).verdict, "sure");
     assert.equal(await sure.page.locator("#verdict").textContent(), "checked");
     assert.ok(await sure.page.locator("#doubt").isHidden());
     assert.ok(await sure.page.locator("#warnings").isHidden());
     await sure.close();
-    const warned = await ready({}, explored(CYCLE, "cycle.html"));
+    const warned = await openReady({}, writeExplorer(CYCLE, "cycle.html"));
     const { warnings } = native(CYCLE);
     assert.deepEqual(await warned.page.locator("#warnings p").allTextContents(), warnings);
     assert.match(await warned.page.locator("#warnings summary").textContent(), new RegExp(`${warnings.length} warnings`));
     await warned.close();
     const chaos = path.join(PROJECT, "scenes/hard/chaos.toml");
-    const { page, call, state, close } = await ready({}, explored(chaos, "chaos.html"));
+    const { page, call, state, close } = await openReady({}, writeExplorer(chaos, "chaos.html"));
     const { verdict } = await call("check");
     assert.equal(verdict, native(chaos).check?.verdict ?? verdict);
     assert.ok(["uncertain", "chaotic"].includes(verdict), verdict);
     assert.equal(await page.locator("#verdict").textContent(), verdict);
     assert.match(await page.locator("#doubt").textContent(), new RegExp(`This run is ${verdict}`));
     assert.equal((await state()).verdict.verdict, verdict);
-    await page.waitForFunction(() => window.phalanx.state().cloud > 3);
+    await page.waitForFunction(() => window.phalanx.state().variations > 3);
     const { trusted_s, runs } = await state();
     assert.ok(trusted_s > 0.005 && trusted_s < 0.06, `${trusted_s} s`);
     assert.match(await page.locator("#doubt").textContent(), /from [\d.]+\u202fms on/);
@@ -386,10 +384,10 @@ describe("the explorer", () => {
     await close();
   });
 
-  it("shows the grasp at rest, as the native program has it", async () => {
-    const { page, call, close } = await ready();
+  it("shows the statics report of the native program", async () => {
+    const { page, call, close } = await openReady();
     const panel = page.locator("#panel-statics");
-    // Every number of the native text that has a point; the certificate's last digits are roundings.
+    // Every number with a decimal point in the native text; the last digits of the certificate are rounding errors.
     const numbers = (...flags) => {
       const text = execFileSync(PHALANX, ["statics", SCENE, ...flags], { encoding: "utf8" });
       return text.replace(/\(to [^)]*\)/, "").match(/\d+\.\d+/g);
@@ -398,19 +396,19 @@ describe("the explorer", () => {
     await panel.locator("svg").first().waitFor();
     const first = numbers();
     assert.ok(first.length > 30, `${first.length} numbers`);
-    const said = await panel.textContent();
-    assert.deepEqual(first.filter((each) => !said.includes(each)), []);
-    // It follows the sliders.
+    const panelText = await panel.textContent();
+    assert.deepEqual(first.filter((each) => !panelText.includes(each)), []);
+    // The report follows the sliders.
     await call("set", "design.base", "17 mm");
     const next = numbers("--set", "design.base=17 mm");
-    assert.ok(next.some((each) => !said.includes(each)));
-    await page.waitForFunction((wanted) => wanted.every((each) => document.getElementById("panel-statics").textContent.includes(each)), next);
+    assert.ok(next.some((each) => !panelText.includes(each)));
+    await page.waitForFunction((expected) => expected.every((each) => document.getElementById("panel-statics").textContent.includes(each)), next);
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-statics.png") });
     await close();
   });
 
-  it("opens the scenes that come with it, the whole gripper too", SLOW, async () => {
-    const { page, call, state, close } = await ready();
+  it("opens presets, including a gripper", SLOW, async () => {
+    const { page, call, state, close } = await openReady();
     const files = await page.locator("#preset option").evaluateAll((options) => options.map((option) => option.value));
     assert.ok(files.length >= 3, files.join(", "));
     const gripper = "gripper/design-95.toml";
@@ -421,26 +419,26 @@ describe("the explorer", () => {
     assert.equal(found.file, gripper);
     assert.deepEqual(found.problems, []);
     assert.equal(figure(found, "grasp.fate").text, expected.grasp.fate);
-    agrees(found, expected);
-    await call("toggleLetters");
-    assert.ok((await state()).letters.some(({ text }) => text === "l21"));
+    assertFiguresEqual(found, expected);
+    await call("toggleSymbols");
+    assert.ok((await state()).symbols.some(({ text }) => text === "l21"));
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-gripper.png") });
     await call("undo");
-    agrees(await state(), native(SCENE));
+    assertFiguresEqual(await state(), native(SCENE));
     await close();
   });
 
-  it("shows the letters of what is under the hand", async () => {
-    const { page, state, close } = await ready();
-    assert.deepEqual((await state()).letters, []);
+  it("shows symbols while the pointer is over a field", async () => {
+    const { page, state, close } = await openReady();
+    assert.deepEqual((await state()).symbols, []);
     await slider(page, "design.base").hover();
-    const letters = (await state()).letters.map(({ text }) => text);
-    for (const letter of ["l11", "l12", "l21", "l22", "t22", "φ22", "base", "q11", "q22"]) assert.ok(letters.includes(letter), letter);
+    const symbols = (await state()).symbols.map(({ text }) => text);
+    for (const symbol of ["l11", "l12", "l21", "l22", "t22", "φ22", "base", "q11", "q22"]) assert.ok(symbols.includes(symbol), symbol);
     await close();
   });
 
-  it("saves files that other programs read", SLOW, async () => {
-    const { page, call, state, close } = await ready();
+  it("saves files in standard formats", SLOW, async () => {
+    const { page, call, state, close } = await openReady();
     await call("set", "design.base", "16.2 mm");
     const saved = async (kind) => {
       const [download] = await Promise.all([page.waitForEvent("download", { timeout: 90_000 }), page.selectOption("#save", kind)]);
@@ -449,7 +447,7 @@ describe("the explorer", () => {
       return name;
     };
     const toml = await saved("toml");
-    agrees(await state(), native(toml));
+    assertFiguresEqual(await state(), native(toml));
     const csv = readFileSync(await saved("csv"), "utf8").trim().split(/\r?\n/);
     const log = path.join(DIRECTORY, "run.mcap");
     const table = path.join(DIRECTORY, "native.csv");
@@ -460,10 +458,10 @@ describe("the explorer", () => {
     const svg = readFileSync(await saved("svg"), "utf8");
     assert.match(svg, /^<svg xmlns.*<\/svg>\s*$/s);
     assert.deepEqual([...readFileSync(await saved("png")).subarray(1, 4)], [...Buffer.from("PNG")]);
-    await call("window", 0.0044, 0.0046);
+    await call("setWindow", 0.0044, 0.0046);
     await call("setSpeed", 1e-4);
-    const film = gif(readFileSync(await saved("gif")));
-    assert.ok(film.frames.length > 10, `${film.frames.length} frames`);
+    const animation = gif(readFileSync(await saved("gif")));
+    assert.ok(animation.frames.length > 10, `${animation.frames.length} frames`);
     if (await page.locator("#save option[value='webm']").count()) {
       assert.deepEqual([...readFileSync(await saved("webm")).subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]);
     }
@@ -471,19 +469,19 @@ describe("the explorer", () => {
   });
 
   for (const scheme of ["light", "dark"]) {
-    it(`fits a phone and answers a finger on it, ${scheme}`, async () => {
-      const { page, call, state, close } = await ready({ width: 390, height: 844, scheme, hasTouch: true, isMobile: true });
+    it(`fits a phone and supports touch, ${scheme}`, async () => {
+      const { page, call, state, close } = await openReady({ width: 390, height: 844, scheme, hasTouch: true, isMobile: true });
       assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
-      // Every tab is there without a slider that has to be passed.
+      // Every tab is visible without scrolling.
       for (const tab of ["map", "statics", "scene"]) assert.ok(await page.locator(`#tab-${tab}`).evaluate((tab) => tab.getBoundingClientRect().bottom < innerHeight && tab.getBoundingClientRect().right <= innerWidth), tab);
       const box = await slider(page, "design.base").boundingBox();
       await page.touchscreen.tap(box.x + 0.6 * box.width, box.y + box.height / 2);
       await call("settled");
       const touched = await state();
       assert.equal(touched.set.length, 1);
-      agrees(touched, native(SCENE, touched.set));
+      assertFiguresEqual(touched, native(SCENE, touched.set));
       await page.screenshot({ path: path.join(SCREENSHOTS, `explorer-phone-${scheme}.png`) });
-      // The animation and the figures stay while the variables go by.
+      // The animation and the figures remain visible while the fields scroll.
       await slider(page, "contact.friction.mu_static").scrollIntoViewIfNeeded();
       await page.evaluate(() => scrollBy(0, 300));
       const tops = await page.evaluate(() => ["stage", "strip"].map((id) => document.getElementById(id).getBoundingClientRect()).map(({ top, bottom }) => [top, bottom]));
@@ -498,31 +496,31 @@ describe("the explorer", () => {
   }
 
   for (const [width, height] of [[390, 844], [768, 1024], [1400, 900]]) {
-    it(`cuts nothing at ${width} pixels`, SLOW, async () => {
+    it(`does not cut off text at ${width} pixels`, SLOW, async () => {
       const cut = ({ page }) => page.evaluate(() => {
         document.querySelectorAll("#fields details").forEach((group) => { group.open = true; });
         const seen = [...document.querySelectorAll(".results *, .transport *, .tabs *, #fields *, .text td, .text th, .legend *, .file *")].filter((each) => each.offsetWidth > 1 && !each.matches(".hidden, canvas, input[type='range']"));
         return seen.filter((each) => each.scrollWidth > each.clientWidth + 1 && getComputedStyle(each).display !== "inline" || each.getBoundingClientRect().right > innerWidth).map((each) => each.value || each.textContent);
       });
       for (const scene of [SCENE, CYCLE]) {
-        const all = await ready({ width, height }, explored(scene, "cut.html"));
+        const all = await openReady({ width, height }, writeExplorer(scene, "cut.html"));
         const { page } = all;
         for (const tab of width < 1100 ? ["fields", "map", "statics"] : ["map", "statics"]) {
           await page.locator(`#tab-${tab}`).click();
           if (tab === "statics") await page.locator("#panel-statics svg").first().waitFor();
           assert.deepEqual(await cut(all), [], `${scene}, ${tab}`);
         }
-        // Letters of the picture are no smaller than those of its tables.
-        const letters = await page.locator("#panel-statics svg text").evaluateAll((all) => all.map((text) => text.getBoundingClientRect().height));
-        assert.ok(Math.min(...letters) > 10, `${letters}`);
-        if (width === 1400) assert.equal(await page.evaluate(() => document.documentElement.scrollHeight), height, "nothing scrolls by a little");
+        // Text in the picture is at least as large as in the tables.
+        const heights = await page.locator("#panel-statics svg text").evaluateAll((all) => all.map((text) => text.getBoundingClientRect().height));
+        assert.ok(Math.min(...heights) > 10, `${heights}`);
+        if (width === 1400) assert.equal(await page.evaluate(() => document.documentElement.scrollHeight), height, "the page does not scroll");
         await all.close();
       }
     });
   }
 
-  it("stays where it is while figures change", async () => {
-    const { page, call, close } = await ready();
+  it("keeps its layout while figures change", async () => {
+    const { page, call, close } = await openReady();
     const places = () => page.evaluate(() => ["strip", "speed-of-run", "play", "stage"].map((id) => {
       const { top, height } = document.getElementById(id).getBoundingClientRect();
       return [id, top, height];
@@ -535,7 +533,7 @@ describe("the explorer", () => {
     await close();
   });
 
-  it("moves nothing by itself for whoever asked for that", async () => {
+  it("does not play automatically with reduced motion", async () => {
     const still = await opened(file, { reducedMotion: "reduce" });
     await still.page.waitForFunction(() => window.phalanx);
     assert.equal((await still.state()).playing, false);
@@ -546,8 +544,8 @@ describe("the explorer", () => {
     await moving.close();
   });
 
-  it("is dark too", async () => {
-    const { page, call, close } = await ready({ scheme: "dark", width: 1720, height: 1000 });
+  it("supports dark colours", async () => {
+    const { page, call, close } = await openReady({ scheme: "dark", width: 1720, height: 1000 });
     await call("seek", 0.02);
     await page.waitForTimeout(100);
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-dark.png") });

@@ -1,4 +1,4 @@
-"""Forward kinematics of the finger in ten lines, from nothing but the lengths of a scene; the reference of the pictures."""
+"""Forward kinematics of the finger from the lengths of a scene; independent reference for the drawings."""
 
 import math
 import tomllib
@@ -10,14 +10,14 @@ UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "rad": 1.0, "deg": math.pi / 180.0}
 
 
 def quantity(text):
-    """A length or an angle of a scene file in SI."""
+    """Parses a length or an angle of a scene file; returns SI."""
     number, unit = text.split()
     return float(number) * UNITS[unit]
 
 
 @dataclass(frozen=True)
 class Finger:
-    """Lengths in m, angle in rad; the disc it closes on."""
+    """A finger and the disc on which it closes. Lengths in m, angle in rad."""
 
     l11: float
     l12: float
@@ -31,7 +31,7 @@ class Finger:
 
 
 def finger(scene):
-    """The finger of a scene file, as `phalanx scene show --resolved` fills it in."""
+    """Reads the finger of a scene file, resolved by `phalanx scene show --resolved`."""
     shown = tomllib.loads(logs.phalanx("scene", "show", scene, "--resolved"))
     lengths = {name: quantity(text) for name, text in shown["lengths"].items()}
     disc = shown["object"]
@@ -42,12 +42,12 @@ def finger(scene):
 
 
 def along(start, length, angle):
-    """The end of a line."""
+    """The end of a segment with the given start, length and angle."""
     return (start[0] + length * math.cos(angle), start[1] + length * math.sin(angle))
 
 
 def frames(finger, state):
-    """Origin and angle of every link's frame for a message of `/state`."""
+    """Origin and angle of the frame of every link for a message of `/state`."""
     origin = (0.0, 0.0)
     return {
         "l11": (origin, state.q11_rad),
@@ -58,18 +58,18 @@ def frames(finger, state):
 
 
 def nearest(point, start, end):
-    """The point of a segment that is nearest to another."""
+    """The point of a segment that is nearest to a given point."""
     along_x, along_y = end[0] - start[0], end[1] - start[1]
-    share = ((point[0] - start[0]) * along_x + (point[1] - start[1]) * along_y) / (along_x**2 + along_y**2)
-    share = min(1.0, max(0.0, share))
-    return (start[0] + share * along_x, start[1] + share * along_y)
+    fraction = ((point[0] - start[0]) * along_x + (point[1] - start[1]) * along_y) / (along_x**2 + along_y**2)
+    fraction = min(1.0, max(0.0, fraction))
+    return (start[0] + fraction * along_x, start[1] + fraction * along_y)
 
 
-def touch(finger, start, end):
-    """A phalanx, a segment with a round of its half width, against the disc: gap, the point of its surface, the normal."""
+def contact(finger, start, end):
+    """Contact of a phalanx (a segment with rounded ends and a half width) and the disc: gap, contact point on the phalanx, normal."""
     x, y = nearest(finger.centre, start, end)
-    away_x, away_y = x - finger.centre[0], y - finger.centre[1]
-    distance = math.hypot(away_x, away_y)
-    normal = (away_x / distance, away_y / distance)
+    offset_x, offset_y = x - finger.centre[0], y - finger.centre[1]
+    distance = math.hypot(offset_x, offset_y)
+    normal = (offset_x / distance, offset_y / distance)
     point = (x - finger.half_width * normal[0], y - finger.half_width * normal[1])
     return distance - finger.half_width - finger.radius, point, normal

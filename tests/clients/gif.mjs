@@ -1,9 +1,9 @@
-// GIF read as its specification says (GIF89a), to hold what the page writes against: no code of the page is used.
+// GIF89a decoder, written from the specification and independent of the encoder of the page.
 
 import assert from "node:assert/strict";
 
-/** Indices of a compressed part (Lempel, Ziv and Welch, from codes of nine bits). */
-function inflated(bytes) {
+/** Decompresses the indices of a frame (LZW, codes from nine bits). */
+function decompress(bytes) {
   const [CLEAR, END] = [256, 257];
   const out = [];
   let [at, size, strings, before, ended] = [0, 9, [], null, false];
@@ -31,11 +31,11 @@ function inflated(bytes) {
   return out;
 }
 
-/** Size, frames with their delays (s), and the pixels (RGB) after the last one. */
+/** Decodes a GIF: size, frames with their delays (s), and the pixels (RGB) after the last frame. */
 export function gif(file) {
   assert.equal(file.toString("latin1", 0, 6), "GIF89a");
   const [width, height, packed] = [file.readUInt16LE(6), file.readUInt16LE(8), file[10]];
-  assert.equal(packed & 0x80, 0x80, "a palette for all");
+  assert.equal(packed & 0x80, 0x80, "a global palette");
   const colours = 2 << (packed & 7);
   const palette = file.subarray(13, 13 + 3 * colours);
   const screen = new Uint8Array(width * height);
@@ -53,19 +53,19 @@ export function gif(file) {
       const label = file[at + 1];
       at += 2;
       const data = blocks();
-      if (label === 0xf9) control = { delay_s: data.readUInt16LE(1) / 100, kept: data[0] & 1 ? data[3] : -1, disposal: data[0] >> 2 & 7 };
+      if (label === 0xf9) control = { delay_s: data.readUInt16LE(1) / 100, transparent: data[0] & 1 ? data[3] : -1, disposal: data[0] >> 2 & 7 };
       if (label === 0xff) loops = data.toString("latin1", 0, 11) === "NETSCAPE2.0";
       continue;
     }
-    assert.equal(kind, 0x2c, `a block that is none at ${at}`);
+    assert.equal(kind, 0x2c, `unknown block at ${at}`);
     const [left, top, wide, high] = [1, 3, 5, 7].map((k) => file.readUInt16LE(at + k));
     assert.ok(left + wide <= width && top + high <= height && file[at + 9] === 0 && file[at + 10] === 8);
     at += 11;
-    const indices = inflated(blocks());
+    const indices = decompress(blocks());
     assert.equal(indices.length, wide * high);
     assert.equal(control.disposal, 1);
     indices.forEach((index, k) => {
-      if (index !== control.kept) screen[(top + Math.floor(k / wide)) * width + left + k % wide] = index;
+      if (index !== control.transparent) screen[(top + Math.floor(k / wide)) * width + left + k % wide] = index;
     });
     frames.push({ delay_s: control.delay_s, pixels: wide * high });
   }

@@ -1,4 +1,4 @@
-// @mcap/core, the reader inside the Foxglove app, reads phalanx's logs: indexed and streamed, to the same messages.
+// @mcap/core, the reader of the Foxglove app, reads the same messages from phalanx's logs by index and as a stream.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -20,17 +20,17 @@ after(() => rmSync(DIRECTORY, { recursive: true }));
 
 const decompressHandlers = { zstd: (data, size) => decompress(data, new Uint8Array(Number(size))) };
 
-/** What the program prints as JSON. */
+/** JSON output of the program. */
 const phalanx = (...args) => JSON.parse(execFileSync(PHALANX, [...args, "--json"], { encoding: "utf8" }));
 
-/** Runs a scene with a log; its figures and the path of the log. */
+/** Runs a scene with a log; returns the JSON output and the path of the log. */
 function run(scene, ...options) {
   const log = path.join(DIRECTORY, `${path.basename(scene)}${options.join("")}.mcap`);
-  return { log, said: phalanx("run", path.join(PROJECT, "scenes", scene), "--log", log, ...options) };
+  return { log, summary: phalanx("run", path.join(PROJECT, "scenes", scene), "--log", log, ...options) };
 }
 
-/** The messages of a log through its index, and what else the index has. */
-async function indexed(log) {
+/** Reads the messages of a log through its index; also returns the reader. */
+async function readIndexed(log) {
   const bytes = readFileSync(log);
   const readable = {
     size: async () => BigInt(bytes.length),
@@ -44,8 +44,8 @@ async function indexed(log) {
   return { reader, messages };
 }
 
-/** The messages, channels and schemas of a log, record after record in pieces of 10,000 bytes. */
-function streamed(log) {
+/** Reads the records of a log as a stream of chunks of 10,000 bytes. */
+function readStream(log) {
   const bytes = readFileSync(log);
   const reader = new McapStreamReader({ decompressHandlers, validateCrcs: true });
   const found = { messages: [], channels: new Map(), schemas: new Map(), attachments: [], metadata: [] };
@@ -63,8 +63,8 @@ function streamed(log) {
   return found;
 }
 
-/** A decoder for each channel, from the descriptors in the log alone. */
-function decoders({ channels, schemas }) {
+/** Message types by channel, from the embedded descriptors only. */
+function messageTypes({ channels, schemas }) {
   const types = new Map();
   for (const { id, schemaId, messageEncoding } of channels.values()) {
     const schema = schemas.get(schemaId);
@@ -76,9 +76,9 @@ function decoders({ channels, schemas }) {
   return types;
 }
 
-/** The decoded messages by topic. */
-function decoded(found) {
-  const types = decoders(found);
+/** Decodes the messages, by topic. */
+function decodeByTopic(found) {
+  const types = messageTypes(found);
   const topics = new Map([...found.channels.values()].map(({ topic }) => [topic, []]));
   for (const { channelId, data } of found.messages) {
     topics.get(found.channels.get(channelId).topic).push(types.get(channelId).decode(data));
@@ -93,11 +93,11 @@ for (const [scene, ...options] of [
   ["laws/impact.toml"],
 ]) {
   describe([scene, ...options].join(" "), () => {
-    const { log, said } = run(scene, ...options);
+    const { log, summary } = run(scene, ...options);
 
     it("reads the same messages through the index and as a stream", async () => {
-      const { reader, messages } = await indexed(log);
-      const stream = streamed(log);
+      const { reader, messages } = await readIndexed(log);
+      const stream = readStream(log);
       const key = ({ channelId, sequence }) => channelId * 2 ** 32 + sequence;
       const byKey = new Map(messages.map((message) => [key(message), message]));
       assert.equal(byKey.size, messages.length);
@@ -115,15 +115,15 @@ for (const [scene, ...options] of [
       assert.deepEqual(new Map([...reader.statistics.channelMessageCounts].filter(([, n]) => n > 0n)), counts);
     });
 
-    it("decodes every message with the embedded descriptors, to the figures of --json", () => {
-      const topics = decoded(streamed(log));
-      for (const [key, value] of Object.entries(said.energy)) {
+    it("decodes every message with the embedded descriptors; the values equal --json", () => {
+      const topics = decodeByTopic(readStream(log));
+      for (const [key, value] of Object.entries(summary.energy)) {
         assert.equal(topics.get("/energy").at(-1)[key], value, key);
       }
-      for (const [key, value] of Object.entries(said.final ?? {})) {
+      for (const [key, value] of Object.entries(summary.final ?? {})) {
         assert.equal(topics.get("/state").at(-1)[key], value, key);
       }
-      for (const [name, { first_s, touchdowns }] of Object.entries(said.contacts)) {
+      for (const [name, { first_s, touchdowns }] of Object.entries(summary.contacts)) {
         const touches = (topics.get(`/impact/${name}`) ?? []).filter(({ touch_down }) => touch_down);
         assert.equal(touches.length, touchdowns, name);
         assert.equal(touches[0]?.timestamp ?? null, first_s, name);
@@ -131,13 +131,13 @@ for (const [scene, ...options] of [
       assert.equal(topics.get("/events").at(-1).message, "completed");
     });
 
-    it("finds the scene attached, byte for byte, and the metadata", () => {
-      const { attachments, metadata } = streamed(log);
+    it("contains the scene byte for byte, and the metadata", () => {
+      const { attachments, metadata } = readStream(log);
       assert.equal(attachments.length, 1);
       assert.deepEqual(Buffer.from(attachments[0].data), readFileSync(path.join(PROJECT, "scenes", scene)));
       assert.deepEqual(metadata.map(({ name }) => name), ["phalanx", "phalanx-check"]);
-      assert.equal(metadata[0].metadata.get("model"), said.model);
-      assert.equal(metadata[1].metadata.get("verdict"), said.check.verdict);
+      assert.equal(metadata[0].metadata.get("model"), summary.model);
+      assert.equal(metadata[1].metadata.get("verdict"), summary.check.verdict);
     });
   });
 }

@@ -1,4 +1,4 @@
-"""Runs phalanx and decodes every message of its logs with the public Python packages, and nothing of phalanx."""
+"""Runs phalanx and decodes its logs with public Python packages only."""
 
 import functools
 import json
@@ -21,7 +21,7 @@ DIRECTORY = Path(_directory.name)
 
 @dataclass(frozen=True)
 class Message:
-    """One decoded message, with the log's own times in ns."""
+    """A decoded message with its times in the log, ns."""
 
     topic: str
     log_ns: int
@@ -32,7 +32,7 @@ class Message:
 
 @dataclass(frozen=True)
 class Log:
-    """A whole log: every message in file order, and what stands beside them."""
+    """A log: all messages in file order, channels, metadata, attachments and statistics."""
 
     channels: dict  # topic: (message encoding, schema)
     messages: tuple
@@ -41,13 +41,13 @@ class Log:
     statistics: object
 
     def on(self, topic):
-        """The bodies of one topic, in order."""
+        """The bodies of the messages of a topic, in order."""
         return [message.body for message in self.messages if message.topic == topic]
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run of the program: its scene, its log, what `--json` said."""
+    """A run of the program: scene, log, output of `--json`."""
 
     name: str
     scene: Path
@@ -60,7 +60,7 @@ class Run:
 
 
 def phalanx(*arguments):
-    """Runs the program and hands back its standard output; a status other than 0 is an error."""
+    """Runs the program and returns its standard output; raises RuntimeError if the status is not 0."""
     done = subprocess.run([PHALANX, *map(str, arguments)], capture_output=True, text=True, timeout=120)
     if done.returncode != 0:
         raise RuntimeError(f"phalanx {' '.join(map(str, arguments))} ended with {done.returncode}: {done.stderr}")
@@ -69,15 +69,15 @@ def phalanx(*arguments):
 
 @functools.cache
 def run(scene, *options):
-    """Runs a scene once, however many tests want it."""
+    """Runs a scene; the result is cached."""
     name = "-".join([Path(scene).stem, *(option.strip("-") for option in options)]).replace(" ", "")
     path = DIRECTORY / f"{name}.mcap"
-    said = json.loads(phalanx("run", SCENES / scene, "--log", path, "--json", *options))
-    return Run(name, SCENES / scene, path, said)
+    json_output = json.loads(phalanx("run", SCENES / scene, "--log", path, "--json", *options))
+    return Run(name, SCENES / scene, path, json_output)
 
 
 def read(path):
-    """Decodes a log; a checksum that is wrong or a message that cannot be decoded is an error."""
+    """Decodes a log; raises an error for a wrong checksum or a message that cannot be decoded."""
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()], validate_crcs=True)
         summary = reader.get_summary()
@@ -95,7 +95,7 @@ def read(path):
 
 
 def closings():
-    """Design 95 in both models, at both presets of the analytic one."""
+    """Runs of design 95 in both models, with both presets of the analytic one."""
     return [
         run("experiment-95.toml"),
         run("experiment-95.toml", "--preset", "reference"),
@@ -104,7 +104,7 @@ def closings():
 
 
 def fingers():
-    """Runs of fingers: the closings, and a swing that meets nothing."""
+    """Runs of fingers: the closings, and a swing without contact."""
     return [*closings(), run("free-swing.toml"), run("free-swing.toml", "--model", "engine")]
 
 

@@ -1,5 +1,5 @@
-// Headless Chromium opens the page of a validation from the disk, works it as a reader would, and what it draws is held
-// against the logs beside it, which @mcap/core and protobufjs read. Screenshots go to target/page-screenshots.
+// Tests of the page of a validation in headless Chromium: operates its controls and compares what it draws with the
+// logs, which are read with @mcap/core and protobufjs. Screenshots: target/page-screenshots.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -18,14 +18,14 @@ import { gif } from "./gif.mjs";
 before(start);
 after(stop);
 
-/** Validates a scene; the directory with its page and its logs. */
-function validated(scene, name) {
+/** Validates a scene; returns the directory with its page and logs. */
+function validate(scene, name) {
   const out = path.join(DIRECTORY, name);
   execFileSync(PHALANX, ["validate", scene, "--quick", "--out", out], { stdio: ["ignore", "ignore", "inherit"] });
   return out;
 }
 
-/** The decoded messages of a log by topic. */
+/** Decodes the messages of a log, by topic. */
 function messages(log) {
   const reader = new McapStreamReader({ decompressHandlers: { zstd: (data, size) => decompress(data, new Uint8Array(Number(size))) } });
   reader.append(readFileSync(log));
@@ -43,14 +43,14 @@ function messages(log) {
   return topics;
 }
 
-/** The last message of a topic at exactly a time. */
+/** The last message of a topic at an exact time. */
 const at = (topic, time) => topic.findLast((message) => message.timestamp === time);
 
 const near = (found, expected, relative, what) =>
   assert.ok(Math.abs(found - expected) <= relative * Math.abs(expected) + 1e-300, `${what}: ${found}, not ${expected}`);
 
-/** "98.459 kN" → 98459. */
-function figure(text) {
+/** Parses a quantity: "98.459 kN" → 98459. */
+function parseQuantity(text) {
   const [, number, unit] = text.replace("−", "-").replace("−", "-").match(/^(-?[\d.]+(?:e-?\d+)?)\s?(.*)$/) ?? assert.fail(text);
   if (unit === "°") return (Number(number) * Math.PI) / 180;
   const prefix = { p: 1e-12, n: 1e-9, µ: 1e-6, m: 1e-3, k: 1e3, M: 1e6 };
@@ -58,8 +58,8 @@ function figure(text) {
   return Number(number) * (bare.includes(unit) ? 1 : prefix[unit[0]] ?? assert.fail(text));
 }
 
-/** The table of a plot as it stands on the page: texts by series and run. */
-const table = (page, title) =>
+/** Reads the table of a plot: texts by series and run. */
+const readPlotTable = (page, title) =>
   page.evaluate((title) => {
     const plot = [...document.querySelectorAll(".plot")].find((each) => each.getAttribute("aria-label") === title);
     const rows = [...plot.querySelectorAll("tbody tr")];
@@ -69,7 +69,7 @@ const table = (page, title) =>
 describe("the page of a closing in both models", () => {
   let file, logs;
   before(() => {
-    const out = validated(path.join(PROJECT, "scenes/experiment-95.toml"), "closing");
+    const out = validate(path.join(PROJECT, "scenes/experiment-95.toml"), "closing");
     file = path.join(out, "page.html");
     logs = ["analytic", "engine"].map((model) => messages(path.join(out, `${model}.mcap`)));
   });
@@ -81,14 +81,15 @@ describe("the page of a closing in both models", () => {
     const [analytic, engine] = logs;
     const { time: first } = { time: engine["/state"][0].timestamp };
     assert.equal((await state()).time_s, first);
-    // Every 10th sample of the engine, which is whole on the page; of the reference, the ends and the peaks, which stay.
+    // Every 10th sample of the engine, of which the page has all samples; the ends and peaks of the reference, which
+    // are retained.
     const times = engine["/state"].filter((_, index) => index % 10 === 0).map((message) => message.timestamp);
     const peaks = ["proximal", "distal"].map((name) => {
       const contact = analytic[`/contact/${name}`];
       return contact.reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
     });
     const ends = [analytic["/state"][0].timestamp, analytic["/state"].at(-1).timestamp];
-    let [arrows, presses] = [0, 0];
+    let [arrows, activeContacts] = [0, 0];
     for (const [index, log, when] of [[0, analytic, [...ends, ...peaks]], [1, engine, times]]) {
       const reach = { l12: new Set(), l22: new Set() };
       for (const time of when) {
@@ -116,11 +117,11 @@ describe("the page of a closing in both models", () => {
             assert.equal(arrow.force_n, normal ? logged.normal_n : logged.tangential_n);
             assert.deepEqual(arrow.from_m, contact.point_m);
             const along = normal ? [logged.normal_x, logged.normal_y] : [-logged.normal_y, logged.normal_x];
-            assert.deepEqual(arrow.way, along.map((k) => Math.sign(arrow.force_n) * k));
+            assert.deepEqual(arrow.direction, along.map((k) => Math.sign(arrow.force_n) * k));
             assert.ok(arrow.length_px > 1);
           }
           if (logged.normal_n > 1) {
-            presses++;
+            activeContacts++;
             assert.ok(drawn.arrows.some((each) => each.contact === name && each.kind === "normal"));
           }
         }
@@ -131,20 +132,20 @@ describe("the page of a closing in both models", () => {
           ["Torque", "limit", at(log["/limit"], time).torque_n_m],
         ]) assert.equal(drawn.readings[panel][series], value, `${panel}, ${series}`);
       }
-      for (const [name, lengths] of Object.entries(reach)) assert.equal(lengths.size, 1, `${name} is always as far from its joint`);
+      for (const [name, lengths] of Object.entries(reach)) assert.equal(lengths.size, 1, `${name} has a constant distance from its joint`);
     }
-    assert.ok(presses > 10 && arrows >= presses, `${arrows} arrows of ${presses} contacts`);
+    assert.ok(activeContacts > 10 && arrows >= activeContacts, `${arrows} arrows of ${activeContacts} contacts`);
     await close();
   });
 
-  it("draws what the frames of the log say", async () => {
+  it("draws the frames of the log", async () => {
     const { call, state, close } = await opened(file);
     const [, engine] = logs;
     const seconds = ({ seconds, nanos }) => Number(seconds ?? 0) + (nanos ?? 0) * 1e-9;
     let compared = 0;
     for (const { transforms } of engine["/tf"].filter((_, index) => index % 4 === 0)) {
       const stamp = seconds(transforms[0].timestamp);
-      // Stamps are whole nanoseconds, and two samples may share one.
+      // Stamps are rounded to nanoseconds, so two samples may share one.
       const [sample, another] = engine["/state"].filter(({ timestamp }) => Math.abs(timestamp - stamp) < 0.6e-9);
       if (another) continue;
       await call("seek", sample.timestamp);
@@ -162,26 +163,26 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("says the values at the cursor with their units", async () => {
+  it("shows the values at the cursor with their units", async () => {
     const { page, call, state, close } = await opened(file);
     const engine = logs[1];
-    const hit = engine["/contact/distal"].reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
-    for (const time of [engine["/state"][100].timestamp, hit, engine["/state"].at(-1).timestamp]) {
+    const peakTime = engine["/contact/distal"].reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
+    for (const time of [engine["/state"][100].timestamp, peakTime, engine["/state"].at(-1).timestamp]) {
       await call("seek", time);
       await state();
-      const forces = await table(page, "Normal force");
-      const gaps = await table(page, "Gap");
+      const forces = await readPlotTable(page, "Normal force");
+      const gaps = await readPlotTable(page, "Gap");
       for (const name of ["proximal", "distal"]) {
         const logged = at(engine[`/contact/${name}`], time);
-        near(figure(forces[name][1]), logged.normal_n, 1e-4, `force, ${forces[name]}`);
-        near(figure(gaps[name][1]), logged.gap_m, 1e-4, `gap, ${gaps[name]}`);
+        near(parseQuantity(forces[name][1]), logged.normal_n, 1e-4, `force, ${forces[name]}`);
+        near(parseQuantity(gaps[name][1]), logged.gap_m, 1e-4, `gap, ${gaps[name]}`);
       }
-      near(figure((await table(page, "Joint angle")).q21[1]), at(engine["/state"], time).q21_rad, 1e-4, "q21");
+      near(parseQuantity((await readPlotTable(page, "Joint angle")).q21[1]), at(engine["/state"], time).q21_rad, 1e-4, "q21");
     }
     await close();
   });
 
-  it("draws between two samples what their values and rates say", async () => {
+  it("interpolates with values and rates between two samples", async () => {
     const { call, state, close } = await opened(file);
     const samples = logs[1]["/state"];
     const bendAt = (k) => (samples[k + 1].timestamp - samples[k].timestamp) / 8 * (samples[k].qd11_rad_s - samples[k + 1].qd11_rad_s);
@@ -191,11 +192,11 @@ describe("the page of a closing in both models", () => {
     await call("seek", 0.5 * (a.timestamp + b.timestamp));
     const { bodies, readings } = (await state()).runs[1];
     const halfway = 0.5 * (a.q11_rad + b.q11_rad) + bend;
-    assert.ok(Math.abs(bend) > 1e-6, `a straight line would be seen: ${bend}`);
+    assert.ok(Math.abs(bend) > 1e-6, `a straight line would be noticeable: ${bend}`);
     near(bodies.find((body) => body.name === "l11").angle_rad, halfway, 1e-13, "halfway");
     near(readings["Joint angle"].q11, halfway, 1e-13, "the curve halfway");
     near(readings["Energy"].kinetic, 0.5 * (logs[1]["/energy"][k].kinetic_j + logs[1]["/energy"][k + 1].kinetic_j), 1e-13, "no rate: a straight line");
-    // A link keeps its length while it swings.
+    // The length of a link is constant.
     const arm = (name) => bodies.find((body) => body.name === name);
     const [start, end] = [Math.hypot(arm("l12").x_m, arm("l12").y_m), Math.hypot(arm("l22").x_m, arm("l22").y_m)];
     near(start, 15e-3, 1e-6, "l11");
@@ -203,19 +204,19 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("shows no difference of the models before a touch-down that is not there", async () => {
+  it("shows no spurious difference between the models before a touch-down", async () => {
     const { page, call, state, close } = await opened(file, { width: 1400 });
     const touch = logs[0]["/impact/distal"].find((impact) => impact.touch_down);
-    // Whatever lies between the samples of one model and of the other: from a millimetre down to ten micrometres.
+    // Gaps from a millimetre down to ten micrometres, between the samples of either model.
     for (let gap = 1e-3; gap > 1e-5; gap /= 1.3) {
       await call("seek", touch.timestamp - gap / touch.approach_speed_m_s);
       const [analytic, engine] = (await state()).runs.map((run) => run.readings.Gap.distal);
       near(engine, analytic, 0.01, `gap of about ${gap}`);
       near(analytic, gap, 0.2, "gap");
     }
-    // The same of what is drawn: the curves of both models, each by itself, column of pixels for column.
+    // The drawn curves of both models are also equal, per column of pixels.
     const from = touch.timestamp - 4e-4;
-    await call("window", from, touch.timestamp + 1e-4);
+    await call("setWindow", from, touch.timestamp + 1e-4);
     await call("seek", from);
     await page.locator('.plot[aria-label="Gap"] button.series', { hasText: "proximal" }).click();
     const drawn = async (index) => {
@@ -253,39 +254,39 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("shows the letters of the linkage where it is pointed at, none over another", async () => {
+  it("shows the symbols of the linkage on hover, without overlap", async () => {
     const names = ["l11", "l12", "l21", "l22", "t22", "w", "base", "q11", "q12", "q21", "q22", "φ22"];
     for (const width of [1400, 390]) {
       const { page, call, state, close } = await opened(file, { width, height: 844 });
-      assert.deepEqual((await state()).letters, []);
+      assert.deepEqual((await state()).symbols, []);
       const stage = await page.locator("#stage").boundingBox();
-      // Over the sky nothing is pointed at, over the end of the proximal phalanx the linkage is.
+      // No symbols over the background; all symbols over the end of the proximal phalanx.
       await page.mouse.move(stage.x + 20, stage.y + 60);
-      assert.deepEqual((await state()).letters, []);
+      assert.deepEqual((await state()).symbols, []);
       const { bodies, view } = await state().then(({ runs, view }) => ({ bodies: runs[0].bodies, view }));
       const tip = bodies.find((body) => body.name === "l22");
       const at = [0, 1].map((k) => (k ? -1 : 1) * ([tip.x_m, tip.y_m][k] - view.centre_m[k]) * view.px_per_m);
       await page.mouse.move(stage.x + stage.width / 2 + at[0], stage.y + stage.height / 2 + at[1]);
-      assert.deepEqual((await state()).letters.map((letter) => letter.text).sort(), [...names].sort());
+      assert.deepEqual((await state()).symbols.map((symbol) => symbol.text).sort(), [...names].sort());
       await page.mouse.move(stage.x + 20, stage.y + 60);
-      assert.deepEqual((await state()).letters, []);
+      assert.deepEqual((await state()).symbols, []);
       await page.keyboard.press("l");
       for (const time of [0, 2e-3, 4.4e-3, 4.501316e-3, 5.5e-3, 6.8e-3, 0.02]) {
         await call("seek", time);
-        const { letters } = await state();
-        for (const name of names) assert.ok(letters.some((letter) => letter.text === name), `${name} at ${time}`);
-        if (time === 0.02) assert.deepEqual(letters.filter(({ text }) => text.startsWith("F")).map(({ text }) => text), ["F21 23.6 N", "F22 8.26 N"]);
-        for (const [k, one] of letters.entries()) {
-          assert.ok(one.box[0] >= 0 && one.box[1] >= 0 && one.box[2] <= stage.width && one.box[3] <= stage.height, one.text);
-          for (const other of letters.slice(k + 1)) {
-            const apart = one.box[2] <= other.box[0] || other.box[2] <= one.box[0] || one.box[3] <= other.box[1] || other.box[3] <= one.box[1];
-            assert.ok(apart, `${one.text} over ${other.text} at ${time}, ${width} pixels`);
+        const { symbols } = await state();
+        for (const name of names) assert.ok(symbols.some((symbol) => symbol.text === name), `${name} at ${time}`);
+        if (time === 0.02) assert.deepEqual(symbols.filter(({ text }) => text.startsWith("F")).map(({ text }) => text), ["F21 23.6 N", "F22 8.26 N"]);
+        for (const [k, symbol] of symbols.entries()) {
+          assert.ok(symbol.box[0] >= 0 && symbol.box[1] >= 0 && symbol.box[2] <= stage.width && symbol.box[3] <= stage.height, symbol.text);
+          for (const other of symbols.slice(k + 1)) {
+            const isSeparate = symbol.box[2] <= other.box[0] || other.box[2] <= symbol.box[0] || symbol.box[3] <= other.box[1] || other.box[3] <= symbol.box[1];
+            assert.ok(isSeparate, `${symbol.text} overlaps ${other.text} at ${time}, ${width} pixels`);
           }
         }
       }
-      await page.locator("#letters").click();
+      await page.locator("#symbols").click();
       await page.mouse.move(stage.x + 20, stage.y + 60);
-      assert.deepEqual((await state()).letters, []);
+      assert.deepEqual((await state()).symbols, []);
       await close();
     }
   });
@@ -328,7 +329,7 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("saves the animation as a moving picture", async () => {
+  it("saves the animation as a GIF", async () => {
     const { page, call, state, close } = await opened(file);
     const saved = async () => {
       const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#save").selectOption("gif")]);
@@ -338,28 +339,28 @@ describe("the page of a closing in both models", () => {
       return readFileSync(await download.path());
     };
     const length = ({ frames }) => frames.reduce((sum, frame) => sum + frame.delay_s, 0);
-    // A millisecond at a millisecond a second, in 25 frames a second; the last one stays.
+    // One millisecond at a millisecond per second, 25 frames per second; the last frame lasts longer.
     await call("setSpeed", 1e-3);
-    await call("window", 4e-3, 5e-3);
+    await call("setWindow", 4e-3, 5e-3);
     await call("seek", 4.2e-3);
     const short = gif(await saved());
     assert.equal(short.frames.length, 26);
     near(length(short), 25 * 0.04 + 1.5, 1e-9, "seconds");
-    assert.equal((await state()).time_s, 4.2e-3, "the cursor stays");
-    // The whole of it, slow at impacts: as the page plays it.
+    assert.equal((await state()).time_s, 4.2e-3, "the cursor is unchanged");
+    // The whole run with the automatic speed.
     await call("setAuto", true);
-    await call("window", 0, 1);
+    await call("setWindow", 0, 1);
     const bytes = await saved();
     const whole = gif(bytes);
     assert.ok(whole.loops && bytes.length < 3e6, `${bytes.length} bytes`);
     assert.ok(whole.frames.length > 250 && whole.frames.length <= 500, `${whole.frames.length} frames`);
     assert.ok(length(whole) > 12, `${length(whole)} s`);
-    // Of most frames only what moves.
+    // Most frames contain only the changed pixels.
     const [first, ...rest] = whole.frames.map((frame) => frame.pixels);
     assert.equal(first, whole.width * whole.height);
     assert.ok(rest.reduce((sum, pixels) => sum + pixels, 0) < 0.5 * rest.length * first);
     writeFileSync(path.join(SCREENSHOTS, "saved.gif"), bytes);
-    // In the end it shows what the page does, below a line with the time.
+    // The last frame equals the page, below a caption with the time.
     await page.keyboard.press("End");
     await state();
     const shown = await page.evaluate(() => {
@@ -386,7 +387,7 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("plays at the speed that was chosen, and stops at the end", async () => {
+  it("plays at the selected speed, and stops at the end", async () => {
     const { page, call, state, close } = await opened(file);
     for (const speed of [1e-5, 2e-3]) {
       await call("setSpeed", speed);
@@ -410,7 +411,7 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("slows down around impacts by itself, to a hundred thousandth", async () => {
+  it("slows down at impacts automatically, to 1e-5", async () => {
     const { call, state, close } = await opened(file);
     await call("setAuto", true);
     const touch = logs[1]["/impact/proximal"].find((impact) => impact.touch_down).timestamp;
@@ -425,7 +426,7 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("goes by keyboard, and shows where the focus is", async () => {
+  it("can be operated by keyboard, with visible focus", async () => {
     const { page, state, close } = await opened(file);
     const [start, end] = await page.evaluate(() => window.phalanx.span_s);
     const press = async (key) => {
@@ -457,7 +458,7 @@ describe("the page of a closing in both models", () => {
     assert.ok(await page.locator("#help").isVisible());
     await page.keyboard.press("Escape");
     assert.ok(!(await page.locator("#help").isVisible()));
-    // Everything that can be worked can be reached, has a name, and shows the focus.
+    // Every control can be reached with Tab, has a name and shows the focus.
     const seen = new Set();
     for (let k = 0; k < 80; k++) {
       await page.keyboard.press("Tab");
@@ -471,13 +472,13 @@ describe("the page of a closing in both models", () => {
       assert.ok(focus.outline && focus.named, JSON.stringify(focus));
       seen.add(focus.id);
     }
-    for (const id of ["play", "previous", "next", "back", "forth", "scrub", "speed", "auto", "follow", "zoom-in", "letters", "save", "theme", "help-open", "window-event"]) {
+    for (const id of ["play", "previous", "next", "backward", "forward", "scrub", "speed", "auto", "follow", "zoom-in", "symbols", "save", "theme", "help-open", "window-event"]) {
       assert.ok(seen.has(id), `${id} is not reached with Tab`);
     }
     await close();
   });
 
-  it("goes by mouse: slider, plots, bar, list, zoom", async () => {
+  it("can be operated by mouse: slider, plots, bar, list, zoom", async () => {
     const { page, call, state, close } = await opened(file);
     const [start, end] = await page.evaluate(() => window.phalanx.span_s);
     const click = async (selector, part) => {
@@ -500,10 +501,10 @@ describe("the page of a closing in both models", () => {
     assert.ok(Math.abs((await state()).time_s - touch) < 1e-7);
     await page.locator("#window-event").click();
     const [from, to] = (await state()).window_s;
-    assert.ok(to - from < 1e-4 && from < touch && touch < to, "microseconds of a run of milliseconds");
+    assert.ok(to - from < 1e-4 && from < touch && touch < to, "a window of microseconds");
     await page.locator("#follow").selectOption("distal");
     const { view, runs } = await state();
-    assert.ok(view.px_per_m > 1e6, "micrometres are seen");
+    assert.ok(view.px_per_m > 1e6, "micrometres are visible");
     const { point_m } = runs[0].contacts.find((contact) => contact.name === "distal");
     assert.ok(Math.hypot(view.centre_m[0] - point_m[0], view.centre_m[1] - point_m[1]) < 1e-5);
     const stage = await page.locator("#stage").boundingBox();
@@ -515,10 +516,10 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("does not lose a peak that is a thousandth of a pixel wide", async () => {
+  it("shows a peak that is a thousandth of a pixel wide", async () => {
     const { page, state, close } = await opened(file);
     await state();
-    // The impacts last two of 20,000 µs; the top of the plot of forces has their colours all the same.
+    // The impacts last 2 of 20,000 µs; their peaks must be visible at the top of the plot of forces.
     const inked = await page.evaluate(() => {
       const canvas = document.querySelector(".plot canvas");
       const { data } = canvas.getContext("2d").getImageData(62, 8, canvas.width - 72, 24);
@@ -539,12 +540,12 @@ describe("the page of a closing in both models", () => {
           await page.screenshot({ path: path.join(SCREENSHOTS, `${width}-${scheme}-${name}.png`) });
         };
         await shot("start");
-        const hit = logs[1]["/contact/proximal"].reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
-        await call("seek", hit);
+        const peakTime = logs[1]["/contact/proximal"].reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
+        await call("seek", peakTime);
         await shot("impact");
         await page.keyboard.press("e");
         await call("follow", "proximal");
-        await call("seek", hit);
+        await call("seek", peakTime);
         await shot("contact");
         await call("fit");
         await page.keyboard.press("a");
@@ -601,8 +602,8 @@ describe("the page of a closing in both models", () => {
         assert.equal(found.preformatted, 0, "reports are tables");
         assert.ok(found.tables.length >= 8 && found.tables.every((table) => table.within && table.rows > 1 && table.poor === 0), JSON.stringify(found.tables));
         const differences = found.tables.map(({ difference }) => difference).filter((beyond) => beyond !== null);
-        assert.ok(differences.length >= 2 && differences.every((beyond) => beyond <= 0), `differences of both models end in view: ${differences}`);
-        // What is wider than a phone scrolls within its own box.
+        assert.ok(differences.length >= 2 && differences.every((beyond) => beyond <= 0), `the column of differences is not in view: ${differences}`);
+        // Wide tables scroll within their box on a phone.
         if (width === 390) {
           assert.ok(found.tables.some((table) => table.scrolls));
           const box = page.locator(".text .grid").last();
@@ -612,7 +613,7 @@ describe("the page of a closing in both models", () => {
           await page.keyboard.press("ArrowRight");
           await page.waitForFunction((box) => box.scrollLeft > 0, await box.elementHandle());
         }
-        assert.ok(found.together, "animation and controls are seen together");
+        assert.ok(found.together, "animation and controls are visible together");
         assert.deepEqual(found.cut, [], "texts that are cut off");
         await page.keyboard.press("?");
         await shot("help");
@@ -624,8 +625,8 @@ describe("the page of a closing in both models", () => {
     }
   }
 
-  it("allows no network, whatever would ask for it", async () => {
-    const { page, complaints } = await opened(file);
+  it("allows no network access", async () => {
+    const { page, problems } = await opened(file);
     const blocked = await page.evaluate(async () => {
       const violated = new Promise((resolve) => addEventListener("securitypolicyviolation", (event) => resolve(event.effectiveDirective), { once: true }));
       await fetch("https://example.org/").catch(() => {});
@@ -640,32 +641,32 @@ describe("the page of a closing in both models", () => {
       return new Promise((resolve) => setTimeout(() => resolve(window.hacked ?? null), 200));
     });
     assert.equal(ran, null, "only the page's own scripts run");
-    assert.ok(!complaints.some((text) => text.startsWith("https://example.org")), "no request went out");
+    assert.ok(!problems.some((text) => text.startsWith("https://example.org")), "no request went out");
     await page.context().close();
   });
 });
 
 describe("the page of a run without samples", () => {
-  it("says so, and shows its texts", async () => {
+  it("shows a warning and its texts", async () => {
     const out = path.join(DIRECTORY, "closing", "page.html");
     const file = path.join(DIRECTORY, "empty.html");
     writeFileSync(file, readFileSync(out, "utf8").replace(/(id="data">).*?(<\/script>)/s, '$1{"runs":[]}$2'));
     const { page, close } = await opened(file, { scheme: "dark" });
     assert.ok(await page.locator("#warning").isVisible());
-    assert.ok(!(await page.locator("#film").isVisible()));
+    assert.ok(!(await page.locator("#playback").isVisible()));
     assert.ok(await page.locator(".text table").first().isVisible());
     await close();
   });
 });
 
 describe("the page of discs with a hostile name", () => {
-  it("draws the log, and the name stays a name", async () => {
+  it("draws the log, and escapes the name", async () => {
     const name = "</script><script>window.hacked=1</script>";
     const text = readFileSync(path.join(PROJECT, "scenes/laws/two-free.toml"), "utf8");
     const scene = path.join(DIRECTORY, "hostile.toml");
     const description = '"><img src=x onerror=window.hacked=2> {{data}} &amp;';
     writeFileSync(scene, text.replace(/^name = .*$/m, `name = '${name}'\ndescription = '${description}'`));
-    const out = validated(scene, "hostile");
+    const out = validate(scene, "hostile");
     const { page, call, state, close } = await opened(path.join(out, "page.html"), { width: 390, height: 844 });
     assert.equal(await page.title(), name);
     assert.equal(await page.locator("h1").textContent(), name);

@@ -1,4 +1,4 @@
-"""What `run --json` says, computed anew from the decoded messages of the log."""
+"""Recomputes the output of `run --json` from the decoded messages of the log."""
 
 import math
 import unittest
@@ -21,11 +21,11 @@ class Figures(unittest.TestCase):
         for run in logs.fingers() + logs.discs():
             for name, contact in run.json["contacts"].items():
                 with self.subTest(run.name, contact=name):
-                    touches = [impact.timestamp for impact in run.log.on(f"/impact/{name}") if impact.touch_down]
-                    self.assertEqual(len(touches), contact["touchdowns"])
-                    self.assertEqual(touches[0] if touches else None, contact["first_s"])
+                    touchdowns = [impact.timestamp for impact in run.log.on(f"/impact/{name}") if impact.touch_down]
+                    self.assertEqual(len(touchdowns), contact["touchdowns"])
+                    self.assertEqual(touchdowns[0] if touchdowns else None, contact["first_s"])
 
-    def test_what_never_meets_has_no_channel_or_no_touch(self):
+    def test_contacts_that_never_close_have_no_channel(self):
         swing = logs.run("free-swing.toml")
         self.assertNotIn("/contact/proximal", swing.log.channels)
         self.assertNotIn("/impact/distal", swing.log.channels)
@@ -45,10 +45,10 @@ class Figures(unittest.TestCase):
     def test_limit(self):
         for run in logs.closings():
             with self.subTest(run.name):
-                samples, said = run.log.on("/limit"), run.json["contacts"]["limit"]
-                self.assertEqual(samples[-1].torque_n_m, said["final_torque_n_m"])
-                self.assertEqual(samples[-1].impulse_n_m_s, said["impulse_n_m_s"])
-                self.assertLessEqual(max(sample.torque_n_m for sample in samples), said["peak_torque_n_m"])
+                samples, reported = run.log.on("/limit"), run.json["contacts"]["limit"]
+                self.assertEqual(samples[-1].torque_n_m, reported["final_torque_n_m"])
+                self.assertEqual(samples[-1].impulse_n_m_s, reported["impulse_n_m_s"])
+                self.assertLessEqual(max(sample.torque_n_m for sample in samples), reported["peak_torque_n_m"])
 
     def test_energy(self):
         for run in logs.fingers() + logs.discs():
@@ -62,18 +62,18 @@ class Figures(unittest.TestCase):
                     balance = math.fsum(
                         [*(getattr(sample, term) for term in TERMS), -sample.motor_work_j, -start]
                     )
-                    # The sums differ in order only.
+                    # The sums differ only in the order of their terms.
                     self.assertAlmostEqual(balance, sample.balance_j, delta=1e-15 + 8 * 2.3e-16 * scale)
 
     def test_counts_of_replay(self):
         for run in logs.fingers() + logs.discs():
             with self.subTest(run.name):
-                said = logs.json.loads(logs.phalanx("replay", run.path, "--json"))
-                self.assertTrue(said["whole"])
-                self.assertEqual(said["messages"], len(run.log.messages))
-                self.assertEqual(said["samples"], len(run.log.on("/energy")))
+                reported = logs.json.loads(logs.phalanx("replay", run.path, "--json"))
+                self.assertTrue(reported["whole"])
+                self.assertEqual(reported["messages"], len(run.log.messages))
+                self.assertEqual(reported["samples"], len(run.log.on("/energy")))
                 impacts = [m for m in run.log.messages if m.topic.startswith("/impact/")]
-                self.assertEqual(said["events"], len(impacts))
+                self.assertEqual(reported["events"], len(impacts))
 
 
 class Penetration(unittest.TestCase):
@@ -82,10 +82,10 @@ class Penetration(unittest.TestCase):
             for name, contact in run.json["contacts"].items():
                 with self.subTest(run.name, contact=name):
                     if name == "limit":
-                        gaps, said = [s.gap_rad for s in run.log.on("/limit")], contact["max_penetration_rad"]
+                        gaps, reported = [s.gap_rad for s in run.log.on("/limit")], contact["max_penetration_rad"]
                     else:
-                        gaps, said = [s.gap_m for s in run.log.on(f"/contact/{name}")], contact["max_penetration_m"]
-                    self.assertEqual(max(0.0, -min(gaps)), said)
+                        gaps, reported = [s.gap_m for s in run.log.on(f"/contact/{name}")], contact["max_penetration_m"]
+                    self.assertEqual(max(0.0, -min(gaps)), reported)
 
 
 if __name__ == "__main__":

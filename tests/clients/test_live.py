@@ -1,7 +1,7 @@
-"""`phalanx run --live` against clients that speak the Foxglove WebSocket protocol, on this machine's loopback.
+"""Tests `phalanx run --live` with clients of the Foxglove WebSocket protocol on the loopback interface.
 
-The protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md (text frames are JSON; a binary frame of
-opcode 1 is a message: subscription, time in ns, bytes; of opcode 2 the server's time).
+Protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md (text frames are JSON; a binary frame
+with opcode 1 is a message: subscription, time in ns, bytes; with opcode 2 the time of the server).
 """
 
 import base64
@@ -21,11 +21,11 @@ from websockets.sync.client import connect
 
 import logs
 
-PATIENCE_S = 30
+TIMEOUT_S = 30
 
 
 class Server:
-    """A `phalanx run --live` under way."""
+    """A running `phalanx run --live`."""
 
     def __init__(self, scene, *options, address="127.0.0.1:0"):
         command = [logs.PHALANX, "run", logs.SCENES / scene, "--live", address, *options]
@@ -36,12 +36,12 @@ class Server:
             self.process.kill()
             raise RuntimeError(first + self.process.communicate()[1])
 
-    def says(self, words):
-        """Waits for a line on stderr."""
+    def wait_for_line(self, text):
+        """Waits for a line on stderr that contains `text`."""
         for line in self.process.stderr:
-            if words in line:
+            if text in line:
                 return
-        raise RuntimeError(f"the server never said {words!r}")
+        raise RuntimeError(f"the server has not printed {text!r}")
 
     def __enter__(self):
         return self
@@ -52,13 +52,13 @@ class Server:
         self.process.communicate()
 
     def finish(self):
-        """Waits for the end; standard output and the status."""
-        out, err = self.process.communicate(timeout=PATIENCE_S)
+        """Waits for the end; returns standard output, standard error and status."""
+        out, err = self.process.communicate(timeout=TIMEOUT_S)
         return out, err, self.process.returncode
 
 
 class Client:
-    """A client that has read what the server has, and subscribes to all of it."""
+    """A client that subscribes to all channels."""
 
     def __init__(self, test, url, **options):
         options = {"compression": None, "max_size": None, "close_timeout": 1, **options}
@@ -70,26 +70,26 @@ class Client:
         self.status = []
 
     def _text(self, op):
-        """The next text frame of one kind, dropping all else."""
+        """Returns the next text frame with the operation `op`; discards other frames."""
         while True:
-            frame = self.socket.recv(timeout=PATIENCE_S)
+            frame = self.socket.recv(timeout=TIMEOUT_S)
             if isinstance(frame, str) and json.loads(frame)["op"] == op:
                 return json.loads(frame)
 
     def subscribe(self, count):
-        """Subscribes as soon as `count` channels are advertised."""
+        """Subscribes to all channels once `count` channels are advertised."""
         while len(self.channels) < count:
             for channel in self._text("advertise")["channels"]:
                 self.channels[channel["id"]] = channel
-        wanted = [{"id": number, "channelId": number} for number in self.channels]
+        subscriptions = [{"id": number, "channelId": number} for number in self.channels]
         self.messages = {channel["topic"]: [] for channel in self.channels.values()}
-        self.socket.send(json.dumps({"op": "subscribe", "subscriptions": wanted}))
+        self.socket.send(json.dumps({"op": "subscribe", "subscriptions": subscriptions}))
 
     def read(self, enough=lambda client: False):
-        """Reads until there is enough, or to the end of the connection."""
+        """Reads until `enough(self)` or until the connection is closed."""
         try:
             while not enough(self):
-                frame = self.socket.recv(timeout=PATIENCE_S)
+                frame = self.socket.recv(timeout=TIMEOUT_S)
                 if isinstance(frame, str):
                     self.status.append(json.loads(frame))
                 elif frame[0] == 1:
@@ -106,7 +106,7 @@ class Client:
 
 
 def recorded(path):
-    """Channels and undecoded messages of a log, by topic."""
+    """Returns the schemas and the undecoded messages of a log, by topic."""
     with open(path, "rb") as file:
         reader = make_reader(file)
         summary = reader.get_summary()
@@ -118,8 +118,8 @@ def recorded(path):
 
 
 class Live(unittest.TestCase):
-    def test_a_client_sees_the_log_whatever_the_others_do(self):
-        # So many messages that who does not read is in the way: more than the system holds for a connection.
+    def test_a_client_receives_the_log_despite_stalled_and_lost_clients(self):
+        # More messages than the system buffers for a connection, so that a client that does not read blocks.
         scene = logs.DIRECTORY / "many.toml"
         scene.write_text((logs.SCENES / "experiment-95.toml").read_text() + '\n[log]\nnumeric_rate = "500 kHz"\n')
         quiet = logs.run(scene)
@@ -130,19 +130,19 @@ class Live(unittest.TestCase):
             stalled = Client(self, server.url, sock=slow_socket(server.url), max_queue=1)
             leaver = Client(self, server.url)
             client = Client(self, server.url)
-            # All three before the run starts, for it waits for a first subscription and for 0.3 s of quiet after it.
-            for one in (client, leaver, stalled):
-                one.subscribe(len(schemas))
+            # All three subscribe before the run starts: it waits for the first subscription and then for 0.3 s without another.
+            for each in (client, leaver, stalled):
+                each.subscribe(len(schemas))
             start = time.monotonic()
-            leaver.read(lambda one: one.count > 200)
-            # Without a goodbye.
+            leaver.read(lambda client: client.count > 200)
+            # Disconnects without a closing handshake.
             leaver.socket.socket.shutdown(socket.SHUT_RDWR)
-            client.read(lambda one: one.count == sum(map(len, messages.values())))
+            client.read(lambda client: client.count == sum(map(len, messages.values())))
             took_s = time.monotonic() - start
             client.read()
             out, _, status = server.finish()
         self.assertEqual(status, 0)
-        # What the one who did not read was sent is less: it was in the way indeed.
+        # The stalled client received fewer messages, so it did block.
         stalled.read()
         self.assertLess(stalled.count, client.count)
         self.assertEqual(client.info["name"], "phalanx: experiment-95")
@@ -155,35 +155,35 @@ class Live(unittest.TestCase):
             self.assertEqual((channel["schemaName"], channel["schemaEncoding"]), (schema.name, "protobuf"))
             self.assertEqual(base64.b64decode(channel["schema"]), schema.data)
             FileDescriptorSet.FromString(schema.data)
-        # Who left had seen the beginning of it.
+        # The client that left had received the first messages.
         self.assertGreater(leaver.count, 200)
         for topic, seen in leaver.messages.items():
             self.assertEqual(seen, messages[topic][: len(seen)])
 
-        # The time announced is that of the simulation, and it took 2 s.
+        # The announced time is the simulation time; the run took 2 s of wall-clock time.
         self.assertEqual(client.times, sorted(client.times))
         self.assertEqual(client.times[-1], 20_000_000)
         self.assertGreater(len([time for time in client.times if 0 < time < 20_000_000]), 20)
-        said = json.loads(out)
+        output = json.loads(out)
         self.assertGreater(took_s, 1.9)
-        # A run that is watched is the same run, and leaves the same log.
-        self.assertEqual({**said, "wall_s": 0, "log": ""}, {**quiet.json, "wall_s": 0, "log": ""})
+        # A live run has the same results and the same log.
+        self.assertEqual({**output, "wall_s": 0, "log": ""}, {**quiet.json, "wall_s": 0, "log": ""})
         self.assertEqual(log.read_bytes(), quiet.path.read_bytes())
 
-    def test_who_comes_late_gets_the_latest_of_everything(self):
+    def test_a_late_client_gets_the_latest_message_of_every_topic(self):
         _, messages = recorded(logs.run("experiment-95.toml").path)
         with Server("experiment-95.toml", "--live-speed", "1e6", "--live-keep") as server:
-            server.says("the run is over")
+            server.wait_for_line("the run is over")
             client = Client(self, server.url)
             client.subscribe(len(messages))
-            wanted = {topic: sent[-1:] for topic, sent in messages.items()}
-            client.read(lambda one: one.count == sum(map(len, wanted.values())) and one.times)
-            self.assertEqual(client.messages, wanted)
+            expected = {topic: sent[-1:] for topic, sent in messages.items()}
+            client.read(lambda client: client.count == sum(map(len, expected.values())) and client.times)
+            self.assertEqual(client.messages, expected)
             self.assertEqual(set(client.times), {20_000_000})
             server.process.send_signal(signal.SIGINT)
-            # Nothing more comes, and each came once.
+            # No further message arrives.
             client.read()
-            self.assertEqual(client.messages, wanted)
+            self.assertEqual(client.messages, expected)
             _, _, status = server.finish()
         self.assertEqual(status, 0)
 
@@ -194,14 +194,14 @@ class Live(unittest.TestCase):
                 with Server(scene, "--live-wait", "--live-speed", "0.1", *options) as server:
                     client = Client(self, server.url)
                     client.subscribe(len(messages))
-                    client.read(lambda one: one.count == sum(map(len, messages.values())))
+                    client.read(lambda client: client.count == sum(map(len, messages.values())))
                     client.socket.close()
                     self.assertEqual(server.finish()[2], 0)
                 self.assertEqual(client.messages, messages)
 
-    def test_interrupted_while_it_waits(self):
+    def test_interrupt_while_waiting_for_a_client(self):
         with Server("experiment-95.toml", "--live-wait") as server:
-            server.says("waits for a client")
+            server.wait_for_line("waits for a client")
             server.process.send_signal(signal.SIGINT)
             _, err, status = server.finish()
         self.assertEqual(status, 3)
@@ -211,22 +211,22 @@ class Live(unittest.TestCase):
         with socket.create_server(("127.0.0.1", 0)) as taken:
             address = "127.0.0.1:%d" % taken.getsockname()[1]
             cases = [(address, "another program listens there"), ("8765", "not ADDRESS:PORT"), ("127.0.0.1:x", "not ADDRESS:PORT")]
-            cases.append(("192.0.2.1:8765", "this machine must have that address"))
+            cases.append(("192.0.2.1:8765", "give an address of this machine"))
             for address, words in cases:
                 with self.subTest(address):
                     command = [logs.PHALANX, "run", logs.SCENES / "experiment-95.toml", "--live", address]
-                    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S)
+                    done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S)
                     self.assertEqual((done.returncode, done.stdout), (2, ""))
                     self.assertIn(words, done.stderr)
 
 
 def slow_socket(url):
-    """A connection that holds next to nothing, so that a reader who stops is felt at once."""
-    place = urlparse(url)
-    one = socket.socket()
-    one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    one.connect((place.hostname, place.port))
-    return one
+    """Returns a connection with a small buffer, so that a stalled reader blocks the server early."""
+    address = urlparse(url)
+    connection = socket.socket()
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    connection.connect((address.hostname, address.port))
+    return connection
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What viewers draw, against the numbers beside it: frames by forward kinematics, contact points, shapes, force arrows."""
+"""Compares the drawings in the log with its numbers: frames (forward kinematics), contact points, shapes, force arrows."""
 
 import math
 import unittest
@@ -6,12 +6,12 @@ import unittest
 import finger
 import logs
 
-# Lengths of 20 mm and angles of 1 rad in doubles, through a quaternion.
+# Rounding errors of lengths of 20 mm and angles of 1 rad through a quaternion.
 CLOSE_M = 1e-12
 
 
 def plane(transform):
-    """Origin and angle of a frame; what would lead out of the plane is an error."""
+    """Origin and angle of a frame; asserts that it is planar."""
     (x, y, z), turn = (getattr(transform.translation, axis) for axis in "xyz"), transform.rotation
     assert z == 0.0 and turn.x == 0.0 and turn.y == 0.0, transform
     assert abs(math.hypot(turn.z, turn.w) - 1.0) < 1e-12, transform
@@ -19,7 +19,7 @@ def plane(transform):
 
 
 def with_numbers(log, topic, numbers):
-    """The messages of a topic, each with the latest ones of other topics: a sample's pictures follow its numbers."""
+    """Yields the messages of a topic with the latest messages of other topics; drawings of a sample follow its numbers."""
     latest = {}
     for message in log.messages:
         if message.topic == topic:
@@ -32,18 +32,18 @@ class Frames(unittest.TestCase):
     def assertAt(self, point, x, y, tolerance=CLOSE_M):
         self.assertLessEqual(math.hypot(point[0] - x, point[1] - y), tolerance)
 
-    def test_links_are_where_their_angles_put_them(self):
+    def test_link_frames_match_joint_angles(self):
         for run in logs.fingers():
             with self.subTest(run.name):
                 lengths = finger.finger(run.scene)
                 seen = 0
                 for body, (state,) in with_numbers(run.log, "/tf", ["/state"]):
-                    wanted = finger.frames(lengths, state)
-                    self.assertEqual([one.child_frame_id for one in body.transforms], list(wanted))
-                    for one in body.transforms:
-                        origin, angle = plane(one)
-                        place, turn = wanted[one.child_frame_id]
-                        self.assertAt(origin, *place)
+                    expected = finger.frames(lengths, state)
+                    self.assertEqual([frame.child_frame_id for frame in body.transforms], list(expected))
+                    for frame in body.transforms:
+                        origin, angle = plane(frame)
+                        position, turn = expected[frame.child_frame_id]
+                        self.assertAt(origin, *position)
                         self.assertAlmostEqual(math.remainder(angle - turn, math.tau), 0.0, delta=1e-12)
                     seen += 1
                 self.assertGreater(seen, 20)
@@ -52,10 +52,10 @@ class Frames(unittest.TestCase):
         for run in logs.fingers():
             with self.subTest(run.name):
                 lengths = finger.finger(run.scene)
-                # Joints of the engine open by what it says itself.
+                # Joints of the engine open by at most the reported gap.
                 open_m = run.json["loop_gap_m"] or 0.0
                 for body in run.log.on("/tf"):
-                    at = {one.child_frame_id: plane(one) for one in body.transforms}
+                    at = {frame.child_frame_id: plane(frame) for frame in body.transforms}
                     coupler = finger.along(at["l12"][0], lengths.l12, at["l12"][1])
                     self.assertAt(finger.along(at["l22"][0], lengths.l22, at["l22"][1]), *coupler, 1e-9 + open_m)
 
@@ -64,33 +64,33 @@ class Frames(unittest.TestCase):
             with self.subTest(run.name):
                 lengths = finger.finger(run.scene)
                 for body, contacts in with_numbers(run.log, "/tf", ["/contact/proximal", "/contact/distal"]):
-                    at = {one.child_frame_id: plane(one) for one in body.transforms}
+                    at = {frame.child_frame_id: plane(frame) for frame in body.transforms}
                     joint, turn = at["l22"]
                     ends = [at["l21"][0], joint, finger.along(joint, lengths.t22, turn + lengths.phi22)]
                     for contact, start, end in zip(contacts, ends, ends[1:]):
-                        gap, point, normal = finger.touch(lengths, start, end)
+                        gap, point, normal = finger.contact(lengths, start, end)
                         tolerance = CLOSE_M
                         if run.json["model"] == "engine":
-                            # Between its steps of up to 60 us, each number is interpolated for itself.
+                            # Between steps of up to 60 us, each number is interpolated independently.
                             tolerance = 2e-8 if contact.normal_n > 0.0 else 1e-6
                         self.assertAlmostEqual(contact.gap_m, gap, delta=tolerance)
                         self.assertAt(point, contact.point_x_m, contact.point_y_m, tolerance)
                         self.assertAt(normal, contact.normal_x, contact.normal_y, tolerance / lengths.half_width)
 
-    def test_discs_are_where_they_are(self):
+    def test_disc_frames_match_positions(self):
         for run in logs.discs():
             with self.subTest(run.name):
-                fixed = {one.child_frame_id for body in run.log.on("/tf_static") for one in body.transforms}
+                fixed = {frame.child_frame_id for body in run.log.on("/tf_static") for frame in body.transforms}
                 names = [name for name in run.json["discs"] if name not in fixed]
                 for body, states in with_numbers(run.log, "/tf", [f"/disc/{name}" for name in names]):
-                    at = {one.child_frame_id: plane(one) for one in body.transforms}
+                    at = {frame.child_frame_id: plane(frame) for frame in body.transforms}
                     for name, state in zip(names, states):
                         self.assertAt(at[name][0], state.x_m, state.y_m)
                         self.assertAlmostEqual(math.remainder(at[name][1] - state.angle_rad, math.tau), 0.0, delta=1e-9)
 
 
 class Order(unittest.TestCase):
-    def test_frames_reach_world_before_anything_stands_in_them(self):
+    def test_frames_are_connected_to_world_before_use(self):
         for run in logs.fingers() + logs.discs():
             with self.subTest(run.name):
                 known = {"world"}
@@ -98,17 +98,17 @@ class Order(unittest.TestCase):
                 for message in run.log.messages:
                     kind = message.body.DESCRIPTOR.full_name
                     if kind == "foxglove.FrameTransforms":
-                        for one in message.body.transforms:
-                            self.assertIn(one.parent_frame_id, known)
-                            known.add(one.child_frame_id)
+                        for frame in message.body.transforms:
+                            self.assertIn(frame.parent_frame_id, known)
+                            known.add(frame.child_frame_id)
                     elif kind == "foxglove.SceneUpdate":
                         for entity in message.body.entities:
                             self.assertIn(entity.frame_id, known, f"{message.topic} at {message.log_ns} ns")
                             entities += 1
                 self.assertGreater(entities, 4)
 
-    def test_of_each_sample_transforms_come_first(self):
-        # Steps of less than a nanosecond share a stamp, so it is the samples that are told apart: each ends with pictures.
+    def test_transforms_come_first_in_each_sample(self):
+        # Samples less than a nanosecond apart share a stamp, so samples are separated by topic: each ends with its drawings.
         for run in logs.fingers() + logs.discs():
             with self.subTest(run.name):
                 before = None
@@ -119,7 +119,7 @@ class Order(unittest.TestCase):
                         self.assertIn(before, ("/tf", "/scene", "/energy"))
                     before = message.topic
 
-    def test_geometry_comes_once(self):
+    def test_geometry_is_logged_once(self):
         for run in logs.fingers() + logs.discs():
             with self.subTest(run.name):
                 self.assertEqual(len(run.log.on("/scene")), 1)
@@ -138,14 +138,14 @@ class Shapes(unittest.TestCase):
             for entity in scene.entities
         }
 
-    def test_surfaces_that_touch_have_the_size_of_the_scene(self):
+    def test_contact_surfaces_have_the_size_of_the_scene(self):
         run = logs.run("experiment-95.toml")
         lengths, outlines = finger.finger(run.scene), self.outlines(run)
         self.assertEqual(set(outlines), {"palm", "object", "l11", "l12", "l21", "l22"})
         (disc,) = outlines["object"]
         for x, y in disc:
             self.assertAlmostEqual(math.hypot(x, y), lengths.radius, delta=CLOSE_M)
-        # The last outline of a phalanx is its surface: half a width from its centre line all round.
+        # The last outline of a phalanx is its surface, at half a width from its centre line.
         for name, length, angle in [("l21", lengths.l21, 0.0), ("l22", lengths.t22, lengths.phi22)]:
             end = finger.along((0.0, 0.0), length, angle)
             for x, y in outlines[name][-1]:
@@ -170,14 +170,14 @@ class Shapes(unittest.TestCase):
                         points = [(triangles.points[k].x, triangles.points[k].y) for k in triangles.indices]
                         filled = 0.0
                         for a, b, c in zip(points[::3], points[1::3], points[2::3]):
-                            one = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-                            self.assertGreaterEqual(one, -1e-18)
-                            filled += one
+                            part = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+                            self.assertGreaterEqual(part, -1e-18)
+                            filled += part
                         self.assertAlmostEqual(filled, area, delta=1e-9 * area)
 
 
 class Forces(unittest.TestCase):
-    def test_arrows_stand_at_the_contact_points_along_the_forces(self):
+    def test_arrows_start_at_contact_points_along_forces(self):
         for run in logs.closings() + logs.discs():
             with self.subTest(run.name):
                 names = [name for name in run.json["contacts"] if name != "limit"]
@@ -202,12 +202,12 @@ class Forces(unittest.TestCase):
                             scales.append((arrow.shaft_length + arrow.head_length) / abs(force))
                             arrows += 1
                 self.assertGreater(arrows, 10)
-                # One scale for all, but for forces of an impact, whose arrows end at the longest.
+                # One scale for all, except for impact forces, whose arrows are limited in length.
                 usual = max(scales)
                 self.assertTrue(any(abs(scale - usual) < 1e-6 * usual for scale in scales))
                 self.assertTrue(all(scale > 0.0 for scale in scales))
 
-    def test_the_arrows_that_are_left_are_the_forces_at_the_end(self):
+    def test_last_arrows_are_the_final_forces(self):
         for run in logs.closings():
             with self.subTest(run.name):
                 for entity in run.log.on("/forces")[-1].entities:

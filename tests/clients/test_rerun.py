@@ -1,4 +1,4 @@
-"""Rerun accepts the logs, and has the numbers of them after its own conversion."""
+"""Rerun accepts the logs, and converts them without loss of numbers."""
 
 import functools
 import os
@@ -17,18 +17,18 @@ RERUN = Path(sys.executable).with_name("rerun")
 
 @functools.cache
 def environment():
-    """Without usage statistics: tests have nothing to tell anybody."""
+    """Environment with usage statistics disabled."""
     home = logs.DIRECTORY / "home"
-    places = {"HOME": home, "XDG_CONFIG_HOME": home / "config", "XDG_DATA_HOME": home / "data"}
-    changed = {**os.environ, **{name: str(place) for name, place in places.items()}}
-    for place in places.values():
-        place.mkdir(exist_ok=True)
+    directories = {"HOME": home, "XDG_CONFIG_HOME": home / "config", "XDG_DATA_HOME": home / "data"}
+    changed = {**os.environ, **{name: str(directory) for name, directory in directories.items()}}
+    for directory in directories.values():
+        directory.mkdir(exist_ok=True)
     subprocess.run([RERUN, "analytics", "disable"], env=changed, check=True, capture_output=True, timeout=60)
     return changed
 
 
 def rerun(*arguments):
-    """Runs Rerun's own program; output of both kinds, and the status."""
+    """Runs the program of Rerun; returns its output (stdout and stderr) and status."""
     command = [RERUN, *map(str, arguments)]
     done = subprocess.run(command, env=environment(), capture_output=True, text=True, timeout=120)
     return done.stdout + done.stderr, done.returncode
@@ -36,16 +36,16 @@ def rerun(*arguments):
 
 @functools.cache
 def converted(log):
-    """The recording that Rerun makes of a log."""
+    """Converts a log to a Rerun recording; returns its path."""
     path = log.with_suffix(".rrd")
-    said, status = rerun("mcap", "convert", log, "-o", path)
+    output, status = rerun("mcap", "convert", log, "-o", path)
     if status != 0:
-        raise RuntimeError(said)
+        raise RuntimeError(output)
     return path
 
 
 def rows(recording):
-    """Every row that has a time, in order: entity to a list of (time in ns, values by component)."""
+    """All rows with a time, in order: entity to a list of (time in ns, values by component)."""
     found = {}
     for chunk in RrdReader(recording).stream().to_chunks():
         if not chunk.timeline_names:
@@ -71,17 +71,17 @@ RUNS = [
 
 
 class Rerun(unittest.TestCase):
-    def test_check_finds_no_fault(self):
+    def test_check_accepts_the_logs(self):
         for run in RUNS:
             with self.subTest(run.name):
-                said, status = rerun("mcap", "check", "--full", run.path)
-                self.assertEqual(status, 0, said)
+                output, status = rerun("mcap", "check", "--full", run.path)
+                self.assertEqual(status, 0, output)
                 for topic in run.log.channels:
-                    (line,) = [line for line in said.splitlines() if topic in line.split()]
+                    (line,) = [line for line in output.splitlines() if topic in line.split()]
                     self.assertEqual(line.split()[0], "ok", line)
 
-    def test_check_would_find_one(self):
-        # The same command on half a log: its word is worth something.
+    def test_check_detects_a_truncated_log(self):
+        # The same command on half a log must fail, so the check is meaningful.
         broken = logs.DIRECTORY / "half.mcap"
         whole = RUNS[0].path.read_bytes()
         broken.write_bytes(whole[: len(whole) // 2])
@@ -90,8 +90,8 @@ class Rerun(unittest.TestCase):
     def test_a_converted_log_has_every_number(self):
         for run in RUNS:
             with self.subTest(run.name):
-                said, status = rerun("rrd", "verify", converted(run.path))
-                self.assertEqual(status, 0, said)
+                output, status = rerun("rrd", "verify", converted(run.path))
+                self.assertEqual(status, 0, output)
                 found = rows(converted(run.path))
                 for topic in run.log.channels:
                     messages = [message for message in run.log.messages if message.topic == topic]
@@ -109,10 +109,10 @@ class Rerun(unittest.TestCase):
     def test_events_are_text(self):
         for run in RUNS:
             with self.subTest(run.name):
-                said = [entry["TextLog:text"][0] for _, entry in rows(converted(run.path))["/events"]]
-                wanted = [message.message for message in run.log.on("/events")]
-                self.assertEqual(len(said), len(wanted))
-                for theirs, ours in zip(said, wanted):
+                texts = [entry["TextLog:text"][0] for _, entry in rows(converted(run.path))["/events"]]
+                expected = [message.message for message in run.log.on("/events")]
+                self.assertEqual(len(texts), len(expected))
+                for theirs, ours in zip(texts, expected):
                     self.assertIn(ours, theirs)
 
 

@@ -1,4 +1,4 @@
-"""What every reader relies on: one clock, whole descriptors, the scene beside the messages, the same bytes again."""
+"""Structure of the logs: one clock, complete descriptors, attached scene and metadata, reproducible bytes."""
 
 import hashlib
 import math
@@ -13,12 +13,12 @@ ALL = [*logs.fingers(), *logs.discs()]
 
 
 def stamp_ns(stamp):
-    """A protobuf timestamp in ns."""
+    """Converts a protobuf timestamp to ns."""
     return stamp.seconds * 1_000_000_000 + stamp.nanos
 
 
 def stamps(body):
-    """Every time that a message carries: the `timestamp` of it or of its parts."""
+    """All time stamps of a message: its `timestamp`, or those of its parts."""
     kind = body.DESCRIPTOR.full_name
     if kind in ("foxglove.FrameTransforms", "foxglove.SceneUpdate"):
         parts = body.transforms if kind == "foxglove.FrameTransforms" else [*body.entities, *body.deletions]
@@ -29,20 +29,20 @@ def stamps(body):
 
 
 class Clock(unittest.TestCase):
-    def test_never_goes_back(self):
+    def test_is_monotonic(self):
         for run in ALL:
             with self.subTest(run.name):
                 times = [message.log_ns for message in run.log.messages]
                 self.assertEqual(times[0], 0)
                 self.assertEqual(times, sorted(times))
 
-    def test_is_one(self):
+    def test_log_and_message_times_agree(self):
         for run in ALL:
             with self.subTest(run.name):
                 for message in run.log.messages:
                     self.assertEqual(message.publish_ns, message.log_ns)
                     for stamp in stamps(message.body):
-                        # Foxglove's own messages carry the log time; ours the double behind it.
+                        # Messages of Foxglove contain the log time, those of phalanx the unrounded time.
                         exact = message.body.DESCRIPTOR.full_name.startswith("foxglove.")
                         self.assertLessEqual(abs(stamp - message.log_ns), 0 if exact else 1, message.topic)
 
@@ -70,7 +70,7 @@ class Descriptors(unittest.TestCase):
                     self.assertEqual((encoding, schema.encoding), ("protobuf", "protobuf"))
                     self.assertTrue(schema.name.startswith(("phalanx.", "foxglove.")), schema.name)
                     files = {file.name: file for file in FileDescriptorSet.FromString(schema.data).file}
-                    # A pool of its own: nothing that this process happens to know can fill a gap.
+                    # A separate pool, so that types known to this process cannot fill a gap.
                     pool = DescriptorPool()
 
                     def add(name):
@@ -96,7 +96,7 @@ class Descriptors(unittest.TestCase):
                     self.assertTrue(field.name in pure or field.name.endswith(tuple(units)), field.name)
 
 
-class Beside(unittest.TestCase):
+class SceneAndMetadata(unittest.TestCase):
     def test_scene_is_attached_byte_for_byte(self):
         for run in ALL:
             with self.subTest(run.name):
@@ -106,30 +106,30 @@ class Beside(unittest.TestCase):
                 self.assertEqual(scene.data, run.scene.read_bytes())
                 self.assertEqual((scene.log_time, scene.create_time), (0, 0))
 
-    def test_metadata_says_what_the_run_says(self):
+    def test_metadata_equals_the_output_of_the_run(self):
         for run in ALL:
             with self.subTest(run.name):
-                said, noted = run.json, run.log.metadata["phalanx"]
+                reported, metadata = run.json, run.log.metadata["phalanx"]
                 for key in ("model", "kind", "scene"):
-                    self.assertEqual(noted[key], said[key])
-                self.assertEqual(float(noted["duration_s"]), said["duration_s"])
-                self.assertEqual(noted["scene_file"], run.scene.name)
-                settings = {key: value for key, value in (said["integrator"] or {}).items() if value is not None}
+                    self.assertEqual(metadata[key], reported[key])
+                self.assertEqual(float(metadata["duration_s"]), reported["duration_s"])
+                self.assertEqual(metadata["scene_file"], run.scene.name)
+                settings = {key: value for key, value in (reported["integrator"] or {}).items() if value is not None}
                 for key, value in settings.items():
-                    text = noted[f"integrator_{key}"]
+                    text = metadata[f"integrator_{key}"]
                     self.assertEqual(float(text) if isinstance(value, float) else text, value if isinstance(value, float) else str(value))
 
-    def test_check_is_what_the_run_says_of_itself(self):
+    def test_check_equals_the_output_of_the_run(self):
         for run in ALL:
             with self.subTest(run.name):
-                said, noted = run.json["check"], run.log.metadata["phalanx-check"]
-                self.assertEqual(noted["verdict"], said["verdict"])
-                unit = "rad" if "error_rad" in said else "m"
+                reported, metadata = run.json["check"], run.log.metadata["phalanx-check"]
+                self.assertEqual(metadata["verdict"], reported["verdict"])
+                unit = "rad" if "error_rad" in reported else "m"
                 for key, name in (("error", f"error_{unit}"), ("sensitivity", f"sensitivity_{unit}"), ("push", "push"), ("bar", "bar")):
-                    # Null where nothing was compared.
-                    self.assertEqual(float(noted[key]), math.inf if said[name] is None else said[name], key)
+                    # Null if nothing was compared.
+                    self.assertEqual(float(metadata[key]), math.inf if reported[name] is None else reported[name], key)
 
-    def test_statistics_count_what_is_there(self):
+    def test_statistics_count_the_records(self):
         for run in ALL:
             with self.subTest(run.name):
                 self.assertEqual(run.log.statistics.message_count, len(run.log.messages))
@@ -140,7 +140,7 @@ class Beside(unittest.TestCase):
 
 
 class Bytes(unittest.TestCase):
-    def test_same_run_same_bytes(self):
+    def test_equal_runs_have_equal_bytes(self):
         for scene, *options in [
             ("experiment-95.toml",),
             ("experiment-95.toml", "--model", "engine"),

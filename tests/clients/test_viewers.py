@@ -1,4 +1,4 @@
-"""The files of tools/viewers: the Foxglove layout speaks of what is in a log, the Rerun script shows all of it."""
+"""The files of tools/viewers: the Foxglove layout refers to channels of a log, the Rerun script shows all of them."""
 
 import json
 import re
@@ -20,7 +20,7 @@ FUNCTIONS = {"rad2deg", "log1p"}
 
 
 def strings(value):
-    """Every text of a JSON document."""
+    """Yields all keys and strings of a JSON document."""
     if isinstance(value, dict):
         for key, part in value.items():
             yield key
@@ -33,12 +33,12 @@ def strings(value):
 
 
 def panels(tree):
-    """The panels of a layout, from its tree."""
+    """Returns the panels in the tree of a layout."""
     return [tree] if isinstance(tree, str) else [*panels(tree["first"]), *panels(tree["second"])]
 
 
 def fields(schema):
-    """Field names of a message, from the descriptor that is embedded in a log."""
+    """Field names of a message, from the descriptor embedded in a log."""
     package, _, name = schema.name.rpartition(".")
     for file in FileDescriptorSet.FromString(schema.data).file:
         if file.package == package:
@@ -58,8 +58,8 @@ class Layout(unittest.TestCase):
         self.assertEqual(sorted(shown), sorted(self.layout["configById"]))
         self.assertEqual({name.split("!")[0] for name in shown}, {"3D", "Plot", "RosOut"})
 
-    def test_one_quantity_has_one_colour_in_all_pictures(self):
-        # As in the plots of the page: the first of a panel is blue, then orange, green and purple.
+    def test_colours_match_the_plots(self):
+        # As in the plots of the page: blue, orange, green, purple in each panel.
         order = ["#0072b2", "#d55e00", "#009e73", "#aa508c"]
         expected = dict(zip(["q11", "q21", "q22"], order)) | dict(zip(["proximal", "distal"], order))
         expected |= dict(zip(["kinetic", "motor work", "dissipated", "spring"], order))
@@ -70,7 +70,7 @@ class Layout(unittest.TestCase):
         closing = (VIEWERS.parent / "draw_closing.py").read_text()
         self.assertIn('(("q11", BLUE), ("q21", ORANGE), ("q22", GREEN))', closing)
 
-    def test_every_message_path_leads_to_a_field_of_the_log(self):
+    def test_message_paths_are_fields_of_the_log(self):
         paths = 0
         for config in self.layout["configById"].values():
             for series in config.get("paths", []):
@@ -92,12 +92,12 @@ class Layout(unittest.TestCase):
             if text.startswith("/"):
                 self.assertIn(text.partition(".")[0], self.channels)
 
-    def test_the_camera_sees_the_finger_from_above_and_follows_nothing(self):
+    def test_camera_is_fixed_and_shows_the_whole_motion(self):
         panel = self.layout["configById"]["3D!phalanx"]
         camera = panel["cameraState"]
         self.assertEqual((camera["perspective"], camera["phi"], camera["thetaOffset"]), (False, 0, 0))
         self.assertEqual((panel["followMode"], panel["followTf"]), ("follow-none", "world"))
-        # An orthographic view is as high as its distance: what moves is in it, from the first picture to the last.
+        # The height of an orthographic view equals its distance; all frames must be within it at all times.
         log = logs.run("experiment-95.toml").log
         low = camera["targetOffset"][1] - 0.5 * camera["distance"]
         for body in log.on("/tf"):
@@ -111,12 +111,12 @@ class RerunScript(unittest.TestCase):
         path = run.path.with_name(f"view-{run.path.stem}.rrd")
         command = [sys.executable, VIEWERS / "rerun_view.py", run.path, "--save", path]
         subprocess.run(command, env=environment(), check=True, capture_output=True, text=True, timeout=120)
-        said, status = rerun("rrd", "verify", path)
-        self.assertEqual(status, 0, said)
+        output, status = rerun("rrd", "verify", path)
+        self.assertEqual(status, 0, output)
         return path
 
     def rows(self, path):
-        """Rows by entity: (time in ns or None, values by component), and a blueprint that is there."""
+        """Rows by entity: (time in ns or None, values by component). Asserts that there is a blueprint."""
         reader = RrdReader(path)
         self.assertEqual(len(reader.blueprints()), 1)
         found = {}
@@ -142,9 +142,9 @@ class RerunScript(unittest.TestCase):
                     for field in messages[0].body.DESCRIPTOR.fields:
                         if field.name == "timestamp" or field.cpp_type != field.CPPTYPE_DOUBLE:
                             continue
-                        wanted = [(message.log_ns, getattr(message.body, field.name)) for message in messages]
+                        expected = [(message.log_ns, getattr(message.body, field.name)) for message in messages]
                         found = rows[f"{topic}/{field.name}"]
-                        self.assertEqual([(time, entry["Scalars:scalars"][0]) for time, entry in found], wanted)
+                        self.assertEqual([(time, entry["Scalars:scalars"][0]) for time, entry in found], expected)
                         series += 1
                 self.assertGreater(series, 20)
 
@@ -170,16 +170,16 @@ class RerunScript(unittest.TestCase):
                 self.assertIsNone(time)
                 self.assertTrue(any(entry.values()))
 
-    def test_draws_forces_as_they_come_and_go(self):
+    def test_draws_forces_only_in_contact(self):
         run = logs.run("laws/impact.toml")
         rows = self.rows(self.recording(run))
         ((name, _),) = run.json["contacts"].items()
-        wanted = [(message.log_ns, len(message.body.entities[0].arrows)) for message in run.log.messages if message.topic == "/forces"]
+        expected = [(message.log_ns, len(message.body.entities[0].arrows)) for message in run.log.messages if message.topic == "/forces"]
         found = [(time, len(entry["Arrows3D:vectors"])) for time, entry in rows[f"/world/forces/{name}/arrows"]]
-        self.assertEqual(found, wanted)
+        self.assertEqual(found, expected)
         self.assertEqual({count for _, count in found}, {0, 1})
 
-    def test_says_what_is_wrong(self):
+    def test_reports_unreadable_files(self):
         for path in [logs.DIRECTORY / "none.mcap", LAYOUT]:
             command = [sys.executable, VIEWERS / "rerun_view.py", path]
             done = subprocess.run(command, env=environment(), capture_output=True, text=True, timeout=60)

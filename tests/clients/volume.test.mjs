@@ -1,5 +1,5 @@
-// Headless Chromium opens the page of grasp-state volumes from the disk, works it as a reader would, and what it says is held
-// against the points and shares beside it. Screenshots go to target/page-screenshots.
+// Tests of the page of grasp-state volumes in headless Chromium: operates its controls and compares it with the written
+// points and shares. Screenshots: target/page-screenshots.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -12,12 +12,12 @@ import { DIRECTORY, PHALANX, SCREENSHOTS, opened, start, stop } from "./browser.
 let file, points, shares;
 before(async () => {
   await start();
-  ({ file, points, shares } = made("volumes", "--base", "12 mm, 15.5 mm, 22.5 mm", "--mu-static", "0,0.8", "--resolution", "7,6,5"));
+  ({ file, points, shares } = runVolume("volumes", "--base", "12 mm, 15.5 mm, 22.5 mm", "--mu-static", "0,0.8", "--resolution", "7,6,5"));
 });
 after(stop);
 
-/** The page of a command with what it left beside it. */
-function made(name, ...args) {
+/** Runs `phalanx volume`; returns its page, points and shares. */
+function runVolume(name, ...args) {
   const out = path.join(DIRECTORY, name);
   execFileSync(PHALANX, ["volume", ...args, "--out", out], { stdio: ["ignore", "ignore", "inherit"] });
   const [head, ...lines] = readFileSync(path.join(out, "points.csv"), "utf8").trim().split(/\r?\n/).map((line) => line.split(","));
@@ -28,17 +28,17 @@ function made(name, ...args) {
 const near = (found, expected, relative, what) =>
   assert.ok(Math.abs(found - expected) <= relative * Math.abs(expected) + 1e-12, `${what}: ${found}, not ${expected}`);
 
-/** Facts of the design panel by name. */
-const facts = (page) =>
+/** Reads the facts of the design panel, by name. */
+const readFacts = (page) =>
   page.evaluate(() => Object.fromEntries([...document.querySelectorAll("#design tr")].map((row) => [...row.children].map((cell) => cell.textContent))));
 
-/** "333.6 N·mm" → 333.6. */
-const figure = (text) => Number(text.replace("−", "-").match(/^-?[\d.]+/)?.[0] ?? assert.fail(text));
+/** Parses the number of a quantity: "333.6 N·mm" → 333.6. */
+const parseNumber = (text) => Number(text.replace("−", "-").match(/^-?[\d.]+/)?.[0] ?? assert.fail(text));
 
 describe("the page of grasp-state volumes", () => {
   it("is small", () => assert.ok(statSync(file).size < 4e5, `${statSync(file).size} bytes`));
 
-  it("has the points of the data file, to seven digits", async () => {
+  it("contains the points of the data file with seven digits", async () => {
     const { page, call, close } = await opened(file);
     const size = await page.evaluate(() => window.phalanx.size);
     assert.deepEqual(size, [7, 6, 5]);
@@ -64,7 +64,7 @@ describe("the page of grasp-state volumes", () => {
     await close();
   });
 
-  it("counts the shares of the table, of every volume and of the intersection", async () => {
+  it("computes the shares of the table for every volume and the intersection", async () => {
     const { page, call, state, close } = await opened(file);
     let compared = 0;
     const compare = async (base, friction, expected) => {
@@ -83,21 +83,21 @@ describe("the page of grasp-state volumes", () => {
     await close();
   });
 
-  it("colours the region that was asked for, and hides the rest", async () => {
+  it("colours the selected region, and hides other cells", async () => {
     const { call, state, close } = await opened(file);
     await call("setFriction", 0);
     const all = await state();
     assert.ok(all.coloured > 0 && all.faces > all.coloured);
     await call("setRest", false);
     const bare = await state();
-    assert.ok(bare.coloured >= all.coloured, "what the dark cells hid is seen");
+    assert.ok(bare.coloured >= all.coloured, "cells behind the dark ones become visible");
     await call("setRegion", "palm");
-    const pressed = points.filter((point) => point.base_m === "0.012" && point.mu_static === "0.0" && point.force_positive === "true" && point.palm_force_positive === "true");
+    const palmPoints = points.filter((point) => point.base_m === "0.012" && point.mu_static === "0.0" && point.force_positive === "true" && point.palm_force_positive === "true");
     const palm = await state();
-    assert.ok(palm.coloured <= pressed.length && palm.coloured < bare.coloured);
+    assert.ok(palm.coloured <= palmPoints.length && palm.coloured < bare.coloured);
     await call("setRegion", "closed");
     await call("setBase", 2);
-    assert.equal((await state()).coloured, 0, "nothing is form-closed at the largest base");
+    assert.equal((await state()).coloured, 0, "no design is form-closed at the largest base");
     await close();
   });
 
@@ -113,7 +113,7 @@ describe("the page of grasp-state volumes", () => {
       const canvas = document.getElementById("stage");
       const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
       return cells.map((cell) => {
-        const [x, y] = phalanx.place(cell).map((at) => Math.round(at) + 4);
+        const [x, y] = phalanx.toScreen(cell).map((at) => Math.round(at) + 4);
         const first = 4 * (y * width + x);
         return { pixel: [...data.slice(first, first + 3)], colour: phalanx.colour(cell), flags: phalanx.point(cell).flags };
       });
@@ -121,30 +121,30 @@ describe("the page of grasp-state volumes", () => {
     const stable = found.filter(({ flags }) => flags & 1);
     assert.ok(stable.length >= 3, `${stable.length} cells`);
     for (const { pixel, colour } of stable) {
-      // Faces across r_l are a shade darker.
+      // Faces normal to r_l are slightly darker.
       const off = Math.max(...pixel.map((channel, c) => Math.abs(channel - 0.97 * colour[c])));
       assert.ok(off < 3, `${pixel}, not ${colour}`);
     }
-    assert.ok(new Set(stable.map(({ pixel }) => pixel.join())).size >= 3, "values differ, and so do colours");
+    assert.ok(new Set(stable.map(({ pixel }) => pixel.join())).size >= 3, "different values have different colours");
     await close();
   });
 
-  it("reads a design under the pointer and keeps it when clicked", async () => {
+  it("shows the design under the pointer and selects it on click", async () => {
     const { page, call, state, close } = await opened(file);
     await call("setBase", 1);
     await call("view", "front");
     await state();
     const box = await page.locator("#stage").boundingBox();
     for (const cell of [[1, 4, 0], [5, 3, 0]]) {
-      const [x, y] = await call("place", cell);
+      const [x, y] = await call("toScreen", cell);
       await page.mouse.move(box.x + x, box.y + y);
       assert.deepEqual((await state()).design, cell);
-      const said = await facts(page);
+      const shownFacts = await readFacts(page);
       const expected = points.find((point, row) => point.base_m === "0.0155" && point.mu_static === "0.8" && (row % 210) === (cell[0] * 6 + cell[1]) * 5 + cell[2]);
-      near(figure(said["palm PFP"]), Number(expected.static_pfp_n), 2e-3, "PFP");
-      near(figure(said["motor τ11"]), 1e3 * Number(expected.motor_n_m), 1e-3, "motor");
-      near(figure(said.l21), 1e3 * Number(expected.l21_m), 1e-3, "l21");
-      near(figure(said.mass), 1e3 * Number(expected.mass_kg), 1e-3, "mass");
+      near(parseNumber(shownFacts["palm PFP"]), Number(expected.static_pfp_n), 2e-3, "PFP");
+      near(parseNumber(shownFacts["motor τ11"]), 1e3 * Number(expected.motor_n_m), 1e-3, "motor");
+      near(parseNumber(shownFacts.l21), 1e3 * Number(expected.l21_m), 1e-3, "l21");
+      near(parseNumber(shownFacts.mass), 1e3 * Number(expected.mass_kg), 1e-3, "mass");
     }
     await page.mouse.down();
     await page.mouse.up();
@@ -156,14 +156,14 @@ describe("the page of grasp-state volumes", () => {
     await page.mouse.move(box.x + 380, box.y + 340, { steps: 4 });
     await page.mouse.up();
     const turned = await state();
-    near(turned.turn_rad - kept.turn_rad, 0.8, 0.05, "turned by the drag");
-    assert.deepEqual(turned.chosen, [5, 3, 0], "a drag chooses nothing");
+    near(turned.turn_rad - kept.turn_rad, 0.8, 0.05, "rotated by the drag");
+    assert.deepEqual(turned.chosen, [5, 3, 0], "a drag does not change the selection");
     await page.mouse.wheel(0, -300);
     await page.waitForFunction(() => window.phalanx.state().zoom > 1.5);
     await close();
   });
 
-  it("goes by keyboard", async () => {
+  it("can be operated by keyboard", async () => {
     const { page, state, close } = await opened(file);
     const press = async (key) => {
       await page.keyboard.press(key);
@@ -188,7 +188,7 @@ describe("the page of grasp-state volumes", () => {
     assert.deepEqual((await press("l")).chosen, [4, 3, 2]);
     assert.deepEqual((await press("Shift+P")).chosen, [4, 2, 2]);
     for (let n = 0; n < 5; n++) await press("r");
-    assert.deepEqual((await state()).chosen, [4, 2, 4], "the end is the end");
+    assert.deepEqual((await state()).chosen, [4, 2, 4], "the index is limited");
     assert.deepEqual((await press("x")).slices[0], [4, 4]);
     assert.deepEqual((await press("x")).slices[0], [0, 6]);
     assert.deepEqual((await press("z")).slices[1], [2, 2]);
@@ -198,7 +198,7 @@ describe("the page of grasp-state volumes", () => {
     await press("?");
     assert.ok(await page.locator("#help").isVisible());
     await page.keyboard.press("Escape");
-    // Everything that can be worked can be reached, has a name, and shows the focus.
+    // Every control can be reached with Tab, has a name and shows the focus.
     const seen = new Set();
     for (let k = 0; k < 40; k++) {
       await page.keyboard.press("Tab");
@@ -218,7 +218,7 @@ describe("the page of grasp-state volumes", () => {
     await close();
   });
 
-  it("cuts by sliders, which push each other along", async () => {
+  it("restricts axes by sliders, which push each other", async () => {
     const { page, state, close } = await opened(file);
     const [from, to] = [page.getByLabel("φ22: from"), page.getByLabel("φ22: to")];
     await from.focus();
@@ -229,19 +229,19 @@ describe("the page of grasp-state volumes", () => {
     await page.keyboard.press("Home");
     const cut = await state();
     assert.deepEqual(cut.slices[1], [0, 0]);
-    assert.equal(cut.turn_rad, whole, "arrows of a slider do not turn the volume");
+    assert.equal(cut.turn_rad, whole, "arrow keys on a slider do not rotate the volume");
     assert.equal(await page.locator("fieldset.slice output").nth(1).textContent(), "90°");
     assert.equal(cut.faces > 0 && cut.faces < 200, true);
     await close();
   });
 
-  it("has one scale for all volumes if asked", async () => {
+  it("supports a common scale for all volumes", async () => {
     const { call, state, close } = await opened(file);
     const own = (await state()).scale;
-    await call("setSame", true);
+    await call("setSameScale", true);
     const all = (await state()).scale;
     const stable = points.filter((point) => point.force_positive === "true").map((point) => Number(point.static_pfp_n));
-    near(all[1], Math.max(...stable), 1e-6, "the largest of all");
+    near(all[1], Math.max(...stable), 1e-6, "the maximum of all volumes");
     assert.ok(all[1] > own[1] && all[0] === -all[1]);
     await close();
   });
@@ -255,7 +255,7 @@ describe("the page of grasp-state volumes", () => {
           await page.screenshot({ path: path.join(SCREENSHOTS, `volume-${width}-${scheme}-${name}.png`) });
         };
         await shot("start");
-        // The names of the axes are within the picture from wherever it is seen.
+        // The names of the axes are within the canvas from any direction.
         const box = await page.locator("canvas").first().boundingBox();
         for (let k = 0; k < 12; k++) {
           await call("turn", 0.5, 0);
@@ -313,7 +313,7 @@ describe("the page of grasp-state volumes", () => {
     }
   }
 
-  it("allows no network, whatever would ask for it", async () => {
+  it("allows no network access", async () => {
     const { page } = await opened(file);
     const blocked = await page.evaluate(async () => {
       const violated = new Promise((resolve) => addEventListener("securitypolicyviolation", (event) => resolve(event.effectiveDirective), { once: true }));
@@ -326,8 +326,8 @@ describe("the page of grasp-state volumes", () => {
 });
 
 describe("volumes with holes", () => {
-  it("leave cells without a finger empty, and say why", async () => {
-    const holes = made("holes", "--base", "15.5 mm", "--mu-static", "0.8", "--resolution", "6", "--phi22", "0.5 rad, 2.6 rad", "--arm-ratio", "0.3,2.5");
+  it("leave cells without a finger empty, and show the reason", async () => {
+    const holes = runVolume("holes", "--base", "15.5 mm", "--mu-static", "0.8", "--resolution", "6", "--phi22", "0.5 rad, 2.6 rad", "--arm-ratio", "0.3,2.5");
     const empty = holes.points.findIndex((point) => point.reason);
     assert.ok(empty >= 0 && holes.points.some((point) => !point.reason));
     const { page, call, state, close } = await opened(holes.file);
@@ -344,7 +344,7 @@ describe("volumes with holes", () => {
   });
 
   it("show a single point", async () => {
-    const single = made("single", "--base", "15.5 mm", "--mu-static", "0.8", "--resolution", "1");
+    const single = runVolume("single", "--base", "15.5 mm", "--mu-static", "0.8", "--resolution", "1");
     const { state, close } = await opened(single.file);
     const { faces, coloured, shares } = await state();
     assert.deepEqual([faces, coloured, shares.stable], [3, 1, 100]);

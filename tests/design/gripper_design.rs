@@ -1,6 +1,6 @@
-//! Designs → lengths: the numbers of the thesis, errata 13 to 16, and refusals.
+//! Lengths of designs: values of the thesis, errata 13 to 16, and rejected designs.
 
-use crate::support::gripper::{R_C, THIRDS, W, assert_near, design_95, sweep};
+use crate::support::designs::{R_C, THIRDS, W, assert_near, design_95, sweep_designs};
 use phalanx::gripper::{
     Assembly, Design, DesignError, ProximalLength, contact_proximal, disc, final_posture, lengths, proximal_range,
     start_posture,
@@ -24,10 +24,10 @@ fn design_95_has_the_lengths_of_the_thesis() {
 
 #[test]
 fn design_95_is_number_95_of_the_sweep() {
-    assert_eq!(sweep(THIRDS)[95 - 1], design_95());
+    assert_eq!(sweep_designs(THIRDS)[95 - 1], design_95());
 }
 
-/// (B.3) and Table B.2 as a line intersection; `errata_13` puts c22 first in the numerator of x, else as printed.
+/// Minimum l21 by (B.3) and Table B.2 as a line intersection. With `errata_13`, the numerator of x starts with c22; otherwise as printed.
 fn l21_min_by_intersection(base: f64, errata_13: bool) -> f64 {
     let r = R_C + W;
     let phi = 5f64.to_radians();
@@ -56,7 +56,7 @@ fn errata_13_numerator_of_b3_starts_with_c22() {
 
 #[test]
 fn errata_14_t22_min_is_the_tangent_length_with_plus_base() {
-    for design in sweep(THIRDS) {
+    for design in sweep_designs(THIRDS) {
         let l = lengths(&design).unwrap();
         let contact = contact_proximal(W, disc(&design)).unwrap();
         let (q, base) = (contact.q21_rad, design.base_m);
@@ -65,7 +65,7 @@ fn errata_14_t22_min_is_the_tangent_length_with_plus_base() {
             |base: f64| (l.l21_m * q.cos() + base).powi(2) + (R_C - l.l21_m * q.sin()).powi(2) - (R_C + W).powi(2);
         let t22_min = l.l21_m - contact.length_m;
         assert_near(tangent(base).sqrt(), t22_min, 1e-13);
-        // With −base as printed, another length, or none; the sign only matters where the l21 line is not vertical.
+        // The printed −base gives another length or none; the sign has no effect if the l21 line is vertical.
         if q.cos().abs() > 1e-9 {
             assert!((tangent(-base) - t22_min * t22_min).abs() > 1e-6);
         }
@@ -73,7 +73,7 @@ fn errata_14_t22_min_is_the_tangent_length_with_plus_base() {
 }
 
 #[test]
-fn errata_14_l21_max_is_where_both_bounds_of_t22_meet() {
+fn errata_14_bounds_of_t22_are_equal_at_l21_max() {
     for base in [0.012, 0.0155, 0.019, 0.0225] {
         let design = Design { base_m: base, ..design_95() };
         let (_, max) = proximal_range(&design).unwrap();
@@ -89,9 +89,9 @@ fn errata_14_l21_max_is_where_both_bounds_of_t22_meet() {
     }
 }
 
-/// Shortest and longest test trajectory q11,final − q11,start of the sweep, degrees; start 25° (Table 3.2) open.
+/// Shortest and longest trajectory q11,final − q11,start of the sweep, degrees, with a start opening of 25° (Table 3.2).
 fn trajectory_span_deg(fractions: [f64; 4]) -> (f64, f64) {
-    let all = sweep(fractions).into_iter().map(|design| {
+    let all = sweep_designs(fractions).into_iter().map(|design| {
         let l = lengths(&design).unwrap();
         let start = start_posture(&l, disc(&design), 25f64.to_radians()).unwrap();
         let end = final_posture(&l, Assembly::Reference, disc(&design)).unwrap();
@@ -114,7 +114,7 @@ fn errata_15_trajectories_span_26_to_75_degrees_with_thirds_only() {
 fn errata_16_t22_of_design_95_is_12_857_mm() {
     let t22 = lengths(&design_95()).unwrap().t22_m;
     assert_near(t22, 12.857e-3, 0.5e-6);
-    assert!((t22 - 12.6e-3).abs() > 0.2e-3, "the thesis prints 12.6 mm");
+    assert!((t22 - 12.6e-3).abs() > 0.2e-3, "t22 is close to the misprint of the thesis, 12.6 mm");
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn a_length_within_the_range_gives_the_same_finger_as_its_fraction() {
 }
 
 #[test]
-fn every_refusal_says_the_value_and_what_is_allowed() {
+fn errors_name_the_value_and_the_allowed_range() {
     let d = design_95();
     let cases = [
         (Design { base_m: 0.010, ..d }, "base is 10.0000 mm, but must be above 10.3078 mm"),
@@ -147,12 +147,12 @@ fn every_refusal_says_the_value_and_what_is_allowed() {
     ];
     for (design, expected) in cases {
         let message = lengths(&design).unwrap_err().to_string();
-        assert!(message.contains(expected), "{message:?} does not say {expected:?}");
+        assert!(message.contains(expected), "{message:?} does not contain {expected:?}");
     }
 }
 
 #[test]
-fn a_design_whose_coupler_and_arm_start_in_line_is_refused() {
+fn rejects_designs_with_aligned_coupler_and_arm() {
     // l22 points from A22 at A12 = (l11, 0) when tan φ22 = −l11/l21.
     let d = design_95();
     let l21 = lengths(&d).unwrap().l21_m;
@@ -164,7 +164,7 @@ fn a_design_whose_coupler_and_arm_start_in_line_is_refused() {
 
 proptest! {
     #[test]
-    fn any_numbers_give_finite_positive_lengths_or_a_refusal(
+    fn any_input_gives_finite_positive_lengths_or_an_error(
         base in -0.01f64..0.04, fraction in -0.2f64..1.2, phi in -0.5f64..3.5, ratio in -0.1f64..3.0,
         w in 0.0f64..0.01, scale in prop::sample::select(vec![1e-200, 1e-3, 1.0, 1e3, 1e200, f64::NAN, f64::INFINITY]),
     ) {
@@ -181,7 +181,7 @@ proptest! {
     }
 
     #[test]
-    fn tips_always_end_between_their_bounds(
+    fn tip_length_is_within_its_bounds(
         base in 0.0110f64..0.0235, fraction in 0.0f64..1.0, phi in 1.2f64..2.2, ratio in 0.2f64..0.8,
     ) {
         let design = Design::thesis(base, ProximalLength::Fraction(fraction), phi, ratio);

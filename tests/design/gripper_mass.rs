@@ -1,14 +1,15 @@
-//! Outlines and mass properties against closed forms and the thesis.
+//! Outlines and mass properties: comparison with closed forms and the thesis.
 
-use crate::support::gripper::{THIRDS, W, assert_near, design_95, sweep};
+use crate::support::designs::{THIRDS, W, assert_near, design_95, sweep_designs};
 use phalanx::gripper::{
     Lengths, MassError, bodies, lengths, link_outline, outlines, polygon_moments, tip_outline, total_mass,
 };
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// ABS, and the depth of the links (thesis Table 3.2).
+/// Density of ABS (thesis Table 3.2), kg/m³.
 const DENSITY: f64 = 1070.0;
+/// Depth of the links (thesis Table 3.2), m.
 const DEPTH: f64 = 0.040;
 
 fn finger_95() -> Lengths {
@@ -16,9 +17,9 @@ fn finger_95() -> Lengths {
 }
 
 #[test]
-fn design_95_weighs_what_the_thesis_says() {
-    // Thesis Table 4.2, simulated model: 4.28, 6.29, 5.86, 8.21 g, total 24.64 g. It cuts off l21, which is 6.2985 g, so
-    // 6.30 here (1-model §1.3).
+fn design_95_has_the_masses_of_the_thesis() {
+    // Thesis Table 4.2, simulated model: 4.28, 6.29, 5.86, 8.21 g, total 24.64 g. The thesis truncates l21,
+    // which is 6.2985 g, hence 6.30 g here (1-model §1.3).
     let b = bodies(&finger_95(), DENSITY, DEPTH).unwrap();
     assert_near(b.l11.mass_kg, 4.28e-3, 0.5e-5);
     assert_near(b.l21.mass_kg, 6.30e-3, 0.5e-5);
@@ -28,23 +29,24 @@ fn design_95_weighs_what_the_thesis_says() {
 }
 
 #[test]
-fn errata_16_the_tip_of_12_6_mm_would_weigh_less_than_8_21_g() {
-    let short = Lengths { t22_m: 12.6e-3, ..finger_95() };
-    let b = bodies(&short, DENSITY, DEPTH).unwrap();
+fn errata_16_tip_of_12_6_mm_does_not_have_8_21_g() {
+    let short_tip = Lengths { t22_m: 12.6e-3, ..finger_95() };
+    let b = bodies(&short_tip, DENSITY, DEPTH).unwrap();
     assert!((b.l22.mass_kg - 8.21e-3).abs() > 5e-5, "{}", b.l22.mass_kg);
 }
 
 #[test]
-fn errata_15_fingers_weigh_20_64_to_27_45_g() {
+fn errata_15_finger_masses_range_from_20_64_to_27_45_g() {
     // 2-design §2.6, by an independent computation; the thesis prints 20.6 and 27.5 g.
-    let masses = sweep(THIRDS).into_iter().map(|d| total_mass(&bodies(&lengths(&d).unwrap(), DENSITY, DEPTH).unwrap()));
+    let masses =
+        sweep_designs(THIRDS).into_iter().map(|d| total_mass(&bodies(&lengths(&d).unwrap(), DENSITY, DEPTH).unwrap()));
     let (lo, hi) = masses.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), m| (lo.min(m), hi.max(m)));
     assert_near(lo, 20.64e-3, 0.5e-5);
     assert_near(hi, 27.45e-3, 0.5e-5);
 }
 
 #[test]
-fn rectangles_have_their_closed_form() {
+fn rectangles_match_the_closed_form() {
     // m = ρ d a b, I = m (a² + b²)/12.
     let l = finger_95();
     let b = bodies(&l, DENSITY, DEPTH).unwrap();
@@ -60,12 +62,12 @@ fn rectangles_have_their_closed_form() {
 }
 
 #[test]
-fn the_tip_body_has_the_closed_form_of_a_triangle() {
+fn tip_body_matches_the_closed_form_of_a_triangle() {
     // Polar second moment of a triangle about its centroid: A (a² + b² + c²)/36.
     let l = finger_95();
     let [p, q, r] = tip_outline(&l).unwrap();
     let square = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
-    // Area grows with the square of the ratio (r_in + w)/r_in.
+    // The area scales with the square of (r_in + w)/r_in.
     let third = (l.l22_m.powi(2) + l.t22_m.powi(2) - 2.0 * l.l22_m * l.t22_m * l.phi22_rad.cos()).sqrt();
     let inner = 0.5 * l.l22_m * l.t22_m * l.phi22_rad.sin();
     let r_in = 2.0 * inner / (l.l22_m + l.t22_m + third);
@@ -81,7 +83,7 @@ fn the_tip_body_has_the_closed_form_of_a_triangle() {
 }
 
 #[test]
-fn every_side_of_the_tip_outline_is_w_outside_its_inner_side() {
+fn tip_outline_is_offset_by_the_half_width() {
     for phi_deg in [30.0f64, 90.0, 120.0, 170.0, -100.0] {
         let l = Lengths { phi22_rad: phi_deg.to_radians(), ..finger_95() };
         let (s, c) = l.phi22_rad.sin_cos();
@@ -103,7 +105,7 @@ fn every_side_of_the_tip_outline_is_w_outside_its_inner_side() {
 }
 
 #[test]
-fn a_polygon_with_many_corners_tends_to_its_circle() {
+fn regular_polygons_match_closed_forms_and_tend_to_the_circle() {
     // Regular n-gon in a unit circle: A = ½ n sin(2π/n), J = A (2 + cos(2π/n))/6; the circle's are π and π/2.
     let ngon = |n: usize| -> Vec<[f64; 2]> {
         (0..n).map(|i| (TAU * i as f64 / n as f64).sin_cos()).map(|(s, c)| [c, s]).collect()
@@ -120,12 +122,12 @@ fn a_polygon_with_many_corners_tends_to_its_circle() {
 #[test]
 fn parallel_axis_theorem_holds_for_an_l_shape() {
     // An L of two rectangles: J = Σ (J_i + A_i d_i²) about the common centroid.
-    let whole = polygon_moments(&[[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]]);
+    let l_shape = polygon_moments(&[[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]]);
     let parts = [
         polygon_moments(&[[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [0.0, 1.0]]),
         polygon_moments(&[[0.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]]),
     ];
-    let c = whole.centroid_m;
+    let c = l_shape.centroid_m;
     let sum: f64 = parts
         .iter()
         .map(|p| {
@@ -133,12 +135,12 @@ fn parallel_axis_theorem_holds_for_an_l_shape() {
             p.second_moment_m4 + p.area_m2 * d2
         })
         .sum();
-    assert_near(whole.area_m2, 6.0, 1e-14);
-    assert_near(whole.second_moment_m4 / sum, 1.0, 1e-12);
+    assert_near(l_shape.area_m2, 6.0, 1e-14);
+    assert_near(l_shape.second_moment_m4 / sum, 1.0, 1e-12);
 }
 
 #[test]
-fn no_corners_no_moments() {
+fn degenerate_polygons_have_zero_moments() {
     for corners in [vec![], vec![[1.0, 2.0]], vec![[0.0, 0.0], [1.0, 1.0]], vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]] {
         let m = polygon_moments(&corners);
         assert_eq!((m.area_m2, m.second_moment_m4), (0.0, 0.0));
@@ -147,40 +149,40 @@ fn no_corners_no_moments() {
 }
 
 #[test]
-fn a_flat_distal_body_is_refused() {
+fn rejects_a_degenerate_distal_body() {
     for phi22_rad in [0.0, PI, -PI] {
         let error = bodies(&Lengths { phi22_rad, ..finger_95() }, DENSITY, DEPTH).unwrap_err();
         assert!(matches!(error, MassError::DegenerateTriangle { .. }), "{error}");
-        assert!(error.to_string().contains("must keep away from 0 and 180 deg"), "{error}");
+        assert!(error.to_string().contains("must differ from 0 and 180 deg"), "{error}");
     }
     let nan = Lengths { phi22_rad: f64::NAN, ..finger_95() };
     assert!(matches!(tip_outline(&nan), Err(MassError::DegenerateTriangle { .. })));
 }
 
 #[test]
-fn numbers_that_make_no_mass_are_refused() {
+fn rejects_invalid_mass_parameters() {
     let l = finger_95();
     let message = |l: &Lengths, density, depth| bodies(l, density, depth).unwrap_err().to_string();
     assert!(message(&l, 0.0, DEPTH).contains("density_kg_m3 is 0, but must be a finite number above 0"));
     assert!(message(&l, DENSITY, f64::NAN).contains("depth_m is NaN"));
     assert!(message(&Lengths { half_width_m: 0.0, ..l }, DENSITY, DEPTH).contains("half_width_m is 0"));
-    assert!(message(&l, 1e300, 1e300).contains("l11 comes out with mass inf kg"));
+    assert!(message(&l, 1e300, 1e300).contains("l11 has mass inf kg"));
 }
 
 proptest! {
     #[test]
-    fn moments_move_and_turn_with_the_polygon(
+    fn moments_are_invariant_under_rigid_motion(
         x in -10.0f64..10.0, y in -10.0f64..10.0, turn in -4.0f64..4.0, length in 0.1f64..2.0, w in 0.05f64..0.5,
     ) {
-        let here = link_outline(length, w);
+        let outline = link_outline(length, w);
         let (s, c) = turn.sin_cos();
-        let there = here.map(|p| [x + c * p[0] - s * p[1], y + s * p[0] + c * p[1]]);
-        let (a, b) = (polygon_moments(&here), polygon_moments(&there));
+        let moved_outline = outline.map(|p| [x + c * p[0] - s * p[1], y + s * p[0] + c * p[1]]);
+        let (a, b) = (polygon_moments(&outline), polygon_moments(&moved_outline));
         prop_assert!((a.area_m2 / b.area_m2 - 1.0).abs() < 1e-12);
         prop_assert!((a.second_moment_m4 / b.second_moment_m4 - 1.0).abs() < 1e-12);
         let [p, q] = a.centroid_m;
         prop_assert!((x + c * p - s * q - b.centroid_m[0]).abs() < 1e-13);
-        let mut clockwise = there;
+        let mut clockwise = moved_outline;
         clockwise.reverse();
         let r = polygon_moments(&clockwise);
         prop_assert!((r.area_m2 + b.area_m2).abs() < 1e-13 && (r.second_moment_m4 - b.second_moment_m4).abs() < 1e-12);

@@ -1,11 +1,12 @@
-//! Loop closure, assembly mode, and the postures against a disc.
+//! Loop closure, assembly mode, and postures in contact with a disc.
 
-use crate::support::gripper::{R_C, THIRDS, W, assert_near, design_95, sweep};
+use crate::support::designs::{R_C, THIRDS, W, assert_near, design_95, sweep_designs};
 use phalanx::gripper::{
-    Assembly, Design, GraspError, Lengths, Posture, PostureError, ProximalLength, close, contact_angle_proximal,
-    contact_proximal, disc, final_posture, gamma, joint_a13, joints, lengths, posture_at, start_posture, straight,
+    Assembly, Design, GraspError, Lengths, Posture, PostureError, ProximalLength, close_loop, contact_angle_proximal,
+    contact_proximal, disc, final_posture, gamma, joint_a13, joint_positions, lengths, posture_at, start_posture,
+    straight_posture,
 };
-use phalanx::shape::Placed;
+use phalanx::shape::PlacedShape;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,9 +14,9 @@ fn finger_95() -> Lengths {
     lengths(&design_95()).unwrap()
 }
 
-/// How far the loop is from closed at A13, over the sum of its links.
+/// Closure error of the loop at A13, relative to the sum of the link lengths.
 fn gap(l: &Lengths, p: &Posture) -> f64 {
-    let j = joints(l, p);
+    let j = joint_positions(l, p);
     let (s, c) = (p.q11_rad + p.q12_rad).sin_cos();
     let (dx, dy) = (j.a12_m[0] + l.l12_m * c - j.a13_m[0], j.a12_m[1] + l.l12_m * s - j.a13_m[1]);
     dx.hypot(dy) / (l.l11_m + l.l12_m + l.l21_m + l.l22_m)
@@ -28,7 +29,7 @@ fn offset(point: [f64; 2], from: [f64; 2], direction: f64) -> f64 {
 }
 
 #[test]
-fn design_95_starts_where_the_thesis_starts() {
+fn design_95_has_the_start_posture_of_the_thesis() {
     // Experiment 95 starts at q11 = −49.999°, q21 = 40.001° (1-model §1.8), q_0 = 25° open (thesis Table 3.2).
     let start = start_posture(&finger_95(), disc(&design_95()), 25f64.to_radians()).unwrap();
     assert_near(start.q11_rad.to_degrees(), -49.999, 0.0005);
@@ -38,23 +39,23 @@ fn design_95_starts_where_the_thesis_starts() {
 }
 
 #[test]
-fn design_95_ends_where_its_simulation_settles() {
-    // An independent simulation is at q11 = 2.088778°, q21 = 65.019991° after 20 ms (1-model §1.8). It has penetration
-    // (4 µm at the proximal contact is 0.02°), which the geometry alone does not: hence the tolerances.
+fn design_95_has_the_final_posture_of_its_simulation() {
+    // An independent simulation gives q11 = 2.088778°, q21 = 65.019991° after 20 ms (1-model §1.8). The tolerances cover its
+    // penetration (4 µm at the proximal contact correspond to 0.02°), which the geometry does not include.
     let end = final_posture(&finger_95(), Assembly::Reference, disc(&design_95())).unwrap();
     assert_near(end.posture.q21_rad.to_degrees(), 65.0007, 0.00005); // 40.001° + 25°
     assert_near(end.posture.q21_rad.to_degrees(), 65.019991, 0.03);
     assert_near(end.posture.q11_rad.to_degrees(), 2.088778, 0.01);
-    assert_near(end.l_c22_m, finger_95().t22_m, 1e-15); // l21,max: the contact is at the very tip
+    assert_near(end.l_c22_m, finger_95().t22_m, 1e-15); // at l21,max the contact is at the tip
 }
 
 #[test]
-fn straight_has_the_ground_links_at_right_angles() {
-    // (B.7) is made for that, whatever the design and wherever l21 points.
-    for design in sweep(THIRDS) {
+fn straight_posture_has_perpendicular_ground_links() {
+    // (B.7) ensures this for every design and every q21.
+    for design in sweep_designs(THIRDS) {
         let l = lengths(&design).unwrap();
         for q21 in [-3.0, 0.0, 0.7, FRAC_PI_2, 2.0, 7.0] {
-            let p = straight(&l, q21).unwrap();
+            let p = straight_posture(&l, q21).unwrap();
             assert_near(p.q11_rad, q21 - FRAC_PI_2, 1e-14);
             assert_eq!((p.q21_rad, p.q22_rad), (q21, -l.phi22_rad));
             assert!(gap(&l, &p) < 1e-14);
@@ -63,16 +64,16 @@ fn straight_has_the_ground_links_at_right_angles() {
 }
 
 #[test]
-fn straight_with_another_coupler_takes_the_q11_nearest_to_the_right_angle() {
+fn straight_posture_with_another_coupler_uses_the_q11_nearest_to_a_right_angle() {
     for l12_m in [0.016, 0.020, 0.025, 0.034] {
         let l = Lengths { l12_m, ..finger_95() };
-        let p = straight(&l, 1.0).unwrap();
+        let p = straight_posture(&l, 1.0).unwrap();
         assert!(gap(&l, &p) < 1e-14);
         // The other root is the mirror image of A12 about O–A13.
-        let a13 = joints(&l, &p).a13_m;
+        let a13 = joint_positions(&l, &p).a13_m;
         let mirrored = 2.0 * a13[1].atan2(a13[0]) - p.q11_rad;
-        let away = |q: f64| ((q - (1.0 - FRAC_PI_2) + PI).rem_euclid(2.0 * PI) - PI).abs();
-        assert!(away(p.q11_rad) < away(mirrored), "l12 = {l12_m}: {} or {mirrored}", p.q11_rad);
+        let deviation = |q: f64| ((q - (1.0 - FRAC_PI_2) + PI).rem_euclid(2.0 * PI) - PI).abs();
+        assert!(deviation(p.q11_rad) < deviation(mirrored), "l12 = {l12_m}: {} or {mirrored}", p.q11_rad);
     }
 }
 
@@ -83,88 +84,93 @@ fn assembly_modes_mirror_a13_about_the_line_a12_a22() {
     assert_eq!(sign, -1.0); // A13 = (6.5, 20.7) mm lies to the right of the line from (15, 0) to (0, 24.4) mm
     assert_eq!(gamma(&l, Assembly::Other).unwrap(), 1.0);
     let (q11, q21) = (-0.5, 1.1);
-    let here = joints(&l, &close(&l, Assembly::Reference, q11, q21).unwrap());
-    let there = joints(&l, &close(&l, Assembly::Other, q11, q21).unwrap());
-    let line = (here.a22_m[1] - here.a12_m[1]).atan2(here.a22_m[0] - here.a12_m[0]);
-    assert_near(offset(here.a13_m, here.a12_m, line), -offset(there.a13_m, there.a12_m, line), 1e-16);
-    assert!(offset(here.a13_m, here.a12_m, line) * sign > 0.0);
-    assert_near(joint_a13(&l, 1.0, q11, q21).unwrap()[0], there.a13_m[0], 1e-16);
+    let reference_joints = joint_positions(&l, &close_loop(&l, Assembly::Reference, q11, q21).unwrap());
+    let mirrored_joints = joint_positions(&l, &close_loop(&l, Assembly::Other, q11, q21).unwrap());
+    let line = (reference_joints.a22_m[1] - reference_joints.a12_m[1])
+        .atan2(reference_joints.a22_m[0] - reference_joints.a12_m[0]);
+    assert_near(
+        offset(reference_joints.a13_m, reference_joints.a12_m, line),
+        -offset(mirrored_joints.a13_m, mirrored_joints.a12_m, line),
+        1e-16,
+    );
+    assert!(offset(reference_joints.a13_m, reference_joints.a12_m, line) * sign > 0.0);
+    assert_near(joint_a13(&l, 1.0, q11, q21).unwrap()[0], mirrored_joints.a13_m[0], 1e-16);
 }
 
 #[test]
-fn both_phalanges_touch_the_virtual_circle_at_the_end() {
-    for design in sweep(THIRDS) {
+fn both_phalanges_are_tangent_to_the_virtual_circle_in_the_final_posture() {
+    for design in sweep_designs(THIRDS) {
         let (l, circle) = (lengths(&design).unwrap(), disc(&design));
         let end = final_posture(&l, Assembly::Reference, circle).unwrap();
-        let (j, p, r) = (joints(&l, &end.posture), end.posture, R_C + W);
+        let (j, p, r) = (joint_positions(&l, &end.posture), end.posture, R_C + W);
         let c = circle.centre_m;
         assert!(gap(&l, &p) < 1e-14);
         assert_near(offset(c, [0.0, 0.0], p.q21_rad), r, 1e-16);
         let tip = p.q21_rad + p.q22_rad + l.phi22_rad;
         assert_near(offset(c, j.a22_m, tip), r, 1e-16);
         assert_near(tip, end.phi_c_rad + FRAC_PI_2, 1e-14);
-        // Contacts: along each phalanx, and the tip's at φ_c on the circle.
-        let at = [j.a22_m[0] + end.l_c22_m * tip.cos(), j.a22_m[1] + end.l_c22_m * tip.sin()];
-        assert_near(at[0], c[0] + r * end.phi_c_rad.cos(), 1e-16);
-        assert_near(at[1], c[1] + r * end.phi_c_rad.sin(), 1e-16);
+        // The distal contact is along the tip phalanx and at φ_c on the circle.
+        let contact = [j.a22_m[0] + end.l_c22_m * tip.cos(), j.a22_m[1] + end.l_c22_m * tip.sin()];
+        assert_near(contact[0], c[0] + r * end.phi_c_rad.cos(), 1e-16);
+        assert_near(contact[1], c[1] + r * end.phi_c_rad.sin(), 1e-16);
         assert_near(end.l_c22_m, l.l21_m - end.l_c21_m, 1e-16); // equal tangents, errata 14
-        // 2-design §2.1: φ_c = angle(A22 − centre) + acos(R / |A22 − centre|); acos loses digits near its edge.
+        // 2-design §2.1: φ_c = angle(A22 − centre) + acos(R / |A22 − centre|); acos loses digits near the end of its domain.
         let (dx, dy) = (j.a22_m[0] - c[0], j.a22_m[1] - c[1]);
         assert_near(end.phi_c_rad, dy.atan2(dx) + (r / dx.hypot(dy)).acos(), 1e-12);
-        assert!(end.phi_c_rad >= 5f64.to_radians() - 1e-12); // φ_c22,min at l21,min, more beyond
+        assert!(end.phi_c_rad >= 5f64.to_radians() - 1e-12); // φ_c22,min at l21,min, larger beyond
     }
 }
 
 #[test]
-fn a_shortest_proximal_phalanx_meets_the_disc_at_the_smallest_contact_angle() {
+fn shortest_proximal_phalanx_has_the_smallest_contact_angle() {
     let design = Design { l21: ProximalLength::Fraction(0.0), ..design_95() };
     let end = final_posture(&lengths(&design).unwrap(), Assembly::Reference, disc(&design)).unwrap();
     assert_near(end.phi_c_rad.to_degrees(), 5.0, 1e-12);
 }
 
 #[test]
-fn contact_turns_with_the_disc() {
-    // Turning the disc about O turns the contact by the same angle, and leaves its length.
-    let here = contact_proximal(W, disc(&design_95())).unwrap();
-    assert_near(here.q21_rad.to_degrees(), 65.0007, 0.00005);
+fn contact_rotates_with_the_disc() {
+    // A rotation of the disc about O rotates the contact by the same angle and keeps its length.
+    let original = contact_proximal(W, disc(&design_95())).unwrap();
+    assert_near(original.q21_rad.to_degrees(), 65.0007, 0.00005);
     let (s, c) = 0.3f64.sin_cos();
     let [x, y] = disc(&design_95()).centre_m;
-    let turned = Placed::disc(R_C, [c * x - s * y, s * x + c * y]);
-    let there = contact_proximal(W, turned).unwrap();
-    assert_near(there.q21_rad, here.q21_rad + 0.3, 1e-15);
-    assert_near(there.length_m, here.length_m, 1e-16);
-    assert_eq!(contact_angle_proximal(W, turned).unwrap(), there.q21_rad);
+    let rotated = PlacedShape::disc(R_C, [c * x - s * y, s * x + c * y]);
+    let rotated_contact = contact_proximal(W, rotated).unwrap();
+    assert_near(rotated_contact.q21_rad, original.q21_rad + 0.3, 1e-15);
+    assert_near(rotated_contact.length_m, original.length_m, 1e-16);
+    assert_eq!(contact_angle_proximal(W, rotated).unwrap(), rotated_contact.q21_rad);
 }
 
 #[test]
-fn what_cannot_close_or_reach_is_refused_with_numbers() {
+fn errors_of_closure_and_reach_contain_the_values() {
     let l = finger_95();
-    let short = Lengths { l12_m: 0.002, ..l };
-    assert!(matches!(gamma(&short, Assembly::Reference), Err(PostureError::CannotClose { .. })));
-    // Stretched: l12 exactly closes the straight line O–A12–A13.
-    let a13 = joints(&l, &straight(&l, FRAC_PI_2).unwrap()).a13_m;
+    let short_coupler = Lengths { l12_m: 0.002, ..l };
+    assert!(matches!(gamma(&short_coupler, Assembly::Reference), Err(PostureError::CannotClose { .. })));
+    // Stretched: l12 closes exactly the straight line O–A12–A13.
+    let a13 = joint_positions(&l, &straight_posture(&l, FRAC_PI_2).unwrap()).a13_m;
     let stretched = Lengths { l12_m: (a13[0].hypot(a13[1]) - l.l11_m) * (1.0 + 1e-15), ..l };
-    let error = straight(&stretched, 1.0).unwrap_err();
+    let error = straight_posture(&stretched, 1.0).unwrap_err();
     assert!(matches!(error, PostureError::Stretched { .. }), "{error}");
-    // Ground links opposite each other: 39.4 mm apart, while l12 and l22 reach 29.9 mm.
-    let error = close(&l, Assembly::Reference, 0.0, PI).unwrap_err();
-    assert!(error.to_string().contains("must span 39.4324 mm, but reach only 14.8628 to 29.8628 mm"), "{error}");
-    let error = straight(&Lengths { l22_m: f64::NAN, ..l }, 1.0).unwrap_err();
+    // Opposite ground links have a distance of 39.4 mm, but l12 and l22 reach only 29.9 mm.
+    let error = close_loop(&l, Assembly::Reference, 0.0, PI).unwrap_err();
+    assert!(error.to_string().contains("must span 39.4324 mm, but can span only 14.8628 to 29.8628 mm"), "{error}");
+    let error = straight_posture(&Lengths { l22_m: f64::NAN, ..l }, 1.0).unwrap_err();
     assert!(error.to_string().contains("l22_m is NaN, but must be a finite length above 0"), "{error}");
-    assert!(close(&l, Assembly::Reference, f64::INFINITY, 0.0).is_err());
+    assert!(close_loop(&l, Assembly::Reference, f64::INFINITY, 0.0).is_err());
 
-    let far = Placed::disc(R_C, [-0.05, 0.02]);
-    let error = final_posture(&l, Assembly::Reference, far).unwrap_err();
+    let distant_disc = PlacedShape::disc(R_C, [-0.05, 0.02]);
+    let error = final_posture(&l, Assembly::Reference, distant_disc).unwrap_err();
     assert!(matches!(error, GraspError::ProximalTooShort { .. }), "{error}");
-    let stub = Lengths { t22_m: 0.005, ..l };
-    let error = final_posture(&stub, Assembly::Reference, disc(&design_95())).unwrap_err();
+    let short_tip = Lengths { t22_m: 0.005, ..l };
+    let error = final_posture(&short_tip, Assembly::Reference, disc(&design_95())).unwrap_err();
     assert!(matches!(error, GraspError::TipTooShort { .. }), "{error}");
-    let error = contact_proximal(W, Placed::disc(R_C, [-0.01, 0.02])).unwrap_err();
+    let error = contact_proximal(W, PlacedShape::disc(R_C, [-0.01, 0.02])).unwrap_err();
     assert!(
         error.to_string().contains("22.3607 mm from the ground joint, but must be more than 22.5000 mm"),
         "{error}"
     );
-    assert!(contact_proximal(W, Placed::disc(f64::NAN, [-0.01, 0.02])).is_err());
+    assert!(contact_proximal(W, PlacedShape::disc(f64::NAN, [-0.01, 0.02])).is_err());
 }
 
 fn finger() -> impl Strategy<Value = Lengths> {
@@ -174,27 +180,27 @@ fn finger() -> impl Strategy<Value = Lengths> {
 
 proptest! {
     #[test]
-    fn closed_loops_close(l in finger(), q11 in -4.0f64..4.0, q21 in -4.0f64..4.0, other in any::<bool>()) {
+    fn closed_loops_have_no_gap(l in finger(), q11 in -4.0f64..4.0, q21 in -4.0f64..4.0, other in any::<bool>()) {
         let assembly = if other { Assembly::Other } else { Assembly::Reference };
-        if let Ok(p) = close(&l, assembly, q11, q21) {
+        if let Ok(p) = close_loop(&l, assembly, q11, q21) {
             prop_assert!(gap(&l, &p) < 1e-14, "{p:?}: {:e}", gap(&l, &p));
             prop_assert!((p.q22_rad + l.phi22_rad).abs() <= PI + 1e-12 && p.q12_rad.abs() <= PI + 1e-12);
         }
     }
 
     #[test]
-    fn the_tip_angle_found_from_the_ground_links_leads_back_to_them(l in finger(), q21 in -3.0f64..3.0, bend in 0.0f64..1.2) {
+    fn closure_from_tip_angle_and_from_ground_links_agree(l in finger(), q21 in -3.0f64..3.0, bend in 0.0f64..1.2) {
         let Ok(p) = posture_at(&l, Assembly::Reference, q21, bend - l.phi22_rad) else { return Ok(()) };
         prop_assert!(gap(&l, &p) < 1e-14, "{p:?}: {:e}", gap(&l, &p));
-        // Near a dead point of the coupler the way back is ill-conditioned: only then may digits be lost.
-        let back = close(&l, Assembly::Reference, p.q11_rad, q21).unwrap();
+        // The inverse is ill-conditioned near a dead point of the coupler; only there may digits be lost.
+        let closed = close_loop(&l, Assembly::Reference, p.q11_rad, q21).unwrap();
         let angle_13 = (p.q11_rad + p.q12_rad - p.q21_rad - p.q22_rad).sin().abs();
-        prop_assert!((back.q22_rad - p.q22_rad).abs() < 1e-13 / angle_13, "{p:?} {back:?}");
+        prop_assert!((closed.q22_rad - p.q22_rad).abs() < 1e-13 / angle_13, "{p:?} {closed:?}");
     }
 
     #[test]
-    fn straight_is_its_own_closure(l in finger(), q21 in -3.0f64..3.0) {
-        let p = straight(&l, q21).unwrap();
+    fn straight_posture_satisfies_loop_closure(l in finger(), q21 in -3.0f64..3.0) {
+        let p = straight_posture(&l, q21).unwrap();
         let q = posture_at(&l, Assembly::Reference, q21, -l.phi22_rad).unwrap();
         prop_assert!((p.q11_rad - q.q11_rad).abs() < 1e-12 && (p.q12_rad - q.q12_rad).abs() < 1e-12, "{p:?} {q:?}");
     }

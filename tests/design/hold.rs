@@ -1,19 +1,19 @@
-//! How much acceleration grippers hold their objects against: symmetry, both models, statics, and what is refused.
+//! Accelerations that grippers withstand: symmetry, agreement of both models, comparison with statics, and rejected scenes.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phalanx::criteria::Fate;
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Axis, Layer, Scene};
-use phalanx::study::hold::{AtRest, Case, Hold, HoldError, Loads, Plan, Since, hold};
+use phalanx::study::hold::{Evaluation, Hold, HoldError, LoadCase, Loads, Plan, StartReason, StaticLimit, hold};
 use phalanx::trace::Model;
 
-/// A shipped gripper with lines that go over it.
-fn gripper(name: &str, over: &[&str]) -> Scene {
-    let over: Vec<Layer> =
-        over.iter().map(|text| Layer { file: "test".to_string(), text: (*text).to_string() }).collect();
-    match scene::load_any_with(format!("scenes/gripper/{name}.toml"), &over) {
+/// Loads a shipped gripper with overrides.
+fn gripper(name: &str, overrides: &[&str]) -> Scene {
+    let layers: Vec<Layer> =
+        overrides.iter().map(|text| Layer { file: "test".to_string(), text: (*text).to_string() }).collect();
+    match scene::load_any_with(format!("scenes/gripper/{name}.toml"), &layers) {
         Ok(scene) if scene.kind() == SceneKind::Gripper => scene,
         Ok(_) => panic!("{name} is no gripper"),
         Err(error) => panic!("{error}"),
@@ -24,7 +24,7 @@ fn plan(loads: Loads) -> Plan {
     Plan {
         model: Model::Analytic,
         loads,
-        begins_s: None,
+        start_s: None,
         slip_m: 0.5e-3,
         from_m_s2: 4.0,
         to_m_s2: 1024.0,
@@ -39,27 +39,27 @@ fn pulses(directions: usize) -> Loads {
 }
 
 #[track_caller]
-fn found(scene: &Scene, plan: Plan) -> Hold {
+fn run_hold(scene: &Scene, plan: Plan) -> Hold {
     hold(scene, plan, &mut |_, _| {}, &|| true).unwrap_or_else(|error| panic!("{}: {error}", scene.name))
 }
 
 #[track_caller]
-fn refused(scene: &Scene, plan: Plan) -> HoldError {
-    hold(scene, plan, &mut |_, _| {}, &|| true).expect_err("refused")
+fn hold_error(scene: &Scene, plan: Plan) -> HoldError {
+    hold(scene, plan, &mut |_, _| {}, &|| true).expect_err("an error")
 }
 
 #[test]
-fn mirrored_loads_have_one_limit_and_threads_do_not_matter() {
+fn mirrored_loads_have_equal_limits_for_any_number_of_threads() {
     let scene = gripper("hold", &[]);
-    let one = found(&scene, plan(pulses(8)));
-    assert_eq!(one.since, Since::Rest);
-    assert!(one.stage.begins_s > 7.3e-3 && one.stage.begins_s < 20e-3, "{}", one.stage.begins_s);
-    // 45° and 135°, 0° and 180°, 225° and 315°: the gripper is its own mirror image.
+    let single = run_hold(&scene, plan(pulses(8)));
+    assert_eq!(single.start_reason, StartReason::AtRest);
+    assert!(single.setup.start_s > 7.3e-3 && single.setup.start_s < 20e-3, "{}", single.setup.start_s);
+    // Pairs 45° and 135°, 0° and 180°, 225° and 315°: the gripper is mirror-symmetric.
     for (right, left) in [(0, 4), (1, 3), (7, 5)] {
-        let [right, left] = [right, left].map(|index| &one.held[index]);
+        let [right, left] = [right, left].map(|index| &single.results[index]);
         assert_eq!((right.slips, right.drops), (left.slips, left.drops), "{:?} {:?}", right.case, left.case);
-        let slips = right.tried.iter().zip(&left.tried).filter_map(|(right, left)| {
-            let slip = |tried: &phalanx::study::hold::Tried| tried.found.as_ref().ok().map(|found| found.slip);
+        let slips = right.evaluations.iter().zip(&left.evaluations).filter_map(|(right, left)| {
+            let slip = |run: &Evaluation| run.outcome.as_ref().ok().map(|outcome| outcome.slip);
             slip(right).zip(slip(left))
         });
         for (right, left) in slips.filter(|(right, _)| right.displacement_m < 1e-3) {
@@ -69,145 +69,172 @@ fn mirrored_loads_have_one_limit_and_threads_do_not_matter() {
             );
         }
     }
-    for held in &one.held {
-        let (slips, drops) = (held.slips.held.zip(held.slips.failed), held.drops.held.zip(held.drops.failed));
+    for result in &single.results {
+        let (slips, drops) = (result.slips.held.zip(result.slips.failed), result.drops.held.zip(result.drops.failed));
         let ((slips, _), (drops, lost)) = slips.zip(drops).expect("limits within the scan");
-        assert!(slips < drops && drops < lost && lost - drops <= 0.1 * lost, "{held:?}");
-        assert!(held.tried.windows(2).all(|pair| pair[0].peak_m_s2 < pair[1].peak_m_s2));
+        assert!(slips < drops && drops < lost && lost - drops <= 0.1 * lost, "{result:?}");
+        assert!(result.evaluations.windows(2).all(|pair| pair[0].peak_m_s2 < pair[1].peak_m_s2));
     }
-    // Two of these directions on three threads: the same, to the last bit.
-    let three = found(&scene, Plan { threads: 3, ..plan(pulses(2)) });
-    assert_eq!(three.held, [one.held[0].clone(), one.held[4].clone()]);
-    assert_eq!(three.unloaded, one.unloaded);
+    // Two of these directions on three threads: identical to the last bit.
+    let three = run_hold(&scene, Plan { threads: 3, ..plan(pulses(2)) });
+    assert_eq!(three.results, [single.results[0].clone(), single.results[4].clone()]);
+    assert_eq!(three.unloaded, single.unloaded);
 }
 
 #[test]
-fn both_models_have_the_same_limits() {
+fn both_models_have_equal_limits() {
     let scene = gripper("hold", &[]);
     for loads in [pulses(2), Loads::Vibrations { axes: vec![Axis::Y], frequencies_hz: vec![100.0] }] {
         let fine = Plan { tolerance: 0.01, to_m_s2: 64.0, ..plan(loads) };
-        let analytic = found(&scene, fine.clone());
-        let engine = found(&scene, Plan { model: Model::Engine, ..fine });
-        for (analytic, engine) in analytic.held.iter().zip(&engine.held) {
-            let [one, other] = [analytic, engine].map(|held| held.slips.held.expect("something is held"));
-            assert!((one - other).abs() < 0.03 * one, "{:?}: {one} {other}", analytic.case);
+        let analytic = run_hold(&scene, fine.clone());
+        let engine = run_hold(&scene, Plan { model: Model::Engine, ..fine });
+        for (analytic, engine) in analytic.results.iter().zip(&engine.results) {
+            let [analytic_m_s2, engine_m_s2] =
+                [analytic, engine].map(|result| result.slips.held.expect("something is held"));
+            assert!(
+                (analytic_m_s2 - engine_m_s2).abs() < 0.03 * analytic_m_s2,
+                "{:?}: {analytic_m_s2} {engine_m_s2}",
+                analytic.case
+            );
         }
     }
 }
 
-/// Slowly enough, what some contact forces can balance is the most that can be held, and beyond it the object goes.
+/// Slow loads are held only up to the acceleration that contact forces can balance at rest.
 #[test]
-fn nothing_is_held_slowly_that_cannot_be_balanced_at_rest() {
+fn slow_loads_above_the_static_limit_are_not_held() {
     let scene = gripper("hold", &["contact.friction.mu_static = 0.4"]);
     let slow = Loads::Pulses { directions: 4, length_s: 0.2 };
-    let held = found(&scene, Plan { slip_m: 20e-6, to_m_s2: 512.0, scan: 8, ..plan(slow) });
-    for held in &held.held {
-        let Case::Pulse { direction_rad, .. } = held.case else { panic!("{:?}", held.case) };
-        let Some(AtRest::UpTo { acceleration_m_s2: most }) = held.at_rest else { panic!("{:?}", held.at_rest) };
-        let limit = held.slips.held.expect("something is held");
-        println!("{:.0}°: {limit:.4} held of {most:.4}", direction_rad.to_degrees());
-        assert!(limit <= 1.05 * most, "{:.0}°: {limit} of {most}", direction_rad.to_degrees());
+    let study = run_hold(&scene, Plan { slip_m: 20e-6, to_m_s2: 512.0, scan: 8, ..plan(slow) });
+    for result in &study.results {
+        let LoadCase::Pulse { direction_rad, .. } = result.case else { panic!("{:?}", result.case) };
+        let Some(StaticLimit::UpTo { acceleration_m_s2: static_limit }) = result.static_limit else {
+            panic!("{:?}", result.static_limit)
+        };
+        let limit = result.slips.held.expect("something is held");
+        println!("{:.0}°: {limit:.4} held of {static_limit:.4}", direction_rad.to_degrees());
+        assert!(limit <= 1.05 * static_limit, "{:.0}°: {limit} of {static_limit}", direction_rad.to_degrees());
     }
-    let [there, back] = [0, 2].map(|index| match held.held[index].at_rest {
-        Some(AtRest::UpTo { acceleration_m_s2 }) => acceleration_m_s2,
+    let [forward, backward] = [0, 2].map(|index| match study.results[index].static_limit {
+        Some(StaticLimit::UpTo { acceleration_m_s2 }) => acceleration_m_s2,
         other => panic!("{other:?}"),
     });
-    assert!((there - back).abs() < 1e-9 * there, "there and back are one load: {there} {back}");
+    assert!((forward - backward).abs() < 1e-9 * forward, "opposite directions have one limit: {forward} {backward}");
 }
 
 #[test]
-fn blocked_motors_hold_what_their_torque_does_not() {
-    let over = ["contact.friction.law = \"bristle\"", "motor.brake_law = \"bristle\""];
-    let at = |brake_n_m: f64| {
+fn blocked_motors_hold_more_than_their_torque_does() {
+    let bristles = ["contact.friction.law = \"bristle\"", "motor.brake_law = \"bristle\""];
+    let with_brake = |brake_n_m: f64| {
         let brake = format!("motor.brake_torque = \"{brake_n_m} N*m\"");
-        let scene = gripper("lift", &[over[0], over[1], &brake]);
-        found(&scene, plan(Loads::Vibrations { axes: vec![Axis::X], frequencies_hz: vec![50.0] }))
+        let scene = gripper("lift", &[bristles[0], bristles[1], &brake]);
+        run_hold(&scene, plan(Loads::Vibrations { axes: vec![Axis::X], frequencies_hz: vec![50.0] }))
     };
-    let (weak, strong) = (at(0.1), at(2.0));
-    assert_eq!((weak.since, weak.stage.begins_s), (Since::Moved, 60e-3));
-    let limit = |hold: &Hold| hold.held[0].slips.held.expect("something is held");
+    let (weak, strong) = (with_brake(0.1), with_brake(2.0));
+    assert_eq!((weak.start_reason, weak.setup.start_s), (StartReason::MoveCompleted, 60e-3));
+    let limit = |study: &Hold| study.results[0].slips.held.expect("something is held");
     assert!(limit(&strong) > 2.0 * limit(&weak), "{} {}", limit(&strong), limit(&weak));
-    // The lift is 25 mm: more than a vibration may come back by.
-    assert_eq!(strong.held[0].to_m_s2, 1024.0);
+    // The lift of 25 mm exceeds the amplitude of the vibration.
+    assert_eq!(strong.results[0].to_m_s2, 1024.0);
     let down = Loads::Pulses { directions: 4, length_s: 40e-3 };
-    let lifted = found(&gripper("lift", &over), Plan { scan: 2, tolerance: 0.9, ..plan(down) });
-    // Out of the palm is down: 24.5 mm of clearance are 24.5e-3 · 7.513 / 0.04² m/s².
-    let most = 24.5e-3 * 3.36 * 5f64.sqrt() / 0.0016;
-    assert!((lifted.held[1].to_m_s2 - most).abs() < 2e-3 * most, "{} {most}", lifted.held[1].to_m_s2);
-    assert_eq!(lifted.held[0].to_m_s2, 1024.0);
+    let lifted = run_hold(&gripper("lift", &bristles), Plan { scan: 2, tolerance: 0.9, ..plan(down) });
+    // The direction out of the palm is down. The clearance of 24.5 mm allows 24.5e-3 · 7.513 / 0.04² m/s².
+    let largest_m_s2 = 24.5e-3 * 3.36 * 5f64.sqrt() / 0.0016;
+    assert!(
+        (lifted.results[1].to_m_s2 - largest_m_s2).abs() < 2e-3 * largest_m_s2,
+        "{} {largest_m_s2}",
+        lifted.results[1].to_m_s2
+    );
+    assert_eq!(lifted.results[0].to_m_s2, 1024.0);
 }
 
 #[test]
-fn a_move_is_the_scene_s_own_in_another_time() {
+fn move_load_scales_the_duration_of_the_scenes_own_moves() {
     let scene = gripper("cycle", &[]);
-    let held = found(&scene, Plan { scan: 3, from_m_s2: 20.0, to_m_s2: 80.0, ..plan(Loads::Move) });
-    assert_eq!((held.since, held.stage.begins_s), (Since::OwnMove, 20e-3));
-    // 305 mm in 0.2 s are most of it.
-    let across = 0.305 * 3.36 * 5f64.sqrt() / 0.04;
-    assert!((held.stage.own_peak_m_s2 - across).abs() < 1e-5 * across, "{}", held.stage.own_peak_m_s2);
-    let own_s = Case::Move.size(&held.stage, held.stage.own_peak_m_s2);
+    let study = run_hold(&scene, Plan { scan: 3, from_m_s2: 20.0, to_m_s2: 80.0, ..plan(Loads::Move) });
+    assert_eq!((study.start_reason, study.setup.start_s), (StartReason::OwnMove, 20e-3));
+    // The transfer of 305 mm in 0.2 s has the peak acceleration.
+    let transfer_m_s2 = 0.305 * 3.36 * 5f64.sqrt() / 0.04;
+    assert!(
+        (study.setup.scene_peak_m_s2 - transfer_m_s2).abs() < 1e-5 * transfer_m_s2,
+        "{}",
+        study.setup.scene_peak_m_s2
+    );
+    let own_s = LoadCase::Move.size(&study.setup, study.setup.scene_peak_m_s2);
     assert!((own_s - 1.0).abs() < 1e-12);
-    let slips: Vec<f64> =
-        held.held[0].tried.iter().map(|tried| tried.found.as_ref().expect("finished").slip.displacement_m).collect();
-    // Brakes hold it all along, as they do at its own pace: 3.5 µm.
+    let slips: Vec<f64> = study.results[0]
+        .evaluations
+        .iter()
+        .map(|run| run.outcome.as_ref().expect("finished").slip.displacement_m)
+        .collect();
+    // The brakes hold the object at every speed; at the scene's own speed it slips by 3.5 µm.
     assert!(slips.len() == 3 && slips.iter().all(|slip| (2e-6..20e-6).contains(slip)), "{slips:?}");
-    assert_eq!((held.held[0].slips.failed, held.held[0].drops.failed), (None, None));
+    assert_eq!((study.results[0].slips.failed, study.results[0].drops.failed), (None, None));
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused_with_a_way_out() {
-    let said = |error: HoldError, parts: &[&str]| {
-        let text = error.to_string();
-        assert!(parts.iter().all(|part| text.contains(part)), "{parts:?}: {text}");
+fn errors_name_the_cause_and_a_remedy() {
+    let assert_message = |error: HoldError, fragments: &[&str]| {
+        let message = error.to_string();
+        assert!(fragments.iter().all(|fragment| message.contains(fragment)), "{fragments:?}: {message}");
     };
-    said(refused(&gripper("fixed", &[]), plan(pulses(1))), &["fixed in the world", "object.motion = \"free\""]);
-    said(refused(&gripper("table", &[]), plan(pulses(1))), &["on a table", "moves.lift.y", "table.present=false"]);
-    let creeping = refused(&gripper("design-95", &[]), plan(pulses(1)));
-    said(creeping, &["without any load, the object slips by", "is held then", "bristle", "--slip"]);
-    let late = Plan { begins_s: Some(0.36), ..plan(pulses(1)) };
-    said(refused(&gripper("cycle", &["table.present = false"]), late), &["360.000 ms", "let go at 350.000 ms", "--at"]);
+    assert_message(
+        hold_error(&gripper("fixed", &[]), plan(pulses(1))),
+        &["fixed in the world", "object.motion = \"free\""],
+    );
+    assert_message(
+        hold_error(&gripper("table", &[]), plan(pulses(1))),
+        &["on a table", "moves.lift.y", "table.present=false"],
+    );
+    let creeping = hold_error(&gripper("design-95", &[]), plan(pulses(1)));
+    assert_message(creeping, &["without a load, the object slips by", "is held at the end", "bristle", "--slip"]);
+    let late_start = Plan { start_s: Some(0.36), ..plan(pulses(1)) };
+    assert_message(
+        hold_error(&gripper("cycle", &["table.present = false"]), late_start),
+        &["360.000 ms", "release at 350.000 ms", "--at"],
+    );
     let slippery = ["contact.friction.mu_static = 0.0", "duration = \"60 ms\""];
-    let thrown = refused(&gripper("design-95", &slippery), plan(pulses(1)));
+    let thrown = hold_error(&gripper("design-95", &slippery), plan(pulses(1)));
     assert!(matches!(thrown, HoldError::NotGrasped { fate, .. } if fate != Fate::Held), "{thrown:?}");
-    said(thrown, &["there is nothing to be loaded", "--at"]);
-    // Told to stop, at once or after some runs.
-    for most in [0, 2000] {
-        let asked = AtomicUsize::new(0);
-        let go_on = || asked.fetch_add(1, Ordering::Relaxed) < most;
-        let stopped = hold(&gripper("hold", &[]), plan(pulses(2)), &mut |_, _| {}, &go_on).expect_err("stopped");
+    assert_message(thrown, &["no load can be applied", "--at"]);
+    // Interrupted immediately or after some steps.
+    for max_calls in [0, 2000] {
+        let calls = AtomicUsize::new(0);
+        let keep_running = || calls.fetch_add(1, Ordering::Relaxed) < max_calls;
+        let stopped = hold(&gripper("hold", &[]), plan(pulses(2)), &mut |_, _| {}, &keep_running).expect_err("stopped");
         assert!(matches!(stopped, HoldError::Stopped { .. }), "{stopped:?}");
     }
 }
 
-/// A pulse along a line at an angle is the sum of its parts.
+/// A pulse along an oblique line is the sum of its components.
 #[test]
-fn directions_are_counted_from_the_palm_s_x() {
-    let held = found(&gripper("hold", &[]), Plan { scan: 2, to_m_s2: 5.0, ..plan(pulses(3)) });
-    let directions: Vec<f64> = held
-        .held
+fn directions_are_measured_from_the_x_axis_of_the_palm() {
+    let study = run_hold(&gripper("hold", &[]), Plan { scan: 2, to_m_s2: 5.0, ..plan(pulses(3)) });
+    let directions: Vec<f64> = study
+        .results
         .iter()
-        .map(|held| match held.case {
-            Case::Pulse { direction_rad, .. } => direction_rad,
+        .map(|result| match result.case {
+            LoadCase::Pulse { direction_rad, .. } => direction_rad,
             other => panic!("{other:?}"),
         })
         .collect();
     assert_eq!(directions, [0.0, 2.0 * PI / 3.0, 4.0 * PI / 3.0]);
-    let load = held.held[1].case.load(&held.stage, 10.0);
-    let pose = load.motion.pose(1.0).place;
+    let load = study.results[1].case.load(&study.setup, 10.0);
+    let pose = load.motion.pose(1.0).position;
     let distance = 10.0 * 0.0016 / (3.36 * 5f64.sqrt());
     assert!(
         (pose[0] + 0.5 * distance).abs() < 1e-15 && (pose[1] - 0.75f64.sqrt() * distance).abs() < 1e-15,
         "{pose:?}"
     );
-    assert!(held.held.iter().all(|held| held.slips.held == Some(5.0) && held.slips.failed.is_none()));
+    assert!(study.results.iter().all(|result| result.slips.held == Some(5.0) && result.slips.failed.is_none()));
 }
 
 #[test]
-fn a_scene_without_two_fingers_holds_nothing() {
+fn rejects_scenes_that_are_not_grippers() {
     for path in ["scenes/experiment-95.toml", "scenes/laws/impact.toml"] {
         let scene = scene::load_any(path).unwrap_or_else(|error| panic!("{error}"));
-        let error = refused(&scene, plan(Loads::Move));
+        let error = hold_error(&scene, plan(Loads::Move));
         assert!(matches!(&error, HoldError::Kind(_)), "{error}");
-        assert!(error.to_string().contains("only one of kind \"gripper\""), "{error}");
+        assert!(error.to_string().contains("a scene of kind \"gripper\" is required"), "{error}");
     }
 }

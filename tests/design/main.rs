@@ -1,6 +1,6 @@
 //! Tests of the design work: sizing, statics, volumes, sweeps, selection, studies.
 //!
-//! One program for the room: linking is most of what a test program costs.
+//! The tests form one program, because linking dominates the build time of test programs.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -26,7 +26,7 @@ mod statics_gripper;
 mod statics_simulated;
 mod study_stability;
 mod study_step_size;
-mod sweep_given;
+mod sweep_in_memory;
 mod sweep_resume;
 mod sweep_runs;
 mod sweep_shards;

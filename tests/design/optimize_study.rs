@@ -1,6 +1,6 @@
-//! Files of optimisations: what they say, and what is wrong with them.
+//! Reading of optimisation files, and messages for invalid ones.
 
-use phalanx::study::optimize::{Algorithm, Goal, Limit, Over, load, parse, schema};
+use phalanx::study::optimize::{Algorithm, ConditionAggregation, Goal, Limit, load, parse, schema};
 use phalanx::study::sweep::columns;
 
 const HEAD: &str = "scene = \"../experiment-95.toml\"\n";
@@ -12,8 +12,8 @@ fn message(text: &str) -> String {
 }
 
 #[test]
-fn a_file_says_what_is_searched() {
-    let of = parse(
+fn reads_all_sections_of_a_file() {
+    let optimisation = parse(
         &format!(
             "{HEAD}{VARIABLE}[[variables]]\nfield = \"contact.stiffness_si\"\nfrom = 1e6\nto = 1e10\nspacing = \"log\"\nstart = \
              1e8\n[[conditions]]\nfield = \"contact.friction.mu_static\"\nvalues = [0.4, 0.8]\n[[conditions]]\nfields = [\"palm\", \
@@ -25,30 +25,39 @@ fn a_file_says_what_is_searched() {
         "scenes/studies/study.toml",
     )
     .unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!((of.name(), of.conditions(), of.method.algorithm), ("study", 4, Algorithm::Nsga2));
-    assert_eq!(of.most_runs(), 4 * of.method.population * of.method.generations);
-    assert_eq!(of.objectives[1].figure.name, "sum_peak_f21_n_peak_f22_n");
-    assert_eq!((of.objectives[1].goal, of.objectives[1].over), (Goal::Max, Over::Mean));
-    assert_eq!(of.constraints[0].limit, Limit::Between { at_least: None, at_most: Some(0.008) });
-    assert_eq!((&of.constraints[1].limit, &of.constraints[2].limit), (&Limit::Class(1), &Limit::Flag(true)));
-    let names: Vec<String> = columns(of.study()).into_iter().map(|column| column.name).collect();
+    assert_eq!(
+        (optimisation.name(), optimisation.conditions(), optimisation.method.algorithm),
+        ("study", 4, Algorithm::Nsga2)
+    );
+    assert_eq!(optimisation.max_runs(), 4 * optimisation.method.population * optimisation.method.generations);
+    assert_eq!(optimisation.objectives[1].figure.name, "sum_peak_f21_n_peak_f22_n");
+    assert_eq!(
+        (optimisation.objectives[1].goal, optimisation.objectives[1].condition_aggregation),
+        (Goal::Max, ConditionAggregation::Mean)
+    );
+    assert_eq!(optimisation.constraints[0].limit, Limit::Between { at_least: None, at_most: Some(0.008) });
+    assert_eq!(
+        (&optimisation.constraints[1].limit, &optimisation.constraints[2].limit),
+        (&Limit::Class(1), &Limit::Flag(true))
+    );
+    let names: Vec<String> = columns(optimisation.study()).into_iter().map(|column| column.name).collect();
     assert_eq!(names[2..6], ["design.base_m", "contact.stiffness_si", "contact.friction.mu_static", "palm"]);
-    // The start is what the base scene says, in its words.
-    assert_eq!(of.variables[0].start().text, "\"15.5 mm\"");
-    // One objective is for the other search.
-    let one = parse(&format!("{HEAD}{VARIABLE}{OBJECTIVE}"), "study.toml").err();
-    assert!(one.is_some(), "its scene is seen from its own directory");
-    let one = parse(&format!("{HEAD}{VARIABLE}{OBJECTIVE}"), "scenes/studies/one.toml").expect("a search");
-    assert_eq!((one.method.algorithm, one.method.population), (Algorithm::CmaEs, 4));
+    // The start value is the text of the base scene.
+    assert_eq!(optimisation.variables[0].start().text, "\"15.5 mm\"");
+    // A single objective is optimised with CMA-ES.
+    let parsed = parse(&format!("{HEAD}{VARIABLE}{OBJECTIVE}"), "study.toml").err();
+    assert!(parsed.is_some(), "the path of the scene is relative to the directory of the file");
+    let parsed = parse(&format!("{HEAD}{VARIABLE}{OBJECTIVE}"), "scenes/studies/one.toml").expect("a valid file");
+    assert_eq!((parsed.method.algorithm, parsed.method.population), (Algorithm::CmaEs, 4));
 }
 
 #[test]
-fn mistakes_are_named_with_their_place() {
+fn errors_name_the_location() {
     let with = |more: &str| format!("{HEAD}{VARIABLE}{OBJECTIVE}{more}");
     let objective = |more: &str| format!("{HEAD}{VARIABLE}[[objectives]]\n{more}");
     let constraint = |more: &str| with(&format!("[[constraints]]\n{more}"));
     let variable = |more: &str| format!("{HEAD}{OBJECTIVE}[[variables]]\n{more}");
-    for (text, place, words) in [
+    for (text, location, fragments) in [
         (format!("{HEAD}{OBJECTIVE}"), "", &["there are no [[variables]]"][..]),
         (format!("{HEAD}{VARIABLE}"), "", &["there are no [[objectives]]"]),
         (variable("field = \"design.bas\"\nfrom = 1\nto = 2\n"), ":5:9", &["did you mean `base`?"]),
@@ -57,18 +66,18 @@ fn mistakes_are_named_with_their_place() {
         (
             variable("field = \"design.base\"\nfrom = \"12 mm\"\nto = \"15 mm\"\n"),
             ":5:9",
-            &["begins at 15.5 mm", "not within"],
+            &["start value", "15.5 mm, is outside its range"],
         ),
         (
             variable("field = \"design.l11\"\nfrom = \"12 mm\"\nto = \"18 mm\"\n"),
             ":5:9",
-            &["has no `design.l11`", "start = .."],
+            &["no start value for `design.l11`", "start = .."],
         ),
-        (with(VARIABLE), ":9:9", &["a variable twice"]),
+        (with(VARIABLE), ":9:9", &["declared twice"]),
         (
             with("[[conditions]]\nfield = \"design.base\"\nvalues = [\"12 mm\"]\n"),
             ":9:9",
-            &["a variable and a condition"],
+            &["both a variable and a condition"],
         ),
         (
             with("[[conditions]]\nfield = \"contact.friction.mu_static\"\nfrom = 0\nto = 1\n"),
@@ -81,16 +90,16 @@ fn mistakes_are_named_with_their_place() {
             &["`again` has no effect"],
         ),
         (objective("column = \"tts\"\n"), ":7:10", &["no column `tts`", "did you mean \"tts_s\"?"]),
-        (objective("column = \"class\"\n"), ":7:10", &["has no numbers", "[[constraints]]"]),
+        (objective("column = \"class\"\n"), ":7:10", &["is not numeric", "[[constraints]]"]),
         (objective("goal = \"min\"\n"), ":6:1", &["`column` is missing"]),
         (objective("column = \"tts_s\"\ngoal = \"smallest\"\n"), ":8:8", &["allowed: \"min\", \"max\""]),
         (objective("column = \"tts_s\"\ncolumns = [\"tts_s\"]\n"), ":8:11", &["both `column` and `columns`"]),
-        (objective("columns = [\"tts_s\", 3]\n"), ":7:21", &["a bare number in it"]),
+        (objective("columns = [\"tts_s\", 3]\n"), ":7:21", &["contains a bare number"]),
         (objective("column = \"tts_s\"\nname = \"design.base_m\"\n"), ":8:8", &["two columns `design.base_m`"]),
         (with(OBJECTIVE), ":9:10", &["two columns `tts_s`", "name = .."]),
         (constraint("column = \"pfp_n\"\n"), ":8:1", &["at_least = .. or at_most"]),
         (constraint("column = \"rebound_percent\"\nat_most = \"5 mm\"\n"), ":10:11", &["a plain number"]),
-        (constraint("column = \"tts_s\"\nat_most = \"8 mm\"\n"), ":10:11", &["a time is wanted"]),
+        (constraint("column = \"tts_s\"\nat_most = \"8 mm\"\n"), ":10:11", &["expected a time"]),
         (constraint("column = \"pfp_n\"\nat_least = 3\nat_most = 2\n"), ":11:11", &["at least 3 and at most 2"]),
         (constraint("column = \"pfp_n\"\nequals = 3\nat_least = 1\n"), ":10:10", &["`equals` has no effect"]),
         (constraint("column = \"class\"\nat_least = \"stabel\"\n"), ":10:12", &["did you mean \"stable\"?"]),
@@ -111,25 +120,25 @@ fn mistakes_are_named_with_their_place() {
         ),
         (with("[[axes]]\nfield = \"palm\"\n"), ":8:3", &["unknown key `axes`"]),
     ] {
-        let found = message(&text);
-        assert!(found.contains(&format!("scenes/studies/study.toml{place}")), "{place} of\n{text}in\n{found}");
-        for word in words {
-            assert!(found.contains(word), "{word} in\n{found}");
+        let error = message(&text);
+        assert!(error.contains(&format!("scenes/studies/study.toml{location}")), "{location} of\n{text}in\n{error}");
+        for fragment in fragments {
+            assert!(error.contains(fragment), "{fragment} in\n{error}");
         }
-        assert!(found.contains("= help: "), "{found}");
+        assert!(error.contains("= help: "), "{error}");
     }
 }
 
 #[test]
-fn the_schema_knows_what_shipped_files_say() {
+fn schema_contains_the_keys_of_shipped_files() {
     let schema: serde_json::Value = serde_json::from_str(&schema()).expect("JSON");
     let keys = schema["properties"].as_object().expect("a table");
     for (file, variables) in [("optimize-95", 4), ("optimize-95-wide", 8), ("optimize-95-fastest", 8)] {
         let path = format!("scenes/studies/{file}.toml");
         let text: toml::Table = std::fs::read_to_string(&path).expect("ships").parse().expect("TOML");
         assert!(text.keys().all(|key| keys.contains_key(key)), "{file}");
-        let of = load(&path).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!((of.name(), of.variables.len()), (file, variables));
+        let optimisation = load(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((optimisation.name(), optimisation.variables.len()), (file, variables));
     }
     assert!(schema["properties"]["objectives"]["items"]["properties"]["over"].is_object());
     assert!(schema["properties"]["scene"]["anyOf"][1]["properties"]["design"].is_object());

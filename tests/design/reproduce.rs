@@ -1,56 +1,60 @@
-//! The thesis's figures again: as expected, and told the same in every form.
+//! Reproduction of the thesis: expected values, and agreement of all report formats.
 
 use std::collections::HashSet;
 use std::fs;
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout};
+use phalanx::format::ToReport;
+use phalanx::format::report::{Block, Report};
 use phalanx::page::report_page;
 use phalanx::report::reproduce::{Comparison, ReproductionReport, Verdict, comparisons};
-use phalanx::study::reproduce::{Reproduction, Variation, figures, measured, reproduce};
-use phalanx::wording::Reported;
-use phalanx::wording::report::{Part, Report};
+use phalanx::study::reproduce::{Reproduction, Variation, computed_values, figures, reproduce};
 use serde_json::Value;
 
-/// Everything at once, because everything takes seconds.
+/// A single test, because the reproduction takes seconds.
 #[test]
-fn the_thesis_again() {
-    let mut parts = Vec::new();
-    let found = reproduce(false, 0, &mut |done, total, name| parts.push((done, total, name.to_string())), &|| true)
-        .unwrap_or_else(|error| panic!("{error}"));
-    assert!(parts.iter().enumerate().all(|(index, part)| part.0 == index && part.1 == parts.len()), "{parts:?}");
+fn reproduces_the_thesis() {
+    let mut steps = Vec::new();
+    let reproduction =
+        reproduce(false, 0, &mut |done, total, name| steps.push((done, total, name.to_string())), &|| true)
+            .unwrap_or_else(|error| panic!("{error}"));
+    assert!(steps.iter().enumerate().all(|(index, step)| step.0 == index && step.1 == steps.len()), "{steps:?}");
 
-    let all = comparisons(&found);
-    every_figure_is_found(&found);
-    as_expected(&all);
-    chaos_is_bounded(&found);
-    shares_hang_on_the_grid(&found);
-    let report = ReproductionReport::new(&found);
+    let all = comparisons(&reproduction);
+    check_completeness(&reproduction);
+    check_expected_values(&all);
+    check_variations(&reproduction);
+    check_grid_influence(&reproduction);
+    let report = ReproductionReport::new(&reproduction);
     let paper = report.paper();
-    forms_agree(&report, &all, &paper);
+    check_formats(&report, &all, &paper);
 }
 
-fn every_figure_is_found(found: &Reproduction) {
-    let values = measured(found);
+fn check_completeness(reproduction: &Reproduction) {
+    let values = computed_values(reproduction);
     let keys: HashSet<&str> = figures().iter().map(|figure| figure.key.as_str()).collect();
     for figure in figures() {
-        assert!(values.get(&figure.key).is_some_and(|value| value.is_finite()), "{} was not found", figure.key);
+        assert!(values.get(&figure.key).is_some_and(|value| value.is_finite()), "{} is not computed", figure.key);
     }
-    let more: Vec<_> = values.keys().filter(|key| !keys.contains(key.as_str())).collect();
-    assert!(more.is_empty(), "found, but compared with nothing: {more:?}");
+    let unused: Vec<_> = values.keys().filter(|key| !keys.contains(key.as_str())).collect();
+    assert!(unused.is_empty(), "computed, but not compared: {unused:?}");
 }
 
-fn as_expected(all: &[Comparison]) {
-    let outside: Vec<_> = all.iter().filter(|one| one.verdict == Verdict::Outside).collect();
-    let told: Vec<_> = outside.iter().map(|one| (one.figure, one.ours_text(), one.expected_text())).collect();
-    // So that `phalanx reproduce` ends with status 0.
-    assert!(outside.is_empty(), "{told:?}");
-    assert!(all.iter().filter(|one| one.verdict == Verdict::Inside).count() >= 40);
-    // The same again from the specification, past the file of figures.
-    let ours = |key: &str| all.iter().find(|one| one.figure == key).expect(key).ours;
-    assert_eq!((ours("statics.form_closed"), ours("statics.form_closed_quarters")), (22.0, 13.0));
-    assert_eq!((ours("statics.stable_mu_0"), ours("statics.stable_mu_0.8")), (136.0, 160.0));
-    assert!((ours("sweep.stable_mu_0") - 53.0).abs() <= 3.0 && (ours("sweep.stable_mu_0.8") - 94.0).abs() <= 3.0);
-    for (base, shares) in [
+fn check_expected_values(all: &[Comparison]) {
+    let outside: Vec<_> = all.iter().filter(|entry| entry.verdict == Verdict::Outside).collect();
+    let failures: Vec<_> =
+        outside.iter().map(|entry| (entry.figure, entry.ours_text(), entry.expected_text())).collect();
+    // `phalanx reproduce` then exits with status 0.
+    assert!(outside.is_empty(), "{failures:?}");
+    assert!(all.iter().filter(|entry| entry.verdict == Verdict::Inside).count() >= 40);
+    // Values from the specification, independent of the file of figures.
+    let computed = |key: &str| all.iter().find(|entry| entry.figure == key).expect(key).computed;
+    assert_eq!((computed("statics.form_closed"), computed("statics.form_closed_quarters")), (22.0, 13.0));
+    assert_eq!((computed("statics.stable_mu_0"), computed("statics.stable_mu_0.8")), (136.0, 160.0));
+    assert!(
+        (computed("sweep.stable_mu_0") - 53.0).abs() <= 3.0 && (computed("sweep.stable_mu_0.8") - 94.0).abs() <= 3.0
+    );
+    for (base, percentages) in [
         ("12", [95.82, 96.61, 9.88]),
         ("15.5", [87.58, 95.28, 22.44]),
         ("19", [78.00, 87.51, 1.10]),
@@ -62,64 +66,71 @@ fn as_expected(all: &[Comparison]) {
             format!("volume.closed_percent.base_{base}_mm"),
         ];
         // One of 8,000 points is 0.0125 %.
-        assert!(keys.iter().zip(shares).all(|(key, share)| (ours(key) - share).abs() <= 0.05), "base {base} mm");
+        assert!(
+            keys.iter().zip(percentages).all(|(key, percentage)| (computed(key) - percentage).abs() <= 0.05),
+            "base {base} mm"
+        );
     }
-    assert!((ours("design.trajectory_min_rad").to_degrees() - 26.03).abs() < 5e-3);
-    assert!((ours("design.trajectory_max_rad").to_degrees() - 74.63).abs() < 5e-3);
+    assert!((computed("design.trajectory_min_rad").to_degrees() - 26.03).abs() < 5e-3);
+    assert!((computed("design.trajectory_max_rad").to_degrees() - 74.63).abs() < 5e-3);
     for (key, grams) in [("design.mass_min_kg", 20.64), ("design.mass_max_kg", 27.45), ("design.mass_kg", 24.64)] {
-        assert!((ours(key) * 1e3 - grams).abs() < 5e-3, "{key}");
+        assert!((computed(key) * 1e3 - grams).abs() < 5e-3, "{key}");
     }
 }
 
-/// Whatever the variation, the counts stay within three of the study's.
-fn chaos_is_bounded(found: &Reproduction) {
-    let chaos = &found.chaos;
+/// The counts differ by at most three from the study in every variation.
+fn check_variations(reproduction: &Reproduction) {
+    let chaos = &reproduction.chaos;
     for (condition, counts) in chaos.stable.iter().enumerate() {
-        assert_eq!(counts[0], found.selection.classes[condition].dynamically_stable());
-        let (always, ever) = (chaos.always[condition], chaos.ever[condition]);
-        assert!(counts.iter().all(|&count| count.abs_diff(counts[0]) <= 3 && always <= count && count <= ever));
+        assert_eq!(counts[0], reproduction.selection.classes[condition].dynamically_stable());
+        let (in_all, in_any) = (chaos.stable_in_all[condition], chaos.stable_in_any[condition]);
+        assert!(counts.iter().all(|&count| count.abs_diff(counts[0]) <= 3 && in_all <= count && count <= in_any));
     }
-    assert!(chaos.flips.iter().all(|flip| flip.classes.iter().any(|class| *class != flip.class)));
-    assert!(chaos.flips.iter().all(|flip| flip.classes.len() == Variation::ALL.len()));
+    assert!(chaos.class_changes.iter().all(|change| change.classes.iter().any(|class| *class != change.class)));
+    assert!(chaos.class_changes.iter().all(|change| change.classes.len() == Variation::ALL.len()));
 }
 
-fn shares_hang_on_the_grid(found: &Reproduction) {
-    let [near, second, _, far] = &found.grids[..] else { panic!("four bases") };
-    assert!((far.stable_percent[1] - 62.2).abs() < 0.1, "{far:?}");
+fn check_grid_influence(reproduction: &Reproduction) {
+    let [shortest, second, _, longest] = &reproduction.grids[..] else { panic!("four bases") };
+    assert!((longest.stable_percent[1] - 62.2).abs() < 0.1, "{longest:?}");
     assert!((second.closed_percent - 21.5).abs() < 0.1, "{second:?}");
-    // A stronger spring lifts tips off, a weaker motor more of them.
-    for of in [near, far] {
+    // A stronger spring opens the distal contact of some designs, a weaker motor of more.
+    for grid in [shortest, longest] {
         for mu in 0..2 {
-            assert!(of.stable_percent[mu] > of.strong_spring_percent[mu], "{of:?}");
-            assert!(of.strong_spring_percent[mu] > of.both_percent[mu], "{of:?}");
+            assert!(grid.stable_percent[mu] > grid.stronger_spring_percent[mu], "{grid:?}");
+            assert!(grid.stronger_spring_percent[mu] > grid.both_torques_percent[mu], "{grid:?}");
         }
     }
 }
 
-fn forms_agree(report: &ReproductionReport<'_>, all: &[Comparison], paper: &Report) {
+fn check_formats(report: &ReproductionReport<'_>, all: &[Comparison], paper: &Report) {
     let titles: Vec<&str> = paper.headings().collect();
     assert_eq!(titles.len(), 9, "{titles:?}");
     let mut title = "";
-    for (index, part) in paper.parts.iter().enumerate() {
-        match part {
-            Part::Heading(heading) => {
-                let next = paper.parts.get(index + 1);
-                assert!(next.is_some_and(|part| !matches!(part, Part::Heading(_))), "{heading} is empty");
+    for (index, block) in paper.blocks.iter().enumerate() {
+        match block {
+            Block::Heading(heading) => {
+                let next = paper.blocks.get(index + 1);
+                assert!(next.is_some_and(|block| !matches!(block, Block::Heading(_))), "{heading} is empty");
                 title = heading;
             }
-            Part::Table(table) => {
-                // The head is a row.
+            Block::Table(table) => {
+                // The header is a row.
                 assert!(table.rows.len() > 1 && !table.caption.is_empty(), "{title}: an empty table");
-                let wide = table.rows[0].len();
-                assert!(table.rows.iter().all(|row| row.len() == wide), "{}: a ragged table", table.caption);
+                let columns = table.rows[0].len();
+                assert!(
+                    table.rows.iter().all(|row| row.len() == columns),
+                    "{}: rows of different lengths",
+                    table.caption
+                );
             }
-            Part::Figure(figure) => {
+            Block::Figure(figure) => {
                 let complete = figure.svg.starts_with("<svg") && !figure.svg.contains("NaN");
                 assert!(complete && !figure.caption.is_empty(), "{}", figure.file);
             }
-            Part::Notes(notes) => assert!(!notes.is_empty() && notes.iter().all(|note| note.len() > 10)),
-            Part::Words(words) | Part::Paragraph(words) => assert!(words.trim().len() > 20, "{words:?}"),
-            Part::Text(text) => assert!(!text.id.is_empty() && !text.text.is_empty(), "{}", text.title),
+            Block::Notes(notes) => assert!(!notes.is_empty() && notes.iter().all(|note| note.len() > 10)),
+            Block::Lines(text) | Block::Paragraph(text) => assert!(text.trim().len() > 20, "{text:?}"),
+            Block::Text(text) => assert!(!text.id.is_empty() && !text.text.is_empty(), "{}", text.title),
         }
     }
 
@@ -127,37 +138,37 @@ fn forms_agree(report: &ReproductionReport<'_>, all: &[Comparison], paper: &Repo
     let listed = document["figures"].as_array().expect("figures");
     assert_eq!((listed.len(), &document["outside"]), (all.len(), &Value::from(outside(all))));
     let html = report_page(paper);
-    for of in listed {
-        let (key, value) = (of["figure"].as_str().expect("a key"), of["ours"].as_f64().expect("a number"));
+    for entry in listed {
+        let (key, value) = (entry["figure"].as_str().expect("a key"), entry["ours"].as_f64().expect("a number"));
         let mark = format!("data-figure=\"{key}\" data-si=\"");
         let shown: Vec<&str> = html.split(&mark).skip(1).collect();
         assert!(!shown.is_empty(), "{key} is not in the page");
-        let one = all.iter().find(|one| one.figure == key).expect(key);
-        // This reader of JSON may miss the last bit.
-        assert!((one.ours - value).abs() <= 2.0 * f64::EPSILON * value.abs(), "{key}");
-        for part in shown {
-            let (si, rest) = part.split_once("\">").expect("a cell");
-            assert_eq!(si.parse::<f64>().expect("a number"), one.ours, "{key}");
-            assert_eq!(rest.split('<').next(), Some(one.ours_text().as_str()), "{key}");
+        let comparison = all.iter().find(|entry| entry.figure == key).expect(key);
+        // The JSON parser may be wrong in the last bit.
+        assert!((comparison.computed - value).abs() <= 2.0 * f64::EPSILON * value.abs(), "{key}");
+        for cell in shown {
+            let (si, rest) = cell.split_once("\">").expect("a cell");
+            assert_eq!(si.parse::<f64>().expect("a number"), comparison.computed, "{key}");
+            assert_eq!(rest.split('<').next(), Some(comparison.ours_text().as_str()), "{key}");
         }
     }
-    // Nothing from elsewhere: the only addresses are names of the SVG language.
+    // The page loads no external resources: the only addresses are SVG namespaces.
     assert_eq!(
         html.matches("http").count(),
         html.matches("http://www.w3.org/2000/svg").count() + html.matches("http-equiv").count()
     );
     let markdown = paper.markdown();
-    assert!(all.iter().all(|one| markdown.contains(&one.ours_text())));
-    assert_eq!(report_page(&report.paper()), html, "the same bytes again");
+    assert!(all.iter().all(|entry| markdown.contains(&entry.ours_text())));
+    assert_eq!(report_page(&report.paper()), html, "the page is reproducible");
 }
 
 fn outside(all: &[Comparison]) -> usize {
-    all.iter().filter(|one| one.verdict == Verdict::Outside).count()
+    all.iter().filter(|entry| entry.verdict == Verdict::Outside).count()
 }
 
-/// A quick run does not judge volumes, so that everything it judges is as expected.
+/// A quick run does not judge volumes; all judged values are as expected.
 #[test]
-fn the_command_writes_its_files() {
+fn command_writes_its_files() {
     let out = directory("reproduce").join("report");
     let output = phalanx(&["reproduce", "--quick", "--json", "--out", out.to_str().expect("plain text")]);
     assert_eq!(output.status.code(), Some(0), "{}\n{}", stdout(&output), stderr(&output));
@@ -165,8 +176,8 @@ fn the_command_writes_its_files() {
     let saved: Value =
         serde_json::from_str(&fs::read_to_string(out.join("report.json")).expect("report.json")).expect("JSON");
     assert_eq!((&document, &document["outside"]), (&saved, &Value::from(0)));
-    let volumes = document["figures"].as_array().expect("figures").iter().filter(|of| of["section"] == "volumes");
-    assert!(volumes.clone().count() > 40 && volumes.clone().all(|of| of["verdict"] == "not judged"));
+    let volumes = document["figures"].as_array().expect("figures").iter().filter(|entry| entry["section"] == "volumes");
+    assert!(volumes.clone().count() > 40 && volumes.clone().all(|entry| entry["verdict"] == "not judged"));
     let markdown = fs::read_to_string(out.join("report.md")).expect("report.md");
     let figures: Vec<&str> =
         markdown.split("](figures/").skip(1).filter_map(|part| part.split_once(')')).map(|part| part.0).collect();

@@ -1,34 +1,34 @@
-//! Selection on small tables made by hand: what each criterion removes, r_WC, and the ends where nothing is left.
+//! Selection on small tables: runs removed by each criterion, r_WC, and selections without a result.
 
-use crate::support::select::{Made, good, refused, results, ungraspable};
+use crate::support::sweep_results::{SweepRun, refused_run, results_table, successful_run, ungraspable_run};
 use phalanx::criteria::Class;
+use phalanx::format::ToReport;
 use phalanx::report::select::{SelectionReport, ranking_table};
 use phalanx::study::select::{Bound, SelectError, Selection, SelectionCriteria, Side, Weights, select};
 use phalanx::table::{Table, Value};
-use phalanx::wording::Reported;
 use phalanx::{plot, table};
 
 fn selected(table: &Table, criteria: &SelectionCriteria) -> Selection {
     select(table, criteria).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// (place, run) of the ranking.
-fn places(selection: &Selection) -> Vec<(usize, i64)> {
-    selection.ranking.iter().map(|ranked| (ranked.place, selection.runs[ranked.run_index].run)).collect()
+/// (rank, run) of the ranking.
+fn ranks(selection: &Selection) -> Vec<(usize, i64)> {
+    selection.ranking.iter().map(|ranked| (ranked.rank, selection.runs[ranked.run_index].run)).collect()
 }
 
-/// One run for each criterion that fails alone, one that fails two, two that meet all.
-fn mixed() -> Vec<Made> {
-    let usual = || good(0, 7e-3, [5.0, 20.0, 8.0]);
+/// One run for each criterion that fails only it, one that fails two, and two that meet all.
+fn mixed() -> Vec<SweepRun> {
+    let typical_run = || successful_run(0, 7e-3, [5.0, 20.0, 8.0]);
     let mut runs = vec![
-        good(1, 7e-3, [5.0, 20.0, 8.0]),
-        Made { force_positive: Some(false), ..usual() },
-        Made { form_closed: Some(false), ..usual() },
-        Made { class: Some("semi-unstable"), ..usual() },
-        Made { forces: Some([-0.1, 20.0, 8.0]), ..usual() },
-        Made { class: Some("unstable"), tts_s: None, form_closed: Some(false), ..usual() },
-        Made { class: Some("semi-stable"), forces: Some([0.0, 10.0, 8.0]), ..usual() },
-        refused(8),
+        successful_run(1, 7e-3, [5.0, 20.0, 8.0]),
+        SweepRun { force_positive: Some(false), ..typical_run() },
+        SweepRun { form_closed: Some(false), ..typical_run() },
+        SweepRun { class: Some("semi-unstable"), ..typical_run() },
+        SweepRun { forces: Some([-0.1, 20.0, 8.0]), ..typical_run() },
+        SweepRun { class: Some("unstable"), tts_s: None, form_closed: Some(false), ..typical_run() },
+        SweepRun { class: Some("semi-stable"), forces: Some([0.0, 10.0, 8.0]), ..typical_run() },
+        refused_run(8),
     ];
     for (index, run) in runs.iter_mut().enumerate() {
         run.design = index as i64 + 1;
@@ -37,15 +37,18 @@ fn mixed() -> Vec<Made> {
 }
 
 #[test]
-fn each_criterion_removes_what_fails_it() {
-    let selection = selected(&results(&mixed()), &SelectionCriteria::default());
-    let counts: Vec<_> =
-        selection.tallies.iter().map(|t| (t.holds, t.fails, t.unknown, t.left, t.only, t.removes())).collect();
-    // Completed, statically stable, form-closed, class, PFP; the refused run has no figures to judge.
+fn each_criterion_removes_the_runs_that_fail_it() {
+    let selection = selected(&results_table(&mixed()), &SelectionCriteria::default());
+    let counts: Vec<_> = selection
+        .tallies
+        .iter()
+        .map(|t| (t.holds, t.fails, t.unknown, t.remaining, t.removed_alone, t.removed()))
+        .collect();
+    // Completed, statically stable, form-closed, class, PFP; the refused run has no figures.
     let expected = [(7, 1, 0, 7, 0, 1), (6, 1, 1, 6, 1, 2), (5, 2, 1, 4, 1, 3), (5, 2, 1, 3, 1, 3), (6, 1, 1, 2, 1, 2)];
     assert_eq!(counts, expected);
     // PFP and tts are 5, 0 and 7, 7; F21 20, 10: run 1 has 1, ½, 0, ½, run 7 has 0, ½, 1, ½.
-    assert_eq!(places(&selection), [(1, 1), (1, 7)]);
+    assert_eq!(ranks(&selection), [(1, 1), (1, 7)]);
     assert!(selection.ranking.iter().all(|ranked| ranked.r_wc == 0.5));
     assert_eq!(selection.emptied_by(), None);
     let classes = &selection.classes[0];
@@ -54,124 +57,136 @@ fn each_criterion_removes_what_fails_it() {
 }
 
 #[test]
-fn criteria_can_be_left_out_and_added() {
-    let table = results(&mixed());
-    let with = |criteria: SelectionCriteria| {
-        let mut runs: Vec<i64> = places(&selected(&table, &criteria)).iter().map(|place| place.1).collect();
+fn criteria_can_be_removed_and_added() {
+    let table = results_table(&mixed());
+    let selected_runs = |criteria: SelectionCriteria| {
+        let mut runs: Vec<i64> = ranks(&selected(&table, &criteria)).iter().map(|ranked| ranked.1).collect();
         runs.sort_unstable();
         runs
     };
-    let usual = SelectionCriteria::default;
-    assert_eq!(with(usual()), [1, 7]);
-    assert_eq!(with(SelectionCriteria { force_positive: false, ..usual() }), [1, 2, 7]);
-    assert_eq!(with(SelectionCriteria { form_closed: false, ..usual() }), [1, 3, 7]);
-    assert_eq!(with(SelectionCriteria { bounds: vec![], ..usual() }), [1, 5, 7]);
-    assert_eq!(with(SelectionCriteria { least_class: Some(Class::SemiUnstable), ..usual() }), [1, 4, 7]);
-    assert_eq!(with(SelectionCriteria { least_class: Some(Class::Stable), ..usual() }), [1]);
-    // Without a class there is no time to stability to be sure of, so the ranking asks for one.
-    let any = SelectionCriteria { least_class: None, form_closed: false, ..usual() };
-    assert_eq!(with(any.clone()), [1, 3, 4, 7]);
+    let default_criteria = SelectionCriteria::default;
+    assert_eq!(selected_runs(default_criteria()), [1, 7]);
+    assert_eq!(selected_runs(SelectionCriteria { force_positive: false, ..default_criteria() }), [1, 2, 7]);
+    assert_eq!(selected_runs(SelectionCriteria { form_closed: false, ..default_criteria() }), [1, 3, 7]);
+    assert_eq!(selected_runs(SelectionCriteria { bounds: vec![], ..default_criteria() }), [1, 5, 7]);
+    assert_eq!(
+        selected_runs(SelectionCriteria { worst_class: Some(Class::SemiUnstable), ..default_criteria() }),
+        [1, 4, 7]
+    );
+    assert_eq!(selected_runs(SelectionCriteria { worst_class: Some(Class::Stable), ..default_criteria() }), [1]);
+    // Without a class criterion, the ranking requires a time to stability.
+    let any = SelectionCriteria { worst_class: None, form_closed: false, ..default_criteria() };
+    assert_eq!(selected_runs(any.clone()), [1, 3, 4, 7]);
     let weights = Weights { tts: 0.0, ..Weights::default() };
-    assert_eq!(with(SelectionCriteria { weights, ..any }), [1, 3, 4, 6, 7]);
+    assert_eq!(selected_runs(SelectionCriteria { weights, ..any }), [1, 3, 4, 6, 7]);
     let light = Bound { column: "mass_kg".to_string(), side: Side::AtMost, value: 0.0215 };
-    assert_eq!(with(SelectionCriteria { bounds: vec![light], ..usual() }), [1]);
-    let soon = Bound { column: "tts_s".to_string(), side: Side::AtMost, value: 1e-3 };
-    assert_eq!(with(SelectionCriteria { bounds: vec![soon], ..usual() }), Vec::<i64>::new());
+    assert_eq!(selected_runs(SelectionCriteria { bounds: vec![light], ..default_criteria() }), [1]);
+    let time_limit = Bound { column: "tts_s".to_string(), side: Side::AtMost, value: 1e-3 };
+    assert_eq!(selected_runs(SelectionCriteria { bounds: vec![time_limit], ..default_criteria() }), Vec::<i64>::new());
 }
 
-/// By hand, over runs 1 to 3: PFP 10, 0, 5; tts 7, 5, 9 ms; F21 30, 20, 10; F22 4, 2, 6.
-/// r_WC = (1 + ½ + 0 + ½)/4, (0 + 1 + ½ + 0)/4, (½ + 0 + 1 + 1)/4. A fourth run that is not form-closed must not widen a range.
+/// Calculated by hand for runs 1 to 3: PFP 10, 0, 5; tts 7, 5, 9 ms; F21 30, 20, 10; F22 4, 2, 6.
+/// r_WC = (1 + ½ + 0 + ½)/4, (0 + 1 + ½ + 0)/4, (½ + 0 + 1 + 1)/4. A fourth run that is not form-closed must not widen
+/// a range.
 #[test]
-fn r_wc_is_scaled_over_the_selected_alone() {
+fn r_wc_is_scaled_over_the_selected_runs_only() {
     let mut runs = vec![
-        good(1, 7e-3, [10.0, 30.0, 4.0]),
-        good(2, 5e-3, [0.0, 20.0, 2.0]),
-        good(3, 9e-3, [5.0, 10.0, 6.0]),
-        Made { form_closed: Some(false), ..good(4, 1e-3, [1000.0, 1.0, 500.0]) },
+        successful_run(1, 7e-3, [10.0, 30.0, 4.0]),
+        successful_run(2, 5e-3, [0.0, 20.0, 2.0]),
+        successful_run(3, 9e-3, [5.0, 10.0, 6.0]),
+        SweepRun { form_closed: Some(false), ..successful_run(4, 1e-3, [1000.0, 1.0, 500.0]) },
     ];
-    let table = results(&runs);
+    let table = results_table(&runs);
     let selection = selected(&table, &SelectionCriteria::default());
-    assert_eq!(places(&selection), [(1, 3), (2, 1), (3, 2)]);
+    assert_eq!(ranks(&selection), [(1, 3), (2, 1), (3, 2)]);
     let scores: Vec<f64> = selection.ranking.iter().map(|ranked| ranked.r_wc).collect();
     assert!(
         scores.iter().zip([0.625, 0.5, 0.375]).all(|(score, by_hand)| (score - by_hand).abs() < 1e-14),
         "{scores:?}"
     );
 
-    // The order of the rows is of no account.
+    // The order of the rows has no effect.
     let mut shuffled = table.clone();
     shuffled.rows.reverse();
-    let again = selected(&shuffled, &SelectionCriteria::default());
-    assert_eq!(places(&again), places(&selection));
+    let reordered = selected(&shuffled, &SelectionCriteria::default());
+    assert_eq!(ranks(&reordered), ranks(&selection));
 
-    // The ranking as a table holds the same, and is a table of results itself.
+    // The ranking as a table has the same content and is a valid table of results.
     let ranking = ranking_table(&table, &selection);
     assert_eq!(ranking.integers("run").expect("runs"), [Some(3), Some(1), Some(2)]);
     assert_eq!(ranking.numbers("r_wc").expect("scores"), scores.iter().map(|&score| Some(score)).collect::<Vec<_>>());
     assert_eq!(ranking.numbers("part_f21").expect("parts"), [Some(1.0), Some(0.0), Some(0.5)]);
     let twice = selected(&ranking, &SelectionCriteria::default());
-    assert_eq!(places(&twice), places(&selection));
+    assert_eq!(ranks(&twice), ranks(&selection));
     assert_eq!(ranking_table(&ranking, &twice), ranking);
 
     runs.truncate(1);
-    let alone = selected(&results(&runs), &SelectionCriteria::default());
-    assert_eq!((places(&alone), alone.ranking[0].r_wc), (vec![(1, 1)], 0.5));
-    assert!(SelectionReport::new("one.csv", &alone, 5).report().to_string().contains("Only one is left"));
+    let single = selected(&results_table(&runs), &SelectionCriteria::default());
+    assert_eq!((ranks(&single), single.ranking[0].r_wc), (vec![(1, 1)], 0.5));
+    assert!(SelectionReport::new("one.csv", &single, 5).report().to_string().contains("Only one run is left"));
 }
 
 #[test]
-fn none_left_names_the_criterion_that_removed_the_last() {
+fn an_empty_selection_names_the_criterion_that_removed_the_last_run() {
     let runs = vec![
-        Made { form_closed: Some(false), ..good(1, 7e-3, [5.0, 20.0, 8.0]) },
-        good(2, 7e-3, [-5.0, 20.0, 8.0]),
-        good(3, 7e-3, [-1.0, 20.0, 8.0]),
+        SweepRun { form_closed: Some(false), ..successful_run(1, 7e-3, [5.0, 20.0, 8.0]) },
+        successful_run(2, 7e-3, [-5.0, 20.0, 8.0]),
+        successful_run(3, 7e-3, [-1.0, 20.0, 8.0]),
     ];
-    let selection = selected(&results(&runs), &SelectionCriteria::default());
-    let last = selection.emptied_by().expect("none is left");
-    assert_eq!((last.left, last.only), (0, 2));
+    let selection = selected(&results_table(&runs), &SelectionCriteria::default());
+    let last = selection.emptied_by().expect("an empty selection");
+    assert_eq!((last.remaining, last.removed_alone), (0, 2));
     let text = SelectionReport::new("none.csv", &selection, 5).report().to_string();
     assert!(text.contains("\"PFP ≥ 0 N\" removed the last"), "{text}");
     assert!(text.contains("1 without \"form-closed\", 2 without \"PFP ≥ 0 N\""), "{text}");
     let report = SelectionReport::new("none.csv", &selection, 5);
     assert_eq!((report.selected, report.emptied_by.as_deref()), (0, Some("pfp_n")));
 
-    let worse = vec![Made { form_closed: Some(false), ..good(1, 7e-3, [-5.0, 20.0, 8.0]) }];
-    let selection = selected(&results(&worse), &SelectionCriteria::default());
+    let ungraspable = vec![SweepRun { form_closed: Some(false), ..successful_run(1, 7e-3, [-5.0, 20.0, 8.0]) }];
+    let selection = selected(&results_table(&ungraspable), &SelectionCriteria::default());
     assert!(
         SelectionReport::new("none.csv", &selection, 5).report().to_string().contains("every run fails two or more")
     );
 }
 
-/// Friction varies within a design, so it is a condition; base does not.
+/// Friction varies within a design and is a condition; the base does not vary.
 #[test]
-fn what_varies_within_a_design_makes_the_conditions() {
-    let of = |mu: f64| {
-        [1, 2].map(|design| Made { mu, base_m: 0.01 + 0.002 * design as f64, ..good(design, 7e-3, [1.0, 2.0, 3.0]) })
+fn axes_that_vary_within_a_design_define_conditions() {
+    let designs = |mu: f64| {
+        [1, 2].map(|design| SweepRun {
+            mu,
+            base_m: 0.01 + 0.002 * design as f64,
+            ..successful_run(design, 7e-3, [1.0, 2.0, 3.0])
+        })
     };
-    let runs = [of(0.8), of(0.0)].concat();
-    let selection = selected(&results(&runs), &SelectionCriteria::default());
-    let again: Vec<_> = selection.axes.iter().map(|axis| (axis.column.as_str(), axis.again)).collect();
-    assert_eq!(again, [("contact.friction.mu_static", true), ("design.base_m", false)]);
+    let runs = [designs(0.8), designs(0.0)].concat();
+    let selection = selected(&results_table(&runs), &SelectionCriteria::default());
+    let axes: Vec<_> = selection.axes.iter().map(|axis| (axis.column.as_str(), axis.varies_within_design)).collect();
+    assert_eq!(axes, [("contact.friction.mu_static", true), ("design.base_m", false)]);
     let mu = |value| vec![("contact.friction.mu_static".to_string(), Value::Number(value))];
-    assert_eq!(selection.conditions.iter().map(|of| of.values.clone()).collect::<Vec<_>>(), [mu(0.8), mu(0.0)]);
+    assert_eq!(
+        selection.conditions.iter().map(|condition| condition.values.clone()).collect::<Vec<_>>(),
+        [mu(0.8), mu(0.0)]
+    );
     assert_eq!(selection.runs.iter().map(|run| run.condition).collect::<Vec<_>>(), [0, 0, 1, 1]);
     assert_eq!((selection.designs(), selection.classes.len()), (2, 2));
 
-    // A table of one condition alone has none to tell apart.
-    let selection = selected(&results(&runs[..2]), &SelectionCriteria::default());
+    // A table of a single condition has no condition axes.
+    let selection = selected(&results_table(&runs[..2]), &SelectionCriteria::default());
     assert_eq!((selection.conditions.len(), selection.conditions[0].values.len()), (1, 0));
 }
 
-/// A table that is not what `phalanx sweep` writes is refused, with the row and what to do.
+/// Invalid tables are rejected with the row and a remedy.
 #[test]
-fn wrong_tables_are_refused() {
-    let whole = || results(&[good(1, 7e-3, [1.0, 2.0, 3.0]), good(2, 7e-3, [1.0, 2.0, 3.0])]);
+fn rejects_invalid_tables() {
+    let table_of_two =
+        || results_table(&[successful_run(1, 7e-3, [1.0, 2.0, 3.0]), successful_run(2, 7e-3, [1.0, 2.0, 3.0])]);
     let refusal = |change: &dyn Fn(&mut Table)| {
-        let mut table = whole();
+        let mut table = table_of_two();
         change(&mut table);
         select(&table, &SelectionCriteria::default()).expect_err("refused").to_string()
     };
-    let at = |name: &str| whole().column(name).expect("a column");
+    let column_index = |name: &str| table_of_two().column(name).expect("a column");
     let set = |name: &'static str, value: Value| {
         move |table: &mut Table| {
             let column = table.column(name).expect("a column");
@@ -188,8 +203,8 @@ fn wrong_tables_are_refused() {
     for (message, words) in [
         (refusal(&remove("pfp_n")), vec!["pfp_n", "phalanx sweep"]),
         (refusal(&remove("l12_m")), vec!["l12_m"]),
-        (refusal(&set("run", Value::Integer(1))), vec!["run 1 is there twice", "rows 1 and 2"]),
-        (refusal(&set("design", Value::Integer(1))), vec!["design 1 is there twice", "runs 1 and 2"]),
+        (refusal(&set("run", Value::Integer(1))), vec!["run 1 occurs twice", "rows 1 and 2"]),
+        (refusal(&set("design", Value::Integer(1))), vec!["design 1 occurs twice", "runs 1 and 2"]),
         (refusal(&set("run", Value::Missing)), vec!["row 2", "`run`", "resume"]),
         (refusal(&set("status", Value::Missing)), vec!["row 2", "`status`", "resume"]),
         (refusal(&set("status", Value::from("done"))), vec!["run 2", "`done`", "completed"]),
@@ -198,7 +213,7 @@ fn wrong_tables_are_refused() {
         (refusal(&set("pfp_n", Value::Number(f64::NAN))), vec!["run 2", "`pfp_n`", "NaN", "finite"]),
         (refusal(&set("pfp_n", Value::from("much"))), vec!["row 2", "pfp_n", "much", "a number"]),
         (refusal(&|table| table.rows.clear()), vec!["no rows", "phalanx sweep"]),
-        (refusal(&|table| table.columns.swap(at("design"), at("l12_m"))), vec!["l12_m", "before"]),
+        (refusal(&|table| table.columns.swap(column_index("design"), column_index("l12_m"))), vec!["l12_m", "before"]),
     ] {
         assert!(words.iter().all(|word| message.contains(word)), "{words:?} in {message}");
     }
@@ -207,39 +222,44 @@ fn wrong_tables_are_refused() {
         ..SelectionCriteria::default()
     };
     for (column, word) in [("mass_k", "did you mean `mass_kg`"), ("status", "a number")] {
-        let error = select(&whole(), &bound(column)).expect_err("refused").to_string();
+        let error = select(&table_of_two(), &bound(column)).expect_err("refused").to_string();
         assert!(error.contains(word), "{error}");
     }
     let weights =
         |tts: f64| SelectionCriteria { weights: Weights { pfp: 0.0, tts, f21: 0.0, f22: 0.0 }, ..bound("mass_kg") };
-    assert_eq!(select(&whole(), &weights(0.0)), Err(SelectError::NoWeight));
-    assert_eq!(select(&whole(), &weights(-1.0)), Err(SelectError::Weight { name: "tts", value: -1.0 }));
+    assert_eq!(select(&table_of_two(), &weights(0.0)), Err(SelectError::NoWeight));
+    assert_eq!(select(&table_of_two(), &weights(-1.0)), Err(SelectError::Weight { name: "tts", value: -1.0 }));
 }
 
-/// Designs that cannot grasp are counted by the reason without its numbers, meet no criterion, and end no selection.
+/// Designs that cannot grasp are counted by reason without numbers and are not selected.
 #[test]
 fn runs_that_cannot_grasp_are_counted_and_not_selected() {
-    let semi = "rebound 2.1 %, at most 5 %; the tip touched first and lifted off at 7.1 ms, until 8.2 ms";
+    let semi_stable_reason =
+        "rebound 2.1 %, at most 5 %; the distal phalanx touched first and lifted off from 7.1 ms to 8.2 ms";
     let runs = [
-        good(1, 7e-3, [5.0, 20.0, 8.0]),
-        ungraspable(2, "the distal phalanx does not reach its contact: it is 15.7800 mm long"),
-        ungraspable(3, "the distal phalanx does not reach its contact: it is 16.0000 mm long"),
-        ungraspable(4, "the proximal phalanx misses the object: it is 9 mm long"),
-        refused(5),
-        Made { class: Some("semi-stable"), class_reason: Some(semi), ..good(6, 8e-3, [6.0, 20.0, 8.0]) },
+        successful_run(1, 7e-3, [5.0, 20.0, 8.0]),
+        ungraspable_run(2, "the distal phalanx does not reach its contact: it is 15.7800 mm long"),
+        ungraspable_run(3, "the distal phalanx does not reach its contact: it is 16.0000 mm long"),
+        ungraspable_run(4, "the proximal phalanx misses the object: it is 9 mm long"),
+        refused_run(5),
+        SweepRun {
+            class: Some("semi-stable"),
+            class_reason: Some(semi_stable_reason),
+            ..successful_run(6, 8e-3, [6.0, 20.0, 8.0])
+        },
     ];
     let any = SelectionCriteria {
         force_positive: false,
         form_closed: false,
-        least_class: None,
+        worst_class: None,
         bounds: vec![],
         weights: Weights { tts: 0.0, ..Weights::default() },
     };
     for criteria in [SelectionCriteria::default(), any] {
-        let selection = selected(&results(&runs), &criteria);
-        let mut chosen: Vec<i64> = places(&selection).iter().map(|place| place.1).collect();
-        chosen.sort_unstable();
-        assert_eq!(chosen, [1, 6]);
+        let selection = selected(&results_table(&runs), &criteria);
+        let mut ranked_runs: Vec<i64> = ranks(&selection).iter().map(|ranked| ranked.1).collect();
+        ranked_runs.sort_unstable();
+        assert_eq!(ranked_runs, [1, 6]);
         assert!(selection.ranking.iter().all(|ranked| ranked.r_wc.is_finite()));
         let counts: Vec<_> = selection.cannot_grasp.iter().map(|reason| (reason.runs, reason.first_run)).collect();
         assert_eq!(counts, [(2, 2), (1, 4)]);
@@ -252,8 +272,8 @@ fn runs_that_cannot_grasp_are_counted_and_not_selected() {
             "2 rows cannot grasp, first run 2: the distal phalanx does not reach its contact: it is 15.7800 mm long",
             "1 row cannot grasp, first run 4: the proximal phalanx misses the object: it is 9 mm long",
             "can grasp its object",
-            &format!("1 semi-stable, first run 6: {semi}"),
-            &format!("run 6 is semi-stable: {semi}"),
+            &format!("1 semi-stable, first run 6: {semi_stable_reason}"),
+            &format!("run 6 is semi-stable: {semi_stable_reason}"),
         ] {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
@@ -263,35 +283,35 @@ fn runs_that_cannot_grasp_are_counted_and_not_selected() {
             (&document["cannot_grasp"][0]["runs"], &document["criteria"][1]["criterion"]),
             (&2.into(), &"graspable".into())
         );
-        assert_eq!(document["class_reasons"][1]["class_reason"], semi);
+        assert_eq!(document["class_reasons"][1]["class_reason"], semi_stable_reason);
     }
-    // Where every finger can grasp, nothing is said of it.
-    let selection = selected(&results(&mixed()), &SelectionCriteria::default());
+    // If every finger can grasp, there is no such criterion.
+    let selection = selected(&results_table(&mixed()), &SelectionCriteria::default());
     assert!(selection.cannot_grasp.is_empty() && selection.tallies.len() == 5);
 }
 
 #[test]
 fn missing_runs_are_counted() {
-    let mut table = results(&[1, 2, 3, 4].map(|design| good(design, 7e-3, [1.0, 2.0, 3.0])));
+    let mut table = results_table(&[1, 2, 3, 4].map(|design| successful_run(design, 7e-3, [1.0, 2.0, 3.0])));
     table.rows.remove(1);
     let selection = selected(&table, &SelectionCriteria::default());
     assert_eq!(selection.missing_runs, [2]);
     assert!(SelectionReport::new("part.csv", &selection, 1).report().to_string().contains("first: run 2"));
 }
 
-/// Pictures of tables small and large, whatever is missing in them; their size does not grow with the study.
+/// Plots of small, large and incomplete tables; their size is bounded.
 #[test]
-fn pictures_are_drawn_of_any_study() {
-    let many: Vec<Made> = (0..5000)
-        .map(|index| Made {
+fn plots_any_study_with_bounded_size() {
+    let many_runs: Vec<SweepRun> = (0..5000)
+        .map(|index| SweepRun {
             base_m: 0.012 + 1e-6 * f64::from(index),
             force_positive: Some(index % 3 > 0),
             class: Some(["stable", "semi-stable", "semi-unstable", "unstable"][index as usize % 4]),
-            ..good(i64::from(index), 7e-3, [f64::from(index % 7), 2.0, 3.0])
+            ..successful_run(i64::from(index), 7e-3, [f64::from(index % 7), 2.0, 3.0])
         })
         .collect();
-    for (runs, most) in [(mixed(), 100_000), (vec![refused(1)], 100_000), (many, 3_000_000)] {
-        let table = results(&runs);
+    for (runs, max_bytes) in [(mixed(), 100_000), (vec![refused_run(1)], 100_000), (many_runs, 3_000_000)] {
+        let table = results_table(&runs);
         let selection = selected(&table, &SelectionCriteria::default());
         for svg in [
             plot::selection_criteria("made", &selection),
@@ -300,25 +320,25 @@ fn pictures_are_drawn_of_any_study() {
             plot::selection_forces("made", &selection),
             plot::selection_variables("made", &table, &selection),
         ] {
-            assert!(svg.trim_end().ends_with("</svg>") && svg.len() < most, "{} bytes", svg.len());
-            assert!(!svg.contains("NaN") && !svg.contains("inf"), "a place that is no number");
+            assert!(svg.trim_end().ends_with("</svg>") && svg.len() < max_bytes, "{} bytes", svg.len());
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "a coordinate is not finite");
         }
-        let strips = plot::selection_criteria("made", &selection);
-        assert!(strips.len() < 1_000_000, "{} bytes", strips.len());
+        let picture = plot::selection_criteria("made", &selection);
+        assert!(picture.len() < 1_000_000, "{} bytes", picture.len());
     }
 }
 
-/// CSV and Parquet select alike.
+/// CSV and Parquet give the same selection.
 #[test]
-fn files_of_either_format_select_alike() {
+fn csv_and_parquet_give_the_same_selection() {
     let directory = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("select-formats");
     std::fs::create_dir_all(&directory).expect("a directory");
-    let made = results(&mixed());
-    let of = |name: &str| {
+    let generated = results_table(&mixed());
+    let select_from = |name: &str| {
         let path = directory.join(name);
-        table::write(&path, &made).expect("written");
+        table::write(&path, &generated).expect("the file is writable");
         selected(&table::read(&path).expect("read"), &SelectionCriteria::default())
     };
-    assert_eq!(of("made.csv"), of("made.parquet"));
-    assert_eq!(of("made.csv"), selected(&made, &SelectionCriteria::default()));
+    assert_eq!(select_from("made.csv"), select_from("made.parquet"));
+    assert_eq!(select_from("made.csv"), selected(&generated, &SelectionCriteria::default()));
 }

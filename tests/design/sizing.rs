@@ -1,8 +1,8 @@
-//! Sizing of spring and motor (2-design §2.2): design 95's figures, convergence, placements, and scenes that ask for it.
+//! Sizing of spring and motor (2-design §2.2): torques of design 95, convergence, placements, and scenes with sizing.
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::support::gripper::{THIRDS, design_95, sweep};
+use crate::support::designs::{THIRDS, design_95, sweep_designs};
 use phalanx::fivebar::dynamics::{Dynamics, inverse_dynamics};
 use phalanx::fivebar::kinematics::{directions, passive_rates, reference_gamma};
 use phalanx::gripper::{Assembly, Design, Finger, Placement, Spring, SpringKind, bodies, disc, lengths, total_mass};
@@ -14,12 +14,12 @@ fn finger(design: &Design) -> Finger {
     Finger { lengths, bodies: bodies(&lengths, 1070.0, 0.04).unwrap(), assembly: Assembly::Reference }
 }
 
-/// The 192 designs of the thesis (§4.2 with errata 15), in its order.
+/// Returns the 192 designs of the thesis (§4.2 with errata 15), in its order.
 fn thesis_designs() -> Vec<Design> {
-    sweep(THIRDS)
+    sweep_designs(THIRDS)
 }
 
-/// 2-design §2.2 has 117.72, 516.5 and 440.8 N·mm, the latter two from a mean over some thousand samples.
+/// 2-design §2.2 gives 117.72, 516.5 and 440.8 N·mm, the latter two as means over several thousand samples.
 #[test]
 fn design_95_has_the_torques_of_the_specification() {
     let design = design_95();
@@ -51,9 +51,9 @@ fn trajectories_and_masses_have_the_ranges_of_the_specification() {
     assert_eq!(format!("{:.2}", masses[94] * 1e3), "24.64");
 }
 
-/// Against the definition: the general inverse dynamic model along the whole trajectory, with a plain fine mean.
+/// Compares the closed form with its definition: the general inverse dynamic model along the trajectory, averaged over fine samples.
 #[test]
-fn the_closed_form_of_the_rigid_phase_is_the_definition() {
+fn closed_form_of_the_rigid_phase_matches_its_definition() {
     for design in thesis_designs().iter().step_by(17) {
         let finger = finger(design);
         let task = Task::thesis(disc(design));
@@ -63,7 +63,7 @@ fn the_closed_form_of_the_rigid_phase_is_the_definition() {
         let samples = 20_000;
         let (mut spring, mut squares, mut slope_of) = (f64::MIN, 0.0, f64::NAN);
         for i in 0..samples {
-            // Middles of the intervals: a second-order mean.
+            // Midpoint rule.
             let x = closing.contact_x * (i as f64 + 0.5) / samples as f64;
             let motion = closing.trajectory.at(x);
             let q = [motion.angle_rad, motion.angle_rad + FRAC_PI_2];
@@ -77,41 +77,42 @@ fn the_closed_form_of_the_rigid_phase_is_the_definition() {
         let sizing = size(&finger, &task, Rule::Rigid).unwrap();
         assert!((sizing.motor_n_m / squares.sqrt() - 1.0).abs() < 1e-7, "{sizing:?} {}", squares.sqrt());
         assert!((sizing.spring_n_m / spring - 1.0).abs() < 2e-4, "{sizing:?} {spring}");
-        assert!(sizing.spring_n_m >= spring * (1.0 - 5e-8), "a maximum between samples is no less than any sample");
+        assert!(sizing.spring_n_m >= spring * (1.0 - 5e-8), "the maximum is at least the largest sample");
     }
 }
 
 #[test]
-fn samples_are_enough() {
+fn sizing_has_converged_with_the_default_samples() {
     for design in thesis_designs() {
         let (finger, task) = (finger(&design), Task::thesis(disc(&design)));
-        let at = |rule, intervals| size_with(&finger, &task, rule, Placement::Phalanges, intervals).unwrap();
+        let sized = |rule, intervals| size_with(&finger, &task, rule, Placement::Phalanges, intervals).unwrap();
         let change = |a: f64, b: f64| (a / b - 1.0).abs();
-        let (rigid, finer) = (at(Rule::Rigid, INTERVALS), at(Rule::Rigid, 2 * INTERVALS));
+        let (rigid, finer) = (sized(Rule::Rigid, INTERVALS), sized(Rule::Rigid, 2 * INTERVALS));
         assert!(change(rigid.motor_n_m, finer.motor_n_m) < 1e-9);
         assert!(change(rigid.spring_n_m, finer.spring_n_m) < 5e-8);
-        let (whole, finer) = (at(Rule::Whole, INTERVALS), at(Rule::Whole, 2 * INTERVALS));
+        let (whole, finer) = (sized(Rule::Whole, INTERVALS), sized(Rule::Whole, 2 * INTERVALS));
         assert!(change(whole.motor_n_m, finer.motor_n_m) < 1e-5, "{design:?}");
     }
 }
 
-/// §3.3.2.3: q22 and the last place need the weakest springs, and the motor's net torque does not know where the spring is.
+/// §3.3.2.3: the placement on q22 and the last placement need the weakest springs; the net motor torque does not depend on the
+/// placement.
 #[test]
-fn the_place_of_the_spring_changes_the_spring_alone() {
+fn spring_placement_changes_only_the_spring() {
     for design in thesis_designs() {
         let (finger, task) = (finger(&design), Task::thesis(disc(&design)));
-        let at = |placement| size_with(&finger, &task, Rule::Rigid, placement, INTERVALS).unwrap();
-        let [ground, coupler, phalanges, last] = Placement::ALL.map(at);
+        let sized = |placement| size_with(&finger, &task, Rule::Rigid, placement, INTERVALS).unwrap();
+        let [ground, coupler, phalanges, last] = Placement::ALL.map(sized);
         for other in [ground, coupler, last] {
             assert_eq!(other.motor_n_m, phalanges.motor_n_m);
         }
-        let strong = ground.spring_n_m.min(coupler.spring_n_m);
-        assert!(phalanges.spring_n_m < strong && last.spring_n_m < strong, "{design:?}");
+        let weaker_of_others = ground.spring_n_m.min(coupler.spring_n_m);
+        assert!(phalanges.spring_n_m < weaker_of_others && last.spring_n_m < weaker_of_others, "{design:?}");
     }
 }
 
 #[test]
-fn the_profile_starts_at_rest_ends_at_rest_and_meets_the_object() {
+fn profile_starts_and_ends_at_rest_and_contains_the_contact() {
     let design = design_95();
     let (finger, task) = (finger(&design), Task::thesis(disc(&design)));
     let profile = profile(&finger, &task, 1.0, 400).unwrap();
@@ -120,91 +121,92 @@ fn the_profile_starts_at_rest_ends_at_rest_and_meets_the_object() {
     assert_eq!([first.qd11_rad_s, last.qd11_rad_s], [0.0, 0.0]);
     let end = profile.closing.end.posture;
     assert!((last.q11_rad - end.q11_rad).abs() < 1e-12 && (last.q22_rad - end.q22_rad).abs() < 1e-12);
-    // Springs and net torque as far as the contact, which is there from both sides.
-    let swing: Vec<_> = profile.points.iter().filter(|point| point.springs_n_m.is_some()).collect();
-    let contact = swing.last().unwrap();
+    // Spring and net torques exist up to the contact, which is included once for each phase.
+    let free_phase: Vec<_> = profile.points.iter().filter(|point| point.springs_n_m.is_some()).collect();
+    let contact = free_phase.last().unwrap();
     assert_eq!(contact.time_s, profile.closing.contact_s());
-    let after = profile.points[swing.len()];
+    let after = profile.points[free_phase.len()];
     assert_eq!(after.time_s, contact.time_s);
     assert!((after.q22_rad - contact.q22_rad).abs() < 1e-12);
-    // The largest sample is what was sized, as fine as 400 samples are.
-    let largest = swing.iter().map(|point| point.springs_n_m.unwrap()[2]).fold(f64::MIN, f64::max);
+    // The largest sample equals the sized torque within the resolution of 400 samples.
+    let largest = free_phase.iter().map(|point| point.springs_n_m.unwrap()[2]).fold(f64::MIN, f64::max);
     assert!(
         (largest / profile.rigid.spring_n_m - 1.0).abs() < 1e-4 && largest <= profile.rigid.spring_n_m * (1.0 + 1e-9)
     );
-    // A torsional spring pulls harder the further the tip bends (Fig. 3.3).
-    let bent = profile.points.iter().filter(|point| point.q22_rad > first.q22_rad + 1e-3);
-    assert!(bent.clone().count() > 50);
-    for point in bent {
+    // The torque of a torsional spring grows with the rotation of the tip (Fig. 3.3).
+    let closing_points = profile.points.iter().filter(|point| point.q22_rad > first.q22_rad + 1e-3);
+    assert!(closing_points.clone().count() > 50);
+    for point in closing_points {
         assert!(point.torsional_n_m > point.constant_n_m, "{point:?}");
     }
     assert!((profile.torsional_n_m_per_rad - profile.rigid.spring_n_m).abs() < 1e-15, "c_s q_p = k_s at q_p = 1 rad");
 }
 
 #[test]
-fn what_cannot_be_sized_says_why() {
+fn errors_name_the_reason() {
     let design = design_95();
     let finger = finger(&design);
     let task = Task::thesis(disc(&design));
-    let refused = |finger: &Finger, task: &Task| size(finger, task, Rule::Rigid).unwrap_err().to_string();
-    assert!(refused(&finger, &Task { closing_s: 0.0, ..task }).starts_with("closing_s is 0, but must be"));
-    assert!(refused(&finger, &Task { opening_rad: -0.1, ..task }).contains("must start above 0 deg before it"));
+    let error = |finger: &Finger, task: &Task| size(finger, task, Rule::Rigid).unwrap_err().to_string();
+    assert!(error(&finger, &Task { closing_s: 0.0, ..task }).starts_with("closing_s is 0, but must be"));
+    assert!(error(&finger, &Task { opening_rad: -0.1, ..task }).contains("must start more than 0 deg before it"));
     let other = Finger { assembly: Assembly::Other, ..finger };
     assert_eq!(size(&other, &task, Rule::Rigid), Err(SizingError::OtherAssembly));
-    let mut far = task;
-    far.object.centre_m[0] = -0.2;
-    assert!(refused(&finger, &far).contains("misses the object"));
+    let mut unreachable = task;
+    unreachable.object.centre_m[0] = -0.2;
+    assert!(error(&finger, &unreachable).contains("misses the object"));
 }
 
 const DESIGN: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
 
-fn scene(before: &str, after: &str) -> Scene {
-    scene::parse(&format!("{before}\n{DESIGN}{after}"), "sized.toml").unwrap()
+fn scene(head: &str, tail: &str) -> Scene {
+    scene::parse(&format!("{head}\n{DESIGN}{tail}"), "sized.toml").unwrap()
 }
 
 #[test]
-fn a_scene_is_sized_as_the_finger_is() {
+fn scene_sizing_equals_finger_sizing() {
     let design = design_95();
     let task = Task::thesis(disc(&design));
-    for (word, rule) in [("rigid", Rule::Rigid), ("whole", Rule::Whole)] {
-        let scene = scene(&format!("sizing = \"{word}\""), "");
+    for (keyword, rule) in [("rigid", Rule::Rigid), ("whole", Rule::Whole)] {
+        let scene = scene(&format!("sizing = \"{keyword}\""), "");
         let sizing = size(&scene.finger().linkage, &task, rule).unwrap();
         assert_eq!(scene.finger().motor.actuation, Actuation::Constant { torque_n_m: sizing.motor_n_m });
         let kind = SpringKind::Constant { torque_n_m: sizing.spring_n_m };
         assert_eq!(scene.finger().spring, Some(Spring { kind, placement: Placement::Phalanges }));
-        // Filled in, the torques stand for themselves.
+        // A completed scene contains the torques instead of the sizing rule.
         let shown = scene::show(&scene);
         assert!(!shown.contains("sizing"));
-        let again = scene::parse(&shown, "sized.toml").unwrap();
-        assert_eq!(again.finger().motor, scene.finger().motor);
-        assert_eq!(again.finger().spring, scene.finger().spring);
+        let reparsed = scene::parse(&shown, "sized.toml").unwrap();
+        assert_eq!(reparsed.finger().motor, scene.finger().motor);
+        assert_eq!(reparsed.finger().spring, scene.finger().spring);
     }
 }
 
 #[test]
-fn a_scene_is_sized_for_what_it_says() {
-    let plain = size(&scene("sizing = \"rigid\"", "").finger().linkage, &Task::thesis(disc(&design_95())), Rule::Rigid)
-        .unwrap();
+fn scene_sizing_uses_the_scene_parameters() {
+    let expected_sizing =
+        size(&scene("sizing = \"rigid\"", "").finger().linkage, &Task::thesis(disc(&design_95())), Rule::Rigid)
+            .unwrap();
     let torques = |scene: &Scene| match (&scene.finger().motor.actuation, scene.finger().spring.unwrap().kind) {
         (Actuation::Constant { torque_n_m } | Actuation::Ramp { torque_n_m, .. }, kind) => (*torque_n_m, kind),
         other => panic!("{other:?}"),
     };
-    // Half the time takes about four times the torque.
+    // Half the closing time requires about four times the torque.
     let (motor, _) = torques(&scene("sizing = \"rigid\"\nclosing_time = \"5 ms\"", ""));
-    assert!((motor / plain.motor_n_m - 4.0).abs() < 0.05, "{motor}");
+    assert!((motor / expected_sizing.motor_n_m - 4.0).abs() < 0.05, "{motor}");
     let heavy =
         scene("sizing = \"rigid\"\ngravity = [\"0 m/s^2\", \"0 m/s^2\"]", "[material]\ndensity = \"2140 kg/m^3\"\n");
     let light = scene("sizing = \"rigid\"\ngravity = [\"0 m/s^2\", \"0 m/s^2\"]", "");
     assert!((torques(&heavy).0 / torques(&light).0 - 2.0).abs() < 1e-12);
-    // The same start said in two ways.
+    // The same start specified by an angle.
     let by_angle = scene("sizing = \"rigid\"", "[initial]\nq21 = \"40 deg\"\n");
     let contact = by_angle.finger().initial.q21_rad;
     assert!((contact.to_degrees() - 40.0).abs() < 1e-12);
-    assert!((torques(&by_angle).0 / plain.motor_n_m - 1.0).abs() < 1e-3);
-    // A torsional spring has the torque of the constant one where the finger is straight.
+    assert!((torques(&by_angle).0 / expected_sizing.motor_n_m - 1.0).abs() < 1e-3);
+    // The torsional spring has the torque of the constant spring when the finger is straight.
     let torsional = scene("sizing = \"rigid\"", "[spring]\ntype = \"torsional\"\npreload = \"90 deg\"\n");
     let SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } = torques(&torsional).1 else { panic!() };
-    assert!((stiffness_n_m_per_rad * preload_rad - plain.spring_n_m).abs() < 1e-15);
-    let ramp = scene("sizing = \"rigid\"", "[motor]\nprofile = \"ramp\"\nrise = \"2 ms\"\n");
-    assert_eq!(torques(&ramp).0, plain.motor_n_m);
+    assert!((stiffness_n_m_per_rad * preload_rad - expected_sizing.spring_n_m).abs() < 1e-15);
+    let with_ramp = scene("sizing = \"rigid\"", "[motor]\nprofile = \"ramp\"\nrise = \"2 ms\"\n");
+    assert_eq!(torques(&with_ramp).0, expected_sizing.motor_n_m);
 }

@@ -1,14 +1,14 @@
-//! How many of the 192 designs hold their object, with motor and spring sized to the rigid phase (2-design §2.6).
+//! Number of the 192 designs that hold their object, with motor and spring sized for the rigid phase (2-design §2.6).
 
-use crate::support::gripper::{THIRDS, sweep};
+use crate::support::designs::{THIRDS, sweep_designs};
 use crate::support::statics::{constant_spring, grasp};
 use phalanx::sizing::{Rule, Sizing, Task, size};
 use phalanx::statics::{drive_loads, equilibrium, form_closure};
 
 #[test]
-fn of_192_designs_136_are_stable_without_friction_160_with_it_and_22_form_closed() {
+fn numbers_of_stable_and_form_closed_designs() {
     let (mut stable, mut closed, mut nearest) = ([0; 2], 0, f64::INFINITY);
-    for design in sweep(THIRDS) {
+    for design in sweep_designs(THIRDS) {
         let grasp = grasp(&design).unwrap();
         let Sizing { motor_n_m, spring_n_m, .. } = size(&grasp.finger, &Task::thesis(grasp.disc), Rule::Rigid).unwrap();
         let loads = drive_loads(&grasp.finger, &grasp.end, motor_n_m, Some(&constant_spring(spring_n_m))).unwrap();
@@ -20,7 +20,7 @@ fn of_192_designs_136_are_stable_without_friction_160_with_it_and_22_form_closed
         closed += usize::from(form_closure(&grasp.finger, &grasp.end).unwrap().closed);
     }
     assert_eq!((stable, closed), ([136, 160], 22));
-    // None is decided by rounding.
-    println!("the smallest force of all is {nearest:.3} N");
+    // No design is decided by rounding.
+    println!("the smallest force of all designs is {nearest:.3} N");
     assert!(nearest > 1e-3, "{nearest}");
 }

@@ -1,31 +1,34 @@
-//! Contact forces at rest: virtual work, balance of the object, Birglen's frame, refusals.
+//! Contact forces at rest: virtual work, balance of the object, Birglen's formulation, rejected input.
 
-use crate::support::gripper::design_95;
+use crate::support::designs::design_95;
 use crate::support::statics::{Grasp, Random, constant_spring, grasp, without_width};
 use phalanx::fivebar::kinematics::{directions, passive_rates, reference_gamma};
-use phalanx::gripper::{Lengths, Placement, Site, Spring, SpringKind};
-use phalanx::shape::reach;
+use phalanx::gripper::{FingerContact, Lengths, Placement, Spring, SpringKind};
+use phalanx::shape::max_radius;
 use phalanx::statics::{
-    Ejection, StaticsError, at_rest, birglen, contact_jacobian, drive_loads, equilibrium, equilibrium_each, palm_force,
+    Ejection, StaticsError, birglen, contact_jacobian, drive_loads, equilibrium, equilibrium_with_mu, palm_force,
+    static_kinematics,
 };
 
-fn near(got: f64, want: f64, relative: f64) -> bool {
-    (got - want).abs() <= relative * (got.abs() + want.abs())
+fn is_near(actual: f64, expected: f64, relative: f64) -> bool {
+    (actual - expected).abs() <= relative * (actual.abs() + expected.abs())
 }
 
-/// n and t of both contacts and their points on the phalanges: n from the object into the phalanx, t from its joint to its end.
+/// Returns the unit vectors n and t and the point of both contacts: n points from the object into the phalanx, t from its joint to its
+/// end.
 fn contacts(Grasp { disc, end, .. }: &Grasp) -> [([f64; 2], [f64; 2], [f64; 2]); 2] {
     let e = |angle: f64| [angle.cos(), angle.sin()];
-    let at = |angle: f64| {
+    let contact_at = |angle: f64| {
         let (n, t) = (e(angle), e(angle + 0.5 * std::f64::consts::PI));
-        let point = [disc.centre_m[0] + reach(&disc.shape) * n[0], disc.centre_m[1] + reach(&disc.shape) * n[1]];
+        let point =
+            [disc.centre_m[0] + max_radius(&disc.shape) * n[0], disc.centre_m[1] + max_radius(&disc.shape) * n[1]];
         (n, t, point)
     };
-    [at(end.posture.q21_rad - 0.5 * std::f64::consts::PI), at(end.phi_c_rad)]
+    [contact_at(end.posture.q21_rad - 0.5 * std::f64::consts::PI), contact_at(end.phi_c_rad)]
 }
 
 #[test]
-fn errata_09_the_jacobian_is_virtual_work_with_friction_along_the_tangent() {
+fn errata_09_jacobian_equals_virtual_work_with_friction_along_the_tangent() {
     let mut random = Random(9);
     for _ in 0..200 {
         let grasp = random.grasp();
@@ -33,42 +36,42 @@ fn errata_09_the_jacobian_is_virtual_work_with_friction_along_the_tangent() {
         let jacobian = contact_jacobian(&grasp.finger, &grasp.end, mu).unwrap();
         let lengths = &grasp.finger.lengths;
         let posture = &grasp.end.posture;
-        // A point of l21 or l22, carried along by central differences of the loop closure.
+        // Position of a point fixed to l21 or l22, for central differences of the loop closure.
         let gamma = reference_gamma(lengths);
-        let carried = |site: usize, point: [f64; 2], q: [f64; 2]| -> [f64; 2] {
+        let transported = |contact: usize, point: [f64; 2], q: [f64; 2]| -> [f64; 2] {
             let body = |q: [f64; 2]| {
                 let pose = directions(lengths, gamma, q);
-                match site {
+                match contact {
                     0 => ([0.0; 2], pose.e2),
                     _ => ([lengths.l21_m * pose.e2[0], lengths.l21_m * pose.e2[1]], pose.e4),
                 }
             };
             let (from, x) = body([posture.q11_rad, posture.q21_rad]);
-            let off = [point[0] - from[0], point[1] - from[1]];
-            let local = [x[0] * off[0] + x[1] * off[1], x[0] * off[1] - x[1] * off[0]];
+            let offset = [point[0] - from[0], point[1] - from[1]];
+            let local = [x[0] * offset[0] + x[1] * offset[1], x[0] * offset[1] - x[1] * offset[0]];
             let (to, x) = body(q);
             [to[0] + x[0] * local[0] - x[1] * local[1], to[1] + x[1] * local[0] + x[0] * local[1]]
         };
-        for (site, (n, t, point)) in contacts(&grasp).into_iter().enumerate() {
+        for (contact, (n, t, point)) in contacts(&grasp).into_iter().enumerate() {
             for coordinate in 0..2 {
-                let at = |step: f64| {
+                let position = |step: f64| {
                     let mut q = [posture.q11_rad, posture.q21_rad];
                     q[coordinate] += step;
-                    carried(site, point, q)
+                    transported(contact, point, q)
                 };
-                let (a, b) = (at(1e-6), at(-1e-6));
-                let force = [n[0] + mu[site] * t[0], n[1] + mu[site] * t[1]];
+                let (a, b) = (position(1e-6), position(-1e-6));
+                let force = [n[0] + mu[contact] * t[0], n[1] + mu[contact] * t[1]];
                 let work = ((a[0] - b[0]) * force[0] + (a[1] - b[1]) * force[1]) / 2e-6;
-                let found = jacobian[coordinate][site];
-                assert!((found - work).abs() < 1e-9, "contact {site}, q{coordinate}: {found:e}, not {work:e}");
+                let actual = jacobian[coordinate][contact];
+                assert!((actual - work).abs() < 1e-9, "contact {contact}, q{coordinate}: {actual:e}, not {work:e}");
             }
         }
     }
 }
 
 #[test]
-fn errata_09_without_mu_on_the_tangent_friction_could_not_matter() {
-    // As printed the tangential unit vector has weight 1 whatever μ is.
+fn errata_09_friction_affects_the_forces() {
+    // In the printed equation, the tangential unit vector has weight 1 for every μ.
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
     let loads = drive_loads(&finger, &end, 0.48, Some(&constant_spring(0.1326))).unwrap();
     let forces = [0.0, 0.4, 0.8].map(|mu| equilibrium(&finger, &end, loads, mu).unwrap().f21_n);
@@ -76,7 +79,7 @@ fn errata_09_without_mu_on_the_tangent_friction_could_not_matter() {
 }
 
 #[test]
-fn errata_10_the_palm_force_balances_the_object() {
+fn errata_10_palm_force_balances_the_object() {
     let mut random = Random(10);
     for _ in 0..200 {
         let grasp = random.grasp();
@@ -93,12 +96,12 @@ fn errata_10_the_palm_force_balances_the_object() {
 }
 
 #[test]
-fn errata_10_the_printed_palm_force_would_lift_design_95_off() {
+fn errata_10_printed_palm_force_has_the_wrong_sign() {
     let Grasp { end, .. } = grasp(&design_95()).unwrap();
-    // Final forces of its simulation (1-model §1.8); the thesis has 16.3 N, and 17.3 N follows from its definition.
+    // Final forces of the simulation (1-model §1.8); the thesis prints 16.3 N, but its definition gives 17.3 N.
     let (f21, f22, mu) = (23.6092, 8.2573, 0.8);
-    let found = palm_force(&end, f21, f22, mu);
-    assert!((found - 17.3).abs() < 0.05, "{found}");
+    let actual = palm_force(&end, f21, f22, mu);
+    assert!((actual - 17.3).abs() < 0.05, "{actual}");
     let (q21, phi_c) = (end.posture.q21_rad, end.phi_c_rad);
     let printed =
         f22 * (phi_c.sin() + mu * phi_c.cos()) - f21 * ((q21 - 0.5 * std::f64::consts::PI).cos() + mu * q21.sin());
@@ -106,27 +109,27 @@ fn errata_10_the_printed_palm_force_would_lift_design_95_off() {
 }
 
 #[test]
-fn errata_04_the_spring_pulls_back_and_the_motor_must_hold_it() {
-    // F22 ≥ 0 ⇔ τ11 ≥ k_s ∂q22/∂q11, whatever the friction.
+fn errata_04_motor_torque_must_balance_the_spring() {
+    // F22 ≥ 0 ⇔ τ11 ≥ k_s ∂q22/∂q11 for any friction.
     let mut random = Random(4);
     for _ in 0..500 {
         let Grasp { finger, end, .. } = random.grasp();
         let spring = random.within(0.05, 0.3);
-        let needed = spring * at_rest(&finger, &end).unwrap().tip_slope[0];
-        assert!(needed > 0.0);
+        let required = spring * static_kinematics(&finger, &end).unwrap().tip_slope[0];
+        assert!(required > 0.0);
         for mu in [0.0, 0.8] {
-            for (factor, holds) in [(1.0 - 1e-9, false), (1.0 + 1e-9, true)] {
-                let loads = drive_loads(&finger, &end, needed * factor, Some(&constant_spring(spring))).unwrap();
+            for (factor, is_positive) in [(1.0 - 1e-9, false), (1.0 + 1e-9, true)] {
+                let loads = drive_loads(&finger, &end, required * factor, Some(&constant_spring(spring))).unwrap();
                 let forces = equilibrium(&finger, &end, loads, mu).unwrap();
-                assert_eq!(forces.f22_n >= 0.0, holds);
-                assert_eq!(forces.ejects(Site::Distal), !holds);
+                assert_eq!(forces.f22_n >= 0.0, is_positive);
+                assert_eq!(forces.ejects(FingerContact::Distal), !is_positive);
             }
         }
     }
 }
 
 #[test]
-fn every_spring_loads_the_joints_by_its_virtual_work() {
+fn spring_loads_equal_virtual_work() {
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
     let (lengths, posture) = (&finger.lengths, &end.posture);
     let gamma = reference_gamma(lengths);
@@ -144,19 +147,19 @@ fn every_spring_loads_the_joints_by_its_virtual_work() {
         };
         let (q11, q21) = (posture.q11_rad, posture.q21_rad);
         // From the straight configuration, with l11 on the palm and l21 upright, to the final posture.
-        let turned = coordinate([q11, q21]) - coordinate([0.0, 0.5 * std::f64::consts::PI]);
+        let rotation = coordinate([q11, q21]) - coordinate([0.0, 0.5 * std::f64::consts::PI]);
         for (kind, torque) in [
             (SpringKind::Constant { torque_n_m: 0.13 }, 0.13),
-            (SpringKind::Torsional { stiffness_n_m_per_rad: 0.05, preload_rad: 1.5 }, 0.05 * (1.5 + turned.abs())),
+            (SpringKind::Torsional { stiffness_n_m_per_rad: 0.05, preload_rad: 1.5 }, 0.05 * (1.5 + rotation.abs())),
         ] {
             let loads = drive_loads(&finger, &end, 0.48, Some(&Spring { kind, placement })).unwrap();
             let slope = [[1.0, 0.0], [0.0, 1.0]].map(|d: [f64; 2]| {
-                let at = |step: f64| coordinate([q11 + step * d[0], q21 + step * d[1]]);
-                (at(1e-6) - at(-1e-6)) / 2e-6
+                let coordinate_at = |step: f64| coordinate([q11 + step * d[0], q21 + step * d[1]]);
+                (coordinate_at(1e-6) - coordinate_at(-1e-6)) / 2e-6
             });
             for i in 0..2 {
-                let want = [0.48, 0.0][i] - turned.signum() * torque * slope[i];
-                assert!((loads[i] - want).abs() < 1e-8, "{placement:?} {kind:?}: {loads:?}, not {want}");
+                let expected = [0.48, 0.0][i] - rotation.signum() * torque * slope[i];
+                assert!((loads[i] - expected).abs() < 1e-8, "{placement:?} {kind:?}: {loads:?}, not {expected}");
             }
         }
     }
@@ -164,44 +167,45 @@ fn every_spring_loads_the_joints_by_its_virtual_work() {
 }
 
 #[test]
-fn birglens_forces_are_the_same_where_width_or_friction_is_none() {
+fn birglens_forces_agree_without_width_or_without_friction() {
     let mut random = Random(7);
     for _ in 0..2_000 {
-        let wide = random.grasp();
-        let thin = without_width(&wide);
+        let with_width = random.grasp();
+        let zero_width = without_width(&with_width);
         let (motor, spring) = (random.within(0.3, 0.7), random.within(0.05, 0.3));
         let mu = random.within(0.1, 0.8);
-        for (grasp, mu) in [(&thin, 0.0), (&thin, mu), (&wide, 0.0)] {
+        for (grasp, mu) in [(&zero_width, 0.0), (&zero_width, mu), (&with_width, 0.0)] {
             let Grasp { finger, end, .. } = grasp;
             let loads = drive_loads(finger, end, motor, Some(&constant_spring(spring))).unwrap();
-            let ours = equilibrium(finger, end, loads, mu).unwrap();
-            let theirs = birglen(finger, end, loads, mu).unwrap();
-            assert!(near(theirs.forces_n[0], ours.f21_n, 1e-9), "{theirs:?} {ours:?}");
-            assert!(near(theirs.forces_n[1], ours.f22_n, 1e-9), "{theirs:?} {ours:?}");
-            // (1.10) as printed: its first entry is 1, for l11 and l21 turn about one joint.
-            assert!((theirs.transmission[0][0] - 1.0).abs() < 1e-9);
-            // t: the motor on θ_a, and the spring alone on θ2.
-            assert!(near(theirs.torques_n_m[0], motor, 1e-9) && near(theirs.torques_n_m[1], -spring, 1e-9));
+            let forces = equilibrium(finger, end, loads, mu).unwrap();
+            let birglen = birglen(finger, end, loads, mu).unwrap();
+            assert!(is_near(birglen.forces_n[0], forces.f21_n, 1e-9), "{birglen:?} {forces:?}");
+            assert!(is_near(birglen.forces_n[1], forces.f22_n, 1e-9), "{birglen:?} {forces:?}");
+            // (1.10) as printed: its first entry is 1, because l11 and l21 rotate about the same joint.
+            assert!((birglen.transmission[0][0] - 1.0).abs() < 1e-9);
+            // t: the motor acts on θ_a, and only the spring on θ2.
+            assert!(is_near(birglen.torques_n_m[0], motor, 1e-9) && is_near(birglen.torques_n_m[1], -spring, 1e-9));
         }
-        // With both, friction has levers of μ w about the joints, which Birglen's lines have not: the same torques on the
-        // phalanges, with l_c + μ w for l_c.
-        let Grasp { finger, end, .. } = &wide;
+        // With width and friction, friction has lever arms of μ w about the joints, which Birglen's line model lacks. The torques on
+        // the phalanges agree if l_c is replaced by l_c + μ w.
+        let Grasp { finger, end, .. } = &with_width;
         let loads = drive_loads(finger, end, motor, Some(&constant_spring(spring))).unwrap();
-        let (ours, theirs) = (equilibrium(finger, end, loads, mu).unwrap(), birglen(finger, end, loads, mu).unwrap());
+        let forces = equilibrium(finger, end, loads, mu).unwrap();
+        let birglen = birglen(finger, end, loads, mu).unwrap();
         let lever = mu * finger.lengths.half_width_m;
-        assert!(near(theirs.forces_n[1] * end.l_c22_m, ours.f22_n * (end.l_c22_m + lever), 1e-9));
-        let carried = theirs.jacobian_m[1][0] - end.l_c22_m;
-        let (a, b) = (theirs.forces_n[0] * end.l_c21_m, theirs.forces_n[1] * carried);
-        let (c, d) = (ours.f21_n * (end.l_c21_m + lever), ours.f22_n * carried);
+        assert!(is_near(birglen.forces_n[1] * end.l_c22_m, forces.f22_n * (end.l_c22_m + lever), 1e-9));
+        let coupling_m = birglen.jacobian_m[1][0] - end.l_c22_m;
+        let (a, b) = (birglen.forces_n[0] * end.l_c21_m, birglen.forces_n[1] * coupling_m);
+        let (c, d) = (forces.f21_n * (end.l_c21_m + lever), forces.f22_n * coupling_m);
         assert!((a + b - c - d).abs() < 1e-12 * motor.max(b.abs()), "{a} {b} {c} {d}");
-        assert!(ours.f22_n.abs() < theirs.forces_n[1].abs());
+        assert!(forces.f22_n.abs() < birglen.forces_n[1].abs());
     }
 }
 
 #[test]
-fn birglens_rates_are_those_of_the_loop() {
+fn birglens_transmission_matches_the_loop_rates() {
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
-    let found = birglen(&finger, &end, [0.48, 0.0], 0.0).unwrap();
+    let forces = birglen(&finger, &end, [0.48, 0.0], 0.0).unwrap();
     let (q, h) = ([end.posture.q11_rad, end.posture.q21_rad], 1e-6);
     let tip = |q: [f64; 2]| {
         let pose = directions(&finger.lengths, reference_gamma(&finger.lengths), q);
@@ -209,61 +213,61 @@ fn birglens_rates_are_those_of_the_loop() {
     };
     // θ̇ = T (θ̇_a, θ̇2) for any motion of the two driven angles.
     for rates in [[1.0, 0.0], [0.3, -0.7], [0.0, 1.0]] {
-        let at = |s: f64| tip([q[0] + s * rates[0], q[1] + s * rates[1]]);
-        let bend = (at(h) - at(-h)) / (2.0 * h);
-        let [[t11, t12], _] = found.transmission;
-        assert!((t11 * rates[0] + t12 * bend - rates[1]).abs() < 1e-8);
-        let [[i11, i12], _] = found.transmission_inverse;
-        assert!((i11 * rates[1] + i12 * bend - rates[0]).abs() < 1e-8);
+        let tip_at = |s: f64| tip([q[0] + s * rates[0], q[1] + s * rates[1]]);
+        let tip_rate = (tip_at(h) - tip_at(-h)) / (2.0 * h);
+        let [[t11, t12], _] = forces.transmission;
+        assert!((t11 * rates[0] + t12 * tip_rate - rates[1]).abs() < 1e-8);
+        let [[i11, i12], _] = forces.transmission_inverse;
+        assert!((i11 * rates[1] + i12 * tip_rate - rates[0]).abs() < 1e-8);
     }
 }
 
 #[test]
-fn ejection_names_the_phalanx_that_would_have_to_pull() {
+fn ejection_names_the_phalanx_with_a_tensile_force() {
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
-    let of = |loads| equilibrium(&finger, &end, loads, 0.0).unwrap().ejection();
-    assert_eq!(of([0.3474, 0.2]), Ejection::None);
-    assert_eq!(of([0.3474, -5.0]), Ejection::Proximal);
-    assert_eq!(of([-0.1, 5.0]), Ejection::Distal);
-    assert_eq!(of([-0.1, -5.0]), Ejection::Both);
-    assert_eq!(of([0.0, 0.0]), Ejection::None);
+    let ejection = |loads| equilibrium(&finger, &end, loads, 0.0).unwrap().ejection();
+    assert_eq!(ejection([0.3474, 0.2]), Ejection::None);
+    assert_eq!(ejection([0.3474, -5.0]), Ejection::Proximal);
+    assert_eq!(ejection([-0.1, 5.0]), Ejection::Distal);
+    assert_eq!(ejection([-0.1, -5.0]), Ejection::Both);
+    assert_eq!(ejection([0.0, 0.0]), Ejection::None);
 }
 
 #[test]
-fn what_has_no_statics_says_why() {
+fn errors_name_the_reason() {
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
     let message =
         |result: Result<_, StaticsError>| result.map(|_: phalanx::statics::Equilibrium| ()).unwrap_err().to_string();
     assert!(message(equilibrium(&finger, &end, [f64::NAN, 0.0], 0.0)).contains("load on q11 is NaN"));
     assert!(message(equilibrium(&finger, &end, [0.1, 0.0], -0.1)).contains("mu_static is -0.1"));
-    assert!(message(equilibrium_each(&finger, &end, [0.1, 0.0], [0.1, f64::INFINITY])).contains("mu_static is inf"));
+    assert!(message(equilibrium_with_mu(&finger, &end, [0.1, 0.0], [0.1, f64::INFINITY])).contains("mu_static is inf"));
     assert!(drive_loads(&finger, &end, f64::INFINITY, None).is_err());
 
     let on_joint = phalanx::gripper::FinalPosture { l_c22_m: 0.0, ..end };
     assert!(message(equilibrium(&finger, &on_joint, [0.1, 0.0], 0.0)).contains("0.00e0 mm from its joint"));
-    assert!(equilibrium(&finger, &on_joint, [0.1, 0.0], 0.5).is_ok(), "friction on the surface has a lever");
+    assert!(equilibrium(&finger, &on_joint, [0.1, 0.0], 0.5).is_ok(), "friction on the surface has a lever arm");
 
     // l12 and l22 in line; l11 and l12 in line.
     let mut folded = end;
     folded.posture.q12_rad = end.posture.q21_rad + end.posture.q22_rad - end.posture.q11_rad;
     assert!(message(equilibrium(&finger, &folded, [0.1, 0.0], 0.0)).contains("l12 and l22 are in line"));
-    let mut dead = end;
-    dead.posture.q12_rad = 0.0;
-    assert!(message(equilibrium(&finger, &dead, [0.1, 0.0], 0.0)).contains("l11 and l12 are in line"));
+    let mut dead_point = end;
+    dead_point.posture.q12_rad = 0.0;
+    assert!(message(equilibrium(&finger, &dead_point, [0.1, 0.0], 0.0)).contains("l11 and l12 are in line"));
 }
 
 #[test]
-fn the_final_posture_closes_its_loop() {
-    // `at_rest` takes directions from the posture's angles; the loop must give the same rates.
+fn final_posture_satisfies_loop_closure() {
+    // The static transmission uses the angles of the posture; the loop closure must give the same rates.
     let mut random = Random(3);
     for _ in 0..200 {
         let Grasp { finger, end, .. } = random.grasp();
         let lengths: &Lengths = &finger.lengths;
         let q = [end.posture.q11_rad, end.posture.q21_rad];
         let pose = directions(lengths, reference_gamma(lengths), q);
-        let (a, b) = (at_rest(&finger, &end).unwrap().rates, passive_rates(lengths, &pose));
+        let (a, b) = (static_kinematics(&finger, &end).unwrap().rates, passive_rates(lengths, &pose));
         for (a, b) in a.a4.into_iter().zip(b.a4).chain(a.a3.into_iter().zip(b.a3)) {
-            assert!(near(a, b, 1e-9), "{a} {b}");
+            assert!(is_near(a, b, 1e-9), "{a} {b}");
         }
     }
 }

@@ -1,5 +1,5 @@
-//! `phalanx sweep` through kills, signals, other studies and other sweeps: no finished run is lost, and the results are those
-//! of an undisturbed one, byte for byte.
+//! `phalanx sweep` after kills and signals and with existing results: no finished run is lost, and the results are
+//! byte-identical to those of an uninterrupted sweep.
 
 #![cfg(unix)]
 
@@ -10,13 +10,13 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
-use crate::support::faults::Dice;
-use crate::support::studies::cheap;
+use crate::support::faults::XorShift;
+use crate::support::studies::write_short_study;
 use phalanx::table;
 
-fn sweep(study: &str, out: &Path, more: &[&str]) -> Output {
+fn sweep(study: &str, out: &Path, flags: &[&str]) -> Output {
     let mut args = vec!["sweep", study, "--out", out.to_str().expect("text")];
-    args.extend(more);
+    args.extend(flags);
     phalanx(&args)
 }
 
@@ -35,46 +35,46 @@ fn lines(path: &Path) -> usize {
 }
 
 fn wait_for_rows(out: &Path, rows: usize) {
-    let patience = Instant::now() + Duration::from_secs(60);
+    let deadline = Instant::now() + Duration::from_secs(60);
     while lines(&partial(out)) < rows + 2 && partial(out).exists() | !out.exists() {
-        assert!(Instant::now() < patience, "{} does not grow", partial(out).display());
+        assert!(Instant::now() < deadline, "{} does not grow", partial(out).display());
         sleep(Duration::from_millis(1));
     }
 }
 
 #[test]
-fn killed_again_and_again_it_ends_with_the_bytes_of_an_undisturbed_one() {
+fn repeated_kills_do_not_change_the_results() {
     let directory = directory("sweep_kill");
-    let study = cheap(&directory, 4000);
-    let undisturbed = directory.join("undisturbed.csv");
-    let output = sweep(&study, &undisturbed, &["--threads", "2", "--json"]);
+    let study = write_short_study(&directory, 4000);
+    let uninterrupted = directory.join("uninterrupted.csv");
+    let output = sweep(&study, &uninterrupted, &["--threads", "2", "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let document = json(&output);
     for status in ["completed", "refused", "failed"] {
         assert!(document["by_status"][status].as_u64().expect("a count") > 50, "{document:#}");
     }
-    let expected = fs::read(&undisturbed).expect("written");
-    assert_eq!(lines(&undisturbed), 4001);
+    let expected = fs::read(&uninterrupted).expect("the file is readable");
+    assert_eq!(lines(&uninterrupted), 4001);
 
     let out = directory.join("killed.csv");
-    let mut dice = Dice::new(6);
+    let mut rng = XorShift::new(6);
     let (mut kills, mut before) = (0, 0);
     while !out.exists() && kills < 200 {
-        let mut child = start(&study, &out, ["1", "2", "3"][dice.below(3)]);
-        // At any moment: from before the first row of this start to some hundred rows later.
-        wait_for_rows(&out, before + dice.below(600));
-        sleep(Duration::from_micros(dice.below(3000) as u64));
-        child.kill().expect("killed");
-        child.wait().expect("ended");
+        let mut child = start(&study, &out, ["1", "2", "3"][rng.below(3)]);
+        // At a random time between the start and a few hundred rows later.
+        wait_for_rows(&out, before + rng.below(600));
+        sleep(Duration::from_micros(rng.below(3000) as u64));
+        child.kill().expect("the process is killed");
+        child.wait().expect("the process ends");
         let rows = lines(&partial(&out)).saturating_sub(2);
-        assert!(out.exists() || rows >= before, "finished runs are lost: {rows} after {before}");
+        assert!(out.exists() || rows >= before, "finished runs are lost: {rows} of {before}");
         before = rows;
-        // What a write that was cut short leaves.
-        if !out.exists() && rows > 0 && dice.below(3) == 0 {
-            let mut bytes = fs::read(partial(&out)).expect("there");
+        // Simulates a truncated write.
+        if !out.exists() && rows > 0 && rng.below(3) == 0 {
+            let mut bytes = fs::read(partial(&out)).expect("the file exists");
             let last = bytes[..bytes.len() - 1].iter().rposition(|byte| *byte == b'\n').expect("lines") + 1;
-            bytes.truncate(last + dice.below(bytes.len() - last));
-            fs::write(partial(&out), bytes).expect("written");
+            bytes.truncate(last + rng.below(bytes.len() - last));
+            fs::write(partial(&out), bytes).expect("the file is writable");
             before -= 1;
         }
         kills += 1;
@@ -82,50 +82,51 @@ fn killed_again_and_again_it_ends_with_the_bytes_of_an_undisturbed_one() {
     assert!(kills >= 5, "{kills}");
     let output = sweep(&study, &out, &["--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(fs::read(&out).expect("written") == expected, "after {kills} kills the results differ");
+    assert!(fs::read(&out).expect("the file is readable") == expected, "the results differ after {kills} kills");
     assert!(!partial(&out).exists());
 }
 
 #[test]
-fn a_signal_ends_it_in_good_order_and_it_goes_on() {
+fn a_signal_stops_the_sweep_cleanly_and_it_can_resume() {
     let directory = directory("sweep_signal");
-    let study = cheap(&directory, 6000);
+    let study = write_short_study(&directory, 6000);
     for (name, signal) in [("INT", "SIGINT"), ("TERM", "SIGTERM")] {
         let out = directory.join(format!("{name}.parquet"));
         let child = start(&study, &out, "2");
         wait_for_rows(&out, 20);
         let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
-        assert!(sent.expect("kill is there").success());
-        let output = child.wait_with_output().expect("ends");
+        assert!(sent.expect("kill is available").success());
+        let output = child.wait_with_output().expect("the process ends");
         assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
         let message = stderr(&output);
         assert!(message.contains(&format!("interrupted by {signal}")), "{message}");
-        assert!(message.contains("the same command goes on"), "{message}");
+        assert!(message.contains("the same command resumes"), "{message}");
         assert!(!out.exists());
-        // Whole lines only, as many as it said.
+        // Complete lines only, as many as reported.
         let rows = lines(&partial(&out)) - 2;
         assert!(message.contains(&format!("{rows} of 6000 runs are in")), "{message}");
         let output = sweep(&study, &out, &["--json"]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         assert_eq!(json(&output)["now"]["runs"].as_u64(), Some(6000 - rows as u64));
     }
-    let [int, term] = ["INT", "TERM"].map(|name| fs::read(directory.join(format!("{name}.parquet"))).expect("written"));
+    let [int, term] =
+        ["INT", "TERM"].map(|name| fs::read(directory.join(format!("{name}.parquet"))).expect("the file is readable"));
     assert!(int == term);
 }
 
 #[test]
-fn what_is_complete_is_not_run_again() {
+fn finished_runs_are_not_repeated() {
     let directory = directory("sweep_complete");
-    let study = cheap(&directory, 300);
+    let study = write_short_study(&directory, 300);
     let out = directory.join("out.csv");
-    // Some first, then the others: as if all at once.
+    // Two partial sweeps equal one complete sweep.
     let output = sweep(&study, &out, &["--limit", "100", "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(lines(&out), 101);
     assert_eq!(json(&output)["now"]["runs"], 100);
     let output = sweep(&study, &out, &["--json"]);
     assert_eq!(json(&output)["now"]["runs"], 200);
-    let whole = fs::read(&out).expect("written");
+    let contents = fs::read(&out).expect("the file is readable");
     let output = sweep(&study, &out, &["--json"]);
     assert_eq!((json(&output)["now"]["runs"].as_u64(), output.status.code()), (Some(0), Some(0)));
     assert!(
@@ -135,9 +136,9 @@ fn what_is_complete_is_not_run_again() {
     );
     let output = sweep(&study, &out, &["--restart", "--json"]);
     assert_eq!(json(&output)["now"]["runs"], 300);
-    assert!(fs::read(&out).expect("written") == whole);
+    assert!(fs::read(&out).expect("the file is readable") == contents);
 
-    // The other format has the same rows.
+    // CSV and Parquet contain the same rows.
     let other = directory.join("out.parquet");
     assert_eq!(sweep(&study, &other, &[]).status.code(), Some(0));
     let [csv, parquet] = [&out, &other].map(|path| table::read(path).expect("a table"));
@@ -147,74 +148,75 @@ fn what_is_complete_is_not_run_again() {
     }
     assert_eq!(csv.texts("reason").expect("texts"), parquet.texts("reason").expect("texts"));
 
-    // Results that somebody has changed are no longer the study's.
-    let changed = String::from_utf8(whole).expect("text").replacen("completed", "Completed", 1);
-    fs::write(&out, &changed).expect("written");
+    // Modified results are not replaced.
+    let changed = String::from_utf8(contents).expect("text").replacen("completed", "Completed", 1);
+    fs::write(&out, &changed).expect("the file is writable");
     let output = sweep(&study, &out, &[]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("not as a run of this study left it"), "{}", stderr(&output));
-    assert_eq!(fs::read_to_string(&out).expect("there"), changed);
+    assert!(stderr(&output).contains("not an unmodified result of a run of this study"), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(&out).expect("the file exists"), changed);
     assert!(!partial(&out).exists());
 }
 
 #[test]
-fn results_of_another_study_are_left_alone() {
+fn results_of_another_study_are_kept() {
     let directory = directory("sweep_other");
-    let (study, out) = (cheap(&directory, 50), directory.join("out.csv"));
-    fs::write(&out, "somebody's,table\n1,2\n").expect("written");
+    let (study, out) = (write_short_study(&directory, 50), directory.join("out.csv"));
+    fs::write(&out, "another,table\n1,2\n").expect("the file is writable");
     let output = sweep(&study, &out, &[]);
     assert_eq!(output.status.code(), Some(2));
-    for more in [&[][..], &["--restart"]] {
-        let output = sweep(&study, &out, more);
-        assert_eq!(output.status.code(), Some(2), "{more:?}");
-        assert!(stderr(&output).contains("left alone; give another --out, or delete it"), "{}", stderr(&output));
+    for flags in [&[][..], &["--restart"]] {
+        let output = sweep(&study, &out, flags);
+        assert_eq!(output.status.code(), Some(2), "{flags:?}");
+        assert!(stderr(&output).contains("not replaced; give another --out, or delete it"), "{}", stderr(&output));
         assert_eq!(lines(&out), 2);
     }
     fs::remove_file(&out).expect("removed");
 
-    // Unfinished results, of a study that was changed since.
-    fs::write(partial(&out), "# phalanx sweep 0123456789abcdef of 50, unfinished\nrun\n1\n").expect("written");
+    // Unfinished results of a study that was changed since.
+    fs::write(partial(&out), "# phalanx sweep 0123456789abcdef of 50, unfinished\nrun\n1\n")
+        .expect("the file is writable");
     let output = sweep(&study, &out, &[]);
     assert_eq!(output.status.code(), Some(2));
-    for words in ["another study", "--restart begins anew", "another --out"] {
+    for words in ["another study", "--restart discards them", "another --out"] {
         assert!(stderr(&output).contains(words), "{words} in {}", stderr(&output));
     }
     assert_eq!(lines(&partial(&out)), 3);
     assert_eq!(sweep(&study, &out, &["--restart"]).status.code(), Some(0));
     assert_eq!(lines(&out), 51);
 
-    // Something else of that name is not even given up for --restart.
+    // Another file with the name of the partial file is kept even with --restart.
     let other = directory.join("other.csv");
-    fs::write(partial(&other), "dear diary\n").expect("written");
+    fs::write(partial(&other), "another file\n").expect("the file is writable");
     let output = sweep(&study, &other, &["--restart"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("something else"), "{}", stderr(&output));
-    assert_eq!(fs::read_to_string(partial(&other)).expect("there"), "dear diary\n");
+    assert!(stderr(&output).contains("contains other data"), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(partial(&other)).expect("the file exists"), "another file\n");
 }
 
 #[test]
-fn two_sweeps_do_not_write_one_table() {
+fn concurrent_sweeps_of_one_table_are_rejected() {
     let directory = directory("sweep_two");
-    let (study, out) = (cheap(&directory, 6000), directory.join("out.csv"));
+    let (study, out) = (write_short_study(&directory, 6000), directory.join("out.csv"));
     let mut first = start(&study, &out, "1");
     wait_for_rows(&out, 5);
     let output = sweep(&study, &out, &["--restart"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("another command is writing"), "{}", stderr(&output));
-    assert!(first.wait().expect("ends").success());
+    assert!(first.wait().expect("the process ends").success());
     assert_eq!(lines(&out), 6001);
 }
 
 #[test]
-fn arguments_are_checked_before_anything_is_run() {
+fn arguments_are_checked_before_running() {
     let directory = directory("sweep_arguments");
-    let study = cheap(&directory, 50);
-    let at = |name: &str| directory.join(name);
+    let study = write_short_study(&directory, 50);
+    let path = |name: &str| directory.join(name);
     for (out, words) in
         [("out.txt", "neither CSV nor Parquet"), ("none/out.csv", "mkdir -p"), ("dir.csv", "is a directory")]
     {
-        fs::create_dir_all(at("dir.csv")).expect("made");
-        let output = sweep(&study, &at(out), &[]);
+        fs::create_dir_all(path("dir.csv")).expect("made");
+        let output = sweep(&study, &path(out), &[]);
         assert_eq!(output.status.code(), Some(2), "{out}");
         assert!(stderr(&output).contains(words), "{out}: {}", stderr(&output));
     }
@@ -227,17 +229,17 @@ fn arguments_are_checked_before_anything_is_run() {
     assert!(stdout(&output).contains("and 38 more"), "{}", stdout(&output));
     let output = phalanx(&["sweep", "--schema"]);
     assert_eq!(json(&output)["title"], "phalanx study");
-    assert_eq!(fs::read_dir(&directory).expect("read").count(), 2, "the study, and the directory of this test");
+    assert_eq!(fs::read_dir(&directory).expect("read").count(), 2, "only the study and the directory of this test");
 }
 
 #[test]
-fn a_study_of_which_nothing_can_be_simulated_says_so() {
+fn reports_that_no_run_could_be_simulated() {
     let directory = directory("sweep_nothing");
     let text = "[scene]\ndesign.base = \"15 mm\"\n[[axes]]\nfield = \"design.arm_ratio\"\nvalues = [0.4, 0.5]\n";
     let (study, out) = (write(&directory, "study.toml", text), directory.join("out.csv"));
     let output = sweep(&study, &out, &[]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-    assert!(stderr(&output).contains("not one run could be simulated"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("no run could be completed"), "{}", stderr(&output));
     assert!(
         stdout(&output).contains("2 refused, first run 1: `design.l21_fraction` is missing"),
         "{}",
@@ -246,32 +248,34 @@ fn a_study_of_which_nothing_can_be_simulated_says_so() {
     assert_eq!(lines(&out), 3);
 }
 
-/// Twenty thousand designs of the thesis's space, killed at random moments: `cargo nextest run --release --run-ignored only
+/// 20,000 designs of the thesis, killed at random times: `cargo nextest run --release --run-ignored only
 /// twenty_thousand`.
 #[test]
 #[ignore = "takes minutes"]
 fn twenty_thousand_designs_survive_kills() {
     let directory = directory("sweep_large");
-    let text = fs::read_to_string("scenes/studies/sample.toml").expect("ships").replace("count = 200", "count = 20000");
+    let text = fs::read_to_string("scenes/studies/sample.toml")
+        .expect("a shipped file")
+        .replace("count = 200", "count = 20000");
     let study = write(&directory, "large.toml", &text);
-    let undisturbed = directory.join("undisturbed.csv");
-    let output = sweep(&study, &undisturbed, &[]);
-    println!("undisturbed: {}", stdout(&output));
+    let uninterrupted = directory.join("uninterrupted.csv");
+    let output = sweep(&study, &uninterrupted, &[]);
+    println!("uninterrupted: {}", stdout(&output));
     let out = directory.join("killed.csv");
-    let mut dice = Dice::new(20_000);
+    let mut rng = XorShift::new(20_000);
     let mut kills = 0;
-    let begun = Instant::now();
+    let start_time = Instant::now();
     while !out.exists() {
         let mut child = start(&study, &out, "2");
-        sleep(Duration::from_millis(50 + dice.below(1500) as u64));
-        child.kill().expect("killed");
-        child.wait().expect("ended");
+        sleep(Duration::from_millis(50 + rng.below(1500) as u64));
+        child.kill().expect("the process is killed");
+        child.wait().expect("the process ends");
         kills += 1;
     }
-    println!("{kills} kills in {:.1} s", begun.elapsed().as_secs_f64());
+    println!("{kills} kills in {:.1} s", start_time.elapsed().as_secs_f64());
     assert!(kills >= 5);
     let output = sweep(&study, &out, &[]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(lines(&out), 20_001);
-    assert!(fs::read(&out).expect("written") == fs::read(&undisturbed).expect("written"));
+    assert!(fs::read(&out).expect("the file is readable") == fs::read(&uninterrupted).expect("the file is readable"));
 }

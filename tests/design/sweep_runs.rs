@@ -1,35 +1,36 @@
-//! Runs of a study: rows depend on nothing but their run, whatever happens in them is kept, and the thesis's designs are there.
+//! Runs of a study: a row depends only on its run, failed runs are recorded, and the counts of the thesis are
+//! reproduced.
 
 use std::collections::HashSet;
 
 use phalanx::scene::{self, Preset};
 use phalanx::study::sweep::{Row, Status, Study, load, parse, run, run_while, summary, table};
 use phalanx::table::{Table, Value};
-use phalanx::trace::{Model, Site, run_analytic};
+use phalanx::trace::{FingerContact, Model, run_analytic};
 
 fn study(text: &str) -> Study {
     parse(text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn rows(study: &Study, threads: usize) -> Vec<Row> {
+fn run_all(study: &Study, threads: usize) -> Vec<Row> {
     let mut rows = Vec::new();
-    let ran = run(study, threads, &HashSet::new(), |row| rows.push(row));
-    assert!(ran.complete && ran.runs == study.runs());
+    let stats = run(study, threads, &HashSet::new(), |row| rows.push(row));
+    assert!(stats.complete && stats.runs == study.runs());
     rows
 }
 
 fn results(study: &Study) -> Table {
-    table(study, &rows(study, 0))
+    table(study, &run_all(study, 0))
 }
 
-fn count(values: impl IntoIterator<Item = Option<bool>>) -> usize {
+fn count_true(values: impl IntoIterator<Item = Option<bool>>) -> usize {
     values.into_iter().filter(|value| *value == Some(true)).count()
 }
 
 /// 2-design.md §2.6, right-hand column.
 #[test]
-fn the_thesis_has_its_counts() {
-    let study = load("scenes/studies/thesis.toml").expect("ships");
+fn reproduces_the_counts_of_the_thesis() {
+    let study = load("scenes/studies/thesis.toml").expect("a shipped file");
     let table = results(&study);
     assert_eq!(table.rows.len(), 384);
     let range = |name: &str| {
@@ -46,18 +47,18 @@ fn the_thesis_has_its_counts() {
     let positive = table.flags("force_positive").expect("flags");
     let classes = table.texts("class").expect("texts");
     assert_eq!(closed[..192], closed[192..]);
-    assert_eq!(count(closed[..192].iter().copied()), 22);
+    assert_eq!(count_true(closed[..192].iter().copied()), 22);
     for (runs, statically, dynamically) in [(0..192, 136, 53), (192..384, 160, 94)] {
-        assert_eq!(count(positive[runs.clone()].iter().copied()), statically);
+        assert_eq!(count_true(positive[runs.clone()].iter().copied()), statically);
         let stable = classes[runs].iter().filter(|class| matches!(class, Some("stable" | "semi-stable"))).count();
         assert!(stable.abs_diff(dynamically) <= 3, "{stable} for {dynamically}");
     }
-    // Statically unstable is unstable, whatever the simulation ends in.
+    // A statically unstable grasp is unstable regardless of the simulation.
     for (positive, class) in positive.iter().zip(&classes) {
         assert!(*positive == Some(true) || matches!(class, None | Some("unstable")));
     }
 
-    // Design 95: `phalanx run` of the same scene finds the same.
+    // Design 95: a single run of the same scene gives the same results.
     let row = &table.rows[287 - 1];
     let number = |name: &str| match row[table.column(name).expect(name)] {
         Value::Number(number) => number,
@@ -67,8 +68,8 @@ fn the_thesis_has_its_counts() {
     let scene = scene::parse(&study.scene_text(287), "95.toml").expect("a scene");
     assert_eq!(scene.integrator.preset, Preset::Engineering);
     let outcome = run_analytic(&scene, &mut ()).expect("completes");
-    assert_eq!(number("f21_n"), outcome.last.contact(Site::Proximal).normal_n);
-    assert_eq!(number("peak_f22_n"), outcome.site(Site::Distal).peak_normal_n);
+    assert_eq!(number("f21_n"), outcome.last.contact(FingerContact::Proximal).normal_n);
+    assert_eq!(number("peak_f22_n"), outcome.finger_contact(FingerContact::Distal).peak_normal_n);
     assert!((number("t22_m") - 12.857e-3).abs() < 5e-7);
     assert_eq!(row[table.column("class").expect("class")], Value::from("stable"));
 }
@@ -82,25 +83,34 @@ fn every_run_has_a_row_with_its_reason() {
     let study = study(MIXED);
     let table = results(&study);
     assert_eq!(table.rows.len(), 54);
-    let found = summary(&table).expect("a sweep's");
-    assert!(found.with(Status::Refused) >= 30 && found.with(Status::Failed) > 0, "{found:?}");
-    assert_eq!(found.by_status.iter().map(|(_, count)| count).sum::<u64>(), 54);
-    assert_eq!(found.by_class.iter().map(|(_, count)| count).sum::<u64>(), found.with(Status::Completed));
-    assert_eq!(found.reasons.iter().map(|reason| reason.runs).sum::<u64>(), 54 - found.with(Status::Completed));
+    let counts = summary(&table).expect("results of a sweep");
+    assert!(
+        counts.count_with_status(Status::Refused) >= 30 && counts.count_with_status(Status::Failed) > 0,
+        "{counts:?}"
+    );
+    assert_eq!(counts.by_status.iter().map(|(_, count)| count).sum::<u64>(), 54);
+    assert_eq!(
+        counts.by_class.iter().map(|(_, count)| count).sum::<u64>(),
+        counts.count_with_status(Status::Completed)
+    );
+    assert_eq!(
+        counts.reasons.iter().map(|reason| reason.runs).sum::<u64>(),
+        54 - counts.count_with_status(Status::Completed)
+    );
 
     let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
     let masses = table.numbers("mass_kg").expect("numbers");
     for (index, (status, reason)) in status.iter().zip(&reason).enumerate() {
-        match status.expect("every row has one") {
+        match status.expect("every row has a status") {
             "completed" => assert_eq!(*reason, None),
             "refused" => {
                 let error = scene::parse(&study.scene_text(index as u64 + 1), "x.toml").expect_err("refused");
-                let reason = reason.expect("refused for a reason");
+                let reason = reason.expect("a reason for the refusal");
                 assert!(error.problems().iter().all(|problem| reason.contains(problem.message.trim())), "{reason}");
                 assert_eq!(masses[index], None);
             }
             "failed" => {
-                let reason = reason.expect("failed for a reason");
+                let reason = reason.expect("a reason for the failure");
                 assert!(reason.starts_with("at ") && reason.contains(" ms: "), "{reason}");
                 assert!(masses[index].is_some());
             }
@@ -113,39 +123,39 @@ fn every_run_has_a_row_with_its_reason() {
 }
 
 #[test]
-fn threads_and_order_change_nothing() {
+fn results_are_independent_of_threads_and_order() {
     let study = study(MIXED);
-    let alone = table(&study, &rows(&study, 1));
+    let single_threaded = table(&study, &run_all(&study, 1));
     for threads in [2, 3, 8] {
-        assert_eq!(table(&study, &rows(&study, threads)), alone);
+        assert_eq!(table(&study, &run_all(&study, threads)), single_threaded);
     }
-    // Half of them first, the others later.
-    let mut found = Vec::new();
-    let odd: HashSet<u64> = (1..=study.runs()).filter(|run| run % 2 == 1).collect();
-    assert_eq!(run(&study, 2, &odd, |row| found.push(row)).runs, 27);
-    let even: HashSet<u64> = found.iter().map(|row| row.run).collect();
-    run(&study, 2, &even, |row| found.push(row));
-    assert_eq!(table(&study, &found), alone);
+    // Odd and even runs separately.
+    let mut rows = Vec::new();
+    let odd_runs: HashSet<u64> = (1..=study.runs()).filter(|run| run % 2 == 1).collect();
+    assert_eq!(run(&study, 2, &odd_runs, |row| rows.push(row)).runs, 27);
+    let even: HashSet<u64> = rows.iter().map(|row| row.run).collect();
+    run(&study, 2, &even, |row| rows.push(row));
+    assert_eq!(table(&study, &rows), single_threaded);
 }
 
 #[test]
-fn a_sweep_ends_when_it_is_told_to() {
+fn stops_on_request() {
     let study = study(MIXED);
     let mut rows = Vec::new();
-    let ran = run_while(&study, 2, u64::MAX, &HashSet::new(), &|| true, |row| {
+    let stats = run_while(&study, 2, u64::MAX, &HashSet::new(), &|| true, |row| {
         rows.push(row);
         rows.len() < 10
     });
-    assert!(!ran.complete && (10..=12).contains(&ran.runs), "{ran:?}");
-    let ran = run_while(&study, 2, 7, &HashSet::new(), &|| true, |_| true);
-    assert!(ran.complete && ran.runs == 7);
-    let ran = run_while(&study, 1, u64::MAX, &HashSet::new(), &|| false, |_| true);
-    assert!(!ran.complete && ran.runs == 0);
+    assert!(!stats.complete && (10..=12).contains(&stats.runs), "{stats:?}");
+    let stats = run_while(&study, 2, 7, &HashSet::new(), &|| true, |_| true);
+    assert!(stats.complete && stats.runs == 7);
+    let stats = run_while(&study, 1, u64::MAX, &HashSet::new(), &|| false, |_| true);
+    assert!(!stats.complete && stats.runs == 0);
 }
 
 #[test]
-fn a_filter_simulates_only_what_is_wanted() {
-    let of = |filter: &str| {
+fn a_filter_excludes_designs_from_simulation() {
+    let with_filter = |filter: &str| {
         let text = format!(
             "name = \"f\"\n{}\n[filter]\n{filter}\n",
             include_str!("../../scenes/studies/thesis.toml").replace("name = \"thesis\"", "")
@@ -153,29 +163,29 @@ fn a_filter_simulates_only_what_is_wanted() {
         let study = study(&text.replace("from = 0\nto = 1\ncount = 4", "values = [1.0]"));
         results(&study)
     };
-    let table = of("force_positive = true\nform_closed = true");
+    let table = with_filter("force_positive = true\nform_closed = true");
     let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
     let flags = ["force_positive", "form_closed"].map(|name| table.flags(name).expect(name));
     let (steps, classes) = (table.integers("steps").expect("integers"), table.texts("class").expect("texts"));
     let mut filtered = 0;
     for index in 0..table.rows.len() {
-        let good = flags.iter().all(|flags| flags[index] == Some(true));
-        assert_eq!(status[index] == Some("filtered"), !good);
-        assert_eq!(steps[index].is_none() && classes[index].is_none(), !good);
-        if !good {
+        let accepted = flags.iter().all(|flags| flags[index] == Some(true));
+        assert_eq!(status[index] == Some("filtered"), !accepted);
+        assert_eq!(steps[index].is_none() && classes[index].is_none(), !accepted);
+        if !accepted {
             filtered += 1;
             assert!(matches!(reason[index], Some("not force positive" | "not form-closed")));
         }
     }
     assert!(filtered > 20 && filtered < 96, "{filtered}");
-    let others = of("form_closed = false");
-    let closed = others.flags("form_closed").expect("flags");
-    let status = others.texts("status").expect("texts");
+    let open_only = with_filter("form_closed = false");
+    let closed = open_only.flags("form_closed").expect("flags");
+    let status = open_only.texts("status").expect("texts");
     assert!((0..96).all(|index| (status[index] == Some("filtered")) == (closed[index] == Some(true))));
 }
 
 #[test]
-fn the_engine_finds_what_the_analytic_model_does() {
+fn engine_and_analytic_model_agree() {
     let mut study = study(
         "scene = \"../experiment-95.toml\"\n[[axes]]\nfield = \"contact.friction.mu_static\"\nvalues = [0.0, 0.8]\n[[axes]]\nfield = \
          \"design.base\"\nvalues = [\"15.5 mm\", \"15 mm\"]\n",
@@ -183,12 +193,12 @@ fn the_engine_finds_what_the_analytic_model_does() {
     let analytic = results(&study);
     study.model = Model::Engine;
     let engine = results(&study);
-    assert_eq!(engine, table(&study, &rows(&study, 1)), "threads change nothing");
+    assert_eq!(engine, table(&study, &run_all(&study, 1)), "results depend on the number of threads");
     for (name, tolerance) in [("tts_s", 1e-3), ("f21_n", 1e-4), ("f22_n", 1e-4), ("pfp_n", 1e-3), ("static_f21_n", 0.0)]
     {
         let [a, b] = [&analytic, &engine].map(|table| table.numbers(name).expect(name));
         for (a, b) in a.into_iter().zip(b) {
-            let (a, b) = (a.expect("found"), b.expect("found"));
+            let (a, b) = (a.expect("a figure"), b.expect("a figure"));
             assert!((a - b).abs() <= tolerance * a.abs(), "{name}: {a} and {b}");
         }
     }
@@ -197,7 +207,7 @@ fn the_engine_finds_what_the_analytic_model_does() {
 }
 
 #[test]
-fn a_scene_without_an_object_has_no_grasp_but_a_row() {
+fn a_scene_without_an_object_has_a_row_without_a_grasp() {
     let study =
         study("scene = \"../free-swing.toml\"\n[[axes]]\nfield = \"duration\"\nvalues = [\"1 ms\", \"2 ms\"]\n");
     let table = results(&study);
@@ -207,6 +217,6 @@ fn a_scene_without_an_object_has_no_grasp_but_a_row() {
     }
     assert_eq!(table.texts("class").expect("texts"), [None; 2]);
     assert_eq!(table.texts("reason").expect("texts"), [Some("there is no object"); 2]);
-    assert_eq!(summary(&table).expect("a sweep's").no_class, 2);
+    assert_eq!(summary(&table).expect("results of a sweep").no_class, 2);
     assert!(table.integers("steps").expect("integers").iter().all(|steps| steps.is_some_and(|steps| steps > 0)));
 }

@@ -1,52 +1,54 @@
-//! Sweeps in parts: whatever the parts and their order, together they are the bytes of the sweep in one piece; and what is missing,
-//! there twice, damaged or of something else is named, and costs nobody a file.
+//! Sweeps in parts: any parts in any order merge into the bytes of an undivided sweep. Missing, duplicate, damaged and
+//! foreign parts are reported, and no file is overwritten.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
-use crate::support::faults::Dice;
-use crate::support::studies::{cheap, cheap_as};
-use phalanx::study::parts::{PartError, Work, merge, write_part};
-use phalanx::study::sweep::{Study, load, range, shard, summary};
+use crate::support::faults::XorShift;
+use crate::support::studies::{write_short_study, write_short_study_as};
+use phalanx::study::parts::{PartError, PartOptions, merge, write_part};
+use phalanx::study::sweep::{Study, load, shard, shard_range, summary};
 use phalanx::table;
 
-const ON: &(dyn Fn() -> bool + Sync) = &|| true;
+const KEEP_RUNNING: &(dyn Fn() -> bool + Sync) = &|| true;
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("a path of plain text")
 }
 
-/// `phalanx sweep` with these arguments.
+/// Runs `phalanx sweep` with these arguments.
 fn sweep(args: &[&str]) -> Output {
     phalanx(&[&["sweep"], args].concat())
 }
 
+/// Runs `phalanx sweep` and asserts success.
 #[track_caller]
-fn done(args: &[&str]) -> Output {
+fn succeed(args: &[&str]) -> Output {
     let output = sweep(args);
     assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
     output
 }
 
+/// Runs `phalanx sweep`, asserts that it is rejected with these words, and returns the message.
 #[track_caller]
-fn refused(args: &[&str], words: &[&str]) -> String {
+fn assert_failed(args: &[&str], words: &[&str]) -> String {
     let output = sweep(args);
-    let said = stderr(&output).to_string();
-    assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{args:?}: {said}");
+    let message = stderr(&output).to_string();
+    assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{args:?}: {message}");
     for word in words {
-        assert!(said.contains(word), "{args:?}: no {word:?} in {said}");
+        assert!(message.contains(word), "{args:?}: no {word:?} in {message}");
     }
-    said
+    message
 }
 
-/// A part, made by the library.
-fn part(study: &Study, (number, of): (u64, u64), directory: &Path) -> PathBuf {
-    let out = directory.join(format!("{number}-of-{of}.parquet"));
-    let shard = shard(study, number, of).expect("there is one");
-    let work = Work { threads: 1, restart: false };
-    write_part(study, shard, &out, work, ON, |_| ()).unwrap_or_else(|error| panic!("{error}"));
+/// Makes a part with the library.
+fn part(study: &Study, (number, count): (u64, u64), directory: &Path) -> PathBuf {
+    let out = directory.join(format!("{number}-of-{count}.parquet"));
+    let shard = shard(study, number, count).expect("a valid part");
+    let options = PartOptions { threads: 1, restart: false };
+    write_part(study, shard, &out, options, KEEP_RUNNING, |_| ()).unwrap_or_else(|error| panic!("{error}"));
     out
 }
 
@@ -54,7 +56,7 @@ fn bytes(path: &Path) -> Vec<u8> {
     fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Names of all that is in a directory.
+/// Sorted names of the entries of a directory.
 fn names(directory: &Path) -> Vec<String> {
     let mut names: Vec<String> = fs::read_dir(directory)
         .expect("a directory")
@@ -64,56 +66,63 @@ fn names(directory: &Path) -> Vec<String> {
     names
 }
 
-/// The results in one piece and what stands beside them, in both formats.
-fn in_one_piece(study: &str, directory: &Path) -> Vec<(&'static str, Vec<u8>, Vec<u8>)> {
-    let of = |format: &'static str| {
+/// Results of the undivided sweep and their provenance file, in both formats.
+fn run_undivided(study: &str, directory: &Path) -> Vec<(&'static str, Vec<u8>, Vec<u8>)> {
+    let run_format = |format: &'static str| {
         let out = directory.join(format!("whole.{format}"));
-        done(&[study, "--out", text(&out), "--threads", "2", "--restart"]);
+        succeed(&[study, "--out", text(&out), "--threads", "2", "--restart"]);
         (format, bytes(&out), bytes(&directory.join(format!("whole.{format}.study.json"))))
     };
-    ["csv", "parquet"].map(of).to_vec()
+    ["csv", "parquet"].map(run_format).to_vec()
 }
 
+/// Asserts that the parts merge into these results.
 #[track_caller]
-fn joins_to(study: &Study, parts: &[PathBuf], whole: &[(&str, Vec<u8>, Vec<u8>)], directory: &Path, what: &str) {
-    for (format, results, beside) in whole {
+fn assert_merges_to(
+    study: &Study,
+    parts: &[PathBuf],
+    undivided: &[(&str, Vec<u8>, Vec<u8>)],
+    directory: &Path,
+    case: &str,
+) {
+    for (format, results, provenance) in undivided {
         let out = directory.join(format!("joined.{format}"));
-        let joined = merge(study, parts, &out, &|| true, &mut |_| ()).unwrap_or_else(|error| panic!("{what}: {error}"));
-        assert!(bytes(&out) == *results, "{what}: {format} differs");
+        let merged = merge(study, parts, &out, &|| true, &mut |_| ()).unwrap_or_else(|error| panic!("{case}: {error}"));
+        assert!(bytes(&out) == *results, "{case}: {format} differs");
         assert!(
-            bytes(&directory.join(format!("joined.{format}.study.json"))) == *beside,
-            "{what}: {format}.study.json"
+            bytes(&directory.join(format!("joined.{format}.study.json"))) == *provenance,
+            "{case}: {format}.study.json"
         );
-        assert_eq!((joined.found.runs, joined.bytes), (study.runs(), results.len() as u64), "{what}");
+        assert_eq!((merged.summary.runs, merged.bytes), (study.runs(), results.len() as u64), "{case}");
         if *format == "parquet" {
-            let all = summary(&table::read(&out).expect("a table")).expect("of a sweep");
-            assert_eq!(joined.found, all, "{what}: what came out is that of all rows");
+            let all = summary(&table::read(&out).expect("a table")).expect("results of a sweep");
+            assert_eq!(merged.summary, all, "{case}: the summary is that of all rows");
         }
     }
 }
 
 #[test]
-fn parts_of_any_number_in_any_order_are_the_bytes_of_the_whole() {
+fn any_number_of_parts_in_any_order_merges_to_the_undivided_results() {
     let directory = directory("shards_bytes");
-    let file = cheap(&directory, 60);
-    let whole = in_one_piece(&file, &directory);
+    let file = write_short_study(&directory, 60);
+    let undivided = run_undivided(&file, &directory);
     let study = load(&file).expect("a study");
-    let mut dice = Dice::new(18);
-    // More parts than runs too: some of them are empty.
-    for of in [1, 2, 7, 60, 97] {
-        let mut parts: Vec<PathBuf> = (1..=of).map(|number| part(&study, (number, of), &directory)).collect();
+    let mut rng = XorShift::new(18);
+    // With more parts than runs, some parts are empty.
+    for count in [1, 2, 7, 60, 97] {
+        let mut parts: Vec<PathBuf> = (1..=count).map(|number| part(&study, (number, count), &directory)).collect();
         for last in (1..parts.len()).rev() {
-            parts.swap(last, dice.below(last + 1));
+            parts.swap(last, rng.below(last + 1));
         }
-        joins_to(&study, &parts, &whole, &directory, &format!("{of} parts"));
+        assert_merges_to(&study, &parts, &undivided, &directory, &format!("{count} parts"));
     }
     // A half, a sixth and a third.
-    let parts = [(2, 2), (1, 3), (3, 6)].map(|of| part(&study, of, &directory));
-    joins_to(&study, &parts, &whole, &directory, "parts of three counts");
+    let parts = [(2, 2), (1, 3), (3, 6)].map(|shard| part(&study, shard, &directory));
+    assert_merges_to(&study, &parts, &undivided, &directory, "parts of three counts");
 }
 
 #[test]
-fn the_command_makes_and_joins_parts_of_fingers_and_of_grippers() {
+fn the_command_makes_and_merges_parts_of_fingers_and_grippers() {
     let directory = directory("shards_command");
     let gripper = write(
         &directory,
@@ -122,145 +131,162 @@ fn the_command_makes_and_joins_parts_of_fingers_and_of_grippers() {
          mm\"\n[scene.design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n[scene.table]\n\
          [[axes]]\nfield = \"object.offset\"\nvalues = [\"0 mm\", \"2 mm\", \"-2 mm\", \"5 mm\"]\n",
     );
-    for (name, study, of) in [("finger", cheap(&directory, 90), 3), ("gripper", gripper, 3)] {
-        let whole = in_one_piece(&study, &directory);
+    for (name, study, count) in [("finger", write_short_study(&directory, 90), 3), ("gripper", gripper, 3)] {
+        let undivided = run_undivided(&study, &directory);
         let parts = directory.join(name);
         fs::create_dir(&parts).expect("made");
-        let mut found = 0;
+        let mut total_runs = 0;
         for number in [2, 3, 1] {
-            let (shard, out) = (format!("{number}/{of}"), parts.join(format!("{number}.parquet")));
-            let report = json(&done(&[&study, "--shard", &shard, "--out", text(&out), "--json"]));
-            assert_eq!((report["shard"].as_u64(), report["of"].as_u64()), (Some(number), Some(of)), "{report:#}");
+            let (shard, out) = (format!("{number}/{count}"), parts.join(format!("{number}.parquet")));
+            let report = json(&succeed(&[&study, "--shard", &shard, "--out", text(&out), "--json"]));
+            assert_eq!((report["shard"].as_u64(), report["of"].as_u64()), (Some(number), Some(count)), "{report:#}");
             let (first, last) =
-                (report["first_run"].as_u64().expect("a run"), report["last_run"].as_u64().expect("one"));
+                (report["first_run"].as_u64().expect("a run"), report["last_run"].as_u64().expect("a run"));
             let counts = report["by_status"].as_object().expect("counts").values();
             assert_eq!(
                 counts.map(|count| count.as_u64().expect("a count")).sum::<u64>(),
                 last + 1 - first,
                 "{report:#}"
             );
-            found += last + 1 - first;
-            // DuckDB, say, sees it too.
-            let groups = table::Groups::open(&out).expect("a table");
-            assert_eq!(groups.note("phalanx.shard"), Some(shard.as_str()));
-            assert_eq!(groups.note("phalanx.first_run"), Some(first.to_string().as_str()));
-            assert_eq!(groups.note("phalanx.runs"), Some(load(&study).expect("a study").runs().to_string().as_str()));
+            total_runs += last + 1 - first;
+            // The metadata are readable by other Parquet tools.
+            let groups = table::RowGroupReader::open(&out).expect("a table");
+            assert_eq!(groups.metadata_value("phalanx.shard"), Some(shard.as_str()));
+            assert_eq!(groups.metadata_value("phalanx.first_run"), Some(first.to_string().as_str()));
+            assert_eq!(
+                groups.metadata_value("phalanx.runs"),
+                Some(load(&study).expect("a study").runs().to_string().as_str())
+            );
         }
-        assert_eq!(names(&parts), ["1.parquet", "2.parquet", "3.parquet"], "nothing is left beside them");
-        // As a directory, and as files.
+        assert_eq!(names(&parts), ["1.parquet", "2.parquet", "3.parquet"], "no other file is left");
+        // The parts as a directory, and as files.
         let files = ["3", "1", "2"].map(|number| parts.join(format!("{number}.parquet")));
         let files: Vec<&str> = files.iter().map(|file| text(file)).collect();
-        for (format, results, beside) in &whole {
+        for (format, results, provenance) in &undivided {
             let out = directory.join(format!("{name}.{format}"));
-            for given in [&[text(&parts)][..], &files] {
+            for arguments in [&[text(&parts)][..], &files] {
                 let report =
-                    json(&done(&[&["merge", study.as_str()], given, &["--out", text(&out), "--json"]].concat()));
-                assert_eq!((report["parts"].as_u64(), report["runs"].as_u64()), (Some(3), Some(found)), "{report:#}");
+                    json(&succeed(&[&["merge", study.as_str()], arguments, &["--out", text(&out), "--json"]].concat()));
+                assert_eq!(
+                    (report["parts"].as_u64(), report["runs"].as_u64()),
+                    (Some(3), Some(total_runs)),
+                    "{report:#}"
+                );
                 assert!(
-                    bytes(&out) == *results && bytes(&directory.join(format!("{name}.{format}.study.json"))) == *beside
+                    bytes(&out) == *results
+                        && bytes(&directory.join(format!("{name}.{format}.study.json"))) == *provenance
                 );
             }
         }
-        // The sweep in one piece takes the joined results for its own.
-        let output = done(&[&study, "--out", text(&directory.join(format!("{name}.csv")))]);
-        assert!(stderr(&output).contains("has all runs of this study already"), "{}", stderr(&output));
+        // The undivided sweep recognises the merged results as its own.
+        let output = succeed(&[&study, "--out", text(&directory.join(format!("{name}.csv")))]);
+        assert!(stderr(&output).contains("already contains all runs of this study"), "{}", stderr(&output));
     }
 }
 
 #[test]
-fn a_part_that_is_there_is_left_alone_and_so_is_all_else() {
+fn existing_parts_and_other_files_are_kept() {
     let directory = directory("shards_there");
-    let study = cheap(&directory, 40);
+    let study = write_short_study(&directory, 40);
     let out = directory.join("part.parquet");
-    let make = |study: &str, shard: &str, more: &[&str]| {
-        sweep(&[&[study, "--shard", shard, "--out", text(&out), "--json"], more].concat())
+    let make = |study: &str, shard: &str, flags: &[&str]| {
+        sweep(&[&[study, "--shard", shard, "--out", text(&out), "--json"], flags].concat())
     };
     let first = make(&study, "2/4", &[]);
     assert_eq!(json(&first)["now"]["runs"], 10, "{}", stderr(&first));
-    let (made, when) = (bytes(&out), fs::metadata(&out).and_then(|found| found.modified()).expect("a time"));
-    let again = make(&study, "2/4", &[]);
-    assert_eq!((again.status.code(), json(&again)["now"]["runs"].as_u64()), (Some(0), Some(0)));
-    assert!(stderr(&again).contains("shard 2/4 of this study already: nothing was run"), "{}", stderr(&again));
-    assert_eq!(json(&again)["by_status"], json(&first)["by_status"]);
-    assert_eq!(fs::metadata(&out).and_then(|found| found.modified()).expect("a time"), when);
+    let (original, modified) =
+        (bytes(&out), fs::metadata(&out).and_then(|metadata| metadata.modified()).expect("a time"));
+    let repeated = make(&study, "2/4", &[]);
+    assert_eq!((repeated.status.code(), json(&repeated)["now"]["runs"].as_u64()), (Some(0), Some(0)));
+    assert!(
+        stderr(&repeated).contains("already contains shard 2/4 of this study; nothing was run"),
+        "{}",
+        stderr(&repeated)
+    );
+    assert_eq!(json(&repeated)["by_status"], json(&first)["by_status"]);
+    assert_eq!(fs::metadata(&out).and_then(|metadata| metadata.modified()).expect("a time"), modified);
 
-    let left = |output: Output, words: &[&str]| {
+    let assert_unchanged = |output: Output, words: &[&str]| {
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
         for word in words {
             assert!(stderr(&output).contains(word), "no {word:?} in {}", stderr(&output));
         }
     };
-    left(make(&study, "3/4", &[]), &["shard 2/4", "left alone", "--restart"]);
-    left(make(&study, "2/4", &["--check"]), &["without --check", "left alone"]);
-    left(make(&study, "2/4", &["--model", "engine"]), &["analytic model", "engine", "left alone"]);
-    let other = cheap_as(&directory, "other.toml", 44);
-    left(make(&other, "2/4", &[]), &["the study `cheap`", "`other`", "left alone"]);
-    assert!(bytes(&out) == made);
+    assert_unchanged(make(&study, "3/4", &[]), &["2/4", "not replaced", "--restart"]);
+    assert_unchanged(make(&study, "2/4", &["--check"]), &["without --check", "not replaced"]);
+    assert_unchanged(make(&study, "2/4", &["--model", "engine"]), &["analytic model", "engine", "not replaced"]);
+    let other = write_short_study_as(&directory, "other.toml", 44);
+    assert_unchanged(make(&other, "2/4", &[]), &["the study `cheap`", "`other`", "not replaced"]);
+    assert!(bytes(&out) == original);
     assert_eq!(json(&make(&study, "2/4", &["--restart"]))["now"]["runs"], 10);
-    assert!(bytes(&out) == made);
+    assert!(bytes(&out) == original);
 
-    // A part that was cut short, and one with a bit of it turned, are not taken for done.
-    fs::write(&out, &made[..made.len() - 100]).expect("written");
-    left(make(&study, "2/4", &[]), &["no part of a sweep", "left alone", "delete it"]);
-    let mut damaged = made.clone();
-    damaged[made.len() / 3] ^= 4;
-    fs::write(&out, &damaged).expect("written");
-    left(make(&study, "2/4", &[]), &["damaged", "make that part again"]);
+    // A truncated part and a part with a flipped bit are not accepted.
+    fs::write(&out, &original[..original.len() - 100]).expect("the file is writable");
+    assert_unchanged(make(&study, "2/4", &[]), &["not a shard of a sweep", "not replaced", "delete it"]);
+    let mut damaged = original.clone();
+    damaged[original.len() / 3] ^= 4;
+    fs::write(&out, &damaged).expect("the file is writable");
+    assert_unchanged(make(&study, "2/4", &[]), &["damaged", "run the shard again"]);
     assert_eq!(make(&study, "2/4", &["--restart"]).status.code(), Some(0));
-    assert!(bytes(&out) == made);
+    assert!(bytes(&out) == original);
 
-    // Somebody's own table, even for --restart.
-    fs::write(&out, "somebody's table").expect("written");
-    for more in [&[][..], &["--restart"]] {
-        left(make(&study, "2/4", more), &["no part of a sweep", "left alone"]);
+    // A foreign file is kept even with --restart.
+    fs::write(&out, "foreign table").expect("the file is writable");
+    for flags in [&[][..], &["--restart"]] {
+        assert_unchanged(make(&study, "2/4", flags), &["not a shard of a sweep", "not replaced"]);
     }
-    assert_eq!(bytes(&out), b"somebody's table");
+    assert_eq!(bytes(&out), b"foreign table");
     assert_eq!(names(&directory), ["cheap.toml", "other.toml", "part.parquet"]);
 }
 
 #[test]
-fn what_is_wrong_with_parts_is_named_and_nothing_is_written() {
+fn invalid_parts_are_reported_and_nothing_is_written() {
     let directory = directory("shards_wrong");
-    let file = cheap(&directory, 100);
+    let file = write_short_study(&directory, 100);
     let study = load(&file).expect("a study");
     let out = directory.join("out.csv");
     let parts: Vec<PathBuf> = (1..=5).map(|number| part(&study, (number, 5), &directory)).collect();
-    let joined = |parts: &[&Path], words: &[&str]| {
+    let assert_rejected = |parts: &[&Path], words: &[&str]| {
         let parts: Vec<&str> = parts.iter().map(|part| text(part)).collect();
-        let said = refused(&[&["merge", file.as_str()], &parts[..], &["--out", text(&out)]].concat(), words);
-        assert!(!out.exists() && !directory.join("out.csv.study.json").exists(), "{said}");
+        let message = assert_failed(&[&["merge", file.as_str()], &parts[..], &["--out", text(&out)]].concat(), words);
+        assert!(!out.exists() && !directory.join("out.csv.study.json").exists(), "{message}");
     };
-    // Missing, with the commands that make it.
+    // Missing runs are reported with the commands that make them.
     let command = format!("phalanx sweep {file} --shard 3/5 --out {}", directory.join("part-3-of-5.parquet").display());
-    joined(
+    assert_rejected(
         &[&parts[4], &parts[0], &parts[3]],
-        &["40 of 100 runs are in no part", "runs 21 to 60 (--shard 2/5 and 3/5)", &command],
+        &["40 of 100 runs are in no shard", "runs 21 to 60 (--shard 2/5 and 3/5)", &command],
     );
-    // Between a third and a half: the missing runs are a sixth.
+    // The runs between a third and a half are a sixth.
     let (third, half) = (part(&study, (1, 3), &directory), part(&study, (2, 2), &directory));
-    joined(&[&half, &third], &["17 of 100 runs", "runs 34 to 50 (--shard 3/6)"]);
-    // There twice.
+    assert_rejected(&[&half, &third], &["17 of 100 runs", "runs 34 to 50 (--shard 3/6)"]);
+    // Duplicate runs.
     let all: Vec<&Path> = parts.iter().map(PathBuf::as_path).collect();
     let twice = [&all[..], &[&third]].concat();
-    joined(&twice, &["overlap", "1-of-3.parquet", "runs 21 to 33", "leave out one of each two"]);
-    joined(&[&parts[0], &parts[0]], &["overlap", "runs 1 to 20"]);
+    assert_rejected(&twice, &["overlap", "1-of-3.parquet", "runs 21 to 33", "remove one of each pair"]);
+    assert_rejected(&[&parts[0], &parts[0]], &["overlap", "runs 1 to 20"]);
 
-    // Of another study, model, or program.
-    let other = load(cheap_as(&directory, "other.toml", 104)).expect("a study");
-    let strange = directory.join("strange");
-    fs::create_dir(&strange).expect("made");
-    let foreign = part(&other, (2, 5), &strange);
-    let mixed = [&all[..1], &[&foreign], &all[2..]].concat();
-    joined(&mixed, &["strange", "no part of this study", "`other`"]);
+    // Parts of another study, model or version.
+    let other = load(write_short_study_as(&directory, "other.toml", 104)).expect("a study");
+    let foreign_directory = directory.join("strange");
+    fs::create_dir(&foreign_directory).expect("made");
+    let other_part = part(&other, (2, 5), &foreign_directory);
+    let mixed = [&all[..1], &[&other_part], &all[2..]].concat();
+    assert_rejected(&mixed, &["strange", "not a shard of this study", "`other`"]);
     let mut engine = study.clone();
     engine.model = phalanx::trace::Model::Engine;
-    fs::remove_file(&foreign).expect("removed");
-    let foreign = part(&engine, (2, 5), &strange);
-    joined(&[&all[..1], &[&foreign], &all[2..]].concat(), &["no part of this study", "--model engine"]);
-    let older = strange.join("older.parquet");
+    fs::remove_file(&other_part).expect("removed");
+    let other_part = part(&engine, (2, 5), &foreign_directory);
+    assert_rejected(&[&all[..1], &[&other_part], &all[2..]].concat(), &["not a shard of this study", "--model engine"]);
+    let older = foreign_directory.join("older.parquet");
     let table = table::read(&parts[1]).expect("a table");
-    let note =
-        |name: &str| table::Groups::open(&parts[1]).expect("a part").note(&format!("phalanx.{name}")).map(String::from);
+    let note = |name: &str| {
+        table::RowGroupReader::open(&parts[1])
+            .expect("a part")
+            .metadata_value(&format!("phalanx.{name}"))
+            .map(String::from)
+    };
     let notes: Vec<(String, String)> = ["study", "model", "checked", "shard", "first_run", "last_run", "runs"]
         .iter()
         .map(|name| (format!("phalanx.{name}"), note(name).expect("a note")))
@@ -269,181 +295,199 @@ fn what_is_wrong_with_parts_is_named_and_nothing_is_written() {
             ("phalanx.fingerprint".to_string(), "0".repeat(16)),
         ])
         .collect();
-    table::write_noted(&older, &table, &notes).expect("written");
-    joined(&[&all[..1], &[&older], &all[2..]].concat(), &["made by phalanx 0.0.9", "one version"]);
-    // The same with the rows of another part: what it says of itself is not all that is looked at.
+    table::write_with_metadata(&older, &table, &notes).expect("the file is writable");
+    assert_rejected(&[&all[..1], &[&older], &all[2..]].concat(), &["written by phalanx 0.0.9", "one version"]);
+    // Correct metadata with the rows of another part: the rows are verified too.
     let rows = table::read(&parts[2]).expect("a table");
-    let mut lying = notes.clone();
-    lying.retain(|(name, _)| name != "phalanx.version" && name != "phalanx.fingerprint");
+    let mut forged = notes.clone();
+    forged.retain(|(name, _)| name != "phalanx.version" && name != "phalanx.fingerprint");
     for name in ["version", "fingerprint"] {
-        lying.push((format!("phalanx.{name}"), note(name).expect("a note")));
+        forged.push((format!("phalanx.{name}"), note(name).expect("a note")));
     }
-    table::write_noted(&older, &rows, &lying).expect("written");
-    joined(&[&all[..1], &[&older], &all[2..]].concat(), &["damaged", "run 21 is not where it should be"]);
+    table::write_with_metadata(&older, &rows, &forged).expect("the file is writable");
+    assert_rejected(&[&all[..1], &[&older], &all[2..]].concat(), &["damaged", "run 21 is missing or misplaced"]);
 
-    // What it says of itself may be anything.
+    // Inconsistent metadata.
     for (shard, first, last, runs) in [
         ("1/1", "1", "18446744073709551615", "18446744073709551615"),
         ("2/5", "21", "40", "99"),
         ("1/1", "1", "20", "20"),
         ("0/0", "1", "0", "0"),
     ] {
-        let say = [("shard", shard), ("first_run", first), ("last_run", last), ("runs", runs)];
-        let mut lying = lying.clone();
-        for (name, text) in &mut lying {
-            if let Some((_, said)) = say.iter().find(|(of, _)| name == &format!("phalanx.{of}")) {
-                *text = said.to_string();
+        let values = [("shard", shard), ("first_run", first), ("last_run", last), ("runs", runs)];
+        let mut forged = forged.clone();
+        for (name, text) in &mut forged {
+            if let Some((_, value)) = values.iter().find(|(key, _)| name == &format!("phalanx.{key}")) {
+                *text = value.to_string();
             }
         }
-        table::write_noted(&older, &rows, &lying).expect("written");
+        table::write_with_metadata(&older, &rows, &forged).expect("the file is writable");
         let words = if runs == "20" { "overlap" } else { "damaged" };
-        joined(&[&all[..1], &[&older], &all[2..]].concat(), &[words]);
+        assert_rejected(&[&all[..1], &[&older], &all[2..]].concat(), &[words]);
     }
 
-    // Torn and changed.
-    let torn = strange.join("torn.parquet");
-    let whole = bytes(&parts[1]);
-    let mut dice = Dice::new(5);
+    // Truncated and modified parts.
+    let truncated = foreign_directory.join("truncated.parquet");
+    let valid_bytes = bytes(&parts[1]);
+    let mut rng = XorShift::new(5);
     for _ in 0..20 {
-        fs::write(&torn, &whole[..dice.below(whole.len())]).expect("written");
-        joined(&[&all[..1], &[&torn], &all[2..]].concat(), &["torn.parquet is not a part of a sweep"]);
+        fs::write(&truncated, &valid_bytes[..rng.below(valid_bytes.len())]).expect("the file is writable");
+        assert_rejected(
+            &[&all[..1], &[&truncated], &all[2..]].concat(),
+            &["truncated.parquet is not a shard of a sweep"],
+        );
     }
-    let mut turned = whole.clone();
-    turned[whole.len() / 4] ^= 1;
-    fs::write(&torn, &turned).expect("written");
-    joined(&[&all[..1], &[&torn], &all[2..]].concat(), &["torn.parquet is damaged", "make that part again"]);
-    joined(&[&directory.join("none.parquet")], &["none.parquet", "there is no such file"]);
+    let mut flipped = valid_bytes.clone();
+    flipped[valid_bytes.len() / 4] ^= 1;
+    fs::write(&truncated, &flipped).expect("the file is writable");
+    assert_rejected(
+        &[&all[..1], &[&truncated], &all[2..]].concat(),
+        &["truncated.parquet is damaged", "run the shard again"],
+    );
+    assert_rejected(&[&directory.join("none.parquet")], &["none.parquet", "there is no such file"]);
     fs::create_dir(directory.join("empty")).expect("made");
-    joined(&[&directory.join("empty")], &["without a file of Parquet"]);
+    assert_rejected(&[&directory.join("empty")], &["contains no Parquet file"]);
 
-    // The place of the results.
+    // Output paths.
     let file = file.as_str();
-    let given: Vec<&str> = all.iter().map(|part| text(part)).collect();
-    let at = |out: &Path, words: &[&str]| {
-        refused(&[&["merge", file], &given[..], &["--out", text(out)]].concat(), words);
+    let arguments: Vec<&str> = all.iter().map(|part| text(part)).collect();
+    let assert_path_rejected = |out: &Path, words: &[&str]| {
+        assert_failed(&[&["merge", file], &arguments[..], &["--out", text(out)]].concat(), words);
     };
-    at(&directory.join("out.txt"), &["NAME.csv or NAME.parquet"]);
-    at(&directory.join("nowhere/out.csv"), &["mkdir -p"]);
-    fs::write(&out, "somebody's").expect("written");
-    at(&out, &["no sweep has left it there", "left alone"]);
-    assert_eq!(bytes(&out), b"somebody's");
+    assert_path_rejected(&directory.join("out.txt"), &["NAME.csv or NAME.parquet"]);
+    assert_path_rejected(&directory.join("nowhere/out.csv"), &["mkdir -p"]);
+    fs::write(&out, "foreign").expect("the file is writable");
+    assert_path_rejected(&out, &["it was not written by a sweep", "not replaced"]);
+    assert_eq!(bytes(&out), b"foreign");
     fs::remove_file(&out).expect("removed");
 
-    // Told to stop, it leaves nothing; and after all that the parts are as good as before.
+    // An interrupted merge leaves no file, and the parts are still valid.
     let before = names(&directory);
-    let stopped = merge(&study, &parts, &out, &|| false, &mut |_| ());
-    assert_eq!(stopped, Err(PartError::Stopped { done: 0, of: 100 }));
+    let interrupted = merge(&study, &parts, &out, &|| false, &mut |_| ());
+    assert_eq!(interrupted, Err(PartError::Stopped { done: 0, total: 100 }));
     assert_eq!(names(&directory), before);
-    assert_eq!(merge(&study, &parts, &out, &|| true, &mut |_| ()).map(|joined| joined.found.runs), Ok(100));
+    assert_eq!(merge(&study, &parts, &out, &|| true, &mut |_| ()).map(|merged| merged.summary.runs), Ok(100));
 }
 
 #[test]
-fn arguments_of_parts_are_checked_before_anything_is_run() {
+fn arguments_of_parts_are_checked_before_running() {
     let directory = directory("shards_arguments");
-    let study = cheap(&directory, 50);
+    let study = write_short_study(&directory, 50);
     let out = directory.join("part.parquet");
     for shard in ["0/4", "5/4", "1", "1/0", "a/b", "-1/4", "1/ 4", " 1/4", "+1/4", "01/4", "1/04"] {
-        refused(&[&study, "--shard", shard, "--out", text(&out)], &["expected K/N"]);
+        assert_failed(&[&study, "--shard", shard, "--out", text(&out)], &["expected K/N"]);
     }
-    refused(&[&study, "--shard", "1/4", "--limit", "3", "--out", text(&out)], &["--limit", "cannot be used with"]);
-    refused(&[&study, "--shard", "1/4", "--out", text(&directory.join("part.csv"))], &["a part is a Parquet file"]);
-    refused(&[&study, "--shard", "1/4", "--out", text(&directory.join("no/part.parquet"))], &["mkdir -p"]);
-    refused(&["merge", &study, "--out", text(&out)], &["<PART>..."]);
+    assert_failed(
+        &[&study, "--shard", "1/4", "--limit", "3", "--out", text(&out)],
+        &["--limit", "cannot be used with"],
+    );
+    assert_failed(
+        &[&study, "--shard", "1/4", "--out", text(&directory.join("part.csv"))],
+        &["a shard is a Parquet file"],
+    );
+    assert_failed(&[&study, "--shard", "1/4", "--out", text(&directory.join("no/part.parquet"))], &["mkdir -p"]);
+    assert_failed(&["merge", &study, "--out", text(&out)], &["<SHARD>..."]);
     assert_eq!(names(&directory), ["cheap.toml"]);
 }
 
 #[test]
-fn a_part_of_a_billion_runs_begins_at_once() {
+fn a_part_of_a_billion_runs_starts_immediately() {
     let directory = directory("shards_billion");
     let axis = |field: &str| format!("[[axes]]\nfield = \"{field}\"\nfrom = 0.1\nto = 0.9\ncount = 1000\n");
     let axes = ["design.arm_ratio", "design.l21_fraction", "contact.friction.mu_static"].map(axis).concat();
-    let scene = fs::canonicalize("scenes/free-swing.toml").expect("ships");
-    let text_of = format!("scene = \"{}\"\n[set]\nduration = \"1 ms\"\n{axes}", scene.display());
-    let file = write(&directory, "large.toml", &text_of);
+    let scene = fs::canonicalize("scenes/free-swing.toml").expect("a shipped file");
+    let study_text = format!("scene = \"{}\"\n[set]\nduration = \"1 ms\"\n{axes}", scene.display());
+    let file = write(&directory, "large.toml", &study_text);
     let out = directory.join("out.parquet");
-    refused(
+    assert_failed(
         &[&file, "--out", text(&out)],
         &["1000000000 runs", "at most 1000000", "--shard 1/1000", "phalanx sweep merge"],
     );
-    refused(&[&file, "--shard", "1/999", "--out", text(&out)], &["shard 1/999 has 1001001 runs", "at least 1000"]);
-    // As far as it goes, the first runs are made in one piece.
-    done(&[&file, "--limit", "3", "--out", text(&directory.join("first.csv"))]);
+    assert_failed(
+        &[&file, "--shard", "1/999", "--out", text(&out)],
+        &["shard 1/999 has 1001001 runs", "at least 1000"],
+    );
+    // The first runs can be made without parts.
+    succeed(&[&file, "--limit", "3", "--out", text(&directory.join("first.csv"))]);
 
     let study = load(&file).expect("a study");
-    let of = 200_000_000;
-    let last = part(&study, (of, of), &directory);
+    let count = 200_000_000;
+    let last = part(&study, (count, count), &directory);
     let runs = table::read(&last).expect("a table").integers("run").expect("runs");
     assert_eq!(runs, (999_999_996..=1_000_000_000).map(Some).collect::<Vec<_>>());
-    assert_eq!(range(study.runs(), of, of).map(|shard| shard.first), Some(999_999_996));
-    // What is missing is counted, not listed.
-    let said =
-        refused(&["merge", &file, text(&last), "--out", text(&out)], &["999999995 of 1000000000 runs are in no part"]);
-    assert!(said.contains("--shard 1/200000000 to 199999999/200000000") && said.len() < 4000, "{said}");
+    assert_eq!(shard_range(study.runs(), count, count).map(|shard| shard.first), Some(999_999_996));
+    // Missing runs are counted, not listed.
+    let message = assert_failed(
+        &["merge", &file, text(&last), "--out", text(&out)],
+        &["999999995 of 1000000000 runs are in no shard"],
+    );
+    assert!(message.contains("--shard 1/200000000 to 199999999/200000000") && message.len() < 4000, "{message}");
 }
 
-/// Signals and kills need to know when a part is being made.
+/// These tests detect from /proc that a part is being made.
 #[cfg(target_os = "linux")]
-mod ended {
+mod interruption {
     use std::process::{Child, Command, Stdio};
     use std::thread::sleep;
     use std::time::{Duration, Instant};
 
     use super::*;
 
-    /// A part whose runs have begun: it listens to signals by then.
-    fn begun(study: &str, out: &Path) -> Child {
+    /// Starts a part and waits until the process handles signals and has started its runs.
+    fn start_part(study: &str, out: &Path) -> Child {
         let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
         command.args(["sweep", study, "--threads", "1", "--shard", "1/2", "--out"]).arg(out);
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts");
-        let patience = Instant::now() + Duration::from_secs(60);
-        // Bit 1 of what it catches: SIGINT.
-        while caught(child.id()).is_none_or(|mask| mask & 2 == 0) {
-            assert!(Instant::now() < patience, "it does not listen to signals");
+        let deadline = Instant::now() + Duration::from_secs(60);
+        // Bit 1 of the mask is SIGINT.
+        while caught_signals(child.id()).is_none_or(|mask| mask & 2 == 0) {
+            assert!(Instant::now() < deadline, "the process does not handle signals");
             sleep(Duration::from_millis(2));
         }
         sleep(Duration::from_millis(50));
         child
     }
 
-    fn caught(process: u32) -> Option<u64> {
+    /// Mask of the signals that a process handles.
+    fn caught_signals(process: u32) -> Option<u64> {
         let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("SigCgt:"))?;
         u64::from_str_radix(line.trim(), 16).ok()
     }
 
     #[test]
-    fn a_part_that_is_killed_or_interrupted_is_not_there() {
+    fn a_killed_or_interrupted_part_leaves_no_file() {
         let directory = directory("shards_ended");
-        let (study, parts) = (cheap(&directory, 40_000), directory.join("parts"));
+        let (study, parts) = (write_short_study(&directory, 40_000), directory.join("parts"));
         fs::create_dir(&parts).expect("made");
         let out = parts.join("part.parquet");
         for _ in 0..3 {
-            let mut child = begun(&study, &out);
-            assert!(child.try_wait().expect("a child").is_none(), "it ended before it was killed");
-            child.kill().expect("killed");
-            child.wait().expect("ended");
+            let mut child = start_part(&study, &out);
+            assert!(child.try_wait().expect("a child").is_none(), "the process ended before it was killed");
+            child.kill().expect("the process is killed");
+            child.wait().expect("the process ends");
             assert_eq!(names(&parts), [""; 0]);
         }
         for (name, signal) in [("INT", "SIGINT"), ("TERM", "SIGTERM")] {
-            let child = begun(&study, &out);
+            let child = start_part(&study, &out);
             let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
-            assert!(sent.expect("kill is there").success());
-            let output = child.wait_with_output().expect("ends");
-            let said = stderr(&output);
-            assert_eq!(output.status.code(), Some(3), "{said}");
+            assert!(sent.expect("kill is available").success());
+            let output = child.wait_with_output().expect("the process ends");
+            let message = stderr(&output);
+            assert_eq!(output.status.code(), Some(3), "{message}");
             for words in [&format!("shard 1/2 was interrupted by {signal}"), "of its 20000 runs", "no file was written"]
             {
-                assert!(said.contains(words), "no {words:?} in {said}");
+                assert!(message.contains(words), "no {words:?} in {message}");
             }
             assert_eq!(names(&parts), [""; 0]);
         }
-        // Small enough to be made now, by the same command as ever.
-        let study = cheap(&directory, 400);
-        let whole = in_one_piece(&study, &directory);
+        // A smaller study can be finished with the same commands.
+        let study = write_short_study(&directory, 400);
+        let undivided = run_undivided(&study, &directory);
         for number in ["1", "2"] {
             let out = parts.join(format!("{number}.parquet"));
-            done(&[&study, "--shard", &format!("{number}/2"), "--out", text(&out)]);
+            succeed(&[&study, "--shard", &format!("{number}/2"), "--out", text(&out)]);
         }
-        joins_to(&load(&study).expect("a study"), &[parts], &whole, &directory, "after kills");
+        assert_merges_to(&load(&study).expect("a study"), &[parts], &undivided, &directory, "after kills");
     }
 }

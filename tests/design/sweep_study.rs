@@ -1,22 +1,23 @@
-//! Study files: what they say is what is run, and what is wrong with them is named with its place.
+//! Study files: their runs, and the messages and locations of their problems.
 
 use phalanx::scene;
 use phalanx::study::sweep::{Study, columns, load, parse, schema};
 use phalanx::table::{Kind, Value};
 
-/// A study of design 95 with these lines behind it.
-fn study(more: &str) -> Study {
-    let text = format!("scene = \"../experiment-95.toml\"\n{more}");
+/// Study of design 95 with these additional lines.
+fn study(lines: &str) -> Study {
+    let text = format!("scene = \"../experiment-95.toml\"\n{lines}");
     parse(&text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn message(more: &str) -> String {
-    let text = format!("scene = \"../experiment-95.toml\"\n{more}");
-    parse(&text, "scenes/studies/study.toml").expect_err(more).to_string()
+/// Error message of such a study.
+fn message(lines: &str) -> String {
+    let text = format!("scene = \"../experiment-95.toml\"\n{lines}");
+    parse(&text, "scenes/studies/study.toml").expect_err(lines).to_string()
 }
 
 fn values(study: &Study, run: u64) -> Vec<Value> {
-    study.points(run).into_iter().map(|point| point.value).collect()
+    study.field_values(run).into_iter().map(|value| value.value).collect()
 }
 
 fn numbers(study: &Study, run: u64) -> Vec<f64> {
@@ -28,8 +29,8 @@ fn numbers(study: &Study, run: u64) -> Vec<f64> {
 }
 
 #[test]
-fn the_thesis_runs_192_designs_twice_with_the_last_axis_fastest() {
-    let study = load("scenes/studies/thesis.toml").expect("ships");
+fn the_thesis_study_has_192_designs_under_two_conditions() {
+    let study = load("scenes/studies/thesis.toml").expect("a shipped file");
     assert_eq!((study.runs(), study.designs()), (384, 192));
     let names: Vec<String> = columns(&study).into_iter().map(|column| column.name).collect();
     assert_eq!(
@@ -54,7 +55,7 @@ fn the_thesis_runs_192_designs_twice_with_the_last_axis_fastest() {
 }
 
 #[test]
-fn every_run_is_the_scene_its_values_say() {
+fn each_run_has_the_values_of_its_axes() {
     let study = study(
         "[set]\nduration = \"30 ms\"\nmotor.torque = \"500 N*mm\"\n[[axes]]\nfield = \"contact.friction.mu_static\"\nvalues = [0, \
          0.4]\n[[axes]]\nfields = [\"design.base\", \"spring.torque\"]\nrows = [[\"15 mm\", \"120 N*mm\"], [\"16 mm\", \"0.13 \
@@ -77,14 +78,14 @@ fn every_run_is_the_scene_its_values_say() {
 }
 
 #[test]
-fn ranges_are_grids_or_samples() {
+fn ranges_become_grids_or_samples() {
     let range = "[[axes]]\nfield = \"design.base\"\nfrom = \"12 mm\"\nto = \"22.5 mm\"\n";
     let grid = study(&format!("{range}count = 4\n"));
     assert_eq!([1, 2, 3, 4].map(|run| numbers(&grid, run)[0]), [0.012, 0.0155, 0.019, 0.0225]);
     let log = study("[[axes]]\nfield = \"contact.stiffness_si\"\nfrom = 1e6\nto = 1e9\ncount = 4\nspacing = \"log\"\n");
     assert_eq!([1, 2, 3, 4].map(|run| numbers(&log, run)[0]), [1e6, 1e7, 1e8, 1e9]);
 
-    // Grid and sample together: every value of the grid gets all points.
+    // Grid and sample together: all points are run for every value of the grid.
     let mixed = format!(
         "[[axes]]\nfield = \"design.arm_ratio\"\nfrom = 0.3\nto = 0.6\n[[axes]]\nfield = \"contact.friction.mu_static\"\nvalues = \
          [0, 0.8]\nagain = true\n{range}[sample]\ncount = 100\n"
@@ -92,14 +93,14 @@ fn ranges_are_grids_or_samples() {
     let sampled = study(&mixed);
     assert_eq!((sampled.runs(), sampled.designs()), (200, 100));
     for run in 1..=100 {
-        let [(ratio, mu, base), (again, other_mu, same)] = [run, run + 100].map(|run| {
+        let [(ratio, mu, base), (other_ratio, other_mu, other_base)] = [run, run + 100].map(|run| {
             let [ratio, mu, base] = numbers(&sampled, run)[..] else { panic!("three axes") };
             (ratio, mu, base)
         });
-        assert_eq!((ratio, base, mu, other_mu), (again, same, 0.0, 0.8));
+        assert_eq!((ratio, base, mu, other_mu), (other_ratio, other_base, 0.0, 0.8));
         assert_eq!(sampled.design(run), sampled.design(run + 100));
         assert!((0.3..0.6).contains(&ratio) && (0.012..0.0225).contains(&base));
-        // What stands in the results is what the scene has, bit for bit.
+        // The value in the results equals that of the scene, bit for bit.
         let scene = scene::parse(&sampled.scene_text(run), "run.toml").unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(scene.object().expect("given").centre_m[0], -base);
     }
@@ -107,15 +108,15 @@ fn ranges_are_grids_or_samples() {
     let other = study(&mixed.replace("count = 100", "count = 100\nseed = 2"));
     let latin = study(&mixed.replace("count = 100", "count = 100\nmethod = \"latin-hypercube\""));
     assert_ne!(bases(&sampled), bases(&other));
-    let mut slices: Vec<i64> = bases(&latin).iter().map(|base| ((base - 0.012) / 0.0105 * 100.0) as i64).collect();
-    slices.sort_unstable();
-    assert!(slices.into_iter().eq(0..100));
+    let mut strata: Vec<i64> = bases(&latin).iter().map(|base| ((base - 0.012) / 0.0105 * 100.0) as i64).collect();
+    strata.sort_unstable();
+    assert!(strata.into_iter().eq(0..100));
 }
 
 #[test]
-fn mistakes_are_named_with_their_place() {
+fn reports_problems_with_their_location() {
     let axis = |body: &str| format!("[[axes]]\n{body}\n");
-    for (more, place, words) in [
+    for (lines, location, words) in [
         (
             axis("field = \"design.bas\"\nvalues = [\"1 mm\"]"),
             ":3:9",
@@ -133,7 +134,7 @@ fn mistakes_are_named_with_their_place() {
             ":4:20",
             &["`design.base` is a bare number", "m, cm, mm, um"],
         ),
-        (axis("field = \"design.base\"\nvalues = [\"12 ms\"]"), ":4:11", &["12 ms is a time", "a length is wanted"]),
+        (axis("field = \"design.base\"\nvalues = [\"12 ms\"]"), ":4:11", &["12 ms is a time", "expected a length"]),
         (axis("field = \"spring.type\"\nvalues = [\"constnt\"]"), ":4:11", &["did you mean \"constant\"?"]),
         (axis("field = \"palm\"\nvalues = [1]"), ":4:11", &["must be true or false"]),
         (axis("field = \"palm\"\nfrom = true\nto = false"), ":4:8", &["has no range"]),
@@ -141,7 +142,7 @@ fn mistakes_are_named_with_their_place() {
         (axis("field = \"design.arm_ratio\"\nvalues = []"), ":4:10", &["`values` is empty"]),
         (axis("field = \"design.arm_ratio\"\nvalues = 3"), ":4:10", &["must be a list"]),
         (axis("field = \"design.arm_ratio\"\nfrom = 0.3\nto = 0.5"), ":4:8", &["no `count`", "[sample]"]),
-        (axis("field = \"design.arm_ratio\"\nfrom = 0.3\nto = 0.3\ncount = 3"), ":5:6", &["ends where it begins"]),
+        (axis("field = \"design.arm_ratio\"\nfrom = 0.3\nto = 0.3\ncount = 3"), ":5:6", &["are equal"]),
         (axis("field = \"design.arm_ratio\"\nfrom = 0.3\nto = 0.5\ncount = 1"), ":6:9", &["from 2 to"]),
         (
             axis("field = \"design.arm_ratio\"\nfrom = 0\nto = 1\ncount = 3\nspacing = \"log\""),
@@ -163,90 +164,93 @@ fn mistakes_are_named_with_their_place() {
         ("[sample]\ncount = 10\n".to_string(), ":2:1", &["has no range"]),
         ("[sample]\nmethod = \"halton\"\n".to_string(), ":2:1", &["`count` is missing"]),
         ("[filter]\nform_close = true\n".to_string(), ":3:1", &["did you mean `form_closed`?"]),
-        ("[set]\ndesign.base = \"1 kg\"\n".to_string(), ":3:15", &["a mass", "a length is wanted"]),
+        ("[set]\ndesign.base = \"1 kg\"\n".to_string(), ":3:15", &["a mass", "expected a length"]),
         ("[set]\ndesin.base = \"1 mm\"\n".to_string(), ":3:1", &["unknown key `desin`", "did you mean `design`?"]),
         ("kind = 3\n".to_string(), ":2:1", &["unknown key `kind`"]),
         ("x = \n".to_string(), ":2:5", &["not valid TOML"]),
     ] {
-        let found = message(&more);
-        assert!(found.contains(&format!("scenes/studies/study.toml{place}\n")), "{place} of\n{more}in\n{found}");
+        let error = message(&lines);
+        assert!(error.contains(&format!("scenes/studies/study.toml{location}\n")), "{location} of\n{lines}in\n{error}");
         for word in words {
-            assert!(found.contains(word), "{word} in\n{found}");
+            assert!(error.contains(word), "{word} in\n{error}");
         }
-        assert!(found.contains("= help: "), "{found}");
+        assert!(error.contains("= help: "), "{error}");
     }
 }
 
 #[test]
-fn mistakes_of_the_base_scene_are_named_in_its_own_file() {
-    let of = |text: &str| parse(text, "scenes/studies/study.toml").expect_err(text).to_string();
-    let found = of("scene = \"../no-such.toml\"\n");
-    assert!(found.contains("study.toml:1:9") && found.contains("there is no such file"), "{found}");
-    let found = of("scene = \"../laws/spring.toml\"\n");
-    assert!(found.contains("laws/spring.toml:") && found.contains("a sweep simulates fingers"), "{found}");
+fn reports_problems_of_the_base_scene_in_its_own_file() {
+    let error = |text: &str| parse(text, "scenes/studies/study.toml").expect_err(text).to_string();
+    let message = error("scene = \"../no-such.toml\"\n");
+    assert!(message.contains("study.toml:1:9") && message.contains("there is no such file"), "{message}");
+    let message = error("scene = \"../laws/spring.toml\"\n");
+    assert!(message.contains("laws/spring.toml:") && message.contains("a sweep simulates fingers"), "{message}");
     let axis = |field| format!("[[axes]]\nfield = \"discs.ball.{field}\"\nvalues = [\"1 mm\", \"2 mm\"]\n");
-    let found = of(&format!("scene = \"../laws/spring.toml\"\n{}", axis("radius")));
-    assert!(found.contains("a sweep simulates fingers"), "{found}");
-    let found = of(&format!("scene = \"../laws/spring.toml\"\n{}", axis("raduis")));
-    assert!(found.contains("keys in [discs.ball]: acceleration, centre"), "{found}");
-    let found = of("[scene]\ndesign.base = 3\n");
-    assert!(found.contains("study.toml:2:15") && found.contains("`scene.design.base` is a bare number"), "{found}");
-    let found = of("name = \"x\"\n");
-    assert!(found.contains("`scene` is missing"), "{found}");
-    let found = of("scene = 3\n");
-    assert!(found.contains("study.toml:1:9") && found.contains("`scene` is a bare number"), "{found}");
-    let found = load("scenes/studies/none.toml").expect_err("there is none").to_string();
-    assert!(found.contains("cannot read study") && found.contains("there is no such file"), "{found}");
+    let message = error(&format!("scene = \"../laws/spring.toml\"\n{}", axis("radius")));
+    assert!(message.contains("a sweep simulates fingers"), "{message}");
+    let message = error(&format!("scene = \"../laws/spring.toml\"\n{}", axis("raduis")));
+    assert!(message.contains("keys in [discs.ball]: acceleration, centre"), "{message}");
+    let message = error("[scene]\ndesign.base = 3\n");
+    assert!(
+        message.contains("study.toml:2:15") && message.contains("`scene.design.base` is a bare number"),
+        "{message}"
+    );
+    let message = error("name = \"x\"\n");
+    assert!(message.contains("`scene` is missing"), "{message}");
+    let message = error("scene = 3\n");
+    assert!(message.contains("study.toml:1:9") && message.contains("`scene` is a bare number"), "{message}");
+    let message = load("scenes/studies/none.toml").expect_err("no such file").to_string();
+    assert!(message.contains("cannot read study") && message.contains("there is no such file"), "{message}");
 }
 
 #[test]
-fn more_runs_than_anybody_can_make_are_refused() {
+fn rejects_too_many_runs() {
     let axis = |field: &str| format!("[[axes]]\nfield = \"{field}\"\nfrom = 0.1\nto = 0.9\ncount = 1000\n");
     let fields = ["design.arm_ratio", "design.l21_fraction", "contact.friction.mu_static"].map(axis).concat();
     assert_eq!(study(&fields).runs(), 1_000_000_000);
-    // The last run is found as soon as the first.
+    // The last run is available without enumerating the others.
     assert_eq!(numbers(&study(&fields), 1_000_000_000), [0.9; 3]);
-    let all = format!("{fields}{}", axis("contact.friction.mu_dynamic"));
-    assert_eq!(study(&all).runs(), phalanx::limits::MOST_SHARDED_RUNS);
-    let more = format!("{all}[[axes]]\nfield = \"palm\"\nvalues = [true, false]\n");
-    assert!(message(&more).contains("more than 1000000000000 runs"));
+    let maximal = format!("{fields}{}", axis("contact.friction.mu_dynamic"));
+    assert_eq!(study(&maximal).runs(), phalanx::limits::MAX_SHARDED_RUNS);
+    let excessive = format!("{maximal}[[axes]]\nfield = \"palm\"\nvalues = [true, false]\n");
+    assert!(message(&excessive).contains("more than 1000000000000 runs"));
     let sample = |method: &str, count: u64| {
         format!(
             "[[axes]]\nfield = \"design.arm_ratio\"\nfrom = 0.3\nto = 0.6\n[sample]\nmethod = \"{method}\"\ncount = {count}\n"
         )
     };
     assert_eq!(study(&sample("halton", 5_000_000_000)).runs(), 5_000_000_000);
-    let found = message(&sample("latin-hypercube", 1_000_001));
-    assert!(found.contains("at most 1000000 points") && found.contains("\"halton\" or \"random\""), "{found}");
-    assert!(message(&sample("random", 1_000_000_000_001)).contains("too many to be run"));
+    let error = message(&sample("latin-hypercube", 1_000_001));
+    assert!(error.contains("at most 1000000 points") && error.contains("\"halton\" or \"random\""), "{error}");
+    assert!(message(&sample("random", 1_000_000_000_001)).contains("too large"));
 }
 
 #[test]
-fn studies_differ_by_text_scene_and_model() {
-    let one = study("[[axes]]\nfield = \"palm\"\nvalues = [true, false]\n");
-    let other = study("[[axes]]\nfield = \"palm\"\nvalues = [false, true]\n");
-    let mut engine = one.clone();
+fn fingerprint_depends_on_text_and_model() {
+    let first = study("[[axes]]\nfield = \"palm\"\nvalues = [true, false]\n");
+    let second = study("[[axes]]\nfield = \"palm\"\nvalues = [false, true]\n");
+    let mut engine = first.clone();
     engine.model = phalanx::trace::Model::Engine;
-    let prints = [&one, &other, &engine].map(Study::fingerprint);
-    assert!(prints[0] != prints[1] && prints[0] != prints[2], "{prints:?}");
-    assert_eq!(one.fingerprint(), one.clone().fingerprint());
+    let fingerprints = [&first, &second, &engine].map(Study::fingerprint);
+    assert!(fingerprints[0] != fingerprints[1] && fingerprints[0] != fingerprints[2], "{fingerprints:?}");
+    assert_eq!(first.fingerprint(), first.clone().fingerprint());
 }
 
 #[test]
-fn the_schema_knows_what_shipped_studies_say() {
+fn the_schema_covers_the_shipped_studies() {
     let schema: serde_json::Value = serde_json::from_str(&schema()).expect("JSON");
     let keys = schema["properties"].as_object().expect("a table");
     for file in ["thesis", "sample", "capture"] {
-        let text = std::fs::read_to_string(format!("scenes/studies/{file}.toml")).expect("ships");
+        let text = std::fs::read_to_string(format!("scenes/studies/{file}.toml")).expect("a shipped file");
         let study: toml::Table = text.parse().expect("TOML");
         assert!(study.keys().all(|key| keys.contains_key(key)), "{file}");
         load(format!("scenes/studies/{file}.toml")).unwrap_or_else(|error| panic!("{error}"));
     }
     assert!(schema["properties"]["axes"]["items"]["properties"]["again"].is_object());
-    // Of a finger or of a gripper.
-    for (of, first) in [("set", 0), ("scene", 1)] {
-        let kinds = &schema["properties"][of]["anyOf"];
-        assert!(kinds[first]["properties"]["design"].is_object(), "{of}");
-        assert!(kinds[first + 1]["properties"]["palm_width"].is_object(), "{of}");
+    // Schemas of a finger and of a gripper.
+    for (key, first) in [("set", 0), ("scene", 1)] {
+        let kinds = &schema["properties"][key]["anyOf"];
+        assert!(kinds[first]["properties"]["design"].is_object(), "{key}");
+        assert!(kinds[first + 1]["properties"]["palm_width"].is_object(), "{key}");
     }
 }

@@ -1,14 +1,14 @@
-//! Every row of a sweep has a verdict or a reason, whatever the designs are.
+//! Every row of a sweep has a verdict or a reason for any design.
 
 use std::collections::HashSet;
 
-use phalanx::criteria::at_rest;
+use phalanx::criteria::static_grasp;
+use phalanx::format::ToReport;
 use phalanx::report::select::SelectionReport;
 use phalanx::scene;
 use phalanx::study::select::{SelectionCriteria, select};
 use phalanx::study::sweep::{Study, parse, run, summary, table};
 use phalanx::table::Table;
-use phalanx::wording::Reported;
 
 fn study(text: &str) -> Study {
     parse(text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
@@ -20,21 +20,26 @@ fn results(study: &Study) -> Table {
     table(study, &rows)
 }
 
-/// Asserts that a row has a verdict if it was completed, and a reason if it has none; how many rows have which of the two.
-fn assert_judged(study: &Study, table: &Table, verdict: &str) -> [usize; 2] {
+/// Asserts that every row has a verdict or a reason, and that only completed rows have a verdict. Returns the numbers
+/// of rows with and without a verdict.
+fn assert_verdict_or_reason(study: &Study, table: &Table, verdict: &str) -> [usize; 2] {
     let texts = |name: &str| table.texts(name).unwrap_or_else(|error| panic!("{name}: {error}"));
     let (status, reason, verdicts) = (texts("status"), texts("reason"), texts(verdict));
     for (index, verdict) in verdicts.iter().enumerate() {
-        let what = || format!("run {}:\n{}", index + 1, study.scene_text(index as u64 + 1));
-        assert!(verdict.is_some() || reason[index].is_some(), "neither verdict nor reason in {}", what());
-        assert!(verdict.is_none() || status[index] == Some("completed"), "a verdict of an incomplete run: {}", what());
+        let describe = || format!("run {}:\n{}", index + 1, study.scene_text(index as u64 + 1));
+        assert!(verdict.is_some() || reason[index].is_some(), "neither verdict nor reason in {}", describe());
+        assert!(
+            verdict.is_none() || status[index] == Some("completed"),
+            "a verdict of an incomplete run: {}",
+            describe()
+        );
     }
-    let judged = verdicts.iter().flatten().count();
-    [judged, verdicts.len() - judged]
+    let with_verdict = verdicts.iter().flatten().count();
+    [with_verdict, verdicts.len() - with_verdict]
 }
 
-/// Designs whose distal phalanx is too short, too long or too weak for the object, as a study that varies lengths has them.
-const SHORT: &str = r#"
+/// Designs whose distal phalanx is too short, too long or too weak for the object.
+const SHORT_RUN_STUDY: &str = r#"
 name = "short"
 [scene]
 duration = "40 ms"
@@ -66,29 +71,29 @@ count = 19
 "#;
 
 #[test]
-fn a_design_that_cannot_grasp_says_why_and_is_counted() {
-    let study = study(SHORT);
+fn designs_that_cannot_grasp_have_a_reason_and_are_counted() {
+    let study = study(SHORT_RUN_STUDY);
     let table = results(&study);
-    let [judged, unjudged] = assert_judged(&study, &table, "class");
-    assert_eq!((judged, unjudged), (65, 30));
+    let [with_verdict, without_verdict] = assert_verdict_or_reason(&study, &table, "class");
+    assert_eq!((with_verdict, without_verdict), (65, 30));
     let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
     let (class, class_reason) = (table.texts("class").expect("texts"), table.texts("class_reason").expect("texts"));
     for (index, (class, class_reason)) in class.iter().zip(&class_reason).enumerate() {
         assert_eq!(class.is_some(), class_reason.is_some());
         let scene = scene::parse(&study.scene_text(index as u64 + 1), "run.toml").expect("a scene");
-        let grasp = at_rest(&scene, scene.object().expect("an object"));
+        let grasp = static_grasp(&scene, scene.object().expect("an object"));
         if status[index] == Some("completed") {
-            // The very text that `phalanx run` gives.
+            // The reason is the same as in the report of a single run.
             assert_eq!(grasp.err().map(|error| error.to_string()).as_deref(), reason[index]);
         }
     }
-    let found = summary(&table).expect("a sweep's");
-    assert_eq!(found.no_class, 26);
-    let short = &found.reasons[0];
-    assert_eq!((short.status.as_str(), short.runs, short.first_run), ("completed", 26, 5));
+    let counts = summary(&table).expect("results of a sweep");
+    assert_eq!(counts.no_class, 26);
+    let top_reason = &counts.reasons[0];
+    assert_eq!((top_reason.status.as_str(), top_reason.runs, top_reason.first_run), ("completed", 26, 5));
     assert!(
-        short.reason.starts_with("the distal phalanx does not reach its contact: it is 12.0000 mm long"),
-        "{short:?}"
+        top_reason.reason.starts_with("the distal phalanx does not reach its contact: it is 12.0000 mm long"),
+        "{top_reason:?}"
     );
 
     let selection = select(&table, &SelectionCriteria { form_closed: false, ..SelectionCriteria::default() });
@@ -101,7 +106,7 @@ fn a_design_that_cannot_grasp_says_why_and_is_counted() {
     );
 }
 
-/// Of wide ranges: most designs are refused, fail, cannot grasp, or are in statics that say nothing.
+/// Wide ranges: most designs are refused, fail, cannot grasp, or have no valid statics.
 const FINGERS: &str = r#"
 name = "fingers"
 [scene]
@@ -192,13 +197,13 @@ fn every_row_has_a_verdict_or_a_reason() {
     for (text, verdict) in [(FINGERS, "class"), (GRIPPERS, "grasp")] {
         let study = study(text);
         let table = results(&study);
-        let [judged, unjudged] = assert_judged(&study, &table, verdict);
-        let found = summary(&table).expect("a sweep's");
-        assert!(judged > 10 && unjudged > 10, "{judged} {unjudged}: {found:?}");
-        assert_eq!(found.by_class.iter().map(|(_, count)| count).sum::<u64>(), judged as u64);
+        let [with_verdict, without_verdict] = assert_verdict_or_reason(&study, &table, verdict);
+        let counts = summary(&table).expect("results of a sweep");
+        assert!(with_verdict > 10 && without_verdict > 10, "{with_verdict} {without_verdict}: {counts:?}");
+        assert_eq!(counts.by_class.iter().map(|(_, count)| count).sum::<u64>(), with_verdict as u64);
         if verdict == "class" {
-            assert!(found.no_class > 10, "{found:?}");
-            // A selection goes on whatever is missing in a row.
+            assert!(counts.no_class > 10, "{counts:?}");
+            // A selection accepts rows with missing figures.
             select(&table, &SelectionCriteria::default()).unwrap_or_else(|error| panic!("{error}"));
         }
     }

@@ -1,18 +1,18 @@
 //! Tests of the engine model against the analytic one.
 //!
-//! One program for the room: linking is most of what a test program costs.
+//! All of them are one program, because linking takes most of the build time of a test program.
 
 #[path = "../support/mod.rs"]
 mod support;
 
-mod anchor;
 mod contact;
-mod finger_held;
+mod convergence_order;
+mod determinism;
+mod disc_rows;
+mod experiment_95;
+mod finger_stiction;
 mod gripper;
 mod motors;
-mod order;
 mod recorder;
-mod repeats;
-mod scales;
+mod scaling;
 mod stability;
-mod touching_rows;

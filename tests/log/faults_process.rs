@@ -1,4 +1,4 @@
-//! Runs that are killed, interrupted, or given too small a disk: older files stay, and what was logged can be read.
+//! Runs that are killed, interrupted or fill the disk: older files remain, and the partial log is readable.
 
 #![cfg(unix)]
 
@@ -10,17 +10,17 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::support::cli::{ANCHOR, directory, json, phalanx, stderr, stdout, write};
-use crate::support::faults::{Dice, Items, long_hold, read_bytes, read_path};
+use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, write};
+use crate::support::faults::{LogItems, XorShift, read_bytes, read_path, write_long_hold_scene};
 use phalanx::log::{Loss, ReadError};
 
-const KILLS: usize = 200;
-const INTERRUPTS: usize = 40;
-/// Moments are chosen within this time from when the log has begun to grow.
-const WITHIN_MS: usize = 60;
-const OLDER: &[u8] = b"\x89MCAP0\r\nan older log of phalanx, as far as anybody looks";
+const KILL_COUNT: usize = 200;
+const INTERRUPT_COUNT: usize = 40;
+/// Maximum random delay after the log has started to grow.
+const MAX_DELAY_MS: usize = 60;
+const OLDER_LOG: &[u8] = b"\x89MCAP0\r\nthe header of an older phalanx log";
 
-fn start(scene: &str, log: &Path) -> Child {
+fn start_run(scene: &str, log: &Path) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
     command.args(["run", scene, "--json", "--log"]).arg(log);
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
@@ -30,68 +30,69 @@ fn partial(log: &Path) -> PathBuf {
     log.with_extension("mcap.partial")
 }
 
-/// Waits until the log of a run is there with its metadata.
-fn wait_for(path: &Path) {
-    let patience = Instant::now() + Duration::from_secs(20);
-    while fs::metadata(path).map_or(0, |found| found.len()) == 0 {
-        assert!(Instant::now() < patience, "{} does not grow", path.display());
+/// Waits until the log of a run contains its metadata.
+fn wait_for_file(path: &Path) {
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while fs::metadata(path).map_or(0, |metadata| metadata.len()) == 0 {
+        assert!(Instant::now() < deadline, "{} does not grow", path.display());
         sleep(Duration::from_micros(200));
     }
 }
 
 fn signal(child: &Child, name: &str) {
     let status = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
-    assert!(status.expect("kill is there").success());
+    assert!(status.expect("kill is installed").success());
 }
 
-fn ends(mut child: Child) -> Output {
+fn wait_for_exit(mut child: Child) -> Output {
     let mut output = Output { status: child.wait().expect("ends"), stdout: Vec::new(), stderr: Vec::new() };
     child.stdout.take().expect("piped").read_to_end(&mut output.stdout).expect("read");
     child.stderr.take().expect("piped").read_to_end(&mut output.stderr).expect("read");
     output
 }
 
-/// The log of the same run left alone: its bytes, and what is read from it.
-fn undisturbed(scene: &str, directory: &Path) -> (Vec<u8>, Items) {
+/// Bytes and contents of the log of the same run without interruption.
+fn uninterrupted_run(scene: &str, directory: &Path) -> (Vec<u8>, LogItems) {
     let log = directory.join("undisturbed.mcap");
     let output = phalanx(&["run", scene, "--log", log.to_str().expect("text")]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let (reading, items) = read_path(&log);
-    assert!(reading.is_whole() && reading.chunks > 20, "{} chunks", reading.chunks);
+    assert!(reading.is_complete() && reading.chunks > 20, "{} chunks", reading.chunks);
     (fs::read(log).expect("the log"), items)
 }
 
 #[test]
-fn killed_at_any_moment_the_log_reads_up_to_its_last_chunk() {
+fn killed_run_leaves_a_log_readable_up_to_its_last_chunk() {
     let directory = directory("faults_kill");
-    let scene = long_hold(&directory, "2 s", "50 kHz");
-    let (bytes, whole) = undisturbed(&scene, &directory);
+    let scene = write_long_hold_scene(&directory, "2 s", "50 kHz");
+    let (bytes, complete_items) = uninterrupted_run(&scene, &directory);
     let index = mcap::Summary::read(&bytes).expect("readable").expect("indexed").chunk_indexes;
     let log = directory.join("run.mcap");
-    fs::write(&log, OLDER).expect("written");
-    let mut dice = Dice::new(9);
+    fs::write(&log, OLDER_LOG).expect("written");
+    let mut rng = XorShift::new(9);
     let (mut read, mut finished) = (0, 0);
-    for round in 0..KILLS {
+    for round in 0..KILL_COUNT {
         let _ = fs::remove_file(partial(&log));
-        let mut child = start(&scene, &log);
-        wait_for(&partial(&log));
-        sleep(Duration::from_micros(1000 * dice.below(WITHIN_MS) as u64));
+        let mut child = start_run(&scene, &log);
+        wait_for_file(&partial(&log));
+        sleep(Duration::from_micros(1000 * rng.below(MAX_DELAY_MS) as u64));
         child.kill().expect("killed");
         child.wait().expect("ends");
         if !partial(&log).exists() {
-            // The run was over before the kill.
+            // The run finished before the kill.
             finished += 1;
-            fs::write(&log, OLDER).expect("written");
+            fs::write(&log, OLDER_LOG).expect("written");
             continue;
         }
-        assert_eq!(fs::read(&log).expect("the older log"), OLDER, "round {round}");
-        let left = fs::read(partial(&log)).expect("the partial log");
-        assert!(bytes.starts_with(&left), "round {round}: not the beginning of the log");
-        match read_bytes(&left) {
+        assert_eq!(fs::read(&log).expect("the older log"), OLDER_LOG, "round {round}");
+        let remaining = fs::read(partial(&log)).expect("the partial log");
+        assert!(bytes.starts_with(&remaining), "round {round}: not the beginning of the log");
+        match read_bytes(&remaining) {
             (Ok(reading), items) => {
-                items.assert_prefix_of(&whole, &format!("round {round}"));
-                let ended = |end: u64| end <= left.len() as u64;
-                let chunks = index.iter().filter(|chunk| ended(chunk.chunk_start_offset + chunk.chunk_length)).count();
+                items.assert_prefix_of(&complete_items, &format!("round {round}"));
+                let is_written = |end: u64| end <= remaining.len() as u64;
+                let chunks =
+                    index.iter().filter(|chunk| is_written(chunk.chunk_start_offset + chunk.chunk_length)).count();
                 assert_eq!(reading.chunks as usize, chunks, "round {round}");
                 assert!(matches!(reading.losses[..], [Loss::Truncated { .. }]), "{:?}", reading.losses);
                 read += usize::from(!items.0.is_empty());
@@ -100,11 +101,11 @@ fn killed_at_any_moment_the_log_reads_up_to_its_last_chunk() {
             (Err(error), _) => panic!("round {round}: {error}"),
         }
     }
-    assert!(finished < KILLS / 10, "{finished} of {KILLS} were too late");
-    assert!(read > KILLS / 2, "{read} of {KILLS} had samples");
-    println!("faults: {} kills, {read} of them with samples in the log", KILLS - finished);
+    assert!(finished < KILL_COUNT / 10, "{finished} of {KILL_COUNT} were too late");
+    assert!(read > KILL_COUNT / 2, "{read} of {KILL_COUNT} had samples");
+    println!("faults: {} kills, {read} of them with samples in the log", KILL_COUNT - finished);
 
-    // The command finds what was left.
+    // `replay` mentions the partial log.
     let output = phalanx(&["replay", directory.join("gone.mcap").to_str().expect("text")]);
     assert_eq!(output.status.code(), Some(2));
     fs::write(directory.join("gone.mcap.partial"), &bytes[..bytes.len() / 2]).expect("written");
@@ -114,20 +115,20 @@ fn killed_at_any_moment_the_log_reads_up_to_its_last_chunk() {
 }
 
 #[test]
-fn interrupted_at_any_moment_the_log_is_finished() {
+fn interrupted_run_finishes_its_log() {
     let directory = directory("faults_interrupt");
-    let scene = long_hold(&directory, "2 s", "50 kHz");
-    let (_, whole) = undisturbed(&scene, &directory);
+    let scene = write_long_hold_scene(&directory, "2 s", "50 kHz");
+    let (_, complete_items) = uninterrupted_run(&scene, &directory);
     let log = directory.join("run.mcap");
-    let mut dice = Dice::new(17);
-    for round in 0..INTERRUPTS {
+    let mut rng = XorShift::new(17);
+    for round in 0..INTERRUPT_COUNT {
         let _ = fs::remove_file(&log);
-        let child = start(&scene, &log);
-        wait_for(&partial(&log));
-        sleep(Duration::from_micros(1000 * dice.below(WITHIN_MS) as u64));
+        let child = start_run(&scene, &log);
+        wait_for_file(&partial(&log));
+        sleep(Duration::from_micros(1000 * rng.below(MAX_DELAY_MS) as u64));
         let name = ["INT", "TERM", "HUP"][round % 3];
         signal(&child, name);
-        let output = ends(child);
+        let output = wait_for_exit(child);
         assert_eq!(output.status.code(), Some(3), "round {round}: {}", stderr(&output));
         let message = stderr(&output);
         assert!(message.contains(&format!("interrupted by SIG{name}")) && message.contains("of 2 s"), "{message}");
@@ -135,20 +136,20 @@ fn interrupted_at_any_moment_the_log_is_finished() {
         assert_eq!(run["completed"], false);
         assert!(!partial(&log).exists());
         let (reading, mut items) = read_path(&log);
-        assert!(reading.is_whole(), "{:?}", reading.losses);
-        let ended = reading.ended.expect("said");
-        assert!(ended.stopped.is_some_and(|reason| reason.contains("interrupted")));
-        // The last sample is where the run was, on the grid or not.
+        assert!(reading.is_complete(), "{:?}", reading.losses);
+        let run_end = reading.run_end.expect("a run end");
+        assert!(run_end.stopped.is_some_and(|reason| reason.contains("interrupted")));
+        // The last sample is at the time of the interrupt, not necessarily on the grid.
         items.0.pop();
-        items.assert_prefix_of(&whole, &format!("round {round}"));
+        items.assert_prefix_of(&complete_items, &format!("round {round}"));
     }
-    println!("faults: {INTERRUPTS} interrupts");
+    println!("faults: {INTERRUPT_COUNT} interrupts");
 }
 
 #[test]
-fn a_run_that_logs_nothing_and_samples_seldom_is_interrupted_too() {
+fn interrupts_a_run_without_log_and_with_rare_samples() {
     let directory = directory("faults_seldom");
-    // A free swing never comes to rest: minutes of small steps, and not one sample on the way.
+    // A free swing never comes to rest, so the run takes small steps for minutes and samples are rare.
     let text = fs::read_to_string("scenes/free-swing.toml").expect("the scene");
     let scene = write(&directory, "seldom.toml", &format!("{text}\n[log]\nnumeric_rate = \"0.01 Hz\"\n"));
     for model in [["--model", "engine"], ["--model", "analytic"]] {
@@ -158,7 +159,7 @@ fn a_run_that_logs_nothing_and_samples_seldom_is_interrupted_too() {
         sleep(Duration::from_millis(300));
         signal(&child, "INT");
         let start = Instant::now();
-        let output = ends(child);
+        let output = wait_for_exit(child);
         assert!(start.elapsed() < Duration::from_secs(3), "{:?}", start.elapsed());
         assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
         assert!(stdout(&output).contains("NOT COMPLETED"), "{}", stdout(&output));
@@ -167,102 +168,119 @@ fn a_run_that_logs_nothing_and_samples_seldom_is_interrupted_too() {
 }
 
 #[test]
-fn an_interrupted_validation_leaves_what_was_there() {
+fn interrupted_validation_keeps_older_files() {
     let out = directory("faults_validate_interrupt");
     let older = older_validation(&out);
     let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
-    command.args(["validate", ANCHOR, "--out"]).arg(&out).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.args(["validate", EXPERIMENT_95, "--out"]).arg(&out).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child = command.spawn().expect("the binary starts");
     sleep(Duration::from_millis(250));
     signal(&child, "TERM");
-    let output = ends(child);
+    let output = wait_for_exit(child);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stderr(&output).contains("interrupted by SIGTERM"), "{}", stderr(&output));
-    assert!(contents(&out) == older);
+    assert!(read_directory(&out) == older);
 }
 
 #[test]
-fn what_a_killed_process_left_is_removed_by_the_next_and_no_other() {
+fn removes_temporary_files_of_killed_processes_only() {
     let out = directory("faults_stale");
     let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
     let mut killed =
         command.args(["reproduce", "--threads", "1", "--out"]).arg(&out).spawn().expect("the binary starts");
-    wait_for(&out);
-    let left = || fs::read_dir(&out).expect("there").map(|entry| entry.expect("readable").path()).collect::<Vec<_>>();
-    let patience = Instant::now() + Duration::from_secs(20);
-    while left().is_empty() {
-        assert!(Instant::now() < patience, "no directory for files until all are there");
+    wait_for_file(&out);
+    let remaining =
+        || fs::read_dir(&out).expect("readable").map(|entry| entry.expect("readable").path()).collect::<Vec<_>>();
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while remaining().is_empty() {
+        assert!(Instant::now() < deadline, "no temporary directory was created");
     }
     let page = out.join("page.html");
-    let [stale, living] = ["abcdef", "ghijkl"].map(|by| out.join(format!(".page.html.phalanx-{by}.tmp")));
+    let [stale, locked] = ["abcdef", "ghijkl"].map(|by| out.join(format!(".page.html.phalanx-{by}.tmp")));
     fs::write(&stale, "").expect("written");
-    let held = fs::File::create(&living).expect("made");
-    held.lock().expect("locked");
-    let run = || phalanx(&["run", ANCHOR, "--html", page.to_str().expect("text")]).status.success();
-    assert!(run() && living.exists() && !stale.exists());
-    drop(held);
+    let lock_holder = fs::File::create(&locked).expect("made");
+    lock_holder.lock().expect("locked");
+    let run = || phalanx(&["run", EXPERIMENT_95, "--html", page.to_str().expect("text")]).status.success();
+    assert!(run() && locked.exists() && !stale.exists());
+    drop(lock_holder);
     assert!(run());
-    let size = || phalanx(&["size", ANCHOR, "--out", out.to_str().expect("text")]);
-    assert_eq!((size().status.code(), left().iter().filter(|path| path.is_dir()).count()), (Some(0), 1), "it lives");
+    let size = || phalanx(&["size", EXPERIMENT_95, "--out", out.to_str().expect("text")]);
+    assert_eq!(
+        (size().status.code(), remaining().iter().filter(|path| path.is_dir()).count()),
+        (Some(0), 1),
+        "the directory of the running process remains"
+    );
     killed.kill().and_then(|()| killed.wait()).expect("killed");
     assert_eq!(size().status.code(), Some(0));
-    assert!(left().iter().all(|path| path.extension().is_none_or(|ending| ending != "tmp")), "{:?}", left());
+    assert!(remaining().iter().all(|path| path.extension().is_none_or(|ending| ending != "tmp")), "{:?}", remaining());
 }
 
-/// The files of a validation, by their names.
+/// Writes the files of a validation and returns them by name.
 fn older_validation(out: &Path) -> BTreeMap<String, Vec<u8>> {
     let output = phalanx(&["validate", "scenes/free-swing.toml", "--quick", "--out", out.to_str().expect("text")]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let found = contents(out);
-    assert_eq!(found.len(), 10, "nine files and their checksums");
-    found
+    let files = read_directory(out);
+    assert_eq!(files.len(), 10, "nine files and their checksums");
+    files
 }
 
-fn contents(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+fn read_directory(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     let read = |path: PathBuf| (path.display().to_string(), fs::read(&path).expect("a file"));
-    fs::read_dir(directory).expect("there").map(|entry| read(entry.expect("readable").path())).collect()
+    fs::read_dir(directory).expect("readable").map(|entry| read(entry.expect("readable").path())).collect()
 }
 
-/// Runs the command where no file may become longer than so many blocks of 512 bytes, as on a full disk.
-fn limited(blocks: usize, args: &[&str]) -> Output {
+/// Runs the command with a maximum file size in blocks of 512 bytes, to simulate a full disk.
+fn run_with_file_size_limit(blocks: usize, args: &[&str]) -> Output {
     let script = format!("ulimit -f {blocks}; exec \"$@\"");
     let mut command = Command::new("sh");
     command.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_phalanx")]).args(args);
-    command.output().expect("sh is there")
+    command.output().expect("sh is installed")
 }
 
 #[test]
-fn a_full_disk_is_said_and_costs_no_older_log() {
+fn full_disk_is_reported_and_keeps_the_older_log() {
     let directory = directory("faults_full");
-    let scene = long_hold(&directory, "200 ms", "50 kHz");
-    let (bytes, whole) = undisturbed(&scene, &directory);
+    let scene = write_long_hold_scene(&directory, "200 ms", "50 kHz");
+    let (bytes, complete_items) = uninterrupted_run(&scene, &directory);
     let log = directory.join("run.mcap");
     let path = log.to_str().expect("text");
-    fs::write(&log, OLDER).expect("written");
-    let room = bytes.len() / 512;
+    fs::write(&log, OLDER_LOG).expect("written");
+    let required_blocks = bytes.len() / 512;
     let mut last = 0;
-    let quotas = [1, 4, 10, room / 8, room / 4, room / 2, room * 3 / 4, room];
+    let quotas = [
+        1,
+        4,
+        10,
+        required_blocks / 8,
+        required_blocks / 4,
+        required_blocks / 2,
+        required_blocks * 3 / 4,
+        required_blocks,
+    ];
     for quota in quotas {
-        let output = limited(quota, &["run", &scene, "--log", path]);
+        let output = run_with_file_size_limit(quota, &["run", &scene, "--log", path]);
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(3), "{quota} blocks: {message}");
         assert!(message.contains("cannot write the log") && message.contains("File too large"), "{message}");
-        assert_eq!(fs::read(&log).expect("the older log"), OLDER, "{quota} blocks");
-        let Ok(left) = fs::read(partial(&log)) else {
-            // Not even the beginning of a log: nothing is left lying about.
-            assert!(quota < room / 8, "{quota} blocks");
+        assert_eq!(fs::read(&log).expect("the older log"), OLDER_LOG, "{quota} blocks");
+        let Ok(remaining) = fs::read(partial(&log)) else {
+            // Without the head of the log, no partial file remains.
+            assert!(quota < required_blocks / 8, "{quota} blocks");
             continue;
         };
         assert!(message.contains("run.mcap.partial"), "{message}");
-        assert!(left.len() <= 512 * quota && bytes.starts_with(&left), "{quota} blocks");
-        let (reading, items) = read_bytes(&left);
-        assert!(!reading.expect("the beginning of a log").is_whole(), "{quota} blocks");
-        items.assert_prefix_of(&whole, &format!("{quota} blocks"));
-        assert!(items.samples() * 3 > whole.samples() || quota < room / 2, "{quota} blocks");
+        assert!(remaining.len() <= 512 * quota && bytes.starts_with(&remaining), "{quota} blocks");
+        let (reading, items) = read_bytes(&remaining);
+        assert!(!reading.expect("the beginning of a log").is_complete(), "{quota} blocks");
+        items.assert_prefix_of(&complete_items, &format!("{quota} blocks"));
+        assert!(
+            items.sample_count() * 3 > complete_items.sample_count() || quota < required_blocks / 2,
+            "{quota} blocks"
+        );
         last = quota;
     }
-    assert_eq!(last, room);
-    // Once there is room again, what was left behind is in nobody's way.
+    assert_eq!(last, required_blocks);
+    // With enough space, the next run replaces the partial log.
     let output = phalanx(&["run", &scene, "--log", path]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(fs::read(&log).expect("the log") == bytes && !partial(&log).exists());
@@ -270,43 +288,43 @@ fn a_full_disk_is_said_and_costs_no_older_log() {
 }
 
 #[test]
-fn a_device_that_is_full_and_one_that_takes_everything() {
+fn writes_to_full_and_null_devices() {
     if !Path::new("/dev/full").exists() {
-        println!("not tested: there is no /dev/full");
+        println!("not tested: /dev/full does not exist");
         return;
     }
-    let output = phalanx(&["run", ANCHOR, "--log", "/dev/full"]);
+    let output = phalanx(&["run", EXPERIMENT_95, "--log", "/dev/full"]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stderr(&output).contains("cannot write the log /dev/full: No space left"), "{}", stderr(&output));
-    let output = phalanx(&["run", ANCHOR, "--log", "/dev/null"]);
+    let output = phalanx(&["run", EXPERIMENT_95, "--log", "/dev/null"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(Path::new("/dev/null").exists() && !Path::new("/dev/null.partial").exists());
-    // A full standard output.
-    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("there");
-    let status = Command::new(env!("CARGO_BIN_EXE_phalanx")).args(["run", ANCHOR]).stdout(full).output();
+    // A run fails if the device of its standard output is full.
+    let full_device = fs::OpenOptions::new().write(true).open("/dev/full").expect("writable");
+    let status = Command::new(env!("CARGO_BIN_EXE_phalanx")).args(["run", EXPERIMENT_95]).stdout(full_device).output();
     assert_eq!(status.expect("runs").status.code(), Some(3));
 }
 
 #[test]
-fn a_file_system_of_256_kib() {
+fn full_file_system_keeps_the_older_log() {
     let directory = directory("faults_tmpfs");
-    let scene = fs::canonicalize(long_hold(&directory, "2 s", "50 kHz")).expect("there");
+    let scene = fs::canonicalize(write_long_hold_scene(&directory, "2 s", "50 kHz")).expect("a path");
     let disk = directory.join("disk");
     fs::create_dir(&disk).expect("made");
     let binary = env!("CARGO_BIN_EXE_phalanx");
     let script = format!(
         "mount -t tmpfs -o size=256k tmpfs '{disk}' || exit 77
          printf 'older' > '{disk}/note'
-         '{binary}' run '{ANCHOR}' --duration '2 ms' --log '{disk}/run.mcap' > /dev/null || exit 1
+         '{binary}' run '{EXPERIMENT_95}' --duration '2 ms' --log '{disk}/run.mcap' > /dev/null || exit 1
          cp '{disk}/run.mcap' '{copy}'
          '{binary}' run '{scene}' --log '{disk}/run.mcap' > /dev/null
          echo \"status $?\"
          cmp '{disk}/run.mcap' '{copy}' && echo 'older log intact'
-         cp '{disk}/run.mcap.partial' '{left}'",
+         cp '{disk}/run.mcap.partial' '{remaining}'",
         disk = disk.display(),
         scene = scene.display(),
         copy = directory.join("older.mcap").display(),
-        left = directory.join("left.mcap").display(),
+        remaining = directory.join("left.mcap").display(),
     );
     let output = Command::new("unshare").args(["-rm", "sh", "-c", &script]).output();
     let output = match output {
@@ -316,94 +334,94 @@ fn a_file_system_of_256_kib() {
             return;
         }
     };
-    let (said, message) = (stdout(&output), stderr(&output));
-    assert!(said.contains("status 3") && said.contains("older log intact"), "{said}\n{message}");
+    let (output_text, message) = (stdout(&output), stderr(&output));
+    assert!(output_text.contains("status 3") && output_text.contains("older log intact"), "{output_text}\n{message}");
     assert!(message.contains("No space left on device") && message.contains("run.mcap.partial"), "{message}");
     let (reading, items) = read_path(&directory.join("left.mcap"));
-    assert!(items.samples() > 100 && !reading.is_whole());
-    println!("faults: 1 file system that filled up, {} samples read", items.samples());
+    assert!(items.sample_count() > 100 && !reading.is_complete());
+    println!("faults: 1 file system that filled up, {} samples read", items.sample_count());
 }
 
 #[test]
-fn a_directory_where_nothing_may_be_written() {
+fn rejects_an_unwritable_directory() {
     use std::os::unix::fs::PermissionsExt;
     let directory = directory("faults_unwritable");
     fs::set_permissions(&directory, fs::Permissions::from_mode(0o555)).expect("set");
     let probe = fs::write(directory.join("probe"), "");
     let unwritable = if probe.is_err() { directory.clone() } else { PathBuf::from("/sys") };
     if !unwritable.exists() {
-        println!("not tested: everything can be written here");
+        println!("not tested: all directories are writable");
         return;
     }
     let log = unwritable.join("run.mcap");
-    let output = phalanx(&["run", ANCHOR, "--log", log.to_str().expect("text")]);
+    let output = phalanx(&["run", EXPERIMENT_95, "--log", log.to_str().expect("text")]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("give a path where you may write"), "{}", stderr(&output));
-    let output = phalanx(&["validate", ANCHOR, "--quick", "--out", unwritable.to_str().expect("text")]);
+    assert!(stderr(&output).contains("give a writable path"), "{}", stderr(&output));
+    let output = phalanx(&["validate", EXPERIMENT_95, "--quick", "--out", unwritable.to_str().expect("text")]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     fs::set_permissions(&directory, fs::Permissions::from_mode(0o755)).expect("set");
 }
 
 #[test]
-fn a_disk_that_fills_up_under_a_validation_costs_no_older_report() {
+fn full_disk_during_validation_keeps_the_older_report() {
     let out = directory("faults_validate_full");
     let older = older_validation(&out);
-    // No picture fits.
+    // The limit is too small for any picture.
     let path = out.to_str().expect("text");
-    let output = limited(4, &["validate", "scenes/free-swing.toml", "--quick", "--out", path]);
+    let output = run_with_file_size_limit(4, &["validate", "scenes/free-swing.toml", "--quick", "--out", path]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stderr(&output).contains("cannot write") && stderr(&output).contains(".svg"), "{}", stderr(&output));
-    assert!(contents(&out) == older);
+    assert!(read_directory(&out) == older);
 }
 
 #[test]
-fn a_second_run_onto_the_same_log_is_refused_and_harms_nothing() {
+fn rejects_a_second_run_with_the_same_log() {
     let directory = directory("faults_busy");
-    let scene = long_hold(&directory, "50 s", "50 kHz");
+    let scene = write_long_hold_scene(&directory, "50 s", "50 kHz");
     let log = directory.join("run.mcap");
-    let first = start(&scene, &log);
-    wait_for(&partial(&log));
-    let output = phalanx(&["run", ANCHOR, "--log", log.to_str().expect("text")]);
+    let first = start_run(&scene, &log);
+    wait_for_file(&partial(&log));
+    let output = phalanx(&["run", EXPERIMENT_95, "--log", log.to_str().expect("text")]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("another run is writing it"), "{}", stderr(&output));
     sleep(Duration::from_millis(100));
     signal(&first, "INT");
-    assert_eq!(ends(first).status.code(), Some(3));
+    assert_eq!(wait_for_exit(first).status.code(), Some(3));
     let (reading, items) = read_path(&log);
-    assert!(reading.is_whole() && items.samples() > 1000);
+    assert!(reading.is_complete() && items.sample_count() > 1000);
     assert_eq!(reading.metadata["duration_s"], "50.0");
 }
 
-fn fifo(directory: &Path) -> PathBuf {
-    let fifo = directory.join("run.mcap");
-    assert!(Command::new("mkfifo").arg(&fifo).status().expect("mkfifo is there").success());
-    fifo
+fn make_fifo(directory: &Path) -> PathBuf {
+    let make_fifo = directory.join("run.mcap");
+    assert!(Command::new("mkfifo").arg(&make_fifo).status().expect("mkfifo is installed").success());
+    make_fifo
 }
 
 #[test]
-fn a_pipe_takes_a_log_as_it_comes() {
+fn writes_a_log_to_a_pipe() {
     let directory = directory("faults_pipe");
-    let fifo = fifo(&directory);
+    let make_fifo = make_fifo(&directory);
     let copy = directory.join("copy");
     let out = fs::File::create(&copy).expect("made");
-    let mut reader = Command::new("cat").arg(&fifo).stdout(out).spawn().expect("cat is there");
-    let output = phalanx(&["run", ANCHOR, "--log", fifo.to_str().expect("text")]);
+    let mut reader = Command::new("cat").arg(&make_fifo).stdout(out).spawn().expect("cat is installed");
+    let output = phalanx(&["run", EXPERIMENT_95, "--log", make_fifo.to_str().expect("text")]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(reader.wait().expect("ends").success());
-    assert!(read_bytes(&fs::read(copy).expect("there")).0.expect("a log").is_whole());
-    assert!(!partial(&fifo).exists());
+    assert!(read_bytes(&fs::read(copy).expect("readable")).0.expect("a log").is_complete());
+    assert!(!partial(&make_fifo).exists());
 }
 
 #[test]
-fn a_second_interrupt_kills_at_once() {
+fn second_interrupt_kills_immediately() {
     use std::os::unix::process::ExitStatusExt;
     let directory = directory("faults_twice");
-    // Nobody reads this pipe: the run waits for ever to open it.
-    let mut child = start(ANCHOR, &fifo(&directory));
+    // This pipe has no reader, so the run blocks when opening it.
+    let mut child = start_run(EXPERIMENT_95, &make_fifo(&directory));
     sleep(Duration::from_millis(300));
     signal(&child, "INT");
     sleep(Duration::from_millis(300));
-    assert!(child.try_wait().expect("asked").is_none(), "the first signal asks, and nothing has asked back yet");
+    assert!(child.try_wait().expect("status").is_none(), "the first signal only requests a stop");
     signal(&child, "INT");
-    assert_eq!(ends(child).status.signal(), Some(2));
+    assert_eq!(wait_for_exit(child).status.signal(), Some(2));
 }

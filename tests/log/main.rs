@@ -1,11 +1,12 @@
 //! Tests of logs: writing, reading, crashes, replay.
 //!
-//! One program for the room: linking is most of what a test program costs.
+//! All tests are one program to save disk space and link time.
 
 #[path = "../support/mod.rs"]
 mod support;
 
 mod crash;
+mod decimation;
 mod examples;
 mod faults_log;
 mod faults_process;
@@ -20,4 +21,3 @@ mod replay_verify;
 mod round_trip;
 mod run_to;
 mod schemas;
-mod thin;

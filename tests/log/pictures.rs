@@ -1,4 +1,4 @@
-//! What a 3-D view gets of a run: every frame where the body is, shapes once, forces as arrows, each when something changes.
+//! Channels of the 3-D view: frames at body poses, shapes once, forces as arrows, written only on changes.
 
 use std::collections::BTreeMap;
 
@@ -8,18 +8,18 @@ use mcap::MessageStream;
 use phalanx::drawing::{self, Drawing, Shape};
 use phalanx::log::{RunInfo, Writer};
 use phalanx::scene::{self, Scene};
-use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Site, Thinned, run};
+use phalanx::trace::{Decimated, Event, FingerContact, Model, Sample, Sink, SinkError, run};
 
 /// A message: topic, log time, payload.
-type Raw = (String, u64, Vec<u8>);
+type RawMessage = (String, u64, Vec<u8>);
 
-/// Keeps the samples that the log gets.
-struct Both<W: Sink> {
+/// Records the samples that the log receives.
+struct RecordingSink<W: Sink> {
     writer: W,
     samples: Vec<Sample>,
 }
 
-impl<W: Sink> Sink for Both<W> {
+impl<W: Sink> Sink for RecordingSink<W> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.samples.push(sample.clone());
         self.writer.sample(sample)
@@ -33,64 +33,67 @@ fn load(name: &str) -> Scene {
     scene::load(format!("scenes/{name}.toml")).expect("a scene")
 }
 
-fn logged(scene: &Scene, model: Model) -> (Vec<Raw>, Vec<Sample>) {
+fn log_run(scene: &Scene, model: Model) -> (Vec<RawMessage>, Vec<Sample>) {
     let info = RunInfo { scene, scene_file: "scene.toml", model: model.name() };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-    let mut sink = Thinned::new(scene.log.numeric_hz, Both { writer, samples: Vec::new() });
+    let mut sink = Decimated::new(scene.log.numeric_hz, RecordingSink { writer, samples: Vec::new() });
     run(model, scene, &mut sink).expect("a run");
     sink.end().expect("written");
     (messages(&sink.sink.writer.finish().expect("finished")), sink.sink.samples)
 }
 
-fn messages(bytes: &[u8]) -> Vec<Raw> {
+fn messages(bytes: &[u8]) -> Vec<RawMessage> {
     let all = MessageStream::new(bytes).expect("a log");
     all.map(|message| message.expect("readable"))
         .map(|message| (message.channel.topic.clone(), message.log_time, message.data.to_vec()))
         .collect()
 }
 
-fn of<'a>(messages: &'a [Raw], topic: &'static str) -> impl Iterator<Item = &'a Raw> {
+fn messages_on_topic<'a>(messages: &'a [RawMessage], topic: &'static str) -> impl Iterator<Item = &'a RawMessage> {
     messages.iter().filter(move |message| message.0 == topic)
 }
 
-fn transforms(message: &Raw) -> FrameTransforms {
+fn decode_transforms(message: &RawMessage) -> FrameTransforms {
     FrameTransforms::decode(&message.2[..]).expect("transforms")
 }
 
-fn update(message: &Raw) -> SceneUpdate {
+fn update(message: &RawMessage) -> SceneUpdate {
     SceneUpdate::decode(&message.2[..]).expect("a scene update")
 }
 
-/// Angle of a turn in the plane.
-fn angle(rotation: Option<foxglove::messages::Quaternion>) -> f64 {
+/// Angle of a rotation in the plane.
+fn rotation_angle(rotation: Option<foxglove::messages::Quaternion>) -> f64 {
     let rotation = rotation.expect("a rotation");
     assert!((rotation.x, rotation.y) == (0.0, 0.0));
     2.0 * rotation.z.atan2(rotation.w)
 }
 
 #[test]
-fn every_frame_is_where_its_body_is() {
+fn frames_match_body_poses() {
     let scene = load("experiment-95");
-    let bodies = Drawing::of(&scene).bodies;
+    let bodies = Drawing::from_scene(&scene).bodies;
     for model in [Model::Analytic, Model::Engine] {
-        let (messages, samples) = logged(&scene, model);
-        let frames: Vec<FrameTransforms> = of(&messages, "/tf").map(transforms).collect();
+        let (messages, samples) = log_run(&scene, model);
+        let frames: Vec<FrameTransforms> = messages_on_topic(&messages, "/tf").map(decode_transforms).collect();
         assert!(frames.len() > 30, "{} pictures", frames.len());
-        for (message, frames) in of(&messages, "/tf").zip(&frames) {
+        for (message, frames) in messages_on_topic(&messages, "/tf").zip(&frames) {
             let sample = samples.iter().find(|sample| (sample.time_s * 1e9).round() as u64 == message.1);
-            let poses = drawing::poses(&scene, sample.expect("a picture is one of a sample"));
+            let poses = drawing::poses(&scene, sample.expect("the sample of the picture"));
             let moving: Vec<_> = bodies.iter().zip(&poses).filter(|(body, _)| !body.fixed).collect();
             assert_eq!(moving.len(), frames.transforms.len());
             for ((body, pose), frame) in moving.into_iter().zip(&frames.transforms) {
                 assert_eq!((frame.parent_frame_id.as_str(), &frame.child_frame_id), ("world", &body.name));
-                let place = frame.translation.expect("a place");
-                assert_eq!([place.x, place.y, place.z], [pose.position_m[0], pose.position_m[1], 0.0]);
-                assert!(((angle(frame.rotation) - pose.angle_rad) * 0.5).sin().abs() < 1e-14, "{}", body.name);
-                let stamp = frame.timestamp.expect("a stamp");
-                assert_eq!(u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec()), message.1);
+                let translation = frame.translation.expect("a translation");
+                assert_eq!(
+                    [translation.x, translation.y, translation.z],
+                    [pose.position_m[0], pose.position_m[1], 0.0]
+                );
+                assert!(((rotation_angle(frame.rotation) - pose.angle_rad) * 0.5).sin().abs() < 1e-14, "{}", body.name);
+                let timestamp = frame.timestamp.expect("a timestamp");
+                assert_eq!(u64::from(timestamp.sec()) * 1_000_000_000 + u64::from(timestamp.nsec()), message.1);
             }
         }
-        let fixed = of(&messages, "/tf_static").map(transforms).collect::<Vec<_>>();
+        let fixed = messages_on_topic(&messages, "/tf_static").map(decode_transforms).collect::<Vec<_>>();
         assert_eq!(fixed.len(), 1);
         let names: Vec<&str> = fixed[0].transforms.iter().map(|frame| frame.child_frame_id.as_str()).collect();
         assert_eq!(names, ["palm", "object"]);
@@ -98,12 +101,12 @@ fn every_frame_is_where_its_body_is() {
 }
 
 #[test]
-fn shapes_come_once_and_are_those_of_the_scene() {
+fn shapes_are_written_once_and_match_the_scene() {
     let scene = load("experiment-95");
-    let (messages, _) = logged(&scene, Model::Analytic);
-    let scenes: Vec<SceneUpdate> = of(&messages, "/scene").map(update).collect();
+    let (messages, _) = log_run(&scene, Model::Analytic);
+    let scenes: Vec<SceneUpdate> = messages_on_topic(&messages, "/scene").map(update).collect();
     assert_eq!(scenes.len(), 1);
-    let bodies = Drawing::of(&scene).bodies;
+    let bodies = Drawing::from_scene(&scene).bodies;
     assert_eq!(scenes[0].entities.len(), bodies.len());
     for (entity, body) in scenes[0].entities.iter().zip(&bodies) {
         assert_eq!((&entity.id, &entity.frame_id, entity.frame_locked), (&body.name, &body.name, true));
@@ -112,39 +115,39 @@ fn shapes_come_once_and_are_those_of_the_scene() {
             assert_eq!(fill.indices.len(), 3 * (fill.points.len() - 2), "a fan fills a convex outline");
             assert_eq!(line.points, fill.points);
             let corners: Vec<[f64; 2]> = line.points.iter().map(|point| [point.x, point.y]).collect();
-            let far = |from: [f64; 2]| corners.iter().map(move |p| (p[0] - from[0]).hypot(p[1] - from[1]));
+            let distances_from = |from: [f64; 2]| corners.iter().map(move |p| (p[0] - from[0]).hypot(p[1] - from[1]));
             match shape {
                 Shape::Polygon { corners_m } => assert_eq!(&corners, corners_m),
-                Shape::Disc { radius_m } => assert!(far([0.0; 2]).all(|d| (d - radius_m).abs() < 1e-12)),
+                Shape::Disc { radius_m } => assert!(distances_from([0.0; 2]).all(|d| (d - radius_m).abs() < 1e-12)),
                 Shape::Capsule { from_m, to_m, radius_m } => {
-                    let nearest = far(*from_m).zip(far(*to_m)).map(|(a, b)| a.min(b));
+                    let nearest = distances_from(*from_m).zip(distances_from(*to_m)).map(|(a, b)| a.min(b));
                     assert!(nearest.into_iter().all(|d| (d - radius_m).abs() < 1e-12));
                 }
                 Shape::HalfPlane { level_m } => assert!(corners.iter().all(|corner| corner[1] <= *level_m)),
             }
             // Counter-clockwise.
-            let turned = |k: usize| {
+            let signed_area_term = |k: usize| {
                 let (p, q) = (corners[k], corners[(k + 1) % corners.len()]);
                 p[0] * q[1] - p[1] * q[0]
             };
-            assert!((0..corners.len()).map(turned).sum::<f64>() > 0.0, "{}", body.name);
+            assert!((0..corners.len()).map(signed_area_term).sum::<f64>() > 0.0, "{}", body.name);
         }
     }
 }
 
 #[test]
-fn arrows_show_the_forces_and_go_when_they_end() {
+fn arrows_match_forces_and_disappear_without_force() {
     let scene = load("experiment-95");
-    let drawing = Drawing::of(&scene);
-    let (messages, samples) = logged(&scene, Model::Analytic);
+    let drawing = Drawing::from_scene(&scene);
+    let (messages, samples) = log_run(&scene, Model::Analytic);
     let mut longest: f64 = 0.0;
-    for message in of(&messages, "/forces") {
+    for message in messages_on_topic(&messages, "/forces") {
         let sample =
             samples.iter().rfind(|sample| (sample.time_s * 1e9).round() as u64 == message.1).expect("a sample");
         let update = update(message);
         assert_eq!(update.entities.iter().map(|entity| entity.id.as_str()).collect::<Vec<_>>(), ["proximal", "distal"]);
         for (entity, contact) in
-            update.entities.iter().zip([sample.contact(Site::Proximal), sample.contact(Site::Distal)])
+            update.entities.iter().zip([sample.contact(FingerContact::Proximal), sample.contact(FingerContact::Distal)])
         {
             assert_eq!(entity.frame_id, "world");
             let Some(normal) = entity.arrows.first() else {
@@ -155,35 +158,36 @@ fn arrows_show_the_forces_and_go_when_they_end() {
             assert!((length - drawing.arrow_m(contact.normal_n)).abs() < 1e-12);
             longest = longest.max(length);
             let pose = normal.pose.as_ref().expect("a pose");
-            let place = pose.position.expect("a place");
-            assert_eq!([place.x, place.y], contact.point_m);
-            let along = angle(pose.orientation);
-            assert!((along.cos() - contact.normal[0]).hypot(along.sin() - contact.normal[1]) < 1e-12);
+            let point = pose.position.expect("a position");
+            assert_eq!([point.x, point.y], contact.point_m);
+            let direction_rad = rotation_angle(pose.orientation);
+            assert!((direction_rad.cos() - contact.normal[0]).hypot(direction_rad.sin() - contact.normal[1]) < 1e-12);
             if let Some(friction) = entity.arrows.get(1) {
-                let along = angle(friction.pose.as_ref().expect("a pose").orientation);
-                let force = [along.cos(), along.sin()].map(|part| part * contact.tangential_n.abs());
+                let direction_rad = rotation_angle(friction.pose.as_ref().expect("a pose").orientation);
+                let force = [direction_rad.cos(), direction_rad.sin()].map(|part| part * contact.tangential_n.abs());
                 let tangent = contact.tangent().map(|part| part * contact.tangential_n);
                 assert!((force[0] - tangent[0]).hypot(force[1] - tangent[1]) < 1e-9);
             }
         }
     }
-    // The impacts are drawn between the pictures of the grid: their forces are a multiple of those that hold.
+    // Impacts are drawn between grid pictures: their forces are several times the holding forces.
     assert!(longest >= 2.0 * drawing.arrow_m(23.6), "{longest}");
 }
 
 #[test]
-fn rates_are_kept_and_nothing_is_drawn_where_nothing_moves() {
+fn picture_rate_is_respected_and_a_static_scene_is_not_redrawn() {
     let mut scene = load("experiment-95");
-    let count = |scene: &Scene, topic: &'static str| of(&logged(scene, Model::Analytic).0, topic).count();
+    let count =
+        |scene: &Scene, topic: &'static str| messages_on_topic(&log_run(scene, Model::Analytic).0, topic).count();
     scene.log.picture_hz = 1e3;
-    let seldom = count(&scene, "/tf");
+    let at_1_khz = count(&scene, "/tf");
     scene.log.picture_hz = 5e3;
-    let often = count(&scene, "/tf");
-    // It moves for 7 ms; the pictures within its impacts are the same.
-    assert!((20..=28).contains(&(often - seldom)), "{seldom} of {often}");
+    let at_5_khz = count(&scene, "/tf");
+    // The finger moves for 7 ms; pictures within impacts are the same at both rates.
+    assert!((20..=28).contains(&(at_5_khz - at_1_khz)), "{at_1_khz} of {at_5_khz}");
     scene.duration_s *= 5.0;
-    let held = count(&scene, "/tf");
-    assert!(held < often + 60, "{held} of {often}: while the object is held, nothing moves");
+    let long_run = count(&scene, "/tf");
+    assert!(long_run < at_5_khz + 60, "{long_run} of {at_5_khz}: while the object is held, nothing moves");
     scene.log.picture_hz = 0.0;
     for topic in ["/tf", "/tf_static", "/scene", "/forces"] {
         assert_eq!(count(&scene, topic), 0, "{topic}");
@@ -191,8 +195,8 @@ fn rates_are_kept_and_nothing_is_drawn_where_nothing_moves() {
 }
 
 #[test]
-fn at_each_instant_frames_come_before_what_is_drawn_in_them() {
-    let (messages, _) = logged(&load("experiment-95"), Model::Engine);
+fn frames_precede_shapes_and_forces_at_each_instant() {
+    let (messages, _) = log_run(&load("experiment-95"), Model::Engine);
     let mut frames_at: BTreeMap<u64, usize> = BTreeMap::new();
     for (index, (topic, time, _)) in messages.iter().enumerate() {
         match topic.as_str() {
@@ -205,26 +209,29 @@ fn at_each_instant_frames_come_before_what_is_drawn_in_them() {
 }
 
 #[test]
-fn discs_are_drawn_too() {
+fn draws_discs() {
     let scene = scene::load_any("scenes/laws/two-free.toml").expect("a scene");
     let info = RunInfo { scene: &scene, scene_file: "two-free.toml", model: "analytic" };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-    let mut sink = Thinned::new(scene.log.numeric_hz, writer);
+    let mut sink = Decimated::new(scene.log.numeric_hz, writer);
     run(Model::Analytic, &scene, &mut sink).expect("a run");
     sink.end().expect("written");
     let messages = messages(&sink.sink.finish().expect("finished"));
-    let last = of(&messages, "/tf").last().expect("pictures");
-    for (frame, disc) in transforms(last).transforms.iter().zip(&scene.system.discs) {
+    let last = messages_on_topic(&messages, "/tf").last().expect("pictures");
+    for (frame, disc) in decode_transforms(last).transforms.iter().zip(&scene.system.discs) {
         assert_eq!(frame.child_frame_id, disc.name);
         let topic = format!("/disc/{}", disc.name);
         let state = messages.iter().rfind(|message| message.0 == topic && message.1 == last.1).expect("a sample");
-        // Flat messages of doubles: a key of one byte before each.
+        // Flat messages of doubles, each after a key of one byte.
         let number = |field: usize| f64::from_le_bytes(state.2[9 * field + 1..][..8].try_into().expect("a double"));
-        let place = frame.translation.expect("a place");
-        assert_eq!((place.x, place.y), (number(1), number(2)));
+        let translation = frame.translation.expect("a translation");
+        assert_eq!((translation.x, translation.y), (number(1), number(2)));
     }
-    assert_eq!(update(of(&messages, "/scene").next().expect("shapes")).entities.len(), scene.system.discs.len());
-    assert!(of(&messages, "/forces").any(|message| !update(message).entities[0].arrows.is_empty()));
-    let end = update(of(&messages, "/forces").last().expect("forces"));
-    assert!(end.entities[0].arrows.is_empty(), "they have parted");
+    assert_eq!(
+        update(messages_on_topic(&messages, "/scene").next().expect("shapes")).entities.len(),
+        scene.system.discs.len()
+    );
+    assert!(messages_on_topic(&messages, "/forces").any(|message| !update(message).entities[0].arrows.is_empty()));
+    let end = update(messages_on_topic(&messages, "/forces").last().expect("forces"));
+    assert!(end.entities[0].arrows.is_empty(), "the discs have separated");
 }

@@ -1,38 +1,38 @@
-//! The scene in a log is the scene that was run, also where a program has changed it since it was read.
+//! The scene in a log is the simulated scene, including changes made after it was read.
 
 use std::io::Cursor;
 use std::path::Path;
 
 use phalanx::log::{RunInfo, Writer, read, scene_text};
 use phalanx::scene::{Actuation, Preset, Scene, load, load_any, parse, parse_any};
-use phalanx::shape::{Shape, reach};
+use phalanx::shape::{Shape, max_radius};
 use phalanx::trace::{Model, run};
 
 fn anchor() -> Scene {
     load(Path::new("scenes/experiment-95.toml")).expect("a scene")
 }
 
-/// The text of the scene in the log of a run.
-fn logged(scene: &Scene) -> String {
+/// Scene text in the log of a run.
+fn logged_scene_text(scene: &Scene) -> String {
     let info = RunInfo { scene, scene_file: "scene.toml", model: Model::Analytic.name() };
     let mut writer = Writer::new(Vec::new(), "the log", &info).expect("a log in memory");
-    run(Model::Analytic, scene, &mut writer).expect("a whole run");
+    run(Model::Analytic, scene, &mut writer).expect("a completed run");
     let bytes = writer.finish().expect("finished");
     read(Cursor::new(&bytes), &mut ()).expect("a log").scene.expect("a scene").1
 }
 
 #[test]
-fn a_scene_as_it_was_read_is_logged_to_the_letter() {
+fn unmodified_scene_is_logged_verbatim() {
     let scene = anchor();
-    assert_eq!(logged(&scene), scene.source);
-    // The metadata record has these.
+    assert_eq!(logged_scene_text(&scene), scene.source);
+    // These settings are in the metadata record.
     let mut settings = Scene { duration_s: 5e-3, ..scene.clone() };
-    settings.integrate_by(Preset::Reference);
-    assert_eq!(logged(&settings), scene.source);
+    settings.apply_preset(Preset::Reference);
+    assert_eq!(logged_scene_text(&settings), scene.source);
 }
 
 #[test]
-fn a_scene_that_was_changed_is_logged_as_it_was_run() {
+fn modified_scene_is_logged_as_simulated() {
     let scene = anchor();
     let changes: [fn(&mut Scene); 4] = [
         |scene| scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m: 0.5 },
@@ -43,7 +43,7 @@ fn a_scene_that_was_changed_is_logged_as_it_was_run() {
     for change in changes {
         let mut changed = scene.clone();
         change(&mut changed);
-        let text = logged(&changed);
+        let text = logged_scene_text(&changed);
         assert_ne!(text, scene.source);
         let read = parse(&text, "scene.toml").expect("a scene");
         assert_eq!(Scene { source: changed.source.clone(), ..read }, changed);
@@ -51,11 +51,11 @@ fn a_scene_that_was_changed_is_logged_as_it_was_run() {
 }
 
 #[test]
-fn discs_that_were_changed_are_logged_as_they_were_run() {
+fn modified_discs_are_logged_as_simulated() {
     let scene = load_any(Path::new("scenes/laws/impact.toml")).expect("a scene");
     assert_eq!(scene_text(&scene), scene.source);
     let mut changed: Scene = scene.clone();
-    changed.system.discs[0].shape = Shape::Disc { radius_m: 1.25 * reach(&scene.system.discs[0].shape) };
+    changed.system.discs[0].shape = Shape::Disc { radius_m: 1.25 * max_radius(&scene.system.discs[0].shape) };
     let text = scene_text(&changed);
     let read = parse_any(&text, "scene.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!(Scene { source: changed.source.clone(), ..read }, changed);

@@ -1,17 +1,17 @@
-//! A run as arrays: the columns are those of `replay --csv`, and the peaks those of the run.
+//! Recording of a run as arrays: same columns as `replay --csv`, same peaks as the run.
 
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use std::fs;
 
 use phalanx::log::{read_any_file, read_file, run_to};
 use phalanx::scene::{load, load_any};
-use phalanx::trace::{Event, EventKind, Layout, Model, Recording, Site, record, run};
+use phalanx::trace::{Event, EventKind, FingerContact, Layout, Model, Recording, record, run};
 
 use crate::support::cli::{directory, phalanx, stderr};
-use crate::support::replay::{DISCS, FINGER};
+use crate::support::replay::{DISC_SCENE, FINGER_SCENE};
 
-/// The table of `replay --csv`: names, and columns of numbers, NaN where a cell is empty.
-fn table(log: &std::path::Path) -> (Vec<String>, Vec<Vec<f64>>) {
+/// Table of `replay --csv`: names and columns of numbers, NaN for empty cells.
+fn read_csv_table(log: &std::path::Path) -> (Vec<String>, Vec<Vec<f64>>) {
     let file = log.with_extension("csv");
     let output = phalanx(&["replay", log.to_str().expect("text"), "--csv", file.to_str().expect("text")]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -27,44 +27,44 @@ fn table(log: &std::path::Path) -> (Vec<String>, Vec<Vec<f64>>) {
     (names, columns)
 }
 
-fn same(recording: &Recording, (names, columns): &(Vec<String>, Vec<Vec<f64>>)) {
+fn assert_same_columns(recording: &Recording, (names, columns): &(Vec<String>, Vec<Vec<f64>>)) {
     assert!(recording.columns().iter().map(|column| &column.name).eq(names));
     assert_eq!(recording.time(), columns[0]);
     for (name, column) in names.iter().zip(columns) {
-        let kept = recording.column(name).expect("a column");
-        assert_eq!(kept.len(), column.len(), "{name}");
-        assert!(kept.iter().zip(column).all(|(a, b)| a == b || a.is_nan() && b.is_nan()), "{name}");
+        let values = recording.column(name).expect("a column");
+        assert_eq!(values.len(), column.len(), "{name}");
+        assert!(values.iter().zip(column).all(|(a, b)| a == b || a.is_nan() && b.is_nan()), "{name}");
     }
 }
 
 #[test]
-fn the_columns_of_a_finger_are_those_of_the_table() {
+fn finger_recording_matches_the_csv_table() {
     let directory = directory("recording_finger");
     let path = directory.join("run.mcap");
     for (scene, model) in
-        [(FINGER, Model::Analytic), (FINGER, Model::Engine), ("scenes/free-swing.toml", Model::Analytic)]
+        [(FINGER_SCENE, Model::Analytic), (FINGER_SCENE, Model::Engine), ("scenes/free-swing.toml", Model::Analytic)]
     {
         let scene = load(scene).expect("a scene");
         let (outcome, recording) = record(model, &scene).expect("a run");
         let logged = run_to(&scene, model, &path).expect("a run");
         assert_eq!(logged.outcome, outcome);
-        same(&recording, &table(&path));
-        // A log is read into the same arrays.
-        let mut read = Recording::new(&Layout::of_kind(SceneKind::Finger));
+        assert_same_columns(&recording, &read_csv_table(&path));
+        // Reading the log gives the same arrays.
+        let mut read = Recording::new(&Layout::from_kind(SceneKind::Finger));
         read_file(&path, &mut read).expect("a log");
-        same(&read, &table(&path));
+        assert_same_columns(&read, &read_csv_table(&path));
         assert_eq!(read.events(), recording.events());
     }
 }
 
 #[test]
-fn the_columns_of_discs_are_those_of_the_table() {
+fn disc_recording_matches_the_csv_table() {
     let directory = directory("recording_discs");
     let path = directory.join("run.mcap");
-    let scene = load_any(DISCS).expect("a scene");
+    let scene = load_any(DISC_SCENE).expect("a scene");
     let (_, recording) = record(Model::Engine, &scene).expect("a run");
     run_to(&scene, Model::Engine, &path).expect("a run");
-    same(&recording, &table(&path));
+    assert_same_columns(&recording, &read_csv_table(&path));
     assert!(recording.column("hammer_x_m").is_some() && recording.column("hammer-anvil_normal_n").is_some());
     let mut read = Recording::new(&Layout::default());
     read_any_file(&path, &mut read).expect("a log");
@@ -73,25 +73,26 @@ fn the_columns_of_discs_are_those_of_the_table() {
 }
 
 #[test]
-fn the_largest_of_a_column_is_the_largest_of_the_run() {
-    let scene = load(FINGER).expect("a scene");
+fn maximum_of_a_column_is_the_peak_of_the_run() {
+    let scene = load(FINGER_SCENE).expect("a scene");
     let (outcome, recording) = record(Model::Analytic, &scene).expect("a run");
-    // Without thinning, too.
-    let mut every = Recording::new(&Layout::of_kind(SceneKind::Finger));
-    run(Model::Analytic, &scene, &mut every).expect("a run");
-    assert!(every.time().len() >= recording.time().len());
-    assert!(every.time().is_sorted() && recording.time().is_sorted());
-    for (name, site) in [("proximal_normal_n", Site::Proximal), ("distal_normal_n", Site::Distal)] {
-        for kept in [&every, &recording] {
-            let largest = kept.column(name).expect("a column").iter().copied().fold(0.0, f64::max);
-            assert_eq!(largest, outcome.site(site).peak_normal_n, "{name}");
+    // A second recording is not decimated.
+    let mut all_steps = Recording::new(&Layout::from_kind(SceneKind::Finger));
+    run(Model::Analytic, &scene, &mut all_steps).expect("a run");
+    assert!(all_steps.time().len() >= recording.time().len());
+    assert!(all_steps.time().is_sorted() && recording.time().is_sorted());
+    for (name, contact) in [("proximal_normal_n", FingerContact::Proximal), ("distal_normal_n", FingerContact::Distal)]
+    {
+        for recorded in [&all_steps, &recording] {
+            let largest = recorded.column(name).expect("a column").iter().copied().fold(0.0, f64::max);
+            assert_eq!(largest, outcome.finger_contact(contact).peak_normal_n, "{name}");
         }
     }
 }
 
 #[test]
-fn what_is_not_there_is_no_number_and_what_is_unknown_no_column() {
-    let mut scene = load(FINGER).expect("a scene");
+fn absent_contacts_are_nan_and_unknown_columns_are_none() {
+    let mut scene = load(FINGER_SCENE).expect("a scene");
     scene.system.discs.clear();
     scene.duration_s = 2e-3;
     let (_, recording) = record(Model::Analytic, &scene).expect("a run");
@@ -102,32 +103,38 @@ fn what_is_not_there_is_no_number_and_what_is_unknown_no_column() {
     assert_eq!(recording.columns().len(), 42);
 }
 
-/// Events of friction are told to a log as they are to a recording, of every kind of scene that has bristles, and a run that is done again
-/// has the same.
+/// Log and recording have the same slip events for every kind of scene with bristles, and a new run reproduces them.
 #[test]
-fn slipping_and_sticking_come_back_from_a_log() {
+fn slip_events_are_read_back_from_a_log() {
     let directory = directory("recording_slips");
     let path = directory.join("run.mcap");
     for scene in
         ["scenes/experiment-95-bristle.toml", "scenes/laws/bristle-stick-slip.toml", "scenes/gripper/hold.toml"]
     {
-        let any = load_any(scene).expect("a scene");
+        let loaded = load_any(scene).expect("a scene");
         for model in [Model::Analytic, Model::Engine] {
-            let (outcome, recording) = record(model, &any).expect("a run");
+            let (outcome, recording) = record(model, &loaded).expect("a run");
             let slips = |contact: usize| {
-                let of = |event: &&Event| event.contact == contact && event.kind == EventKind::Slips;
-                recording.events().iter().filter(of).count() as u32
+                let is_slip = |event: &&Event| event.contact == contact && event.kind == EventKind::Slips;
+                recording.events().iter().filter(is_slip).count() as u32
             };
             assert!((0..outcome.contacts.len()).any(|contact| slips(contact) > 0), "{scene}: something slips");
             assert!(
-                outcome.contacts.iter().enumerate().all(|(contact, found)| found.slips == slips(contact)),
+                outcome
+                    .contacts
+                    .iter()
+                    .enumerate()
+                    .all(|(contact, contact_summary)| contact_summary.slips == slips(contact)),
                 "{scene}"
             );
-            run_to(&any, model, &path).expect("a run");
-            let layout =
-                if any.kind() == SceneKind::Finger { Layout::of_kind(SceneKind::Finger) } else { Layout::default() };
+            run_to(&loaded, model, &path).expect("a run");
+            let layout = if loaded.kind() == SceneKind::Finger {
+                Layout::from_kind(SceneKind::Finger)
+            } else {
+                Layout::default()
+            };
             let mut read = Recording::new(&layout);
-            assert!(read_any_file(&path, &mut read).expect("a log").is_whole());
+            assert!(read_any_file(&path, &mut read).expect("a log").is_complete());
             assert_eq!(read.events(), recording.events(), "{scene}, {}", model.name());
             let output = phalanx(&["replay", path.to_str().expect("text"), "--verify", "--json"]);
             assert!(output.status.success(), "{scene}: {}", stderr(&output));

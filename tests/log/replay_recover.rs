@@ -1,23 +1,24 @@
-//! `phalanx replay --recover`: the good part of a log, byte for byte, as a log that every reader takes.
+//! `phalanx replay --recover`: writes the intact part of a log, byte for byte, as a valid log.
 
 use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
-use crate::support::faults::Dice;
-use crate::support::replay::{DISCS, FINGER, log};
+use crate::support::faults::XorShift;
+use crate::support::replay::{DISC_SCENE, FINGER_SCENE, log};
 use mcap::{MessageStream, Summary};
 use phalanx::log::{
-    Expected, Lockstep, Loss, RECOVERED_NAME, ReadError, Reading, Recovery, Verification, gaps, read_any, recover,
+    ComparisonOptions, LogComparison, LogSummary, Loss, RECOVERED_NAME, ReadError, Recovery, Verification, gaps,
+    read_any, recover,
 };
 use phalanx::trace::Model;
 
-const FAULTS: usize = 100;
+const FAULT_COUNT: usize = 100;
 
-/// Logs of several chunks: of both kinds, one by each model.
+/// Logs of several chunks: a finger in the analytic model and discs in the engine model.
 fn logs() -> [Vec<u8>; 2] {
-    let logs = [log(FINGER, Model::Analytic, 2e4), log(DISCS, Model::Engine, 4e4)];
+    let logs = [log(FINGER_SCENE, Model::Analytic, 2e4), log(DISC_SCENE, Model::Engine, 4e4)];
     for bytes in &logs {
         assert!(Summary::read(bytes).expect("readable").expect("indexed").chunk_indexes.len() >= 4);
     }
@@ -32,13 +33,13 @@ fn owned(message: &mcap::Message<'_>) -> Message {
     (topic, message.sequence, message.log_time, message.publish_time, message.data.to_vec())
 }
 
-/// All messages by the mcap crate's own reader, which must take the file.
+/// All messages, read by the mcap crate, which must accept the file.
 fn messages(bytes: &[u8]) -> Vec<Message> {
     let all = MessageStream::new(bytes).expect("an MCAP file");
     all.map(|message| owned(&message.expect("readable to the end"))).collect()
 }
 
-/// Messages of every chunk, by the index of a whole log, with where the chunk begins and ends.
+/// Start, end and messages of every chunk, from the index of a complete log.
 fn chunks(bytes: &[u8]) -> Vec<(usize, usize, Vec<Message>)> {
     let summary = Summary::read(bytes).expect("readable").expect("indexed");
     let mut chunks: Vec<_> = summary
@@ -55,40 +56,40 @@ fn chunks(bytes: &[u8]) -> Vec<(usize, usize, Vec<Message>)> {
     chunks
 }
 
-fn recovered(bytes: &[u8]) -> Result<(Vec<u8>, Recovery), ReadError> {
+fn run_recovery(bytes: &[u8]) -> Result<(Vec<u8>, Recovery), ReadError> {
     let mut out = Vec::new();
-    let found = recover(&mut Cursor::new(bytes), "broken.mcap", &mut out, "the recovered log", &|_| Ok(()))?;
-    Ok((out, found))
+    let recovery = recover(&mut Cursor::new(bytes), "broken.mcap", &mut out, "the recovered log", &|_| Ok(()))?;
+    Ok((out, recovery))
 }
 
-/// Reads a recovered log as `phalanx replay` does: it must be whole.
-fn whole(bytes: &[u8]) -> Reading {
+/// Reads a recovered log like `phalanx replay`; it must be complete.
+fn read_complete(bytes: &[u8]) -> LogSummary {
     let reading = read_any(Cursor::new(bytes), &mut ()).expect("a log");
-    assert!(reading.is_whole(), "{:?}", reading.losses);
+    assert!(reading.is_complete(), "{:?}", reading.losses);
     reading
 }
 
 /// Compares a recovered log with the log of the same run.
-fn compared(bytes: &[u8], reading: &Reading, undisturbed: &[u8]) -> Verification {
-    let gaps = reading.recovered.as_ref().map(gaps).expect("says that it is recovered");
-    let expected = Expected { gaps, ..Expected::default() };
-    let mut lockstep = Lockstep::new(Cursor::new(undisturbed), expected, &|_| Ok(())).expect("begun");
-    read_any(Cursor::new(bytes), &mut lockstep).expect("a log");
-    lockstep.finish().expect("finished")
+fn compare_with_original(bytes: &[u8], reading: &LogSummary, original: &[u8]) -> Verification {
+    let gaps = reading.recovered.as_ref().map(gaps).expect("a recovery record");
+    let expected = ComparisonOptions { gaps, ..ComparisonOptions::default() };
+    let mut comparison = LogComparison::new(Cursor::new(original), expected, &|_| Ok(())).expect("started");
+    read_any(Cursor::new(bytes), &mut comparison).expect("a log");
+    comparison.finish().expect("finished")
 }
 
 #[test]
-fn a_log_killed_anywhere_is_recovered_up_to_its_last_complete_chunk() {
-    for (undisturbed, seed) in logs().iter().zip([51, 52]) {
-        let chunks = chunks(undisturbed);
-        let mut dice = Dice::new(seed);
-        let mut most = 0;
-        for _ in 0..FAULTS {
-            let cut = dice.below(undisturbed.len());
+fn recovers_a_truncated_log_up_to_its_last_complete_chunk() {
+    for (original, seed) in logs().iter().zip([51, 52]) {
+        let chunks = chunks(original);
+        let mut rng = XorShift::new(seed);
+        let mut max_messages = 0;
+        for _ in 0..FAULT_COUNT {
+            let cut = rng.below(original.len());
             let expected: Vec<Message> =
                 chunks.iter().filter(|chunk| chunk.1 <= cut).flat_map(|chunk| chunk.2.clone()).collect();
-            let (bytes, found) = match recovered(&undisturbed[..cut]) {
-                Ok(found) => found,
+            let (bytes, recovery) = match run_recovery(&original[..cut]) {
+                Ok(recovery) => recovery,
                 Err(ReadError::Empty { .. } | ReadError::NotMcap) => {
                     assert!(cut < chunks[0].0, "cut at {cut}");
                     continue;
@@ -96,106 +97,111 @@ fn a_log_killed_anywhere_is_recovered_up_to_its_last_complete_chunk() {
                 Err(error) => panic!("cut at {cut}: {error}"),
             };
             assert_eq!(messages(&bytes), expected, "cut at {cut}");
-            assert!(matches!(found.reading.losses.last(), Some(Loss::Truncated { .. })), "cut at {cut}");
-            assert_eq!((found.messages, found.missing, found.gaps.len()), (expected.len() as u64, 0, 0));
-            let reading = whole(&bytes);
-            let entries = reading.recovered.clone().expect("said");
+            assert!(matches!(recovery.reading.losses.last(), Some(Loss::Truncated { .. })), "cut at {cut}");
+            assert_eq!((recovery.messages, recovery.missing, recovery.gaps.len()), (expected.len() as u64, 0, 0));
+            let reading = read_complete(&bytes);
+            let entries = reading.recovered.clone().expect("a recovery record");
             assert_eq!((&entries["source"], &entries["source_bytes"]), (&"broken.mcap".into(), &cut.to_string()));
             assert!(entries["lost"].contains("truncated"), "{entries:?}");
-            // A prefix of what simulating again gives.
-            let verified = compared(&bytes, &reading, undisturbed);
+            // The recovered log is a prefix of the log of a new run.
+            let verified = compare_with_original(&bytes, &reading, original);
             assert!(verified.is_same(), "cut at {cut}: {verified:?}");
             assert_eq!(verified.compared, expected.len() as u64);
-            assert_eq!(recovered(&undisturbed[..cut]).expect("again").0, bytes, "the same bytes again");
-            most = most.max(expected.len());
+            assert_eq!(run_recovery(&original[..cut]).expect("recovered").0, bytes, "recovery is deterministic");
+            max_messages = max_messages.max(expected.len());
         }
-        assert!(most > chunks.iter().map(|chunk| chunk.2.len()).sum::<usize>() / 2);
+        assert!(max_messages > chunks.iter().map(|chunk| chunk.2.len()).sum::<usize>() / 2);
     }
-    println!("faults: {} cuts", 2 * FAULTS);
+    println!("faults: {} cuts", 2 * FAULT_COUNT);
 }
 
 #[test]
-fn a_byte_changed_anywhere_costs_no_more_than_its_chunk() {
-    for (undisturbed, seed) in logs().iter().zip([71, 72]) {
-        let all = messages(undisturbed);
-        let chunks = chunks(undisturbed);
+fn a_flipped_bit_loses_at_most_one_chunk() {
+    for (original, seed) in logs().iter().zip([71, 72]) {
+        let all = messages(original);
+        let chunks = chunks(original);
         let largest = chunks.iter().map(|chunk| chunk.2.len()).max().expect("chunks");
-        let mut dice = Dice::new(seed);
-        for _ in 0..FAULTS {
-            let (place, bit) = (dice.below(undisturbed.len()), dice.below(8));
-            let mut damaged = undisturbed.clone();
-            damaged[place] ^= 1 << bit;
-            let what = format!("bit {bit} of byte {place}");
-            let (bytes, found) = match recovered(&damaged) {
-                Ok(found) => found,
+        let mut rng = XorShift::new(seed);
+        for _ in 0..FAULT_COUNT {
+            let (offset, bit) = (rng.below(original.len()), rng.below(8));
+            let mut damaged = original.clone();
+            damaged[offset] ^= 1 << bit;
+            let label = format!("bit {bit} of byte {offset}");
+            let (bytes, recovery) = match run_recovery(&damaged) {
+                Ok(recovery) => recovery,
                 Err(ReadError::NotMcap | ReadError::NotPhalanx | ReadError::Empty { .. }) => {
-                    assert!(place < chunks[0].0, "{what}");
+                    assert!(offset < chunks[0].0, "{label}");
                     continue;
                 }
-                Err(error) => panic!("{what}: {error}"),
+                Err(error) => panic!("{label}: {error}"),
             };
-            let kept = messages(&bytes);
-            // Nothing is made up: what is kept are messages of the log, in its order.
+            let recovered_messages = messages(&bytes);
+            // The recovered messages are a subsequence of the original ones.
             let mut rest = all.iter();
-            assert!(kept.iter().all(|message| rest.any(|other| other == message)), "{what}");
-            let before_chunks = place < chunks[0].0;
+            assert!(recovered_messages.iter().all(|message| rest.any(|other| other == message)), "{label}");
+            let before_chunks = offset < chunks[0].0;
             if !before_chunks {
-                assert!(kept.len() + largest >= all.len(), "{what}: {} of {}", kept.len(), all.len());
+                assert!(
+                    recovered_messages.len() + largest >= all.len(),
+                    "{label}: {} of {}",
+                    recovered_messages.len(),
+                    all.len()
+                );
             }
-            let reading = whole(&bytes);
-            let verified = compared(&bytes, &reading, undisturbed);
+            let reading = read_complete(&bytes);
+            let verified = compare_with_original(&bytes, &reading, original);
             let settings = before_chunks && !verified.metadata.is_empty();
-            assert!(verified.is_same() || settings, "{what}: {verified:?}");
-            assert_eq!(verified.compared, kept.len() as u64, "{what}");
-            assert!(found.gaps.len() <= 1, "{what}: {:?}", found.gaps);
+            assert!(verified.is_same() || settings, "{label}: {verified:?}");
+            assert_eq!(verified.compared, recovered_messages.len() as u64, "{label}");
+            assert!(recovery.gaps.len() <= 1, "{label}: {:?}", recovery.gaps);
         }
     }
-    println!("faults: {} flipped bits", 2 * FAULTS);
+    println!("faults: {} flipped bits", 2 * FAULT_COUNT);
 }
 
 #[test]
-fn chunks_behind_a_damage_are_kept_and_what_is_missing_is_counted() {
-    for undisturbed in logs() {
-        let chunks = chunks(&undisturbed);
+fn recovers_chunks_after_damage_and_counts_missing_messages() {
+    for original in logs() {
+        let chunks = chunks(&original);
         for lost in [0, 1, chunks.len() - 1] {
-            let mut damaged = undisturbed.clone();
+            let mut damaged = original.clone();
             damaged[chunks[lost].0 + 100] ^= 1;
-            let (bytes, found) = recovered(&damaged).expect("a log");
+            let (bytes, recovery) = run_recovery(&damaged).expect("a log");
             let expected: Vec<Message> =
                 chunks.iter().enumerate().filter(|(k, _)| *k != lost).flat_map(|(_, chunk)| chunk.2.clone()).collect();
             assert_eq!(messages(&bytes), expected, "chunk {lost}");
-            assert_eq!(found.nameless, 0, "the index names the channels");
-            let reading = whole(&bytes);
+            assert_eq!(recovery.unidentified, 0, "the index names the channels");
+            let reading = read_complete(&bytes);
             if lost + 1 == chunks.len() {
-                // At the end nothing follows that could tell.
-                assert!(found.gaps.is_empty() && found.missing == 0);
+                // No later message can reveal a gap at the end.
+                assert!(recovery.gaps.is_empty() && recovery.missing == 0);
                 continue;
             }
-            // Every message of the chunk but those of channels of which no more comes.
+            // All messages of the lost chunk, except on channels without later messages.
             let later: Vec<&String> = chunks[lost + 1..].iter().flat_map(|chunk| &chunk.2).map(|m| &m.0).collect();
             let missing = chunks[lost].2.iter().filter(|message| later.contains(&&message.0)).count();
-            assert_eq!(found.missing, missing as u64);
-            let [gap] = &found.gaps[..] else { panic!("{:?}", found.gaps) };
-            assert_eq!(gaps(reading.recovered.as_ref().expect("said")), found.gaps);
+            assert_eq!(recovery.missing, missing as u64);
+            let [gap] = &recovery.gaps[..] else { panic!("{:?}", recovery.gaps) };
+            assert_eq!(gaps(reading.recovered.as_ref().expect("a recovery record")), recovery.gaps);
             let before: usize = chunks[..lost].iter().map(|chunk| chunk.2.len()).sum();
             assert_eq!(gap.after_messages, before as u64);
             assert_eq!(gap.to_s, chunks[lost + 1].2[0].2 as f64 * 1e-9);
-            let verified = compared(&bytes, &reading, &undisturbed);
+            let verified = compare_with_original(&bytes, &reading, &original);
             assert!(verified.is_same(), "{verified:?}");
             assert_eq!(verified.in_gaps, chunks[lost].2.len() as u64);
-            // Recovered once more it is the same, and still says what is missing.
-            let (again, found) = recovered(&bytes).expect("a log");
-            assert_eq!(messages(&again), expected);
-            assert_eq!(found.gaps, gaps(whole(&again).recovered.as_ref().expect("said")));
-            assert_eq!(found.gaps, gaps(reading.recovered.as_ref().expect("said")));
+            // A second recovery gives the same messages and gaps.
+            let (second, recovery) = run_recovery(&bytes).expect("a log");
+            assert_eq!(messages(&second), expected);
+            assert_eq!(recovery.gaps, gaps(read_complete(&second).recovered.as_ref().expect("a recovery record")));
+            assert_eq!(recovery.gaps, gaps(reading.recovered.as_ref().expect("a recovery record")));
         }
     }
 }
 
 #[test]
-fn the_command_writes_a_log_that_replays() {
+fn recovered_log_can_be_replayed() {
     let directory = directory("recover_command");
-    let bytes = log(FINGER, Model::Engine, 1e5);
+    let bytes = log(FINGER_SCENE, Model::Engine, 1e5);
     let broken = directory.join("run.mcap.partial");
     fs::write(&broken, &bytes[..3 * bytes.len() / 4]).expect("written");
     let target = directory.join("run.mcap");
@@ -203,7 +209,7 @@ fn the_command_writes_a_log_that_replays() {
     let output = phalanx(&["replay", &name(&broken), "--recover", &name(&target)]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("truncated"), "{}", stderr(&output));
-    assert!(stdout(&output).contains("run.mcap is what can be read of"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("run.mcap contains the readable part of"), "{}", stdout(&output));
     assert_eq!(fs::read(&broken).expect("untouched").len(), 3 * bytes.len() / 4);
     let output = phalanx(&["replay", &name(&target), "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -211,22 +217,22 @@ fn the_command_writes_a_log_that_replays() {
     assert_eq!(report["recovered"]["source"], "run.mcap.partial");
     assert_eq!((&report["completed"], &report["criteria"]), (&serde_json::Value::Null, &serde_json::Value::Null));
     let output = phalanx(&["replay", &name(&target), "--verify", "--json"]);
-    assert_eq!(output.status.code(), Some(1), "a prefix is not the whole");
+    assert_eq!(output.status.code(), Some(1), "a prefix is not a complete comparison");
     assert_eq!(json(&output)["verification"]["same"], true);
-    // An older log gives way, another file and the source do not.
+    // An older log is replaced; other files and the source are not.
     let output = phalanx(&["replay", &name(&broken), "--recover", &name(&target), "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(json(&output)["messages"].as_u64() > Some(1000));
     let scene = write(&directory, "scene.toml", "name = \"precious\"\n");
-    for (target, part) in [(scene.as_str(), "not a log that phalanx wrote"), (&name(&broken), "the log itself")] {
+    for (target, part) in [(scene.as_str(), "not a log written by phalanx"), (&name(&broken), "the log itself")] {
         let output = phalanx(&["replay", &name(&broken), "--recover", target]);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
         assert!(stderr(&output).contains(part), "{}", stderr(&output));
     }
-    assert_eq!(fs::read_to_string(&scene).expect("still there"), "name = \"precious\"\n");
+    assert_eq!(fs::read_to_string(&scene).expect("the file is unchanged"), "name = \"precious\"\n");
     let output = phalanx(&["replay", &scene, "--recover", &name(&directory.join("new.mcap"))]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(!directory.join("new.mcap").exists());
-    let summary = Summary::read(&fs::read(&target).expect("there")).expect("readable").expect("indexed");
-    assert!(summary.metadata_indexes.iter().any(|found| found.name == RECOVERED_NAME));
+    let summary = Summary::read(&fs::read(&target).expect("readable")).expect("readable").expect("indexed");
+    assert!(summary.metadata_indexes.iter().any(|index| index.name == RECOVERED_NAME));
 }

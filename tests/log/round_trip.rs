@@ -1,5 +1,5 @@
-//! The log is read back with the mcap crate, and every message decoded against the descriptor embedded in the file by a
-//! protobuf library that the writer does not use.
+//! Reads logs with the mcap crate and decodes every message by its embedded descriptor, with a protobuf library that
+//! the writer does not use.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use crate::support::synthetic::{lift_off, reload, sample, scene, touch_down};
 use mcap::{MessageStream, Summary};
 use phalanx::log::{RunInfo, Severity, Writer, metadata};
 use phalanx::scene::Scene;
-use phalanx::trace::{Event, Sample, Sink, Site};
+use phalanx::trace::{Event, FingerContact, Sample, Sink};
 use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
 
 enum Record {
@@ -15,20 +15,20 @@ enum Record {
     Event(Event),
 }
 
-/// 0–20 ms on a grid of 0.1 ms, with an impact in steps of 0.3 ns around 5 ms.
-fn run() -> Vec<Record> {
+/// Records from 0 to 20 ms on a grid of 0.1 ms, with an impact in steps of 0.3 ns around 5 ms.
+fn test_records() -> Vec<Record> {
     let mut records = Vec::new();
     for i in 0..=200 {
         records.push(Record::Sample(Box::new(sample(1e-4 * i as f64))));
         if i == 50 {
-            records.push(Record::Event(touch_down(5.00001e-3, Site::Proximal, 1.25)));
+            records.push(Record::Event(touch_down(5.00001e-3, FingerContact::Proximal, 1.25)));
             for k in 1..=10 {
                 records.push(Record::Sample(Box::new(sample(5.00001e-3 + 3e-10 * k as f64))));
             }
-            records.push(Record::Event(lift_off(5.00002e-3, Site::Proximal, 3.5e-3)));
-            records.push(Record::Event(touch_down(5.00003e-3, Site::Limit, 12.5)));
-            records.push(Record::Event(reload(5.00003e-3, Site::Limit)));
-            records.push(Record::Event(touch_down(5.00004e-3, Site::Distal, 0.75)));
+            records.push(Record::Event(lift_off(5.00002e-3, FingerContact::Proximal, 3.5e-3)));
+            records.push(Record::Event(touch_down(5.00003e-3, FingerContact::Limit, 12.5)));
+            records.push(Record::Event(reload(5.00003e-3, FingerContact::Limit)));
+            records.push(Record::Event(touch_down(5.00004e-3, FingerContact::Distal, 0.75)));
         }
     }
     records
@@ -36,7 +36,7 @@ fn run() -> Vec<Record> {
 
 fn write(scene: &Scene, records: &[Record]) -> Vec<u8> {
     let run = RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" };
-    let mut writer = Writer::new(Vec::new(), "the log", &run).expect("a vector takes any log");
+    let mut writer = Writer::new(Vec::new(), "the log", &run).expect("started");
     for record in records {
         match record {
             Record::Sample(sample) => writer.sample(sample).expect("written"),
@@ -96,8 +96,8 @@ fn read(bytes: &[u8]) -> Vec<Decoded> {
         .collect()
 }
 
-/// What the channels must say for a sample, written out by hand.
-fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
+/// Expected messages of a sample by topic.
+fn expected_messages(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
     let contact = |contact: &phalanx::trace::ContactSample| {
         vec![
             ("timestamp", sample.time_s),
@@ -130,16 +130,16 @@ fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
                 ("motor_torque_n_m", sample.finger().motor_torque_n_m),
             ],
         ),
-        ("/contact/proximal", contact(sample.contact(Site::Proximal))),
-        ("/contact/distal", contact(sample.contact(Site::Distal))),
+        ("/contact/proximal", contact(sample.contact(FingerContact::Proximal))),
+        ("/contact/distal", contact(sample.contact(FingerContact::Distal))),
         (
             "/limit",
             vec![
                 ("timestamp", sample.time_s),
-                ("gap_rad", sample.contact(Site::Limit).gap_m),
-                ("gap_rate_rad_s", sample.contact(Site::Limit).gap_rate_m_s),
-                ("torque_n_m", sample.contact(Site::Limit).normal_n),
-                ("impulse_n_m_s", sample.contact(Site::Limit).impulse_n_s),
+                ("gap_rad", sample.contact(FingerContact::Limit).gap_m),
+                ("gap_rate_rad_s", sample.contact(FingerContact::Limit).gap_rate_m_s),
+                ("torque_n_m", sample.contact(FingerContact::Limit).normal_n),
+                ("impulse_n_m_s", sample.contact(FingerContact::Limit).impulse_n_s),
             ],
         ),
         (
@@ -159,34 +159,34 @@ fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
 }
 
 #[test]
-fn every_figure_of_every_sample_comes_back_unchanged() {
-    let records = run();
+fn every_value_is_read_back_unchanged() {
+    let records = test_records();
     let messages = read(&write(&scene(), &records));
-    let mut wanted: BTreeMap<&str, Vec<Vec<(&str, f64)>>> = BTreeMap::new();
+    let mut expected: BTreeMap<&str, Vec<Vec<(&str, f64)>>> = BTreeMap::new();
     for record in &records {
         if let Record::Sample(sample) = record {
-            for (topic, fields) in expected(sample) {
-                wanted.entry(topic).or_default().push(fields);
+            for (topic, fields) in expected_messages(sample) {
+                expected.entry(topic).or_default().push(fields);
             }
         }
     }
-    for (topic, wanted) in wanted {
-        let found: Vec<_> = messages.iter().filter(|m| m.topic == topic).collect();
-        assert_eq!(found.len(), wanted.len(), "{topic}");
-        for (found, wanted) in found.iter().zip(wanted) {
-            let found = found.numbers();
-            assert_eq!(found.len(), wanted.len(), "{topic}");
-            for ((name, value), (wanted_name, wanted_value)) in found.iter().zip(wanted) {
-                assert_eq!(name, wanted_name, "{topic}");
-                assert_eq!(value.to_bits(), wanted_value.to_bits(), "{topic} {name}");
+    for (topic, expected) in expected {
+        let actual: Vec<_> = messages.iter().filter(|m| m.topic == topic).collect();
+        assert_eq!(actual.len(), expected.len(), "{topic}");
+        for (actual, expected) in actual.iter().zip(expected) {
+            let actual = actual.numbers();
+            assert_eq!(actual.len(), expected.len(), "{topic}");
+            for ((name, value), (expected_name, expected_value)) in actual.iter().zip(expected) {
+                assert_eq!(name, expected_name, "{topic}");
+                assert_eq!(value.to_bits(), expected_value.to_bits(), "{topic} {name}");
             }
         }
     }
 }
 
 #[test]
-fn one_clock_from_zero_that_never_goes_back() {
-    let messages = read(&write(&scene(), &run()));
+fn log_times_start_at_zero_and_never_decrease() {
+    let messages = read(&write(&scene(), &test_records()));
     assert_eq!(messages.first().expect("not empty").log_time, 0);
     let mut last = 0;
     for message in &messages {
@@ -194,33 +194,33 @@ fn one_clock_from_zero_that_never_goes_back() {
         assert!(message.log_time >= last, "{}", message.topic);
         last = message.log_time;
         if message.message.get_field_by_name("timestamp").is_some_and(|field| field.as_f64().is_some()) {
-            let stamp = message.number("timestamp");
-            assert!((stamp * 1e9 - message.log_time as f64).abs() <= 0.5, "{} {stamp}", message.topic);
+            let timestamp = message.number("timestamp");
+            assert!((timestamp * 1e9 - message.log_time as f64).abs() <= 0.5, "{} {timestamp}", message.topic);
         }
     }
     assert_eq!(last, 20_000_000);
-    // Steps of 0.3 ns share log times, but not stamps.
-    let stamps: Vec<f64> = messages.iter().filter(|m| m.topic == "/state").map(|m| m.number("timestamp")).collect();
-    assert!(stamps.windows(2).all(|pair| pair[0] < pair[1]));
+    // Steps of 0.3 ns share log times but differ in `timestamp`.
+    let timestamps: Vec<f64> = messages.iter().filter(|m| m.topic == "/state").map(|m| m.number("timestamp")).collect();
+    assert!(timestamps.windows(2).all(|pair| pair[0] < pair[1]));
 }
 
 #[test]
-fn events_come_as_text_and_as_figures() {
-    let messages = read(&write(&scene(), &run()));
-    let of = |topic: &'static str| messages.iter().filter(move |m| m.topic == topic);
-    let impacts: Vec<_> = of("/impact/proximal").map(Decoded::numbers).collect();
-    let named = |values: [(&str, f64); 5]| values.map(|(name, value)| (name.to_string(), value)).to_vec();
+fn events_are_written_as_text_and_as_messages() {
+    let messages = read(&write(&scene(), &test_records()));
+    let on_topic = |topic: &'static str| messages.iter().filter(move |m| m.topic == topic);
+    let impacts: Vec<_> = on_topic("/impact/proximal").map(Decoded::numbers).collect();
+    let with_names = |values: [(&str, f64); 5]| values.map(|(name, value)| (name.to_string(), value)).to_vec();
     assert_eq!(
         impacts,
         [
-            named([
+            with_names([
                 ("timestamp", 5.00001e-3),
                 ("pressed", 1.0),
                 ("touch_down", 1.0),
                 ("approach_speed_m_s", 1.25),
                 ("impulse_n_s", 0.0)
             ]),
-            named([
+            with_names([
                 ("timestamp", 5.00002e-3),
                 ("pressed", 0.0),
                 ("touch_down", 0.0),
@@ -229,30 +229,30 @@ fn events_come_as_text_and_as_figures() {
             ]),
         ]
     );
-    let limit: Vec<_> = of("/impact/limit").collect();
+    let limit: Vec<_> = on_topic("/impact/limit").collect();
     assert_eq!(limit[0].number("approach_speed_rad_s"), 12.5);
     assert_eq!((limit[1].number("pressed"), limit[1].number("touch_down")), (1.0, 0.0));
-    assert_eq!(of("/impact/distal").count(), 1);
+    assert_eq!(on_topic("/impact/distal").count(), 1);
 
-    let events: Vec<_> = of("/events").collect();
+    let events: Vec<_> = on_topic("/events").collect();
     assert_eq!(events.len(), 6);
     assert_eq!(events[0].message.descriptor().full_name(), "foxglove.Log");
     assert_eq!(events[0].text("name"), "proximal");
     assert_eq!(events[0].text("message"), "proximal phalanx: touch-down at 5.000010 ms, approach speed 1.250000 m/s");
     assert!(events[1].text("message").contains("impulse 3.500000e-3 N·s"));
     assert!(events[2].text("message").contains("12.500000 rad/s"));
-    let stamp = events[0].message.get_field_by_name("timestamp").expect("a stamp");
-    let stamp = stamp.as_message().expect("google.protobuf.Timestamp");
-    assert_eq!(stamp.get_field_by_name("seconds").expect("seconds").as_i64(), Some(0));
-    assert_eq!(stamp.get_field_by_name("nanos").expect("nanos").as_i32(), Some(5_000_010));
+    let timestamp = events[0].message.get_field_by_name("timestamp").expect("a timestamp");
+    let timestamp = timestamp.as_message().expect("google.protobuf.Timestamp");
+    assert_eq!(timestamp.get_field_by_name("seconds").expect("seconds").as_i64(), Some(0));
+    assert_eq!(timestamp.get_field_by_name("nanos").expect("nanos").as_i32(), Some(5_000_010));
     assert_eq!(events[5].text("name"), "run");
     assert_eq!(events[5].text("message"), "done");
 }
 
 #[test]
-fn the_scene_and_the_settings_are_in_the_file() {
+fn log_contains_the_scene_and_the_settings() {
     let scene = scene();
-    let bytes = write(&scene, &run());
+    let bytes = write(&scene, &test_records());
     let summary = Summary::read(&bytes).expect("readable").expect("indexed");
     assert_eq!(summary.attachment_indexes.len(), 1);
     let attachment = mcap::read::attachment(&bytes, &summary.attachment_indexes[0]).expect("readable");
@@ -272,9 +272,9 @@ fn the_scene_and_the_settings_are_in_the_file() {
 }
 
 #[test]
-fn only_what_the_scene_has_is_logged() {
+fn log_contains_only_topics_of_the_scene() {
     let topics = |scene: &Scene| -> BTreeSet<String> {
-        let bytes = write(scene, &run());
+        let bytes = write(scene, &test_records());
         let summary = Summary::read(&bytes).expect("readable").expect("indexed");
         let declared: BTreeSet<String> = summary.channels.values().map(|c| c.topic.clone()).collect();
         let used: BTreeSet<String> = read(&bytes).into_iter().map(|m| m.topic).collect();
@@ -307,6 +307,6 @@ fn only_what_the_scene_has_is_logged() {
 }
 
 #[test]
-fn the_same_run_gives_the_same_bytes() {
-    assert_eq!(write(&scene(), &run()), write(&scene(), &run()));
+fn same_run_gives_the_same_bytes() {
+    assert_eq!(write(&scene(), &test_records()), write(&scene(), &test_records()));
 }

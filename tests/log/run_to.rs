@@ -1,27 +1,26 @@
-//! One call that runs and logs: the log is that of the command line, says how the run ended, and verifies, whatever was
-//! changed in memory.
+//! `run_to` and `run_into`: same log as the command line, with the end of the run; logs of modified scenes verify.
 
 use std::fs;
 use std::path::Path;
 
 use phalanx::log::{LogError, LoggedRunError, read_any_file, run_into, run_to};
 use phalanx::scene::{Actuation, Scene, load, load_any};
-use phalanx::shape::{Shape, reach};
-use phalanx::trace::{Model, RunError, Site};
+use phalanx::shape::{Shape, max_radius};
+use phalanx::trace::{FingerContact, Model, RunError};
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout};
-use crate::support::replay::{DISCS, FINGER};
+use crate::support::replay::{DISC_SCENE, FINGER_SCENE};
 
 fn finger() -> Scene {
-    load(FINGER).expect("a scene")
+    load(FINGER_SCENE).expect("a scene")
 }
 
 fn discs() -> Scene {
-    load_any(DISCS).expect("a scene")
+    load_any(DISC_SCENE).expect("a scene")
 }
 
-/// The log that the command writes of a scene of the name that a scene in memory has.
-fn of_the_command(directory: &Path, scene: &str, model: Model) -> Vec<u8> {
+/// Log written by the command for a scene file named `scene.toml`, as for scenes in memory.
+fn write_log_with_command(directory: &Path, scene: &str, model: Model) -> Vec<u8> {
     let (file, log) = (directory.join("scene.toml"), directory.join("command.mcap"));
     fs::copy(scene, &file).expect("copied");
     let [file, log] = [file, log].map(|path| path.to_str().expect("text").to_string());
@@ -30,36 +29,39 @@ fn of_the_command(directory: &Path, scene: &str, model: Model) -> Vec<u8> {
     fs::read(log).expect("the log")
 }
 
-/// A log verifies, and nothing in it or of it is missing.
-fn is_complete(log: &Path) {
+/// Asserts that a log verifies and is complete.
+fn assert_verifies(log: &Path) {
     let log = log.to_str().expect("text");
     let output = phalanx(&["replay", log, "--verify", "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let found = &json(&output)["verification"];
-    assert_eq!((&found["same"], &found["complete"]), (&true.into(), &true.into()), "{found:#}");
+    let verification = &json(&output)["verification"];
+    assert_eq!((&verification["same"], &verification["complete"]), (&true.into(), &true.into()), "{verification:#}");
     let text = phalanx(&["replay", log]);
     assert!(stdout(&text).contains("\ncompleted, "), "{}", stdout(&text));
     assert!(!stdout(&text).contains("NOT COMPLETE"), "{}", stdout(&text));
 }
 
 #[test]
-fn it_writes_the_log_of_the_command() {
+fn writes_the_same_log_as_the_command() {
     let directory = directory("run_to_command");
     for model in [Model::Analytic, Model::Engine] {
         let path = directory.join("library.mcap");
         run_to(&finger(), model, &path).expect("a run");
-        assert!(fs::read(&path).expect("a log") == of_the_command(&directory, FINGER, model), "{model:?}");
-        is_complete(&path);
+        assert!(
+            fs::read(&path).expect("a log") == write_log_with_command(&directory, FINGER_SCENE, model),
+            "{model:?}"
+        );
+        assert_verifies(&path);
         run_to(&discs(), model, &path).expect("a run");
-        assert!(fs::read(&path).expect("a log") == of_the_command(&directory, DISCS, model), "{model:?}");
-        is_complete(&path);
+        assert!(fs::read(&path).expect("a log") == write_log_with_command(&directory, DISC_SCENE, model), "{model:?}");
+        assert_verifies(&path);
     }
-    let left = fs::read_dir(&directory).expect("a directory").map(|entry| entry.expect("an entry").file_name());
-    assert!(left.into_iter().all(|name| !name.to_string_lossy().ends_with(".partial")));
+    let remaining = fs::read_dir(&directory).expect("a directory").map(|entry| entry.expect("an entry").file_name());
+    assert!(remaining.into_iter().all(|name| !name.to_string_lossy().ends_with(".partial")));
 }
 
 #[test]
-fn a_scene_that_was_changed_is_logged_whole_and_verifies() {
+fn logs_of_modified_scenes_verify() {
     let directory = directory("run_to_changed");
     let path = directory.join("changed.mcap");
     let changes: [fn(&mut Scene); 4] = [
@@ -73,23 +75,23 @@ fn a_scene_that_was_changed_is_logged_whole_and_verifies() {
         change(&mut scene);
         for model in [Model::Analytic, Model::Engine] {
             let run = run_to(&scene, model, &path).expect("a run");
-            is_complete(&path);
+            assert_verifies(&path);
             assert_eq!(run.criteria.is_some(), scene.object().is_some());
-            assert_eq!(run.outcome.site(Site::Distal).first_s.is_some(), scene.object().is_some());
+            assert_eq!(run.outcome.finger_contact(FingerContact::Distal).first_s.is_some(), scene.object().is_some());
             assert!(run.check.is_some(), "a short run is checked");
         }
     }
     let mut scene = discs();
-    scene.system.discs[0].shape = Shape::Disc { radius_m: 1.03 * reach(&scene.system.discs[0].shape) };
+    scene.system.discs[0].shape = Shape::Disc { radius_m: 1.03 * max_radius(&scene.system.discs[0].shape) };
     scene.system.discs[1].name = "thrown".to_string();
     scene.duration_s = 13.3e-3;
     let run = run_to(&scene, Model::Analytic, &path).expect("a run");
-    assert!(run.rebounds[0].restitution().is_some_and(|kept| kept < 1.0), "{:?}", run.rebounds);
-    is_complete(&path);
+    assert!(run.rebounds[0].restitution().is_some_and(|ratio| ratio < 1.0), "{:?}", run.rebounds);
+    assert_verifies(&path);
 }
 
 #[test]
-fn into_bytes_it_writes_the_same() {
+fn run_into_writes_the_same_bytes() {
     let directory = directory("run_to_bytes");
     let path = directory.join("run.mcap");
     let (scene, model) = (finger(), Model::Analytic);
@@ -100,30 +102,30 @@ fn into_bytes_it_writes_the_same() {
 }
 
 #[test]
-fn a_run_that_stops_is_an_error_and_its_log_says_why() {
+fn stopped_run_is_an_error_and_its_log_contains_the_reason() {
     let directory = directory("run_to_stopped");
     let path = directory.join("stopped.mcap");
     let mut scene = finger();
     scene.integrator.max_steps = 40;
     let error = run_to(&scene, Model::Analytic, &path).expect_err("40 steps are not enough");
-    let LoggedRunError::Run(RunError::Simulation { failure, so_far }) = error else { panic!("{error}") };
-    assert_eq!(so_far.work.steps, 40);
+    let LoggedRunError::Run(RunError::Simulation { failure, partial_outcome }) = error else { panic!("{error}") };
+    assert_eq!(partial_outcome.work.steps, 40);
     let reading = read_any_file(&path, &mut ()).expect("a log");
-    let ended = reading.ended.expect("an end");
-    assert_eq!(ended.stopped, Some(failure.reason.to_string()));
-    // Verification knows that it stops, and finds the same stop.
+    let run_end = reading.run_end.expect("an end");
+    assert_eq!(run_end.stopped, Some(failure.reason.to_string()));
+    // The new run stops at the same step.
     let output = phalanx(&["replay", path.to_str().expect("text"), "--verify", "--json"]);
     assert!(output.status.success(), "{}", stderr(&output));
 }
 
 #[test]
-fn what_is_no_log_is_left_alone() {
+fn does_not_overwrite_other_files() {
     let directory = directory("run_to_refused");
     let path = directory.join("thesis.tex");
     fs::write(&path, "years of work").expect("written");
-    let error = run_to(&finger(), Model::Analytic, &path).expect_err("refused");
-    assert!(matches!(error, LoggedRunError::Log(LogError::NotALog { .. })), "{error}");
-    assert_eq!(fs::read_to_string(&path).expect("still there"), "years of work");
-    let error = run_to(&finger(), Model::Analytic, directory.join("not/there.mcap")).expect_err("refused");
+    let error = run_to(&finger(), Model::Analytic, &path).expect_err("rejected");
+    assert!(matches!(error, LoggedRunError::Log(LogError::NotPhalanxLog { .. })), "{error}");
+    assert_eq!(fs::read_to_string(&path).expect("the file is unchanged"), "years of work");
+    let error = run_to(&finger(), Model::Analytic, directory.join("not/there.mcap")).expect_err("rejected");
     assert!(error.to_string().contains("mkdir -p"), "{error}");
 }

@@ -1,17 +1,17 @@
-//! Scenes of discs: what they mean, what they are shown as, and what refuses them.
+//! Scenes of discs: defaults, keys, round trips, and messages.
 
-use phalanx::cli::scene::{SceneCommand, answer};
+use phalanx::cli::scene::{SceneCommand, execute};
 use phalanx::cli::set::SetArgs;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Bounds, DiscMotion, Engine, HalfPlane, Integrator, Partner, Preset, Response, Scene};
-use phalanx::shape::reach;
+use phalanx::shape::max_radius;
 use proptest::prelude::*;
 use serde_json::Value;
 
 const BALL: &str = "[discs.ball]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"25 mm\"]\nmass = \"50 g\"\n";
 
-/// The law of all contacts.
+/// Returns the law of all contacts.
 fn law(scene: &Scene) -> ContactLaw {
     scene.system.between_discs.expect("a law")
 }
@@ -20,11 +20,11 @@ fn parse(text: &str) -> Scene {
     scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-fn with(rest: &str) -> Scene {
+fn scene_with(rest: &str) -> Scene {
     parse(&format!("kind = \"bodies\"\n{BALL}{rest}"))
 }
 
-/// `show` then `parse`: the same scene, bit for bit, but for its source.
+/// Asserts that the shown scene parses to the same scene, bit for bit, except for its source.
 fn assert_round_trip(scene: &Scene) {
     let text = scene::show(scene);
     let mut back = parse(&text);
@@ -36,23 +36,23 @@ fn assert_round_trip(scene: &Scene) {
 
 #[test]
 fn a_short_scene_has_the_defaults() {
-    let scene = with("");
+    let scene = scene_with("");
     assert_eq!((scene.name.as_str(), scene.description.as_str()), ("test", ""));
     assert_eq!((scene.system.gravity_m_s2, scene.duration_s, scene.system.palm), ([0.0; 2], 0.02, None));
     let [ball] = scene.system.discs.as_slice() else { panic!("{:?}", scene.system.discs) };
-    assert_eq!((ball.name.as_str(), reach(&ball.shape), ball.centre_m), ("ball", 0.02, [0.001, 0.025]));
+    assert_eq!((ball.name.as_str(), max_radius(&ball.shape), ball.centre_m), ("ball", 0.02, [0.001, 0.025]));
     // A homogeneous disc: m r²/2 = 0.05 × 0.02²/2.
     let DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = ball.motion else { panic!("{ball:?}") };
     assert_eq!((mass_kg, velocity_m_s, spin_rad_s), (0.05, [0.0; 2], 0.0));
-    assert!((inertia_kg_m2.expect("it turns") - 1e-5).abs() < 1e-19);
+    assert!((inertia_kg_m2.expect("it rotates") - 1e-5).abs() < 1e-19);
     let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
     assert_eq!((law(&scene).normal, law(&scene).friction), (normal, None));
     assert_eq!((scene.integrator, scene.engine), (Integrator::preset(Preset::Engineering), Engine::DEFAULT));
-    assert_eq!((scene.bounds, scene.log.numeric_hz), (Bounds::over(SceneKind::Bodies, 0.02), 1e4));
+    assert_eq!((scene.bounds, scene.log.numeric_hz), (Bounds::defaults_for_run(SceneKind::Bodies, 0.02), 1e4));
 }
 
 #[test]
-fn every_key_is_heard() {
+fn every_key_is_applied() {
     let scene = parse(
         "name = \"all\"\ndescription = \"of them\"\nkind = \"bodies\"\nduration = \"7 ms\"\n\
          gravity = [\"1 m/s^2\", \"-9.81 m/s^2\"]\n\
@@ -97,15 +97,15 @@ fn every_key_is_heard() {
         contact_time_s: 3e-6,
         impulse: 0.04,
         peak_force: 0.05,
-        ..Bounds::over(SceneKind::Bodies, 6e-3)
+        ..Bounds::defaults_for_run(SceneKind::Bodies, 6e-3)
     };
     assert_eq!((scene.bounds, scene.log.numeric_hz), (bounds, 1e3));
     assert_round_trip(&scene);
 }
 
 #[test]
-fn pairs_are_those_of_which_one_moves_and_have_names() {
-    let scene = with(
+fn pairs_include_a_moving_disc_and_are_named() {
+    let scene = scene_with(
         "[half_plane]\n[discs.anvil]\nradius = \"10 mm\"\ncentre = [\"60 mm\", \"20 mm\"]\nmotion = \"fixed\"\n\
          [discs.post]\nradius = \"10 mm\"\ncentre = [\"90 mm\", \"20 mm\"]\nmotion = \"fixed\"\n",
     );
@@ -115,50 +115,50 @@ fn pairs_are_those_of_which_one_moves_and_have_names() {
 }
 
 #[test]
-fn surfaces_may_overlap_at_the_start_and_either_half_of_the_law_may_be_missing() {
+fn initial_overlaps_and_laws_without_spring_or_damper_are_accepted() {
     let post = "[discs.post]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"55 mm\"]\nmotion = \"fixed\"\n";
-    with(&format!("{post}[half_plane]\nlevel = \"10 mm\"\n"));
-    assert_eq!(law(&with("[contact]\nstiffness_si = 0\n")).normal.stiffness_n_per_m_e, 0.0);
-    assert_eq!(law(&with("[contact]\ndamping = \"0 N*s/m\"\n")).normal.damping_max_n_s_per_m, 0.0);
+    scene_with(&format!("{post}[half_plane]\nlevel = \"10 mm\"\n"));
+    assert_eq!(law(&scene_with("[contact]\nstiffness_si = 0\n")).normal.stiffness_n_per_m_e, 0.0);
+    assert_eq!(law(&scene_with("[contact]\ndamping = \"0 N*s/m\"\n")).normal.damping_max_n_s_per_m, 0.0);
 }
 
 #[test]
-fn a_finger_is_not_read_from_a_scene_of_discs() {
+fn scenes_of_discs_are_rejected_where_a_finger_is_required() {
     let text = format!("kind = \"bodies\"\n{BALL}");
     let error = scene::parse(&text, "ball.toml").expect_err("discs");
     assert_eq!(
         error.to_string(),
-        "error: this is a scene of kind \"bodies\", but only one of kind \"finger\" will do here\n --> ball.toml:1:8\n  |\n\
-         1 | kind = \"bodies\"\n  |        ^^^^^^^^ another kind\n  = help: give the scene of a finger; scenes of other kinds are for \
-         `phalanx run`, `validate` and `scene`"
+        "error: this is a scene of kind \"bodies\", but a scene of kind \"finger\" is required\n --> ball.toml:1:8\n  |\n\
+         1 | kind = \"bodies\"\n  |        ^^^^^^^^ another kind\n  = help: give the scene of a finger; \
+         `phalanx run`, `validate` and `scene` accept the other kinds"
     );
 }
 
 /// Every `default` in the JSON Schema, written into a scene, changes nothing.
 #[test]
-fn documented_defaults_are_the_real_ones() {
-    fn collect(schema: &Value, path: &str, found: &mut Vec<(String, String)>) {
+fn documented_defaults_match_the_actual_ones() {
+    fn collect(schema: &Value, path: &str, keys: &mut Vec<(String, String)>) {
         let named =
             schema["additionalProperties"].as_object().map(|_| ("ball".to_string(), &schema["additionalProperties"]));
-        let listed =
+        let listed_keys =
             schema["properties"].as_object().into_iter().flatten().map(|(key, property)| (key.clone(), property));
-        for (key, property) in listed.chain(named) {
-            let here = if path.is_empty() { key } else { format!("{path}.{key}") };
+        for (key, property) in listed_keys.chain(named) {
+            let key_path = if path.is_empty() { key } else { format!("{path}.{key}") };
             if let Some(default) = property.get("default") {
-                found.push((here.clone(), default.to_string()));
+                keys.push((key_path.clone(), default.to_string()));
             }
-            collect(property, &here, found);
+            collect(property, &key_path, keys);
         }
     }
     let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
-    let mut found = Vec::new();
-    collect(&schema["then"], "", &mut found);
-    assert!(found.len() >= 20, "{found:?}");
+    let mut keys = Vec::new();
+    collect(&schema["then"], "", &mut keys);
+    assert!(keys.len() >= 20, "{keys:?}");
     let ball = "discs.ball.radius = \"20 mm\"\ndiscs.ball.centre = [\"1 mm\", \"25 mm\"]\n";
-    for (key, value) in found {
+    for (key, value) in keys {
         let driven = "discs.ball.motion = \"driven\"\n";
-        // What the default only means together with another key.
-        let more = match key.as_str() {
+        // Some defaults apply only together with other keys.
+        let extra = match key.as_str() {
             "discs.ball.acceleration" => driven,
             "contact.exponent" => "discs.ball.mass = \"1 g\"\ncontact.stiffness_si = 1e8\n",
             "engine.restitution" => "discs.ball.mass = \"1 g\"\nengine.law = \"rapier\"\n",
@@ -172,7 +172,7 @@ fn documented_defaults_are_the_real_ones() {
             }
             _ => "discs.ball.mass = \"1 g\"\n",
         };
-        let plain = format!("kind = \"bodies\"\n{ball}{more}");
+        let plain = format!("kind = \"bodies\"\n{ball}{extra}");
         let explicit = match key.as_str() {
             "half_plane.level" => plain.replace("{}", &format!("{{ level = {value} }}")),
             _ => format!("{plain}{key} = {value}\n"),
@@ -183,9 +183,9 @@ fn documented_defaults_are_the_real_ones() {
     }
 }
 
-/// All kinds in one schema: no key of one is let through in another.
+/// One schema covers all kinds, and rejects keys of other kinds.
 #[test]
-fn the_schema_tells_the_kinds_apart() {
+fn the_schema_separates_the_scene_kinds() {
     let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
     assert_eq!(
         schema["if"],
@@ -194,14 +194,14 @@ fn the_schema_tells_the_kinds_apart() {
     let rest = &schema["else"];
     assert_eq!(rest["if"]["properties"]["kind"]["const"], "gripper");
     let [discs, gripper, finger] = [&schema["then"], &rest["then"], &rest["else"]];
-    for (kind, own, others) in [
+    for (kind, accepted, rejected) in [
         (discs, "discs", ["design", "palm_width"]),
         (gripper, "palm_width", ["discs", "half_plane"]),
         (finger, "design", ["discs", "palm_width"]),
     ] {
         assert_eq!(kind["additionalProperties"], Value::Bool(false));
-        assert!(kind["properties"].get(own).is_some());
-        assert!(others.iter().all(|other| kind["properties"].get(other).is_none()));
+        assert!(kind["properties"].get(accepted).is_some());
+        assert!(rejected.iter().all(|other| kind["properties"].get(other).is_none()));
         assert_eq!(kind["properties"]["kind"]["enum"], serde_json::json!(["finger", "bodies", "gripper"]));
     }
     assert_eq!(
@@ -211,21 +211,21 @@ fn the_schema_tells_the_kinds_apart() {
 }
 
 #[test]
-fn scene_commands_take_discs() {
+fn scene_commands_accept_discs() {
     let file = std::env::temp_dir().join(format!("phalanx-{}-discs.toml", std::process::id()));
     let text = format!(
         "kind = \"bodies\"\n{BALL}[half_plane]\n[discs.anvil]\nradius = \"10 mm\"\ncentre = [\"60 mm\", \"20 mm\"]\n\
          motion = \"fixed\"\n"
     );
     std::fs::write(&file, text).expect("write");
-    let shown =
-        answer(&SceneCommand::Show { scene: file.clone(), set: SetArgs::default(), figure: None, resolved: false });
-    let checked = answer(&SceneCommand::Check { scenes: vec![file.clone()], set: Default::default() });
+    let shown_text =
+        execute(&SceneCommand::Show { scene: file.clone(), set: SetArgs::default(), figure: None, resolved: false });
+    let checked = execute(&SceneCommand::Check { scenes: vec![file.clone()], set: Default::default() });
     let _ = std::fs::remove_file(&file);
-    assert!(shown.good, "{shown:?}");
-    assert_round_trip(&parse(&shown.stdout));
+    assert!(shown_text.is_valid, "{shown_text:?}");
+    assert_round_trip(&parse(&shown_text.stdout));
     assert!(
-        checked.stdout.ends_with("good: discs: free ball; fixed anvil; half plane at 0.00 mm; 2 pairs; 20.0 ms\n"),
+        checked.stdout.ends_with("valid: discs: free ball; fixed anvil; half plane at 0.00 mm; 2 pairs; 20.0 ms\n"),
         "{checked:?}"
     );
 }
@@ -234,7 +234,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_numbers_come_back_bit_for_bit(
+    fn arbitrary_numbers_round_trip_exactly(
         radius in 1e-6..1.0f64, x in -1.0..1.0f64, mass in 1e-9..1e3f64, velocity in -1e3..1e3f64, spin in -1e4..1e4f64,
         gravity in -1e2..1e2f64, level in -10.0..-2.0f64, k in 0.0..1e25f64, exponent in 1.0..3.0f64, c in 1e-9..1e9f64,
         bound in 1e-12..1e3f64, duration in 1e-9..1e3f64, rotates in proptest::bool::ANY, driven in proptest::bool::ANY,
@@ -265,7 +265,7 @@ proptest! {
             "[]", "{}", "[[]]", "[\"1 m\", 2]", "[\"1e300 m\", \"1e300 m\"]", "\"driven\"", "\"fixed\"", "\"finger\"",
             "\"reduced\"", "5e-324", "1.7e308", "[\"nan m/s\", \"0 m/s\"]",
         ];
-        let text = scene::show(&with(
+        let text = scene::show(&scene_with(
             "[half_plane]\n[discs.hand]\nradius = \"1 mm\"\ncentre = [\"90 mm\", \"50 mm\"]\nmotion = \"driven\"\n[contact.friction]\n\
              mu_static = 0.3\n",
         ));

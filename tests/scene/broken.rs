@@ -1,6 +1,6 @@
-//! Every broken scene in `tests/broken` is refused with exactly the message beside it.
+//! Every invalid scene in `tests/broken` is rejected with exactly the message in the text file of the same name.
 //!
-//! `PHALANX_BLESS=1 cargo test --test scene broken` writes the messages anew; read the difference before committing it.
+//! `PHALANX_BLESS=1 cargo test --test scene broken` rewrites the messages; read the diff before committing it.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use phalanx::scene::{self, SceneError};
 
-fn broken() -> Vec<PathBuf> {
+fn broken_scene_files() -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = fs::read_dir("tests/broken")
         .expect("tests/broken")
         .map(|entry| entry.expect("entry").path())
@@ -19,9 +19,9 @@ fn broken() -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_broken_scene_is_refused_with_its_message() {
-    let bless = std::env::var_os("PHALANX_BLESS").is_some();
-    let files = broken();
+fn every_broken_scene_is_rejected_with_its_message() {
+    let update_expected = std::env::var_os("PHALANX_BLESS").is_some();
+    let files = broken_scene_files();
     assert!(files.len() >= 30, "{} broken scenes", files.len());
     let mut differing = Vec::new();
     for file in files {
@@ -29,10 +29,10 @@ fn every_broken_scene_is_refused_with_its_message() {
             Ok(_) => panic!("{} is accepted", file.display()),
             Err(error) => format!("{error}\n").replace('\\', "/"),
         };
-        let beside = file.with_extension("txt");
-        if bless {
-            fs::write(&beside, message).expect("write");
-        } else if fs::read_to_string(&beside).unwrap_or_default() != message {
+        let expected_file = file.with_extension("txt");
+        if update_expected {
+            fs::write(&expected_file, message).expect("write");
+        } else if fs::read_to_string(&expected_file).unwrap_or_default() != message {
             differing.push(format!("{}:\n{message}", file.display()));
         }
     }
@@ -40,9 +40,9 @@ fn every_broken_scene_is_refused_with_its_message() {
 }
 
 #[test]
-fn every_message_says_where_and_what_to_do() {
+fn every_problem_has_a_message_and_a_remedy() {
     let mut messages = BTreeSet::new();
-    for file in broken() {
+    for file in broken_scene_files() {
         let Err(error) = scene::load_any(&file) else { continue };
         assert!(!error.problems().is_empty(), "{}", file.display());
         for problem in error.problems() {
@@ -54,7 +54,7 @@ fn every_message_says_where_and_what_to_do() {
 }
 
 #[test]
-fn files_that_cannot_be_read_are_refused() {
+fn unreadable_files_are_rejected() {
     let message = |path: &str| scene::load(path).expect_err(path).to_string();
     assert_eq!(
         message("scenes/no-such.toml"),

@@ -1,31 +1,31 @@
-//! What a scene says about the engine model and the bounds of its validation.
+//! The settings of a scene for the engine model and for the bounds of its validation.
 
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Bounds, Construction, Engine, Response, Scene, Stepping};
 
 const GRASP: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n[motor]\n\
                      torque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n";
 
-fn with(rest: &str) -> Scene {
+fn scene_with(rest: &str) -> Scene {
     scene::parse(&format!("{GRASP}{rest}"), "test.toml").unwrap_or_else(|e| panic!("{e}\n{rest}"))
 }
 
 fn engine(keys: &str) -> Engine {
-    with(&format!("[engine]\n{keys}\n")).engine
+    scene_with(&format!("[engine]\n{keys}\n")).engine
 }
 
-/// The messages a scene is refused with.
-fn refused(rest: &str) -> Vec<String> {
+/// Returns the messages with which a scene is rejected.
+fn rejection_messages(rest: &str) -> Vec<String> {
     let error = scene::parse(&format!("{GRASP}{rest}"), "test.toml").expect_err(rest);
     error.problems().iter().map(|p| p.message.clone()).collect()
 }
 
 #[test]
-fn left_out_or_empty_they_are_the_defaults() {
-    for rest in ["", "[engine]\n[validate]\n"] {
-        let scene = with(rest);
+fn missing_or_empty_sections_give_the_defaults() {
+    for sections in ["", "[engine]\n[validate]\n"] {
+        let scene = scene_with(sections);
         assert_eq!(scene.engine, Engine::DEFAULT);
-        assert_eq!(scene.bounds, Bounds::over(SceneKind::Finger, 0.02));
+        assert_eq!(scene.bounds, Bounds::defaults_for_run(SceneKind::Finger, 0.02));
     }
     let Engine { construction, response, stepping, iterations, max_steps } = Engine::DEFAULT;
     assert_eq!((construction, response), (Construction::Maximal, Response::Laws));
@@ -34,7 +34,7 @@ fn left_out_or_empty_they_are_the_defaults() {
 }
 
 #[test]
-fn every_key_of_the_engine_is_heard() {
+fn every_engine_key_is_applied() {
     let base = Engine::DEFAULT;
     assert_eq!(engine("construction = \"maximal\"\nlaw = \"scene\"\nstepping = \"adaptive\""), base);
     let construction = Construction::Reduced;
@@ -50,16 +50,16 @@ fn every_key_of_the_engine_is_heard() {
 }
 
 #[test]
-fn rapiers_friction_is_that_of_the_proximal_contact_unless_given() {
-    let response = |rest: &str| with(rest).engine.response;
+fn rapier_friction_defaults_to_the_proximal_contact() {
+    let response = |rest: &str| scene_with(rest).engine.response;
     let contact = "[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0.3\n";
     let law = "[engine]\nlaw = \"rapier\"\n";
     assert_eq!(response(law), Response::Rapier { friction: 0.0, restitution: 0.0 });
-    assert_eq!(with(law).engine.iterations, 50);
-    assert_eq!(with(&format!("{law}iterations = 7\n")).engine.iterations, 7);
+    assert_eq!(scene_with(law).engine.iterations, 50);
+    assert_eq!(scene_with(&format!("{law}iterations = 7\n")).engine.iterations, 7);
     assert_eq!(response(&format!("{contact}{law}")), Response::Rapier { friction: 0.8, restitution: 0.0 });
-    let given = format!("{contact}{law}friction = 0.5\nrestitution = 1\n");
-    assert_eq!(response(&given), Response::Rapier { friction: 0.5, restitution: 1.0 });
+    let with_values = format!("{contact}{law}friction = 0.5\nrestitution = 1\n");
+    assert_eq!(response(&with_values), Response::Rapier { friction: 0.5, restitution: 1.0 });
     assert_eq!(
         response(&format!("{contact}{law}friction = 0\n")),
         Response::Rapier { friction: 0.0, restitution: 0.0 }
@@ -67,9 +67,9 @@ fn rapiers_friction_is_that_of_the_proximal_contact_unless_given() {
 }
 
 #[test]
-fn every_bound_is_heard_and_the_end_follows_the_duration() {
-    let bounds = |keys: &str| with(&format!("[validate]\n{keys}\n")).bounds;
-    let base = Bounds::over(SceneKind::Finger, 0.02);
+fn every_bound_is_applied_and_until_defaults_to_the_duration() {
+    let bounds = |keys: &str| scene_with(&format!("[validate]\n{keys}\n")).bounds;
+    let base = Bounds::defaults_for_run(SceneKind::Finger, 0.02);
     assert_eq!(bounds("angle = \"1e-3 rad\""), Bounds { angle_rad: 1e-3, ..base });
     assert_eq!(bounds("contact_time = \"2 us\""), Bounds { contact_time_s: 2e-6, ..base });
     assert_eq!(bounds("final_force = 0.5"), Bounds { final_force: 0.5, ..base });
@@ -78,25 +78,28 @@ fn every_bound_is_heard_and_the_end_follows_the_duration() {
     assert_eq!(bounds("until = \"8 ms\""), Bounds { until_s: 0.008, ..base });
     assert_eq!(bounds("until = \"20 ms\""), base);
     let scene = scene::parse(&format!("duration = \"7 ms\"\n{GRASP}"), "test.toml").expect("scene");
-    assert_eq!(scene.bounds, Bounds::over(SceneKind::Finger, 0.007));
+    assert_eq!(scene.bounds, Bounds::defaults_for_run(SceneKind::Finger, 0.007));
 }
 
 #[test]
-fn keys_that_would_have_no_effect_are_refused() {
-    for (keys, key, why) in [
+fn keys_without_effect_are_rejected() {
+    for (keys, key, condition) in [
         ("step = \"10 us\"", "step", "without stepping = \"fixed\""),
         ("friction = 0.8", "friction", "without law = \"rapier\""),
         ("law = \"scene\"\nrestitution = 0", "restitution", "without law = \"rapier\""),
         ("stepping = \"fixed\"\nstep = \"1 us\"\ntolerance = \"1 um\"", "tolerance", "with stepping = \"fixed\""),
         ("stepping = \"fixed\"\nstep = \"1 us\"\nmax_step = \"1 us\"", "max_step", "with stepping = \"fixed\""),
     ] {
-        assert_eq!(refused(&format!("[engine]\n{keys}\n")), [format!("`engine.{key}` has no effect {why}")]);
+        assert_eq!(
+            rejection_messages(&format!("[engine]\n{keys}\n")),
+            [format!("`engine.{key}` has no effect {condition}")]
+        );
     }
-    assert_eq!(refused("[engine]\nstepping = \"fixed\"\n"), ["`engine.step` is missing"]);
+    assert_eq!(rejection_messages("[engine]\nstepping = \"fixed\"\n"), ["`engine.step` is missing"]);
 }
 
 #[test]
-fn values_out_of_range_are_refused() {
+fn values_out_of_range_are_rejected() {
     for (keys, problem) in [
         ("engine.tolerance = \"0 mm\"", "`engine.tolerance` is 0 mm, but must be above 0"),
         ("engine.max_step = \"-1 us\"", "`engine.max_step` is -1 us, but must be above 0"),
@@ -125,14 +128,17 @@ fn values_out_of_range_are_refused() {
     }
 }
 
-/// A wrong value speaks for itself: what hangs on it is not judged by a guess.
+/// Only the wrong value is reported; keys that depend on it are not checked.
 #[test]
-fn one_mistake_is_told_once() {
+fn one_mistake_is_reported_once() {
     assert_eq!(
-        refused("[engine]\nstepping = \"fix\"\nstep = \"10 us\"\n"),
-        ["`engine.stepping` does not know \"fix\""]
+        rejection_messages("[engine]\nstepping = \"fix\"\nstep = \"10 us\"\n"),
+        ["\"fix\" is not a valid value of `engine.stepping`"]
     );
-    assert_eq!(refused("[engine]\nlaw = \"rapir\"\nfriction = 0.8\n"), ["`engine.law` does not know \"rapir\""]);
+    assert_eq!(
+        rejection_messages("[engine]\nlaw = \"rapir\"\nfriction = 0.8\n"),
+        ["\"rapir\" is not a valid value of `engine.law`"]
+    );
     let text = format!("duration = \"0 ms\"\n{GRASP}[validate]\nuntil = \"30 ms\"\n");
     let error = scene::parse(&text, "test.toml").expect_err("duration");
     assert_eq!(error.problems().len(), 1, "{error}");

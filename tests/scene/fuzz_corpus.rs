@@ -1,4 +1,4 @@
-//! The saved inputs of the fuzz targets, replayed: what was interesting or broken once stays mended.
+//! Replays the saved inputs of the fuzz targets, so that earlier failures stay fixed.
 
 #[path = "../fuzz/bodies/log.rs"]
 mod log_body;
@@ -15,8 +15,8 @@ use phalanx::log::{RunInfo, Severity, Writer, metadata};
 use phalanx::scene::{Scene, load};
 use phalanx::trace::{Model, run};
 
-/// Far more than any input takes, on a slow machine too: what hangs takes for ever.
-const LONGEST: Duration = Duration::from_secs(10);
+/// Longest duration of an input. It is far above that of any input on a slow machine, so that only a hang exceeds it.
+const MAX_DURATION: Duration = Duration::from_secs(10);
 
 fn files(directory: &str) -> Vec<PathBuf> {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(directory);
@@ -34,29 +34,29 @@ fn replay(directories: &[&str], body: fn(&[u8])) {
         let bytes = fs::read(&path).expect("an input");
         let start = Instant::now();
         body(&bytes);
-        let took = start.elapsed();
-        assert!(took < LONGEST, "{}: {took:?}", path.display());
+        let duration = start.elapsed();
+        assert!(duration < MAX_DURATION, "{}: {duration:?}", path.display());
         count += 1;
     }
     println!("{count} inputs");
 }
 
 #[test]
-fn saved_scenes() {
+fn saved_scenes_are_handled() {
     replay(&["fuzz/corpus/scene", "fuzz/regressions/scene", "../scenes", "broken"], scene_body::scene);
 }
 
 #[test]
-fn saved_logs() {
+fn saved_logs_are_handled() {
     replay(&["fuzz/corpus/log", "fuzz/regressions/log"], log_body::log);
 }
 
-/// Short runs for a fuzzer to begin with: as phalanx logs them, and without checksums and compression, which would hide
-/// from it what lies behind. Written by hand, when there is something new in a log:
-/// `cargo test --test scene fuzz_corpus -- --ignored`.
+/// Writes logs of short runs as seeds for the fuzzer: complete, truncated, and without checksums and compression,
+/// because these hide the data behind them from a fuzzer. Run it after a change of the log format: `cargo test --test
+/// scene fuzz_corpus -- --ignored`.
 #[test]
-#[ignore = "writes the inputs that fuzzing starts from"]
-fn seeds() {
+#[ignore = "writes the seeds of the fuzzer"]
+fn writes_seeds() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/seeds/log");
     fs::create_dir_all(&directory).expect("made");
     for (name, model, duration_s) in [
@@ -66,15 +66,16 @@ fn seeds() {
     ] {
         let mut scene = load(format!("scenes/{name}.toml")).expect("a scene");
         scene.duration_s = duration_s;
-        let bytes = logged(&scene, model);
-        let place = directory.join(format!("{name}-{}", model.name()));
-        fs::write(&place, &bytes).expect("written");
-        fs::write(place.with_extension("cut"), &bytes[..2 * bytes.len() / 3]).expect("written");
-        fs::write(place.with_extension("bare"), bare(&bytes, &scene, model)).expect("written");
+        let bytes = record_log(&scene, model);
+        let path = directory.join(format!("{name}-{}", model.name()));
+        fs::write(&path, &bytes).expect("written");
+        fs::write(path.with_extension("cut"), &bytes[..2 * bytes.len() / 3]).expect("written");
+        fs::write(path.with_extension("bare"), without_compression_and_checksums(&bytes, &scene, model))
+            .expect("written");
     }
 }
 
-fn logged(scene: &Scene, model: Model) -> Vec<u8> {
+fn record_log(scene: &Scene, model: Model) -> Vec<u8> {
     let info = RunInfo { scene, scene_file: "seed.toml", model: model.name() };
     let mut writer = Writer::new(Vec::new(), "the seed", &info).expect("started");
     run(model, scene, &mut writer).expect("a run");
@@ -82,8 +83,8 @@ fn logged(scene: &Scene, model: Model) -> Vec<u8> {
     writer.finish().expect("finished")
 }
 
-/// The same messages in chunks that are neither compressed nor checked.
-fn bare(bytes: &[u8], scene: &Scene, model: Model) -> Vec<u8> {
+/// Returns a log with the same messages, without compression and checksums.
+fn without_compression_and_checksums(bytes: &[u8], scene: &Scene, model: Model) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
     let options = mcap::WriteOptions::new().compression(None).calculate_chunk_crcs(false);
     let options = options.calculate_data_section_crc(false).calculate_summary_section_crc(false);

@@ -1,6 +1,6 @@
-//! Tests of scene files: reading, defaults, messages.
+//! Tests of scene files: parsing, defaults, messages.
 //!
-//! One program for the room: linking is most of what a test program costs.
+//! They are one test program because most of its cost is linking.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -13,6 +13,6 @@ mod gripper;
 mod resolve;
 mod run;
 mod settings;
-mod ship;
+mod shipped;
 mod show;
-mod sound;
+mod unsupported;

@@ -1,12 +1,12 @@
-//! What a scene that says little means, and what it means to say more.
+//! Scenes of a finger are resolved with their defaults and with given keys.
 
 use phalanx::gripper::{self, Design, ProximalLength};
 use phalanx::law::{Bristle, FrictionLaw, NormalLaw};
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
     self, Actuation, Bounds, Engine, Integrator, Interpolation, Method, Placement, Preset, Scene, SpringKind,
 };
-use phalanx::shape::reach;
+use phalanx::shape::max_radius;
 use serde_json::Value;
 
 const FINGER: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
@@ -18,19 +18,19 @@ fn parse(text: &str) -> Scene {
     scene::parse(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-fn with(rest: &str) -> Scene {
+fn scene_with(rest: &str) -> Scene {
     parse(&format!("{FINGER}{DRIVE}{rest}"))
 }
 
 #[test]
 fn a_short_scene_has_the_parameters_of_table_3_2() {
-    let scene = with("");
+    let scene = scene_with("");
     assert_eq!(scene.name, "test");
     let design = Design::thesis(0.0155, ProximalLength::Fraction(1.0), 120f64.to_radians(), 0.5);
     assert_eq!(Ok(scene.finger().linkage.lengths), gripper::lengths(&design));
     assert_eq!(gripper::bodies(&scene.finger().linkage.lengths, 1070.0, 0.04), Ok(scene.finger().linkage.bodies));
     let object = scene.object().expect("object");
-    assert_eq!((reach(&object.shape), object.centre_m), (0.02, [-0.0155, 0.02]));
+    assert_eq!((max_radius(&object.shape), object.centre_m), (0.02, [-0.0155, 0.02]));
     assert!(scene.system.palm.is_some());
     let limit = NormalLaw { stiffness_n_per_m_e: 1e11, exponent: 2.2, damping_max_n_s_per_m: 1e9, transition_m: 1e-5 };
     assert_eq!(scene.finger().limit, Some(limit));
@@ -43,37 +43,39 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     let spring = scene.finger().spring.expect("spring");
     assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
     assert_eq!(scene.integrator, Integrator::preset(Preset::Engineering));
-    assert_eq!((scene.engine, scene.bounds), (Engine::DEFAULT, Bounds::over(SceneKind::Finger, 0.02)));
+    assert_eq!((scene.engine, scene.bounds), (Engine::DEFAULT, Bounds::defaults_for_run(SceneKind::Finger, 0.02)));
     assert_eq!((scene.log.numeric_hz, scene.log.picture_hz), (1e4, 5e3));
     assert_eq!((scene.finger().initial.qd11_rad_s, scene.finger().initial.qd21_rad_s), (0.0, 0.0));
 }
 
 /// Every `default` in the JSON Schema, written into a scene, changes nothing.
 #[test]
-fn documented_defaults_are_the_real_ones() {
-    fn collect(schema: &Value, path: &str, found: &mut Vec<(String, String)>) {
+fn documented_defaults_match_the_actual_ones() {
+    fn collect(schema: &Value, path: &str, keys: &mut Vec<(String, String)>) {
         let Some(properties) = schema["properties"].as_object() else {
             return;
         };
         for (key, property) in properties {
-            let here = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+            let key_path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
             if let Some(default) = property.get("default") {
-                found.push((here.clone(), default.to_string()));
+                keys.push((key_path.clone(), default.to_string()));
             }
-            collect(property, &here, found);
+            collect(property, &key_path, keys);
         }
     }
     let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
-    let mut found = Vec::new();
-    collect(&schema["else"]["else"], "", &mut found);
-    assert!(found.len() >= 30, "{}", found.len());
+    let mut keys = Vec::new();
+    collect(&schema["else"]["else"], "", &mut keys);
+    assert!(keys.len() >= 30, "{}", keys.len());
     let bristles: String = ["", ".proximal", ".distal"]
         .iter()
-        .map(|of| format!("contact{of}.friction.mu_static = 0.4\ncontact{of}.friction.law = \"bristle\"\n"))
+        .map(|section| {
+            format!("contact{section}.friction.mu_static = 0.4\ncontact{section}.friction.law = \"bristle\"\n")
+        })
         .collect();
-    for (key, value) in found {
-        // What the default only means together with another key.
-        let (finger, drive, more) = match key.as_str() {
+    for (key, value) in keys {
+        // Some defaults apply only together with other keys.
+        let (finger, drive, extra) = match key.as_str() {
             k if k.starts_with("lengths") => (LENGTHS, DRIVE, ""),
             "spring.preload" => {
                 (FINGER, "[motor]\ntorque = \"1 N*m\"\n[spring]\ntype = \"torsional\"\nstiffness = \"1 N*m/rad\"\n", "")
@@ -106,9 +108,9 @@ fn documented_defaults_are_the_real_ones() {
             }
             out
         };
-        let plain = dotted(&format!("{finger}{drive}")) + more;
+        let plain = dotted(&format!("{finger}{drive}")) + extra;
         let explicit = format!("{plain}{key} = {value}\n");
-        if more.contains(&format!("{key} =")) {
+        if extra.contains(&format!("{key} =")) {
             continue;
         }
         let (mut a, mut b) = (parse(&plain), parse(&explicit));
@@ -118,33 +120,34 @@ fn documented_defaults_are_the_real_ones() {
 }
 
 #[test]
-fn preset_is_the_base_that_single_keys_replace() {
-    let scene = with("[integrator]\npreset = \"reference\"\nrtol = 1e-9\nmax_steps = 5\n");
-    // Absolute tolerances that are not given follow the relative one.
+fn single_keys_override_the_preset() {
+    let scene = scene_with("[integrator]\npreset = \"reference\"\nrtol = 1e-9\nmax_steps = 5\n");
+    // Absolute tolerances default to multiples of the relative one.
     let expected = Integrator { max_steps: 5, ..Integrator::preset(Preset::Reference).with_rtol(1e-9) };
     assert!((expected.atol_angle_rad / 1e-12 - 1.0).abs() < 1e-12);
     assert_eq!(scene.integrator, expected);
     assert_eq!(expected.method, Method::RadauIIa5);
 }
 
-/// One contact may hold while the other does not; a bristle has the damping of its normal law unless it is given.
+/// One contact may have a bristle while the other has none. The damping of a bristle defaults to that of its normal
+/// law.
 #[test]
-fn friction_holds_where_it_is_told_to() {
-    let scene = with(
+fn stiction_applies_only_to_contacts_with_bristles() {
+    let scene = scene_with(
         "[contact.friction]\nmu_static = 0.8\n[contact.proximal]\ndamping = \"5e5 N*s/m\"\n[contact.proximal.friction]\n\
          law = \"bristle\"\nbristle_relaxation = \"2 ms\"\n",
     );
     assert_eq!(scene.finger().contact.proximal.bristle(), Some(Bristle { damping_n_s_per_m: 5e5, relaxation_s: 2e-3 }));
-    assert!(scene.finger().contact.distal.bristle().is_none() && scene.system.holds());
-    let scene = with("[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_damping = \"3e4 N*s/m\"\n");
-    let both = [scene.finger().contact.proximal, scene.finger().contact.distal].map(|law| law.bristle());
-    assert_eq!(both, [Some(Bristle { damping_n_s_per_m: 3e4, relaxation_s: 1e-3 }); 2]);
-    assert!(!with("[contact.friction]\nmu_static = 0.8\n").system.holds());
+    assert!(scene.finger().contact.distal.bristle().is_none() && scene.system.has_stiction());
+    let scene = scene_with("[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_damping = \"3e4 N*s/m\"\n");
+    let bristles = [scene.finger().contact.proximal, scene.finger().contact.distal].map(|law| law.bristle());
+    assert_eq!(bristles, [Some(Bristle { damping_n_s_per_m: 3e4, relaxation_s: 1e-3 }); 2]);
+    assert!(!scene_with("[contact.friction]\nmu_static = 0.8\n").system.has_stiction());
 }
 
 #[test]
-fn friction_of_one_contact_replaces_that_of_both() {
-    let scene = with(
+fn friction_of_one_contact_overrides_the_common_one() {
+    let scene = scene_with(
         "[contact.friction]\nmu_static = 0.8\nmu_dynamic = 0.7\nv_dynamic = \"0.3 m/s\"\n[contact.distal.friction]\n\
          mu_static = 0.4\n[contact.distal]\ndamping = \"5 N*s/m\"\n",
     );
@@ -156,8 +159,8 @@ fn friction_of_one_contact_replaces_that_of_both() {
     assert_eq!(scene.finger().contact.proximal.normal.damping_max_n_s_per_m, 1e6);
     assert_eq!(scene.finger().contact.distal.normal.damping_max_n_s_per_m, 5.0);
     assert_eq!(scene.finger().contact.distal.normal.stiffness_n_per_m_e, 1e8);
-    // No friction on one side alone, and the default to the last bit.
-    let scene = with("[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0\n");
+    // Only one contact is frictionless; the other has the exact default of `mu_dynamic`.
+    let scene = scene_with("[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0\n");
     assert_eq!(scene.finger().contact.proximal.friction.map(|f| f.mu_dynamic), Some(0.56));
     assert_eq!(scene.finger().contact.distal.friction, None);
 }
@@ -165,7 +168,7 @@ fn friction_of_one_contact_replaces_that_of_both() {
 #[test]
 fn materials_give_the_hertz_law() {
     // Rigid object of radius R on a soft flat: E* = E/(1 − ν²), k = 4/3 E* √R.
-    let scene = with(
+    let scene = scene_with(
         "[contact.materials]\nobject = { modulus = \"1e12 GPa\", poisson = 0.3 }\n\
          phalanx = { modulus = \"10 MPa\", poisson = 0.5 }\n[contact.distal]\nstiffness_si = 1e7\n",
     );
@@ -175,7 +178,7 @@ fn materials_give_the_hertz_law() {
     assert_eq!(law.exponent, 1.5);
     assert_eq!(scene.finger().contact.distal.normal.stiffness_n_per_m_e, 1e7);
     // A rounded phalanx of the same radius halves R.
-    let scene = with(
+    let scene = scene_with(
         "[contact.materials]\nobject = { modulus = \"1e12 GPa\", poisson = 0.3 }\n\
          phalanx = { modulus = \"10 MPa\", poisson = 0.5, radius = \"20 mm\" }\n",
     );
@@ -185,8 +188,8 @@ fn materials_give_the_hertz_law() {
 
 #[test]
 fn a_mass_alone_scales_the_inertia() {
-    let plain = with("").finger().linkage.bodies;
-    let scene = with(
+    let plain = scene_with("").finger().linkage.bodies;
+    let scene = scene_with(
         "[bodies]\nl21 = { mass = \"4.73 g\" }\nl22 = { com = [\"1 mm\", \"-2 mm\"], inertia = \"500 g*mm^2\" }\n",
     );
     let bodies = scene.finger().linkage.bodies;
@@ -200,7 +203,7 @@ fn a_mass_alone_scales_the_inertia() {
 }
 
 #[test]
-fn a_distal_body_given_completely_needs_no_outline() {
+fn a_fully_specified_distal_body_needs_no_outline() {
     let flat = LENGTHS.replace("120 deg", "179.9999999 deg");
     let body = "[bodies.l22]\nmass = \"5 g\"\ncom = [\"0 mm\", \"0 mm\"]\ninertia = \"500 g*mm^2\"\n";
     let scene = parse(&format!("{flat}{DRIVE}{body}"));
@@ -208,16 +211,16 @@ fn a_distal_body_given_completely_needs_no_outline() {
 }
 
 #[test]
-fn lengths_leave_l12_to_the_straight_configuration() {
+fn l12_follows_from_the_straight_configuration() {
     let scene = parse(&format!("{LENGTHS}{DRIVE}"));
     let l = scene.finger().linkage.lengths;
     let (sin, cos) = l.phi22_rad.sin_cos();
     assert_eq!(l.l12_m, (0.015 - 0.0075 * sin).hypot(0.024 + 0.0075 * cos));
-    // Straight at the start, so l11 is 90° behind l21.
+    // The initial posture is straight, so l11 is 90° behind l21.
     assert!(
         (scene.finger().initial.q21_rad - scene.finger().initial.q11_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12
     );
-    // A base places the object, whatever its radius, and so does the one that is proposed.
+    // A given base places an object of any radius, and so does the base that the message proposes.
     let lengths = LENGTHS.split("[object]").next().unwrap_or_default();
     let missing = format!("{lengths}{DRIVE}[object]\nradius = \"15 mm\"\n");
     let error = scene::parse(&missing, "test.toml").expect_err("no base").to_string();
@@ -227,24 +230,24 @@ fn lengths_leave_l12_to_the_straight_configuration() {
 }
 
 #[test]
-fn starts_are_straight_before_contact_straight_at_an_angle_or_as_given() {
+fn initial_angles_follow_from_offset_or_given_angles() {
     let degrees =
         |scene: &Scene| (scene.finger().initial.q11_rad.to_degrees(), scene.finger().initial.q21_rad.to_degrees());
-    let near =
+    let assert_near =
         |(a, b): (f64, f64), (c, d): (f64, f64)| assert!((a - c).abs() < 1e-9 && (b - d).abs() < 1e-9, "{a} {b}");
-    let default = degrees(&with(""));
-    near(degrees(&with("[initial]\noffset = \"20 deg\"\n")), (default.0 + 5.0, default.1 + 5.0));
-    near(degrees(&with("[initial]\nq21 = \"30 deg\"\n")), (-60.0, 30.0));
-    near(degrees(&with("[initial]\nq21 = \"30 deg\"\nq11 = \"-50 deg\"\n")), (-50.0, 30.0));
-    // Without the object, where the design's object would be.
-    near(degrees(&with("[object]\npresent = false\n")), default);
-    let scene = with("[initial]\nqd11 = \"60 rpm\"\nqd21 = \"-1 rad/s\"\n");
+    let default = degrees(&scene_with(""));
+    assert_near(degrees(&scene_with("[initial]\noffset = \"20 deg\"\n")), (default.0 + 5.0, default.1 + 5.0));
+    assert_near(degrees(&scene_with("[initial]\nq21 = \"30 deg\"\n")), (-60.0, 30.0));
+    assert_near(degrees(&scene_with("[initial]\nq21 = \"30 deg\"\nq11 = \"-50 deg\"\n")), (-50.0, 30.0));
+    // Without an object, the posture follows from the object of the design.
+    assert_near(degrees(&scene_with("[object]\npresent = false\n")), default);
+    let scene = scene_with("[initial]\nqd11 = \"60 rpm\"\nqd21 = \"-1 rad/s\"\n");
     assert!((scene.finger().initial.qd11_rad_s - std::f64::consts::TAU).abs() < 1e-14);
     assert_eq!(scene.finger().initial.qd21_rad_s, -1.0);
 }
 
 #[test]
-fn motors_follow_their_profiles() {
+fn motor_profiles_are_resolved() {
     let motor = |text: &str| {
         parse(&format!("{FINGER}[spring]\ntype = \"none\"\n[motor]\n{text}\n")).finger().motor.actuation.clone()
     };
@@ -264,8 +267,8 @@ fn motors_follow_their_profiles() {
 }
 
 #[test]
-fn line_ends_and_byte_order_marks_do_not_matter() {
-    let unix = with("");
+fn line_endings_and_byte_order_marks_are_ignored() {
+    let unix = scene_with("");
     let mut dos = parse(&format!("\u{feff}{FINGER}{DRIVE}").replace('\n', "\r\n"));
     dos.source = unix.source.clone();
     assert_eq!(dos, unix);

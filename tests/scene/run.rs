@@ -1,16 +1,16 @@
-//! The shipped scenes do what their first lines say, with the analytic model.
+//! The shipped scenes give the results that their first lines state, with the analytic model.
 
 use phalanx::scene;
-use phalanx::trace::{Model, Outcome, Site};
+use phalanx::trace::{FingerContact, Model, Outcome};
 
 fn run(name: &str) -> Outcome {
     let scene = scene::load(format!("scenes/{name}.toml")).unwrap_or_else(|e| panic!("{e}"));
-    crate::support::held::run(Model::Analytic, &scene, &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"))
+    crate::support::checked_run::run(Model::Analytic, &scene, &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-/// First contacts in ms and final normal forces in N, to the digits the scenes promise.
+/// First contacts in ms and final normal forces in N, to the digits that the scenes state.
 #[test]
-fn grasps_touch_and_hold_as_promised() {
+fn grasps_match_their_documented_times_and_forces() {
     for (name, first_ms, normal_n) in [
         ("experiment-95", [4.50, 6.88], [23.6, 8.26]),
         ("experiment-95-bristle", [4.50, 6.88], [6.66, 9.77]),
@@ -22,21 +22,21 @@ fn grasps_touch_and_hold_as_promised() {
     ] {
         let outcome = run(name);
         let contacts = [
-            (Site::Proximal, outcome.last.contact(Site::Proximal)),
-            (Site::Distal, outcome.last.contact(Site::Distal)),
+            (FingerContact::Proximal, outcome.last.contact(FingerContact::Proximal)),
+            (FingerContact::Distal, outcome.last.contact(FingerContact::Distal)),
         ];
-        for (i, (site, last)) in contacts.into_iter().enumerate() {
-            let summary = outcome.site(site);
+        for (i, (phalanx, last)) in contacts.into_iter().enumerate() {
+            let summary = outcome.finger_contact(phalanx);
             let first = summary.first_s.unwrap_or(f64::NAN) * 1e3;
-            assert!((first - first_ms[i]).abs() < 0.006, "{name} {site:?}: {first} ms");
-            assert!((last.normal_n - normal_n[i]).abs() < 0.06, "{name} {site:?}: {} N", last.normal_n);
-            assert_eq!(summary.touchdowns, 1, "{name} {site:?}");
+            assert!((first - first_ms[i]).abs() < 0.006, "{name} {phalanx:?}: {first} ms");
+            assert!((last.normal_n - normal_n[i]).abs() < 0.06, "{name} {phalanx:?}: {} N", last.normal_n);
+            assert_eq!(summary.touchdowns, 1, "{name} {phalanx:?}");
         }
     }
 }
 
 #[test]
-fn free_fingers_touch_nothing_and_turn_as_far_as_promised() {
+fn free_fingers_touch_nothing_and_reach_their_documented_angles() {
     for (name, q21_deg) in [("free-swing", 119.0), ("other-assembly", 102.0)] {
         let outcome = run(name);
         assert!(
@@ -44,8 +44,8 @@ fn free_fingers_touch_nothing_and_turn_as_far_as_promised() {
             "{name}: {}",
             outcome.last.finger().q21_rad.to_degrees()
         );
-        for site in [Site::Proximal, Site::Distal] {
-            assert_eq!(outcome.site(site).first_s, None, "{name} {site:?}");
+        for phalanx in [FingerContact::Proximal, FingerContact::Distal] {
+            assert_eq!(outcome.finger_contact(phalanx).first_s, None, "{name} {phalanx:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Runs the binary and reads what it leaves.
+//! Runs the binary and reads its output.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-pub const ANCHOR: &str = "scenes/experiment-95.toml";
+pub const EXPERIMENT_95: &str = "scenes/experiment-95.toml";
 
 pub fn phalanx(args: &[&str]) -> Output {
-    // Tables are as wide as need be in a pipe unless somebody says otherwise.
+    // Without COLUMNS, tables written to a pipe have no width limit.
     Command::new(env!("CARGO_BIN_EXE_phalanx")).env_remove("COLUMNS").args(args).output().expect("the binary starts")
 }
 
@@ -21,12 +21,12 @@ pub fn stderr(output: &Output) -> &str {
     std::str::from_utf8(&output.stderr).expect("text")
 }
 
-/// The one document on stdout.
+/// Parses stdout as one JSON document.
 pub fn json(output: &Output) -> Value {
     serde_json::from_str(stdout(output)).unwrap_or_else(|error| panic!("{error} in\n{}", stdout(output)))
 }
 
-/// An empty directory for one test.
+/// Creates an empty directory for one test.
 pub fn directory(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&path);
@@ -34,9 +34,9 @@ pub fn directory(name: &str) -> PathBuf {
     path
 }
 
-/// The anchor scene with lines appended to it.
+/// Writes the scene of experiment 95 with `more` appended; returns its path.
 pub fn variant(directory: &Path, name: &str, more: &str) -> String {
-    let text = fs::read_to_string(ANCHOR).expect("the anchor scene");
+    let text = fs::read_to_string(EXPERIMENT_95).expect("the scene of experiment 95");
     write(directory, name, &format!("{text}\n{more}\n"))
 }
 

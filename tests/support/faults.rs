@@ -1,66 +1,66 @@
-//! Random faults, and what must hold of a log after them: what is read is a prefix of what was written.
+//! Fault injection for logs. Invariant: the items read from a damaged log are a prefix of the items written.
 
 use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use phalanx::log::{self, ReadError, Reading};
+use phalanx::log::{self, LogSummary, ReadError};
 use phalanx::trace::{Event, Sample, Sink, SinkError};
 
-/// Everything a log gives.
+/// An item read from a log.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Item {
+pub enum LogItem {
     Sample(Box<Sample>),
     Event(Event),
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Items(pub Vec<Item>);
+pub struct LogItems(pub Vec<LogItem>);
 
-impl Sink for Items {
+impl Sink for LogItems {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0.push(Item::Sample(Box::new(sample.clone())));
+        self.0.push(LogItem::Sample(Box::new(sample.clone())));
         Ok(())
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.0.push(Item::Event(*event));
+        self.0.push(LogItem::Event(*event));
         Ok(())
     }
 }
 
-impl Items {
-    pub fn samples(&self) -> usize {
-        self.0.iter().filter(|item| matches!(item, Item::Sample(_))).count()
+impl LogItems {
+    pub fn sample_count(&self) -> usize {
+        self.0.iter().filter(|item| matches!(item, LogItem::Sample(_))).count()
     }
 
-    /// Whether this is the beginning of `whole`, figure by figure.
+    /// Asserts that these items equal the first items of `whole`, bit for bit.
     #[track_caller]
-    pub fn assert_prefix_of(&self, whole: &Items, what: &str) {
-        assert!(self.0.len() <= whole.0.len(), "{what}: {} items of {}", self.0.len(), whole.0.len());
-        for (index, (found, written)) in self.0.iter().zip(&whole.0).enumerate() {
-            assert_eq!(found, written, "{what}: item {index}");
+    pub fn assert_prefix_of(&self, whole: &LogItems, context: &str) {
+        assert!(self.0.len() <= whole.0.len(), "{context}: {} items of {}", self.0.len(), whole.0.len());
+        for (index, (actual, written)) in self.0.iter().zip(&whole.0).enumerate() {
+            assert_eq!(actual, written, "{context}: item {index}");
         }
     }
 }
 
-pub fn read_bytes(bytes: &[u8]) -> (Result<Reading, ReadError>, Items) {
-    let mut items = Items::default();
+pub fn read_bytes(bytes: &[u8]) -> (Result<LogSummary, ReadError>, LogItems) {
+    let mut items = LogItems::default();
     (log::read(Cursor::new(bytes), &mut items), items)
 }
 
-pub fn read_path(path: &Path) -> (Reading, Items) {
-    let mut items = Items::default();
-    let reading = log::read_file(path, &mut items).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    (reading, items)
+pub fn read_path(path: &Path) -> (LogSummary, LogItems) {
+    let mut items = LogItems::default();
+    let summary = log::read_file(path, &mut items).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    (summary, items)
 }
 
-/// Numbers without a pattern, the same every time (xorshift64*).
-pub struct Dice(u64);
+/// Reproducible pseudo-random numbers (xorshift64*).
+pub struct XorShift(u64);
 
-impl Dice {
+impl XorShift {
     pub fn new(seed: u64) -> Self {
-        Dice(seed | 1)
+        XorShift(seed | 1)
     }
 
     pub fn below(&mut self, limit: usize) -> usize {
@@ -71,9 +71,9 @@ impl Dice {
     }
 }
 
-/// A scene whose run takes a while and fills chunk after chunk: a long hold on a fine grid.
-pub fn long_hold(directory: &Path, duration: &str, rate: &str) -> String {
-    let text = fs::read_to_string("scenes/experiment-95.toml").expect("the anchor scene");
+/// Writes a scene with a long hold and a fine log grid, whose run is slow and fills many chunks; returns its path.
+pub fn write_long_hold_scene(directory: &Path, duration: &str, rate: &str) -> String {
+    let text = fs::read_to_string("scenes/experiment-95.toml").expect("the scene of experiment 95");
     let path = directory.join("hold.toml");
     let text = format!("duration = \"{duration}\"\n{text}\n[log]\nnumeric_rate = \"{rate}\"\n");
     fs::write(&path, text).expect("written");

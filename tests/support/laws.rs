@@ -1,23 +1,23 @@
-//! Scenes of discs by hand, runs of both models, and what is read off them.
+//! Scenes of discs built in code, and runs of them in both models.
 
-pub use super::collect::Collect;
-use super::held;
+use super::checked_run;
+pub use super::collect::CollectSink;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
     Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System, Thresholds,
 };
 use phalanx::shape::Shape;
 use phalanx::trace::{Model, Outcome};
 
-pub const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
+pub const BOTH_MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
 
 /// Spring k = 1e8 N/m^2.2 and damper of the thesis (Table 3.2).
-pub const THESIS: NormalLaw =
+pub const THESIS_NORMAL: NormalLaw =
     NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
 
 /// Friction law of the thesis (Table 3.2, μ_d = 0.7 μ_s).
-pub const FRICTION: FrictionLaw =
+pub const THESIS_FRICTION: FrictionLaw =
     FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
 
 pub fn spring(stiffness_n_per_m_e: f64, exponent: f64) -> NormalLaw {
@@ -28,8 +28,8 @@ pub fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -
     Disc { name: name.to_string(), shape: Shape::Disc { radius_m }, centre_m, angle_rad: 0.0, motion }
 }
 
-/// A disc of 1 kg that does not turn.
-pub fn sliding(velocity_m_s: [f64; 2]) -> DiscMotion {
+/// A free disc of 1 kg without rotation.
+pub fn free_translation(velocity_m_s: [f64; 2]) -> DiscMotion {
     DiscMotion::Free { mass_kg: 1.0, inertia_kg_m2: None, velocity_m_s, spin_rad_s: 0.0 }
 }
 
@@ -37,7 +37,7 @@ pub fn driven(velocity_m_s: [f64; 2], acceleration_m_s2: [f64; 2]) -> DiscMotion
     DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s: 0.0 }
 }
 
-/// No gravity, no half plane, reference integrator, default engine.
+/// A scene of discs without gravity and half plane, with reference integrator settings and the default engine.
 pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {
     Scene {
         name: "laws".to_string(),
@@ -62,73 +62,75 @@ pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>,
             position_m: 1e-6,
             contact_time_s: 1e-6,
             impulse: 1e-3,
-            ..Bounds::over(SceneKind::Bodies, duration_s)
+            ..Bounds::defaults_for_run(SceneKind::Bodies, duration_s)
         },
         log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
 }
 
-pub fn on_plane(mut scene: Scene) -> Scene {
+/// The scene with a half plane at y = 0 that has the contact law of the discs.
+pub fn with_half_plane(mut scene: Scene) -> Scene {
     scene.system.palm = Some(HalfPlane { level_m: 0.0, contact: scene.system.between_discs });
     scene
 }
 
-/// The law of all contacts of a scene of discs.
-pub fn law(scene: &Scene) -> ContactLaw {
-    scene.system.between_discs.expect("discs that touch by a law")
+/// Returns the law of all contacts of a scene of discs.
+pub fn contact_law(scene: &Scene) -> ContactLaw {
+    scene.system.between_discs.expect("a contact law of the discs")
 }
 
-/// Changes that law, wherever it holds.
-pub fn with_law(scene: &mut Scene, change: impl FnOnce(&mut ContactLaw)) {
-    let mut law = law(scene);
+/// Applies `change` to the law of all contacts of a scene of discs.
+pub fn change_contact_law(scene: &mut Scene, change: impl FnOnce(&mut ContactLaw)) {
+    let mut law = contact_law(scene);
     change(&mut law);
     scene.system.between_discs = Some(law);
     scene.system.palm.iter_mut().for_each(|plane| plane.contact = Some(law));
 }
 
-/// The scene logged where forces are computed: the engine's, between its steps, are interpolated.
-pub fn at_steps(model: Model, mut scene: Scene) -> Scene {
+/// The scene with a log rate at which the engine reports samples at its steps only; between steps it interpolates
+/// forces.
+pub fn sampled_at_steps(model: Model, mut scene: Scene) -> Scene {
     if model == Model::Engine {
         scene.log.numeric_hz = 1.0 / scene.duration_s;
     }
     scene
 }
 
-/// The scene with fixed steps of the engine.
-pub fn stepped(scene: &Scene, step_s: f64) -> Scene {
+/// The scene with fixed engine steps of `step_s`.
+pub fn with_fixed_step(scene: &Scene, step_s: f64) -> Scene {
     let mut scene = scene.clone();
     scene.engine.stepping = Stepping::Fixed { step_s };
     scene
 }
 
-/// Runs a scene that must get to its end.
+/// Runs a scene, which must reach its end.
 #[track_caller]
-pub fn complete(model: Model, scene: &Scene) -> (Outcome, Collect) {
-    let mut log = Collect::default();
-    let outcome = held::run(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
+pub fn run_to_end(model: Model, scene: &Scene) -> (Outcome, CollectSink) {
+    let mut log = CollectSink::default();
+    let outcome = checked_run::run(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
     let times: Vec<f64> = log.samples.iter().map(|sample| sample.time_s).collect();
-    assert!(times.is_sorted(), "{}: samples in order of time", model.name());
+    assert!(times.is_sorted(), "{}: samples out of order", model.name());
     assert_eq!(times.first(), Some(&0.0));
     assert_eq!(times.last(), Some(&scene.duration_s));
     (outcome, log)
 }
 
-/// One free disc of 1 kg on the way to a fixed one, head on, to touch it after 1 ms.
-pub fn impact(normal: NormalLaw, speed: f64, duration_s: f64) -> Scene {
+/// A free disc of 1 kg that hits a fixed one head on after 1 ms.
+pub fn impact_scene(normal: NormalLaw, speed: f64, duration_s: f64) -> Scene {
     let discs = vec![
         disc("anvil", 0.1, [0.1, 0.0], DiscMotion::Fixed),
-        disc("hammer", 0.05, [-0.05 - 1e-3 * speed, 0.0], sliding([speed, 0.0])),
+        disc("hammer", 0.05, [-0.05 - 1e-3 * speed, 0.0], free_translation([speed, 0.0])),
     ];
     scene(discs, normal, None, duration_s)
 }
 
-/// |got/want − 1|.
-pub fn relative(got: f64, want: f64) -> f64 {
-    (got / want - 1.0).abs()
+/// |found/expected − 1|.
+pub fn relative_error(actual: f64, expected: f64) -> f64 {
+    (actual / expected - 1.0).abs()
 }
 
 /// Γ(x) for x > 0 (Lanczos, g = 7, 9 terms): relative error below 1e-14.
-pub fn gamma(x: f64) -> f64 {
+pub fn gamma_function(x: f64) -> f64 {
     const TERMS: [f64; 8] = [
         676.5203681218851,
         -1259.1392167224028,

@@ -1,20 +1,20 @@
-//! What several test programs need. Every program takes in all of it and uses a part.
+//! Code shared by the test programs. Each program includes the whole module and uses part of it.
 #![allow(dead_code)]
 
+pub mod checked_run;
 pub mod cli;
 pub mod collect;
+pub mod designs;
 pub mod faults;
-pub mod gripper;
-pub mod grippers;
-pub mod held;
 pub mod laws;
 pub mod random;
+pub mod reference_cases;
 pub mod replay;
 pub mod runs;
-pub mod scenes;
-pub mod select;
 pub mod statics;
+pub mod stiction;
 pub mod studies;
+pub mod sweep_results;
 pub mod synthetic;
 #[cfg(unix)]
 pub mod terminal;

@@ -1,10 +1,10 @@
 //! Reproducible random numbers.
 
-/// splitmix64.
+/// Pseudo-random number generator (splitmix64), seeded by its field.
 pub struct Random(pub u64);
 
 impl Random {
-    /// Uniform in 0…1.
+    /// Returns a number uniform in 0…1.
     pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut x = self.0;
@@ -13,7 +13,7 @@ impl Random {
         ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Uniform in `low`…`high`.
+    /// Returns a number uniform in `low`…`high`.
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }

@@ -1,4 +1,4 @@
-//! Logs of both kinds and both models, and logs with something changed in them.
+//! Logs of fingers and discs from both models, and tools that edit a log.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -9,20 +9,20 @@ use std::process::Command;
 use mcap::records::MessageHeader;
 use phalanx::log::{LogSink, MessageRecord, Record, RunInfo, Severity, Writer, read_any};
 use phalanx::scene::load_any;
-use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Thinned, run};
+use phalanx::trace::{Decimated, Event, Model, Sample, Sink, SinkError, run};
 
-pub const FINGER: &str = "scenes/experiment-95.toml";
-pub const DISCS: &str = "scenes/laws/impact.toml";
+pub const FINGER_SCENE: &str = "scenes/experiment-95.toml";
+pub const DISC_SCENE: &str = "scenes/laws/impact.toml";
 
-/// The log of a scene as the command writes it, with so many samples a second.
+/// Returns the log that `phalanx run` writes for a scene, with `numeric_hz` samples per second.
 pub fn log(scene: &str, model: Model, numeric_hz: f64) -> Vec<u8> {
-    // One directory for each call: tests run beside each other.
+    // Tests run in parallel, so each call uses its own directory.
     let directory = tempfile::tempdir().expect("a directory");
     let file = directory.path().join(scene.rsplit('/').next().expect("a name"));
     let text = fs::read_to_string(scene).expect("a scene");
     if text.contains("extends = ") {
-        let beside = fs::read_dir(std::path::Path::new(scene).parent().expect("a directory")).expect("readable");
-        for other in beside.map(|entry| entry.expect("readable").path()).filter(|path| path.is_file()) {
+        let entries = fs::read_dir(std::path::Path::new(scene).parent().expect("a directory")).expect("readable");
+        for other in entries.map(|entry| entry.expect("readable").path()).filter(|path| path.is_file()) {
             fs::copy(&other, directory.path().join(other.file_name().expect("a name"))).expect("copied");
         }
     }
@@ -35,23 +35,23 @@ pub fn log(scene: &str, model: Model, numeric_hz: f64) -> Vec<u8> {
     fs::read(&log).expect("the log")
 }
 
-/// The log of a run that a signal ended after so many samples.
-pub fn interrupted(scene: &str, model: Model, samples: usize) -> Vec<u8> {
-    struct Until<W> {
+/// Returns the log of a run that was interrupted by a signal after `samples` samples.
+pub fn interrupted_log(scene: &str, model: Model, samples: usize) -> Vec<u8> {
+    struct StopAfter<W> {
         writer: W,
-        left: usize,
+        samples_left: usize,
         last_s: f64,
     }
-    impl<W: Sink> Sink for Until<W> {
+    impl<W: Sink> Sink for StopAfter<W> {
         fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-            (self.left, self.last_s) = (self.left.saturating_sub(1), sample.time_s);
+            (self.samples_left, self.last_s) = (self.samples_left.saturating_sub(1), sample.time_s);
             self.writer.sample(sample)
         }
         fn event(&mut self, event: &Event) -> Result<(), SinkError> {
             self.writer.event(event)
         }
-        fn proceed(&self) -> bool {
-            self.left > 0
+        fn should_continue(&self) -> bool {
+            self.samples_left > 0
         }
     }
     let file = scene.rsplit('/').next().expect("a name");
@@ -60,54 +60,54 @@ pub fn interrupted(scene: &str, model: Model, samples: usize) -> Vec<u8> {
     let scene = &scene;
     let info = RunInfo { scene, scene_file: file, model: model.name() };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-    let until = Until { writer, left: samples, last_s: 0.0 };
-    let mut thinned = Thinned::new(scene.log.numeric_hz, until);
-    assert!(run(model, scene, &mut thinned).expect_err("stopped").is_stop());
-    thinned.end().expect("written");
-    let mut sink = thinned.sink;
+    let stop_after = StopAfter { writer, samples_left: samples, last_s: 0.0 };
+    let mut decimated = Decimated::new(scene.log.numeric_hz, stop_after);
+    assert!(run(model, scene, &mut decimated).expect_err("stopped").is_stop());
+    decimated.end().expect("written");
+    let mut sink = decimated.sink;
     sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
     sink.writer.finish().expect("finished")
 }
 
-/// What to do with a message.
-pub enum Fate {
+/// How to edit a message.
+pub enum MessageEdit {
     Keep,
     Drop,
     Change(Vec<u8>),
 }
 
-/// Name and descriptors.
+/// Name and file descriptor set of a schema.
 pub type Schema = (String, Vec<u8>);
 
-/// Changes of a log that keep it a log.
-pub struct Changes<'a> {
+/// Edits of a log that leave it readable.
+pub struct LogEdits<'a> {
     pub metadata: &'a dyn Fn(&mut BTreeMap<String, String>),
     pub scene: &'a dyn Fn(&str) -> Option<String>,
-    /// By the topic, the number of the message on it, and its payload.
-    pub message: &'a dyn Fn(&str, u64, &[u8]) -> Fate,
-    /// Name and descriptors of a schema.
+    /// Arguments: topic, index of the message within the topic, payload.
+    pub message: &'a dyn Fn(&str, u64, &[u8]) -> MessageEdit,
+    /// Arguments: name and file descriptor set of a schema.
     pub schema: &'a dyn Fn(&str, &[u8]) -> Schema,
 }
 
-impl Default for Changes<'_> {
+impl Default for LogEdits<'_> {
     fn default() -> Self {
-        Changes {
+        LogEdits {
             metadata: &|_| {},
             scene: &|text| Some(text.to_string()),
-            message: &|_, _, _| Fate::Keep,
+            message: &|_, _, _| MessageEdit::Keep,
             schema: &|name, data| (name.to_string(), data.to_vec()),
         }
     }
 }
 
-/// The log with something changed, with new checksums and a new index.
-pub fn changed(bytes: &[u8], changes: &Changes<'_>) -> Vec<u8> {
-    struct Copy<'a> {
+/// Returns the edited log, with new checksums and a new index.
+pub fn edit_log(bytes: &[u8], changes: &LogEdits<'_>) -> Vec<u8> {
+    struct LogEditor<'a> {
         out: mcap::Writer<Cursor<Vec<u8>>>,
-        changes: &'a Changes<'a>,
+        changes: &'a LogEdits<'a>,
         topics: BTreeMap<u16, (String, u64)>,
     }
-    impl LogSink for Copy<'_> {
+    impl LogSink for LogEditor<'_> {
         fn record(&mut self, record: &Record<'_>) -> Result<(), SinkError> {
             let out = &mut self.out;
             match record {
@@ -117,36 +117,43 @@ pub fn changed(bytes: &[u8], changes: &Changes<'_>) -> Vec<u8> {
                     let name = name.to_string();
                     out.write_metadata(&mcap::write::Metadata { name, metadata }).expect("written");
                 }
-                Record::Attachment(found) => {
-                    let text = std::str::from_utf8(found.data).expect("text");
+                Record::Attachment(record) => {
+                    let text = std::str::from_utf8(record.data).expect("text");
                     let Some(text) = (self.changes.scene)(text) else { return Ok(()) };
                     let attachment = mcap::Attachment {
-                        log_time: found.log_time_ns,
-                        create_time: found.create_time_ns,
-                        name: found.name.to_string(),
-                        media_type: found.media_type.to_string(),
+                        log_time: record.log_time_ns,
+                        create_time: record.create_time_ns,
+                        name: record.name.to_string(),
+                        media_type: record.media_type.to_string(),
                         data: Cow::Owned(text.into_bytes()),
                     };
                     out.attach(&attachment).expect("written");
                 }
-                Record::Schema(found) => {
-                    let (name, data) = (self.changes.schema)(found.name, found.data);
-                    out.add_schema_with_id(found.id, &name, found.encoding, &data).expect("added");
+                Record::Schema(schema_record) => {
+                    let (name, data) = (self.changes.schema)(schema_record.name, schema_record.data);
+                    out.add_schema_with_id(schema_record.id, &name, schema_record.encoding, &data).expect("added");
                 }
-                Record::Channel(found) => {
-                    let (id, schema) = (found.id, found.schema);
-                    out.add_channel_with_id(id, schema, found.topic, found.encoding, &found.metadata).expect("added");
-                    self.topics.insert(id, (found.topic.to_string(), 0));
+                Record::Channel(channel_record) => {
+                    let (id, schema) = (channel_record.id, channel_record.schema);
+                    out.add_channel_with_id(
+                        id,
+                        schema,
+                        channel_record.topic,
+                        channel_record.encoding,
+                        &channel_record.metadata,
+                    )
+                    .expect("added");
+                    self.topics.insert(id, (channel_record.topic.to_string(), 0));
                 }
-                Record::Message(found) => {
-                    let MessageRecord { channel, sequence, log_time_ns, publish_time_ns, data } = *found;
+                Record::Message(message) => {
+                    let MessageRecord { channel, sequence, log_time_ns, publish_time_ns, data } = *message;
                     let (topic, count) = self.topics.get_mut(&channel).expect("announced");
-                    let fate = (self.changes.message)(topic, *count, data);
+                    let edit = (self.changes.message)(topic, *count, data);
                     *count += 1;
-                    let data = match fate {
-                        Fate::Keep => data.to_vec(),
-                        Fate::Drop => return Ok(()),
-                        Fate::Change(data) => data,
+                    let data = match edit {
+                        MessageEdit::Keep => data.to_vec(),
+                        MessageEdit::Drop => return Ok(()),
+                        MessageEdit::Change(data) => data,
                     };
                     let header = MessageHeader {
                         channel_id: channel,
@@ -161,28 +168,28 @@ pub fn changed(bytes: &[u8], changes: &Changes<'_>) -> Vec<u8> {
         }
     }
     let out = mcap::Writer::new(Cursor::new(Vec::new())).expect("started");
-    let mut copy = Copy { out, changes, topics: BTreeMap::new() };
-    read_any(Cursor::new(bytes), &mut copy).expect("a log");
-    copy.out.finish().expect("finished");
-    copy.out.into_inner().into_inner()
+    let mut editor = LogEditor { out, changes, topics: BTreeMap::new() };
+    read_any(Cursor::new(bytes), &mut editor).expect("a log");
+    editor.out.finish().expect("finished");
+    editor.out.into_inner().into_inner()
 }
 
-/// The payload with one double field moved by one unit in the last place.
+/// Returns the payload with one field of type double increased by one unit in the last place.
 pub fn one_ulp_up(payload: &[u8], field: u8) -> Vec<u8> {
     let mut bytes = payload.to_vec();
-    let mut at = 0;
+    let mut offset = 0;
     loop {
-        let (number, wire) = (bytes[at] >> 3, bytes[at] & 7);
-        at += 1;
+        let (number, wire) = (bytes[offset] >> 3, bytes[offset] & 7);
+        offset += 1;
         match wire {
             1 if number == field => {
-                let place = at..at + 8;
-                let value = f64::from_le_bytes(bytes[place.clone()].try_into().expect("eight"));
-                bytes[place].copy_from_slice(&value.next_up().to_le_bytes());
+                let value_bytes = offset..offset + 8;
+                let value = f64::from_le_bytes(bytes[value_bytes.clone()].try_into().expect("eight"));
+                bytes[value_bytes].copy_from_slice(&value.next_up().to_le_bytes());
                 return bytes;
             }
-            1 => at += 8,
-            0 => at += 1,
+            1 => offset += 8,
+            0 => offset += 1,
             other => panic!("wire type {other}"),
         }
     }
@@ -198,9 +205,9 @@ pub struct Message {
     pub data: Vec<u8>,
 }
 
-/// A log taken apart, so that its messages can be written in another way.
+/// The records of a log, from which its messages can be written in another order or with other options.
 #[derive(Default)]
-pub struct Pieces {
+pub struct LogContents {
     metadata: Vec<mcap::write::Metadata>,
     attachments: Vec<mcap::Attachment<'static>>,
     schemas: Vec<(u16, String, String, Vec<u8>)>,
@@ -208,35 +215,40 @@ pub struct Pieces {
     pub messages: Vec<Message>,
 }
 
-impl LogSink for Pieces {
+impl LogSink for LogContents {
     fn record(&mut self, record: &Record<'_>) -> Result<(), SinkError> {
         match record {
             Record::Metadata { name, entries } => {
                 self.metadata.push(mcap::write::Metadata { name: name.to_string(), metadata: (*entries).clone() });
             }
-            Record::Attachment(found) => self.attachments.push(mcap::Attachment {
-                log_time: found.log_time_ns,
-                create_time: found.create_time_ns,
-                name: found.name.to_string(),
-                media_type: found.media_type.to_string(),
-                data: Cow::Owned(found.data.to_vec()),
+            Record::Attachment(attachment) => self.attachments.push(mcap::Attachment {
+                log_time: attachment.log_time_ns,
+                create_time: attachment.create_time_ns,
+                name: attachment.name.to_string(),
+                media_type: attachment.media_type.to_string(),
+                data: Cow::Owned(attachment.data.to_vec()),
             }),
-            Record::Schema(found) => {
-                let (name, encoding) = (found.name.to_string(), found.encoding.to_string());
-                self.schemas.push((found.id, name, encoding, found.data.to_vec()));
+            Record::Schema(schema) => {
+                let (name, encoding) = (schema.name.to_string(), schema.encoding.to_string());
+                self.schemas.push((schema.id, name, encoding, schema.data.to_vec()));
             }
-            Record::Channel(found) => {
-                self.channels.push((found.id, found.schema, found.topic.to_string(), found.encoding.to_string()));
+            Record::Channel(channel) => {
+                self.channels.push((
+                    channel.id,
+                    channel.schema,
+                    channel.topic.to_string(),
+                    channel.encoding.to_string(),
+                ));
             }
-            Record::Message(found) => {
+            Record::Message(message) => {
                 let topic =
-                    self.channels.iter().find(|channel| channel.0 == found.channel).expect("announced").2.clone();
+                    self.channels.iter().find(|channel| channel.0 == message.channel).expect("announced").2.clone();
                 self.messages.push(Message {
                     topic,
-                    channel: found.channel,
-                    sequence: found.sequence,
-                    log_time_ns: found.log_time_ns,
-                    data: found.data.to_vec(),
+                    channel: message.channel,
+                    sequence: message.sequence,
+                    log_time_ns: message.log_time_ns,
+                    data: message.data.to_vec(),
                 });
             }
         }
@@ -244,15 +256,16 @@ impl LogSink for Pieces {
     }
 }
 
-/// Takes a log apart.
-pub fn taken_apart(bytes: &[u8]) -> Pieces {
-    let mut pieces = Pieces::default();
-    read_any(Cursor::new(bytes), &mut pieces).expect("a log");
-    pieces
+/// Reads all records of a log.
+pub fn read_contents(bytes: &[u8]) -> LogContents {
+    let mut contents = LogContents::default();
+    read_any(Cursor::new(bytes), &mut contents).expect("a log");
+    contents
 }
 
-impl Pieces {
-    /// The log with these messages in this order, and channels only where there are messages, as a tool that filters or merges writes it.
+impl LogContents {
+    /// Writes a log with the given messages in the given order. Only channels with messages are written, as by tools
+    /// that filter or merge logs.
     pub fn log(&self, messages: &[Message], options: mcap::WriteOptions) -> Vec<u8> {
         let mut out = options.create(Cursor::new(Vec::new())).expect("started");
         for metadata in &self.metadata {
@@ -281,38 +294,38 @@ impl Pieces {
     }
 }
 
-/// A log whose chunks are not compressed, with chunks that say they are compressed in this way; without an index.
-pub fn recompressed(bytes: &[u8], compression: &str, compress: &dyn Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
+/// Returns an uncompressed log with its chunks compressed by `compress` and labelled `compression`, without an index.
+pub fn recompress_chunks(bytes: &[u8], compression: &str, compress: &dyn Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
     let mut out = bytes[..mcap::MAGIC.len()].to_vec();
-    let mut put = |opcode: u8, body: &[u8]| {
+    let mut append_record = |opcode: u8, body: &[u8]| {
         out.push(opcode);
         out.extend((body.len() as u64).to_le_bytes());
         out.extend(body);
     };
-    let mut at = mcap::MAGIC.len();
+    let mut offset = mcap::MAGIC.len();
     loop {
-        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().expect("eight")) as usize;
-        let (opcode, body) = (bytes[at], &bytes[at + 9..at + 9 + length]);
+        let length = u64::from_le_bytes(bytes[offset + 1..offset + 9].try_into().expect("eight")) as usize;
+        let (opcode, body) = (bytes[offset], &bytes[offset + 9..offset + 9 + length]);
         match opcode {
             mcap::records::op::CHUNK => {
-                // Two times, size and checksum, then the compression, which is none, and the length of the records.
-                assert_eq!(body[28..32], [0; 4], "not compressed");
+                // Chunk header: two times, size, checksum, name of the compression (empty), length of the records.
+                assert_eq!(body[28..32], [0; 4], "the chunk is compressed");
                 let mut chunk = body[..28].to_vec();
                 let data = compress(&body[40..]);
                 chunk.extend((compression.len() as u32).to_le_bytes());
                 chunk.extend(compression.as_bytes());
                 chunk.extend((data.len() as u64).to_le_bytes());
                 chunk.extend(data);
-                put(opcode, &chunk);
+                append_record(opcode, &chunk);
             }
             mcap::records::op::DATA_END => break,
             mcap::records::op::MESSAGE_INDEX => {}
-            _ => put(opcode, body),
+            _ => append_record(opcode, body),
         }
-        at += 9 + length;
+        offset += 9 + length;
     }
-    put(mcap::records::op::DATA_END, &[0; 4]);
-    put(mcap::records::op::FOOTER, &[0; 20]);
+    append_record(mcap::records::op::DATA_END, &[0; 4]);
+    append_record(mcap::records::op::FOOTER, &[0; 20]);
     out.extend(mcap::MAGIC);
     out
 }

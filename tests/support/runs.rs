@@ -1,92 +1,93 @@
-//! What the tests of model and integrator share: the anchor scene, integrator settings, a collecting sink, random numbers.
+//! Helpers of the tests of models and integrators: the scene of experiment 95, integrator settings, runs, random
+//! fingers.
 
-pub use super::collect::Collect;
-use super::held;
+use super::checked_run;
+pub use super::collect::CollectSink;
 pub use super::random::Random;
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::scene::{self, Integrator, Preset, Scene};
-use phalanx::trace::{Model, Outcome, RunError, Site, between};
+use phalanx::trace::{FingerContact, Model, Outcome, RunError, interpolate};
 
-/// Design 95 with the sizing of its experiment, from the shipped scene.
-pub fn anchor() -> Scene {
+/// The shipped scene of experiment 95: design 95 with the sizing of its experiment.
+pub fn experiment_95() -> Scene {
     scene::load("scenes/experiment-95.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The shipped settings of everyday runs.
-pub fn engineering() -> Integrator {
+/// The shipped `engineering` preset.
+pub fn engineering_settings() -> Integrator {
     Integrator::preset(Preset::Engineering)
 }
 
-/// The shipped settings of reference runs.
-pub fn reference() -> Integrator {
+/// The shipped `reference` preset.
+pub fn reference_settings() -> Integrator {
     Integrator::preset(Preset::Reference)
 }
 
-/// Runs a scene to its end, or to its failure. All runs of this module are held to the invariants at every sample.
+/// Runs a scene to its end or its failure. All runs of this module check the invariants at every sample.
 #[track_caller]
-pub fn run(scene: &Scene) -> (Result<Outcome, RunError>, Collect) {
-    let mut log = Collect::default();
-    let result = held::run(Model::Analytic, scene, &mut log);
+pub fn run(scene: &Scene) -> (Result<Outcome, RunError>, CollectSink) {
+    let mut log = CollectSink::default();
+    let result = checked_run::run(Model::Analytic, scene, &mut log);
     (result, log)
 }
 
-/// Runs a scene that must get to its end.
+/// Runs a scene, which must reach its end.
 #[track_caller]
-pub fn complete(scene: &Scene) -> (Outcome, Collect) {
+pub fn run_to_end(scene: &Scene) -> (Outcome, CollectSink) {
     let (result, log) = run(scene);
     (result.unwrap_or_else(|error| panic!("{}: {error}", scene.name)), log)
 }
 
-/// Runs the engine model of a scene, which must get to its end.
+/// Runs the engine model of a scene, which must reach its end.
 #[track_caller]
-pub fn engine(scene: &Scene) -> (Outcome, Collect) {
-    let mut log = Collect::default();
-    let result = held::run(Model::Engine, scene, &mut log);
+pub fn run_engine(scene: &Scene) -> (Outcome, CollectSink) {
+    let mut log = CollectSink::default();
+    let result = checked_run::run(Model::Engine, scene, &mut log);
     (result.unwrap_or_else(|error| panic!("{}: {error}", scene.name)), log)
 }
 
-/// The analytic model at its reference settings, sampled densely enough to interpolate to 1e-10 rad.
+/// Runs the analytic model with reference settings, sampled densely enough to interpolate to 1e-10 rad.
 #[track_caller]
-pub fn dense_reference(scene: &Scene) -> (Outcome, Collect) {
-    let mut scene = Scene { integrator: reference(), ..scene.clone() };
+pub fn run_dense_reference(scene: &Scene) -> (Outcome, CollectSink) {
+    let mut scene = Scene { integrator: reference_settings(), ..scene.clone() };
     scene.log.numeric_hz = 1e6;
-    complete(&scene)
+    run_to_end(&scene)
 }
 
-/// Largest difference of q11, q21 and q22 from a dense reference, over all samples of a run.
-pub fn worst_angle(run: &Collect, reference: &Collect) -> f64 {
-    let mut worst: f64 = 0.0;
+/// Largest difference of q11, q21 and q22 from a dense reference over all samples of a run, rad.
+pub fn max_angle_error(run: &CollectSink, reference: &CollectSink) -> f64 {
+    let mut max_error: f64 = 0.0;
     for sample in &run.samples {
         let after = reference.samples.partition_point(|s| s.time_s < sample.time_s);
         let after = after.clamp(1, reference.samples.len() - 1);
-        let wanted = between(&reference.samples[after - 1], &reference.samples[after], sample.time_s);
-        let found = [
-            sample.finger().q11_rad - wanted.finger().q11_rad,
-            sample.finger().q21_rad - wanted.finger().q21_rad,
-            sample.finger().q22_rad - wanted.finger().q22_rad,
+        let expected = interpolate(&reference.samples[after - 1], &reference.samples[after], sample.time_s);
+        let differences = [
+            sample.finger().q11_rad - expected.finger().q11_rad,
+            sample.finger().q21_rad - expected.finger().q21_rad,
+            sample.finger().q22_rad - expected.finger().q22_rad,
         ];
-        worst = found.iter().fold(worst, |most, d| most.max(d.abs()));
+        max_error = differences.iter().fold(max_error, |largest, d| largest.max(d.abs()));
     }
-    worst
+    max_error
 }
 
-/// Normal impulse of a site from its first touch-down to so long after it.
-pub fn impact_impulse(run: &Collect, site: Site, window_s: f64) -> f64 {
-    let touch = run.first_touch(site as usize).expect("a touch-down");
-    let at = |t: f64| {
+/// Normal impulse of a contact within `window_s` of its first touch-down, N·s.
+pub fn impact_impulse(run: &CollectSink, finger_contact: FingerContact, window_s: f64) -> f64 {
+    let contact_s = run.first_contact_s(finger_contact as usize).expect("a touch-down");
+    let impulse_at = |t: f64| {
         let after = run.samples.partition_point(|s| s.time_s < t).clamp(1, run.samples.len() - 1);
-        let sample = between(&run.samples[after - 1], &run.samples[after], t);
-        match site {
-            Site::Proximal => sample.contact(Site::Proximal).impulse_n_s,
-            Site::Distal => sample.contact(Site::Distal).impulse_n_s,
-            Site::Limit => sample.contact(Site::Limit).impulse_n_s,
+        let sample = interpolate(&run.samples[after - 1], &run.samples[after], t);
+        match finger_contact {
+            FingerContact::Proximal => sample.contact(FingerContact::Proximal).impulse_n_s,
+            FingerContact::Distal => sample.contact(FingerContact::Distal).impulse_n_s,
+            FingerContact::Limit => sample.contact(FingerContact::Limit).impulse_n_s,
         }
     };
-    at(touch + window_s) - at(touch)
+    impulse_at(contact_s + window_s) - impulse_at(contact_s)
 }
 
 impl Random {
-    /// A body whose centre of mass lies off its link.
+    /// A body whose centre of mass is off the axis of its link.
     pub fn body(&mut self) -> Body {
         Body {
             mass_kg: self.within(1e-3, 20e-3),
@@ -95,7 +96,7 @@ impl Random {
         }
     }
 
-    /// A finger of any proportions, with bodies of any outline.
+    /// A finger with random lengths and bodies.
     pub fn finger(&mut self) -> Finger {
         let lengths = Lengths {
             l11_m: self.within(8e-3, 30e-3),
@@ -112,8 +113,11 @@ impl Random {
     }
 }
 
-/// |got − want| ≤ tolerance.
+/// Asserts |found − expected| ≤ tolerance.
 #[track_caller]
-pub fn assert_near(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e} ± {tolerance:e}");
+pub fn assert_near(actual: f64, expected: f64, tolerance: f64, quantity: &str) {
+    assert!(
+        (actual - expected).abs() <= tolerance,
+        "{quantity}: found {actual:e}, expected {expected:e} ± {tolerance:e}"
+    );
 }

@@ -1,4 +1,4 @@
-//! Fingers on their discs, at random and of the thesis's grid.
+//! Grasps of discs by single fingers: of given designs and of random ones.
 
 use std::fmt::Debug;
 
@@ -7,18 +7,18 @@ use phalanx::gripper::{
     Assembly, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies, disc,
     final_posture, lengths,
 };
-use phalanx::shape::{Placed, reach};
-use phalanx::statics::{Certificate, FormClosure, Kind, Unilateral};
+use phalanx::shape::{PlacedShape, max_radius};
+use phalanx::statics::{Certificate, FormClosure, RowKind, Unilateral};
 
-/// A finger that holds its disc.
+/// A finger in its final posture on a disc.
 #[derive(Clone, Debug)]
 pub struct Grasp {
     pub finger: Finger,
-    pub disc: Placed,
+    pub disc: PlacedShape,
     pub end: FinalPosture,
 }
 
-/// The grasp of a design; `None` if these numbers make none.
+/// Returns the grasp of a design; `None` if the design has none.
 pub fn grasp(design: &Design) -> Option<Grasp> {
     let lengths = lengths(design).ok()?;
     let finger = Finger { lengths, bodies: bodies(&lengths, 1070.0, 0.04).ok()?, assembly: Assembly::Reference };
@@ -27,11 +27,11 @@ pub fn grasp(design: &Design) -> Option<Grasp> {
     Some(Grasp { finger, disc, end })
 }
 
-/// The same grasp with phalanges that are lines: the disc grows by what they lost.
+/// Returns the grasp with phalanges of zero width and a disc that is larger by their half width.
 pub fn without_width(grasp: &Grasp) -> Grasp {
     let w = grasp.finger.lengths.half_width_m;
     let finger = Finger { lengths: Lengths { half_width_m: 0.0, ..grasp.finger.lengths }, ..grasp.finger };
-    let disc = Placed::disc(reach(&grasp.disc.shape) + w, grasp.disc.centre_m);
+    let disc = PlacedShape::disc(max_radius(&grasp.disc.shape) + w, grasp.disc.centre_m);
     let end = final_posture(&finger.lengths, finger.assembly, disc).expect("tangent to the same virtual circle");
     Grasp { finger, disc, end }
 }
@@ -41,7 +41,7 @@ pub fn constant_spring(torque_n_m: f64) -> Spring {
 }
 
 impl Random {
-    /// The next design within the ranges of the thesis (§3.4) that makes a grasp.
+    /// Returns the next random design within the ranges of the thesis (§3.4) that has a grasp.
     pub fn grasp(&mut self) -> Grasp {
         loop {
             let base_m = self.within(0.012, 0.0225);
@@ -55,12 +55,12 @@ impl Random {
     }
 }
 
-/// A certificate proves what it says, by plain sums over the rows and columns of U.
+/// Verifies the certificate of a form-closure decision by sums over the rows and columns of U.
 #[track_caller]
-pub fn check<R: Copy + Debug + Into<Kind>>(u: &Unilateral<R>, found: &FormClosure<R>) {
-    match &found.certificate {
+pub fn check_certificate<R: Copy + Debug + Into<RowKind>>(u: &Unilateral<R>, closure: &FormClosure<R>) {
+    match &closure.certificate {
         Certificate::Multipliers { values, residual } => {
-            assert!(found.closed && found.rank == u.unknowns.len());
+            assert!(closure.closed && closure.rank == u.unknowns.len());
             assert!(values.iter().all(|&lambda| lambda > 0.0), "{values:?}");
             for (j, unknown) in u.unknowns.iter().enumerate() {
                 let terms: Vec<f64> = values.iter().enumerate().map(|(i, l)| l * u.row(i)[j]).collect();
@@ -70,7 +70,7 @@ pub fn check<R: Copy + Debug + Into<Kind>>(u: &Unilateral<R>, found: &FormClosur
             assert!(*residual < 1e-12, "{residual:e}");
         }
         Certificate::Motion { values, rates, residual } => {
-            assert!(!found.closed);
+            assert!(!closure.closed);
             assert!(values.iter().any(|v| v.abs() > 1e-9), "{values:?}");
             let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
             let speed = largest(&mut values.iter().zip(&u.scale).map(|(w, scale)| w * scale));

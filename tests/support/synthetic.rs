@@ -1,16 +1,16 @@
-//! A made-up run in closed form for the tests of the sinks: no model needed.
+//! A synthetic run in closed form for the tests of the sinks.
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
-    Actuation, Bounds, Contacts, Disc, DrivenFinger, Engine, HalfPlane, Initial, Integrator, LogRates, Method, Motor,
-    Placement, Preset, Scene, Spring, SpringKind, System, Thresholds, show,
+    Actuation, Bounds, Disc, DrivenFinger, Engine, FingerContactLaws, HalfPlane, Initial, Integrator, LogRates, Method,
+    Motor, Placement, Preset, Scene, Spring, SpringKind, System, Thresholds, show,
 };
-use phalanx::shape::Placed;
-use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
+use phalanx::shape::PlacedShape;
+use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerContact, FingerState, Sample};
 
-/// A scene whose text says what it is.
+/// A scene whose source is its resolved text, with a non-ASCII comment.
 pub fn scene() -> Scene {
     let scene = resolved();
     Scene { source: format!("# a scene with a µ and no particular meaning\n{}", show(&scene)), ..scene }
@@ -25,7 +25,7 @@ fn resolved() -> Scene {
             fingers: vec![finger()],
             palm_width_m: 0.0,
             differential: None,
-            discs: vec![Disc::object(Placed::disc(20e-3, [-15.5e-3, 20e-3]))],
+            discs: vec![Disc::fixed_object(PlacedShape::disc(20e-3, [-15.5e-3, 20e-3]))],
             between_discs: None,
             palm: Some(HalfPlane { level_m: 0.0, contact: None }),
             table: None,
@@ -42,7 +42,7 @@ fn resolved() -> Scene {
             max_steps: 1_000_000,
         },
         engine: Engine::DEFAULT,
-        bounds: Bounds::over(SceneKind::Finger, 20e-3),
+        bounds: Bounds::defaults_for_run(SceneKind::Finger, 20e-3),
         thresholds: Thresholds::NONE,
         log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
@@ -66,10 +66,10 @@ fn finger() -> DrivenFinger {
             bodies: Bodies { l11: body, l12: body, l21: body, l22: body },
             assembly: Assembly::Reference,
         },
-        motor: Motor::of(Actuation::Constant { torque_n_m: 0.48 }),
+        motor: Motor::from_actuation(Actuation::Constant { torque_n_m: 0.48 }),
         spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: 0.1326 }, placement: Placement::Phalanges }),
         limit: Some(normal),
-        contact: Contacts { proximal: contact, distal: contact },
+        contact: FingerContactLaws { proximal: contact, distal: contact },
         initial: Initial {
             q11_rad: -50f64.to_radians(),
             q21_rad: 40f64.to_radians(),
@@ -79,7 +79,7 @@ fn finger() -> DrivenFinger {
     }
 }
 
-/// A sample in which every figure is another number, made from its time.
+/// A sample in which all figures differ; each is computed from the time.
 pub fn sample(time_s: f64) -> Sample {
     let f = |k: u32| (1.0 + k as f64) * (1e3 * time_s + 0.3 * k as f64).sin();
     let contact = |k: u32| ContactSample {
@@ -130,7 +130,7 @@ pub fn sample(time_s: f64) -> Sample {
     }
 }
 
-/// A sample of a finger at given angles and rates, with given normal forces and nothing else going on.
+/// A sample of a finger at the given angles and rates, with the given normal forces.
 pub fn posture(
     time_s: f64,
     (q11_rad, qd11_rad_s): (f64, f64),
@@ -153,14 +153,14 @@ pub fn posture(
     sample
 }
 
-pub fn touch_down(time_s: f64, site: Site, approach_speed: f64) -> Event {
-    Event { time_s, contact: site as usize, kind: EventKind::TouchDown, approach_speed, impulse: 0.0 }
+pub fn touch_down(time_s: f64, finger_contact: FingerContact, approach_speed: f64) -> Event {
+    Event { time_s, contact: finger_contact as usize, kind: EventKind::TouchDown, approach_speed, impulse: 0.0 }
 }
 
-pub fn lift_off(time_s: f64, site: Site, impulse: f64) -> Event {
-    Event { time_s, contact: site as usize, kind: EventKind::LiftOff, approach_speed: 0.0, impulse }
+pub fn lift_off(time_s: f64, finger_contact: FingerContact, impulse: f64) -> Event {
+    Event { time_s, contact: finger_contact as usize, kind: EventKind::LiftOff, approach_speed: 0.0, impulse }
 }
 
-pub fn reload(time_s: f64, site: Site) -> Event {
-    Event { time_s, contact: site as usize, kind: EventKind::Reload, approach_speed: 0.0, impulse: 0.0 }
+pub fn reload(time_s: f64, finger_contact: FingerContact) -> Event {
+    Event { time_s, contact: finger_contact as usize, kind: EventKind::Reload, approach_speed: 0.0, impulse: 0.0 }
 }

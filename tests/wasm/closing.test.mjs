@@ -1,4 +1,5 @@
-// The core in the explorer's module, with both models: nothing of the system is handed to it, and it closes a finger as the program does.
+// The core in the explorer's module, with both models: it has no imports, and simulates closings exactly like the
+// program.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -14,7 +15,7 @@ const module = new WebAssembly.Module(gunzipSync(readFileSync(process.env.EXPLOR
 
 it("has no imports", () => assert.deepEqual(WebAssembly.Module.imports(module), []));
 
-/** What `phalanx run --json` says of the figures that the module gives, in its order. */
+/** Selects from the output of `phalanx run --json` the figures that the module returns, in its order. */
 function figures({ final, fingers = { only: final }, object, contacts }) {
   const bodies = object === undefined ? [] : [object];
   return [
@@ -26,17 +27,17 @@ function figures({ final, fingers = { only: final }, object, contacts }) {
 
 const { figure } = new WebAssembly.Instance(module, {}).exports;
 
-for (const [s, scene] of SCENES.entries()) {
-  for (const [m, model] of MODELS.entries()) {
-    it(`closes as here, to the last digit: ${scene}, ${model}`, () => {
+for (const [sceneIndex, scene] of SCENES.entries()) {
+  for (const [modelIndex, model] of MODELS.entries()) {
+    it(`equals the native program exactly: ${scene}, ${model}`, () => {
       const file = fileURLToPath(new URL(`../../scenes/${scene}.toml`, import.meta.url));
-      const said = execFileSync(process.env.PHALANX, ["run", file, "--model", model, "--json"], { encoding: "utf8" });
-      const here = figures(JSON.parse(said));
-      const there = here.map((_, index) => figure(s, m, index));
-      assert.ok(here.length > 6 && here.every(Number.isFinite), `${here}`);
-      assert.deepEqual(there, here);
-      // A table that is not there has no impulse, and behind it there is no figure.
-      assert.ok(!figure(s, m, here.length), "every figure is compared");
+      const output = execFileSync(process.env.PHALANX, ["run", file, "--model", model, "--json"], { encoding: "utf8" });
+      const native = figures(JSON.parse(output));
+      const fromModule = native.map((_, index) => figure(sceneIndex, modelIndex, index));
+      assert.ok(native.length > 6 && native.every(Number.isFinite), `${native}`);
+      assert.deepEqual(fromModule, native);
+      // The module has no further figures.
+      assert.ok(!figure(sceneIndex, modelIndex, native.length), "every figure is compared");
     });
   }
 }

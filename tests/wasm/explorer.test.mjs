@@ -1,5 +1,5 @@
-// The explorer's module answers with the program's digits: every column of every scene that its page brings along, and of some that
-// are set otherwise; and it says what is wrong with a scene as the program does.
+// The explorer's module equals the program exactly: every column of every preset and of some modified scenes. It also
+// reports problems of a scene like the program.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -20,19 +20,19 @@ after(() => rmSync(DIRECTORY, { recursive: true }));
 const module = new WebAssembly.Module(gunzipSync(readFileSync(EXPLORER)));
 const { exports } = new WebAssembly.Instance(module, {});
 
-/** What the module answers: `{ answer, data }`. */
-function asked(request) {
+/** Sends a request to the module; returns `{ response, data }`. */
+function send(request) {
   const bytes = new TextEncoder().encode(JSON.stringify(request));
-  const room = exports.room(bytes.length) >>> 0;
-  new Uint8Array(exports.memory.buffer, room, bytes.length).set(bytes);
+  const requestPointer = exports.room(bytes.length) >>> 0;
+  new Uint8Array(exports.memory.buffer, requestPointer, bytes.length).set(bytes);
   const pointer = exports.answer(bytes.length) >>> 0;
   const { buffer } = exports.memory;
   const [text, length, data, numbers] = new Uint32Array(buffer, pointer, 4);
-  const said = new TextDecoder().decode(new Uint8Array(buffer, text, length));
-  return { answer: JSON.parse(said), data: new Float64Array(buffer.slice(data, data + 8 * numbers)) };
+  const json = new TextDecoder().decode(new Uint8Array(buffer, text, length));
+  return { response: JSON.parse(json), data: new Float64Array(buffer.slice(data, data + 8 * numbers)) };
 }
 
-/** The scenes of the page, as the program puts them there. */
+/** The presets that the program embeds in the page. */
 function presets() {
   const page = path.join(DIRECTORY, "page.html");
   phalanx("explore", "--module", EXPLORER, "--out", page);
@@ -41,37 +41,37 @@ function presets() {
 }
 const PRESETS = presets();
 
-/** The samples of a scene as the program logs them. */
-function logged(file, set) {
+/** Samples of a scene as CSV, logged by the program. */
+function loggedCsv(file, set) {
   const [log, table] = ["run.mcap", "run.csv"].map((name) => path.join(DIRECTORY, name));
   rmSync(log, { force: true });
   rmSync(table, { force: true });
   try {
     phalanx("run", path.join(SCENES, file), ...set.flatMap(([field, value]) => ["--set", `${field}=${value}`]), "--no-check", "--log", log);
   } catch (error) {
-    // A run that broke off has a log up to there.
+    // An aborted run has a log up to its end.
     assert.equal(error.status, 3, `${file}: ${error}`);
   }
   phalanx("replay", log, "--csv", table);
   return readFileSync(table, "utf8");
 }
 
-function same(preset, set) {
+function assertCsvEqual(preset, set) {
   const scene = { file: preset.file, text: preset.text };
-  const { answer } = asked({ ask: "csv", scene, set });
-  const [there, here] = [answer.text, logged(preset.file, set)];
-  assert.ok(here.length > 1000, preset.file);
-  if (there === here) return;
-  const [a, b] = [there.split("\n"), here.split("\n")];
+  const { response } = send({ ask: "csv", scene, set });
+  const [fromModule, fromProgram] = [response.text, loggedCsv(preset.file, set)];
+  assert.ok(fromProgram.length > 1000, preset.file);
+  if (fromModule === fromProgram) return;
+  const [a, b] = [fromModule.split("\n"), fromProgram.split("\n")];
   const line = a.findIndex((each, index) => each !== b[index]);
   const cells = a[line].split(",");
   const cell = cells.findIndex((each, index) => each !== b[line]?.split(",")[index]);
-  assert.fail(`${preset.file}, sample ${line}, ${a[0].split(",")[cell]}: ${cells[cell]} there, ${b[line]?.split(",")[cell]} here`);
+  assert.fail(`${preset.file}, sample ${line}, ${a[0].split(",")[cell]}: ${cells[cell]} from the module, ${b[line]?.split(",")[cell]} from the program`);
 }
 
-describe("every column, to the last digit", () => {
-  it("asks the browser for nothing", () => assert.deepEqual(WebAssembly.Module.imports(module), []));
-  for (const preset of PRESETS) it(preset.file, () => same(preset, []));
+describe("every column, exactly", () => {
+  it("has no imports", () => assert.deepEqual(WebAssembly.Module.imports(module), []));
+  for (const preset of PRESETS) it(preset.file, () => assertCsvEqual(preset, []));
 
   const finger = PRESETS.find(({ file }) => file === "experiment-95.toml");
   const gripper = PRESETS.find(({ file }) => file === "gripper/design-95.toml");
@@ -83,85 +83,85 @@ describe("every column, to the last digit", () => {
     [gripper, [["object.radius", "18 mm"], ["object.offset", "1.1 mm"]]],
     [gripper, [["motor.torque", "300 N*mm"], ["material.density", "2700 kg/m^3"], ["contact.damping", "0 N*s/m"]]],
   ];
-  for (const [preset, set] of others) it(`${preset.file} with ${set.map((pair) => pair.join(" = ")).join(", ")}`, () => same(preset, set));
+  for (const [preset, set] of others) it(`${preset.file} with ${set.map((pair) => pair.join(" = ")).join(", ")}`, () => assertCsvEqual(preset, set));
 });
 
-/** The texts of a picture, in order. */
+/** Texts of a picture, in order. */
 const texts = (svg) => [...svg.matchAll(/<text[^>]*>([^<]*)/g)].map(([, text]) => text);
 
-describe("what it answers", () => {
+describe("responses", () => {
   const preset = PRESETS[0];
   const scene = { file: preset.file, text: preset.text };
-  const said = JSON.parse(phalanx("run", path.join(SCENES, preset.file), "--json"));
+  const document = JSON.parse(phalanx("run", path.join(SCENES, preset.file), "--json"));
 
-  it("has the figures of the program's document", () => {
-    const { answer } = asked({ ask: "run", scene });
-    const numbers = answer.figures.filter(({ value }) => value !== null);
+  it("contain the figures of the program", () => {
+    const { response } = send({ ask: "run", scene });
+    const numbers = response.figures.filter(({ value }) => value !== null);
     assert.ok(numbers.length > 30);
-    for (const { key, value } of numbers) assert.equal(value, key.split(".").reduce((at, part) => at[part], said), key);
-    assert.equal(answer.figures[0].text, said.criteria.class);
-    assert.equal(answer.verdict, `${said.criteria.class}: ${said.criteria.class_reason}`);
-    assert.ok(answer.figures.every(({ key }) => key !== "criteria.class_reason"));
-    assert.equal(answer.steps, said.steps);
+    for (const { key, value } of numbers) assert.equal(value, key.split(".").reduce((at, part) => at[part], document), key);
+    assert.equal(response.figures[0].text, document.criteria.class);
+    assert.equal(response.verdict, `${document.criteria.class}: ${document.criteria.class_reason}`);
+    assert.ok(response.figures.every(({ key }) => key !== "criteria.class_reason"));
+    assert.equal(response.steps, document.steps);
   });
 
-  it("checks a run as the program does", () => {
-    const { answer } = asked({ ask: "check", scene });
-    assert.deepEqual(answer.report, said.check);
+  it("contain the check of the program", () => {
+    const { response } = send({ ask: "check", scene });
+    assert.deepEqual(response.report, document.check);
   });
 
-  it("has the tables of the grasp at rest, and its picture", () => {
-    const { answer } = asked({ ask: "statics", scene });
+  it("contain the statics report and its picture", () => {
+    const { response } = send({ ask: "statics", scene });
     const picture = path.join(DIRECTORY, "grasp.svg");
-    const words = phalanx("statics", path.join(SCENES, preset.file), "--svg", picture);
-    // The page's picture is a column, the program's a sheet with a title: what they say is the same.
-    const [title, ...said] = texts(readFileSync(picture, "utf8"));
+    const printed = phalanx("statics", path.join(SCENES, preset.file), "--svg", picture);
+    // The page arranges the picture in a column and the program in a sheet with a title; the texts are equal.
+    const [title, ...pictureTexts] = texts(readFileSync(picture, "utf8"));
     assert.match(title, /the grasp at rest/);
-    assert.deepEqual(texts(answer.pictures[0].svg), said);
-    assert.ok(said.some((text) => text.includes("29.90 N")), said.join("; "));
-    const bare = (text) => text.replace(/<[^>]*>|\s|&[a-z0-9#]+;|picture:.*/g, "");
-    const of = bare(answer.sections[0].html);
-    for (const figure of words.match(/\d+\.\d{2,}/g)) assert.ok(of.includes(figure), figure);
+    assert.deepEqual(texts(response.pictures[0].svg), pictureTexts);
+    assert.ok(pictureTexts.some((text) => text.includes("29.90 N")), pictureTexts.join("; "));
+    const withoutMarkup = (text) => text.replace(/<[^>]*>|\s|&[a-z0-9#]+;|picture:.*/g, "");
+    const html = withoutMarkup(response.sections[0].html);
+    for (const figure of printed.match(/\d+\.\d{2,}/g)) assert.ok(html.includes(figure), figure);
   });
 
-  it("finds for a map what single runs find", () => {
+  it("contain the values of single runs for a map", () => {
     const fields = ["design.base", "motor.torque"];
     const points = [["14 mm", "400 N*mm"], ["15.5 mm", "480 N*mm"], ["40 mm", "480 N*mm"]];
-    const { answer, data } = asked({ ask: "criteria", scene, fields, points });
-    const { columns, words, refused } = answer;
+    const { response, data } = send({ ask: "criteria", scene, fields, points });
+    const { columns, words, refused } = response;
     assert.equal(data.length, columns.length * points.length);
-    assert.equal(data[columns.length + columns.indexOf("criteria.tts_s")], said.criteria.tts_s);
-    assert.equal(words["criteria.class"][1], said.criteria.class);
-    const { figures } = asked({ ask: "run", scene, set: fields.map((field, index) => [field, points[0][index]]) }).answer;
+    assert.equal(data[columns.length + columns.indexOf("criteria.tts_s")], document.criteria.tts_s);
+    assert.equal(words["criteria.class"][1], document.criteria.class);
+    const { figures } = send({ ask: "run", scene, set: fields.map((field, index) => [field, points[0][index]]) }).response;
     const peak = figures.find(({ key }) => key === "contacts.distal.peak_normal_n").value;
     assert.equal(data[columns.indexOf("contacts.distal.peak_normal_n")], peak);
     assert.deepEqual(refused.slice(0, 2), [null, null]);
   });
 
-  it("writes a scene that the program takes for the same", () => {
+  it("contain an equivalent scene as TOML", () => {
     const set = [["design.base", "14.5 mm"]];
-    const { answer } = asked({ ask: "toml", scene, set });
-    assert.match(answer.text, /^# experiment-95\.toml with design\.base = 14\.5 mm, from the explorer/);
-    const again = asked({ ask: "csv", scene: { file: "again.toml", text: answer.text } }).answer.text;
-    assert.equal(again, asked({ ask: "csv", scene, set }).answer.text);
+    const { response } = send({ ask: "toml", scene, set });
+    assert.match(response.text, /^# experiment-95\.toml with design\.base = 14\.5 mm, from the explorer/);
+    const again = send({ ask: "csv", scene: { file: "again.toml", text: response.text } }).response.text;
+    assert.equal(again, send({ ask: "csv", scene, set }).response.text);
   });
 
-  it("lists every field with what it holds", () => {
-    const { fields, design } = asked({ ask: "fields", scene }).answer;
-    const base = fields.find(({ path: of }) => of === "design.base");
+  it("list every field with its value", () => {
+    const { fields, design } = send({ ask: "fields", scene }).response;
+    const base = fields.find(({ path: fieldPath }) => fieldPath === "design.base");
     assert.deepEqual([base.value, base.unit, base.kind, base.given], [15.5, "mm", "quantity", true]);
-    assert.ok(design.includes("motor.torque") && design.every((of) => fields.some((field) => field.path === of)));
-    const law = fields.find(({ path: of }) => of === "contact.friction.law");
+    assert.ok(design.includes("motor.torque") && design.every((fieldPath) => fields.some((field) => field.path === fieldPath)));
+    const law = fields.find(({ path: fieldPath }) => fieldPath === "contact.friction.law");
     assert.ok(law.words.includes("bristle"));
     assert.ok(fields.length > 60);
   });
 
-  it("says what is wrong, and of which field", () => {
-    const { problems } = asked({ ask: "run", scene, set: [["design.base", "-3 mm"]] }).answer;
+  it("report problems with their field", () => {
+    const { problems } = send({ ask: "run", scene, set: [["design.base", "-3 mm"]] }).response;
     assert.equal(problems[0].field, "design.base");
     assert.ok(problems[0].message.length > 10);
-    const broken = asked({ ask: "run", scene: { file: "own.toml", text: "duration = \"20 ms\"\nmoter = 3\n" } }).answer.problems;
+    const broken = send({ ask: "run", scene: { file: "own.toml", text: "duration = \"20 ms\"\nmoter = 3\n" } }).response.problems;
     assert.equal(broken.find(({ message }) => message.includes("moter")).line, 2);
-    assert.ok(asked({ ask: "nothing", scene }).answer.problems[0].message.includes("nothing"));
+    assert.ok(send({ ask: "nothing", scene }).response.problems[0].message.includes("nothing"));
   });
 });

@@ -1,18 +1,18 @@
-//! A differential campaign: random scenes over the whole law space, the everyday preset and the engine against the reference, the
-//! reference against another family of methods, and all of them against a push of 1e-7 of what drives the scene.
+//! A differential campaign: random scenes over the whole space of contact laws. It compares the default run and the engine with
+//! the reference, the reference with another family of methods, and all of them with a perturbation of 1e-7 of the drives.
 //!
 //!     cargo run --release --example campaign -- --scenes 10000 --seed 1
 //!     cargo run --release --example campaign -- --family stick --scenes 100 --save findings
 //!
-//! Prints a table; saves what it finds as scenes.
+//! Prints a table; saves scenes with findings.
 
-#[path = "../../tests/judge/dice.rs"]
-mod dice;
 mod discs;
 mod fingers;
-#[path = "../../tests/judge/grippers.rs"]
+#[path = "../../tests/validation/grippers.rs"]
 mod grippers;
 mod record;
+#[path = "../../tests/validation/rng.rs"]
+mod rng;
 mod trial;
 
 use std::collections::BTreeMap;
@@ -22,80 +22,80 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use clap::Parser;
-use dice::Dice;
 use phalanx::scene::{Scene, parse_any};
 use record::{Run, Setting, difference, record};
-use trial::{Trial, Verdict, trial};
+use rng::Rng;
+use trial::{Trial, Verdict, run_trial};
 
-/// Makes the text of a scene.
-type Family = fn(&mut Dice) -> String;
+/// Generator of scene texts.
+type Family = fn(&mut Rng) -> String;
 
 const FAMILIES: [(&str, Family); 5] = [
     ("mixed", fingers::mixed),
     ("soft", fingers::soft),
     ("stick", fingers::stick),
-    ("discs", discs::text),
-    ("grippers", grippers::text),
+    ("discs", discs::scene_text),
+    ("grippers", grippers::scene_text),
 ];
 
 #[derive(Parser)]
 struct Args {
-    /// Scenes of every family
+    /// Number of scenes per family
     #[arg(long, default_value_t = 100)]
     scenes: u64,
     /// Seed of the first scene
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Only this family
+    /// Run only this family
     #[arg(long)]
     family: Option<String>,
-    /// Leave the engine out
+    /// Skip the engine
     #[arg(long)]
     no_engine: bool,
-    /// Directory for the scenes that are not as they should be
+    /// Directory for scenes with findings
     #[arg(long, value_name = "DIR")]
     save: Option<PathBuf>,
-    /// A line for every scene that is not as it should be
+    /// Print a line for each scene with findings
     #[arg(long, short)]
     verbose: bool,
-    /// Only these scene files instead of random ones
+    /// Run these scene files instead of random scenes
     #[arg(value_name = "SCENE")]
     files: Vec<PathBuf>,
 }
 
-/// How the error falls with the tolerance, and where along the path it first shows.
-fn ladder(scene: &Scene, reference: &Run) {
+/// Prints the error at several tolerances, and the time at which it first appears.
+fn print_tolerance_sweep(scene: &Scene, reference: &Run) {
     let settings = [1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7, 1e-8, 1e-9].map(Setting::Rtol);
-    let engine = [10.0, 1.0, 0.1, 0.01].map(Setting::EngineAt);
-    println!("    reference: {}", reference.story.iter().take(24).cloned().collect::<Vec<_>>().join(", "));
+    let engine = [10.0, 1.0, 0.1, 0.01].map(Setting::EngineTolerance);
+    println!("    reference: {}", reference.event_log.iter().take(24).cloned().collect::<Vec<_>>().join(", "));
     for setting in settings.into_iter().chain(engine) {
         let run = record(scene, setting, 0.0);
         let error = difference(reference, &run);
-        let shows = reference
+        let first_index = reference
             .path
             .iter()
             .zip(&run.path)
             .position(|(p, q)| p.iter().zip(q).any(|(x, y)| (x - y).abs() > 0.1 * error));
-        let at = shows.map_or(f64::NAN, |i| reference.times[i]);
-        println!("    {}", run.story.iter().take(24).cloned().collect::<Vec<_>>().join(", "));
+        let time_s = first_index.map_or(f64::NAN, |i| reference.times[i]);
+        println!("    {}", run.event_log.iter().take(24).cloned().collect::<Vec<_>>().join(", "));
         println!(
-            "    {setting:?}: {error:.1e} from {at:.6} s on, {} steps, {} events, {:.1} ms",
+            "    {setting:?}: {error:.1e} from {time_s:.6} s on, {} steps, {} events, {:.1} ms",
             run.steps,
             run.events,
-            1e3 * run.wall.as_secs_f64()
+            1e3 * run.wall_time.as_secs_f64()
         );
     }
 }
 
 #[derive(Default)]
-struct Tally {
+struct Summary {
     scenes: u64,
-    refused: u64,
+    invalid: u64,
     verdicts: BTreeMap<Verdict, u64>,
     errors: Vec<f64>,
     engine_errors: Vec<f64>,
     slowest: Duration,
-    walls: [f64; 3],
+    wall_times: [f64; 3],
 }
 
 fn main() {
@@ -104,25 +104,25 @@ fn main() {
         for file in &args.files {
             let text = std::fs::read_to_string(file).expect("a scene file");
             let scene = parse_any(&text, "scene.toml").unwrap_or_else(|error| panic!("{error}"));
-            let result = trial(&scene, !args.no_engine);
-            println!("{}", line(&file.display().to_string(), &result));
+            let result = run_trial(&scene, !args.no_engine);
+            println!("{}", describe(&file.display().to_string(), &result));
             if args.verbose {
-                ladder(&scene, &result.reference);
+                print_tolerance_sweep(&scene, &result.reference);
             }
         }
         return;
     }
-    for (name, text) in FAMILIES {
+    for (name, generate) in FAMILIES {
         if args.family.as_ref().is_none_or(|family| family == name) {
-            let tally = family(name, text, &args);
-            print(name, &tally);
+            let summary = run_family(name, generate, &args);
+            print(name, &summary);
         }
     }
 }
 
-fn family(name: &str, text: Family, args: &Args) -> Tally {
+fn run_family(name: &str, generate: Family, args: &Args) -> Summary {
     let next = AtomicU64::new(args.seed);
-    let tally = Mutex::new(Tally::default());
+    let summary = Mutex::new(Summary::default());
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| {
         for _ in 0..threads {
@@ -132,88 +132,91 @@ fn family(name: &str, text: Family, args: &Args) -> Tally {
                     if seed >= args.seed + args.scenes {
                         return;
                     }
-                    let text = text(&mut Dice::new(seed));
+                    let text = generate(&mut Rng::new(seed));
                     let Ok(scene) = parse_any(&text, "random.toml") else {
-                        tally.lock().expect("a tally").refused += 1;
+                        summary.lock().expect("no panic in other threads").invalid += 1;
                         continue;
                     };
-                    let result = trial(&scene, !args.no_engine);
-                    let mut tally = tally.lock().expect("a tally");
-                    tally.take(&result);
-                    let found = result.verdicts.iter().any(|v| *v != Verdict::Chaotic);
-                    if found && args.verbose {
-                        println!("{}", line(&format!("{name} {seed}"), &result));
+                    let result = run_trial(&scene, !args.no_engine);
+                    let mut summary = summary.lock().expect("no panic in other threads");
+                    summary.add(&result);
+                    let has_findings = result.verdicts.iter().any(|v| *v != Verdict::Chaotic);
+                    if has_findings && args.verbose {
+                        println!("{}", describe(&format!("{name} {seed}"), &result));
                     }
-                    if let Some(dir) = args.save.as_ref().filter(|_| found) {
+                    if let Some(dir) = args.save.as_ref().filter(|_| has_findings) {
                         save(dir, name, seed, &text, &result);
                     }
                 }
             });
         }
     });
-    tally.into_inner().expect("a tally")
+    summary.into_inner().expect("no panic in other threads")
 }
 
-fn line(name: &str, t: &Trial) -> String {
-    let reasons: Vec<String> = t.verdicts.iter().map(Verdict::to_string).collect();
+fn describe(name: &str, trial: &Trial) -> String {
+    let reasons: Vec<String> = trial.verdicts.iter().map(Verdict::to_string).collect();
     let failure = |run: &Run| run.failure.as_ref().map_or(String::new(), |f| format!(" [{:.6}: {f}]", run.end_s));
     format!(
-        "{name}: push {:.1e}, second {:.1e}, everyday {:.1e}, engine {:.1e}; {:.0}+{:.0} ms, {} and {} steps, {} and {} events{}{}; says {} / {}; {}",
-        t.push,
-        t.second,
-        t.error,
-        t.engine_error,
-        1e3 * t.reference.wall.as_secs_f64(),
-        1e3 * t.everyday.wall.as_secs_f64(),
-        t.reference.steps,
-        t.everyday.steps,
-        t.reference.events,
-        t.everyday.events,
-        failure(&t.reference),
-        failure(&t.everyday),
-        t.says,
-        t.engine_says,
+        "{name}: perturbation {:.1e}, second method {:.1e}, default {:.1e}, engine {:.1e}; {:.0}+{:.0} ms, {} and {} steps, {} and {} events{}{}; verdicts {} / {}; {}",
+        trial.perturbation,
+        trial.second,
+        trial.error,
+        trial.engine_error,
+        1e3 * trial.reference.wall_time.as_secs_f64(),
+        1e3 * trial.preset.wall_time.as_secs_f64(),
+        trial.reference.steps,
+        trial.preset.steps,
+        trial.reference.events,
+        trial.preset.events,
+        failure(&trial.reference),
+        failure(&trial.preset),
+        trial.analytic_verdict,
+        trial.engine_verdict,
         reasons.join("; ")
     )
 }
 
 fn save(dir: &Path, family: &str, seed: u64, text: &str, result: &Trial) {
     std::fs::create_dir_all(dir).expect("a directory");
-    let head = line(&format!("{family} {seed}"), result);
+    let head = describe(&format!("{family} {seed}"), result);
     std::fs::write(dir.join(format!("{family}-{seed}.toml")), format!("# {head}\n{text}")).expect("written");
 }
 
-impl Tally {
-    fn take(&mut self, t: &Trial) {
+impl Summary {
+    fn add(&mut self, trial: &Trial) {
         self.scenes += 1;
-        for verdict in &t.verdicts {
+        for verdict in &trial.verdicts {
             *self.verdicts.entry(*verdict).or_default() += 1;
         }
-        if !t.verdicts.contains(&Verdict::Chaotic) {
-            self.errors.push(t.error);
-            self.engine_errors.push(t.engine_error);
+        if !trial.verdicts.contains(&Verdict::Chaotic) {
+            self.errors.push(trial.error);
+            self.engine_errors.push(trial.engine_error);
         }
-        self.slowest = self.slowest.max(t.reference.wall);
-        let walls = [Some(&t.reference), Some(&t.everyday), t.engine.as_ref()];
-        for (sum, run) in self.walls.iter_mut().zip(walls) {
-            *sum += run.map_or(0.0, |run| run.wall.as_secs_f64());
+        self.slowest = self.slowest.max(trial.reference.wall_time);
+        let wall_times = [Some(&trial.reference), Some(&trial.preset), trial.engine.as_ref()];
+        for (sum, run) in self.wall_times.iter_mut().zip(wall_times) {
+            *sum += run.map_or(0.0, |run| run.wall_time.as_secs_f64());
         }
     }
 }
 
-fn print(name: &str, tally: &Tally) {
+fn print(name: &str, summary: &Summary) {
     let quantiles = |errors: &[f64]| {
         let mut sorted = errors.to_vec();
         sorted.sort_by(f64::total_cmp);
-        let at = |p: f64| sorted.get(((sorted.len() as f64 - 1.0) * p) as usize).copied().unwrap_or(0.0);
-        format!("median {:.1e}, 99 % {:.1e}, worst {:.1e}", at(0.5), at(0.99), at(1.0))
+        let quantile = |p: f64| sorted.get(((sorted.len() as f64 - 1.0) * p) as usize).copied().unwrap_or(0.0);
+        format!("median {:.1e}, 99 % {:.1e}, worst {:.1e}", quantile(0.5), quantile(0.99), quantile(1.0))
     };
-    println!("== {name}: {} scenes, {} refused; slowest reference {:?}", tally.scenes, tally.refused, tally.slowest);
-    let [reference, everyday, engine] = tally.walls.map(|sum| 1e3 * sum / tally.scenes.max(1) as f64);
-    println!("   mean times: reference {reference:.2} ms, everyday {everyday:.3} ms, engine {engine:.2} ms");
-    println!("   everyday error: {}", quantiles(&tally.errors));
-    println!("   engine error:   {}", quantiles(&tally.engine_errors));
-    for (verdict, count) in &tally.verdicts {
+    println!(
+        "== {name}: {} scenes, {} invalid; slowest reference {:?}",
+        summary.scenes, summary.invalid, summary.slowest
+    );
+    let [reference, preset, engine] = summary.wall_times.map(|sum| 1e3 * sum / summary.scenes.max(1) as f64);
+    println!("   mean times: reference {reference:.2} ms, default {preset:.3} ms, engine {engine:.2} ms");
+    println!("   default error:  {}", quantiles(&summary.errors));
+    println!("   engine error:   {}", quantiles(&summary.engine_errors));
+    for (verdict, count) in &summary.verdicts {
         println!("   {count:6} {verdict}");
     }
 }

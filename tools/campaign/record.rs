@@ -1,73 +1,74 @@
-//! One run of a scene, kept as its path on an even grid.
+//! One run of a scene, recorded as its path on a uniform grid.
 
 use std::time::{Duration, Instant};
 
-use phalanx::check::{pushed, units};
+use phalanx::check::{perturbed, units};
 use phalanx::scene::{Integrator, Method, Preset, Scene, Stepping};
 use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
-use phalanx::validate::turned;
+use phalanx::validate::wrap_angle;
 
-/// Points at which runs are compared.
+/// Number of grid intervals at which runs are compared.
 const POINTS: f64 = 100.0;
-/// Wall time after which a run counts as one that hangs.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+/// Wall time after which a run is aborted.
+pub const MAX_WALL_TIME: Duration = Duration::from_secs(60);
 
 /// How a scene is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Setting {
-    /// The analytic model at the everyday preset.
+    /// The analytic model with the settings of the scene, by default the engineering preset.
     Default,
+    /// The analytic model with the reference preset.
     Reference,
-    /// Rodas5P at the reference preset's tolerances, as far as it gets by itself: another family of methods.
-    Second,
-    /// The engine at its defaults.
+    /// Rodas5P at nearly the tolerances of the reference preset: another family of methods.
+    SecondMethod,
+    /// The engine with the settings of the scene.
     Engine,
-    /// The engine at a tolerance so many times its default.
-    EngineAt(f64),
-    /// The everyday preset at another rtol.
+    /// The engine with its tolerance multiplied by a factor.
+    EngineTolerance(f64),
+    /// The engineering preset with another relative tolerance.
     Rtol(f64),
 }
 
-/// A run: coordinates over the grid, and what it cost.
+/// A run: coordinates on the grid, and work.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     pub times: Vec<f64>,
     pub path: Vec<Vec<f64>>,
-    /// Where it ended, and why if that was not its end.
+    /// End time, and the reason for a premature end.
     pub end_s: f64,
     pub failure: Option<String>,
-    pub wall: Duration,
+    pub wall_time: Duration,
     pub steps: u64,
     pub events: u64,
-    /// Every event in words.
-    pub story: Vec<String>,
+    /// Descriptions of all events.
+    pub event_log: Vec<String>,
 }
 
-/// Keeps the points of a grid.
-struct Keep {
+/// A sink that records the points of a uniform grid.
+struct PathRecorder {
     interval_s: f64,
     times: Vec<f64>,
     path: Vec<Vec<f64>>,
-    story: Vec<String>,
-    /// What coordinates are divided by.
+    event_log: Vec<String>,
+    /// Units that coordinates are divided by.
     units: Vec<f64>,
     deadline: Instant,
 }
 
-impl Keep {
+impl PathRecorder {
     fn new(duration_s: f64, units: Vec<f64>) -> Self {
-        let deadline = Instant::now() + PATIENCE;
+        let deadline = Instant::now() + MAX_WALL_TIME;
         Self {
             interval_s: duration_s / POINTS,
             times: Vec::new(),
             path: Vec::new(),
-            story: Vec::new(),
+            event_log: Vec::new(),
             units,
             deadline,
         }
     }
 
-    fn take(&mut self, time_s: f64, values: impl FnOnce() -> Vec<f64>) {
+    fn record_point(&mut self, time_s: f64, values: impl FnOnce() -> Vec<f64>) {
         let next = self.times.len() as f64 * self.interval_s;
         if (time_s - next).abs() <= 1e-9 * self.interval_s {
             self.times.push(time_s);
@@ -76,83 +77,83 @@ impl Keep {
     }
 }
 
-impl Sink for Keep {
+impl Sink for PathRecorder {
     fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
-        // Readings of passive angles jump by a turn.
-        let before = self.path.last().cloned();
+        // Passive angles jump by full turns.
+        let previous_point = self.path.last().cloned();
         let angles = s.fingers.iter().enumerate().flat_map(|(index, finger)| {
-            let before =
-                before.as_ref().and_then(|before| before.get(3 * index + 2)).copied().unwrap_or(finger.q22_rad);
-            [finger.q11_rad, finger.q21_rad, before + turned(finger.q22_rad - before)]
+            let previous =
+                previous_point.as_ref().and_then(|point| point.get(3 * index + 2)).copied().unwrap_or(finger.q22_rad);
+            [finger.q11_rad, finger.q21_rad, previous + wrap_angle(finger.q22_rad - previous)]
         });
         let centres = s.bodies.iter().flat_map(|disc| disc.centre_m);
         let units = self.units.clone();
-        self.take(s.time_s, || angles.chain(centres).zip(units).map(|(value, unit)| value / unit).collect());
+        self.record_point(s.time_s, || angles.chain(centres).zip(units).map(|(value, unit)| value / unit).collect());
         Ok(())
     }
 
     fn event(&mut self, e: &Event) -> Result<(), SinkError> {
-        self.story.push(format!("{:.9} s contact {} {:?}", e.time_s, e.contact, e.kind));
+        self.event_log.push(format!("{:.9} s contact {} {:?}", e.time_s, e.contact, e.kind));
         Ok(())
     }
 
-    fn proceed(&self) -> bool {
+    fn should_continue(&self) -> bool {
         Instant::now() < self.deadline
     }
 }
 
-/// Runs a scene in one setting; `push`: relative change of what drives it.
-pub fn record(scene: &Scene, setting: Setting, push: f64) -> Run {
+/// Runs a scene with one setting; `perturbation` is a relative change of its drives.
+pub fn record(scene: &Scene, setting: Setting, perturbation: f64) -> Run {
     let start = Instant::now();
-    let mut scene = pushed(scene, push);
-    let mut run = run_in(&mut scene, setting);
-    run.wall = start.elapsed();
+    let mut scene = perturbed(scene, perturbation);
+    let mut run = simulate(&mut scene, setting);
+    run.wall_time = start.elapsed();
     run
 }
 
-fn model(setting: Setting) -> Model {
+fn setting_model(setting: Setting) -> Model {
     match setting {
-        Setting::Engine | Setting::EngineAt(_) => Model::Engine,
+        Setting::Engine | Setting::EngineTolerance(_) => Model::Engine,
         _ => Model::Analytic,
     }
 }
 
-fn integrator(setting: Setting, own: &Integrator) -> Integrator {
-    let everyday = Integrator::preset(Preset::Engineering);
+fn setting_integrator(setting: Setting, scene_value: &Integrator) -> Integrator {
+    let engineering = Integrator::preset(Preset::Engineering);
     let reference = Integrator::preset(Preset::Reference);
     match setting {
         Setting::Reference => reference,
-        Setting::Second => Integrator {
+        Setting::SecondMethod => Integrator {
             method: Method::Rodas5p,
             rtol: 1e-9,
             atol_angle_rad: 1e-13,
             atol_rate_rad_s: 1e-8,
             ..reference
         },
-        Setting::Rtol(rtol) => everyday.with_rtol(rtol),
-        // As the scene is run when nothing is said.
-        _ => *own,
+        Setting::Rtol(rtol) => engineering.with_rtol(rtol),
+        // All other settings use the integrator of the scene.
+        _ => *scene_value,
     }
 }
 
-fn stepping(setting: Setting, own: Stepping) -> Stepping {
-    match (setting, own) {
-        (Setting::EngineAt(factor), Stepping::Adaptive { tolerance_m, max_step_s }) => {
+fn setting_stepping(setting: Setting, scene_value: Stepping) -> Stepping {
+    match (setting, scene_value) {
+        (Setting::EngineTolerance(factor), Stepping::Adaptive { tolerance_m, max_step_s }) => {
             Stepping::Adaptive { tolerance_m: factor * tolerance_m, max_step_s }
         }
-        (_, own) => own,
+        (_, scene_value) => scene_value,
     }
 }
 
-fn run_in(scene: &mut Scene, setting: Setting) -> Run {
-    scene.integrator = integrator(setting, &scene.integrator);
-    scene.engine.stepping = stepping(setting, scene.engine.stepping);
+fn simulate(scene: &mut Scene, setting: Setting) -> Run {
+    scene.integrator = setting_integrator(setting, &scene.integrator);
+    scene.engine.stepping = setting_stepping(setting, scene.engine.stepping);
     scene.log.numeric_hz = POINTS / scene.duration_s;
-    let mut keep = Keep::new(scene.duration_s, units(&scene.system));
-    let result = run(model(setting), &*scene, &mut keep);
+    let mut recorder = PathRecorder::new(scene.duration_s, units(&scene.system));
+    let result = run(setting_model(setting), &*scene, &mut recorder);
     let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),
-        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason.to_string())),
+        Err(RunError::Simulation { failure, partial_outcome }) => (*partial_outcome, Some(failure.reason.to_string())),
         Err(RunError::Sink(error)) => panic!("{error}"),
     };
     Run {
@@ -160,14 +161,14 @@ fn run_in(scene: &mut Scene, setting: Setting) -> Run {
         failure,
         steps: outcome.work.steps,
         events: outcome.work.events,
-        times: keep.times,
-        path: keep.path,
-        story: keep.story,
+        times: recorder.times,
+        path: recorder.path,
+        event_log: recorder.event_log,
         ..Run::default()
     }
 }
 
-/// Largest difference of any coordinate along the path both have, and whether they end at the same time in the same way.
+/// Returns the largest difference of any coordinate along the common part of two paths.
 pub fn difference(a: &Run, b: &Run) -> f64 {
     let mut largest: f64 = 0.0;
     for (p, q) in a.path.iter().zip(&b.path) {
@@ -178,7 +179,7 @@ pub fn difference(a: &Run, b: &Run) -> f64 {
     if largest.is_nan() { f64::INFINITY } else { largest }
 }
 
-/// Whether both end in the same way.
-pub fn same_end(a: &Run, b: &Run) -> bool {
+/// Returns whether two runs end at the same time in the same way.
+pub fn have_same_end(a: &Run, b: &Run) -> bool {
     a.failure.is_some() == b.failure.is_some() && (a.end_s - b.end_s).abs() <= 1e-5 * a.end_s.max(b.end_s)
 }

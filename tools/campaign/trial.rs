@@ -1,4 +1,4 @@
-//! One scene through all settings, and what is to be said of it.
+//! Runs one scene with all settings and compares the results.
 
 use std::fmt;
 use std::time::Instant;
@@ -7,139 +7,166 @@ use phalanx::check::check;
 use phalanx::scene::Scene;
 use phalanx::trace::Model;
 
-use super::record::{PATIENCE, Run, Setting, difference, record, same_end};
+use super::record::{MAX_WALL_TIME, Run, Setting, difference, have_same_end, record};
 
-/// What is asked: by how much the everyday preset and the engine may be off, in rad or m along the path.
-pub const EVERYDAY: f64 = 1e-5;
-pub const ENGINE: f64 = 1e-3;
-pub const REFERENCE: f64 = 1e-7;
-/// A scene is chaotic if this change of what drives it moves its path by more than that.
-const PUSH: f64 = 1e-7;
-const CHAOTIC: f64 = 1e-3;
-/// A difference is the scene's own if it is within so many times what the push does.
-const OWN: f64 = 10.0;
-const OWN_ENGINE: f64 = 100.0;
-/// The steps a reference may take: some 5 s on an idle core. Steps do not depend on what else a machine does.
-const SLOW_STEPS: u64 = 800_000;
+/// Largest accepted errors along the path, in rad or relative to the unit of the coordinate.
+pub const MAX_PRESET_ERROR: f64 = 1e-5;
+pub const MAX_ENGINE_ERROR: f64 = 1e-3;
+pub const MAX_REFERENCE_DIFFERENCE: f64 = 1e-7;
+/// A scene is chaotic if this relative change of its drives changes its path by more than [`CHAOTIC_DIFFERENCE`].
+const PERTURBATION: f64 = 1e-7;
+const CHAOTIC_DIFFERENCE: f64 = 1e-3;
+/// A difference is attributed to the sensitivity of the scene if it is at most this multiple of the effect of the
+/// perturbation.
+const MAX_AMPLIFICATION: f64 = 10.0;
+const MAX_ENGINE_AMPLIFICATION: f64 = 100.0;
+/// Step limit of a reference run, some 5 s on an idle core. Unlike time, steps do not depend on the load of the machine.
+const MAX_REFERENCE_STEPS: u64 = 800_000;
 
-/// Errors of a scene against its reference, and what the push does to that.
+/// Errors of the runs of a scene against its reference.
 #[derive(Clone, Debug)]
 pub struct Trial {
     pub reference: Run,
-    pub everyday: Run,
+    pub preset: Run,
     pub engine: Option<Run>,
-    pub push: f64,
+    /// Effect of the perturbation on the reference.
+    pub perturbation: f64,
+    /// Difference between the two references.
     pub second: f64,
     pub error: f64,
     pub engine_error: f64,
-    /// What the program says of its own runs.
-    pub says: &'static str,
-    pub engine_says: &'static str,
+    /// Verdicts of `check` on the runs of the program.
+    pub analytic_verdict: &'static str,
+    pub engine_verdict: &'static str,
     pub verdicts: Vec<Verdict>,
 }
 
+/// Finding about a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     Chaotic,
     ReferenceSlow,
     ReferenceFailed,
     ReferencesDisagree,
-    EverydayWrong,
-    EverydayFarOff,
-    EverydayEndsElsewhere,
-    EverydaySilent,
-    EverydayFalseAlarm,
-    EngineSilent,
+    PresetInaccurate,
+    PresetVeryInaccurate,
+    PresetEndsDifferently,
+    PresetErrorUnreported,
+    PresetFalseAlarm,
+    EngineErrorUnreported,
     EngineFalseAlarm,
-    EngineWrong,
-    EngineBeyondTenth,
-    EngineEndsElsewhere,
-    Fails,
+    EngineInaccurate,
+    EngineAboveTenth,
+    EngineEndsEarly,
+    PresetFailed,
 }
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
-            Verdict::Chaotic => "chaotic: a push of 1e-7 moves the reference by more than 1e-3",
+            Verdict::Chaotic => "chaotic: a perturbation of 1e-7 changes the reference by more than 1e-3",
             Verdict::ReferenceSlow => "reference takes more than 800,000 steps, some 5 s",
-            Verdict::ReferenceFailed => "reference ends for another reason than a fold",
+            Verdict::ReferenceFailed => "reference fails, but not at a fold",
             Verdict::ReferencesDisagree => "two references differ by more than 1e-7",
-            Verdict::EverydayWrong => "everyday preset wrong by more than 1e-5",
-            Verdict::EverydayFarOff => "everyday preset wrong by more than 1e-3",
-            Verdict::EverydayEndsElsewhere => "everyday preset ends in another way than the reference",
-            Verdict::EverydaySilent => {
-                "everyday preset wrong by more than 1e-5, or chaotic, and its check says it is sure"
+            Verdict::PresetInaccurate => "default run has an error above 1e-5",
+            Verdict::PresetVeryInaccurate => "default run has an error above 1e-3",
+            Verdict::PresetEndsDifferently => "default run ends differently from the reference",
+            Verdict::PresetErrorUnreported => {
+                "default run has an error above 1e-5 or is chaotic, but its check reports \"sure\""
             }
-            Verdict::EverydayFalseAlarm => "everyday preset right, and its check says it is not",
-            Verdict::EngineSilent => "engine wrong by more than 1e-4, or chaotic, and its check says it is sure",
-            Verdict::EngineFalseAlarm => "engine right, and its check says it is not",
-            Verdict::EngineWrong => "engine wrong by more than 1e-3",
-            Verdict::EngineBeyondTenth => "engine wrong by more than 1e-4",
-            Verdict::EngineEndsElsewhere => "engine ends early",
-            Verdict::Fails => "everyday preset ends for another reason than a fold",
+            Verdict::PresetFalseAlarm => "default run is accurate, but its check reports an error",
+            Verdict::EngineErrorUnreported => {
+                "engine has an error above 1e-4 or is chaotic, but its check reports \"sure\""
+            }
+            Verdict::EngineFalseAlarm => "engine is accurate, but its check reports an error",
+            Verdict::EngineInaccurate => "engine has an error above 1e-3",
+            Verdict::EngineAboveTenth => "engine has an error above 1e-4",
+            Verdict::EngineEndsEarly => "engine ends early",
+            Verdict::PresetFailed => "default run fails, but not at a fold",
         })
     }
 }
 
-fn at_fold(run: &Run) -> bool {
+/// Returns whether a run is complete or ends at a fold of the linkage.
+fn ends_at_fold(run: &Run) -> bool {
     run.failure.as_ref().is_none_or(|reason| reason.contains("singular") || reason.contains("same centre"))
 }
 
-/// What the program says of its own run, and whether that is about its path: energies and restitution are not compared here.
-fn ask(scene: &Scene, model: Model) -> (&'static str, bool) {
-    let deadline = Instant::now() + PATIENCE;
-    let go_on = || Instant::now() < deadline;
-    let found = check(model, scene, &go_on);
-    let name = found.verdict.name();
-    (name, name == "chaotic" || name == "uncertain" && found.errors.path > found.bar)
+/// Returns the verdict of `check`, and whether it reports an error of the path; energies and restitution are not compared.
+fn run_check(scene: &Scene, model: Model) -> (&'static str, bool) {
+    let deadline = Instant::now() + MAX_WALL_TIME;
+    let keep_running = || Instant::now() < deadline;
+    let report = check(model, scene, &keep_running);
+    let name = report.verdict.name();
+    (name, name == "chaotic" || name == "uncertain" && report.errors.path > report.max_path_error)
 }
 
-/// Runs a scene in all settings.
-pub fn trial(scene: &Scene, engine: bool) -> Trial {
+/// Runs a scene with all settings.
+pub fn run_trial(scene: &Scene, engine: bool) -> Trial {
     let reference = record(scene, Setting::Reference, 0.0);
-    let everyday = record(scene, Setting::Default, 0.0);
-    let slow = reference.steps > SLOW_STEPS;
-    // A reference that has been stopped says nothing of what comes after.
-    let pushed = record(scene, Setting::Reference, PUSH);
-    let second_run = record(scene, Setting::Second, 0.0);
+    let preset = record(scene, Setting::Default, 0.0);
+    let is_slow = reference.steps > MAX_REFERENCE_STEPS;
+    let perturbed = record(scene, Setting::Reference, PERTURBATION);
+    let second_run = record(scene, Setting::SecondMethod, 0.0);
     let engine = engine.then(|| record(scene, Setting::Engine, 0.0));
-    let push = difference(&reference, &pushed);
+    let perturbation = difference(&reference, &perturbed);
     let second = difference(&reference, &second_run);
-    let error = difference(&reference, &everyday);
+    let error = difference(&reference, &preset);
     let engine_error = engine.as_ref().map_or(0.0, |run| difference(&reference, run));
     let mut verdicts = Vec::new();
-    let mut say = |when: bool, verdict: Verdict| {
-        if when {
+    let mut add_if = |condition: bool, verdict: Verdict| {
+        if condition {
             verdicts.push(verdict);
         }
     };
-    let chaotic = push > CHAOTIC || !same_end(&reference, &pushed);
-    let beyond = |error: f64, bar: f64, own: f64| error > bar && error > own * push;
-    say(chaotic, Verdict::Chaotic);
-    say(slow, Verdict::ReferenceSlow);
-    say(!at_fold(&reference), Verdict::ReferenceFailed);
-    say(!at_fold(&everyday), Verdict::Fails);
-    if !chaotic {
-        say(beyond(second, REFERENCE, OWN) && !slow, Verdict::ReferencesDisagree);
-        say(beyond(error, EVERYDAY, OWN), Verdict::EverydayWrong);
-        say(beyond(error, 1e-3, OWN), Verdict::EverydayFarOff);
-        say(!same_end(&reference, &everyday), Verdict::EverydayEndsElsewhere);
+    let is_chaotic = perturbation > CHAOTIC_DIFFERENCE || !have_same_end(&reference, &perturbed);
+    let exceeds = |error: f64, limit: f64, amplification: f64| error > limit && error > amplification * perturbation;
+    add_if(is_chaotic, Verdict::Chaotic);
+    add_if(is_slow, Verdict::ReferenceSlow);
+    add_if(!ends_at_fold(&reference), Verdict::ReferenceFailed);
+    add_if(!ends_at_fold(&preset), Verdict::PresetFailed);
+    if !is_chaotic {
+        add_if(exceeds(second, MAX_REFERENCE_DIFFERENCE, MAX_AMPLIFICATION) && !is_slow, Verdict::ReferencesDisagree);
+        add_if(exceeds(error, MAX_PRESET_ERROR, MAX_AMPLIFICATION), Verdict::PresetInaccurate);
+        add_if(exceeds(error, 1e-3, MAX_AMPLIFICATION), Verdict::PresetVeryInaccurate);
+        add_if(!have_same_end(&reference, &preset), Verdict::PresetEndsDifferently);
         if let Some(engine) = &engine {
-            // The engine goes through a fold; until there it is held to the reference.
-            say(beyond(engine_error, ENGINE, OWN_ENGINE), Verdict::EngineWrong);
-            say(beyond(engine_error, 0.1 * ENGINE, OWN_ENGINE), Verdict::EngineBeyondTenth);
-            say(engine.failure.is_some() && engine.end_s < 0.999 * reference.end_s, Verdict::EngineEndsElsewhere);
+            // The engine continues past a fold; it is compared with the reference up to there.
+            add_if(exceeds(engine_error, MAX_ENGINE_ERROR, MAX_ENGINE_AMPLIFICATION), Verdict::EngineInaccurate);
+            add_if(exceeds(engine_error, 0.1 * MAX_ENGINE_ERROR, MAX_ENGINE_AMPLIFICATION), Verdict::EngineAboveTenth);
+            add_if(engine.failure.is_some() && engine.end_s < 0.999 * reference.end_s, Verdict::EngineEndsEarly);
         }
     }
-    let (says, alarmed) = ask(scene, Model::Analytic);
-    let (engine_says, engine_alarmed) = engine.as_ref().map_or(("", false), |_| ask(scene, Model::Engine));
-    let off = |error: f64, bar: f64, own: f64| chaotic || beyond(error, bar, own);
-    say(off(error, EVERYDAY, OWN) && says == "sure", Verdict::EverydaySilent);
-    say(!chaotic && error <= 0.5 * EVERYDAY && same_end(&reference, &everyday) && alarmed, Verdict::EverydayFalseAlarm);
+    let (analytic_verdict, reports_error) = run_check(scene, Model::Analytic);
+    let (engine_verdict, engine_reports_error) =
+        engine.as_ref().map_or(("", false), |_| run_check(scene, Model::Engine));
+    let is_inaccurate = |error: f64, limit: f64, amplification: f64| is_chaotic || exceeds(error, limit, amplification);
+    add_if(
+        is_inaccurate(error, MAX_PRESET_ERROR, MAX_AMPLIFICATION) && analytic_verdict == "sure",
+        Verdict::PresetErrorUnreported,
+    );
+    add_if(
+        !is_chaotic && error <= 0.5 * MAX_PRESET_ERROR && have_same_end(&reference, &preset) && reports_error,
+        Verdict::PresetFalseAlarm,
+    );
     if let Some(engine) = &engine {
-        say(off(engine_error, 0.1 * ENGINE, OWN_ENGINE) && engine_says == "sure", Verdict::EngineSilent);
-        let right = engine_error <= 0.05 * ENGINE && same_end(&reference, engine);
-        say(!chaotic && right && engine_alarmed, Verdict::EngineFalseAlarm);
+        add_if(
+            is_inaccurate(engine_error, 0.1 * MAX_ENGINE_ERROR, MAX_ENGINE_AMPLIFICATION) && engine_verdict == "sure",
+            Verdict::EngineErrorUnreported,
+        );
+        let is_accurate = engine_error <= 0.05 * MAX_ENGINE_ERROR && have_same_end(&reference, engine);
+        add_if(!is_chaotic && is_accurate && engine_reports_error, Verdict::EngineFalseAlarm);
     }
-    Trial { says, engine_says, reference, everyday, engine, push, second, error, engine_error, verdicts }
+    Trial {
+        analytic_verdict,
+        engine_verdict,
+        reference,
+        preset,
+        engine,
+        perturbation,
+        second,
+        error,
+        engine_error,
+        verdicts,
+    }
 }

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# A sweep under a real Slurm of this one machine (Debian's packages: munge, slurmctld, slurmd, slurm-client): the array of a small
-# study, one of whose tasks is killed, and its merge have the bytes of the sweep in one piece; submitted again, nothing is computed.
-# munged, slurmctld and slurmd are this script's own: on free ports of the loopback, with all their files in a temporary directory,
-# ended by their process numbers. Where the packages cannot be had it says so, and that nothing was run.
-# $PHALANX names another binary. Needs root, as slurmd does.
+# Tests a sweep under a real Slurm on this machine (Debian packages munge, slurmctld, slurmd, slurm-client): a job array
+# of a small study, one task of which is killed, and its merge must give the same bytes as the sweep in one piece.
+# Submitted again, it computes only lost parts. The script starts its own munged, slurmctld and slurmd on free loopback
+# ports, with all files in a temporary directory, and ends them by process id. If the packages cannot be installed, it
+# reports NOT RUN and ends with status 0. $PHALANX names another binary. Needs root, because slurmd does.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -15,35 +15,35 @@ not_run() {
     exit 0
 }
 
-there() {
+slurm_installed() {
     command -v munged && command -v slurmctld && command -v slurmd && command -v sbatch
 }
 
 export PATH=$PATH:/usr/sbin
-[ "$(id -u)" = 0 ] || not_run "slurmd has to be started by root"
-# In a shell of its own, for `need` ends it where the packages are not to be had.
-(need "the sweep under Slurm" "Slurm and munge" "munge slurmctld slurmd slurm-client" there) ||
-    not_run "its packages do not install here"
+[ "$(id -u)" = 0 ] || not_run "slurmd must be started by root"
+# In a subshell, because `need` exits if the packages cannot be installed.
+(need "the sweep under Slurm" "Slurm and munge" "munge slurmctld slurmd slurm-client" slurm_installed) ||
+    not_run "the packages of Slurm cannot be installed"
 
-program_as_tested
+build_test_program
 PHALANX=$(realpath "$PHALANX")
 
-# Sockets have short names; slurmd's is in here too.
-room=$(mktemp -d /tmp/phalanx-slurm.XXXXXX)
+# A short path, because the length of socket names is limited; the socket of slurmd is in this directory too.
+scratch=$(mktemp -d /tmp/phalanx-slurm.XXXXXX)
 unset SLURM_CONF
-started=()
-end() {
+daemons=()
+cleanup() {
     local status=$? process
     trap - EXIT
-    # Of this Slurm alone: before its configuration stands, it would be another's.
-    if [ "${SLURM_CONF:-}" = "$room/slurm.conf" ]; then
+    # Only in this Slurm: before its configuration exists, scancel would act on another one.
+    if [ "${SLURM_CONF:-}" = "$scratch/slurm.conf" ]; then
         timeout 10 scancel --user="$(id -un)" --quiet 2>/dev/null || true
     fi
-    for process in "${started[@]}"; do
+    for process in "${daemons[@]}"; do
         kill "$process" 2>/dev/null || true
     done
-    for process in "${started[@]}"; do
-        # Half a minute for each to end by itself.
+    for process in "${daemons[@]}"; do
+        # Each daemon gets half a minute to end before it is killed.
         for _ in $(seq 300); do
             kill -0 "$process" 2>/dev/null || break
             sleep 0.1
@@ -52,43 +52,43 @@ end() {
     done
     if [ "$status" != 0 ]; then
         echo "the sweep under Slurm failed; the last lines of its logs:" >&2
-        tail -n 15 "$room"/*.log "$room"/out.csv.parts/*/*.log >&2 2>/dev/null || true
+        tail -n 15 "$scratch"/*.log "$scratch"/out.csv.parts/*/*.log >&2 2>/dev/null || true
     fi
-    rm -rf "$room"
+    rm -rf "$scratch"
     exit "$status"
 }
-trap end EXIT
+trap cleanup EXIT
 
 free_port() {
     python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
 }
-command -v python3 >/dev/null || not_run "Python 3 finds the free ports, and is not installed"
+command -v python3 >/dev/null || not_run "Python 3, which finds free ports, is not installed"
 
-say "slurm: starting it on this machine"
+say "slurm: starting on this machine"
 host=$(hostname -s)
 cores=$(nproc)
-chmod 755 "$room"
-mkdir -p "$room/munge" "$room/state" "$room/spool"
-chmod 700 "$room/munge"
-(umask 077 && dd if=/dev/urandom of="$room/munge/key" bs=1 count=128 status=none)
-cat >"$room/slurm.conf" <<CONF
+chmod 755 "$scratch"
+mkdir -p "$scratch/munge" "$scratch/state" "$scratch/spool"
+chmod 700 "$scratch/munge"
+(umask 077 && dd if=/dev/urandom of="$scratch/munge/key" bs=1 count=128 status=none)
+cat >"$scratch/slurm.conf" <<CONF
 ClusterName=phalanx-test
 SlurmctldHost=$host(127.0.0.1)
 SlurmUser=root
 SlurmdUser=root
 AuthType=auth/munge
-# The second: how long after a requeue a job waits, and how long its credential is good.
-AuthInfo=socket=$room/munge/socket,cred_expire=5
+# cred_expire: lifetime of a job credential and delay after a requeue, s.
+AuthInfo=socket=$scratch/munge/socket,cred_expire=5
 CryptoType=crypto/munge
 SlurmctldPort=$(free_port)
 SlurmdPort=$(free_port)
-SlurmctldPidFile=$room/slurmctld.pid
-SlurmdPidFile=$room/slurmd.pid
-SlurmctldLogFile=$room/slurmctld.log
-SlurmdLogFile=$room/slurmd.log
-StateSaveLocation=$room/state
-SlurmdSpoolDir=$room/spool
-# A container has no cgroups to give away.
+SlurmctldPidFile=$scratch/slurmctld.pid
+SlurmdPidFile=$scratch/slurmd.pid
+SlurmctldLogFile=$scratch/slurmctld.log
+SlurmdLogFile=$scratch/slurmd.log
+StateSaveLocation=$scratch/state
+SlurmdSpoolDir=$scratch/spool
+# Cgroups may not be available in a container.
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/none
@@ -102,30 +102,30 @@ MailProg=/bin/true
 NodeName=$host NodeAddr=127.0.0.1 CPUs=$cores State=UNKNOWN
 PartitionName=all Nodes=$host Default=YES MaxTime=10 State=UP
 CONF
-export SLURM_CONF=$room/slurm.conf
+export SLURM_CONF=$scratch/slurm.conf
 
-munged --foreground --force --key-file="$room/munge/key" --socket="$room/munge/socket" --pid-file="$room/munge/pid" \
-    --log-file="$room/munge/log" --seed-file="$room/munge/seed" >"$room/munged.log" 2>&1 &
-started+=($!)
+munged --foreground --force --key-file="$scratch/munge/key" --socket="$scratch/munge/socket" --pid-file="$scratch/munge/pid" \
+    --log-file="$scratch/munge/log" --seed-file="$scratch/munge/seed" >"$scratch/munged.log" 2>&1 &
+daemons+=($!)
 for _ in $(seq 100); do
-    [ -S "$room/munge/socket" ] && break
+    [ -S "$scratch/munge/socket" ] && break
     sleep 0.1
 done
-slurmctld -D >"$room/slurmctld.out.log" 2>&1 &
-started+=($!)
-slurmd -D >"$room/slurmd.out.log" 2>&1 &
-started+=($!)
+slurmctld -D >"$scratch/slurmctld.out.log" 2>&1 &
+daemons+=($!)
+slurmd -D >"$scratch/slurmd.out.log" 2>&1 &
+daemons+=($!)
 for _ in $(seq 300); do
     sinfo --noheader --format=%T 2>/dev/null | grep -q idle && break
     sleep 0.2
 done
 sinfo --noheader --format=%T | grep -q idle || {
-    echo "Slurm does not get ready on this machine" >&2
+    echo "Slurm has no idle node after 60 s" >&2
     exit 1
 }
 
-# Each part takes a second or so: long enough to be killed on its way.
-cat >"$room/study.toml" <<STUDY
+# Each part takes about a second: long enough to be killed before it ends.
+cat >"$scratch/study.toml" <<STUDY
 scene = "$PWD/scenes/experiment-95.toml"
 
 [[axes]]
@@ -134,14 +134,14 @@ from = "300 N*mm"
 to = "600 N*mm"
 count = ${RUNS:-4000}
 STUDY
-"$PHALANX" --quiet sweep "$room/study.toml" --out "$room/whole.csv" >/dev/null
+"$PHALANX" --quiet sweep "$scratch/study.toml" --out "$scratch/whole.csv" >/dev/null
 
-say "slurm: a sweep in eight parts, by three tasks, one of them killed"
-jobs=$(TASKS=3 tools/slurm/sweep.sbatch submit "$room/study.toml" 8 "$room/out.csv")
+say "slurm: a sweep of eight parts in three tasks, one of which is killed"
+jobs=$(TASKS=3 tools/slurm/sweep.sbatch submit "$scratch/study.toml" 8 "$scratch/out.csv")
 read -r _ sweep _ merge <<<"$jobs"
-parts=$room/out.csv.parts/of-8
+parts=$scratch/out.csv.parts/of-8
 
-# The first process that makes a part: killed as the machine's own killer would.
+# Kill the first process that computes a part with SIGKILL, as the kernel does when memory runs out.
 victim=
 for _ in $(seq 600); do
     for process in /proc/[0-9]*; do
@@ -152,29 +152,29 @@ for _ in $(seq 600); do
     done
     sleep 0.05
 done
-[ -n "$victim" ] || { echo "no task has begun" >&2; exit 1; }
-killed=$(tr '\0' '\n' <"/proc/$victim/cmdline" | grep -m1 '\.parquet$')
+[ -n "$victim" ] || { echo "no task has started within 30 s" >&2; exit 1; }
+killed_part=$(tr '\0' '\n' <"/proc/$victim/cmdline" | grep -m1 '\.parquet$')
 kill -KILL "$victim"
-[ ! -e "$killed" ] || { echo "$killed was there before its process was killed: the runs are too short for this test" >&2; exit 1; }
+[ ! -e "$killed_part" ] || { echo "$killed_part was complete before its process was killed: the runs are too short for this test" >&2; exit 1; }
 
 for _ in $(seq 1200); do
     [ -z "$(squeue --noheader --jobs="$sweep,$merge" 2>/dev/null)" ] && break
     sleep 0.2
 done
 grep -q "requeued" "$parts"/task-*.log || { echo "the killed task was not requeued" >&2; exit 1; }
-cmp "$room/out.csv" "$room/whole.csv"
-cmp "$room/out.csv.study.json" "$room/whole.csv.study.json"
-echo "the killed task was requeued; the merged table has the bytes of the sweep in one piece"
+cmp "$scratch/out.csv" "$scratch/whole.csv"
+cmp "$scratch/out.csv.study.json" "$scratch/whole.csv.study.json"
+echo "the killed task was requeued; the merged table has the same bytes as the sweep in one piece"
 
-say "slurm: the same again, with one part lost"
-rm "$parts/5.parquet" "$room/out.csv" "$room/out.csv.study.json"
+say "slurm: the same sweep again after the loss of one part"
+rm "$parts/5.parquet" "$scratch/out.csv" "$scratch/out.csv.study.json"
 before=$(stat --format='%n %Y' "$parts"/[!5].parquet)
-jobs=$(TASKS=3 tools/slurm/sweep.sbatch submit "$room/study.toml" 8 "$room/out.csv")
+jobs=$(TASKS=3 tools/slurm/sweep.sbatch submit "$scratch/study.toml" 8 "$scratch/out.csv")
 read -r _ sweep _ merge <<<"$jobs"
 for _ in $(seq 1200); do
     [ -z "$(squeue --noheader --jobs="$sweep,$merge" 2>/dev/null)" ] && break
     sleep 0.2
 done
-cmp "$room/out.csv" "$room/whole.csv"
-[ "$before" = "$(stat --format='%n %Y' "$parts"/[!5].parquet)" ] || { echo "finished parts were made again" >&2; exit 1; }
-echo "only the lost part was made again"
+cmp "$scratch/out.csv" "$scratch/whole.csv"
+[ "$before" = "$(stat --format='%n %Y' "$parts"/[!5].parquet)" ] || { echo "finished parts were computed again" >&2; exit 1; }
+echo "only the lost part was computed again"

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Shows a phalanx log in Rerun: bodies, contact points and forces in a view from above, every number as a plot.
+"""Shows a phalanx log in Rerun: bodies, contact points and forces in a view from above, and every number as a plot.
 
-Rerun opens a log by itself, but draws neither `foxglove.SceneUpdate` nor single fields of messages. This reads the log with
-the public MCAP packages and hands Rerun what it draws: shapes once, then the transforms of their frames, arrows of the
-forces, and one series a field, all on the timeline `time`.
+Rerun can open a log itself, but draws neither `foxglove.SceneUpdate` nor single fields of messages. This script reads
+the log with the public MCAP packages and sends to Rerun the shapes (once), the transforms of their frames, force
+arrows, and one series per field, all on the timeline `time`.
 
     rerun_view.py LOG.mcap                     opens the viewer
     rerun_view.py LOG.mcap --save FILE.rrd     writes a recording instead
@@ -21,7 +21,7 @@ try:
     from mcap.reader import make_reader
     from mcap_protobuf.decoder import DecoderFactory
 except ImportError as error:
-    sys.exit(f"{error}; install what it needs: pip install -r {Path(__file__).with_name('requirements.txt')}")
+    sys.exit(f"{error}; install the requirements: pip install -r {Path(__file__).with_name('requirements.txt')}")
 
 TIMELINE = "time"
 
@@ -32,7 +32,7 @@ POINT_M = 6e-4
 
 
 def read(path):
-    """Every message of a log by topic: lists of (time in ns, message)."""
+    """Returns all messages of a log by topic, as lists of (time in ns, message)."""
     topics = {}
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
@@ -42,27 +42,29 @@ def read(path):
 
 
 def timeline(times_ns):
-    """The index column of some rows."""
+    """Returns the time column of rows."""
     return [rerun.TimeColumn(TIMELINE, duration=numpy.array(times_ns, dtype="timedelta64[ns]"))]
 
 
-def vector(of):
-    return [of.x, of.y, of.z]
+def vector(message):
+    """Returns the components of a vector or point."""
+    return [message.x, message.y, message.z]
 
 
-def turned(orientation, along):
-    """A direction in the plane, turned by a quaternion about z."""
+def rotated_x(orientation, length):
+    """Returns a vector of the given length along x, rotated by a quaternion about z."""
     cosine = orientation.w**2 - orientation.z**2
     sine = 2.0 * orientation.w * orientation.z
-    return [cosine * along, sine * along, 0.0]
+    return [cosine * length, sine * length, 0.0]
 
 
 def rgba(colour):
-    return [round(255 * part) for part in (colour.r, colour.g, colour.b, colour.a)]
+    """Returns a colour with 8-bit components."""
+    return [round(255 * component) for component in (colour.r, colour.g, colour.b, colour.a)]
 
 
-def shapes(entities):
-    """Outlines and areas of the bodies, each under the transform of its frame."""
+def send_shapes(entities):
+    """Sends the outlines and areas of the bodies, each in its frame."""
     for entity in entities:
         path = f"/world/{entity.frame_id}"
         outlines = [[vector(point) for point in [*line.points, line.points[0]]] for line in entity.lines]
@@ -78,28 +80,28 @@ def shapes(entities):
             rerun.log(f"{path}/area_{number}", mesh, static=True)
 
 
-def transforms(messages):
-    """Where the frames are; all of them hang from `world`."""
-    rows = {}
+def send_transforms(messages):
+    """Sends the poses of the frames relative to `world`."""
+    rows_by_frame = {}
     for time_ns, body in messages:
         for frame in body.transforms:
-            turn = frame.rotation
-            row = (time_ns, vector(frame.translation), [turn.x, turn.y, turn.z, turn.w])
-            rows.setdefault(frame.child_frame_id, []).append(row)
-    for name, found in rows.items():
-        times_ns, places, turns = zip(*found)
-        columns = rerun.Transform3D.columns(translation=places, quaternion=turns)
+            rotation = frame.rotation
+            row = (time_ns, vector(frame.translation), [rotation.x, rotation.y, rotation.z, rotation.w])
+            rows_by_frame.setdefault(frame.child_frame_id, []).append(row)
+    for name, rows in rows_by_frame.items():
+        times_ns, translations, quaternions = zip(*rows)
+        columns = rerun.Transform3D.columns(translation=translations, quaternion=quaternions)
         rerun.send_columns(f"/world/{name}", timeline(times_ns), columns)
 
 
-def forces(messages):
-    """Arrows and contact points; a contact without any is empty from there on."""
+def send_forces(messages):
+    """Sends force arrows and contact points; empty lists clear those of an inactive contact."""
     for time_ns, body in messages:
         rerun.set_time(TIMELINE, duration=numpy.timedelta64(time_ns, "ns"))
         for entity in body.entities:
             origins = [vector(arrow.pose.position) for arrow in entity.arrows]
             lengths = [arrow.shaft_length + arrow.head_length for arrow in entity.arrows]
-            vectors = [turned(arrow.pose.orientation, length) for arrow, length in zip(entity.arrows, lengths)]
+            vectors = [rotated_x(arrow.pose.orientation, length) for arrow, length in zip(entity.arrows, lengths)]
             colours = [rgba(arrow.color) for arrow in entity.arrows]
             arrows = rerun.Arrows3D(origins=origins, vectors=vectors, colors=colours, radii=ARROW_M)
             rerun.log(f"/world/forces/{entity.id}/arrows", arrows)
@@ -108,8 +110,8 @@ def forces(messages):
             rerun.log(f"/world/forces/{entity.id}/point", rerun.Points3D(points, colors=colours, radii=POINT_M))
 
 
-def numbers(topic, messages):
-    """One series for every double of a topic."""
+def send_numbers(topic, messages):
+    """Sends one series for every field of type double of a topic."""
     times_ns = [time_ns for time_ns, _ in messages]
     for field in messages[0][1].DESCRIPTOR.fields:
         if field.name == "timestamp" or field.cpp_type != field.CPPTYPE_DOUBLE:
@@ -118,8 +120,8 @@ def numbers(topic, messages):
         rerun.send_columns(f"{topic}/{field.name}", timeline(times_ns), rerun.Scalars.columns(scalars=values))
 
 
-def events(topic, messages):
-    """Lines of text."""
+def send_events(topic, messages):
+    """Sends log messages as text lines."""
     times_ns = [time_ns for time_ns, _ in messages]
     levels = ["ERROR" if body.level >= 4 else "INFO" for _, body in messages]
     columns = rerun.TextLog.columns(text=[body.message for _, body in messages], level=levels)
@@ -127,53 +129,53 @@ def events(topic, messages):
 
 
 def plots(topics):
-    """Names and contents of the plots: (name, entities)."""
+    """Returns the plots with content: (name, entities)."""
     contacts = [topic for topic in topics if topic.startswith("/contact/")]
     discs = [topic for topic in topics if topic.startswith("/disc/")]
-    wanted = [
+    all_plots = [
         ("angles (rad)", [f"/state/{name}_rad" for name in ("q11", "q21", "q22")] if "/state" in topics else []),
-        ("places (m)", [f"{disc}/{axis}_m" for disc in discs for axis in "xy"]),
+        ("positions (m)", [f"{disc}/{axis}_m" for disc in discs for axis in "xy"]),
         ("gaps (m)", [f"{contact}/gap_m" for contact in contacts]),
         ("normal forces (N)", [f"{contact}/normal_n" for contact in contacts]),
         ("tangential forces (N)", [f"{contact}/tangential_n" for contact in contacts]),
         ("energies (J)", [f"/energy/{name}_j" for name in ("kinetic", "spring", "elastic", "dissipated", "motor_work")]),
     ]
-    return [(name, entities) for name, entities in wanted if entities]
+    return [(name, entities) for name, entities in all_plots if entities]
 
 
-def arrangement(topics):
-    """The view from above beside the plots, the events below."""
+def build_blueprint(topics):
+    """Returns the layout: the view from above with the events below it on the left, the plots on the right."""
     corners = [point for _, body in topics.get("/scene", []) for entity in body.entities
                for line in entity.lines if line.points for point in line.points if entity.id != "palm"]
-    reach = max((max(abs(point.x), abs(point.y)) for point in corners), default=0.05)
+    size = max((max(abs(point.x), abs(point.y)) for point in corners), default=0.05)
     eye = blueprint.EyeControls3D(
-        position=[0.0, 0.5 * reach, 4.0 * reach], look_target=[0.0, 0.5 * reach, 0.0], eye_up=[0.0, 1.0, 0.0]
+        position=[0.0, 0.5 * size, 4.0 * size], look_target=[0.0, 0.5 * size, 0.0], eye_up=[0.0, 1.0, 0.0]
     )
-    above = blueprint.Spatial3DView(origin="/world", name="from above", eye_controls=eye, line_grid=False)
+    spatial_view = blueprint.Spatial3DView(origin="/world", name="from above", eye_controls=eye, line_grid=False)
     series = [blueprint.TimeSeriesView(name=name, contents=entities) for name, entities in plots(topics)]
-    below = blueprint.TextLogView(origin="/events", name="events")
-    picture = blueprint.Vertical(above, below, row_shares=[4, 1])
+    event_view = blueprint.TextLogView(origin="/events", name="events")
+    left = blueprint.Vertical(spatial_view, event_view, row_shares=[4, 1])
     return blueprint.Blueprint(
-        blueprint.Horizontal(picture, blueprint.Vertical(*series), column_shares=[1, 1]),
+        blueprint.Horizontal(left, blueprint.Vertical(*series), column_shares=[1, 1]),
         blueprint.TimePanel(timeline=TIMELINE, playback_speed=1e-3),
         collapse_panels=True,
     )
 
 
-def show(topics):
-    """Hands everything to the recording that has been begun."""
+def send(topics):
+    """Sends all topics to the current recording."""
     for topic, messages in topics.items():
-        kind = messages[0][1].DESCRIPTOR.full_name
-        if kind == "foxglove.FrameTransforms":
-            transforms(messages)
-        elif kind == "foxglove.SceneUpdate" and topic == "/scene":
-            shapes(messages[0][1].entities)
-        elif kind == "foxglove.SceneUpdate":
-            forces(messages)
-        elif kind == "foxglove.Log":
-            events(topic, messages)
+        message_type = messages[0][1].DESCRIPTOR.full_name
+        if message_type == "foxglove.FrameTransforms":
+            send_transforms(messages)
+        elif message_type == "foxglove.SceneUpdate" and topic == "/scene":
+            send_shapes(messages[0][1].entities)
+        elif message_type == "foxglove.SceneUpdate":
+            send_forces(messages)
+        elif message_type == "foxglove.Log":
+            send_events(topic, messages)
         else:
-            numbers(topic, messages)
+            send_numbers(topic, messages)
 
 
 def main():
@@ -187,13 +189,13 @@ def main():
         sys.exit(f"cannot read {arguments.log}: {error or type(error).__name__}; give the log of a finished run")
     if not topics:
         sys.exit(f"{arguments.log} has no messages; give the log of a finished run")
-    plan = arrangement(topics)
-    rerun.init("phalanx", recording_id=arguments.log.stem, default_blueprint=plan)
+    layout = build_blueprint(topics)
+    rerun.init("phalanx", recording_id=arguments.log.stem, default_blueprint=layout)
     if arguments.save:
-        rerun.save(arguments.save, default_blueprint=plan)
+        rerun.save(arguments.save, default_blueprint=layout)
     else:
-        rerun.spawn(default_blueprint=plan)
-    show(topics)
+        rerun.spawn(default_blueprint=layout)
+    send(topics)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-//! What phalanx computes, without files, threads and clocks: both models of what a scene describes, runs of them, and what grasps come to.
+//! The computations of phalanx without files, threads and clocks: both models of a scene, their runs, and the
+//! evaluation of grasps.
 //!
-//! Modules depend on each other in one direction only:
-//! `analytic, engine ← trace, drawing ← criteria, invariants, check ← grasp`; all of them use what the crates `phalanx-integrator` and
-//! `phalanx-scene` have. The crate `phalanx` has it all, with files, logs, studies and the command line.
+//! Modules depend on each other in one direction only: `analytic, engine ← trace, drawing ← criteria, invariants, check
+//! ← grasp`. All of them use the crates `phalanx-integrator` and `phalanx-scene`. The crate `phalanx` adds files, logs,
+//! studies and the command line.
 
-#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests hold what is computed to other libraries"))]
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare results with other libraries"))]
 
 pub mod analytic;
 pub mod check;

@@ -1,4 +1,4 @@
-//! What the tests ask of the core: scenes in, figures of both models out, nothing of the system in between.
+//! Entry point for tests of the core: results of both models for two scenes, without any system interface.
 
 use std::sync::OnceLock;
 
@@ -9,8 +9,9 @@ const SCENES: [&str; 2] =
     [include_str!("../../../scenes/experiment-95.toml"), include_str!("../../../scenes/gripper/design-95.toml")];
 const MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
 
-/// Angles and rates of each finger at the end, then place, angle and rates of each body, then the impulse of each contact.
-fn figures(scene: &str, model: Model) -> Vec<f64> {
+/// Returns angles and rates of each finger at the end, then position, angle and rates of each body, then the impulse of
+/// each contact.
+fn final_values(scene: &str, model: Model) -> Vec<f64> {
     let scene = parse_any(scene, "scene.toml").expect("a scene");
     let outcome = run(model, &scene, &mut ()).expect("the run ends");
     let fingers = &outcome.last.fingers;
@@ -22,10 +23,10 @@ fn figures(scene: &str, model: Model) -> Vec<f64> {
     angles.chain(bodies).chain(outcome.contacts.iter().map(|contact| contact.impulse_n_s)).collect()
 }
 
-/// One of the figures of a scene by a model; NaN beyond the last.
-#[unsafe(no_mangle)]
-pub extern "C" fn figure(scene: usize, model: usize, index: usize) -> f64 {
-    static FOUND: OnceLock<[[Vec<f64>; 2]; 2]> = OnceLock::new();
-    let found = FOUND.get_or_init(|| SCENES.map(|scene| MODELS.map(|model| figures(scene, model))));
-    found[scene][model].get(index).copied().unwrap_or(f64::NAN)
+/// Returns one of the results of a scene and a model; NaN beyond the last.
+#[unsafe(export_name = "figure")]
+pub extern "C" fn final_value(scene: usize, model: usize, index: usize) -> f64 {
+    static RESULTS: OnceLock<[[Vec<f64>; 2]; 2]> = OnceLock::new();
+    let results = RESULTS.get_or_init(|| SCENES.map(|scene| MODELS.map(|model| final_values(scene, model))));
+    results[scene][model].get(index).copied().unwrap_or(f64::NAN)
 }

@@ -1,7 +1,9 @@
-//! The explorer's module: requests in, answers out, through buffers in its memory. It imports nothing.
+//! WebAssembly module of the explorer: requests and responses are exchanged through buffers in its memory. It imports
+//! nothing.
 //!
-//! A page writes a request of so many bytes to where [`room`] says, and calls [`answer`]. What that points to is four numbers:
-//! where the answer's text is and how many bytes it has, where its numbers are and how many. It all stands until the next call.
+//! A page writes a request to the buffer returned by [`allocate_request`] (exported as `room`) and calls [`respond`]
+//! (exported as `answer`). The result points to four numbers: address and byte length of the response text, address and
+//! length of its numbers. All of it stays valid until the next call.
 
 #[cfg(feature = "figures")]
 mod figures;
@@ -12,60 +14,60 @@ use std::sync::Once;
 
 use phalanx_show::explorer;
 
-/// What stands until the next call.
+/// Buffers that stay valid until the next call.
 #[derive(Default)]
-struct Held {
+struct Buffers {
     request: Vec<u8>,
-    answer: explorer::Answer,
-    place: [u32; 4],
-    trouble: String,
+    response: explorer::Response,
+    location: [u32; 4],
+    panic_message: String,
 }
 
 thread_local! {
-    static HELD: RefCell<Held> = RefCell::default();
+    static BUFFERS: RefCell<Buffers> = RefCell::default();
 }
 
-static HOOKED: Once = Once::new();
+static PANIC_HOOK: Once = Once::new();
 
-/// Room for a request of so many bytes.
-#[unsafe(no_mangle)]
-pub extern "C" fn room(bytes: usize) -> *mut u8 {
-    HELD.with_borrow_mut(|held| {
-        held.request = vec![0; bytes];
-        held.request.as_mut_ptr()
+/// Allocates a buffer for a request of the given number of bytes.
+#[unsafe(export_name = "room")]
+pub extern "C" fn allocate_request(bytes: usize) -> *mut u8 {
+    BUFFERS.with_borrow_mut(|buffers| {
+        buffers.request = vec![0; bytes];
+        buffers.request.as_mut_ptr()
     })
 }
 
-/// Answers the request of so many bytes.
-#[unsafe(no_mangle)]
-pub extern "C" fn answer(bytes: usize) -> *const u32 {
-    HOOKED.call_once(|| {
-        panic::set_hook(Box::new(|said| {
-            let said = said.to_string();
-            // A trap follows: what is held must be free for who asks after it.
-            HELD.with(|held| {
-                if let Ok(mut held) = held.try_borrow_mut() {
-                    held.trouble = said;
+/// Processes the request of the given number of bytes.
+#[unsafe(export_name = "answer")]
+pub extern "C" fn respond(bytes: usize) -> *const u32 {
+    PANIC_HOOK.call_once(|| {
+        panic::set_hook(Box::new(|panic_info| {
+            let message = panic_info.to_string();
+            // A trap follows: the buffers must not stay borrowed, so that the message can still be read.
+            BUFFERS.with(|buffers| {
+                if let Ok(mut buffers) = buffers.try_borrow_mut() {
+                    buffers.panic_message = message;
                 }
             });
         }));
     });
-    let request = HELD.with_borrow_mut(|held| std::mem::take(&mut held.request));
+    let request = BUFFERS.with_borrow_mut(|buffers| std::mem::take(&mut buffers.request));
     let request = String::from_utf8_lossy(&request[..bytes.min(request.len())]).into_owned();
-    let found = explorer::answer(&request);
-    HELD.with_borrow_mut(|held| {
-        held.answer = found;
-        let Held { answer: explorer::Answer { text, data }, place, .. } = held;
-        *place = [text.as_ptr() as u32, text.len() as u32, data.as_ptr() as u32, data.len() as u32];
-        place.as_ptr()
+    let response = explorer::respond(&request);
+    BUFFERS.with_borrow_mut(|buffers| {
+        buffers.response = response;
+        let Buffers { response: explorer::Response { text, data }, location, .. } = buffers;
+        *location = [text.as_ptr() as u32, text.len() as u32, data.as_ptr() as u32, data.len() as u32];
+        location.as_ptr()
     })
 }
 
-/// What a call said that ended in a trap: a text, placed as an answer.
-#[unsafe(no_mangle)]
-pub extern "C" fn trouble() -> *const u32 {
-    HELD.with_borrow_mut(|held| {
-        held.place = [held.trouble.as_ptr() as u32, held.trouble.len() as u32, 0, 0];
-        held.place.as_ptr()
+/// Returns the panic message of a call that ended in a trap: a text, in the layout of a response.
+#[unsafe(export_name = "trouble")]
+pub extern "C" fn panic_message() -> *const u32 {
+    BUFFERS.with_borrow_mut(|buffers| {
+        buffers.location = [buffers.panic_message.as_ptr() as u32, buffers.panic_message.len() as u32, 0, 0];
+        buffers.location.as_ptr()
     })
 }

@@ -1,37 +1,37 @@
-//! Events that answer each other without time passing.
+//! Detection of chattering: events that trigger each other without progress in time.
 
-/// Events at one site within this time of each other are chatter…
-const SPACING_S: f64 = 1e-15;
-/// …and after this many of them one step is left to the natural branches of the law.
-const ENOUGH: u32 = 6;
+/// Largest time between consecutive events of one event function that counts as chattering.
+const MAX_SPACING_S: f64 = 1e-15;
+/// Number of rapid events after which one step uses the clamped law.
+const MAX_RAPID_EVENTS: u32 = 6;
 
-/// Counts rapid events per site.
+/// Counts rapid events per event function.
 #[derive(Clone, Copy, Debug)]
 pub struct Chatter<const S: usize> {
     recent: [(f64, u32); S],
-    natural: bool,
+    is_clamped: bool,
 }
 
 impl<const S: usize> Chatter<S> {
     pub fn new() -> Self {
-        Self { recent: [(f64::NEG_INFINITY, 0); S], natural: false }
+        Self { recent: [(f64::NEG_INFINITY, 0); S], is_clamped: false }
     }
 
-    /// Notes an event; true if the next step should take the natural branches at this site.
-    pub fn note(&mut self, site: usize, t: f64) -> bool {
-        let (last, count) = &mut self.recent[site];
-        *count = if t - *last <= SPACING_S { *count + 1 } else { 0 };
+    /// Records an event; returns whether the next step should use the clamped law of this contact.
+    pub fn record(&mut self, index: usize, t: f64) -> bool {
+        let (last, count) = &mut self.recent[index];
+        *count = if t - *last <= MAX_SPACING_S { *count + 1 } else { 0 };
         *last = t;
-        let enough = *count >= ENOUGH;
-        if enough {
+        let is_chattering = *count >= MAX_RAPID_EVENTS;
+        if is_chattering {
             *count = 0;
-            self.natural = true;
+            self.is_clamped = true;
         }
-        enough
+        is_chattering
     }
 
-    /// Whether a step on natural branches has just been taken.
-    pub fn over(&mut self) -> bool {
-        std::mem::take(&mut self.natural)
+    /// Whether the step just taken used a clamped law; resets the flag.
+    pub fn take_clamped(&mut self) -> bool {
+        std::mem::take(&mut self.is_clamped)
     }
 }

@@ -1,34 +1,35 @@
-//! Time as an unevaluated sum of two numbers.
+//! Time as an unevaluated sum of two floating-point numbers.
 
-/// A time that steps far below its own resolution still move: the hammering of a stiff joint limit has a scale of 1e-12 s,
-/// and its events are located a million times finer, beside a time of 1e-2 s whose last digit is 2e-18 s.
+/// A time that can advance by steps below its own resolution. Repeated impacts at a stiff joint limit have a time scale
+/// of 1e-12 s, and their events are located a million times finer, whereas the last digit of a time of 1e-2 s is 2e-18
+/// s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     time: f64,
-    rest: f64,
+    remainder: f64,
 }
 
 impl Clock {
     pub fn at(time: f64) -> Self {
-        Self { time, rest: 0.0 }
+        Self { time, remainder: 0.0 }
     }
 
     pub fn now(&self) -> f64 {
         self.time
     }
 
-    /// Advances by `h` (two-sum of Knuth).
+    /// Advances by `h` (Knuth's two-sum).
     pub fn advance(&mut self, h: f64) {
-        let small = h + self.rest;
+        let small = h + self.remainder;
         let sum = self.time + small;
-        let back = sum - self.time;
-        self.rest = (self.time - (sum - back)) + (small - back);
+        let virtual_part = sum - self.time;
+        self.remainder = (self.time - (sum - virtual_part)) + (small - virtual_part);
         self.time = sum;
     }
 
     /// Time left until `stop`.
     pub fn until(&self, stop: f64) -> f64 {
-        (stop - self.time) - self.rest
+        (stop - self.time) - self.remainder
     }
 }
 
@@ -37,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tiny_steps_add_up() {
+    fn accumulates_steps_below_its_resolution() {
         let mut clock = Clock::at(0.01);
         for _ in 0..1_000_000 {
             clock.advance(1e-19);

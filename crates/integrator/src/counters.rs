@@ -1,12 +1,12 @@
-//! What an integration costs.
+//! Cost of an integration.
 
-/// What an integration cost.
+/// Cost of an integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     pub steps: u64,
-    /// Attempts refused by the error, made to land on an event, or cut before a fold.
+    /// Attempts rejected by the error estimate, made to locate an event, or shortened before a singularity.
     pub rejected: u64,
-    /// Right-hand sides, without those an observer asked for.
+    /// Right-hand-side evaluations, without those requested by an observer.
     pub rhs: u64,
     pub jacobians: u64,
     pub events: u64,

@@ -1,7 +1,7 @@
-//! Dense output of one step, for both methods in one form.
+//! Dense output of one step, in a common form for both methods.
 
 use super::State;
-use crate::numeric::each;
+use crate::numeric::array_from;
 
 /// y(Θ) = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)) on t₀ + Θ h, Θ in 0…1.
 #[derive(Clone, Copy, Debug)]
@@ -16,15 +16,15 @@ pub struct Dense<const N: usize, const Z: usize> {
 impl<const N: usize, const Z: usize> Dense<N, Z> {
     /// State at the fraction `theta` of the step.
     #[inline(always)]
-    pub fn at(&self, theta: f64) -> State<N, Z> {
+    pub fn evaluate(&self, theta: f64) -> State<N, Z> {
         let bump = theta * (1.0 - theta);
         let blend =
             |y0: f64, y1: f64, d: [f64; 3]| y0 + theta * (y1 - y0) + bump * (d[0] + theta * (d[1] + theta * d[2]));
         let [a, b, c] = &self.d;
         State {
-            q: each(|i| blend(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
-            v: each(|i| blend(self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]])),
-            z: each(|i| blend(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]])),
+            q: array_from(|i| blend(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
+            v: array_from(|i| blend(self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]])),
+            z: array_from(|i| blend(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]])),
         }
     }
 }

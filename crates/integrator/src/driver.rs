@@ -1,26 +1,26 @@
-//! The integration loop: steps, landings on events, mode changes, ends.
+//! The integration loop: steps, event location, mode changes, termination.
 
 use super::chatter::Chatter;
 use super::clock::Clock;
-use super::control::{Controller, Pacing};
-use super::landing::{Crossing, first_crossing, may_have_passed};
-use super::method::{Attempt, Method, Origin};
+use super::control::{Controller, ToleranceSchedule};
+use super::event_location::{Crossing, first_crossing, may_have_passed};
+use super::method::{Attempt, Method, StepStart};
 use super::observer::{Observer, Step, StepTools};
-use super::pace::Pace;
-use super::{Counters, Hybrid, Linearised, State, Tolerances, Watch, strain};
+use super::stall::StallDetector;
+use super::{Counters, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
 
-/// How to integrate.
+/// Options of an integration.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     pub tolerances: Tolerances,
-    /// Budget of accepted steps.
+    /// Maximum number of accepted steps.
     pub max_steps: u64,
 }
 
-/// Why an integration ended early.
+/// Reason why an integration ended early.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Reason {
-    #[error("the step size fell to {h_s:.1e} s: the accuracy asked for cannot be reached here; loosen the tolerances")]
+    #[error("the step size fell to {h_s:.1e} s: the requested accuracy cannot be reached here; loosen the tolerances")]
     StepUnderflow { h_s: f64 },
     #[error("the accelerations are not finite")]
     NotFinite,
@@ -33,12 +33,12 @@ pub enum Reason {
          `max_steps`, soften the contact, or shorten the run"
     )]
     SubstepBudget { budget: u64, steps: u64 },
-    /// Whoever watches said so.
-    #[error("it was told to stop")]
+    /// Interrupted by the observer.
+    #[error("interrupted")]
     Stopped,
 }
 
-/// An integration that could not be completed, and where it stood.
+/// An integration that ended early, and when.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("at t = {time_s:.9} s: {reason}")]
 pub struct Failure {
@@ -46,7 +46,7 @@ pub struct Failure {
     pub reason: Reason,
 }
 
-/// How an integration ended.
+/// Result of an integration.
 #[derive(Clone, Debug)]
 pub struct End<const N: usize, const Z: usize> {
     pub time_s: f64,
@@ -55,24 +55,24 @@ pub struct End<const N: usize, const Z: usize> {
     pub result: Result<(), Failure>,
 }
 
-/// First step of all, and after a jump of the right-hand side.
+/// First step of a run and after a discontinuity of the right-hand side.
 const FIRST_STEP_S: f64 = 1e-8;
-/// Below this a step size has collapsed.
-const SMALLEST_STEP_S: f64 = 1e-22;
-/// Clearance below which an obstacle is approached by halves.
+/// Below this size, a step counts as collapsed.
+const MIN_STEP_S: f64 = 1e-22;
+/// Clearance below which each step covers at most half of the remaining clearance.
 const NEAR_OBSTACLE: f64 = 0.1;
-/// A step that may have passed an obstacle is cut to this fraction…
+/// Reduction of a step that may have passed a singularity.
 const APPROACH_CUT: f64 = 0.25;
-/// …until it is shorter than this: then the obstacle is there.
-const NEAREST_APPROACH_S: f64 = 1e-11;
-/// A step in which a contact that sticks lets go is cut to this part.
-const LETTING_GO_CUT: f64 = 0.4;
-/// Error of a part of a step, in what a whole one may err by, beyond which the interpolant is better.
-const WORST_RESOLVED: f64 = 10.0;
-/// Tries to land on one event.
-const MAX_LANDINGS: usize = 12;
+/// Step size at which the reduction stops: the singularity is reached.
+const MIN_APPROACH_STEP_S: f64 = 1e-11;
+/// Reduction of a step in which a sticking contact unloads.
+const UNLOADING_CUT: f64 = 0.4;
+/// Scaled error of a partial step above which the interpolant is more accurate.
+const MAX_RESOLVED_ERROR: f64 = 10.0;
+/// Maximum number of attempts to locate one event.
+const MAX_LOCATION_ATTEMPTS: usize = 12;
 
-/// Integrates from `t0` to `t_end` with every event located, by a method that is known where this is compiled.
+/// Integrates from `t0` to `t_end` and locates every event; the method is chosen at compile time.
 pub fn integrate<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     system: &Y,
     options: &Options,
@@ -89,7 +89,7 @@ where
     integrate_by(K::new(), system, options, t0, start, t_end, observer)
 }
 
-/// Integrates from `t0` to `t_end` with every event located, by a method that has learned nothing yet.
+/// Integrates from `t0` to `t_end` and locates every event, with a method that has no history yet.
 pub fn integrate_by<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     method: K,
     system: &Y,
@@ -105,7 +105,7 @@ where
     O: Observer<N, Z, Y::Mode>,
 {
     let controller = Controller::new(method.error_order());
-    let mode = system.read_mode(t0, &start.q, &start.v);
+    let mode = system.mode_at(t0, &start.q, &start.v);
     let mut run = Run::<N, Z, S, Y, K> {
         system,
         options,
@@ -113,17 +113,17 @@ where
         controller,
         clock: Clock::at(t0),
         state: start,
-        watch: system.watch(&start.q, &start.v, &mode),
+        events: system.eval_events(&start.q, &start.v, &mode),
         mode,
-        latest: f64::INFINITY,
+        latest_time: f64::INFINITY,
         h: FIRST_STEP_S,
         chatter: Chatter::new(),
-        pace: Pace::new(&options.tolerances, t0),
-        pacing: Pacing::new(&options.tolerances),
+        stall_detector: StallDetector::new(&options.tolerances, t0),
+        tolerance_schedule: ToleranceSchedule::new(&options.tolerances),
         counters: Counters::default(),
     };
     let result = loop {
-        if run.clock.until(t_end) <= SMALLEST_STEP_S {
+        if run.clock.until(t_end) <= MIN_STEP_S {
             break Ok(());
         }
         if let Err(reason) = run.advance(t_end, observer) {
@@ -133,7 +133,7 @@ where
     End { time_s: run.clock.now(), state: run.state, counters: run.counters, result }
 }
 
-/// An integration under way.
+/// State of an integration in progress.
 struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K> {
     system: &'a Y,
     options: &'a Options,
@@ -141,42 +141,42 @@ struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S
     controller: Controller,
     clock: Clock,
     state: State<N, Z>,
-    /// Guards of `mode` at `state`.
-    watch: Watch<N, S>,
+    /// Event functions of `mode` at `state`.
+    events: EventSet<N, S>,
     mode: Y::Mode,
-    /// The last time before the next jump of the right-hand side.
-    latest: f64,
+    /// Latest time before the next discontinuity of the right-hand side.
+    latest_time: f64,
     h: f64,
     chatter: Chatter<S>,
-    pace: Pace,
-    pacing: Pacing,
+    stall_detector: StallDetector,
+    tolerance_schedule: ToleranceSchedule,
     counters: Counters,
 }
 
-/// What comes next.
-enum Found<const N: usize, const Z: usize> {
-    Step(Accepted<N, Z>),
-    /// An event at this site, where the run stands: no time passes.
+/// Outcome of the search for the next step.
+enum Progress<const N: usize, const Z: usize> {
+    Step(AcceptedStep<N, Z>),
+    /// An event with this index at the current time: no step is taken.
     Event(usize),
 }
 
-/// A step that may be taken.
-struct Accepted<const N: usize, const Z: usize> {
+/// A step that satisfies the tolerances.
+struct AcceptedStep<const N: usize, const Z: usize> {
     attempt: Attempt<N, Z>,
     size: f64,
-    /// Size that was acceptable before the step was cut short, for the next one to start from.
-    resume: f64,
+    /// Acceptable size before the step was shortened; the next step starts from it.
+    resume_size: f64,
     event: Option<usize>,
-    /// Whether it ends exactly at the stop.
-    stops: bool,
+    /// Whether the step ends exactly at the stop time.
+    reaches_stop: bool,
 }
 
 impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Method<N, Z>> Run<'_, N, Z, S, Y, K> {
-    /// One accepted step, or one event that takes no time.
+    /// Takes one step, or handles one event at the current time.
     fn advance<O: Observer<N, Z, Y::Mode>>(&mut self, t_end: f64, observer: &mut O) -> Result<(), Reason> {
-        // Written so that a clearance that is not a number counts as none.
-        if self.watch.clearance.partial_cmp(&0.0).is_none_or(|order| order.is_lt()) {
-            return Err(Reason::Obstacle(self.system.obstacle(&self.state.q)));
+        // Written so that a NaN clearance counts as negative.
+        if self.events.clearance.partial_cmp(&0.0).is_none_or(|order| order.is_lt()) {
+            return Err(Reason::Obstacle(self.system.describe_obstacle(&self.state.q)));
         }
         if self.counters.steps >= self.options.max_steps {
             return Err(Reason::Budget(self.options.max_steps));
@@ -187,55 +187,61 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         if !linearised.rates.a.iter().all(|a| a.is_finite()) {
             return Err(Reason::NotFinite);
         }
-        let corner = self.system.next_corner(t);
-        self.latest = corner.next_down();
-        let stop = corner.min(t_end);
+        let discontinuity = self.system.next_discontinuity(t);
+        self.latest_time = discontinuity.next_down();
+        let stop = discontinuity.min(t_end);
         let accepted = match self.find_step(&linearised, stop)? {
-            Found::Step(accepted) => accepted,
-            Found::Event(site) => {
-                self.apply_event(site, observer);
+            Progress::Step(accepted) => accepted,
+            Progress::Event(event_index) => {
+                self.apply_event(event_index, observer);
                 return Ok(());
             }
         };
         self.take_step(&linearised, &accepted, stop, observer)?;
-        if self.pace.is_lost(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
-            self.method.is_lost();
-            if self.pace.may_settle() {
-                self.settle(t_end);
+        if self.stall_detector.is_stalled(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
+            self.method.on_stall();
+            if self.stall_detector.may_project() {
+                self.project_quasi_static(t_end);
             }
         }
-        if let Some(site) = accepted.event {
-            self.apply_event(site, observer);
-        } else if accepted.stops && stop == corner {
+        if let Some(event_index) = accepted.event {
+            self.apply_event(event_index, observer);
+        } else if accepted.reaches_stop && stop == discontinuity {
             self.h = FIRST_STEP_S;
-            self.forget();
+            self.restart_method();
         }
         Ok(())
     }
 
-    /// A step whose error is acceptable, cut short at the first event within it.
-    fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Found<N, Z>, Reason> {
+    /// Finds a step with an acceptable error, shortened to the first event within it.
+    fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Progress<N, Z>, Reason> {
         let (state, mode) = (self.state, self.mode);
-        let mut tolerances = self.pacing.tolerances(&self.options.tolerances, &self.counters);
-        strain::above_noise(&mut tolerances, &self.watch.guards, &self.state, linearised, self.pace.loudness());
-        let origin = Origin {
+        let mut tolerances = self.tolerance_schedule.tolerances(&self.options.tolerances, &self.counters);
+        error_weight::raise_above_noise(
+            &mut tolerances,
+            &self.events.functions,
+            &self.state,
+            linearised,
+            self.stall_detector.noise_scale(),
+        );
+        let origin = StepStart {
             system: self.system,
             mode: &mode,
             linearised,
             tolerances: &tolerances,
             t: self.clock.now(),
-            latest: self.latest,
+            latest_time: self.latest_time,
             state: &state,
         };
-        let wanted = self.h;
-        let longest = self.system.longest_step(origin.t, &state.q, &state.v, &mode);
-        let mut h = wanted.min(self.approach_limit()).min(longest);
-        let left = self.clock.until(stop);
+        let requested_size = self.h;
+        let max_step = self.system.max_step(origin.t, &state.q, &state.v, &mode);
+        let mut h = requested_size.min(self.approach_limit()).min(max_step);
+        let remaining = self.clock.until(stop);
         loop {
-            // A step that would leave a sliver before the stop takes the sliver along.
-            let stops = 1.0001 * h >= left;
-            let size = if stops { left } else { h };
-            if size < SMALLEST_STEP_S && !stops {
+            // A step that would end just short of the stop is extended to it.
+            let reaches_stop = 1.0001 * h >= remaining;
+            let size = if reaches_stop { remaining } else { h };
+            if size < MIN_STEP_S && !reaches_stop {
                 return Err(Reason::StepUnderflow { h_s: size });
             }
             let attempt = self.attempt(&origin, size);
@@ -244,246 +250,269 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 h = self.controller.reject(size, attempt.error);
                 continue;
             }
-            let watch = self.system.watch(&attempt.end.q, &attempt.end.v, &mode);
-            let clearance = |w: &Watch<N, S>| (w.clearance, w.clearance_rate);
-            if watch.clearance.is_nan() || may_have_passed(clearance(&self.watch), clearance(&watch), size) {
-                if size < NEAREST_APPROACH_S {
-                    return Err(Reason::Obstacle(self.system.obstacle(&attempt.end.q)));
+            let events = self.system.eval_events(&attempt.end.q, &attempt.end.v, &mode);
+            let clearance = |w: &EventSet<N, S>| (w.clearance, w.clearance_rate);
+            if events.clearance.is_nan() || may_have_passed(clearance(&self.events), clearance(&events), size) {
+                if size < MIN_APPROACH_STEP_S {
+                    return Err(Reason::Obstacle(self.system.describe_obstacle(&attempt.end.q)));
                 }
                 self.counters.rejected += 1;
                 h = APPROACH_CUT * size;
                 continue;
             }
-            if strain::lets_go(&self.watch.guards, &watch.guards, &attempt, &state, &tolerances) {
+            if error_weight::unloads(&self.events.functions, &events.functions, &attempt, &state, &tolerances) {
                 self.counters.rejected += 1;
-                h = LETTING_GO_CUT * size;
+                h = UNLOADING_CUT * size;
                 continue;
             }
-            let (now, then) = (&self.watch.guards, &watch.guards);
-            let crossing = first_crossing(self.system, &mode, now, then, size, &|| self.method.dense());
+            let (at_start, at_end) = (&self.events.functions, &events.functions);
+            let crossing = first_crossing(self.system, &mode, at_start, at_end, size, &|| self.method.dense());
             let Some(crossing) = crossing else {
-                self.watch = watch;
-                let resume = if stops { wanted } else { size };
-                return Ok(Found::Step(Accepted { attempt, size, resume, event: None, stops }));
+                self.events = events;
+                let resume_size = if reaches_stop { requested_size } else { size };
+                return Ok(Progress::Step(AcceptedStep { attempt, size, resume_size, event: None, reaches_stop }));
             };
-            match self.land(&origin, crossing, size) {
-                Landing::Done(accepted) => return Ok(Found::Step(accepted)),
-                Landing::Now(site) => return Ok(Found::Event(site)),
-                Landing::Refused { size, error } => h = self.controller.reject(size, error),
+            match self.locate_event(&origin, crossing, size) {
+                EventLocation::Located(accepted) => return Ok(Progress::Step(accepted)),
+                EventLocation::AtStart(event_index) => return Ok(Progress::Event(event_index)),
+                EventLocation::Rejected { size, error } => h = self.controller.reject(size, error),
             }
         }
     }
 
-    /// A try of the method; its error is also that of what the laws of pressing contacts are sensitive to.
+    /// Attempts a step; its error includes the error weights of active contacts.
     #[inline(always)]
-    fn attempt(&mut self, origin: &Origin<Y, N, Z>, size: f64) -> Attempt<N, Z> {
+    fn attempt(&mut self, origin: &StepStart<Y, N, Z>, size: f64) -> Attempt<N, Z> {
         let mut attempt = self.method.attempt(origin, size);
         self.counters.rhs += attempt.rhs;
         if attempt.is_acceptable() {
-            attempt.error =
-                attempt.error.max(strain::error(&self.watch.guards, &attempt, origin.state, origin.tolerances));
+            attempt.error = attempt.error.max(error_weight::error(
+                &self.events.functions,
+                &attempt,
+                origin.state,
+                origin.tolerances,
+            ));
         }
         attempt
     }
 
-    /// Half the time in which a small clearance would be used up at its present rate.
+    /// Half of the time in which a small clearance would vanish at its present rate.
     fn approach_limit(&self) -> f64 {
-        let Watch { clearance, clearance_rate, .. } = self.watch;
+        let EventSet { clearance, clearance_rate, .. } = self.events;
         if clearance < NEAR_OBSTACLE && clearance_rate < 0.0 {
-            (-0.5 * clearance / clearance_rate).max(NEAREST_APPROACH_S)
+            (-0.5 * clearance / clearance_rate).max(MIN_APPROACH_STEP_S)
         } else {
             f64::INFINITY
         }
     }
 
-    /// Repeats a step of `size` with the size that ends on the event, until it does; an earlier event at another site that
-    /// comes to light on the way is landed on instead.
-    fn land(&mut self, origin: &Origin<Y, N, Z>, mut crossing: Crossing, size: f64) -> Landing<N, Z> {
-        let mut whole = size;
-        'site: loop {
-            let site = crossing.site;
-            let tolerance = self.system.landing_tolerance(site, origin.mode);
-            let (mut low, mut high) = (0.0, crossing.beyond * whole);
-            let mut target = crossing.theta * whole;
-            // The tightest landing past the event, and the last one short of it.
-            let (mut past, mut short) = (None, None);
-            let mut tried = 0.0;
-            for _ in 0..MAX_LANDINGS {
-                if target < SMALLEST_STEP_S {
+    /// Repeats a step of `size` until it ends on the event. If an earlier event is found on the way, locates that one
+    /// instead.
+    fn locate_event(&mut self, origin: &StepStart<Y, N, Z>, mut crossing: Crossing, size: f64) -> EventLocation<N, Z> {
+        let mut full_size = size;
+        'crossing: loop {
+            let event_index = crossing.event_index;
+            let tolerance = self.system.event_tolerance(event_index, origin.mode);
+            let (mut low, mut high) = (0.0, crossing.negative_at * full_size);
+            let mut target = crossing.theta * full_size;
+            // The earliest step found that ends past the event, and the last one that ends before it.
+            let (mut after_event, mut before_event) = (None, None);
+            let mut last_size = 0.0;
+            for _ in 0..MAX_LOCATION_ATTEMPTS {
+                if target < MIN_STEP_S {
                     break;
                 }
                 let attempt = self.attempt(origin, target);
-                tried = target;
+                last_size = target;
                 self.counters.rejected += 1;
                 if !attempt.is_acceptable() {
-                    return Landing::Refused { size: target, error: attempt.error };
+                    return EventLocation::Rejected { size: target, error: attempt.error };
                 }
-                let watch = self.system.watch(&attempt.end.q, &attempt.end.v, origin.mode);
-                if strain::lets_go(&self.watch.guards, &watch.guards, &attempt, origin.state, origin.tolerances) {
-                    return Landing::Refused { size: target, error: f64::INFINITY };
+                let events = self.system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode);
+                if error_weight::unloads(
+                    &self.events.functions,
+                    &events.functions,
+                    &attempt,
+                    origin.state,
+                    origin.tolerances,
+                ) {
+                    return EventLocation::Rejected { size: target, error: f64::INFINITY };
                 }
-                let value = watch.guards[site].value;
-                let near = value.abs() <= tolerance;
-                let event = (near || value < 0.0).then_some(site);
-                let landed = Some((Accepted { attempt, size: target, resume: size, event, stops: false }, watch));
-                // The landed step shows where the crossing is, if it is within it, or an earlier one elsewhere.
-                let (now, then) = (&self.watch.guards, &watch.guards);
-                let again = first_crossing(origin.system, origin.mode, now, then, target, &|| self.method.dense());
-                if let Some(earlier) = again.filter(|c| c.site != site && c.theta < 1.0) {
-                    let value = watch.guards[earlier.site].value;
-                    if value.abs() > self.system.landing_tolerance(earlier.site, origin.mode) {
-                        (crossing, whole) = (earlier, target);
-                        continue 'site;
+                let value = events.functions[event_index].value;
+                let is_within_tolerance = value.abs() <= tolerance;
+                let event = (is_within_tolerance || value < 0.0).then_some(event_index);
+                let candidate = Some((
+                    AcceptedStep { attempt, size: target, resume_size: size, event, reaches_stop: false },
+                    events,
+                ));
+                // The shortened step may contain the crossing, or an earlier crossing of another event function.
+                let (at_start, at_end) = (&self.events.functions, &events.functions);
+                let recheck =
+                    first_crossing(origin.system, origin.mode, at_start, at_end, target, &|| self.method.dense());
+                if let Some(earlier) = recheck.filter(|c| c.event_index != event_index && c.theta < 1.0) {
+                    let value = events.functions[earlier.event_index].value;
+                    if value.abs() > self.system.event_tolerance(earlier.event_index, origin.mode) {
+                        (crossing, full_size) = (earlier, target);
+                        continue 'crossing;
                     }
                 }
-                match again.filter(|c| c.site == site && event.is_none()) {
-                    // Beyond a dip that is over.
-                    Some(dip) => (low, high) = (0.0, dip.beyond * target),
-                    None if value < 0.0 => (past, high) = (landed, target),
-                    None if near => (past, low) = (landed, target),
-                    None => (short, low) = (landed, target),
+                match recheck.filter(|c| c.event_index == event_index && event.is_none()) {
+                    // The step ends after a dip.
+                    Some(dip) => (low, high) = (0.0, dip.negative_at * target),
+                    None if value < 0.0 => (after_event, high) = (candidate, target),
+                    None if is_within_tolerance => (after_event, low) = (candidate, target),
+                    None => (before_event, low) = (candidate, target),
                 }
-                if near || high - low <= 4.0 * f64::EPSILON * high {
+                if is_within_tolerance || high - low <= 4.0 * f64::EPSILON * high {
                     break;
                 }
-                // Short of it, it is between here and where a longer step has seen it.
-                target = again.map_or(0.5 * (low + high), |c| c.theta * target);
+                // If the step ends before the event, bisect between its end and the end of a longer step that contains
+                // the event.
+                target = recheck.map_or(0.5 * (low + high), |c| c.theta * target);
             }
-            // Where positions have no digits left to land more exactly, past the event is better than short of it: from
-            // short of it the next step would try the same again.
-            let Some((accepted, watch)) = past.or(short) else { return Landing::Now(site) };
-            self.watch = watch;
-            if accepted.size != tried {
-                // The method remembers its last attempt: make that the one that is kept.
+            // If rounding prevents a closer step, one that ends past the event is better: after one that ends before
+            // it, the next step would repeat the search.
+            let Some((accepted, events)) = after_event.or(before_event) else {
+                return EventLocation::AtStart(event_index);
+            };
+            self.events = events;
+            if accepted.size != last_size {
+                // The method stores its last attempt; repeat the accepted one.
                 self.method.attempt(origin, accepted.size);
                 self.counters.rhs += accepted.attempt.rhs;
             }
-            return Landing::Done(accepted);
+            return EventLocation::Located(accepted);
         }
     }
 
-    /// Moves to the end of an accepted step and tells the observer.
+    /// Advances to the end of an accepted step and notifies the observer.
     fn take_step<O: Observer<N, Z, Y::Mode>>(
         &mut self,
         linearised: &Linearised<N, Z>,
-        accepted: &Accepted<N, Z>,
+        accepted: &AcceptedStep<N, Z>,
         stop: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
         let (t0, start) = (self.clock.now(), self.state);
-        self.method.keep();
-        if accepted.stops {
+        self.method.accept_step();
+        if accepted.reaches_stop {
             self.clock = Clock::at(stop);
         } else {
             self.clock.advance(accepted.size);
         }
         self.state = accepted.attempt.end;
         self.counters.steps += 1;
-        let grown = self.controller.accept(accepted.size, accepted.attempt.error);
-        self.h = if accepted.size < accepted.resume { grown.max(accepted.resume) } else { grown };
+        let proposed_size = self.controller.accept(accepted.size, accepted.attempt.error);
+        self.h =
+            if accepted.size < accepted.resume_size { proposed_size.max(accepted.resume_size) } else { proposed_size };
 
         let step = Step { t0, t1: self.clock.now(), h: accepted.size, start: &start, end: &self.state };
-        let origin = Origin {
+        let origin = StepStart {
             system: self.system,
             mode: &self.mode,
             linearised,
             tolerances: &self.options.tolerances,
             t: t0,
-            latest: self.latest,
+            latest_time: self.latest_time,
             state: &start,
         };
-        let mut tools = Tools { method: &mut self.method, origin, size: accepted.size, dense: None };
+        let mut tools = StepEvaluator { method: &mut self.method, origin, size: accepted.size, dense: None };
         if !observer.step(&step, &self.mode, &mut tools) {
             return Err(Reason::Stopped);
         }
-        if accepted.event.is_none() && self.chatter.over() {
-            self.mode = self.system.read_mode(self.clock.now(), &self.state.q, &self.state.v);
-            self.refresh_watch();
-        } else if let Some(mode) = self.system.relax(&self.watch.guards, &self.mode) {
+        if accepted.event.is_none() && self.chatter.take_clamped() {
+            self.mode = self.system.mode_at(self.clock.now(), &self.state.q, &self.state.v);
+            self.update_events();
+        } else if let Some(mode) = self.system.mode_after_step(&self.events.functions, &self.mode) {
             self.mode = mode;
-            self.refresh_watch();
+            self.update_events();
         }
         Ok(())
     }
 
-    /// Switches the mode where the run stands, and starts anew from there.
-    fn apply_event<O: Observer<N, Z, Y::Mode>>(&mut self, site: usize, observer: &mut O) {
-        self.mode = self.system.switch(site, &self.state.q, &self.state.v, &self.mode);
-        let told = self.system.is_told(site);
-        self.announce(site, told, observer);
-        if !told {
+    /// Applies the mode change of an event at the current state and restarts the method.
+    fn apply_event<O: Observer<N, Z, Y::Mode>>(&mut self, event_index: usize, observer: &mut O) {
+        self.mode = self.system.mode_after_event(event_index, &self.state.q, &self.state.v, &self.mode);
+        let is_reported = self.system.is_reported(event_index);
+        self.report_event(event_index, is_reported, observer);
+        if !is_reported {
             return;
         }
-        if let Some(first) = self.system.restart_step(site, &self.state.q, &self.state.v, &self.mode) {
+        if let Some(first) = self.system.restart_step(event_index, &self.state.q, &self.state.v, &self.mode) {
             self.h = self.h.min(first);
         }
-        self.forget();
+        self.restart_method();
     }
 
-    fn announce<O: Observer<N, Z, Y::Mode>>(&mut self, site: usize, told: bool, observer: &mut O) {
-        if told {
+    /// Counts and reports an event, and handles chattering.
+    fn report_event<O: Observer<N, Z, Y::Mode>>(&mut self, event_index: usize, is_reported: bool, observer: &mut O) {
+        if is_reported {
             self.counters.events += 1;
-            observer.event(self.clock.now(), &self.state, site, &self.mode);
+            observer.event(self.clock.now(), &self.state, event_index, &self.mode);
         }
-        if self.chatter.note(site, self.clock.now()) {
-            self.mode = self.system.with_natural(site, &self.mode);
+        if self.chatter.record(event_index, self.clock.now()) {
+            self.mode = self.system.with_clamped_law(event_index, &self.mode);
         }
-        self.refresh_watch();
+        self.update_events();
     }
 
-    /// Brings contacts to rest that only tremble.
-    fn settle(&mut self, t_end: f64) {
+    /// Projects oscillating contacts onto their equilibrium depth.
+    fn project_quasi_static(&mut self, t_end: f64) {
         let t = self.clock.now();
-        let settled = self.system.settle(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances);
-        if let Some(settled) = settled.filter(|settled| self.pace.settles(settled.decay, t_end - t)) {
-            (self.state.q, self.state.v) = (settled.q, settled.v);
-            self.mode = self.system.read_mode(t, &self.state.q, &self.state.v);
-            self.refresh_watch();
-            self.forget();
+        let projected =
+            self.system.project_quasi_static(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances);
+        if let Some(projected) =
+            projected.filter(|projected| self.stall_detector.should_project(projected.decay_rate, t_end - t))
+        {
+            (self.state.q, self.state.v) = (projected.q, projected.v);
+            self.mode = self.system.mode_at(t, &self.state.q, &self.state.v);
+            self.update_events();
+            self.restart_method();
         }
     }
 
-    fn refresh_watch(&mut self) {
-        self.watch = self.system.watch(&self.state.q, &self.state.v, &self.mode);
+    fn update_events(&mut self) {
+        self.events = self.system.eval_events(&self.state.q, &self.state.v, &self.mode);
     }
 
-    fn forget(&mut self) {
+    fn restart_method(&mut self) {
         self.method.restart();
         self.controller.restart();
     }
 }
 
-/// How a landing went.
-enum Landing<const N: usize, const Z: usize> {
-    Done(Accepted<N, Z>),
-    /// A trial step was not accurate enough.
-    Refused {
+/// Result of an event location.
+enum EventLocation<const N: usize, const Z: usize> {
+    Located(AcceptedStep<N, Z>),
+    /// An attempted step was not accurate enough.
+    Rejected {
         size: f64,
         error: f64,
     },
-    /// The event is where the step starts.
-    Now(usize),
+    /// The event with this index occurs at the start of the step.
+    AtStart(usize),
 }
 
-/// What an observer may ask of the step just taken.
-struct Tools<'a, Y: Hybrid<N, Z, S>, K, const N: usize, const Z: usize, const S: usize> {
+/// Evaluates states inside the step just taken, for an observer.
+struct StepEvaluator<'a, Y: Hybrid<N, Z, S>, K, const N: usize, const Z: usize, const S: usize> {
     method: &'a mut K,
-    origin: Origin<'a, Y, N, Z>,
+    origin: StepStart<'a, Y, N, Z>,
     size: f64,
     dense: Option<super::Dense<N, Z>>,
 }
 
 impl<Y: Hybrid<N, Z, S>, K: Method<N, Z>, const N: usize, const Z: usize, const S: usize> StepTools<N, Z>
-    for Tools<'_, Y, K, N, Z, S>
+    for StepEvaluator<'_, Y, K, N, Z, S>
 {
     fn interpolate(&mut self, theta: f64) -> State<N, Z> {
-        self.dense.get_or_insert_with(|| self.method.dense()).at(theta)
+        self.dense.get_or_insert_with(|| self.method.dense()).evaluate(theta)
     }
 
     fn resolve(&mut self, theta: f64) -> State<N, Z> {
         let interpolated = self.interpolate(theta);
         let attempt = self.method.attempt(&self.origin, theta * self.size);
-        // A part of a step that was good may be none: where friction falls with slip, some size meets the reciprocal of what grows.
-        if attempt.error <= WORST_RESOLVED { attempt.end } else { interpolated }
+        // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
+        // size equals the reciprocal of a growth rate.
+        if attempt.error <= MAX_RESOLVED_ERROR { attempt.end } else { interpolated }
     }
 }

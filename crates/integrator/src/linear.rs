@@ -4,42 +4,44 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use num_complex::Complex64;
 
-/// Numbers a matrix may hold.
+/// Entries of a matrix.
 pub trait Field:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + From<f64>
 {
-    fn size(self) -> f64;
+    fn magnitude(self) -> f64;
 }
 
 impl Field for f64 {
     #[inline(always)]
-    fn size(self) -> f64 {
+    fn magnitude(self) -> f64 {
         self.abs()
     }
 }
 
 impl Field for Complex64 {
     #[inline(always)]
-    fn size(self) -> f64 {
+    fn magnitude(self) -> f64 {
         self.re.abs() + self.im.abs()
     }
 }
 
-/// Coordinates up to which asking whether a number is zero costs as much as it saves: a closing of one finger takes 0.7 % more instructions
-/// with such questions. With more of them most matrices are sparse, as memories of bristles depend on their own contacts alone.
-pub const FEW: usize = 3;
+/// Largest number of coordinates without tests for zeros: with them, a closing motion of one finger takes 0.7 % more
+/// instructions. For more coordinates most matrices are sparse, as the internal state of a bristle depends only on its
+/// own contact.
+pub const MAX_DENSE_SIZE: usize = 3;
 
-/// P A = L U; the diagonal holds reciprocals.
+/// LU factorisation with row pivoting, P A = L U. The diagonal of U is stored as reciprocals.
 #[derive(Clone, Copy, Debug)]
 pub struct Lu<F, const N: usize> {
     lu: [[F; N]; N],
     order: [usize; N],
-    /// What there is of the matrix: nothing behind it is looked at.
+    /// Size in use; entries beyond it are ignored.
     n: usize,
 }
 
 impl<F: Field, const N: usize> Lu<F, N> {
-    /// Factors the first `n` rows and columns of `a`. A singular matrix yields numbers that are not finite, which the step control then refuses.
+    /// Factors the first `n` rows and columns of `a`. A singular matrix yields non-finite numbers, and the step control
+    /// rejects the step.
     #[inline(always)]
     pub fn new(mut a: [[F; N]; N], n: usize) -> Self {
         let n = n.min(N);
@@ -50,7 +52,7 @@ impl<F: Field, const N: usize> Lu<F, N> {
         for k in 0..n {
             let mut pivot = k;
             for i in k + 1..n {
-                if a[i][k].size() > a[pivot][k].size() {
+                if a[i][k].magnitude() > a[pivot][k].magnitude() {
                     pivot = i;
                 }
             }
@@ -60,7 +62,7 @@ impl<F: Field, const N: usize> Lu<F, N> {
             for i in k + 1..n {
                 let factor = a[i][k] * a[k][k];
                 a[i][k] = factor;
-                if N > FEW && factor.size() == 0.0 {
+                if N > MAX_DENSE_SIZE && factor.magnitude() == 0.0 {
                     continue;
                 }
                 for j in k + 1..n {
@@ -108,7 +110,7 @@ impl<'a, F: Field, const N: usize> ShiftedSolver<'a, F, N> {
     pub fn new(shift: F, a_q: &'a [[f64; N]; N], a_v: &[[f64; N]; N], n: usize) -> Self {
         let n = n.min(N);
         let inverse_shift = F::from(1.0) / shift;
-        // In loops: closures of nested arrays are called, not inlined, where arrays are as large as a gripper's.
+        // These are loops, because closures over nested arrays of the size of a gripper are not inlined.
         let mut matrix = [[F::from(0.0); N]; N];
         for i in 0..n {
             for j in 0..n {
@@ -119,7 +121,7 @@ impl<'a, F: Field, const N: usize> ShiftedSolver<'a, F, N> {
         Self { inverse_shift, a_q, lu: Lu::new(matrix, n) }
     }
 
-    /// (x_q, x_v).
+    /// Solves for (x_q, x_v).
     #[inline(always)]
     pub fn solve(&self, r_q: [F; N], r_v: [F; N]) -> ([F; N], [F; N]) {
         let n = self.lu.n.min(N);
@@ -145,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lu_solves_matrices_that_need_pivots() {
+    fn lu_solves_matrices_that_require_pivoting() {
         let a = [[0.0, 2.0, 1.0], [1.0, 0.0, 3.0], [4.0, 1.0, 0.0]];
         let x = [1.0, -2.0, 0.5];
         let b: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| a[i][j] * x[j]).sum());
@@ -156,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn shifted_solver_inverts_the_full_matrix_over_the_complex_numbers() {
+    fn shifted_solver_inverts_the_full_complex_matrix() {
         let a_q = [[-3.0, 1.0], [0.5, -7.0]];
         let a_v = [[-100.0, 2.0], [3.0, -0.1]];
         let s = Complex64::new(2.0, 1.5);

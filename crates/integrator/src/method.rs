@@ -1,13 +1,13 @@
-//! What a one-step method offers to the integration loop.
+//! Interface between one-step methods and the integration loop.
 
 use super::{Dense, Linearised, State, System, Tolerances};
 
-/// What one attempt at a step gave.
+/// Result of one attempted step.
 #[derive(Clone, Copy, Debug)]
 pub struct Attempt<const N: usize, const Z: usize> {
-    /// Scaled error; 1 is just acceptable. Not a number if the step failed outright.
+    /// Scaled error; at most 1 is acceptable. NaN if the step failed.
     pub error: f64,
-    /// Right-hand sides it took.
+    /// Number of right-hand-side evaluations.
     pub rhs: u64,
     pub end: State<N, Z>,
     /// Estimated errors of coordinates and rates.
@@ -22,15 +22,16 @@ impl<const N: usize, const Z: usize> Attempt<N, Z> {
     }
 }
 
-/// Where a step starts: everything that stays the same when it is tried again with another size.
-pub struct Origin<'a, Y: System<N, Z>, const N: usize, const Z: usize> {
+/// Start of a step: everything that stays the same when the step is repeated with another size.
+pub struct StepStart<'a, Y: System<N, Z>, const N: usize, const Z: usize> {
     pub system: &'a Y,
     pub mode: &'a Y::Mode,
     pub linearised: &'a Linearised<N, Z>,
     pub tolerances: &'a Tolerances,
     pub t: f64,
-    /// Latest time to evaluate the right-hand side at: before a jump, which belongs to the step after it.
-    pub latest: f64,
+    /// Latest time at which the right-hand side may be evaluated: just before a discontinuity, which belongs to the
+    /// next step.
+    pub latest_time: f64,
     pub state: &'a State<N, Z>,
 }
 
@@ -41,17 +42,17 @@ pub trait Method<const N: usize, const Z: usize> {
     /// Order of the error estimate's leading term in h.
     fn error_order(&self) -> f64;
 
-    /// Forgets what earlier steps taught (after an event).
+    /// Discards the history of earlier steps (after an event).
     fn restart(&mut self);
 
-    /// Tells the method that the last attempt was kept.
-    fn keep(&mut self);
+    /// Notifies the method that its last attempt was accepted.
+    fn accept_step(&mut self);
 
-    /// Tells the method that the run would take forever at its pace.
-    fn is_lost(&mut self) {}
+    /// Notifies the method that the run has stalled.
+    fn on_stall(&mut self) {}
 
-    /// Tries a step of size `h`.
-    fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z>;
+    /// Attempts a step of size `h`.
+    fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z>;
 
     /// Dense output of the last attempt.
     fn dense(&self) -> Dense<N, Z>;

@@ -1,4 +1,4 @@
-//! Watching an integration.
+//! Observers of an integration.
 
 use super::State;
 
@@ -7,7 +7,7 @@ use super::State;
 pub struct Step<'a, const N: usize, const Z: usize> {
     pub t0: f64,
     pub t1: f64,
-    /// Its size, exact even where t1 − t0 has no digits left.
+    /// Step size, exact even if t1 − t0 cancels completely.
     pub h: f64,
     pub start: &'a State<N, Z>,
     pub end: &'a State<N, Z>,
@@ -15,21 +15,22 @@ pub struct Step<'a, const N: usize, const Z: usize> {
 
 /// States inside a step.
 pub trait StepTools<const N: usize, const Z: usize> {
-    /// The dense output at the fraction `theta` of the step: good for angles and rates.
+    /// Returns the dense output at the fraction `theta` of the step: accurate for angles and rates.
     fn interpolate(&mut self, theta: f64) -> State<N, Z>;
 
-    /// The end of a step of its own from the same start: what a stiff damper's force needs, which is a huge multiple of a
-    /// tiny rate.
+    /// Returns the end of a separate step from the same start. The force of a stiff damper requires this accuracy,
+    /// since it is a large multiple of a tiny rate.
     fn resolve(&mut self, theta: f64) -> State<N, Z>;
 }
 
-/// Watches an integration. `()` watches nothing.
+/// Observer of an integration. `()` ignores everything.
 pub trait Observer<const N: usize, const Z: usize, M> {
-    /// An accepted step, taken in `mode`. `false` ends the integration.
+    /// Called after each accepted step, taken in `mode`. Returning `false` ends the integration.
     fn step(&mut self, step: &Step<N, Z>, mode: &M, tools: &mut dyn StepTools<N, Z>) -> bool;
 
-    /// An event at `site`, where the step just reported ended; several may follow each other there. `mode` is the one after it.
-    fn event(&mut self, t: f64, state: &State<N, Z>, site: usize, mode: &M);
+    /// Called for each event, at the end of the step just reported. Several events may occur at the same time. `mode`
+    /// is the mode after the event.
+    fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &M);
 }
 
 impl<const N: usize, const Z: usize, M> Observer<N, Z, M> for () {

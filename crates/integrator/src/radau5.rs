@@ -4,9 +4,9 @@
 use num_complex::Complex64;
 
 use super::linear::ShiftedSolver;
-use super::method::{Attempt, Method, Origin};
+use super::method::{Attempt, Method, StepStart};
 use super::{Dense, Rates, State, System};
-use crate::numeric::each;
+use crate::numeric::array_from;
 use crate::numeric::elementary::{cbrt, powi};
 
 const MAX_NEWTON: usize = 12;
@@ -18,12 +18,15 @@ struct Coefficients {
     c: [f64; 3],
     /// Runge–Kutta matrix.
     a: [[f64; 3]; 3],
-    /// Real eigenvalue of A⁻¹, and the complex pair α ± iβ.
+    /// Real eigenvalue of A⁻¹.
     gamma: f64,
+    /// Real part of the complex eigenvalues α ± iβ of A⁻¹.
     alpha: f64,
+    /// Imaginary part of the complex eigenvalues.
     beta: f64,
-    /// T of A⁻¹ T = T Λ, and its inverse.
+    /// T of A⁻¹ T = T Λ.
     t: [[f64; 3]; 3],
+    /// Inverse of T.
     ti: [[f64; 3]; 3],
     /// Weights of the error estimate.
     e: [f64; 3],
@@ -38,14 +41,15 @@ impl Coefficients {
             [(296.0 + 169.0 * s6) / 1800.0, (88.0 + 7.0 * s6) / 360.0, (-2.0 - 3.0 * s6) / 225.0],
             [(16.0 - s6) / 36.0, (16.0 + s6) / 36.0, 1.0 / 9.0],
         ];
-        // Eigenvalues of A: the roots of 60 μ³ − 36 μ² + 9 μ − 1, of which A⁻¹ has the reciprocals.
+        // Eigenvalues of A: the roots of 60 μ³ − 36 μ² + 9 μ − 1. A⁻¹ has their reciprocals.
         let (cube9, cube81) = (cbrt(9.0), cbrt(81.0));
         let real_root = (6.0 + cube81 - cube9) / 30.0;
         let pair_root = Complex64::new((12.0 - cube81 + cube9) / 60.0, (cube81 + cube9) * 3f64.sqrt() / 60.0);
         let (gamma, pair_inverse) = (1.0 / real_root, pair_root.conj().inv());
         let (alpha, beta) = (pair_inverse.re, pair_inverse.im);
-        // Columns of T: an eigenvector of A for 1/γ, then real and imaginary parts of one for 1/(α − iβ), both found from the
-        // null space of A − λ I by a cross product of two of its rows, scaled to a last component of 1 (and 1 + 0 i).
+        // Columns of T: an eigenvector of A for 1/γ, then the real and imaginary parts of an eigenvector for 1/(α −
+        // iβ). Both span the null space of A − λ I: the cross product of two of its rows, scaled to a last component of
+        // 1 (and 1 + 0 i).
         let vector = |lambda: Complex64| -> [Complex64; 3] {
             let row = |i: usize| -> [Complex64; 3] {
                 std::array::from_fn(|j| Complex64::from(a[i][j]) - if i == j { lambda } else { 0.0.into() })
@@ -80,49 +84,50 @@ fn inverse3(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / det))
 }
 
-/// Increments of a stage over the state at the start of the step: coordinates, then rates.
+/// Increments of a stage relative to the state at the start of the step: coordinates, then rates.
 type Stage<const N: usize> = ([f64; N], [f64; N]);
+/// The three stages of a step.
 type Stages<const N: usize> = [Stage<N>; 3];
 
-/// Radau IIA with what it remembers of the last step: the stages, as a first guess of the next ones.
+/// Radau IIA with the stages of the last step, which give the initial guess of the next ones.
 pub struct Radau5<const N: usize, const Z: usize> {
     coefficients: Coefficients,
     last: Option<Dense<N, Z>>,
     candidate: Dense<N, Z>,
-    fresh: bool,
+    is_restarted: bool,
 }
 
 /// w₁ a + w₂ b + w₃ c.
 #[inline(always)]
-fn weighed<const N: usize>(w: &[f64; 3], [a, b, c]: [&[f64; N]; 3]) -> [f64; N] {
-    each(|n| w[0] * a[n] + w[1] * b[n] + w[2] * c[n])
+fn weighted_sum<const N: usize>(w: &[f64; 3], [a, b, c]: [&[f64; N]; 3]) -> [f64; N] {
+    array_from(|n| w[0] * a[n] + w[1] * b[n] + w[2] * c[n])
 }
 
-/// The same of stages.
+/// Weighted sum of stages.
 #[inline]
-fn weighed_stages<const N: usize>(w: &[f64; 3], [a, b, c]: &Stages<N>) -> Stage<N> {
-    (weighed(w, [&a.0, &b.0, &c.0]), weighed(w, [&a.1, &b.1, &c.1]))
+fn weighted_stages<const N: usize>(w: &[f64; 3], [a, b, c]: &Stages<N>) -> Stage<N> {
+    (weighted_sum(w, [&a.0, &b.0, &c.0]), weighted_sum(w, [&a.1, &b.1, &c.1]))
 }
 
 fn transform<const N: usize>(m: &[[f64; 3]; 3], z: &Stages<N>) -> Stages<N> {
-    [weighed_stages(&m[0], z), weighed_stages(&m[1], z), weighed_stages(&m[2], z)]
+    [weighted_stages(&m[0], z), weighted_stages(&m[1], z), weighted_stages(&m[2], z)]
 }
 
 #[inline(always)]
-fn plus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
-    each(|n| a[n] + b[n])
+fn add<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    array_from(|n| a[n] + b[n])
 }
 
 impl<const N: usize, const Z: usize> Radau5<N, Z> {
-    /// First guess of the stages: the last step's collocation polynomial, continued.
+    /// Initial guess of the stages: extrapolation of the last step's collocation polynomial.
     fn predict(&self, from: &State<N, Z>, t: f64, h: f64) -> Stages<N> {
         let mut stages = [([0.0; N], [0.0; N]); 3];
         let Some(last) = &self.last else { return stages };
         for (c, stage) in self.coefficients.c.iter().zip(&mut stages) {
             let theta = (t + c * h - last.t0) / last.h;
             if theta <= 6.0 {
-                let guess = last.at(theta);
-                *stage = (each(|n| guess.q[n] - from.q[n]), each(|n| guess.v[n] - from.v[n]));
+                let guess = last.evaluate(theta);
+                *stage = (array_from(|n| guess.q[n] - from.q[n]), array_from(|n| guess.v[n] - from.v[n]));
             }
         }
         stages
@@ -131,13 +136,13 @@ impl<const N: usize, const Z: usize> Radau5<N, Z> {
     /// Right-hand sides at the stages.
     fn evaluate<Y: System<N, Z>>(
         &self,
-        origin: &Origin<Y, N, Z>,
+        origin: &StepStart<Y, N, Z>,
         h: f64,
         z: &Stages<N>,
     ) -> [(Rates<N, Z>, [f64; N]); 3] {
         let at = |i: usize| {
-            let (q, v) = (plus(&origin.state.q, &z[i].0), plus(&origin.state.v, &z[i].1));
-            let time = (origin.t + self.coefficients.c[i] * h).min(origin.latest);
+            let (q, v) = (add(&origin.state.q, &z[i].0), add(&origin.state.v, &z[i].1));
+            let time = (origin.t + self.coefficients.c[i] * h).min(origin.latest_time);
             (origin.system.rates(time, &q, &v, origin.mode), v)
         };
         [at(0), at(1), at(2)]
@@ -148,27 +153,27 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
     fn new() -> Self {
         let zero = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
         let candidate = Dense { t0: 0.0, h: 0.0, start: zero, end: zero, d: [zero; 3] };
-        Self { coefficients: Coefficients::new(), last: None, candidate, fresh: true }
+        Self { coefficients: Coefficients::new(), last: None, candidate, is_restarted: true }
     }
 
-    /// The filtered estimate is of order 4 (Hairer & Wanner IV.8.20).
+    /// Order of the filtered error estimate: 4 (Hairer & Wanner IV.8.20).
     fn error_order(&self) -> f64 {
         4.0
     }
 
     fn restart(&mut self) {
         self.last = None;
-        self.fresh = true;
+        self.is_restarted = true;
     }
 
-    fn keep(&mut self) {
+    fn accept_step(&mut self) {
         self.last = Some(self.candidate);
-        self.fresh = false;
+        self.is_restarted = false;
     }
 
-    fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z> {
-        let Origin { system, mode, linearised: lin, tolerances, t, state: from, .. } = *origin;
-        let (k, coordinates) = (self.coefficients, system.coordinates());
+    fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z> {
+        let StepStart { system, mode, linearised: lin, tolerances, t, state: from, .. } = *origin;
+        let (k, coordinates) = (self.coefficients, system.coordinate_count());
         let (gamma, shift) = (k.gamma / h, Complex64::new(k.alpha / h, k.beta / h));
         let real = ShiftedSolver::new(gamma, &lin.a_q, &lin.a_v, coordinates);
         let pair = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v, coordinates);
@@ -177,11 +182,11 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
 
         let mut z = self.predict(from, t, h);
         let mut w = transform(&k.ti, &z);
-        // Newton is done when what is still missing is far below the tolerance, or at the noise of the numbers.
-        let goal = 1e-5;
+        // The Newton iteration ends when its remaining error is far below the tolerance, or at the level of rounding.
+        let newton_tolerance = 1e-5;
         let floor = {
-            let eps_q = each(|n| 16.0 * f64::EPSILON * from.q[n].abs());
-            let eps_v = each(|n| 4.0 * f64::EPSILON * from.v[n].abs());
+            let eps_q = array_from(|n| 16.0 * f64::EPSILON * from.q[n].abs());
+            let eps_v = array_from(|n| 4.0 * f64::EPSILON * from.v[n].abs());
             tolerances.norm((&eps_q, &eps_v), (from, from), coordinates)
         };
         let (mut previous, mut contraction): (f64, f64) = (0.0, 0.0);
@@ -190,14 +195,14 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             let f = self.evaluate(origin, h, &z);
             rhs += 3;
             let tf = transform(&k.ti, &[(f[0].1, f[0].0.a), (f[1].1, f[1].0.a), (f[2].1, f[2].0.a)]);
-            let (dq1, dv1) =
-                real.solve(each(|n| tf[0].0[n] - gamma * w[0].0[n]), each(|n| tf[0].1[n] - gamma * w[0].1[n]));
+            let (dq1, dv1) = real
+                .solve(array_from(|n| tf[0].0[n] - gamma * w[0].0[n]), array_from(|n| tf[0].1[n] - gamma * w[0].1[n]));
             let complex = |a: &[f64; N], b: &[f64; N], wa: &[f64; N], wb: &[f64; N]| -> [Complex64; N] {
-                each(|n| Complex64::new(a[n], b[n]) - shift * Complex64::new(wa[n], wb[n]))
+                array_from(|n| Complex64::new(a[n], b[n]) - shift * Complex64::new(wa[n], wb[n]))
             };
             let (dq2, dv2) = pair
                 .solve(complex(&tf[1].0, &tf[2].0, &w[1].0, &w[2].0), complex(&tf[1].1, &tf[2].1, &w[1].1, &w[2].1));
-            let (re, im) = (|x: &[Complex64; N]| each(|n| x[n].re), |x: &[Complex64; N]| each(|n| x[n].im));
+            let (re, im) = (|x: &[Complex64; N]| array_from(|n| x[n].re), |x: &[Complex64; N]| array_from(|n| x[n].im));
             let dw: Stages<N> = [(dq1, dv1), (re(&dq2), re(&dv2)), (im(&dq2), im(&dv2))];
             let size = |(q, v): &Stage<N>| powi(tolerances.norm((q, v), (from, from), coordinates), 2);
             let size = ((size(&dw[0]) + size(&dw[1]) + size(&dw[2])) / 3.0).sqrt();
@@ -207,7 +212,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             if iteration > 0 {
                 let rate = size / previous;
                 contraction = if iteration == 1 { rate } else { (rate * contraction).sqrt() };
-                if contraction >= 0.99 && size > floor.max(goal) {
+                if contraction >= 0.99 && size > floor.max(newton_tolerance) {
                     return failed(rhs);
                 }
             }
@@ -220,7 +225,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             }
             z = transform(&k.t, &w);
             let remaining = if iteration == 0 { size } else { size * contraction / (1.0 - contraction).max(0.01) };
-            if size == 0.0 || size <= floor || (iteration > 0 && remaining <= goal) {
+            if size == 0.0 || size <= floor || (iteration > 0 && remaining <= newton_tolerance) {
                 converged = true;
                 break;
             }
@@ -232,24 +237,25 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         let stages = self.evaluate(origin, h, &z);
         rhs += 3;
         let offset = |i: usize| {
-            let sums = weighed(&k.a[i], [&stages[0].0.g, &stages[1].0.g, &stages[2].0.g]);
-            State { q: z[i].0, v: z[i].1, z: each(|m| h * sums[m]) }
+            let sums = weighted_sum(&k.a[i], [&stages[0].0.g, &stages[1].0.g, &stages[2].0.g]);
+            State { q: z[i].0, v: z[i].1, z: array_from(|m| h * sums[m]) }
         };
         let offsets: [State<N, Z>; 3] = [offset(0), offset(1), offset(2)];
         let last = &offsets[2];
-        let end = State { q: plus(&from.q, &last.q), v: plus(&from.v, &last.v), z: plus(&from.z, &last.z) };
+        let end = State { q: add(&from.q, &last.q), v: add(&from.v, &last.v), z: add(&from.z, &last.z) };
         if !end.is_finite() {
             return failed(rhs);
         }
 
-        // Error (γ/h − J)⁻¹ (f₀ + Σ eᵢ zᵢ/h); where that is too large on a fresh start, filtered a second time.
-        let ez = weighed_stages(&k.e, &z);
-        let estimate =
-            |v0: &[f64; N], a0: &[f64; N]| real.solve(each(|n| v0[n] + ez.0[n] / h), each(|n| a0[n] + ez.1[n] / h));
+        // Error (γ/h − J)⁻¹ (f₀ + Σ eᵢ zᵢ/h), filtered a second time if it is too large after a restart.
+        let ez = weighted_stages(&k.e, &z);
+        let estimate = |v0: &[f64; N], a0: &[f64; N]| {
+            real.solve(array_from(|n| v0[n] + ez.0[n] / h), array_from(|n| a0[n] + ez.1[n] / h))
+        };
         let (mut eq, mut ev) = estimate(&from.v, &lin.rates.a);
         let mut error = tolerances.norm((&eq, &ev), (from, &end), coordinates);
-        if error >= 1.0 && self.fresh {
-            let (q, v) = (plus(&from.q, &eq), plus(&from.v, &ev));
+        if error >= 1.0 && self.is_restarted {
+            let (q, v) = (add(&from.q, &eq), add(&from.v, &ev));
             let shifted = system.rates(t, &q, &v, mode);
             rhs += 1;
             (eq, ev) = estimate(&v, &shifted.a);
@@ -264,7 +270,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
     }
 }
 
-/// The cubic through the start and the three stages, in the common dense form (d₃ = 0).
+/// Returns the cubic through the start and the three stages, in the common form of dense output (d₃ = 0).
 fn collocation<const N: usize, const Z: usize>(
     t0: f64,
     h: f64,
@@ -274,9 +280,9 @@ fn collocation<const N: usize, const Z: usize>(
     c: &[f64; 3],
 ) -> Dense<N, Z> {
     // At c₁ and c₂: bump · (d₁ + c d₂) = offset − c · offset₃.
-    let rest = |i: usize, x: f64, last: f64| (x - c[i] * last) / (c[i] * (1.0 - c[i]));
+    let reduced = |i: usize, x: f64, last: f64| (x - c[i] * last) / (c[i] * (1.0 - c[i]));
     let solve = |x: [f64; 3]| {
-        let (r1, r2) = (rest(0, x[0], x[2]), rest(1, x[1], x[2]));
+        let (r1, r2) = (reduced(0, x[0], x[2]), reduced(1, x[1], x[2]));
         let d2 = (r2 - r1) / (c[1] - c[0]);
         [r1 - c[0] * d2, d2]
     };

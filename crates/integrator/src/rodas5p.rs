@@ -1,12 +1,12 @@
 //! Rodas5P: linearly implicit, L-stable, stiffly accurate, order 5(4) (Steinebach 2023).
 
-use super::linear::{FEW, ShiftedSolver};
-use super::method::{Attempt, Method, Origin};
+use super::linear::{MAX_DENSE_SIZE, ShiftedSolver};
+use super::method::{Attempt, Method, StepStart};
 use super::tableau::{A, C, D, GAMMA, H, NODES, STAGES};
 use super::{Dense, State, System};
-use crate::numeric::each;
+use crate::numeric::array_from;
 
-/// The stages of the last attempt, for its dense output; Rodas5P remembers nothing else.
+/// Rodas5P with the stages of its last attempt, for dense output; it has no other history.
 pub struct Rodas5p<const N: usize, const Z: usize> {
     t0: f64,
     h: f64,
@@ -38,21 +38,21 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
 
     fn restart(&mut self) {}
 
-    fn keep(&mut self) {}
+    fn accept_step(&mut self) {}
 
     #[inline(always)]
-    fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z> {
-        let Origin { system, mode, linearised: lin, tolerances, t, latest, state: from } = *origin;
+    fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z> {
+        let StepStart { system, mode, linearised: lin, tolerances, t, latest_time, state: from } = *origin;
         let shift = 1.0 / (h * GAMMA);
-        let coordinates = system.coordinates();
+        let coordinates = system.coordinate_count();
         let solver = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v, coordinates);
-        // What nothing feeds in this mode has no derivatives: most quadratures of a gripper.
-        let is_fed = |m: usize| N <= FEW || lin.g_q[m] != [0.0; N] || lin.g_v[m] != [0.0; N];
-        let fed: [bool; Z] = each(is_fed);
+        // Most quadratures of a gripper do not depend on the state in a given mode, so their derivatives are zero.
+        let has_derivatives = |m: usize| N <= MAX_DENSE_SIZE || lin.g_q[m] != [0.0; N] || lin.g_v[m] != [0.0; N];
+        let depends_on_state: [bool; Z] = array_from(has_derivatives);
         let k = &mut self.k;
         let mut stage = *from;
         for i in 0..STAGES {
-            // Quadratures feed nothing back: their stage values are never needed, only their increments.
+            // Quadratures are never fed back: only their increments are needed, not their stage values.
             if (1..=5).contains(&i) {
                 stage.q = from.q;
                 stage.v = from.v;
@@ -68,7 +68,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
                     stage.v[n] += k[i - 1].v[n];
                 }
             }
-            let time = (t + NODES[i] * h).min(latest);
+            let time = (t + NODES[i] * h).min(latest_time);
             let rates = if i == 0 { lin.rates } else { system.rates(time, &stage.q, &stage.v, mode) };
             let (mut r_q, mut r_v, mut r_z) = (stage.v, rates.a, rates.g);
             for (j, increment) in k.iter().enumerate().take(i) {
@@ -92,7 +92,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
             let (q, v) = solver.solve(r_q, r_v);
             let mut z = r_z;
             for m in 0..Z {
-                if fed[m] {
+                if depends_on_state[m] {
                     for n in 0..N {
                         z[m] += lin.g_q[m][n] * q[n] + lin.g_v[m][n] * v[n];
                     }
@@ -101,7 +101,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
             }
             k[i] = State { q, v, z };
         }
-        // Stiffly accurate: the last stage plus its increment is the result, and that increment the error.
+        // Stiffly accurate: the last stage plus its increment is the result, and the increment is the error estimate.
         let mut end = stage;
         for n in 0..N {
             end.q[n] += k[7].q[n];

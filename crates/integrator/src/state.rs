@@ -10,7 +10,7 @@ pub struct State<const N: usize, const Z: usize> {
 
 impl<const N: usize, const Z: usize> State<N, Z> {
     pub fn is_finite(&self) -> bool {
-        // Of slices: compiled once.
+        // On slices, so that it is compiled once.
         let finite = |all: &[f64]| all.iter().all(|x| x.is_finite());
         finite(&self.q) && finite(&self.v) && finite(&self.z)
     }

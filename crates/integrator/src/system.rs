@@ -1,7 +1,7 @@
-//! What an integrator needs to know of a system.
+//! Interface between the integrator and a hybrid system.
 
 use super::Tolerances;
-use crate::numeric::each;
+use crate::numeric::array_from;
 
 /// Right-hand side: accelerations and rates of the quadratures.
 #[derive(Clone, Copy, Debug)]
@@ -28,9 +28,9 @@ pub struct Linearised<const N: usize, const Z: usize> {
 pub trait System<const N: usize, const Z: usize> {
     type Mode: Copy + std::fmt::Debug;
 
-    /// How many of the N coordinates there are: the others, behind them, rest at 0 and nothing depends on them.
+    /// Number of coordinates in use, up to N. The remaining ones stay at 0 and have no effect.
     #[inline(always)]
-    fn coordinates(&self) -> usize {
+    fn coordinate_count(&self) -> usize {
         N
     }
 
@@ -39,149 +39,158 @@ pub trait System<const N: usize, const Z: usize> {
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Linearised<N, Z>;
 }
 
-/// How the value of a guard may be followed within a step.
+/// How the zero crossings of an event function are searched within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Look {
-    /// A gap, whose rate is known: half way, at the end, and where it is smallest if its rates at the ends allow a dip.
+pub enum RootSearch {
+    /// A gap with a known rate: checked at the midpoint, at the end, and at its minimum if its end rates allow a dip.
     #[default]
     Gap,
-    /// Only at the end. A stiff damper's force may not be read off the dense output: between the ends of a step the
-    /// interpolated rate is off the slow manifold, and the force is a huge multiple of it.
-    End,
-    /// A smooth value without a known rate, which may dip below zero and come back within the step: at points inside, and
-    /// where it is smallest between them.
-    Inside,
-    /// The force of a contact that parts slowly: the same, in steps that lose most of its depth.
-    Fading,
-    /// The same of a value that a step follows closely, a rate: at more points only where it bends enough for a dip.
+    /// Checked only at the end. The force of a stiff damper cannot be evaluated from the dense output: inside a step
+    /// the interpolated rate is off the slow manifold, and the force is a large multiple of it.
+    EndOnly,
+    /// A smooth value without a known rate that may be negative only inside the step: sampled inside, and at the
+    /// minimum between samples.
+    Interior,
+    /// The force of a slowly separating contact: as `Interior`, in steps that lose most of its depth.
+    FadingForce,
+    /// A value that a step resolves well, such as a rate: as `Interior`, but only if its curvature allows a dip.
     Smooth,
 }
 
-/// A quantity that the law of a site is sensitive to, beyond what tolerances of coordinates and rates know of: `row` says how these
-/// change it, `scale` how large it is.
+/// Error weight of a contact: a quantity to which its force law is more sensitive than the tolerances of coordinates
+/// and rates reflect. `row` is the derivative of the quantity with respect to the coordinates or rates.
 #[derive(Clone, Copy, Debug)]
-pub enum Strain<const N: usize> {
+pub enum ErrorWeight<const N: usize> {
     None,
-    /// Penetration of a contact that presses, along coordinates; how deep it is, and whether it `rebounds`: is on its way with a
-    /// spring that is stronger than its damper, so that an error of its rate is there to stay.
+    /// Penetration of an active contact, `row` over coordinates. `is_spring_dominated`: the spring is stronger than the
+    /// damper. `is_rebounding`: the contact is also moving, so that an error of its rate persists.
     Depth {
         row: [f64; N],
         depth: f64,
-        rebounds: bool,
-        springy: bool,
+        is_rebounding: bool,
+        is_spring_dominated: bool,
     },
-    /// Slip of a contact that presses, along rates; the finest scale of its friction law, and the normal force.
+    /// Slip of an active contact, `row` over rates, with the smallest slip scale of its friction law and the normal
+    /// force.
     Slip {
         row: [f64; N],
-        finest: f64,
-        normal: f64,
+        slip_scale: f64,
+        normal_force: f64,
     },
 }
 
-/// Whether a site's branch still holds.
+/// An event function with its root-search policy. The branch of its law is valid while the value is not negative.
 #[derive(Clone, Copy, Debug)]
-pub struct Guard<const N: usize> {
-    /// Not negative while the branch holds.
+pub struct EventFunction<const N: usize> {
+    /// Not negative while the branch is valid.
     pub value: f64,
-    /// Rate of `value` where it is known (a gap); 0 otherwise. A dip between two steps shows as a change of its sign.
+    /// Rate of `value` if known (a gap), otherwise 0. A sign change of the rate reveals a dip within a step.
     pub rate: f64,
-    pub look: Look,
-    /// Whether the surfaces are apart, whatever the branch.
-    pub apart: bool,
-    /// What of the site a step may err by a part of only.
-    pub strain: Strain<N>,
+    pub root_search: RootSearch,
+    /// Whether the surfaces are separated, independent of the branch.
+    pub is_separated: bool,
+    /// Error weight of the contact in the step error.
+    pub error_weight: ErrorWeight<N>,
 }
 
-impl<const N: usize> Guard<N> {
-    /// Of a site where nothing can happen.
-    pub const QUIET: Self =
-        Self { value: f64::INFINITY, rate: 0.0, look: Look::End, apart: true, strain: Strain::None };
+impl<const N: usize> EventFunction<N> {
+    /// Event function that never triggers.
+    pub const INACTIVE: Self = Self {
+        value: f64::INFINITY,
+        rate: 0.0,
+        root_search: RootSearch::EndOnly,
+        is_separated: true,
+        error_weight: ErrorWeight::None,
+    };
 }
 
-/// All guards in one state, and how far the state is from where the equations break down.
+/// Values of all event functions in one state, and the clearance from the next singularity of the equations.
 #[derive(Clone, Copy, Debug)]
-pub struct Watch<const N: usize, const S: usize> {
-    pub guards: [Guard<N>; S],
-    /// Not negative while the equations hold.
+pub struct EventSet<const N: usize, const S: usize> {
+    pub functions: [EventFunction<N>; S],
+    /// Not negative while the equations are valid.
     pub clearance: f64,
     /// Rate of `clearance`.
     pub clearance_rate: f64,
 }
 
-/// A state in which contacts rest at the depth their springs hold.
+/// A quasi-static state: its contacts rest at the equilibrium depth of their springs.
 ///
-/// A stiff, hardly damped contact that is loaded at once trembles about that depth: by 1e-12 rad at 1e9 rad/s, ten thousand times in a
-/// closing and with no effect on it. An integrator that resolves it takes minutes.
+/// A stiff, weakly damped contact that is loaded suddenly oscillates about that depth: by 1e-12 rad at 1e9 rad/s, ten
+/// thousand times in a closing motion and without effect on it. Resolving these oscillations takes minutes.
 #[derive(Clone, Copy, Debug)]
-pub struct Settled<const N: usize> {
+pub struct QuasiStaticState<const N: usize> {
     pub q: [f64; N],
     pub v: [f64; N],
-    /// Rate at which the slowest of these trembles would have died by itself, 1/s.
-    pub decay: f64,
+    /// Decay rate of the slowest of these oscillations, 1/s.
+    pub decay_rate: f64,
 }
 
 /// A system whose modes change at events.
 pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
-    /// Next time after `t` at which the right-hand side jumps by itself; infinite if none.
-    fn next_corner(&self, t: f64) -> f64;
+    /// Next time after `t` at which the right-hand side is discontinuous in time; infinite if there is none.
+    fn next_discontinuity(&self, t: f64) -> f64;
 
-    /// A bound on the next step from this state, where the error estimate knows of none: what only quadratures feel.
+    /// Upper bound on the next step from this state, for effects that the error estimate does not see because only
+    /// quadratures depend on them.
     #[inline(always)]
-    fn longest_step(&self, _t: f64, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> f64 {
+    fn max_step(&self, _t: f64, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> f64 {
         f64::INFINITY
     }
 
-    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Watch<N, S>;
+    /// Evaluates all event functions.
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> EventSet<N, S>;
 
-    /// One guard as [`Hybrid::watch`] has it, but for its strain: looks within a step, several in most, ask no more.
+    /// Evaluates one event function, without its error weight. Root searches within a step use this.
     #[inline(always)]
-    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, guard: usize) -> Guard<N> {
-        self.watch(q, v, mode).guards[guard]
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, index: usize) -> EventFunction<N> {
+        self.eval_events(q, v, mode).functions[index]
     }
 
-    /// Values of the wanted guards, of others anything.
+    /// Values of the selected event functions; the other entries are unspecified.
     #[inline(always)]
-    fn values(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, _wanted: &[bool; S]) -> [f64; S] {
-        let guards = self.watch(q, v, mode).guards;
-        each(|guard| guards[guard].value)
+    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, _selected: &[bool; S]) -> [f64; S] {
+        let functions = self.eval_events(q, v, mode).functions;
+        array_from(|index| functions[index].value)
     }
 
-    /// How near to zero a guard must be for its event to be taken.
-    fn landing_tolerance(&self, site: usize, mode: &Self::Mode) -> f64;
+    /// Magnitude of the event function below which an event counts as located.
+    fn event_tolerance(&self, index: usize, mode: &Self::Mode) -> f64;
 
-    /// The mode after the event at `site`, in the state it was landed on in.
-    fn switch(&self, site: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Self::Mode;
+    /// Returns the mode after event `index`, in the state at which the event was located.
+    fn mode_after_event(&self, index: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Self::Mode;
 
-    /// Whether an event at `site` is one of the system: told to observers, counted, and a start for the method. Others only
-    /// keep steps from leaping over a part of a law.
-    fn is_told(&self, _site: usize) -> bool {
+    /// Whether event `index` is reported to observers, counted, and restarts the method. Other events only prevent
+    /// steps from skipping a segment of a law.
+    fn is_reported(&self, _index: usize) -> bool {
         true
     }
 
-    /// The mode after a step whose end has these guards, where it changes without any jump (a released contact that has
-    /// left its partner).
-    fn relax(&self, guards: &[Guard<N>; S], mode: &Self::Mode) -> Option<Self::Mode>;
+    /// Returns the mode after a step with these event functions at its end, if the mode changes without a discontinuity
+    /// (a released contact whose surfaces have separated).
+    fn mode_after_step(&self, functions: &[EventFunction<N>; S], mode: &Self::Mode) -> Option<Self::Mode>;
 
-    /// The mode with the branches of `site` left to the law itself: no event there.
-    fn with_natural(&self, site: usize, mode: &Self::Mode) -> Self::Mode;
+    /// Returns the mode in which contact `index` uses its clamped law, without events.
+    fn with_clamped_law(&self, index: usize, mode: &Self::Mode) -> Self::Mode;
 
-    /// A fresh reading of the mode at a state, for a start or after a step on natural branches.
-    fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Self::Mode;
+    /// Returns the mode derived from a state alone, at the start of a run or after a step with a clamped law.
+    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Self::Mode;
 
-    /// First step after the event at `site`, if the event changes the time scale.
-    fn restart_step(&self, site: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;
+    /// First step after event `index`, if the event changes the time scale.
+    fn restart_step(&self, index: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;
 
-    /// The state with hard contacts at rest where they only tremble: `None` where none does. See [`Settled`].
-    fn settle(
+    /// Projects oscillating stiff contacts onto their equilibrium depth; `None` if there are none. See
+    /// [`QuasiStaticState`].
+    fn project_quasi_static(
         &self,
         _t: f64,
         _state: (&[f64; N], &[f64; N]),
         _mode: &Self::Mode,
         _tolerances: &Tolerances,
-    ) -> Option<Settled<N>> {
+    ) -> Option<QuasiStaticState<N>> {
         None
     }
 
-    /// Says in words what a state without clearance has run into.
-    fn obstacle(&self, q: &[f64; N]) -> String;
+    /// Describes the singularity that a state without clearance has reached.
+    fn describe_obstacle(&self, q: &[f64; N]) -> String;
 }

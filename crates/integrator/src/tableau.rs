@@ -1,11 +1,11 @@
-//! Coefficients of Rodas5P: G. Steinebach, BIT Numer. Math. 63:27 (2023), in the form that solves
+//! Coefficients of Rodas5P: G. Steinebach, BIT Numer. Math. 63:27 (2023), in the form
 //! (1/(hγ) − J) kᵢ = f(t + cᵢh, y + Σ aᵢⱼ kⱼ) + Σ Cᵢⱼ/h kⱼ + h dᵢ ∂f/∂t.
 
 pub const STAGES: usize = 8;
 
 pub const GAMMA: f64 = 0.21193756319429014;
 
-/// Stage increments. Rows 7 and 8 and the result repeat row 6 with a unit weight for every later stage.
+/// Weights of the stage increments. Rows 7 and 8 and the result are row 6 with a unit weight for every later stage.
 pub const A: [[f64; 5]; 6] = [
     [0.0; 5],
     [3.0, 0.0, 0.0, 0.0, 0.0],

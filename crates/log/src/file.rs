@@ -1,7 +1,7 @@
-//! Log files: refusals come before a simulation starts, not after it; an older log gives way only to a whole one.
+//! Log files. Invalid paths are rejected before a simulation starts. An older log is replaced only by a complete one.
 //!
-//! A log grows as `NAME.partial` beside its target and takes the target's name when it is finished. What ends a run in
-//! between (a kill, a full disk) leaves the older log as it was, and the partial one readable up to its last chunk.
+//! A log grows as `NAME.partial` next to its target and is renamed to the target when finished. If a run is interrupted
+//! (killed, disk full), the older log is unchanged and the partial one is readable up to its last chunk.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -11,15 +11,15 @@ use std::path::{Path, PathBuf};
 use fs4::FileExt;
 use fs4::TryLockError;
 
-use super::beside::Beside;
-use super::core::Feed;
+use super::mcap_writer::MessageFeed;
 use super::metadata::{METADATA_NAME, RunInfo};
+use super::threaded::ThreadedWriter;
 use phalanx_core::trace::SinkError;
 
-/// As much of a log as says whose it is.
+/// Bytes at the start of a log that identify its writer.
 const HEAD_BYTES: u64 = 4096;
 
-/// Why a log could not be started.
+/// Error while creating a log file.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
     #[error(
@@ -30,15 +30,15 @@ pub enum LogError {
     #[error("cannot write the log {path}: that is a directory; give the name of a file in it, such as {suggestion}")]
     IsDirectory { path: PathBuf, suggestion: PathBuf },
     #[error(
-        "cannot write the log {path}: {taken} exists and is not an MCAP log that phalanx wrote, so it is left alone; remove it first or give \
+        "cannot write the log {path}: {existing} exists and is not an MCAP log written by phalanx, so it is not replaced; remove it first or give \
          another path"
     )]
-    NotALog { path: PathBuf, taken: PathBuf },
+    NotPhalanxLog { path: PathBuf, existing: PathBuf },
     #[error(
         "cannot write the log {path}: another run is writing it (to {partial}); wait for that run or give another path"
     )]
     Busy { path: PathBuf, partial: PathBuf },
-    #[error("cannot write the log {path}: {source}; give a path where you may write, or free the one you gave")]
+    #[error("cannot write the log {path}: {source}; give a writable path, or make this one writable")]
     Create {
         path: PathBuf,
         #[source]
@@ -48,35 +48,35 @@ pub enum LogError {
     Start(#[from] SinkError),
 }
 
-/// A file that a log is being written to.
+/// The file of a log that is being written.
 #[derive(Debug)]
-#[must_use = "a finished log takes the name it was meant for only by `keep`"]
+#[must_use = "a finished log gets its final name only by `commit`"]
 pub struct LogFile {
-    /// `None`: nowhere. A run that is only watched writes its log all the same, so that there is one way to do it.
+    /// File of the log; `None` discards all bytes. A run with a live view but no log file still writes its log, so both
+    /// share one path.
     file: Option<File>,
-    /// Where the bytes go until the log is finished, and where it belongs then; `None` for what cannot be replaced, such
-    /// as a pipe or a device.
-    place: Option<Place>,
-    /// What has been asked for, for messages.
+    /// Partial and final path; `None` for a target that cannot be replaced, such as a pipe or a device.
+    destination: Option<Destination>,
+    /// Name for error messages.
     name: String,
-    /// A write has failed: nothing may follow what is missing.
-    broken: bool,
+    /// Whether a write has failed: nothing may be written after the missing bytes.
+    has_failed: bool,
 }
 
 #[derive(Debug)]
-struct Place {
+struct Destination {
     partial: PathBuf,
     target: PathBuf,
 }
 
 impl LogFile {
-    /// Opens a log's file for writing.
+    /// Opens the file of a log for writing.
     ///
-    /// A target that is not a regular file is written directly. A partial log that nobody writes any more is replaced; an
-    /// advisory lock on it keeps two runs apart.
+    /// A target that is not a regular file is written directly. An abandoned partial log is replaced; an advisory lock
+    /// prevents two runs from writing the same one.
     ///
     /// # Errors
-    /// [`LogError`] with the path, the reason and the way out.
+    /// Returns [`LogError`] with the path, the reason and a remedy.
     pub fn open(path: &Path) -> Result<Self, LogError> {
         if path.is_dir() || path.to_string_lossy().ends_with(std::path::is_separator) {
             return Err(LogError::IsDirectory { path: path.to_path_buf(), suggestion: path.join("run.mcap") });
@@ -89,58 +89,58 @@ impl LogFile {
         match fs::metadata(path) {
             Ok(found) if !found.is_file() => {
                 let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
-                return Ok(LogFile { file: Some(file), place: None, name, broken: false });
+                return Ok(LogFile { file: Some(file), destination: None, name, has_failed: false });
             }
             Ok(_) => {
-                // Who may not write the older log may not replace it either, whatever the directory allows.
+                // Without write permission the older log must not be replaced, even if the directory allows it.
                 OpenOptions::new().write(true).open(path).map_err(failed)?;
-                refuse_other_files(path, path)?;
+                ensure_replaceable(path, path)?;
             }
             Err(_) => {}
         }
-        let target = behind_link(path).map_err(failed)?;
+        let target = resolve_link(path).map_err(failed)?;
         let partial = partial_name(path);
-        refuse_other_files(path, &partial)?;
-        let file = claim(path, &partial)?;
-        // A file that has been emptied is flushed when it is closed, on some file systems: a new one need not be.
+        ensure_replaceable(path, &partial)?;
+        let file = lock_partial(path, &partial)?;
+        // Some file systems flush a truncated file when it is closed, but not a new one.
         if file.metadata().map_err(failed)?.len() > 0 {
             file.set_len(0).map_err(failed)?;
         }
-        Ok(LogFile { file: Some(file), place: Some(Place { partial, target }), name, broken: false })
+        Ok(LogFile { file: Some(file), destination: Some(Destination { partial, target }), name, has_failed: false })
     }
 
-    /// A log that nobody keeps: what is written to it goes nowhere.
-    pub fn nowhere() -> Self {
-        LogFile { file: None, place: None, name: "the log".to_string(), broken: false }
+    /// Creates a log that discards everything written to it.
+    pub fn discard() -> Self {
+        LogFile { file: None, destination: None, name: "the log".to_string(), has_failed: false }
     }
 
-    /// Where the log is while it is not finished; `None` if it is written directly.
+    /// Path of the unfinished log; `None` if the target is written directly.
     pub fn partial(&self) -> Option<&Path> {
-        self.place.as_ref().map(|place| place.partial.as_path())
+        self.destination.as_ref().map(|destination| destination.partial.as_path())
     }
 
-    /// Puts a finished log in its place. Before an older one gives way, the new one is on the disk for good.
-    pub fn keep(self) -> Result<(), SinkError> {
-        let (Some(file), Some(Place { partial, target })) = (&self.file, &self.place) else {
+    /// Renames a finished log to its target. The new log is synced to disk before it replaces an older one.
+    pub fn commit(self) -> Result<(), SinkError> {
+        let (Some(file), Some(Destination { partial, target })) = (&self.file, &self.destination) else {
             return Ok(());
         };
-        let kept = match target.exists() {
+        let renamed = match target.exists() {
             true => file.sync_all().and_then(|()| fs::rename(partial, target)).and_then(|()| sync_directory(target)),
             false => fs::rename(partial, target),
         };
-        kept.map_err(|source| SinkError { what: self.name, source })
+        renamed.map_err(|source| SinkError { target: self.name, source })
     }
 }
 
 impl Write for LogFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.broken {
+        if self.has_failed {
             return Err(io::Error::other("an earlier part of the log could not be written"));
         }
         let Some(file) = &mut self.file else {
             return Ok(bytes.len());
         };
-        file.write(bytes).inspect_err(|error| self.broken = error.kind() != io::ErrorKind::Interrupted)
+        file.write(bytes).inspect_err(|error| self.has_failed = error.kind() != io::ErrorKind::Interrupted)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -151,63 +151,64 @@ impl Write for LogFile {
 /// Starts a log in a file, see [`LogFile::open`].
 ///
 /// # Errors
-/// [`LogError`] with the path, the reason and the way out.
+/// Returns [`LogError`] with the path, the reason and a remedy.
 pub fn create(path: &Path, run: &RunInfo<'_>) -> Result<FileWriter, LogError> {
     create_with_feed(Some(path), run, None)
 }
 
-/// The same, with every message handed to a feed as well; without a path, to the feed alone.
+/// Like [`create`], and also passes every message to a feed. Without a path, only the feed receives messages.
 ///
 /// # Errors
-/// [`LogError`] with the path, the reason and the way out.
+/// Returns [`LogError`] with the path, the reason and a remedy.
 pub fn create_with_feed(
     path: Option<&Path>,
     run: &RunInfo<'_>,
-    feed: Option<Box<dyn Feed>>,
+    feed: Option<Box<dyn MessageFeed>>,
 ) -> Result<FileWriter, LogError> {
-    let file = path.map_or(Ok(LogFile::nowhere()), LogFile::open)?;
+    let file = path.map_or(Ok(LogFile::discard()), LogFile::open)?;
     let (name, partial) = (file.name.clone(), file.partial().map(Path::to_path_buf));
-    // Not even the beginning of a log: nobody has a use for it.
-    let unstarted = move || partial.into_iter().for_each(|partial| drop(fs::remove_file(partial)));
-    FileWriter::start(file, &name, run, feed, unstarted).map_err(LogError::Start)
+    // A file without the head of a log is useless.
+    let remove_partial = move || partial.into_iter().for_each(|partial| drop(fs::remove_file(partial)));
+    FileWriter::start(file, &name, run, feed, remove_partial).map_err(LogError::Start)
 }
 
-/// Name of a log that is not finished: `run.mcap.partial`.
+/// Returns the name of an unfinished log, such as `run.mcap.partial`.
 pub fn partial_name(path: &Path) -> PathBuf {
-    let mut name = OsString::from(behind_link(path).unwrap_or_else(|_| path.to_path_buf()));
+    let mut name = OsString::from(resolve_link(path).unwrap_or_else(|_| path.to_path_buf()));
     name.push(".partial");
     PathBuf::from(name)
 }
 
-/// A link stays a link: what it points to is replaced.
-pub fn behind_link(path: &Path) -> io::Result<PathBuf> {
+/// Resolves a symbolic link, so that its target is replaced and the link remains.
+pub fn resolve_link(path: &Path) -> io::Result<PathBuf> {
     if path.is_symlink() { fs::canonicalize(path) } else { Ok(path.to_path_buf()) }
 }
 
-/// A slip of the hand must not cost another file: only logs, or what is left of one, are replaced.
-pub fn refuse_other_files(path: &Path, taken: &Path) -> Result<(), LogError> {
+/// Accepts only logs and partial logs of phalanx for replacement: a mistyped path must not destroy another file.
+pub fn ensure_replaceable(path: &Path, existing: &Path) -> Result<(), LogError> {
     let failed = |source| LogError::Create { path: path.to_path_buf(), source };
-    let other = LogError::NotALog { path: path.to_path_buf(), taken: taken.to_path_buf() };
-    match fs::metadata(taken) {
+    let other = LogError::NotPhalanxLog { path: path.to_path_buf(), existing: existing.to_path_buf() };
+    match fs::metadata(existing) {
         Ok(found) if !found.is_file() => return Err(other),
         Ok(_) => {}
         Err(_) => return Ok(()),
     }
     let mut head = Vec::new();
-    let file = File::open(taken).map_err(failed)?;
+    let file = File::open(existing).map_err(failed)?;
     file.take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
-    if is_own(&head) { Ok(()) } else { Err(other) }
+    if starts_like_phalanx_log(&head) { Ok(()) } else { Err(other) }
 }
 
-/// Whether a file begins as our logs do: with our name in the header. One that ends before that says nothing yet.
-fn is_own(head: &[u8]) -> bool {
-    let begins = head.starts_with(mcap::MAGIC) || mcap::MAGIC.starts_with(head);
+/// Whether a file starts like a log of phalanx, with its name in the header. A file that ends before the name also
+/// counts.
+fn starts_like_phalanx_log(head: &[u8]) -> bool {
+    let has_magic = head.starts_with(mcap::MAGIC) || mcap::MAGIC.starts_with(head);
     let named = head.windows(METADATA_NAME.len()).any(|part| part == METADATA_NAME.as_bytes());
-    begins && (named || head.len() <= mcap::MAGIC.len())
+    has_magic && (named || head.len() <= mcap::MAGIC.len())
 }
 
-/// Opens the partial file and locks it, so that it belongs to this run alone.
-fn claim(path: &Path, partial: &Path) -> Result<File, LogError> {
+/// Opens and locks the partial file, so that no other run writes it.
+fn lock_partial(path: &Path, partial: &Path) -> Result<File, LogError> {
     let failed = |source| LogError::Create { path: path.to_path_buf(), source };
     loop {
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(partial).map_err(failed)?;
@@ -216,19 +217,19 @@ fn claim(path: &Path, partial: &Path) -> Result<File, LogError> {
             Err(TryLockError::WouldBlock) => {
                 return Err(LogError::Busy { path: path.to_path_buf(), partial: partial.to_path_buf() });
             }
-            // A file system without locks: two runs cannot be told apart there.
+            // The file system has no locks: concurrent runs cannot be detected.
             Err(TryLockError::Error(_)) => return Ok(file),
         }
-        // Between opening and locking, another run may have finished and moved this very file to its place.
-        if is_at(&file, partial) {
+        // Between opening and locking, another run may have finished and renamed this file.
+        if is_same_file(&file, partial) {
             return Ok(file);
         }
     }
 }
 
-/// Whether an open file is the one at this path, and not one that was there before.
+/// Whether an open file is the file currently at this path.
 #[cfg(unix)]
-pub fn is_at(file: &File, path: &Path) -> bool {
+pub fn is_same_file(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     match (file.metadata(), fs::metadata(path)) {
         (Ok(open), Ok(there)) => (open.dev(), open.ino()) == (there.dev(), there.ino()),
@@ -236,13 +237,13 @@ pub fn is_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Elsewhere an open file is not moved away.
+/// On other systems an open file cannot be renamed.
 #[cfg(not(unix))]
-pub fn is_at(_: &File, path: &Path) -> bool {
+pub fn is_same_file(_: &File, path: &Path) -> bool {
     path.exists()
 }
 
-/// Makes a rename last through a loss of power, where directories can be synced.
+/// Makes a rename survive a power failure, where directories can be synced.
 fn sync_directory(path: &Path) -> io::Result<()> {
     if cfg!(unix) {
         let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -252,12 +253,12 @@ fn sync_directory(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A log that goes to a file.
-pub type FileWriter = Beside<LogFile>;
+/// Writer of a log to a file.
+pub type FileWriter = ThreadedWriter<LogFile>;
 
 impl FileWriter {
-    /// Finishes the log and puts it in its place.
-    pub fn keep(self) -> Result<(), SinkError> {
-        self.finish()?.keep()
+    /// Finishes the log and renames it to its target.
+    pub fn commit(self) -> Result<(), SinkError> {
+        self.finish()?.commit()
     }
 }

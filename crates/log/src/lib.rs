@@ -1,8 +1,8 @@
-//! Logs: one MCAP file a run, every channel in protobuf with its descriptor embedded. [`run_to`] writes one.
+//! Logs: one MCAP file per run, with protobuf channels and embedded descriptors. [`run_to`] writes one.
 //!
-//! Schemas of our own messages are called as here under `phalanx.` (`phalanx.State`).
+//! Schemas of phalanx' own messages are in the package `phalanx` (`phalanx.State`).
 //!
-//! | topic | schema | what |
+//! | topic | schema | content |
 //! |---|---|---|
 //! | `/state` | [`State`] | joint angles, rates, motor torque |
 //! | `/contact/proximal`, `/contact/distal` | [`Contact`] | gap, slip, forces, contact point; only with an object |
@@ -10,60 +10,61 @@
 //! | `/energy` | [`Energy`] | energies, works and their balance |
 //! | `/impact/proximal`, `/impact/distal` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
 //! | `/impact/limit` | [`LimitImpact`] | the same for the joint limit |
-//! | `/slip/proximal`, `/slip/distal` | [`Slip`] | friction begins to slip, or sticks again; only where it holds, and up to 1000 of them |
+//! | `/slip/proximal`, `/slip/distal` | [`Slip`] | friction begins to slip, or sticks again; only with stiction, at most 1000 |
 //! | `/events` | `foxglove.Log` | the same events as text, when both phalanges hold the object, and how the run ended |
-//! | `/tf_static`, `/tf` | `foxglove.FrameTransforms` | where bodies are that stay, once, and those that move |
+//! | `/tf_static`, `/tf` | `foxglove.FrameTransforms` | poses of fixed bodies, once, and of moving bodies |
 //! | `/scene` | `foxglove.SceneUpdate` | the shapes of all bodies in their frames, once |
 //! | `/forces` | `foxglove.SceneUpdate` | contact points and force arrows; only with an object |
 //!
-//! The log of a scene of discs has other names, and the same messages where they fit:
+//! The log of a scene of discs has other topics:
 //!
-//! | topic | schema | what |
+//! | topic | schema | content |
 //! |---|---|---|
-//! | `/disc/NAME` | [`Disc`] | place, angle and rates of a disc |
+//! | `/disc/NAME` | [`Disc`] | position, angle and rates of a disc |
 //! | `/contact/PAIR` | [`Contact`] | gap, slip, forces; PAIR is `hammer-anvil` or `hammer-plane` |
-//! | `/energy` | [`Energy`] | energies, works and their balance; the motor's work is that on driven discs |
+//! | `/energy` | [`Energy`] | energies, works and their balance; motor work is the work on driven discs |
 //! | `/impact/PAIR` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
-//! | `/slip/PAIR` | [`Slip`] | friction begins to slip, or sticks again; only where it holds, and up to 1000 of them |
+//! | `/slip/PAIR` | [`Slip`] | friction begins to slip, or sticks again; only with stiction, at most 1000 |
 //! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
 //! | `/tf_static`, `/tf`, `/scene`, `/forces` | | pictures, as above |
 //!
-//! **How much.** Numbers come on an even grid (`numeric_rate`) and, within an impact, at every step of the integrator
-//! ([`Thin`](phalanx_core::trace::Thin) says what an impact is); besides, at the deepest point and the largest force of every
-//! contact, so that a log has the same extremes as its run. Long runs of grippers in the analytic model have fewer where nothing happens. Pictures come on a grid of their own (`picture_rate`), and
-//! within an impact whenever an arrow has changed by a twentieth of the longest one; where nothing has moved there is none.
+//! **Sampling.** Numeric samples are written on a uniform time grid (`numeric_rate`), within an impact at every
+//! integrator step (defined by [`Decimator`](phalanx_core::trace::Decimator)), and at the maximum penetration and
+//! maximum force of every contact, so that a log has the same extremes as its run. Long runs of grippers in the
+//! analytic model have fewer samples while nothing happens. Pictures have a separate grid (`picture_rate`); within an
+//! impact they are also written whenever an arrow has changed by a twentieth of the longest one. If nothing has moved,
+//! none is written.
 //!
-//! **Clock.** One clock, from 0 at the start of the simulation: log time = publish time = the message's stamp rounded to
-//! the nanosecond, and never going back. Steps within an impact can be shorter than a nanosecond; such neighbours share
-//! a log time, and the `timestamp` field (s, unrounded) still tells them apart. No wall clock is read, so the same run
+//! **Clock.** All channels share one clock that starts at 0 with the simulation: log time = publish time = time of the
+//! message rounded to the nanosecond, never decreasing. Steps within an impact can be shorter than a nanosecond; such
+//! messages share a log time but differ in the field `timestamp` (s, unrounded). No wall clock is read, so the same run
 //! gives the same bytes.
 //!
-//! **Beside the channels.** A metadata record `phalanx` (versions, model, settings), one `phalanx-check` (what a check of the run found) and the exact scene text as an
-//! attachment come first in the file, so a log cut short anywhere still says what it was a log of.
+//! **Metadata.** A metadata record `phalanx` (versions, model, settings) and the exact scene text as an attachment are
+//! at the start of the file, so a truncated log still identifies its run. A record `phalanx-check` contains the result
+//! of an accuracy check.
 //!
-//! **Crashes.** A log grows as `NAME.mcap.partial` and takes its name when it is finished, so an older log is replaced
-//! only by a whole one. Every chunk is written whole and flushed, so a killed run leaves a partial log that reads up to
-//! its last chunk. Chunks begin small and grow with the log, to 256 KiB.
+//! **Crashes.** A log grows as `NAME.mcap.partial` and is renamed when finished, so an older log is replaced only by a
+//! complete one. Every chunk is written at once and flushed, so a killed run leaves a partial log that is readable up
+//! to its last chunk. Chunks start small and grow with the log up to 256 KiB.
 //!
-//! **Cost.** Files are encoded, compressed and written on a thread of their own ([`Beside`]); `cargo bench --bench log_cost`
-//! measures what a log adds to a run.
+//! **Cost.** Files are encoded, compressed and written on a separate thread ([`ThreadedWriter`]); `cargo bench --bench
+//! log_cost` measures the run time that a log adds.
 //!
 //! | file | job |
 //! |---|---|
-//! | `core`, `writer`, `beside`, `file` | the MCAP file: chunks and clock; what goes in; the thread; its place on the disk |
-//! | `run`, `listeners` | one call that runs and logs; everything that listens to a run |
-//! | `channels`, `messages`, `schema`, `lines` | the channels of a scene, their messages, what those are called; events as text |
+//! | `mcap_writer`, `writer`, `threaded`, `file` | MCAP file: chunks and clock, contents, writer thread, path on disk |
+//! | `run`, `simulate` | run and log in one call; simulation with all its sinks |
+//! | `channels`, `messages`, `schema`, `lines` | channels of a scene, their messages, schema names, events as text |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
-//! | `metadata`, `settings` | the settings of a run, written and read back |
-//! | `reader` | a log back to samples and events, whatever has happened to it |
-//! | `recovered`, `verify` | the good part of a damaged log; two logs message by message |
+//! | `metadata`, `settings` | settings of a run, written and read back |
+//! | `reader` | reads intact and damaged logs into samples and events |
+//! | `recovered`, `verify` | intact part of a damaged log; comparison of two logs message by message |
 
-mod beside;
 mod channels;
-mod core;
 mod file;
 mod lines;
-mod listeners;
+mod mcap_writer;
 mod messages;
 mod metadata;
 mod pictures;
@@ -72,15 +73,16 @@ mod recovered;
 mod run;
 mod schema;
 mod settings;
+mod simulate;
+mod threaded;
 mod verify;
 mod writer;
 
-pub use beside::Beside;
-pub use core::{CHUNK_BYTES, Core, Feed, Severity};
 pub use file::{
-    FileWriter, LogError, LogFile, behind_link, create, create_with_feed, is_at, partial_name, refuse_other_files,
+    FileWriter, LogError, LogFile, create, create_with_feed, ensure_replaceable, is_same_file, partial_name,
+    resolve_link,
 };
-pub use listeners::{Ran, simulate};
+pub use mcap_writer::{CHUNK_BYTES, McapWriter, MessageFeed, Severity};
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, Slip, State, stamp_ns};
 pub use metadata::RECOVERED_NAME;
 pub use metadata::{
@@ -88,12 +90,14 @@ pub use metadata::{
     method_name, preset_name, scene_text, stepping_name,
 };
 pub use reader::{
-    AttachmentRecord, Behind, ChannelRecord, Concerns, Ended, LARGEST_RECORD, LogSink, Loss, MessageRecord, Missing,
-    ReadError, Reading, Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head,
-    read_pieces,
+    AttachmentRecord, ChannelRecord, IntactChunks, LogSink, LogSummary, Loss, MAX_RECORD_BYTES, MessageRecord,
+    MissingData, ReadError, Record, RunEnd, SchemaRecord, TopicSubject, open_log, read, read_any, read_any_file,
+    read_file, read_head, read_past_damage,
 };
 pub use recovered::{Gap, Recovery, gaps, recover};
 pub use run::{LoggedRun, LoggedRunError, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
-pub use verify::{Difference, Expected, FieldTally, Leaf, Lockstep, Verification};
+pub use simulate::{FinishedRun, simulate};
+pub use threaded::ThreadedWriter;
+pub use verify::{ComparisonOptions, Difference, FieldTally, FieldValue, LogComparison, Verification};
 pub use writer::Writer;

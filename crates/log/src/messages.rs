@@ -1,7 +1,7 @@
-//! The messages of the log: flat structs of named doubles, one a channel, each with the time of its sample.
+//! Messages of the log: flat structs of named doubles, one type per kind of channel, each with the time of its sample.
 //!
-//! `#[derive(foxglove::Encode)]` numbers the fields in order and makes the descriptor that the log embeds, so readers go
-//! by field name; append new fields at the end.
+//! `#[derive(foxglove::Encode)]` numbers the fields in order and generates the descriptor embedded in the log. Readers
+//! use field names; append new fields at the end.
 
 use foxglove::Encode;
 
@@ -24,7 +24,7 @@ pub struct State {
     pub motor_torque_n_m: f64,
 }
 
-/// `/disc/…`: one disc of a scene of discs. The angle is counter-clockwise, and not brought back by whole turns.
+/// `/disc/…`: one disc of a scene of discs. The angle is counter-clockwise and not wrapped.
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
 pub struct Disc {
     /// Time since the start of the run, in s.
@@ -37,8 +37,8 @@ pub struct Disc {
     pub spin_rad_s: f64,
 }
 
-/// `/contact/…`: one phalanx against the object, or a disc against its partner. Forces are those on the phalanx (the
-/// disc); the normal is a unit vector from the object (the partner) to it.
+/// `/contact/…`: one phalanx against the object, or a disc against its partner. Forces act on the phalanx (the disc);
+/// the normal is a unit vector from the object (the partner) to it.
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
 pub struct Contact {
     pub timestamp: f64,
@@ -88,15 +88,15 @@ pub struct Energy {
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
 pub struct Impact {
     pub timestamp: f64,
-    /// Whether there is a force from here on.
+    /// Whether a contact force acts from now on.
     pub pressed: bool,
-    /// Whether the surfaces meet here.
+    /// Whether the surfaces come into contact.
     pub touch_down: bool,
     pub approach_speed_m_s: f64,
     pub impulse_n_s: f64,
 }
 
-/// `/impact/limit`: the same for the joint limit.
+/// `/impact/limit`: a change of contact at the joint limit.
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
 pub struct LimitImpact {
     pub timestamp: f64,
@@ -106,12 +106,12 @@ pub struct LimitImpact {
     pub impulse_n_m_s: f64,
 }
 
-/// `/slip/…`: friction that holds has come to the end of its cone, where the slider of its bristle begins to slip, or is within it again.
-/// Of contacts that have bristles.
+/// `/slip/…`: friction with stiction reaches the friction cone, where the slider of its bristle begins to slip, or is
+/// inside the cone again. Only for contacts with bristles.
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
 pub struct Slip {
     pub timestamp: f64,
-    /// Whether it slips from here on.
+    /// Whether the contact slips from now on.
     pub slips: bool,
 }
 
@@ -222,8 +222,8 @@ impl From<&Event> for LimitImpact {
     }
 }
 
-/// Time of a sample on the log's clock: nanoseconds since the start, to the nearest.
+/// Returns the log time of a sample: nanoseconds since the start, rounded to the nearest.
 pub fn stamp_ns(time_s: f64) -> u64 {
-    // A cast of a float saturates, so nothing here can wrap.
+    // A cast from float saturates, so this cannot wrap.
     (time_s * 1e9).round() as u64
 }

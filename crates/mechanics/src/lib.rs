@@ -1,8 +1,9 @@
-//! The mechanics that both models of phalanx stand on, without time: kinematics and dynamics of the five-bar, contact laws, sizing, statics.
+//! The mechanics shared by both models of phalanx, without time integration: kinematics and dynamics of the five-bar,
+//! contact laws, sizing, statics.
 //!
 //! Modules depend on each other in one direction only: `numeric ← law, shape ← gripper ← fivebar ← sizing, statics`.
 
-#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests hold what is computed to other libraries"))]
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare results with other libraries"))]
 
 pub mod fivebar;
 pub mod gripper;

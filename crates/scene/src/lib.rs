@@ -1,8 +1,9 @@
-//! Scenes: what phalanx simulates as a text, and what it stands for. Nothing here knows of time; what moves is the crate `phalanx-core`.
+//! Scenes: descriptions of simulations, as text and in SI units. The crate `phalanx-core` simulates them.
 //!
-//! Modules depend on each other in one direction only: `limits, units ← scene`; `scene` uses what the crate `phalanx-mechanics` has.
+//! Modules depend on each other in one direction only: `limits, units ← scene`; `scene` uses the crate
+//! `phalanx-mechanics`.
 
-#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests hold what is computed to other libraries"))]
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare results with other libraries"))]
 
 pub mod limits;
 pub mod scene;

@@ -1,76 +1,77 @@
-// Which part of the world the animation shows.
+// The section of the world that the animation shows.
 
-// Room in pixels for what lies over the edges of the canvas.
-const ROOM = { left: 10, right: 50, top: 46, bottom: 40 };
+// Margins in pixels for the controls that cover the edges of the canvas.
+const VIEW_MARGIN = { left: 10, right: 50, top: 46, bottom: 40 };
 
-// A view of a contact is at least so many times as wide as its deepest penetration, and so many times its gap.
-const DEPTHS = 8;
-const GAPS = 3;
+// Minimum width of a contact view, as a multiple of the maximum penetration and of the present gap.
+const PENETRATIONS_IN_VIEW = 8;
+const GAPS_IN_VIEW = 3;
 
 class Camera {
-  constructor(film, canvas) {
-    this.film = film;
+  constructor(playback, canvas) {
+    this.playback = playback;
     this.canvas = canvas;
     this.follow = null;
     this.zoom = 1;
-    this.renew();
+    this.reload();
     this.fit();
   }
 
-  // Takes the film as it is now and keeps the view: while it shows everything it may widen, so that nothing leaves it.
-  renew() {
-    const { runs } = this.film;
-    const whole = wholeOf(runs);
-    if (this.wholeInView) this.widen(whole);
-    else this.whole = whole;
-    this.deepest = new Map();
+  // Adopts the present playback. The view is retained; a view that shows everything is widened if bodies would leave
+  // it.
+  reload() {
+    const { runs } = this.playback;
+    const bounds = boundingBox(runs);
+    if (this.showsAll) this.widenBounds(bounds);
+    else this.bounds = bounds;
+    this.maxPenetrations = new Map();
     for (const name of new Set(runs.flatMap((run) => run.contacts.map((contact) => contact.name)))) {
-      this.deepest.set(name, deepestOf(runs, name));
+      this.maxPenetrations.set(name, findMaxPenetration(runs, name));
     }
-    if (this.follow && !this.deepest.has(this.follow)) this.fit();
+    if (this.follow && !this.maxPenetrations.has(this.follow)) this.fit();
   }
 
-  widen([low, high]) {
-    const [l, h] = this.whole;
-    this.whole = [[0, 1].map((k) => Math.min(l[k], low[k])), [0, 1].map((k) => Math.max(h[k], high[k]))];
-    this.span = [0, 1].map((k) => this.whole[1][k] - this.whole[0][k]);
+  widenBounds([low, high]) {
+    const [l, h] = this.bounds;
+    this.bounds = [[0, 1].map((k) => Math.min(l[k], low[k])), [0, 1].map((k) => Math.max(h[k], high[k]))];
+    this.span = [0, 1].map((k) => this.bounds[1][k] - this.bounds[0][k]);
   }
 
-  // Everything in view.
+  // Shows everything.
   fit() {
-    this.whole = wholeOf(this.film.runs);
-    const [[x0, y0], [x1, y1]] = this.whole;
+    this.bounds = boundingBox(this.playback.runs);
+    const [[x0, y0], [x1, y1]] = this.bounds;
     this.follow = null;
     this.zoom = 1;
-    this.wholeInView = true;
+    this.showsAll = true;
     this.centre = [(x0 + x1) / 2, (y0 + y1) / 2];
     this.span = [x1 - x0, y1 - y0];
   }
 
-  // The contact with a name in the middle, or `null`: the view stays where it is.
+  // Centres the view on a contact; `null` shows everything.
   followContact(name) {
     if (name === null) return this.fit();
     this.follow = name;
     this.zoom = 1;
-    this.wholeInView = false;
+    this.showsAll = false;
   }
 
-  // Places the view for a time; returns the maps between world and screen.
-  at(reading) {
+  // Computes the view for the present contact data; returns the map from world to screen.
+  computeView(contactByName) {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const contact = this.follow && reading(this.follow);
-    const [wideRoom, highRoom] = [width - ROOM.left - ROOM.right, height - ROOM.top - ROOM.bottom];
-    this.fitted = Math.max(1, Math.min(wideRoom / this.span[0], highRoom / this.span[1]));
-    let scale = this.zoom * this.fitted;
-    if (this.wholeInView) {
-      const [[x0, y0], [x1, y1]] = this.whole;
-      this.centre = [(x0 + x1) / 2 + (ROOM.right - ROOM.left) / 2 / scale, (y0 + y1) / 2 - (ROOM.bottom - ROOM.top) / 2 / scale];
+    const contact = this.follow && contactByName(this.follow);
+    const [availableWidth, availableHeight] = [width - VIEW_MARGIN.left - VIEW_MARGIN.right, height - VIEW_MARGIN.top - VIEW_MARGIN.bottom];
+    this.fitScale = Math.max(1, Math.min(availableWidth / this.span[0], availableHeight / this.span[1]));
+    let scale = this.zoom * this.fitScale;
+    if (this.showsAll) {
+      const [[x0, y0], [x1, y1]] = this.bounds;
+      this.centre = [(x0 + x1) / 2 + (VIEW_MARGIN.right - VIEW_MARGIN.left) / 2 / scale, (y0 + y1) / 2 - (VIEW_MARGIN.bottom - VIEW_MARGIN.top) / 2 / scale];
     }
     if (contact && Number.isFinite(contact.gap_m)) {
-      // The middle of the gap, and the gap large in it.
+      // The centre of the gap, at a scale at which the gap is visible.
       this.centre = [0, 1].map((k) => contact.point_m[k] - 0.5 * contact.gap_m * contact.normal[k]);
-      const wide = Math.max(GAPS * Math.abs(contact.gap_m), DEPTHS * this.deepest.get(this.follow));
-      scale = this.zoom * Math.min(width, height) / Math.min(wide, Math.max(...this.span));
+      const viewWidth = Math.max(GAPS_IN_VIEW * Math.abs(contact.gap_m), PENETRATIONS_IN_VIEW * this.maxPenetrations.get(this.follow));
+      scale = this.zoom * Math.min(width, height) / Math.min(viewWidth, Math.max(...this.span));
     }
     this.scale = scale;
     this.size = [width, height];
@@ -80,25 +81,25 @@ class Camera {
       width,
       height,
       centre: [cx, cy],
-      to: ([x, y]) => [width / 2 + (x - cx) * scale, height / 2 - (y - cy) * scale],
+      toScreen: ([x, y]) => [width / 2 + (x - cx) * scale, height / 2 - (y - cy) * scale],
       box: { left: -40, top: -40, right: width + 40, bottom: height + 40 },
     };
   }
 
-  // Nearer by a factor, the world under a point of the screen staying there.
+  // Zooms by a factor about a point of the screen.
   zoomBy(factor, x = this.size[0] / 2, y = this.size[1] / 2) {
-    const limited = Math.min(Math.max(this.scale * factor, 1e-3), 1e12) / this.scale;
-    this.wholeInView = false;
-    const away = [(x - this.size[0] / 2) / this.scale, (this.size[1] / 2 - y) / this.scale];
-    if (!this.follow) for (const k of [0, 1]) this.centre[k] += away[k] * (1 - 1 / limited);
-    this.zoom *= limited;
+    const clampedFactor = Math.min(Math.max(this.scale * factor, 1e-3), 1e12) / this.scale;
+    this.showsAll = false;
+    const offset = [(x - this.size[0] / 2) / this.scale, (this.size[1] / 2 - y) / this.scale];
+    if (!this.follow) for (const k of [0, 1]) this.centre[k] += offset[k] * (1 - 1 / clampedFactor);
+    this.zoom *= clampedFactor;
   }
 
-  // Moves the world by pixels; a view that follows a contact is let go.
+  // Moves the view by pixels; it no longer follows a contact.
   panBy(dx, dy) {
-    this.wholeInView = false;
+    this.showsAll = false;
     if (this.follow) {
-      this.zoom = this.scale / this.fitted;
+      this.zoom = this.scale / this.fitScale;
       this.follow = null;
     }
     this.centre[0] -= dx / this.scale;
@@ -106,30 +107,30 @@ class Camera {
   }
 }
 
-// Largest penetration at a contact in any run, or a thousandth of the view where it never touches.
-function deepestOf(runs, name) {
-  let deepest = 0;
+// Maximum penetration at a contact over all runs, or a thousandth of the view if the contact never closes.
+function findMaxPenetration(runs, name) {
+  let maxPenetration = 0;
   for (const run of runs) {
-    const contact = run.contacts.find((each) => each.name === name);
-    if (contact) for (const gap of contact.gap_m) if (-gap > deepest) deepest = -gap;
+    const contact = run.contacts.find((candidate) => candidate.name === name);
+    if (contact) for (const gap of contact.gap_m) if (-gap > maxPenetration) maxPenetration = -gap;
   }
   const [[x0], [x1]] = runs[0].extent;
-  return deepest > 0 ? deepest : (x1 - x0) * 1e-3;
+  return maxPenetration > 0 ? maxPenetration : (x1 - x0) * 1e-3;
 }
 
-// All bodies, and where they go as far as that is not much further.
-function wholeOf(runs) {
+// Bounding box of all bodies over time, limited to a margin of one extent around the initial extent.
+function boundingBox(runs) {
   const [low, high] = runs[0].extent;
-  const most = Math.max(high[0] - low[0], high[1] - low[1]);
-  const box = [low[0] - most, low[1] - most, high[0] + most, high[1] + most];
+  const margin = Math.max(high[0] - low[0], high[1] - low[1]);
+  const box = [low[0] - margin, low[1] - margin, high[0] + margin, high[1] + margin];
   let [x0, y0, x1, y1] = [Infinity, Infinity, -Infinity, -Infinity];
   for (const run of runs) {
     for (const body of run.bodies) {
-      const outline = body.shapes.flatMap(corners);
+      const outline = body.shapes.flatMap(boundingPoints);
       const stride = body.fixed ? run.samples : Math.max(1, Math.floor(run.samples / 400));
       for (let i = 0; i < run.samples; i += stride) {
         for (const corner of outline) {
-          const [x, y] = placed(corner, body.x_m[i], body.y_m[i], body.angle_rad[i]);
+          const [x, y] = toWorld(corner, body.x_m[i], body.y_m[i], body.angle_rad[i]);
           x0 = Math.max(Math.min(x0, x), box[0]);
           y0 = Math.max(Math.min(y0, y), box[1]);
           x1 = Math.min(Math.max(x1, x), box[2]);

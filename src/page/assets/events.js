@@ -1,53 +1,53 @@
-// The list of events and the way from one to the next.
+// The list of events.
 
-class Events {
-  constructor(film, holder, seek) {
-    Object.assign(this, { film, holder, seek });
-    this.renew();
+class EventList {
+  constructor(playback, container, seek) {
+    Object.assign(this, { playback, container, seek });
+    this.reload();
   }
 
-  // The list of the film as it is now.
-  renew() {
-    const { film, holder, seek } = this;
-    holder.replaceChildren();
-    this.rows = film.events.map((event) => {
-      const figure = event.figure === null ? "" : withUnit(event.figure, event.unit, 4);
+  // Lists the events of the present playback.
+  reload() {
+    const { playback, container, seek } = this;
+    container.replaceChildren();
+    this.rows = playback.events.map((event) => {
+      const valueText = event.figure === null ? "" : formatQuantity(event.figure, event.unit, 4);
       const row = element(
         "button",
         { type: "button", class: "event" },
         strokeSample(event.run),
-        element("span", {}, timeText(event.time_s, film.unit)),
-        element("span", { class: "what" }, `${event.place}: ${event.kind}`),
-        element("span", { class: "figure soft" }, figure),
+        element("span", {}, formatTime(event.time_s, playback.timeFormat)),
+        element("span", { class: "event-name" }, `${event.place}: ${event.kind}`),
+        element("span", { class: "figure soft" }, valueText),
       );
-      if (film.runs.length > 1) row.title = event.run.label;
-      row.setAttribute("aria-label", `${event.run.label}, ${timeText(event.time_s, film.unit)}, ${event.place}: ${event.kind} ${figure}`);
+      if (playback.runs.length > 1) row.title = event.run.label;
+      row.setAttribute("aria-label", `${event.run.label}, ${formatTime(event.time_s, playback.timeFormat)}, ${event.place}: ${event.kind} ${valueText}`);
       row.addEventListener("click", () => seek(event.time_s));
-      holder.append(row);
+      container.append(row);
       return row;
     });
-    if (film.events.length === 0) holder.append(element("p", { class: "none soft" }, "Nothing touches in this run."));
+    if (playback.events.length === 0) container.append(element("p", { class: "none soft" }, "There is no contact in this run."));
     this.current = -1;
   }
 
-  // The next event of a shown run, forth (1) or back (−1); `null` where there is none.
-  next(time, way) {
-    const shown = this.film.events.filter((event) => event.run.visible);
-    const found = way > 0 ? shown.find((event) => event.time_s > time) : shown.findLast((event) => event.time_s < time);
+  // The next event of a visible run, forward (1) or backward (−1), or `null`.
+  next(time, direction) {
+    const visibleEvents = this.playback.events.filter((event) => event.run.visible);
+    const found = direction > 0 ? visibleEvents.find((event) => event.time_s > time) : visibleEvents.findLast((event) => event.time_s < time);
     return found ?? null;
   }
 
   nearest(time) {
-    let best = null;
-    for (const event of this.film.events) {
-      if (event.run.visible && (best === null || Math.abs(event.time_s - time) < Math.abs(best.time_s - time))) best = event;
+    let nearest = null;
+    for (const event of this.playback.events) {
+      if (event.run.visible && (nearest === null || Math.abs(event.time_s - time) < Math.abs(nearest.time_s - time))) nearest = event;
     }
-    return best;
+    return nearest;
   }
 
-  // Marks the last event up to now, and brings it into view within the list.
+  // Marks the last event up to the given time and scrolls the list to it.
   show(time) {
-    const events = this.film.events;
+    const events = this.playback.events;
     let current = -1;
     while (current + 1 < events.length && events[current + 1].time_s <= time) current++;
     if (current === this.current) return;
@@ -57,7 +57,7 @@ class Events {
     if (!row) return;
     row.setAttribute("aria-current", "true");
     const [top, bottom] = [row.offsetTop, row.offsetTop + row.offsetHeight];
-    const list = this.holder;
+    const list = this.container;
     if (top < list.scrollTop) list.scrollTop = top;
     else if (bottom > list.scrollTop + list.clientHeight) list.scrollTop = bottom - list.clientHeight;
   }

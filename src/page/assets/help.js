@@ -1,13 +1,13 @@
-// The help: every key and what it does.
+// The help dialog with all keys.
 
-/** Fills the dialog with the keys and lets its button open it; what opens it comes back. */
-function keyHelp(help, keys) {
-  for (const [names, what] of keys) {
+/** Fills the dialog with the keys and connects its button; returns the function that opens it. */
+function connectHelp(dialog, keys) {
+  for (const [names, description] of keys) {
     const cell = element("span");
     names.forEach((name, index) => cell.append(index ? " " : "", element("kbd", {}, name)));
-    byId("keys").append(cell, element("span", {}, what));
+    byId("keys").append(cell, element("span", {}, description));
   }
-  const open = () => { if (!help.open) help.showModal(); };
-  byId("help-open").addEventListener("click", open);
-  return open;
+  const openHelp = () => { if (!dialog.open) dialog.showModal(); };
+  byId("help-open").addEventListener("click", openHelp);
+  return openHelp;
 }

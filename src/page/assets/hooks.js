@@ -1,6 +1,6 @@
-// What a test may look at, and the controls as functions. Nothing here changes the samples.
-function forTests(app) {
-  const { clock, stage, film } = app;
+// Interface for tests: the state of the page, and the controls as functions.
+function createTestHooks(app) {
+  const { clock, stage, playback } = app;
   const state = () => {
     app.render();
     const [from, to] = app.range();
@@ -10,11 +10,11 @@ function forTests(app) {
       auto: clock.auto,
       speed: clock.speed,
       window_s: [from, to],
-      letters: stage.letters,
+      symbols: stage.symbols,
       view: { centre_m: [...stage.camera.centre], px_per_m: stage.camera.scale, follow: stage.camera.follow },
-      runs: stage.drawn.map(({ run, place, bodies, contacts, arrows }) => ({
+      runs: stage.drawnRuns.map(({ run, position, bodies, contacts, arrows }) => ({
         label: run.label,
-        sample: place.i,
+        sample: position.i,
         bodies,
         contacts,
         arrows,
@@ -24,21 +24,21 @@ function forTests(app) {
   };
   return Object.freeze({
     state,
-    span_s: Object.freeze([film.start, film.end]),
+    span_s: Object.freeze([playback.start, playback.end]),
     play: () => clock.play(),
     pause: app.pause,
     seek: app.seek,
     step: app.step,
     jump: app.jump,
-    setSpeed: (speed) => app.setNotch(Math.round(3 * Math.log10(speed / SLOWEST))),
+    setSpeed: (speed) => app.setNotch(Math.round(3 * Math.log10(speed / MIN_SPEED))),
     setAuto: app.setAuto,
     setArrows: app.setArrows,
-    toggleLetters: app.toggleLetters,
+    toggleSymbols: app.toggleSymbols,
     show: app.show,
     follow: app.follow,
     zoom: app.zoom,
     fit: app.fit,
-    window: app.window,
-    theme: app.theme,
+    setWindow: app.setWindow,
+    setTheme: app.setTheme,
   });
 }

@@ -1,29 +1,29 @@
-// Everything by keyboard, and the help that says so.
+// Keyboard control, and the list of keys in the help.
 
-const KEYS = [
+const KEY_HELP = [
   [["Space"], "play or pause"],
-  [["←", "→"], "one sample back or forth"],
-  [["Shift ←", "Shift →"], "a fiftieth of the time axis back or forth"],
+  [["←", "→"], "one sample backward or forward"],
+  [["Shift ←", "Shift →"], "a fiftieth of the time axis backward or forward"],
   [["p", "n"], "previous or next event"],
   [["Home", "End"], "start or end"],
   [["+", "−"], "faster or slower"],
-  [["s"], "slow at impacts, or one speed"],
-  [["c"], "view: whole, or at one contact after the other"],
+  [["s"], "slow at impacts, or constant speed"],
+  [["c"], "view: everything, then each contact in turn"],
   [["i", "o", "0"], "zoom the animation in or out, or show everything"],
-  [["l"], "letters of the linkage"],
+  [["l"], "symbols of the linkage"],
   [["z", "Shift z"], "zoom the time axis in or out"],
-  [["e", "a"], "time axis: the nearest event, or all"],
+  [["e", "a"], "time axis: nearest impact, or whole run"],
   [["1", "2"], "show or hide a run"],
-  [["d"], "light or dark"],
+  [["d"], "light or dark colours"],
   [["?"], "this help"],
 ];
 
-// `more` has keys of a page's own: their lines of the help, and their actions.
-function keyboard(app, more = { keys: [], actions: {} }) {
-  const help = byId("help");
-  const open = keyHelp(help, [...KEYS, ...more.keys]);
+// `extra` adds keys of a page: their lines in the help and their actions.
+function connectKeyboard(app, extra = { keys: [], actions: {} }) {
+  const dialog = byId("help");
+  const openHelp = connectHelp(dialog, [...KEY_HELP, ...extra.keys]);
 
-  const wide = () => {
+  const coarseStep = () => {
     const [from, to] = app.range();
     return (to - from) / 50;
   };
@@ -31,44 +31,44 @@ function keyboard(app, more = { keys: [], actions: {} }) {
     " ": app.toggle,
     ArrowLeft: () => app.step(-1),
     ArrowRight: () => app.step(1),
-    "shift ArrowLeft": () => app.seek(app.clock.time - wide()),
-    "shift ArrowRight": () => app.seek(app.clock.time + wide()),
+    "shift ArrowLeft": () => app.seek(app.clock.time - coarseStep()),
+    "shift ArrowRight": () => app.seek(app.clock.time + coarseStep()),
     p: () => app.jump(-1),
     n: () => app.jump(1),
-    Home: () => app.seek(app.film.start),
-    End: () => app.seek(app.film.end),
-    "+": () => app.faster(1),
-    "=": () => app.faster(1),
-    "-": () => app.faster(-1),
-    "−": () => app.faster(-1),
+    Home: () => app.seek(app.playback.start),
+    End: () => app.seek(app.playback.end),
+    "+": () => app.changeSpeed(1),
+    "=": () => app.changeSpeed(1),
+    "-": () => app.changeSpeed(-1),
+    "−": () => app.changeSpeed(-1),
     s: () => app.setAuto(!app.clock.auto),
     c: app.nextView,
     i: () => app.zoom(1.5),
     o: () => app.zoom(1 / 1.5),
     0: app.fit,
-    l: app.toggleLetters,
+    l: app.toggleSymbols,
     z: () => app.zoomTime(0.5),
     "shift Z": () => app.zoomTime(2),
-    e: app.windowEvent,
-    a: () => app.window(app.film.start, app.film.end),
-    1: () => app.show(0, !app.film.runs[0].visible),
-    2: () => app.film.runs[1] && app.show(1, !app.film.runs[1].visible),
+    e: app.showNearestImpact,
+    a: () => app.setWindow(app.playback.start, app.playback.end),
+    1: () => app.show(0, !app.playback.runs[0].visible),
+    2: () => app.playback.runs[1] && app.show(1, !app.playback.runs[1].visible),
     d: app.toggleTheme,
-    "?": open,
-    ...more.actions,
+    "?": openHelp,
+    ...extra.actions,
   };
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || dialog.open) return;
     const target = event.target;
     const tag = target.tagName;
-    // Where an element has a use of its own for a key, it keeps it.
+    // Elements that use a key themselves take precedence.
     if (tag === "SELECT") return;
     if ((tag === "BUTTON" || tag === "INPUT" && target.type === "checkbox") && event.key === " ") return;
     if (target.id === "speed" && event.key.startsWith("Arrow")) return;
     if (target.matches(".grid, .sheet") && event.key.startsWith("Arrow")) return;
     if (target.matches("textarea, input:not([type='range'], [type='checkbox'])")) return;
     if (target.matches("[data-keys='own']") && /^(Arrow|Home|End|Page|Enter)/.test(event.key)) return;
-    // On many keyboards + and ? are typed with shift.
+    // Many keyboards require shift for + and ?.
     const action = (event.shiftKey && actions["shift " + event.key]) || actions[event.key];
     if (!action) return;
     event.preventDefault();

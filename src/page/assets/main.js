@@ -1,31 +1,31 @@
-// Puts the page together and draws it when something has changed.
+// Starts the page of a playback.
 
-const STATEMENT = "Between two samples the page draws gaps, angles and poses by their values and rates (a cubic), all else as a straight line, on every scale.";
+const INTERPOLATION_NOTE = "Between two samples, gaps, angles and poses are interpolated with a cubic of their values and rates, all other quantities linearly, on both scales.";
 
 function main() {
-  const film = loaded();
+  const playback = loadPlayback();
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  if (film.runs.length === 0) {
+  if (playback.runs.length === 0) {
     document.documentElement.dataset.theme = dark.matches ? "dark" : "light";
-    for (const id of ["film", "theme", "help-open"]) byId(id).hidden = true;
+    for (const id of ["playback", "theme", "help-open"]) byId(id).hidden = true;
     byId("warning").hidden = false;
-    put("warning", "This run has no samples to draw.");
+    setText("warning", "This run has no samples to draw.");
     return;
   }
-  const app = viewer(film, keyboard);
-  about(film);
-  app.drawn.push(linked(app));
-  window.phalanx = forTests(app);
+  const app = createViewer(playback, connectKeyboard);
+  showSampleNotes(playback);
+  app.afterRender.push(linkTimeToAddress(app));
+  window.phalanx = createTestHooks(app);
 }
 
-// How samples became what is seen.
-function about(film) {
-  const parts = film.runs.map((run) => (run.samples < run.recorded
-    ? `${run.label}: ${run.samples} of ${run.recorded} samples, thinned out to fit a page; extremes, peaks and the surroundings of events were kept.`
+// Describes the samples, the interpolation and the line styles.
+function showSampleNotes(playback) {
+  const notes = playback.runs.map((run) => (run.samples < run.recorded
+    ? `${run.label}: ${run.samples} of ${run.recorded} samples, reduced for this page; extremes, peaks and the samples around events are retained.`
     : `${run.label}: all ${run.samples} samples.`));
-  put("source", [...parts, STATEMENT].join(" "));
-  const second = film.runs[1] ? ` ${film.runs[0].label} is filled and its curves are wide and pale; ${film.runs[1].label} is dashed.` : "";
-  put("legend-help", "Force arrows act on the phalanx or disc, from the contact point. Their length grows with the logarithm of the force unless the arrows are to scale; then the longest are cut off." + second);
+  setText("source", [...notes, INTERPOLATION_NOTE].join(" "));
+  const comparisonNote = playback.runs[1] ? ` ${playback.runs[0].label} is filled and its curves are wide and pale; ${playback.runs[1].label} is dashed.` : "";
+  setText("legend-help", "Force arrows act on the phalanx or disc, from the contact point. Their length grows with the logarithm of the force; to scale, it is proportional to the force and limited." + comparisonNote);
 }
 
 main();

@@ -1,66 +1,66 @@
-// Files of what the page shows, and a link to an instant.
+// Export of files, and links to a time.
 
-// The animation and the plots at the cursor as one SVG, in the colours of the scheme.
-function pictureOf(app) {
-  const { film, stage, plots, clock } = app;
-  const parts = [];
+// The animation and the plots at the cursor as one SVG, in the present colours.
+function renderSvg(app) {
+  const { playback, stage, plots, clock } = app;
+  const elements = [];
   let [y, width] = [0, 0];
-  const words = (text, x, ink, weight = 400) => `<text x="${x}" y="${y + 18}" style="font:${weight} 14px system-ui, sans-serif" fill="${marked(colour(ink))}">${marked(text)}</text>`;
-  const put = (recorder) => {
-    const id = `view-${parts.length}`;
-    parts.push(`<clipPath id="${id}"><rect width="${recorder.width}" height="${recorder.height}"/></clipPath>`);
-    parts.push(`<g transform="translate(0 ${y})"><g clip-path="${"url"}(#${id})">${recorder.group(0, 0)}</g></g>`);
-    y += recorder.height;
-    width = Math.max(width, recorder.width);
+  const textElement = (text, x, ink, weight = 400) => `<text x="${x}" y="${y + 18}" style="font:${weight} 14px system-ui, sans-serif" fill="${escapeXml(colour(ink))}">${escapeXml(text)}</text>`;
+  const append = (svgContext) => {
+    const id = `view-${elements.length}`;
+    elements.push(`<clipPath id="${id}"><rect width="${svgContext.width}" height="${svgContext.height}"/></clipPath>`);
+    elements.push(`<g transform="translate(0 ${y})"><g clip-path="${"url"}(#${id})">${svgContext.group(0, 0)}</g></g>`);
+    y += svgContext.height;
+    width = Math.max(width, svgContext.width);
   };
-  const shown = film.runs.filter((run) => run.visible);
-  const first = shown[0]?.kept === false ? "solid" : "wide and pale";
-  const how = shown.length > 1 ? `: ${shown[0].label} ${first}, ${shown[1].label} dashed` : shown.map((run) => `: ${run.label}`).join("");
-  parts.push(words(`${document.title}, ${timeText(clock.time, film.unit)}${how}`, 8, "ink", 600));
+  const visibleRuns = playback.runs.filter((run) => run.visible);
+  const first = visibleRuns[0]?.isReference === false ? "solid" : "wide and pale";
+  const legend = visibleRuns.length > 1 ? `: ${visibleRuns[0].label} ${first}, ${visibleRuns[1].label} dashed` : visibleRuns.map((run) => `: ${run.label}`).join("");
+  elements.push(textElement(`${document.title}, ${formatTime(clock.time, playback.timeFormat)}${legend}`, 8, "ink", 600));
   y += 28;
-  put(recorded("stage", stage.canvas, () => stage.draw(clock.time)));
+  append(recordSvg("stage", stage.canvas, () => stage.draw(clock.time)));
   for (const [index, panel] of plots.panels.filter(({ canvas }) => canvas.clientWidth > 0).entries()) {
     y += 8;
-    parts.push(words(`${panel.title} ${panel.unitText.textContent}`, 8, "ink", 600));
+    elements.push(textElement(`${panel.title} ${panel.unitText.textContent}`, 8, "ink", 600));
     const ruler = new SvgContext("ruler", 0, 0);
     ruler.font = "600 14px system-ui, sans-serif";
     let x = 26 + ruler.measureText(`${panel.title} ${panel.unitText.textContent}`).width;
-    for (const series of panel.series.filter((each) => each.visible)) {
-      parts.push(words(series.name, x, seriesColour(series.index)));
+    for (const series of panel.series.filter((item) => item.visible)) {
+      elements.push(textElement(series.name, x, seriesColour(series.index)));
       x += ruler.measureText(series.name).width + 12;
     }
     y += 26;
     width = Math.max(width, x);
-    put(recorded(`plot-${index}`, panel.canvas, () => plots.drawPanel(panel, clock.time)));
+    append(recordSvg(`plot-${index}`, panel.canvas, () => plots.drawPanel(panel, clock.time)));
   }
   const height = y + 8;
-  app.changed();
+  app.requestRedraw();
   return {
     width,
     height,
-    text: `<svg xmlns="${SVG_SPACE}" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}"><rect width="${width}" height="${height}" fill="${marked(colour("panel"))}"/>\n${parts.join("\n")}\n</svg>\n`,
+    text: `<svg xmlns="${SVG_NAMESPACE}" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}"><rect width="${width}" height="${height}" fill="${escapeXml(colour("panel"))}"/>\n${elements.join("\n")}\n</svg>\n`,
   };
 }
 
-// A cell of a table. What a spreadsheet would take for a formula gets a quote before it.
-const cell = (text) => `"${(/^[=+\-@\t\r]/.test(text) ? `'${text}` : text).replaceAll('"', '""')}"`;
+// A CSV cell. A quote is prepended to a text that a spreadsheet would read as a formula.
+const csvCell = (text) => `"${(/^[=+\-@\t\r]/.test(text) ? `'${text}` : text).replaceAll('"', '""')}"`;
 
-// All samples of the runs that are shown, every plotted quantity with its SI unit.
-function tableOf(app) {
-  const { film, plots } = app;
+// All samples of the visible runs: every plotted quantity with its SI unit.
+function renderCsv(app) {
+  const { playback, plots } = app;
   const columns = plots.panels.flatMap((panel) => panel.series.map((series) => ({ series, name: `${panel.title}: ${series.name} (${panel.unit})` })));
-  const lines = [["run", "time_s", ...columns.map(({ name }) => name)].map(cell).join(",")];
-  for (const run of film.runs.filter((each) => each.visible)) {
+  const lines = [["run", "time_s", ...columns.map(({ name }) => name)].map(csvCell).join(",")];
+  for (const run of playback.runs.filter((item) => item.visible)) {
     for (let i = 0; i < run.samples; i++) {
       const values = columns.map(({ series }) => series.runs[run.index]?.[i]);
-      lines.push([cell(run.label), run.time[i], ...values.map((value) => (Number.isFinite(value) ? value : ""))].join(","));
+      lines.push([csvCell(run.label), run.time[i], ...values.map((value) => (Number.isFinite(value) ? value : ""))].join(","));
     }
   }
   return lines.join("\n") + "\n";
 }
 
-// A picture of points, twice as fine as a usual screen.
-async function pointsOf({ text, width, height }) {
+// Renders an SVG as PNG at twice the resolution of a standard screen.
+async function rasterise({ text, width, height }) {
   const image = new Image();
   image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(text);
   await image.decode();
@@ -69,50 +69,50 @@ async function pointsOf({ text, width, height }) {
   return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
 }
 
-// Saves a kind of file; `tell` hears how much of what takes long is done.
-async function saveAs(app, kind, tell) {
-  // Another page may have files of its own.
-  const own = app.files?.[kind];
+// Saves a file of the given kind; `onProgress` receives the completed fraction.
+async function saveFile(app, kind, onProgress) {
+  // A page may provide additional exporters.
+  const exporter = app.exporters?.[kind];
   const name = (app.name ?? document.title).replace(/[^\p{L}\p{N}._-]+/gu, "-").replace(/^[-.]+/, "") || "run";
-  const blob = own ? await own(tell) : kind === "csv" ? new Blob([tableOf(app)], { type: "text/csv" })
-    : kind === "svg" ? new Blob([pictureOf(app).text], { type: "image/svg+xml" })
-    : kind === "gif" ? await movieOf(app, tell)
-    : await pointsOf(pictureOf(app));
-  // Why there is none has been said.
+  const blob = exporter ? await exporter(onProgress) : kind === "csv" ? new Blob([renderCsv(app)], { type: "text/csv" })
+    : kind === "svg" ? new Blob([renderSvg(app).text], { type: "image/svg+xml" })
+    : kind === "gif" ? await renderGif(app, onProgress)
+    : await rasterise(renderSvg(app));
+  // The exporter has already reported the error.
   if (!blob) return;
   const address = URL.createObjectURL(blob);
   element("a", { href: address, download: `${name}.${kind}` }).click();
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
-// The instant in the address: "#t=0.0045", in seconds, or with a unit as in "#t=4.5ms".
-function instantOf(hash) {
+// Parses the time in the address: "#t=0.0045" in seconds, or "#t=4.5ms" with a unit.
+function parseTimeFragment(hash) {
   const [, number, unit] = decodeURIComponent(hash).match(/^#t=([\d.]+(?:e-?\d+)?)(s|ms|us|µs)?$/) ?? [];
   const time = Number(number) * { s: 1, ms: 1e-3, us: 1e-6, µs: 1e-6 }[unit ?? "s"];
   return Number.isFinite(time) ? time : null;
 }
 
-// Goes where the address says, and keeps it at the cursor while nothing plays.
-function linked(app) {
-  const go = () => {
-    const time = instantOf(location.hash);
+// Seeks to the time in the address; writes the time of the cursor to the address while paused.
+function linkTimeToAddress(app) {
+  const seekToAddress = () => {
+    const time = parseTimeFragment(location.hash);
     if (time === null) return;
     app.pause();
     app.seek(time);
   };
-  addEventListener("hashchange", go);
-  go();
-  let [said, waiting] = [app.clock.time, null];
+  addEventListener("hashchange", seekToAddress);
+  seekToAddress();
+  let [linkedTime, timer] = [app.clock.time, null];
   return () => {
-    if (app.clock.playing || app.clock.time === said) return;
-    said = app.clock.time;
-    clearTimeout(waiting);
-    // Browsers refuse addresses that change all the time, and some any change in a file.
-    waiting = setTimeout(() => {
+    if (app.clock.playing || app.clock.time === linkedTime) return;
+    linkedTime = app.clock.time;
+    clearTimeout(timer);
+    // Browsers reject frequent changes of the address, and some any change for local files.
+    timer = setTimeout(() => {
       try {
-        history.replaceState(null, "", `#t=${said}`);
+        history.replaceState(null, "", `#t=${linkedTime}`);
       } catch {
-        // The link is a convenience: the page is whole without it.
+        // The page works without the link.
       }
     }, 250);
   };

@@ -1,117 +1,117 @@
-// The animation: bodies, contact points, force arrows, scale.
+// The animation: bodies, contact points, force arrows, scale bar.
 
-// Forces over so many decades have arrows of a length that tells them apart.
-const DECADES = 6;
+// Number of decades of force that logarithmic arrows resolve.
+const ARROW_DECADES = 6;
 
 class Stage {
-  constructor(film, canvas) {
-    this.film = film;
+  constructor(playback, canvas) {
+    this.playback = playback;
     this.canvas = canvas;
-    this.camera = new Camera(film, canvas);
+    this.camera = new Camera(playback, canvas);
     this.arrowsToScale = false;
-    // Whether letters were asked for, and where a pointer is.
-    this.named = false;
-    // The letter of a variable that is under someone's hand: it stands out.
-    this.hinted = null;
+    // Whether the symbols are always shown.
+    this.showsSymbols = false;
+    // The symbol of the field under the pointer, which is highlighted.
+    this.highlightedSymbol = null;
     this.pointer = null;
-    this.letters = [];
-    // What was last drawn, for whoever checks it.
-    this.drawn = [];
-    this.measure();
+    this.symbols = [];
+    // The last drawing, for tests.
+    this.drawnRuns = [];
+    this.findLargestForce();
   }
 
-  // Takes the film as it is now; the view stays.
-  renew() {
-    this.measure();
-    this.camera.renew();
+  // Adopts the present playback; the view is retained.
+  reload() {
+    this.findLargestForce();
+    this.camera.reload();
   }
 
-  // The largest force, of which all arrows are parts.
-  measure() {
-    this.largest = 0;
-    for (const run of this.film.runs) {
+  // Finds the largest force, the reference of logarithmic arrows.
+  findLargestForce() {
+    this.largestForce = 0;
+    for (const run of this.playback.runs) {
       for (const contact of run.contacts) {
-        for (const force of contact.normal_n) this.largest = Math.max(this.largest, force);
+        for (const force of contact.normal_n) this.largestForce = Math.max(this.largestForce, force);
       }
     }
   }
 
   draw(time) {
-    const { ctx, width, height } = cleared(this.canvas);
-    const shown = this.film.runs.filter((run) => run.visible);
-    const first = shown[0] ?? this.film.runs[0];
-    const view = this.camera.at((name) => contactAt(first, name, placeAt(first, time)));
-    this.drawn = [];
-    const states = shown.map((run) => this.state(run, placeAt(run, time), view));
-    this.bodies(ctx, view, first, placeAt(first, time), fixed, 0);
-    // What stays where it is is drawn once, unless another run has something else there.
-    const known = new Set(first.bodies.filter(fixed).map(signature));
-    const other = (body) => fixed(body) && !known.has(signature(body));
-    states.forEach((state) => state.run !== first && this.bodies(ctx, view, state.run, state.place, other, 1));
-    for (const { run } of states) for (const other of run.cloud ?? []) this.bodies(ctx, view, other, placeAt(other, time), moving, 2);
-    states.forEach((state) => this.bodies(ctx, view, state.run, state.place, moving, state.run.index));
-    if (states.length > 0) this.overlaps(ctx, view, states[0]);
-    states.forEach((state) => this.contactPoints(ctx, view, state));
-    const linkage = this.namedLinkage(view, states[0]);
-    states.forEach((state, index) => this.arrows(ctx, view, state, index === 0 && !linkage));
-    this.ruler(ctx, view, width, height);
-    this.letters = linkage ? drawLetters(ctx, view, linkage, states[0].arrows, ROOM, this.hinted) : [];
-    this.drawn = states;
+    const { ctx, width, height } = clearCanvas(this.canvas);
+    const visibleRuns = this.playback.runs.filter((run) => run.visible);
+    const first = visibleRuns[0] ?? this.playback.runs[0];
+    const view = this.camera.computeView((name) => contactAt(first, name, locateSample(first, time)));
+    this.drawnRuns = [];
+    const states = visibleRuns.map((run) => this.runState(run, locateSample(run, time), view));
+    this.drawBodies(ctx, view, first, locateSample(first, time), isFixed, 0);
+    // Fixed bodies are drawn once if they are equal in all runs.
+    const knownBodies = new Set(first.bodies.filter(isFixed).map(signature));
+    const other = (body) => isFixed(body) && !knownBodies.has(signature(body));
+    states.forEach((state) => state.run !== first && this.drawBodies(ctx, view, state.run, state.position, other, 1));
+    for (const { run } of states) for (const other of run.variationRuns ?? []) this.drawBodies(ctx, view, other, locateSample(other, time), isMoving, 2);
+    states.forEach((state) => this.drawBodies(ctx, view, state.run, state.position, isMoving, state.run.index));
+    if (states.length > 0) this.drawOverlaps(ctx, view, states[0]);
+    states.forEach((state) => this.drawContactPoints(ctx, view, state));
+    const linkage = this.symbolLinkage(view, states[0]);
+    states.forEach((state, index) => this.drawArrows(ctx, view, state, index === 0 && !linkage));
+    this.drawScaleBar(ctx, view, width, height);
+    this.symbols = linkage ? drawSymbols(ctx, view, linkage, states[0].arrows, VIEW_MARGIN, this.highlightedSymbol) : [];
+    this.drawnRuns = states;
   }
 
-  // The linkage of the first run that is shown, if its letters are wanted.
-  namedLinkage(view, state) {
-    const linkage = state ? linkageOf(state.run, state.bodies) : null;
-    this.pointed = Boolean(linkage && this.pointer && pointsAt(linkage, view, this.pointer));
-    return this.named || this.pointed || this.hinted ? linkage : null;
+  // The linkage of the first visible run if its symbols are to be shown, or null.
+  symbolLinkage(view, state) {
+    const linkage = state ? findLinkage(state.run, state.bodies) : null;
+    this.isHovered = Boolean(linkage && this.pointer && isOverLink(linkage, view, this.pointer));
+    return this.showsSymbols || this.isHovered || this.highlightedSymbol ? linkage : null;
   }
 
-  // Everything of a run that is drawn at a place among its samples.
-  state(run, place, view) {
-    const bodies = run.bodies.map((body) => ({ name: body.name, ...poseAt(body, place) }));
-    const contacts = run.contacts.map((contact) => contactAt(run, contact.name, place));
-    const arrows = contacts.flatMap((contact) => this.arrowsOf(run, contact, view));
-    return { run, place, bodies, contacts, arrows };
+  // Bodies, contacts and arrows of a run at a sample position.
+  runState(run, position, view) {
+    const bodies = run.bodies.map((body) => ({ name: body.name, ...poseAt(body, position) }));
+    const contacts = run.contacts.map((contact) => contactAt(run, contact.name, position));
+    const arrows = contacts.flatMap((contact) => this.contactArrows(run, contact, view));
+    return { run, position, bodies, contacts, arrows };
   }
 
-  // The arrows of a contact: from its point, along the force, with their length on the screen.
-  arrowsOf(run, contact, view) {
+  // The arrows of a contact, with origin, direction and length on the screen.
+  contactArrows(run, contact, view) {
     const { normal, point_m } = contact;
     const tangent = [-normal[1], normal[0]];
-    const of = (kind, force, way) => {
+    const createArrow = (kind, force, direction) => {
       const length = this.arrowLength(run, force, view);
       const sign = Math.sign(force);
-      return { contact: contact.name, kind, force_n: force, from_m: point_m, way: way.map((k) => sign * k), length_px: length };
+      return { contact: contact.name, kind, force_n: force, from_m: point_m, direction: direction.map((k) => sign * k), length_px: length };
     };
-    const both = [of("normal", contact.normal_n, normal), of("friction", contact.tangential_n, tangent)];
-    return both.filter((arrow) => arrow.length_px > 1);
+    const arrows = [createArrow("normal", contact.normal_n, normal), createArrow("friction", contact.tangential_n, tangent)];
+    return arrows.filter((arrow) => arrow.length_px > 1);
   }
 
   arrowLength(run, force, view) {
-    const size = Math.abs(force);
-    if (!(size > 0)) return 0;
-    if (this.arrowsToScale) return Math.min(size * run.arrowPerNewton, run.longestArrow) * view.scale;
-    const part = 1 + Math.log10(size / this.largest) / DECADES;
-    return Math.max(0, part) * 0.32 * Math.min(view.width, view.height);
+    const magnitude = Math.abs(force);
+    if (!(magnitude > 0)) return 0;
+    if (this.arrowsToScale) return Math.min(magnitude * run.arrowPerNewton, run.longestArrow) * view.scale;
+    const fraction = 1 + Math.log10(magnitude / this.largestForce) / ARROW_DECADES;
+    return Math.max(0, fraction) * 0.32 * Math.min(view.width, view.height);
   }
 
-  // Some bodies of a run, in one of three styles: 0 filled, 1 dashed, 2 thin as one of many.
-  bodies(ctx, view, run, place, which, style) {
-    for (const body of run.bodies.filter(which)) {
+  // Draws the bodies of a run that satisfy a predicate. Style: 0 filled, 1 dashed, 2 thin (a perturbed run).
+  drawBodies(ctx, view, run, position, predicate, style) {
+    for (const body of run.bodies.filter(predicate)) {
       const { fixed } = body;
-      const { x_m: x, y_m: y, angle_rad: angle } = poseAt(body, place);
-      const surface = body.shapes.some((shape) => shape.kind === "capsule");
+      const { x_m: x, y_m: y, angle_rad: angle } = poseAt(body, position);
+      const hasSurface = body.shapes.some((shape) => shape.kind === "capsule");
       for (const shape of body.shapes) {
-        // Where a body has a surface that touches, the outline of its mass is drawn weaker.
-        const weak = surface && shape.kind === "polygon";
-        trace(ctx, outline(shape, x, y, angle, view), view);
+        // The outline of the mass is fainter than the contact surface.
+        const isFaint = hasSurface && shape.kind === "polygon";
+        tracePath(ctx, shapeOutline(shape, x, y, angle, view), view);
         if (style === 0) {
           ctx.globalAlpha = fixed ? 1 : 0.82;
           ctx.fillStyle = colour(body.part);
           ctx.fill();
           ctx.globalAlpha = 1;
           ctx.setLineDash([]);
-          ctx.lineWidth = weak ? 0.75 : 1.25;
+          ctx.lineWidth = isFaint ? 0.75 : 1.25;
           ctx.strokeStyle = colour(fixed ? "soft" : "edge");
         } else if (style === 2) {
           ctx.globalAlpha = 0.4;
@@ -119,26 +119,26 @@ class Stage {
           ctx.lineWidth = 1;
           ctx.strokeStyle = colour("warn");
         } else {
-          ctx.globalAlpha = weak ? 0.55 : run.kept ? 0.7 : 1;
+          ctx.globalAlpha = isFaint ? 0.55 : run.isReference ? 0.7 : 1;
           ctx.setLineDash([6, 4]);
-          ctx.lineWidth = weak ? 1 : 1.75;
+          ctx.lineWidth = isFaint ? 1 : 1.75;
           ctx.strokeStyle = colour("edge-b");
         }
         ctx.stroke();
         ctx.globalAlpha = 1;
       }
-      if (style === 0 && !fixed && body.part !== "palm") this.joints(ctx, view, body, x, y, angle);
+      if (style === 0 && !fixed && body.part !== "palm") this.drawJoints(ctx, view, body, x, y, angle);
     }
     ctx.setLineDash([]);
   }
 
-  // Rings where links turn; on a disc, a line that shows how it has turned.
-  joints(ctx, view, body, x, y, angle) {
+  // Draws rings at the joints of links, and a radius that shows the rotation of a disc.
+  drawJoints(ctx, view, body, x, y, angle) {
     ctx.strokeStyle = colour("edge");
     ctx.lineWidth = 1.25;
     if (body.part === "disc") {
-      const rim = view.to(placed([body.shapes[0].radius_m, 0], x, y, angle));
-      const centre = view.to([x, y]);
+      const rim = view.toScreen(toWorld([body.shapes[0].radius_m, 0], x, y, angle));
+      const centre = view.toScreen([x, y]);
       if (Math.hypot(rim[0] - centre[0], rim[1] - centre[1]) > 1e5) return;
       ctx.beginPath();
       ctx.moveTo(...centre);
@@ -146,15 +146,15 @@ class Stage {
       ctx.stroke();
       return;
     }
-    const ends = [[0, 0]];
-    const bar = body.shapes[0];
-    // A bar reaches as far beyond its second joint as beyond its first.
-    if (body.part === "coupler" && bar.kind === "polygon") {
-      const along = bar.corners_m.map((corner) => corner[0]);
-      ends.push([Math.min(...along) + Math.max(...along), 0]);
+    const jointPoints = [[0, 0]];
+    const couplerShape = body.shapes[0];
+    // The bar extends equally beyond both joints.
+    if (body.part === "coupler" && couplerShape.kind === "polygon") {
+      const xCoordinates = couplerShape.corners_m.map((corner) => corner[0]);
+      jointPoints.push([Math.min(...xCoordinates) + Math.max(...xCoordinates), 0]);
     }
-    for (const end of ends) {
-      const [px, py] = view.to(placed(end, x, y, angle));
+    for (const joint of jointPoints) {
+      const [px, py] = view.toScreen(toWorld(joint, x, y, angle));
       if (Math.abs(px) > 1e5 || Math.abs(py) > 1e5) continue;
       ctx.beginPath();
       ctx.arc(px, py, 3, 0, 2 * Math.PI);
@@ -164,26 +164,26 @@ class Stage {
     }
   }
 
-  // Where surfaces are in each other: a strip of micrometres that only a contact view shows.
-  overlaps(ctx, view, { run, place, contacts }) {
+  // Fills the overlap of surfaces: a strip of micrometres that is visible only in a contact view.
+  drawOverlaps(ctx, view, { run, position, contacts }) {
     if (!contacts.some((contact) => contact.gap_m < 0)) return;
     const surfaces = run.bodies.map((body) => {
-      const { x_m: x, y_m: y, angle_rad: angle } = poseAt(body, place);
+      const { x_m: x, y_m: y, angle_rad: angle } = poseAt(body, position);
       const shapes = body.shapes.filter((shape) => shape.kind !== "polygon");
-      return { body, outlines: shapes.map((shape) => outline(shape, x, y, angle, view)) };
+      return { body, outlines: shapes.map((shape) => shapeOutline(shape, x, y, angle, view)) };
     });
-    // Links overlap at their joints, and are drawn over the palm: only what may touch counts.
-    const touches = ({ body }) => body.part === "object" || body.part === "disc";
-    const meet = (one, other) => (touches(one) || touches(other)) && !(one.body.fixed && other.body.fixed);
+    // Only bodies that can touch each other: links overlap at their joints and cover the palm.
+    const isContactBody = ({ body }) => body.part === "object" || body.part === "disc";
+    const canTouch = (first, other) => (isContactBody(first) || isContactBody(other)) && !(first.body.fixed && other.body.fixed);
     ctx.fillStyle = colour("force");
-    for (const [index, one] of surfaces.entries()) {
-      for (const other of surfaces.slice(index + 1).filter((each) => meet(one, each))) {
-        for (const inner of one.outlines) {
-          for (const outer of other.outlines) {
+    for (const [index, first] of surfaces.entries()) {
+      for (const second of surfaces.slice(index + 1).filter((candidate) => canTouch(first, candidate))) {
+        for (const firstOutline of first.outlines) {
+          for (const secondOutline of second.outlines) {
             ctx.save();
-            trace(ctx, outer, view);
+            tracePath(ctx, secondOutline, view);
             ctx.clip();
-            trace(ctx, inner, view);
+            tracePath(ctx, firstOutline, view);
             ctx.globalAlpha = 0.45;
             ctx.fill();
             ctx.restore();
@@ -193,10 +193,10 @@ class Stage {
     }
   }
 
-  contactPoints(ctx, view, { contacts, run }) {
+  drawContactPoints(ctx, view, { contacts, run }) {
     for (const contact of contacts) {
       if (!(contact.normal_n > 0)) continue;
-      const [x, y] = view.to(contact.point_m);
+      const [x, y] = view.toScreen(contact.point_m);
       ctx.beginPath();
       ctx.arc(x, y, 4, 0, 2 * Math.PI);
       ctx.lineWidth = 2;
@@ -207,12 +207,12 @@ class Stage {
     }
   }
 
-  arrows(ctx, view, { arrows, run }, named) {
+  drawArrows(ctx, view, { arrows, run }, showsValues) {
     for (const arrow of arrows) {
-      const [x, y] = view.to(arrow.from_m);
+      const [x, y] = view.toScreen(arrow.from_m);
       const { left, right, top, bottom } = view.box;
       if (x < left || x > right || y < top || y > bottom) continue;
-      const [dx, dy] = [arrow.way[0], -arrow.way[1]];
+      const [dx, dy] = [arrow.direction[0], -arrow.direction[1]];
       const tip = [x + dx * arrow.length_px, y + dy * arrow.length_px];
       const head = Math.min(run.index === 0 ? 15 : 9, 0.6 * arrow.length_px);
       const kind = colour(arrow.kind === "normal" ? "force" : "friction");
@@ -236,24 +236,24 @@ class Stage {
         ctx.fill();
         ctx.stroke();
       }
-      if (named) this.arrowName(ctx, view, arrow, tip, [dx, dy]);
+      if (showsValues) this.drawArrowLabel(ctx, view, arrow, tip, [dx, dy]);
     }
   }
 
-  // The force beside the tip of its arrow, within the view.
-  arrowName(ctx, view, arrow, tip, [dx, dy]) {
-    const text = withUnit(Math.abs(arrow.force_n), "N", 3);
-    const half = ctx.measureText(text).width / 2 + 4;
-    const x = Math.min(Math.max(tip[0] + dx * (half + 6), half + 4), view.width - half - 4);
+  // Writes the force next to the tip of its arrow, within the view.
+  drawArrowLabel(ctx, view, arrow, tip, [dx, dy]) {
+    const text = formatQuantity(Math.abs(arrow.force_n), "N", 3);
+    const halfWidth = ctx.measureText(text).width / 2 + 4;
+    const x = Math.min(Math.max(tip[0] + dx * (halfWidth + 6), halfWidth + 4), view.width - halfWidth - 4);
     const y = Math.min(Math.max(tip[1] + dy * 14, 12), view.height - 12);
-    label(ctx, text, x, y, arrow.kind === "normal" ? "force" : "friction", "center");
+    drawLabel(ctx, text, x, y, arrow.kind === "normal" ? "force" : "friction", "center");
   }
 
-  // A length that is easy to read, at the lower left.
-  ruler(ctx, view, width, height) {
-    const target = Math.min(110, width / 4) / view.scale;
-    const power = 10 ** Math.floor(Math.log10(target));
-    const length = [5, 2, 1].find((each) => each * power <= target) * power;
+  // Draws a scale bar of a round length at the lower left.
+  drawScaleBar(ctx, view, width, height) {
+    const targetLength = Math.min(110, width / 4) / view.scale;
+    const decade = 10 ** Math.floor(Math.log10(targetLength));
+    const length = [5, 2, 1].find((candidate) => candidate * decade <= targetLength) * decade;
     const px = length * view.scale;
     const [x, y] = [14, height - 14];
     ctx.beginPath();
@@ -264,25 +264,25 @@ class Stage {
     ctx.lineWidth = 1.5;
     ctx.strokeStyle = colour("ink");
     ctx.stroke();
-    const shown = shownUnit("m", length);
-    label(ctx, Number((length * shown.factor).toPrecision(1)) + "\u202f" + shown.unit, x + px + 8, y - 3);
+    const visibleRuns = displayUnit("m", length);
+    drawLabel(ctx, Number((length * visibleRuns.factor).toPrecision(1)) + "\u202f" + visibleRuns.unit, x + px + 8, y - 3);
   }
 }
 
-const fixed = (body) => body.fixed;
-const moving = (body) => !body.fixed;
+const isFixed = (body) => body.fixed;
+const isMoving = (body) => !body.fixed;
 
-// What a fixed body looks like, to find it again in another run.
+// Shape and pose of a fixed body, to compare it across runs.
 const signature = (body) => JSON.stringify([body.shapes, body.x_m[0], body.y_m[0], body.angle_rad[0]]);
 
-// A contact of a run at a place among its samples.
-function contactAt(run, name, place) {
-  const contact = run.contacts.find((each) => each.name === name);
+// A contact of a run at a sample position.
+function contactAt(run, name, position) {
+  const contact = run.contacts.find((candidate) => candidate.name === name);
   if (!contact) return null;
-  const value = (key) => valueAt(contact[key], place);
+  const value = (key) => interpolate(contact[key], position);
   return {
     name,
-    gap_m: valueAt(contact.gap_m, place, contact.gap_rate_m_s),
+    gap_m: interpolate(contact.gap_m, position, contact.gap_rate_m_s),
     normal_n: value("normal_n"),
     tangential_n: value("tangential_n"),
     point_m: [value("point_x_m"), value("point_y_m")],

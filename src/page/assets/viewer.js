@@ -1,131 +1,131 @@
-// What shows a film: the clock, the animation, plots, events and their controls, drawn when something has changed.
+// The playback viewer: clock, animation, plots, events and controls, redrawn on changes.
 
-// `keyed` ties the keyboard to what it does.
-function viewer(film, keyed) {
-  const app = { film, dirty: true };
-  let span = [film.start, film.end];
+// `connectKeys` connects the keyboard.
+function createViewer(playback, connectKeys) {
+  const app = { playback, dirty: true };
+  let span = [playback.start, playback.end];
 
   app.range = () => span;
-  app.changed = () => { app.dirty = true; };
-  app.clock = new Clock(film, () => {
+  app.requestRedraw = () => { app.dirty = true; };
+  app.clock = new Clock(playback, () => {
     keepInWindow();
-    app.changed();
+    app.requestRedraw();
   });
-  app.stage = new Stage(film, byId("stage"));
+  app.stage = new Stage(playback, byId("stage"));
 
-  // The window of the time axis goes along with the cursor.
+  // Moves the window of the time axis with the cursor.
   function keepInWindow() {
     const [from, to] = span;
     const { time } = app.clock;
     if (time >= from && time <= to) return;
-    const wide = to - from;
-    app.window(time < from ? time - 0.1 * wide : time - 0.9 * wide, time < from ? time + 0.9 * wide : time + 0.1 * wide);
+    const width = to - from;
+    app.setWindow(time < from ? time - 0.1 * width : time - 0.9 * width, time < from ? time + 0.9 * width : time + 0.1 * width);
   }
 
-  app.window = (from, to) => {
-    const least = 1e-7 * (film.end - film.start);
-    const wide = Math.min(Math.max(to - from, least), film.end - film.start);
-    const start = Math.min(Math.max(from, film.start), film.end - wide);
-    span = [start, start + wide];
-    app.changed();
+  app.setWindow = (from, to) => {
+    const minWidth = 1e-7 * (playback.end - playback.start);
+    const width = Math.min(Math.max(to - from, minWidth), playback.end - playback.start);
+    const start = Math.min(Math.max(from, playback.start), playback.end - width);
+    span = [start, start + width];
+    app.requestRedraw();
   };
-  app.zoomTime = (factor, about = app.clock.time) => {
+  app.zoomTime = (factor, centre = app.clock.time) => {
     const [from, to] = span;
-    const at = Math.min(Math.max(about, from), to);
-    app.window(at - (at - from) * factor, at + (to - at) * factor);
+    const anchor = Math.min(Math.max(centre, from), to);
+    app.setWindow(anchor - (anchor - from) * factor, anchor + (to - anchor) * factor);
   };
-  app.moveTime = (part) => {
+  app.moveTime = (fraction) => {
     const [from, to] = span;
-    const by = part * (to - from);
-    app.window(from + by, to + by);
+    const shift = fraction * (to - from);
+    app.setWindow(from + shift, to + shift);
   };
-  // Another film in place of this one. The view, the window of the time axis and the part of the run that has passed stay.
-  app.replace = (next) => {
-    const whole = span[0] <= film.start && span[1] >= film.end;
-    Object.assign(film, next);
-    for (const each of [app.clock, app.stage, app.plots]) each.renew();
-    if (whole) app.window(film.start, film.end);
-    else app.window(...span);
-    choices(app);
+  // Replaces the playback; retains the view, the window of the time axis and the elapsed fraction of the run.
+  app.replacePlayback = (next) => {
+    const showsAll = span[0] <= playback.start && span[1] >= playback.end;
+    Object.assign(playback, next);
+    for (const component of [app.clock, app.stage, app.plots]) component.reload();
+    if (showsAll) app.setWindow(playback.start, playback.end);
+    else app.setWindow(...span);
+    updateChoices(app);
   };
-  app.windowEvent = () => {
+  app.showNearestImpact = () => {
     const moment = app.clock.nearest(app.events.nearest(app.clock.time));
     if (!moment) return;
-    const { time, length } = moment;
-    app.window(time - 0.6 * length, time + 2.4 * length);
+    const { time, duration } = moment;
+    app.setWindow(time - 0.6 * duration, time + 2.4 * duration);
     app.seek(time);
   };
 
   app.seek = (time) => app.clock.seek(time);
   app.pause = () => app.clock.pause();
   app.toggle = () => (app.clock.playing ? app.clock.pause() : app.clock.play());
-  app.step = (way) => {
+  app.step = (direction) => {
     app.pause();
-    app.seek(neighbour(film.runs, app.clock.time, way));
+    app.seek(nextSampleTime(playback.runs, app.clock.time, direction));
   };
-  app.jump = (way) => {
-    const event = app.events.next(app.clock.time, way);
+  app.jump = (direction) => {
+    const event = app.events.next(app.clock.time, direction);
     app.pause();
-    app.seek(event ? event.time_s : way > 0 ? film.end : film.start);
+    app.seek(event ? event.time_s : direction > 0 ? playback.end : playback.start);
   };
   app.setNotch = (notch) => {
-    app.clock.notch = Math.min(Math.max(Math.round(notch), 0), NOTCHES - 1);
+    app.clock.notch = Math.min(Math.max(Math.round(notch), 0), NOTCH_COUNT - 1);
     app.clock.auto = false;
-    app.changed();
+    app.requestRedraw();
   };
-  app.faster = (by) => app.setNotch((app.clock.auto ? Math.round(3 * Math.log10(app.clock.speed / SLOWEST)) : app.clock.notch) + by);
+  app.changeSpeed = (by) => app.setNotch((app.clock.auto ? Math.round(3 * Math.log10(app.clock.speed / MIN_SPEED)) : app.clock.notch) + by);
   app.setAuto = (auto) => {
     app.clock.auto = auto;
-    app.changed();
+    app.requestRedraw();
   };
   app.show = (index, visible) => {
-    film.runs[index].visible = visible;
-    app.changed();
+    playback.runs[index].visible = visible;
+    app.requestRedraw();
   };
   app.follow = (name) => {
     app.stage.camera.followContact(name);
-    app.changed();
+    app.requestRedraw();
   };
   app.nextView = () => {
-    const views = [null, ...app.stage.camera.deepest.keys()];
+    const views = [null, ...app.stage.camera.maxPenetrations.keys()];
     app.follow(views[(views.indexOf(app.stage.camera.follow) + 1) % views.length]);
   };
   app.zoom = (factor) => {
     app.stage.camera.zoomBy(factor);
-    app.changed();
+    app.requestRedraw();
   };
   app.fit = () => {
     app.stage.camera.fit();
-    app.changed();
+    app.requestRedraw();
   };
-  app.toggleLetters = () => {
-    app.stage.named = !app.stage.named;
-    app.changed();
+  app.toggleSymbols = () => {
+    app.stage.showsSymbols = !app.stage.showsSymbols;
+    app.requestRedraw();
   };
   app.setArrows = (kind) => {
     app.stage.arrowsToScale = kind === "linear";
-    app.changed();
+    app.requestRedraw();
   };
 
-  app.theme = (name) => {
+  app.setTheme = (name) => {
     document.documentElement.dataset.theme = name;
     byId("theme").setAttribute("aria-pressed", name === "dark");
-    forgetColours();
-    app.changed();
+    clearColourCache();
+    app.requestRedraw();
   };
-  app.toggleTheme = () => app.theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
+  app.toggleTheme = () => app.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  app.theme(dark.matches ? "dark" : "light");
-  dark.addEventListener("change", () => app.theme(dark.matches ? "dark" : "light"));
+  app.setTheme(dark.matches ? "dark" : "light");
+  dark.addEventListener("change", () => app.setTheme(dark.matches ? "dark" : "light"));
 
-  app.plots = new Plots(film, byId("plots"), app);
+  app.plots = new Plots(playback, byId("plots"), app);
   app.plots.zoomTime = app.zoomTime;
   app.plots.moveTime = app.moveTime;
-  app.events = new Events(film, byId("events"), app.seek);
-  const refreshControls = controls(app);
-  keyed(app);
-  // What else is brought up to date when something has been drawn.
-  app.drawn = [];
+  app.events = new EventList(playback, byId("events"), app.seek);
+  const refreshControls = connectControls(app);
+  connectKeys(app);
+  // Callbacks after each drawing.
+  app.afterRender = [];
 
   app.render = () => {
     if (!app.dirty) return;
@@ -133,21 +133,21 @@ function viewer(film, keyed) {
     const { time } = app.clock;
     app.stage.draw(time);
     app.plots.draw(time);
-    app.readings = app.plots.read(time);
+    app.readings = app.plots.updateReadings(time);
     app.events.show(time);
     refreshControls();
-    app.drawn.forEach((each) => each(app));
+    app.afterRender.forEach((callback) => callback(app));
   };
-  new ResizeObserver(app.changed).observe(document.body);
-  new ResizeObserver(app.changed).observe(app.stage.canvas);
-  // On a phone the controls lie over what is behind them: they leave with the animation.
-  const past = ([entry]) => document.body.classList.toggle("past", !entry.isIntersecting);
-  new IntersectionObserver(past, { rootMargin: "0px 0px -60% 0px" }).observe(byId("film"));
-  let before = null;
+  new ResizeObserver(app.requestRedraw).observe(document.body);
+  new ResizeObserver(app.requestRedraw).observe(app.stage.canvas);
+  // On a phone, the controls cover other content; they are hidden when the animation is out of view.
+  const onStageVisibility = ([entry]) => document.body.classList.toggle("past", !entry.isIntersecting);
+  new IntersectionObserver(onStageVisibility, { rootMargin: "0px 0px -60% 0px" }).observe(byId("playback"));
+  let previousFrame = null;
   const frame = (now) => {
-    // A tab that was in the background does not jump.
-    if (before !== null) app.clock.pass(Math.min((now - before) / 1000, 0.1));
-    before = now;
+    // The limit avoids a jump after the tab was in the background.
+    if (previousFrame !== null) app.clock.advance(Math.min((now - previousFrame) / 1000, 0.1));
+    previousFrame = now;
     app.render();
     requestAnimationFrame(frame);
   };

@@ -1,52 +1,55 @@
-//! Limits of vibrations, by their frequencies.
+//! Limits of vibrations by frequency.
 
 use std::f64::consts::TAU;
 
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{Entry, Mark, chart, line, point};
+use crate::plot::canvas::{LegendEntry, Marker, chart, line, point};
 use crate::plot::theme::{SERIES, SOFT};
 use crate::scene;
-use crate::study::hold::{Case, Hold};
+use crate::study::hold::{Hold, LoadCase};
 
 const HEIGHT: f64 = 560.0;
 
-/// The picture: the amplitude of the object's way that is held, over the frequency, both in logarithms.
+/// Draws the largest displacement amplitude held over the frequency, with logarithmic axes.
 pub fn frequency(found: &Hold) -> String {
     let curves: Vec<Curve> = AXES.into_iter().filter_map(|(axis, name)| Curve::new(found, axis, name)).collect();
     let points = || curves.iter().flat_map(|curve| &curve.points);
-    let x = Axis::decades("frequency, Hz", points().map(|point| point.frequency_hz), 6.0);
-    let y = Axis::decades("amplitude at the object, mm", points().map(|point| point.amplitude_mm), 12.0);
-    chart(&format!("{}: the vibration it holds", found.scene), HEIGHT, &x, &y, |svg, on| {
+    let x = Axis::logarithmic("frequency, Hz", points().map(|point| point.frequency_hz), 6.0);
+    let y = Axis::logarithmic("amplitude at the object, mm", points().map(|point| point.amplitude_mm), 12.0);
+    chart(&format!("{}: vibration held, by frequency", found.scene), HEIGHT, &x, &y, |svg, frame| {
         let mut entries = Vec::new();
         for (index, curve) in curves.iter().enumerate() {
             let colour = SERIES[index % SERIES.len()];
-            let places: Vec<_> =
-                curve.points.iter().map(|point| (x.place(point.frequency_hz), y.place(point.amplitude_mm))).collect();
+            let positions: Vec<_> = curve
+                .points
+                .iter()
+                .map(|point| (x.coordinate(point.frequency_hz), y.coordinate(point.amplitude_mm)))
+                .collect();
             let width = if curve.dropped { 1.0 } else { 3.0 };
-            line(svg, on, places.clone(), Mark::Line { width }, colour);
-            for (place, of) in places.into_iter().zip(&curve.points) {
-                point(svg, on, place, if of.failed { Mark::Circle } else { Mark::Triangle }, colour);
-                if !of.monotone {
-                    point(svg, on, place, Mark::Ring, SOFT);
+            line(svg, frame, positions.clone(), Marker::Line { width }, colour);
+            for (position, curve_point) in positions.into_iter().zip(&curve.points) {
+                point(svg, frame, position, if curve_point.failed { Marker::Circle } else { Marker::Triangle }, colour);
+                if !curve_point.monotone {
+                    point(svg, frame, position, Marker::Ring, SOFT);
                 }
             }
             let what = match curve.dropped {
                 true => format!("{}: is not dropped", curve.name),
                 false => format!("{}: slips < {} mm", curve.name, found.plan.slip_m * 1e3),
             };
-            entries.push(Entry::new(Mark::Line { width }, colour, &what));
+            entries.push(LegendEntry::new(Marker::Line { width }, colour, &what));
         }
         if points().any(|point| !point.failed) {
-            entries.push(Entry::new(Mark::Triangle, SOFT, "at least"));
+            entries.push(LegendEntry::new(Marker::Triangle, SOFT, "at least"));
         }
         if points().any(|point| !point.monotone) {
-            entries.push(Entry::new(Mark::Ring, SOFT, "not monotone"));
+            entries.push(LegendEntry::new(Marker::Ring, SOFT, "not monotone"));
         }
         entries
     })
 }
 
-/// Axes, each with what a vibration along it is called, and whether it is about slip or about loss.
+/// Axes of vibration, whether the limit refers to dropping instead of slip, and names of the axes.
 const AXES: [((scene::Axis, bool), &str); 6] = [
     ((scene::Axis::X, false), "x"),
     ((scene::Axis::X, true), "x"),
@@ -70,17 +73,17 @@ struct Point {
 }
 
 impl Curve {
-    /// `None` where nothing is held along the axis, or was not asked.
+    /// Returns `None` if nothing is held along the axis, or if it was not studied.
     fn new(found: &Hold, (along, dropped): (scene::Axis, bool), name: &'static str) -> Option<Self> {
-        let point = |held: &crate::study::hold::Held| {
-            let Case::Vibration { axis, frequency_hz } = held.case else { return None };
-            let limit = if dropped { held.drops } else { held.slips };
+        let point = |load_result: &crate::study::hold::LoadResult| {
+            let LoadCase::Vibration { axis, frequency_hz } = load_result.case else { return None };
+            let limit = if dropped { load_result.drops } else { load_result.slips };
             let peak_m_s2 = limit.held.filter(|_| axis == along)?;
             let amplitude_mm = 1e3 * peak_m_s2 / (TAU * frequency_hz).powi(2);
             let (failed, monotone) = (limit.failed.is_some(), limit.held_above.is_none());
             Some(Point { frequency_hz, amplitude_mm, failed, monotone })
         };
-        let points: Vec<Point> = found.held.iter().filter_map(point).collect();
+        let points: Vec<Point> = found.results.iter().filter_map(point).collect();
         (!points.is_empty()).then_some(Curve { name, dropped, points })
     }
 }

@@ -1,10 +1,10 @@
-//! How well a gripper holds.
+//! Plots of the largest loads at which a gripper holds its object.
 //!
 //! | file | job |
 //! |---|---|
-//! | `polar` | limits of pulses, by their directions |
-//! | `frequency` | limits of vibrations, by their frequencies |
-//! | `slip` | the slip of every run, over its load |
+//! | `polar` | largest pulse in each direction, as a polar plot |
+//! | `frequency` | largest vibration over its frequency |
+//! | `slip` | slip of every run over its load |
 
 mod frequency;
 mod polar;
@@ -12,15 +12,17 @@ mod slip;
 
 use crate::study::hold::{Hold, Loads};
 
-/// Fewer directions or frequencies than these are no curve.
-const CURVE: usize = 3;
+/// Minimum number of directions or frequencies of a curve.
+const MIN_CURVE_POINTS: usize = 3;
 
-/// The picture that suits the loads: polar for directions, over frequency for vibrations, and the slip over the load where there is only
-/// one of them.
+/// Draws the plot that suits the loads: limits by direction for pulses, by frequency for vibrations, or the slip over
+/// the load if there are too few of them.
 pub fn hold(found: &Hold) -> String {
     match &found.plan.loads {
-        Loads::Pulses { directions, .. } if *directions >= CURVE => polar::polar(found),
-        Loads::Vibrations { frequencies_hz, .. } if frequencies_hz.len() >= CURVE => frequency::frequency(found),
+        Loads::Pulses { directions, .. } if *directions >= MIN_CURVE_POINTS => polar::polar(found),
+        Loads::Vibrations { frequencies_hz, .. } if frequencies_hz.len() >= MIN_CURVE_POINTS => {
+            frequency::frequency(found)
+        }
         _ => slip::slip(found),
     }
 }

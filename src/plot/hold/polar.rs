@@ -1,58 +1,65 @@
-//! Limits of pulses, by their directions.
+//! Limits of pulses by direction.
 
 use std::f64::consts::TAU;
 
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{Entry, Frame, Mark, chart, line, point};
+use crate::plot::canvas::{Frame, LegendEntry, Marker, chart, line, point};
 use crate::plot::svg::Svg;
 use crate::plot::theme::{BLUE, Colour, GREEN, ORANGE, SOFT};
-use crate::study::hold::{AtRest, Case, Held, Hold, Limit};
+use crate::study::hold::{Hold, Limit, LoadCase, LoadResult, StaticLimit};
 
-/// So that the frame is a square beside the legend.
+/// Height of the picture at which the frame is square.
 const HEIGHT: f64 = 710.0;
 
-/// The picture: as far from the middle as the acceleration that is held.
+/// Draws the largest acceleration held in each direction as a polar plot.
 pub fn polar(found: &Hold) -> String {
-    let limits = found.held.iter().flat_map(|held| [held.slips, held.drops]);
-    let balanced = found.held.iter().filter_map(at_rest);
-    let reach = 1.08 * limits.filter_map(|limit| radius(&limit)).chain(balanced).fold(found.plan.from_m_s2, f64::max);
-    let x = Axis::over("acceleration along the palm, m/s²", -reach, reach);
-    let y = Axis::over("acceleration out of the palm, m/s²", -reach, reach);
-    chart(&format!("{}: the acceleration it holds, by direction", found.scene), HEIGHT, &x, &y, |svg, on| {
+    let limits = found.results.iter().flat_map(|load_result| [load_result.slips, load_result.drops]);
+    let balanced = found.results.iter().filter_map(at_rest);
+    let axis_limit =
+        1.08 * limits.filter_map(|limit| radius(&limit)).chain(balanced).fold(found.plan.from_m_s2, f64::max);
+    let x = Axis::from_range("acceleration along the palm, m/s²", -axis_limit, axis_limit);
+    let y = Axis::from_range("acceleration out of the palm, m/s²", -axis_limit, axis_limit);
+    chart(&format!("{}: acceleration held, by direction", found.scene), HEIGHT, &x, &y, |svg, frame| {
         for ring in x.ticks.iter().filter(|tick| **tick > 0.0) {
-            let at = |index: usize| {
+            let point_at = |index: usize| {
                 let angle = TAU * index as f64 / 180.0;
                 (ring * angle.cos(), ring * angle.sin())
             };
-            line(svg, on, (0..=180).map(at), Mark::Pale { width: 1.0 }, SOFT);
+            line(svg, frame, (0..=180).map(point_at), Marker::FaintLine { width: 1.0 }, SOFT);
         }
-        curve(svg, on, found, GREEN, |held| Limit { held: at_rest(held), failed: at_rest(held), ..Limit::default() });
-        curve(svg, on, found, ORANGE, |held| held.drops);
-        curve(svg, on, found, BLUE, |held| held.slips);
+        curve(svg, frame, found, GREEN, |load_result| Limit {
+            held: at_rest(load_result),
+            failed: at_rest(load_result),
+            ..Limit::default()
+        });
+        curve(svg, frame, found, ORANGE, |load_result| load_result.drops);
+        curve(svg, frame, found, BLUE, |load_result| load_result.slips);
         let slips = format!("slips less than {} mm", found.plan.slip_m * 1e3);
-        let mut entries =
-            vec![Entry::new(Mark::Circle, BLUE, &slips), Entry::new(Mark::Circle, ORANGE, "is not dropped")];
-        if found.held.iter().any(|held| at_rest(held).is_some()) {
-            entries.push(Entry::new(Mark::Circle, GREEN, "is balanced at rest"));
+        let mut entries = vec![
+            LegendEntry::new(Marker::Circle, BLUE, &slips),
+            LegendEntry::new(Marker::Circle, ORANGE, "is not dropped"),
+        ];
+        if found.results.iter().any(|load_result| at_rest(load_result).is_some()) {
+            entries.push(LegendEntry::new(Marker::Circle, GREEN, "is balanced at rest"));
         }
-        let all = || found.held.iter().flat_map(|held| [held.slips, held.drops]);
+        let all = || found.results.iter().flat_map(|load_result| [load_result.slips, load_result.drops]);
         if all().any(|limit| limit.failed.is_none()) {
-            entries.push(Entry::new(Mark::Triangle, SOFT, "at least"));
+            entries.push(LegendEntry::new(Marker::Triangle, SOFT, "at least"));
         }
         if all().any(|limit| limit.held.is_none()) {
-            entries.push(Entry::new(Mark::Cross, SOFT, "less than"));
+            entries.push(LegendEntry::new(Marker::Cross, SOFT, "less than"));
         }
         if all().any(|limit| limit.held_above.is_some()) {
-            entries.push(Entry::new(Mark::Ring, SOFT, "not monotone"));
+            entries.push(LegendEntry::new(Marker::Ring, SOFT, "not monotone"));
         }
         entries
     })
 }
 
-/// `None` where there is no finite one.
-fn at_rest(held: &Held) -> Option<f64> {
-    match held.at_rest {
-        Some(AtRest::UpTo { acceleration_m_s2 }) => Some(acceleration_m_s2),
+/// Balanced acceleration at rest; `None` unless it is finite.
+fn at_rest(load_result: &LoadResult) -> Option<f64> {
+    match load_result.static_limit {
+        Some(StaticLimit::UpTo { acceleration_m_s2 }) => Some(acceleration_m_s2),
         _ => None,
     }
 }
@@ -61,30 +68,30 @@ fn radius(limit: &Limit) -> Option<f64> {
     limit.held.or(limit.failed)
 }
 
-/// A closed curve around the middle, open where there is nothing to be said.
-fn curve(svg: &mut Svg, on: &Frame, found: &Hold, colour: Colour, of: impl Fn(&Held) -> Limit) {
-    let at = |held: &Held| {
-        let Case::Pulse { direction_rad, .. } = held.case else { return None };
-        let limit = of(held);
+/// Draws a closed curve, interrupted at directions without a limit.
+fn curve(svg: &mut Svg, frame: &Frame, found: &Hold, colour: Colour, limit_of: impl Fn(&LoadResult) -> Limit) {
+    let point_at = |load_result: &LoadResult| {
+        let LoadCase::Pulse { direction_rad, .. } = load_result.case else { return None };
+        let limit = limit_of(load_result);
         let (sin, cos) = direction_rad.sin_cos();
         radius(&limit).map(|radius| ((radius * cos, radius * sin), limit))
     };
-    let all: Vec<_> = found.held.iter().map(at).collect();
-    for (index, place) in all.iter().enumerate() {
+    let all: Vec<_> = found.results.iter().map(point_at).collect();
+    for (index, position) in all.iter().enumerate() {
         let next = &all[(index + 1) % all.len()];
-        if let Some(((from, _), (to, _))) = place.as_ref().zip(next.as_ref()) {
-            line(svg, on, [*from, *to], Mark::Line { width: 2.0 }, colour);
+        if let Some(((from, _), (to, _))) = position.as_ref().zip(next.as_ref()) {
+            line(svg, frame, [*from, *to], Marker::Line { width: 2.0 }, colour);
         }
     }
-    for (place, limit) in all.into_iter().flatten() {
-        let mark = match (limit.held, limit.failed) {
-            (Some(_), Some(_)) => Mark::Circle,
-            (Some(_), None) => Mark::Triangle,
-            _ => Mark::Cross,
+    for (position, limit) in all.into_iter().flatten() {
+        let marker = match (limit.held, limit.failed) {
+            (Some(_), Some(_)) => Marker::Circle,
+            (Some(_), None) => Marker::Triangle,
+            _ => Marker::Cross,
         };
-        point(svg, on, place, mark, colour);
+        point(svg, frame, position, marker, colour);
         if limit.held_above.is_some() {
-            point(svg, on, place, Mark::Ring, SOFT);
+            point(svg, frame, position, Marker::Ring, SOFT);
         }
     }
 }

@@ -1,76 +1,83 @@
-//! The mechanism with its letters as a picture, and the table of what they are; every letter has a rim of the ground's colour.
+//! Draws the mechanism with its symbols and a table of their meanings. Symbols are outlined in the background colour.
 
 use super::Linkage;
-use super::marks::{LABEL_PX, Line, Marks, Stroke};
+use super::annotations::{Annotations, LABEL_PX, Line, Stroke};
+use super::label_placement::{Point, place_labels};
 use super::mechanism::Mechanism;
-use super::place::{Point, placed};
-use crate::plot::canvas::{around, fitted, text_width, words_from, words_to};
-use crate::plot::outline::head;
-use crate::plot::svg::{Paint, Svg, Words, document};
+use crate::plot::canvas::{centred_style, fitted_text, text_left_of, text_right_of, text_width};
+use crate::plot::outline::arrow_head;
+use crate::plot::svg::{Paint, Svg, TextStyle, document};
 use crate::plot::theme::{ANGLE, Colour, FORCE, INK, PALM, PAPER, SOFT};
 use crate::scene::Scene;
-use crate::shape::sizes;
+use crate::shape::dimensions;
 
-/// A label farther from what it names than this gets a line to it.
-const NEAR: f64 = 20.0;
-/// A row of the table below.
-const ROW: f64 = 24.0;
+/// Labels with a larger distance from their anchor get a leader line.
+const MAX_LABEL_DISTANCE: f64 = 20.0;
+/// Height of a row of the table below the drawing.
+const ROW_HEIGHT: f64 = 24.0;
 
-pub(super) fn draw(scene: &Scene, m: &Mechanism, marks: &Marks) -> Linkage {
-    let [width, drawing] = marks.size;
-    // Forces and lengths first: where they can be is narrow, an angle can be named anywhere along its arc.
-    let mut order: Vec<usize> = (0..marks.letters.len()).collect();
-    order.sort_by_key(|&index| marks.letters[index].kind == Stroke::Angle);
-    let wishes: Vec<_> = order.iter().map(|&index| marks.letters[index].wish.clone()).collect();
+pub(super) fn draw(scene: &Scene, m: &Mechanism, annotations: &Annotations) -> Linkage {
+    let [width, drawing] = annotations.size;
+    // Forces and lengths are placed first because they have less space; the label of an angle may be anywhere along its
+    // arc.
+    let mut order: Vec<usize> = (0..annotations.labels.len()).collect();
+    order.sort_by_key(|&index| annotations.labels[index].kind == Stroke::Angle);
+    let requests: Vec<_> = order.iter().map(|&index| annotations.labels[index].request.clone()).collect();
     let lines: Vec<[Point; 2]> =
-        marks.lines.iter().flat_map(|line| line.points.windows(2).map(|pair| [pair[0], pair[1]])).collect();
-    let spots = placed(&wishes, &lines, marks.size);
-    let table = table(scene, m, !marks.letters.iter().any(|letter| letter.letter == "F21"));
+        annotations.lines.iter().flat_map(|line| line.points.windows(2).map(|pair| [pair[0], pair[1]])).collect();
+    let boxes = place_labels(&requests, &lines, annotations.size);
+    let table = table(scene, m, !annotations.labels.iter().any(|label| label.symbol == "F21"));
     let rows = table.len().div_ceil(2);
-    let height = (drawing + 40.0 + ROW * rows as f64 + 12.0).round();
-    let title = format!("{}: the linkage {}, with the letters of scenes and results", scene.name, m.shown);
+    let height = (drawing + 40.0 + ROW_HEIGHT * rows as f64 + 12.0).round();
+    let title = format!("{}: the linkage {}, with the symbols of scenes and results", scene.name, m.posture_name);
     let svg = document([width, height], &title, |svg| {
-        if let Some(level) = marks.palm {
+        if let Some(level) = annotations.palm {
             svg.rectangle([[0.0, level], [width, drawing]], Paint::fill(PALM));
         }
-        for (outline, paint) in &marks.bodies {
+        for (outline, paint) in &annotations.bodies {
             svg.polygon(outline, *paint);
         }
-        for line in marks.lines.iter().filter(|line| line.stroke != Stroke::Force) {
+        for line in annotations.lines.iter().filter(|line| line.stroke != Stroke::Force) {
             stroke(svg, line);
         }
-        for joint in &marks.joints {
+        for joint in &annotations.joints {
             svg.circle(*joint, 4.5, Paint { stroke: Some((INK, 1.6)), ..Paint::fill(PAPER) });
         }
-        for line in marks.lines.iter().filter(|line| line.stroke == Stroke::Force) {
+        for line in annotations.lines.iter().filter(|line| line.stroke == Stroke::Force) {
             stroke(svg, line);
         }
-        for (&index, spot) in order.iter().zip(&spots) {
-            let letter = &marks.letters[index];
-            let [x, y] = spot.centre;
-            let [ax, ay] = letter.wish.anchor;
-            let gap = (ax - x).hypot(ay - y) - 0.5 * spot.height;
-            if gap > NEAR {
-                let part = 0.5 * spot.height / (ax - x).hypot(ay - y) + 0.05;
-                let near = [x + part * (ax - x), y + part * (ay - y)];
-                stroke(svg, &Line { stroke: Stroke::Leader, points: vec![near, [ax, ay]] });
+        for (&index, label_box) in order.iter().zip(&boxes) {
+            let label = &annotations.labels[index];
+            let [x, y] = label_box.centre;
+            let [ax, ay] = label.request.anchor;
+            let gap = (ax - x).hypot(ay - y) - 0.5 * label_box.height;
+            if gap > MAX_LABEL_DISTANCE {
+                let part = 0.5 * label_box.height / (ax - x).hypot(ay - y) + 0.05;
+                let leader_end = [x + part * (ax - x), y + part * (ay - y)];
+                stroke(svg, &Line { stroke: Stroke::Leader, points: vec![leader_end, [ax, ay]] });
             }
-            svg.words(letter.letter, spot.centre, Words { rim: true, ..around(LABEL_PX, ink(letter.kind)) });
+            svg.text(
+                label.symbol,
+                label_box.centre,
+                TextStyle { has_halo: true, ..centred_style(LABEL_PX, ink(label.kind)) },
+            );
         }
-        // Its outline is that of its mass: the triangle of its joints and its tip, widened by w, whose corners are sharp.
-        let text = format!("{}, {}; sharp corners beyond t22 and l22 are mass, and never touch", scene.name, m.shown);
-        fitted(svg, &text, [20.0, drawing + 20.0], 14.0, width - 40.0);
-        for (index, (letter, ink, what, value)) in table.iter().enumerate() {
+        // The outline of the distal body encloses its mass: the triangle of its joints and its tip, widened by w.
+        let text =
+            format!("{}, {}; sharp corners beyond t22 and l22 have mass but no contact", scene.name, m.posture_name);
+        fitted_text(svg, &text, [20.0, drawing + 20.0], 14.0, width - 40.0);
+        for (index, (symbol, ink, description, value)) in table.iter().enumerate() {
             let x = 20.0 + (index / rows) as f64 * (0.5 * width);
-            let y = drawing + 40.0 + ROW * ((index % rows) as f64 + 0.5);
-            words_from(svg, letter, [x, y], 15.0, *ink);
+            let y = drawing + 40.0 + ROW_HEIGHT * ((index % rows) as f64 + 0.5);
+            text_right_of(svg, symbol, [x, y], 15.0, *ink);
             let right = x + 0.5 * width - 40.0;
-            fitted(svg, what, [x + 60.0, y], 14.0, right - x - 72.0 - text_width(value, 14.0));
-            words_to(svg, value, [right, y], 14.0, INK);
+            fitted_text(svg, description, [x + 60.0, y], 14.0, right - x - 72.0 - text_width(value, 14.0));
+            text_left_of(svg, value, [right, y], 14.0, INK);
         }
     });
-    let labels = order.iter().zip(&spots).map(|(&index, spot)| (marks.letters[index].letter, *spot)).collect();
-    Linkage { svg, labels, size: marks.size }
+    let labels =
+        order.iter().zip(&boxes).map(|(&index, label_box)| (annotations.labels[index].symbol, *label_box)).collect();
+    Linkage { svg, labels, size: annotations.size }
 }
 
 fn ink(stroke: Stroke) -> Colour {
@@ -94,21 +101,21 @@ fn stroke(svg: &mut Svg, line: &Line) {
     };
     svg.polyline(&line.points, Paint::line(ink, width).dashed(dash));
     let size = if line.stroke == Stroke::Force { 13.0 } else { 8.0 };
-    if let (1.., [.., before, last]) = (heads, &line.points[..]) {
-        head(svg, *before, *last, size, ink);
+    if let (1.., [.., second_last, last]) = (heads, &line.points[..]) {
+        arrow_head(svg, *second_last, *last, size, ink);
     }
     if let (2, [first, second, ..]) = (heads, &line.points[..]) {
-        head(svg, *second, *first, size, ink);
+        arrow_head(svg, *second, *first, size, ink);
     }
 }
 
-/// A row of the table: a letter, what it is, and how much here.
+/// A row of the table: symbol, colour, meaning and value.
 type Row = (&'static str, Colour, &'static str, String);
 
-fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
+fn table(scene: &Scene, m: &Mechanism, has_no_forces: bool) -> Vec<Row> {
     let (l, q) = (&m.lengths, &m.posture);
-    let mm = |metres: f64| format!("{} mm", rounded(metres * 1e3));
-    let deg = |radians: f64| format!("{}°", rounded(radians.to_degrees()));
+    let mm = |metres: f64| format!("{} mm", four_digits(metres * 1e3));
+    let deg = |radians: f64| format!("{}°", four_digits(radians.to_degrees()));
     let mut rows: Vec<Row> = vec![
         ("l11", INK, "driven by the motor", mm(l.l11_m)),
         ("l12", INK, "coupler", mm(l.l12_m)),
@@ -120,7 +127,7 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
     ];
     if let Some(object) = scene.object() {
         rows.push(("base", INK, "from joint to middle", mm(-object.centre_m[0])));
-        let sizes = sizes(&object.shape);
+        let sizes = dimensions(&object.shape);
         rows.extend(sizes.map(|(name, size_m)| (name, INK, "of the object", mm(size_m))));
     }
     rows.extend([
@@ -129,17 +136,17 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
         ("q12", ANGLE, "of l12 against l11", deg(q.q12_rad)),
         ("q22", ANGLE, "of l22 against l21", deg(q.q22_rad)),
     ]);
-    if !free {
+    if !has_no_forces {
         rows.push(("F21", FORCE, "object on proximal phalanx", String::new()));
         rows.push(("F22", FORCE, "object on distal phalanx", String::new()));
     }
     rows
 }
 
-/// Four digits, and no zeros behind the last that counts.
-fn rounded(value: f64) -> String {
-    let whole = value.abs().max(1e-3).log10().floor() as i32;
-    let text = format!("{value:.*}", usize::try_from(3 - whole).unwrap_or(0).min(4));
+/// Formats a number with four digits, without trailing zeros.
+fn four_digits(value: f64) -> String {
+    let exponent = value.abs().max(1e-3).log10().floor() as i32;
+    let text = format!("{value:.*}", usize::try_from(3 - exponent).unwrap_or(0).min(4));
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_string() } else { text.replace('-', "−") }
 }

@@ -1,32 +1,32 @@
-//! The finger at its grasp.
+//! Posture and contacts of the drawn finger.
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::gripper::{Joints, Lengths, Posture, close, final_posture, joints, straight};
+use crate::gripper::{Joints, Lengths, Posture, close_loop, final_posture, joint_positions, straight_posture};
 use crate::scene::Scene;
-use crate::shape::Placed;
+use crate::shape::PlacedShape;
 
-/// What is drawn, in metres and radians.
+/// Geometry of the drawing, in metres and radians.
 pub(super) struct Mechanism {
     pub lengths: Lengths,
     pub posture: Posture,
     pub joints: Joints,
-    pub object: Option<Placed>,
+    pub object: Option<PlacedShape>,
     pub palm: bool,
-    /// Where each phalanx touches the object and which way that pushes the phalanx.
+    /// Contact point of each phalanx, and direction of the contact force on the phalanx.
     pub contacts: Option<[([f64; 2], [f64; 2]); 2]>,
-    /// What the posture is.
-    pub shown: &'static str,
+    /// Description of the posture.
+    pub posture_name: &'static str,
 }
 
 pub(super) fn mechanism(scene: &Scene) -> Mechanism {
     let (lengths, assembly) = (scene.finger().linkage.lengths, scene.finger().linkage.assembly);
     let object = scene.object().map(|object| object.placed());
     let grasp = object.and_then(|object| Some((object, final_posture(&lengths, assembly, object).ok()?)));
-    let start = || close(&lengths, assembly, scene.finger().initial.q11_rad, scene.finger().initial.q21_rad).ok();
-    // A scene whose start does not close is refused elsewhere; upright it can always be drawn.
-    let upright = || straight(&lengths, FRAC_PI_2).ok();
-    let (posture, shown) = match &grasp {
+    let start = || close_loop(&lengths, assembly, scene.finger().initial.q11_rad, scene.finger().initial.q21_rad).ok();
+    // A scene whose initial linkage does not close is rejected elsewhere; the upright finger can always be drawn.
+    let upright = || straight_posture(&lengths, FRAC_PI_2).ok();
+    let (posture, posture_name) = match &grasp {
         Some((_, end)) => (end.posture, "at its grasp"),
         None => (
             start().or_else(upright).unwrap_or(Posture {
@@ -38,20 +38,20 @@ pub(super) fn mechanism(scene: &Scene) -> Mechanism {
             "at its start",
         ),
     };
-    let joints = joints(&lengths, &posture);
+    let joints = joint_positions(&lengths, &posture);
     let contacts = grasp.map(|(object, end)| {
-        let touch = |from: [f64; 2], to: [f64; 2], part_m: f64, length_m: f64| {
+        let contact = |from: [f64; 2], to: [f64; 2], part_m: f64, length_m: f64| {
             let part = part_m / length_m;
             let on = [from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])];
-            let way = [on[0] - object.centre_m[0], on[1] - object.centre_m[1]];
-            let size = way[0].hypot(way[1]);
-            let way = way.map(|k| k / size);
-            (object.furthest_m(way), way)
+            let direction = [on[0] - object.centre_m[0], on[1] - object.centre_m[1]];
+            let size = direction[0].hypot(direction[1]);
+            let direction = direction.map(|k| k / size);
+            (object.furthest_point_m(direction), direction)
         };
         [
-            touch([0.0; 2], joints.a22_m, end.l_c21_m, lengths.l21_m),
-            touch(joints.a22_m, joints.tip_m, end.l_c22_m, lengths.t22_m),
+            contact([0.0; 2], joints.a22_m, end.l_c21_m, lengths.l21_m),
+            contact(joints.a22_m, joints.tip_m, end.l_c22_m, lengths.t22_m),
         ]
     });
-    Mechanism { lengths, posture, joints, object, palm: scene.system.palm.is_some(), contacts, shown }
+    Mechanism { lengths, posture, joints, object, palm: scene.system.palm.is_some(), contacts, posture_name }
 }

@@ -1,34 +1,35 @@
-//! The linkage of a scene with every letter of scenes and results on it, as an SVG that reads on light and dark grounds.
+//! Draws the linkage of a scene with the symbols used in scenes and results, as SVG for light and dark
+//! backgrounds.
 //!
 //! | file | job |
 //! |---|---|
-//! | `mechanism` | the finger at its grasp: joints, contacts, angles |
-//! | `marks` | what each letter names, and the lines that show it |
-//! | `place` | where the labels go |
-//! | `draw` | shapes, lines, letters, and the table below them |
+//! | `mechanism` | posture, joints and contacts of the drawn finger |
+//! | `annotations` | symbols, and the lines that show their meaning |
+//! | `label_placement` | placement of labels without overlaps |
+//! | `draw` | shapes, lines, symbols, and the table below them |
 
+mod annotations;
 mod draw;
-mod marks;
+mod label_placement;
 mod mechanism;
-mod place;
 
-pub use place::Spot;
+pub use label_placement::LabelBox;
 
 use crate::scene::Scene;
 
-/// A drawing of a linkage.
+/// Drawing of a linkage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linkage {
     pub svg: String,
-    /// The letters in the drawing and where they stand, in pixels.
-    pub labels: Vec<(&'static str, Spot)>,
+    /// The symbols in the drawing and their boxes, in pixels.
+    pub labels: Vec<(&'static str, LabelBox)>,
     /// Width and height of the drawing, without the table below it.
     pub size: [f64; 2],
 }
 
-/// Draws the linkage of a finger: at its grasp, or where there is none, at its start.
+/// Draws the linkage of a finger in its final grasp, or at its start if it has none.
 pub fn linkage(scene: &Scene) -> Linkage {
     let mechanism = mechanism::mechanism(scene);
-    let drawn = marks::marks(scene, &mechanism);
-    draw::draw(scene, &mechanism, &drawn)
+    let annotations = annotations::annotations(scene, &mechanism);
+    draw::draw(scene, &mechanism, &annotations)
 }

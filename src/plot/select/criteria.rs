@@ -1,115 +1,126 @@
-//! What each criterion removed: a row for each criterion, a cell for each design, a block for each condition (Fig. 4.6).
+//! Runs removed by each criterion: a row for each criterion, a cell for each design, a block for each condition (thesis
+//! Fig. 4.6).
 
 use super::strip::strip;
+use crate::format::{condition_name, criterion_name};
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{HEAD as TITLE, Mark, WIDTH, key, marks, picture, shortened, words, words_from, words_to};
+use crate::plot::canvas::{
+    Marker, TITLE_HEIGHT, WIDTH, colour_key, markers, picture, text_centred, text_left_of, text_right_of, truncated,
+};
 use crate::plot::svg::Svg;
 use crate::plot::theme::{BLUE, Colour, GREEN, INK, NEUTRAL, ORANGE, PALE_BLUE, PAPER, SOFT};
 use crate::study::select::{Selection, Verdict};
-use crate::wording::{condition_name, criterion_name};
 
-/// Left and right of the cells, heights of a block's head, a row, the row of marks, and of the foot. In pixels.
-const LEFT: f64 = 190.0;
-const RIGHT: f64 = 120.0;
-const HEAD: f64 = 30.0;
-const ROW: f64 = 26.0;
-const MARKS: f64 = 30.0;
-const FOOT: f64 = 52.0;
-const KEY: f64 = 36.0;
-const TEXT: f64 = 14.0;
+/// Width of the criterion names left of the cells, in pixels.
+const LEFT_MARGIN: f64 = 190.0;
+/// Width of the counts right of the cells, in pixels.
+const RIGHT_MARGIN: f64 = 120.0;
+/// Height of the heading of a condition, in pixels.
+const HEADER_HEIGHT: f64 = 30.0;
+/// Height of the row of a criterion, in pixels.
+const ROW_HEIGHT: f64 = 26.0;
+/// Height of the row that marks the selected designs, in pixels.
+const MARKER_ROW_HEIGHT: f64 = 30.0;
+/// Height of the design numbers at the bottom, in pixels.
+const FOOTER_HEIGHT: f64 = 52.0;
+/// Height of the colour key at the top, in pixels.
+const KEY_HEIGHT: f64 = 36.0;
+/// Text size, in pixels.
+const TEXT_SIZE: f64 = 14.0;
 
-/// What a cell is: what the criterion says, and whether an earlier one has removed the run already.
+/// Categories of cells: verdict of the criterion, and whether an earlier criterion has already removed the run.
 const CELLS: [(Colour, &str); 5] = [
     (BLUE, "left"),
     (ORANGE, "removed here"),
-    (PALE_BLUE, "holds, removed above"),
-    (NEUTRAL, "fails too, removed above"),
+    (PALE_BLUE, "satisfied, removed above"),
+    (NEUTRAL, "also fails, removed above"),
     (PAPER, "unknown"),
 ];
 
-/// The picture.
+/// Draws the effect of each criterion on the runs.
 pub fn selection_criteria(title: &str, selection: &Selection) -> String {
-    let block = HEAD + ROW * selection.criteria.len() as f64 + MARKS;
-    let foot_at = KEY + block * selection.conditions.len() as f64;
-    let designs = designs(selection);
-    picture(&format!("{title}: what each criterion removed"), TITLE + foot_at + FOOT, |svg| {
-        let unknown = selection.tallies.iter().any(|tally| tally.unknown > 0) || gaps(selection, designs.len());
-        key(svg, [16.0, 14.0], CELLS.into_iter().take(if unknown { 5 } else { 4 }), TEXT);
+    let block = HEADER_HEIGHT + ROW_HEIGHT * selection.criteria.len() as f64 + MARKER_ROW_HEIGHT;
+    let footer_top = KEY_HEIGHT + block * selection.conditions.len() as f64;
+    let design_numbers = design_numbers(selection);
+    picture(&format!("{title}: runs removed by each criterion"), TITLE_HEIGHT + footer_top + FOOTER_HEIGHT, |svg| {
+        let unknown = selection.tallies.iter().any(|tally| tally.unknown > 0)
+            || has_missing_runs(selection, design_numbers.len());
+        colour_key(svg, [16.0, 14.0], CELLS.into_iter().take(if unknown { 5 } else { 4 }), TEXT_SIZE);
         for condition in 0..selection.conditions.len() {
-            let at = [0.0, KEY + block * condition as f64];
-            svg.moved(at, |svg| draw(svg, selection, &designs, condition));
+            let origin = [0.0, KEY_HEIGHT + block * condition as f64];
+            svg.translated(origin, |svg| draw(svg, selection, &design_numbers, condition));
         }
-        svg.moved([0.0, foot_at], |svg| foot(svg, &designs));
+        svg.translated([0.0, footer_top], |svg| draw_footer(svg, &design_numbers));
     })
 }
 
-/// Numbers of the designs in order.
-pub fn designs(selection: &Selection) -> Vec<i64> {
+/// Sorted numbers of the designs.
+pub fn design_numbers(selection: &Selection) -> Vec<i64> {
     let mut numbers: Vec<i64> = selection.runs.iter().map(|run| run.design).collect();
     numbers.sort_unstable();
     numbers.dedup();
     numbers
 }
 
-/// Whether some design has no run in some condition.
-fn gaps(selection: &Selection, designs: usize) -> bool {
-    selection.runs.len() < designs * selection.conditions.len()
+/// Whether a design lacks a run in a condition.
+fn has_missing_runs(selection: &Selection, design_numbers: usize) -> bool {
+    selection.runs.len() < design_numbers * selection.conditions.len()
 }
 
-/// Runs of a condition by place of their design.
-pub fn placed(selection: &Selection, designs: &[i64], condition: usize) -> Vec<Option<usize>> {
-    let mut places = vec![None; designs.len()];
+/// Indices of the runs of a condition, by the index of their design.
+pub fn runs_by_design(selection: &Selection, design_numbers: &[i64], condition: usize) -> Vec<Option<usize>> {
+    let mut indices = vec![None; design_numbers.len()];
     for (index, run) in selection.runs.iter().enumerate().filter(|(_, run)| run.condition == condition) {
-        if let Ok(place) = designs.binary_search(&run.design) {
-            places[place] = Some(index);
+        if let Ok(design_index) = design_numbers.binary_search(&run.design) {
+            indices[design_index] = Some(index);
         }
     }
-    places
+    indices
 }
 
-/// Horizontal place of the middle of a design's cell, as [`strip`] draws it.
-fn middle(place: usize, count: usize) -> f64 {
-    LEFT + (WIDTH - LEFT - RIGHT) * (place as f64 + 0.5) / count as f64
+/// Horizontal centre of the cell of a design, as drawn by [`strip`].
+fn cell_centre(design_index: usize, count: usize) -> f64 {
+    LEFT_MARGIN + (WIDTH - LEFT_MARGIN - RIGHT_MARGIN) * (design_index as f64 + 0.5) / count as f64
 }
 
-/// The rows of one condition.
-fn draw(svg: &mut Svg, selection: &Selection, designs: &[i64], condition: usize) {
-    let (right, edge) = (WIDTH - RIGHT, WIDTH - 20.0);
-    words_from(svg, &condition_name(&selection.conditions[condition]), [16.0, 0.5 * HEAD], 15.0, INK);
-    words_to(svg, "left", [edge, 0.5 * HEAD], TEXT, SOFT);
-    let runs = placed(selection, designs, condition);
+/// Draws the rows of one condition.
+fn draw(svg: &mut Svg, selection: &Selection, design_numbers: &[i64], condition: usize) {
+    let (right, edge) = (WIDTH - RIGHT_MARGIN, WIDTH - 20.0);
+    text_right_of(svg, &condition_name(&selection.conditions[condition]), [16.0, 0.5 * HEADER_HEIGHT], 15.0, INK);
+    text_left_of(svg, "left", [edge, 0.5 * HEADER_HEIGHT], TEXT_SIZE, SOFT);
+    let runs = runs_by_design(selection, design_numbers, condition);
     for (row, criterion) in selection.criteria.iter().enumerate() {
-        let y = HEAD + ROW * row as f64;
+        let y = HEADER_HEIGHT + ROW_HEIGHT * row as f64;
         let cells: Vec<usize> =
             runs.iter().map(|run| run.map_or(4, |run| cell(&selection.verdicts[run], row))).collect();
-        strip(svg, [[LEFT, y], [right, y + ROW - 6.0]], &cells, &CELLS.map(|(colour, _)| colour));
-        let label = shortened(&criterion_name(criterion), TEXT, LEFT - 24.0);
-        words_to(svg, &label, [LEFT - 10.0, y + 0.5 * ROW - 3.0], TEXT, INK);
+        strip(svg, [[LEFT_MARGIN, y], [right, y + ROW_HEIGHT - 6.0]], &cells, &CELLS.map(|(colour, _)| colour));
+        let label = truncated(&criterion_name(criterion), TEXT_SIZE, LEFT_MARGIN - 24.0);
+        text_left_of(svg, &label, [LEFT_MARGIN - 10.0, y + 0.5 * ROW_HEIGHT - 3.0], TEXT_SIZE, INK);
         let left = cells.iter().filter(|&&cell| cell == 0).count();
-        words_to(svg, &left.to_string(), [edge, y + 0.5 * ROW - 3.0], TEXT, INK);
+        text_left_of(svg, &left.to_string(), [edge, y + 0.5 * ROW_HEIGHT - 3.0], TEXT_SIZE, INK);
     }
-    let y = HEAD + ROW * selection.criteria.len() as f64 + 6.0;
-    words_to(svg, "selected", [LEFT - 10.0, y], TEXT, GREEN);
+    let y = HEADER_HEIGHT + ROW_HEIGHT * selection.criteria.len() as f64 + 6.0;
+    text_left_of(svg, "selected", [LEFT_MARGIN - 10.0, y], TEXT_SIZE, GREEN);
     let best = selection.ranking.first().map(|ranked| ranked.run_index);
-    // Of several in one pixel one is seen.
+    // At most one marker per pixel.
     let mut marked = std::collections::BTreeSet::new();
     for ranked in &selection.ranking {
         let run = &selection.runs[ranked.run_index];
         if run.condition != condition {
             continue;
         }
-        let Ok(place) = designs.binary_search(&run.design) else { continue };
-        let x = middle(place, designs.len());
+        let Ok(design_index) = design_numbers.binary_search(&run.design) else { continue };
+        let x = cell_centre(design_index, design_numbers.len());
         marked.insert(x as i64);
         if Some(ranked.run_index) == best {
-            words(svg, &format!("best: {}", run.design), [x, y + 15.0], TEXT, GREEN);
+            text_centred(svg, &format!("best: {}", run.design), [x, y + 15.0], TEXT_SIZE, GREEN);
         }
     }
-    let places: Vec<[f64; 2]> = marked.into_iter().map(|x| [x as f64 + 0.5, y]).collect();
-    marks(svg, &places, Mark::SmallTriangle, GREEN);
+    let positions: Vec<[f64; 2]> = marked.into_iter().map(|x| [x as f64 + 0.5, y]).collect();
+    markers(svg, &positions, Marker::SmallTriangle, GREEN);
 }
 
-/// Which of the cells' kinds one is.
+/// Index in [`CELLS`] of a run and a criterion.
 fn cell(verdicts: &[Verdict], row: usize) -> usize {
     let before = verdicts[..row].iter().all(|&verdict| verdict == Verdict::Holds);
     match (verdicts[row], before) {
@@ -121,16 +132,22 @@ fn cell(verdicts: &[Verdict], row: usize) -> usize {
     }
 }
 
-/// Numbers of designs below the lowest block.
-fn foot(svg: &mut Svg, designs: &[i64]) {
-    let (Some(&first), Some(&last)) = (designs.first(), designs.last()) else { return };
-    let ticks = Axis::over("", first as f64, last.max(first + 1) as f64).ticks;
-    let mut shown: Vec<i64> = std::iter::once(first).chain(ticks.iter().map(|&tick| tick as i64)).collect();
-    shown.dedup();
-    for number in shown {
-        if let Ok(place) = designs.binary_search(&number) {
-            words(svg, &number.to_string(), [middle(place, designs.len()), 12.0], TEXT, INK);
+/// Draws the numbers of designs below the lowest block.
+fn draw_footer(svg: &mut Svg, design_numbers: &[i64]) {
+    let (Some(&first), Some(&last)) = (design_numbers.first(), design_numbers.last()) else { return };
+    let ticks = Axis::from_range("", first as f64, last.max(first + 1) as f64).ticks;
+    let mut labelled: Vec<i64> = std::iter::once(first).chain(ticks.iter().map(|&tick| tick as i64)).collect();
+    labelled.dedup();
+    for number in labelled {
+        if let Ok(design_index) = design_numbers.binary_search(&number) {
+            text_centred(
+                svg,
+                &number.to_string(),
+                [cell_centre(design_index, design_numbers.len()), 12.0],
+                TEXT_SIZE,
+                INK,
+            );
         }
     }
-    words(svg, "design", [0.5 * (LEFT + WIDTH - RIGHT), 34.0], TEXT, INK);
+    text_centred(svg, "design", [0.5 * (LEFT_MARGIN + WIDTH - RIGHT_MARGIN), 34.0], TEXT_SIZE, INK);
 }

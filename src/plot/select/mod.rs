@@ -2,11 +2,11 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `strip` | a band of cells, one for each design, however many there are |
-//! | `criteria` | what each criterion removed, by design (thesis Fig. 4.6) |
+//! | `strip` | a strip of cells, one for each design, for any number of designs |
+//! | `criteria` | runs removed by each criterion, by design (thesis Fig. 4.6) |
 //! | `classes` | the designs sorted by each variable, coloured by class (Figs. 4.4, A.16–A.19) |
 //! | `forces` | final forces and palm force by design (Figs. 4.5, A.20–A.23) |
-//! | `variables` | what was varied and what follows from it, by design (Figs. 4.1, 4.2) |
+//! | `variables` | varied and dependent quantities by design (Figs. 4.1, 4.2) |
 
 mod classes;
 mod criteria;

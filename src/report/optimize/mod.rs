@@ -1,14 +1,14 @@
-//! What an optimisation found.
+//! Report of an optimisation.
 //!
-//! | file | job |
+//! | file | content |
 //! |---|---|
-//! | `document` | one document of plain figures |
-//! | `text` | tables for people |
-//! | `paper` | a paper: the picture, the tables, and the scenes of the front |
+//! | `document` | JSON document |
+//! | `text` | text tables |
+//! | `paper` | HTML report: plot, tables and the scenes of the Pareto front |
 
 mod document;
 mod paper;
 mod text;
 
-pub use document::{OptimisationReport, is_designs, scene_file};
+pub use document::{OptimisationReport, is_design_table, scene_file};
 pub use text::optimisation_list;

@@ -1,22 +1,23 @@
-//! A paper of an optimisation: its picture, where a point of the front leads to its scene, and its tables.
+//! HTML report of an optimisation: a plot, whose points link to the scenes of the front, and tables.
 
 use super::document::OptimisationReport;
-use super::text::{self, compared};
+use super::text::{self, comparison_table};
+use crate::format::report::Report;
 use crate::study::optimize::Optimisation;
-use crate::wording::report::Report;
 
 impl OptimisationReport<'_> {
-    /// The paper. `svg`: the picture, whose points lead to `#design-N`; `scenes`: the scene of each member of the front.
+    /// Creates the HTML report. `svg` is the plot, whose points link to `#design-N`. `scenes` contains the scene of
+    /// each design of the front.
     pub fn paper(&self, svg: String, scenes: &[(u64, String)]) -> Report {
-        let OptimisationReport { of, found, .. } = self;
-        let about = Report::section("What was searched").words(format!(
-        "{}{} model, {} with generations of {} designs, seed {}. {} designs in {} generations, each under {}; {} runs. {} designs meet all \
-         constraints, {} of them are on the front: no other design is better by one objective and as good by the others.",
-        match of.description() {
+        let OptimisationReport { optimisation, found, .. } = self;
+        let search = Report::section("Search").with_paragraph(format!(
+        "{}{} model, {} with generations of {} designs, seed {}. {} designs in {} generations, each in {}; {} runs. {} designs meet all \
+         constraints; {} of them are on the Pareto front: no other design is better in one objective and equal in the others.",
+        match optimisation.description() {
             "" => String::new(),
             text => format!("{text} "),
         },
-        capital(self.model),
+        capitalize(self.model),
         self.algorithm,
         self.population,
         self.seed,
@@ -27,33 +28,32 @@ impl OptimisationReport<'_> {
         self.feasible_designs,
         self.front.len()
     ));
-        let picture = Report::section("The designs").figure("optimisation.svg", &caption(of), svg);
-        let gained =
-            Report::section("What is gained")
-                .and(compared(of, found, false).caption(
-                    "The start beside the best; under an objective, by how much it is better than the start.",
-                ));
-        let mut members = Report::section("The front").words(
-        "Each design of the front as a scene file: a click on its point in the picture, or on its number here, shows it below.",
-    ).and(text::members(of, found, &found.front).caption("All designs of the front."));
+        let plot = Report::section("Designs").with_figure("optimisation.svg", &caption(optimisation), svg);
+        let gains = Report::section("Gains").with(
+            comparison_table(optimisation, found, false)
+                .caption("The start and the best designs; below each objective, the gain over the start."),
+        );
+        let mut front = Report::section("Pareto front").with_paragraph(
+        "The scene file of each design of the front. A click on its point in the plot, or on its number here, leads to it.",
+    ).with(text::front_table(optimisation, found, &found.front).caption("All designs of the front."));
         for (number, scene) in scenes {
-            members = members.text(&format!("design-{number}"), &format!("Design {number}"), scene.clone());
+            front = front.with_text(&format!("design-{number}"), &format!("Design {number}"), scene.clone());
         }
-        Report { title: of.name().to_string(), ..about.and(picture).and(gained).and(members) }
+        Report { title: optimisation.name().to_string(), ..search.with(plot).with(gains).with(front) }
     }
 }
 
-fn capital(word: &str) -> String {
+fn capitalize(word: &str) -> String {
     let mut letters = word.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-fn caption(of: &Optimisation) -> String {
-    match &of.objectives[..] {
-        [one] => {
-            format!("{} of every design that meets all constraints, in the order they were looked at.", one.figure.name)
+fn caption(optimisation: &Optimisation) -> String {
+    match &optimisation.objectives[..] {
+        [objective] => {
+            format!("{} of every design that meets all constraints, in order of evaluation.", objective.figure.name)
         }
-        _ => "Every design that meets all constraints by its objectives; the front, the start, and the compromise."
+        _ => "Objectives of every design that meets all constraints, with the Pareto front, the start and the compromise."
             .to_string(),
     }
 }

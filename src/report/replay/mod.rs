@@ -1,16 +1,16 @@
-//! What a log is reported as.
+//! Reports of logs: summary, verification, comparison and recovery.
 
-mod against;
+mod comparison;
 mod document;
-mod heard;
+mod observer;
 mod recover;
 mod summary;
 mod text;
 mod verify;
 
-pub use against::{AgainstReport, ApartReport, side_by_side};
-pub use document::{MissingReport, ReplayReport};
-pub use heard::{Heard, attached};
+pub use comparison::{LogComparisonReport, TrajectoryDifference, compare_summaries};
+pub use document::{MissingTopicReport, ReplayReport};
+pub use observer::{LogObserver, scene_in_log};
 pub use recover::RecoveryReport;
 pub use summary::Summary;
 pub use verify::VerificationReport;

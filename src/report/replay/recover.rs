@@ -1,40 +1,44 @@
-//! What was recovered of a damaged log, in the keys of the JSON document and as text.
+//! Report of the recovery of a damaged log: JSON and text.
 
 use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::document::{Lost, MissingReport};
+use super::document::{LossReport, MissingTopicReport};
+use crate::format::{Report, ToReport, format_duration};
 use crate::log::{Gap, Recovery};
-use crate::wording::{Report, Reported, duration};
 
-/// One recovery.
+/// Report of a recovery.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RecoveryReport {
-    /// Paths of the damaged log and of the new one, as given.
+    /// Path of the damaged log, as given.
     pub log: String,
+    /// Path of the recovered log, as given.
     pub recovered: String,
     pub bytes: u64,
-    /// Whether nothing of the log is lost.
-    pub whole: bool,
-    pub losses: Vec<Lost>,
-    /// Topics that the log of such a run has and this one has not, or not all of.
-    pub missing: Vec<MissingReport>,
-    /// Length that was asked for.
+    /// Whether no part of the log is lost.
+    #[serde(rename = "whole")]
+    pub is_complete: bool,
+    pub losses: Vec<LossReport>,
+    /// Expected topics that are missing or incomplete.
+    pub missing: Vec<MissingTopicReport>,
+    /// Requested duration.
     pub duration_s: Option<f64>,
     pub messages: u64,
     pub samples: u64,
     pub events: u64,
     /// Log time of the last message.
     pub end_s: Option<f64>,
-    /// Messages missing before others of their channels.
+    /// Messages that are missing before later messages of the same channel.
     pub missing_messages: u64,
-    /// Messages left out because the part that named their channels is lost.
-    pub nameless_messages: u64,
-    /// Places where messages are missing, not counting the end.
+    /// Messages omitted because the definitions of their channels are lost.
+    #[serde(rename = "nameless_messages")]
+    pub undefined_channel_messages: u64,
+    /// Intervals without messages, except the end.
     pub gaps: Vec<GapReport>,
 }
 
+/// An interval without messages.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GapReport {
     pub after_messages: u64,
@@ -55,49 +59,60 @@ impl RecoveryReport {
             log,
             recovered,
             bytes: reading.bytes,
-            whole: reading.is_whole(),
-            losses: reading.losses.iter().map(Lost::from).collect(),
-            missing: reading.missing.iter().map(MissingReport::from).collect(),
+            is_complete: reading.is_complete(),
+            losses: reading.losses.iter().map(LossReport::from).collect(),
+            missing: reading.missing.iter().map(MissingTopicReport::from).collect(),
             duration_s: reading.metadata.get("duration_s").and_then(|text| text.parse().ok()),
             messages: found.messages,
             samples: reading.samples,
             events: reading.events,
             end_s: found.to_s,
             missing_messages: found.missing,
-            nameless_messages: found.nameless,
+            undefined_channel_messages: found.unidentified,
             gaps: found.gaps.iter().map(GapReport::from).collect(),
         }
     }
 }
 
-/// The report for people, with a line end.
-impl Reported for RecoveryReport {
+impl ToReport for RecoveryReport {
     fn report(&self) -> Report {
         let mut text = Report::default();
-        let asked = self.duration_s.map_or("an unknown time".to_string(), duration);
-        let reach = self.end_s.map_or("no time".to_string(), duration);
+        let requested = self.duration_s.map_or("an unknown time".to_string(), format_duration);
+        let reach =
+            self.end_s.map_or(String::new(), |end_s| format!(", up to {} of {requested}", format_duration(end_s)));
         // Writing to a report cannot fail.
         let _ = writeln!(
             text,
-            "{} is what can be read of {}: {} messages, {} samples and {} events, up to {reach} of {asked}",
+            "{} contains the readable part of {}: {} messages, {} samples and {} events{reach}",
             self.recovered, self.log, self.messages, self.samples, self.events
         );
         for gap in &self.gaps {
-            let _ =
-                writeln!(text, "GAP: messages are missing between {} and {}", duration(gap.from_s), duration(gap.to_s));
+            let _ = writeln!(
+                text,
+                "GAP: messages are missing between {} and {}",
+                format_duration(gap.from_s),
+                format_duration(gap.to_s)
+            );
         }
         if self.missing_messages > 0 {
-            let _ = writeln!(text, "{} messages are missing before others that are there", self.missing_messages);
+            let _ = writeln!(
+                text,
+                "{} messages are missing before later messages of the same channels",
+                self.missing_messages
+            );
         }
-        if self.nameless_messages > 0 {
-            let _ =
-                writeln!(text, "{} messages are left out, for what their channels are is lost", self.nameless_messages);
+        if self.undefined_channel_messages > 0 {
+            let _ = writeln!(
+                text,
+                "{} messages are omitted, because the definitions of their channels are lost",
+                self.undefined_channel_messages
+            );
         }
-        for MissingReport { topic, what, .. } in &self.missing {
-            let _ = writeln!(text, "MISSING: {topic} {what}");
+        for MissingTopicReport { topic, defect, .. } in &self.missing {
+            let _ = writeln!(text, "MISSING: {topic} {defect}");
         }
-        if self.whole {
-            text.push_str("nothing of the log was lost\n");
+        if self.is_complete {
+            text.push_str("no part of the log was lost\n");
         }
         text
     }

@@ -1,36 +1,38 @@
-//! What the samples and events of a run say in sum.
+//! Summary of a run from its samples and events.
 
 use crate::criteria::{Rebound, Rebounds};
 use crate::scene::Scene;
 use crate::trace::{ContactSummary, Event, EventKind, Layout, Outcome, Sample, Sink, SinkError};
 
-/// A [`Sink`] that keeps of a run what its samples and events say in sum.
+/// A [`Sink`] that summarises the samples and events of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     pub layout: Layout,
     outcome: Outcome,
-    /// Of the pairs of bodies.
+    /// Rebounds of the pairs of bodies.
     rebounds: Option<Rebounds>,
-    any: bool,
+    has_sample: bool,
 }
 
 impl Summary {
-    /// Of samples of this layout.
-    /// `scene`: of a log of bodies, where it is known, for their masses.
+    /// Creates a summary for samples of this layout. `scene` is the scene of a log of bodies, if known; it provides the
+    /// masses for the rebounds.
     pub fn new(layout: Layout, scene: Option<&Scene>) -> Self {
         let contacts = vec![ContactSummary::default(); layout.contacts.len()];
-        let of_scene =
-            scene.map(|scene| Rebounds::of(&scene.system)).filter(|found| found.pairs().len() == contacts.len());
-        let rebounds = layout.fingers.is_empty().then(|| of_scene.unwrap_or_else(|| Rebounds::new(contacts.len())));
-        Summary { layout, outcome: Outcome { contacts, ..Outcome::default() }, rebounds, any: false }
+        let rebounds_of_scene = scene
+            .map(|scene| Rebounds::for_system(&scene.system))
+            .filter(|found| found.pairs().len() == contacts.len());
+        let rebounds =
+            layout.fingers.is_empty().then(|| rebounds_of_scene.unwrap_or_else(|| Rebounds::new(contacts.len())));
+        Summary { layout, outcome: Outcome { contacts, ..Outcome::default() }, rebounds, has_sample: false }
     }
 
-    /// The summary, unless there was no sample. What a run costs is not known from its samples.
+    /// Returns the summary; `None` without samples. It contains no computational cost, which samples do not record.
     pub fn outcome(&self) -> Option<&Outcome> {
-        self.any.then_some(&self.outcome)
+        self.has_sample.then_some(&self.outcome)
     }
 
-    /// Of the pairs of bodies; empty where there is a finger.
+    /// Returns the rebounds of the pairs of bodies; empty for scenes with fingers.
     pub fn rebounds(&self) -> &[Rebound] {
         self.rebounds.as_ref().map_or(&[], Rebounds::pairs)
     }
@@ -38,10 +40,10 @@ impl Summary {
 
 impl Sink for Summary {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.any = true;
+        self.has_sample = true;
         self.outcome.last.clone_from(sample);
         for (summary, contact) in self.outcome.contacts.iter_mut().zip(&sample.contacts) {
-            summary.take(contact.pressed());
+            summary.update(contact.force_and_penetration());
             summary.impulse_n_s = contact.impulse_n_s;
         }
         self.rebounds.sample(sample)

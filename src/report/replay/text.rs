@@ -1,17 +1,16 @@
-//! What a log says of its run, for people.
+//! Text report of a log.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::super::tables::{contacts, dynamics, energies, grasp, states};
+use super::super::tables::{contacts, criteria_table, energies, grasp, states};
 use super::super::text::{engine, integrator};
-use super::document::{MissingReport, ReplayReport};
-use super::verify::verification_text;
-use crate::wording::duration;
-use crate::wording::{Report, Reported};
+use super::document::{MissingTopicReport, ReplayReport};
+use super::verify::verification_report;
+use crate::format::format_duration;
+use crate::format::{Report, ToReport};
 
-/// The whole summary, with a line end.
-impl Reported for ReplayReport {
+impl ToReport for ReplayReport {
     fn report(&self) -> Report {
         let mut sections = vec![Report::from(heading(self))];
         let last = self.states.0.as_ref().zip(self.end_s);
@@ -19,19 +18,19 @@ impl Reported for ReplayReport {
         sections.extend(self.contacts.as_ref().and_then(contacts));
         sections.extend(self.energy.as_ref().map(|energy| energies(energy, self.has_joints())));
         if let Some(criteria) = &self.criteria {
-            sections.push(dynamics(criteria));
+            sections.push(criteria_table(criteria));
         }
         sections.extend(self.grasp.as_ref().map(grasp));
         if let Some(verification) = &self.verification {
-            sections.push(verification_text(verification));
+            sections.push(verification_report(verification));
         }
         Report::join(sections)
     }
 }
 
 fn heading(report: &ReplayReport) -> String {
-    let known = |entry: &Option<String>| entry.clone().unwrap_or_else(|| "unknown".to_string());
-    let asked = report.duration_s.map_or("an unknown time".to_string(), duration);
+    let or_unknown = |entry: &Option<String>| entry.clone().unwrap_or_else(|| "unknown".to_string());
+    let requested = report.duration_s.map_or("an unknown time".to_string(), format_duration);
     let settings = report
         .integrator
         .as_ref()
@@ -39,20 +38,25 @@ fn heading(report: &ReplayReport) -> String {
         .or_else(|| report.engine.as_ref().map(|used| engine(used, report.has_joints())));
     let mut text = format!(
         "{}: {} model{}\nread from {}\n",
-        known(&report.scene),
-        known(&report.model),
+        or_unknown(&report.scene),
+        or_unknown(&report.model),
         settings.unwrap_or_default(),
         report.log
     );
     // Writing to a string cannot fail.
     let _ = match (&report.error, report.completed) {
         (Some(error), _) => {
-            writeln!(text, "NOT COMPLETED: stopped at {} of {asked}: {}", duration(error.time_s), error.reason)
+            writeln!(
+                text,
+                "NOT COMPLETED: stopped at {} of {requested}: {}",
+                format_duration(error.time_s),
+                error.reason
+            )
         }
-        (None, Some(_)) => writeln!(text, "completed, {asked}"),
+        (None, Some(_)) => writeln!(text, "completed, {requested}"),
         (None, None) => match report.end_s {
-            Some(end_s) => writeln!(text, "NOT COMPLETE: the log reaches {} of {asked}", duration(end_s)),
-            None => writeln!(text, "NOT COMPLETE: no sample of {asked}"),
+            Some(end_s) => writeln!(text, "NOT COMPLETE: the log reaches {} of {requested}", format_duration(end_s)),
+            None => writeln!(text, "NOT COMPLETE: the log contains no sample of the {requested} run"),
         },
     };
     let plural = |count: u64| if count == 1 { "" } else { "s" };
@@ -65,7 +69,7 @@ fn heading(report: &ReplayReport) -> String {
         plural(report.events)
     );
     if report.unknown_messages > 0 {
-        let _ = write!(text, ", {} messages of channels that this phalanx does not know", report.unknown_messages);
+        let _ = write!(text, ", {} messages of channels unknown to this version of phalanx", report.unknown_messages);
     }
     text.push('\n');
     if let Some(csv) = &report.csv {
@@ -75,16 +79,16 @@ fn heading(report: &ReplayReport) -> String {
         let _ = writeln!(text, "page: {page}");
     }
     if let Some(entries) = &report.recovered {
-        let _ = writeln!(text, "{}", recovered(entries));
+        let _ = writeln!(text, "{}", recovery_line(entries));
     }
-    for lost in &report.losses {
-        let _ = writeln!(text, "LOST: {}", lost.what);
+    for loss in &report.losses {
+        let _ = writeln!(text, "LOST: {}", loss.description);
     }
-    for MissingReport { topic, what, .. } in &report.missing {
-        let _ = writeln!(text, "MISSING: {topic} {what}");
+    for MissingTopicReport { topic, defect, .. } in &report.missing {
+        let _ = writeln!(text, "MISSING: {topic} {defect}");
     }
-    if let Some(withheld) = report.withheld() {
-        let _ = writeln!(text, "{withheld}, for they need what is missing");
+    if let Some(withheld_results) = report.withheld_results() {
+        let _ = writeln!(text, "{withheld_results}, because they depend on missing data");
     }
     for warning in &report.warnings {
         let _ = writeln!(text, "Warning: {warning}");
@@ -92,8 +96,8 @@ fn heading(report: &ReplayReport) -> String {
     text
 }
 
-/// What is said of a recovered log.
-fn recovered(entries: &BTreeMap<String, String>) -> String {
+/// Describes the recovery of a log.
+fn recovery_line(entries: &BTreeMap<String, String>) -> String {
     let entry = |key: &str| entries.get(key).map_or("unknown", String::as_str);
     format!("RECOVERED from {}: {}", entry("source"), entry("lost"))
 }

@@ -1,35 +1,38 @@
-//! The thesis's figures beside ours, and whether ours are as expected.
+//! Comparison of computed values with the values printed in the thesis and with expected values.
 
 use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
-use crate::study::reproduce::{Figure, Reproduction, figures, measured, reasons};
+use crate::study::reproduce::{Figure, Reproduction, computed_values, figures, reasons};
 
-/// One figure, in SI; the unit stands at the end of its name (before `.base_…`, `.all` and `.mu_…`).
+/// One compared value, in SI units. Its key ends in the unit (before `.base_…`, `.all` and `.mu_…`).
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     pub figure: &'static str,
     pub section: &'static str,
     pub source: &'static str,
-    pub what: &'static str,
+    #[serde(rename = "what")]
+    pub quantity: &'static str,
     pub thesis: Option<f64>,
-    /// Not a number (null) where there is none.
-    pub ours: f64,
+    /// Computed value; NaN (null) where there is none.
+    #[serde(rename = "ours")]
+    pub computed: f64,
     pub expected: Option<f64>,
     pub expected_within: Option<f64>,
     pub verdict: Verdict,
     pub errata: Vec<u32>,
     pub reason: &'static str,
     #[serde(skip)]
-    pub of: &'static Figure,
+    pub entry: &'static Figure,
 }
 
+/// Whether a computed value is as expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     Inside,
     Outside,
-    /// Nothing is expected, or it was not computed to the end.
+    /// There is no expected value, or the computation has a reduced resolution.
     NotJudged,
 }
 
@@ -49,75 +52,80 @@ impl Serialize for Verdict {
     }
 }
 
-/// Every figure, in the order of the file.
-pub fn comparisons(found: &Reproduction) -> Vec<Comparison> {
-    let values: BTreeMap<String, f64> = measured(found);
-    let one = |of: &'static Figure| {
-        let ours = values.get(&of.key).copied().unwrap_or(f64::NAN);
-        let reason = reasons().get(&of.reason);
-        // Expectations of volumes are of the full resolution.
-        let judged = !(found.quick && of.section == "volumes");
+/// Returns all comparisons, in the order of `thesis.csv`.
+pub fn comparisons(reproduction: &Reproduction) -> Vec<Comparison> {
+    let values: BTreeMap<String, f64> = computed_values(reproduction);
+    let compare = |entry: &'static Figure| {
+        let computed = values.get(&entry.key).copied().unwrap_or(f64::NAN);
+        let reason = reasons().get(&entry.reason);
+        // Expected values of volumes refer to the full resolution.
+        let is_compared = !(reproduction.quick && entry.section == "volumes");
         Comparison {
-            figure: &of.key,
-            section: &of.section,
-            source: &of.source,
-            what: &of.what,
-            thesis: of.thesis,
-            ours,
-            expected: of.expected,
-            expected_within: of.expected.map(|_| of.within),
-            verdict: match of.expected {
-                // A value at the very edge of a rounded one is in it.
-                Some(expected) if judged => match (ours - expected).abs() <= of.within + 1e-9 * expected.abs() {
-                    true => Verdict::Inside,
-                    false => Verdict::Outside,
-                },
+            figure: &entry.key,
+            section: &entry.section,
+            source: &entry.source,
+            quantity: &entry.quantity,
+            thesis: entry.thesis,
+            computed,
+            expected: entry.expected,
+            expected_within: entry.expected.map(|_| entry.tolerance),
+            verdict: match entry.expected {
+                // The margin accepts values at the edge of the rounding interval.
+                Some(expected) if is_compared => {
+                    match (computed - expected).abs() <= entry.tolerance + 1e-9 * expected.abs() {
+                        true => Verdict::Inside,
+                        false => Verdict::Outside,
+                    }
+                }
                 _ => Verdict::NotJudged,
             },
             errata: reason.map_or(Vec::new(), |reason| reason.errata.clone()),
             reason: reason.map_or("", |reason| &reason.text),
-            of,
+            entry,
         }
     };
-    figures().iter().map(one).collect()
+    figures().iter().map(compare).collect()
 }
 
 impl Comparison {
-    /// The thesis's value as it is printed, with its unit.
+    /// Returns the value printed in the thesis, with its unit.
     pub fn thesis_text(&self) -> String {
-        if self.of.printed.is_empty() { "–".to_string() } else { with_unit(&self.of.printed, self.of.unit) }
+        if self.entry.printed.is_empty() { "–".to_string() } else { with_unit(&self.entry.printed, self.entry.unit) }
     }
 
-    /// Whether ours rounds to what is printed.
-    pub fn as_printed(&self) -> bool {
-        let decimals = self.of.printed.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-        format!("{:.decimals$}", self.ours * self.of.scale) == self.of.printed
+    /// Whether the computed value rounds to the printed value.
+    pub fn matches_printed(&self) -> bool {
+        let decimals = self.entry.printed.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+        format!("{:.decimals$}", self.computed * self.entry.scale) == self.entry.printed
     }
 
-    /// Ours with as many digits as the thesis or the expectation has.
+    /// Returns the computed value with the digits of the thesis or of the expected value.
     pub fn ours_text(&self) -> String {
-        match self.ours.is_finite() {
-            true => with_unit(&self.rounded(self.ours), self.of.unit),
+        match self.computed.is_finite() {
+            true => with_unit(&self.rounded(self.computed), self.entry.unit),
             false => "none".to_string(),
         }
     }
 
-    /// What is expected, with its width.
+    /// Returns the expected value with its tolerance.
     pub fn expected_text(&self) -> String {
         match self.expected {
             None => "–".to_string(),
-            Some(value) if self.of.within == 0.0 => with_unit(&self.rounded(value), self.of.unit),
+            Some(value) if self.entry.tolerance == 0.0 => with_unit(&self.rounded(value), self.entry.unit),
             Some(value) => {
-                let shown = self.rounded(value);
-                with_unit(&format!("{shown} ± {}", plain(self.of.within * self.of.scale)), self.of.unit)
+                let rounded = self.rounded(value);
+                with_unit(
+                    &format!("{rounded} ± {}", without_rounding_error(self.entry.tolerance * self.entry.scale)),
+                    self.entry.unit,
+                )
             }
         }
     }
 
     fn rounded(&self, value: f64) -> String {
-        let decimals = self.of.decimals;
-        let text = format!("{:.decimals$}", value * self.of.scale);
-        // A negative zero is none.
+        let decimals = self.entry.decimals;
+        let text = format!("{:.decimals$}", value * self.entry.scale);
+        // Negative zero is shown as zero.
         if text.trim_start_matches(['-', '0', '.']).is_empty() {
             text.replace('-', "")
         } else {
@@ -134,7 +142,7 @@ fn with_unit(text: &str, unit: &str) -> String {
     }
 }
 
-/// Without the noise of a conversion.
-fn plain(value: f64) -> String {
+/// Formats a value without the rounding error of a unit conversion.
+fn without_rounding_error(value: f64) -> String {
     format!("{}", (value * 1e9).round() / 1e9)
 }

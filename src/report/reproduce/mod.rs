@@ -1,20 +1,20 @@
-//! A reproduction as a paper, as JSON, and as a short table.
+//! Report of the reproduction of the thesis: paper, JSON and text.
 //!
-//! | file | job |
+//! | file | content |
 //! |---|---|
-//! | `comparison` | the thesis's figures beside ours, and whether ours are as expected |
+//! | `comparison` | comparison of computed values with the thesis and with expected values |
 //! | `paper` | the paper: its sections in order |
-//! | `parts` | tables that several sections share |
-//! | `sizing`, `statics`, `volumes`, `sweep`, `selection`, `chosen`, `errata` | a section each |
-//! | `document` | JSON |
-//! | `text` | a table for the terminal |
+//! | `comparison_table` | tables that several sections share |
+//! | `sizing`, `statics`, `volumes`, `sweep`, `selection`, `chosen_design`, `errata` | one section each |
+//! | `document` | JSON document |
+//! | `text` | text tables |
 
-mod chosen;
+mod chosen_design;
 mod comparison;
+mod comparison_table;
 mod document;
 mod errata;
 mod paper;
-mod parts;
 mod selection;
 mod sizing;
 mod statics;

@@ -1,13 +1,15 @@
 //! The paper: its sections in order.
 
-use super::parts::{compared, of_key};
-use super::{Comparison, ReproductionReport, Verdict, chosen, errata, selection, sizing, statics, sweep, volumes};
-use crate::study::reproduce::{DRIFT_S, Reproduction};
-use crate::wording::Report;
-use crate::wording::duration;
+use super::comparison_table::{comparison_table, find_comparison};
+use super::{
+    Comparison, ReproductionReport, Verdict, chosen_design, errata, selection, sizing, statics, sweep, volumes,
+};
+use crate::format::Report;
+use crate::format::format_duration;
+use crate::study::reproduce::{MAX_TTS_DIFFERENCE_S, Reproduction};
 
-/// The figures that are looked at first.
-const FIRST: [&str; 27] = [
+/// Keys of the main values, which the summary shows.
+const MAIN_VALUES: [&str; 27] = [
     "design.trajectory_min_rad",
     "design.trajectory_max_rad",
     "design.mass_min_kg",
@@ -38,55 +40,55 @@ const FIRST: [&str; 27] = [
 ];
 
 impl ReproductionReport<'_> {
-    /// The paper of a reproduction.
+    /// Creates the paper.
     pub fn paper(&self) -> Report {
-        let (found, all) = (self.found, &self.figures);
+        let (reproduction, all) = (self.reproduction, &self.comparisons);
         let sections = [
-            summary(found, all),
-            sizing::section(found, all),
-            statics::designs(found, all),
-            statics::section(found, all),
-            volumes::section(found, all),
-            sweep::section(found, all),
-            selection::section(found, all),
-            chosen::section(found, all),
+            summary(reproduction, all),
+            sizing::section(reproduction, all),
+            statics::designs(reproduction, all),
+            statics::section(reproduction, all),
+            volumes::section(reproduction, all),
+            sweep::section(reproduction, all),
+            selection::section(reproduction, all),
+            chosen_design::section(reproduction, all),
             errata::section(),
         ];
-        let all = sections.into_iter().fold(Report::default(), |all, section| all.and(section));
-        Report { title: "The thesis again".to_string(), ..all }
+        let paper = sections.into_iter().fold(Report::default(), |paper, section| paper.with(section));
+        Report { title: "Reproduction of the thesis".to_string(), ..paper }
     }
 }
 
-fn summary(found: &Reproduction, all: &[Comparison]) -> Report {
-    let judged = all.iter().filter(|one| one.verdict != Verdict::NotJudged).count();
-    let outside: Vec<&Comparison> = all.iter().filter(|one| one.verdict == Verdict::Outside).collect();
+fn summary(reproduction: &Reproduction, all: &[Comparison]) -> Report {
+    let judged = all.iter().filter(|comparison| comparison.verdict != Verdict::NotJudged).count();
+    let outside: Vec<&Comparison> = all.iter().filter(|comparison| comparison.verdict == Verdict::Outside).collect();
     let verdict = match outside.is_empty() {
-        true => format!("All {judged} figures that have an expectation are within it."),
+        true => format!("All {judged} values with an expected value are within tolerance."),
         false => format!(
-            "{} of {judged} figures that have an expectation are outside of it: {}.",
+            "{} of {judged} values with an expected value are outside tolerance: {}.",
             outside.len(),
-            outside.iter().map(|one| one.what).collect::<Vec<_>>().join("; ")
+            outside.iter().map(|comparison| comparison.quantity).collect::<Vec<_>>().join("; ")
         ),
     };
-    let quick = match found.quick {
-        true => " This was a quick run: volumes have fewer points and are not judged.",
+    let quick = match reproduction.quick {
+        true => " This is a quick run: volumes have fewer points and are not judged.",
         false => "",
     };
     let chaotic = format!(
-        "Simulations whose class changes with the method, the tolerance, or a torque nudged by up to 1e-7: {} of {}; whose \
-         time to stability moves by more than {}: {}.",
-        found.chaos.flips.len(),
-        found.selection.runs.len(),
-        duration(DRIFT_S),
-        found.chaos.drifting.len()
+        "Simulations whose class changes with the method, the tolerance or a torque perturbed by up to 1e-7: {} of {}. \
+         Simulations whose time to stability changes by more than {}: {}.",
+        reproduction.chaos.class_changes.len(),
+        reproduction.selection.runs.len(),
+        format_duration(MAX_TTS_DIFFERENCE_S),
+        reproduction.chaos.drifting.len()
     );
     let section = Report::section("Summary")
-        .words(
-            "What the thesis prints, what phalanx computes from the corrected equations, and why the two differ where they \
-             do. No definition was changed to meet a number. \"Expected\" is what an independent implementation of the same \
-             definitions has found.",
+        .with_paragraph(
+            "This report compares the values printed in the thesis with the values that phalanx computes from the corrected \
+             equations, and explains the differences. No definition was changed to match a number. \"Expected\" values \
+             come from an independent implementation of the same definitions.",
         )
-        .words(format!("{verdict}{quick} {chaotic}"));
-    let first: Vec<&Comparison> = FIRST.iter().filter_map(|key| of_key(all, key)).collect();
-    compared(section, "The main figures.", &first)
+        .with_paragraph(format!("{verdict}{quick} {chaotic}"));
+    let main: Vec<&Comparison> = MAIN_VALUES.iter().filter_map(|key| find_comparison(all, key)).collect();
+    comparison_table(section, "Main values.", &main)
 }

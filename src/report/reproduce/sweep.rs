@@ -1,163 +1,168 @@
 //! The 384 simulations (thesis §4.2, Table 4.1, Figs. 4.3–4.5, A.15, A.18–A.23).
 
 use super::Comparison;
-use super::parts::{compared, of_section};
+use super::comparison_table::{comparison_table, section_comparisons};
 use crate::criteria::Class;
+use crate::format::numbers::format_number;
+use crate::format::report::{Cell, Report};
+use crate::format::{condition_name, format_duration, percent_of};
 use crate::plot;
-use crate::study::reproduce::{Chaos, Checks, DRIFT_S, Reproduction, Variation};
-use crate::study::select::{CLASSES, Classes, Selection};
+use crate::study::reproduce::{Chaos, Checks, MAX_TTS_DIFFERENCE_S, Reproduction, Variation};
+use crate::study::select::{CLASSES, ClassCounts, Selection};
 use crate::study::sweep::Status;
-use crate::wording::figures::figure;
-use crate::wording::report::{Cell, Report};
-use crate::wording::{condition_name, duration, percent_of};
 
-/// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Report {
-    let selection = &found.selection;
-    let section = Report::section("The 384 simulations").words(
+/// Builds the section on the simulations.
+pub fn section(reproduction: &Reproduction, all: &[Comparison]) -> Report {
+    let selection = &reproduction.selection;
+    let section = Report::section("The 384 simulations").with_paragraph(
         "Every design is simulated for 20 ms without friction and with μ_s = 0.8, with its own spring and motor. Stable: at rest \
-         on the object within 15 ms and no rebound; semi-stable: the same with a rebound up to 5 %; semi-unstable: at rest \
-         within 20 ms; unstable: the rest, and what is not statically stable.",
+         on the object within 15 ms without a rebound; semi-stable: the same with a rebound up to 5 %; semi-unstable: at \
+         rest within 20 ms; unstable: all others, including statically unstable designs.",
     );
-    let section = compared(section, "Dynamic stability.", &of_section(all, "sweep"));
-    let section = broken(classes(section, selection), selection);
-    let section = section.words(checked(&found.checks));
-    let section = crossed(section, selection);
-    let section = chaos(section, &found.chaos, selection);
+    let section = comparison_table(section, "Dynamic stability.", &section_comparisons(all, "sweep"));
+    let section = incomplete_runs(class_table(section, selection), selection);
+    let section = section.with_paragraph(describe_checks(&reproduction.checks));
+    let section = friction_table(section, selection);
+    let section = chaos(section, &reproduction.chaos, selection);
     section
-        .figure(
+        .with_figure(
             "classes.svg",
             "Dynamic classes, designs sorted by each variable (Figs. 4.4, A.18, A.19).",
             plot::selection_classes("thesis", selection),
         )
-        .figure(
+        .with_figure(
             "forces.svg",
             "Final forces of the runs that come to rest, and PFP (Figs. 4.5, A.20–A.23).",
             plot::selection_forces("thesis", selection),
         )
 }
 
-/// Runs by class.
-fn classes(section: Report, selection: &Selection) -> Report {
+/// Adds a table of the runs by class.
+fn class_table(section: Report, selection: &Selection) -> Report {
     let names: Vec<String> = selection.conditions.iter().map(condition_name).collect();
-    let head: Vec<&str> = std::iter::once("class").chain(names.iter().map(String::as_str)).collect();
-    let line = |name: &str, count: &dyn Fn(&Classes) -> usize| {
-        let cell = |of: &Classes| Cell::new(format!("{} ({})", count(of), percent_of(count(of), of.runs)));
+    let header: Vec<&str> = std::iter::once("class").chain(names.iter().map(String::as_str)).collect();
+    let line = |name: &str, count: &dyn Fn(&ClassCounts) -> usize| {
+        let cell =
+            |counts: &ClassCounts| Cell::new(format!("{} ({})", count(counts), percent_of(count(counts), counts.runs)));
         std::iter::once(Cell::new(name)).chain(selection.classes.iter().map(cell)).collect::<Vec<_>>()
     };
     let mut rows: Vec<Vec<Cell>> = CLASSES
         .into_iter()
         .enumerate()
-        .map(|(index, class)| line(class.name(), &move |of: &Classes| of.dynamic[index]))
+        .map(|(index, class)| line(class.name(), &move |counts: &ClassCounts| counts.dynamic[index]))
         .collect();
-    rows.push(line("stable or semi-stable", &Classes::dynamically_stable));
-    rows.push(line("statically stable", &|of| of.statically_stable));
-    section.table("Runs by class (Table 4.1).", &head, rows)
+    rows.push(line("stable or semi-stable", &ClassCounts::dynamically_stable));
+    rows.push(line("statically stable", &|counts| counts.statically_stable));
+    section.with_table("Runs by class (Table 4.1).", &header, rows)
 }
 
-/// What became of the runs that did not come to their end.
-fn broken(section: Report, selection: &Selection) -> Report {
-    let failed: usize = selection.classes.iter().map(|of| of.statuses[Status::Failed as usize]).sum();
+/// Adds a paragraph about the runs that were not completed.
+fn incomplete_runs(section: Report, selection: &Selection) -> Report {
+    let failed: usize = selection.classes.iter().map(|counts| counts.statuses[Status::Failed as usize]).sum();
     let stable = selection.runs.iter().filter(|run| run.status == Status::Failed && run.force_positive == Some(true));
     match failed {
         0 => section,
-        _ => section.words(format!(
-            "{failed} runs end where the linkage folds and have no class; {} of them are statically stable. They count as not \
+        _ => section.with_paragraph(format!(
+            "{failed} runs end at a fold of the linkage and have no class; {} of them are statically stable. They count as not \
              stable.",
             stable.count()
         )),
     }
 }
 
-/// What the checks of the runs say, in words.
-pub fn checked(checks: &Checks) -> String {
+/// Describes the results of the checks of the runs.
+pub fn describe_checks(checks: &Checks) -> String {
     let Checks { runs, uncertain, chaotic, unknown, worst_rad } = checks;
-    let doubtful = [("uncertain", uncertain), ("chaotic", chaotic), ("not to be checked", unknown)];
-    let named = |(what, runs): &(&str, &Vec<i64>)| {
+    let doubtful = [("uncertain", uncertain), ("chaotic", chaotic), ("not checkable", unknown)];
+    let list_runs = |(verdict, runs): &(&str, &Vec<i64>)| {
         let numbers: Vec<String> = runs.iter().map(i64::to_string).collect();
-        format!("{what}: runs {}", numbers.join(", "))
+        format!("{verdict}: runs {}", numbers.join(", "))
     };
-    let doubts: Vec<String> = doubtful.iter().filter(|(_, runs)| !runs.is_empty()).map(named).collect();
+    let doubts: Vec<String> = doubtful.iter().filter(|(_, runs)| !runs.is_empty()).map(list_runs).collect();
     let sure = runs - uncertain.len() - chaotic.len() - unknown.len();
-    let which = if sure == *runs { "all".to_string() } else { sure.to_string() };
-    let right = format!(
-        "Of {runs} completed runs, each held to another method, {which} are right to {} rad along their path",
-        figure(*worst_rad, 2)
+    let count = if sure == *runs { "all".to_string() } else { sure.to_string() };
+    let accurate = format!(
+        "Of {runs} completed runs, each checked against another integration method, {count} are accurate to {} rad over the trajectory",
+        format_number(*worst_rad, 2)
     );
-    std::iter::once(right).chain(doubts).collect::<Vec<_>>().join("; ") + "."
+    std::iter::once(accurate).chain(doubts).collect::<Vec<_>>().join("; ") + "."
 }
 
-/// Static against dynamic stability, without against with friction.
-fn crossed(section: Report, selection: &Selection) -> Report {
+/// Adds a table of static and dynamic stability without and with friction.
+fn friction_table(section: Report, selection: &Selection) -> Report {
     let runs = |condition: usize| selection.runs.iter().filter(move |run| run.condition == condition);
-    let good = |class: Option<Class>| matches!(class, Some(Class::Stable | Class::SemiStable));
-    // Both conditions are in the order of the designs.
+    let is_stable_class = |class: Option<Class>| matches!(class, Some(Class::Stable | Class::SemiStable));
+    // Both conditions list the designs in the same order.
     let pairs: Vec<_> = runs(0).zip(runs(1)).collect();
-    let count = |of: fn(bool) -> bool, with: fn(bool) -> bool, dynamic: bool| {
-        let stable = |run: &crate::study::select::Candidate| match dynamic {
-            true => good(run.class),
+    let count = |without: fn(bool) -> bool, with: fn(bool) -> bool, is_dynamic: bool| {
+        let is_stable = |run: &crate::study::select::Candidate| match is_dynamic {
+            true => is_stable_class(run.class),
             false => run.force_positive == Some(true),
         };
-        Cell::new(pairs.iter().filter(|(without, f)| of(stable(without)) && with(stable(f))).count().to_string())
+        let matching = pairs.iter().filter(|(a, b)| without(is_stable(a)) && with(is_stable(b)));
+        Cell::new(matching.count().to_string())
     };
-    let yes: fn(bool) -> bool = |stable| stable;
-    let no: fn(bool) -> bool = |stable| !stable;
-    let line = |name: &str, of, with| vec![Cell::new(name), count(of, with, false), count(of, with, true)];
-    section.table(
-        "What friction changes, by design (Figs. 4.3, A.15).",
+    let with_stable: fn(bool) -> bool = |stable| stable;
+    let with_unstable: fn(bool) -> bool = |stable| !stable;
+    let line =
+        |name: &str, without, with| vec![Cell::new(name), count(without, with, false), count(without, with, true)];
+    section.with_table(
+        "Influence of friction on the stability of the designs (Figs. 4.3, A.15).",
         &["designs", "statics", "dynamics"],
         vec![
-            line("stable without and with friction", yes, yes),
-            line("stable with friction alone", no, yes),
-            line("stable without friction alone", yes, no),
-            line("unstable without and with friction", no, no),
+            line("stable without and with friction", with_stable, with_stable),
+            line("stable only with friction", with_unstable, with_stable),
+            line("stable only without friction", with_stable, with_unstable),
+            line("unstable without and with friction", with_unstable, with_unstable),
         ],
     )
 }
 
-/// Counts with their spread, and the runs that make it.
+/// Adds the spread of the counts over the variations, and the runs that cause it.
 fn chaos(section: Report, chaos: &Chaos, selection: &Selection) -> Report {
-    let mut head = vec!["stable or semi-stable", "study"];
-    head.extend(Variation::ALL.map(Variation::name));
-    head.extend(["in all", "in any"]);
+    let mut header = vec!["stable or semi-stable", "study"];
+    header.extend(Variation::ALL.map(Variation::name));
+    header.extend(["in all", "in any"]);
     let line = |condition: usize| {
-        let counts = chaos.stable[condition].iter().chain([&chaos.always[condition], &chaos.ever[condition]]);
+        let counts =
+            chaos.stable[condition].iter().chain([&chaos.stable_in_all[condition], &chaos.stable_in_any[condition]]);
         let name = condition_name(&selection.conditions[condition]);
         std::iter::once(Cell::new(name)).chain(counts.map(|count| Cell::new(count.to_string()))).collect()
     };
     let section = section
-        .words(
-            "A rebound multiplies small differences. Every statically stable run was therefore repeated by another method at a \
-             hundredth of the tolerance, by that with a torque larger by 1e-7, and as it was with a torque larger by a \
-             billionth; where the class changes, it is not a property of the design alone.",
+        .with_paragraph(
+            "A rebound amplifies small differences. Every statically stable run is therefore repeated in three variations: with \
+             another method at a hundredth of the tolerance, with that method and a torque larger by 1e-7, and with the \
+             original method and a torque larger by 1e-9. If the class changes, it is not a property of the design alone.",
         )
-        .table(
+        .with_table(
             "Dynamically stable runs by variation: the spread of the counts.",
-            &head,
+            &header,
             (0..selection.conditions.len()).map(line).collect(),
         );
-    let edge = chaos.flips.iter().filter(|flip| !chaos.drifting.contains(&flip.run)).count();
-    let section = section.words(format!(
-        "Near-chaotic runs, whose time to stability moves by more than {}: {}. Runs whose class changes: {}, of which {edge} at \
-         the edge of a class, without moving in time.",
-        duration(DRIFT_S),
+    let edge_cases =
+        chaos.class_changes.iter().filter(|class_change| !chaos.drifting.contains(&class_change.run)).count();
+    let section = section.with_paragraph(format!(
+        "Near-chaotic runs, whose time to stability changes by more than {}: {}. Runs whose class changes: {}; {edge_cases} of \
+         them are at the limit of a class, with an unchanged time to stability.",
+        format_duration(MAX_TTS_DIFFERENCE_S),
         chaos.drifting.len(),
-        chaos.flips.len()
+        chaos.class_changes.len()
     ));
-    if chaos.flips.is_empty() {
-        return section.words("No run changes its class.");
+    if chaos.class_changes.is_empty() {
+        return section.with_paragraph("No run changes its class.");
     }
-    let mut head = vec!["run", "design", "condition", "study"];
-    head.extend(Variation::ALL.map(Variation::name));
-    let line = |flip: &crate::study::reproduce::Flip| {
+    let mut header = vec!["run", "design", "condition", "study"];
+    header.extend(Variation::ALL.map(Variation::name));
+    let line = |class_change: &crate::study::reproduce::ClassChange| {
         let mut cells = vec![
-            Cell::new(flip.run.to_string()),
-            Cell::new(flip.design.to_string()),
-            Cell::new(condition_name(&selection.conditions[flip.condition])),
-            Cell::new(flip.class.name()),
+            Cell::new(class_change.run.to_string()),
+            Cell::new(class_change.design.to_string()),
+            Cell::new(condition_name(&selection.conditions[class_change.condition])),
+            Cell::new(class_change.class.name()),
         ];
-        cells.extend(flip.classes.iter().map(|class| Cell::new(class.name())));
+        cells.extend(class_change.classes.iter().map(|class| Cell::new(class.name())));
         cells
     };
-    section.table("Runs whose class changes.", &head, chaos.flips.iter().map(line).collect())
+    section.with_table("Runs whose class changes.", &header, chaos.class_changes.iter().map(line).collect())
 }

@@ -3,8 +3,8 @@
 use crate::study::select::{Ranked, Selection};
 use crate::table::{Column, Kind, Table, Value};
 
-/// Columns of the ranking before those of the results.
-const PLACES: [(&str, Kind); 6] = [
+/// Columns of the ranking that precede the columns of the results.
+const RANKING_COLUMNS: [(&str, Kind); 6] = [
     ("place", Kind::Integer),
     ("r_wc", Kind::Number),
     ("part_pfp", Kind::Number),
@@ -16,25 +16,25 @@ const PLACES: [(&str, Kind); 6] = [
 /// Whether a table is a ranking.
 pub fn is_ranking(table: &Table) -> bool {
     let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
-    names.starts_with(&PLACES.map(|(name, _)| name))
+    names.starts_with(&RANKING_COLUMNS.map(|(name, _)| name))
 }
 
-/// One row for each selected run, best first: its place, r_WC and its parts, then all columns of the results.
+/// Returns one row for each selected run, best first: rank, r_WC and its terms, then all columns of the results.
 pub fn ranking_table(results: &Table, selection: &Selection) -> Table {
-    // Results that are a ranking themselves have such columns already; the new ones are in their place.
-    let kept: Vec<usize> = (0..results.columns.len())
-        .filter(|&column| PLACES.iter().all(|(name, _)| *name != results.columns[column].name))
+    // If the results are already a ranking, the new ranking columns replace the old ones.
+    let other_columns: Vec<usize> = (0..results.columns.len())
+        .filter(|&column| RANKING_COLUMNS.iter().all(|(name, _)| *name != results.columns[column].name))
         .collect();
-    let own = PLACES.iter().map(|&(name, kind)| Column::new(name, kind));
-    let columns = own.chain(kept.iter().map(|&column| results.columns[column].clone())).collect();
+    let ranking = RANKING_COLUMNS.iter().map(|&(name, kind)| Column::new(name, kind));
+    let columns = ranking.chain(other_columns.iter().map(|&column| results.columns[column].clone())).collect();
     let line = |ranked: &Ranked| {
-        let parts = ranked.parts;
-        let figures = [ranked.r_wc, parts.pfp, parts.tts, parts.f21, parts.f22];
-        let own = figures.map(|value| if value.is_nan() { Value::Missing } else { Value::Number(value) });
+        let terms = ranked.terms;
+        let values = [ranked.r_wc, terms.pfp, terms.tts, terms.f21, terms.f22];
+        let values = values.map(|value| if value.is_nan() { Value::Missing } else { Value::Number(value) });
         let row = &results.rows[selection.runs[ranked.run_index].row];
-        std::iter::once(Value::Integer(ranked.place as i64))
-            .chain(own)
-            .chain(kept.iter().map(|&column| row[column].clone()))
+        std::iter::once(Value::Integer(ranked.rank as i64))
+            .chain(values)
+            .chain(other_columns.iter().map(|&column| row[column].clone()))
             .collect()
     };
     Table::new(columns, selection.ranking.iter().map(line).collect())

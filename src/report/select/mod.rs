@@ -1,9 +1,9 @@
-//! A selection as tables, as JSON, and as a table of data.
+//! Report of a selection.
 //!
-//! | file | job |
+//! | file | content |
 //! |---|---|
-//! | `text` | tables for people |
-//! | `document` | the JSON document |
+//! | `text` | text tables |
+//! | `document` | JSON document |
 //! | `data` | the ranking as a typed table |
 
 mod data;

@@ -1,4 +1,5 @@
-//! Differences from the reference, under the keys of the JSON document: what one finger has for itself, of several goes by their names.
+//! Differences from the reference, under the keys of the JSON document. The joints of a single finger have their own
+//! key; those of several fingers are grouped by finger.
 
 use std::collections::BTreeMap;
 
@@ -9,18 +10,18 @@ use super::super::named::Named;
 use crate::trace::Layout;
 use crate::validate::{Angle, Differences};
 
-/// Everything in which a setting differs from the reference.
+/// All differences of a setting from the reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DifferencesReport {
-    /// Of each finger its joints; a finger that is alone has no name.
+    /// Differences of the joints of each finger; a single finger has an empty name.
     pub fingers: Named<BTreeMap<&'static str, AngleDifference>>,
-    /// In the order of their names where there is no finger.
-    pub bodies: Named<PlaceDifference>,
-    /// Between surfaces.
+    /// Differences of the bodies, sorted by name in scenes without fingers.
+    pub bodies: Named<PositionDifference>,
+    /// Differences of the contacts between surfaces.
     pub contacts: Named<ContactDifference>,
     pub loop_gap_m: f64,
     pub energy_created_j: f64,
-    /// Relative to the work of the motors; of discs to the largest energy of the run.
+    /// Relative to the work of the motors; for scenes of discs, to the largest energy of the run.
     pub energy_created: f64,
 }
 
@@ -36,7 +37,7 @@ pub struct AngleDifference {
 
 /// Differences of one body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PlaceDifference {
+pub struct PositionDifference {
     pub max_m: f64,
     pub max_at_s: f64,
     pub rms_m: f64,
@@ -49,40 +50,43 @@ pub struct PlaceDifference {
 pub struct ContactDifference {
     pub first_touch_s: Option<f64>,
     pub impulse: Option<f64>,
-    /// With fingers, which hold something in the end; without, the largest force counts.
+    /// Difference of the normal force at the end; only in scenes with fingers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub final_force: Option<Option<f64>>,
+    /// Difference of the peak normal force; only in scenes of discs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_force: Option<Option<f64>>,
 }
 
 impl DifferencesReport {
-    /// Of samples of this layout.
+    /// Creates the report of the differences between samples of this layout.
     pub(super) fn new(layout: &Layout, found: &Differences) -> Self {
-        let alone = layout.fingers.is_empty();
+        let has_discs_only = layout.fingers.is_empty();
         let joints = |(finger, name): (usize, &String)| {
             let first = Angle::ALL.len() * finger;
-            let of = Angle::ALL.into_iter().enumerate();
-            (name.clone(), of.map(|(k, of)| (of.name(), angle(found, first + k))).collect())
+            let angles = Angle::ALL.into_iter().enumerate();
+            (name.clone(), angles.map(|(k, angle)| (angle.name(), angle_difference(found, first + k))).collect())
         };
-        let before = Angle::ALL.len() * layout.fingers.len();
+        let first_body = Angle::ALL.len() * layout.fingers.len();
         let bodies = layout.bodies.iter().enumerate();
         let surfaces = layout.surfaces().enumerate();
         let contact = |k: usize| ContactDifference {
             first_touch_s: found.contact_time_s[k],
             impulse: found.impulse[k],
-            final_force: (!alone).then(|| found.final_force[k]),
-            peak_force: alone.then(|| found.peak_force[k]),
+            final_force: (!has_discs_only).then(|| found.final_force[k]),
+            peak_force: has_discs_only.then(|| found.peak_force[k]),
         };
         let mut report = DifferencesReport {
             fingers: layout.fingers.iter().enumerate().map(joints).collect(),
-            bodies: bodies.map(|(index, name)| (name.clone(), place(found, index, before + index))).collect(),
+            bodies: bodies
+                .map(|(index, name)| (name.clone(), position_difference(found, index, first_body + index)))
+                .collect(),
             contacts: surfaces.map(|(k, index)| (layout.contacts[index].name.clone(), contact(k))).collect(),
             loop_gap_m: found.loop_gap_m,
             energy_created_j: found.energy_created_j,
             energy_created: found.energy_created,
         };
-        if alone {
+        if has_discs_only {
             report.bodies.0.sort_by(|a, b| a.0.cmp(&b.0));
             report.contacts.0.sort_by(|a, b| a.0.cmp(&b.0));
         }
@@ -119,8 +123,8 @@ impl Serialize for DifferencesReport {
     }
 }
 
-/// Number `k` of the path: an angle.
-fn angle(found: &Differences, k: usize) -> AngleDifference {
+/// Returns the difference of an angle, which has index `k` in the path.
+fn angle_difference(found: &Differences, k: usize) -> AngleDifference {
     AngleDifference {
         max_rad: found.path[k].max,
         max_at_s: found.path[k].max_at_s,
@@ -130,9 +134,9 @@ fn angle(found: &Differences, k: usize) -> AngleDifference {
     }
 }
 
-/// The body `index`, the place of which is number `k` of the path.
-fn place(found: &Differences, index: usize, k: usize) -> PlaceDifference {
-    PlaceDifference {
+/// Returns the difference of body `index`, whose position has index `k` in the path.
+fn position_difference(found: &Differences, index: usize, k: usize) -> PositionDifference {
+    PositionDifference {
         max_m: found.path[k].max,
         max_at_s: found.path[k].max_at_s,
         rms_m: found.path[k].rms,

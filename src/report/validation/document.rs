@@ -1,7 +1,7 @@
-//! The figures of a validation, in the order and under the keys of the JSON document.
+//! The JSON document of a validation.
 //!
-//! Keys carry their SI unit; those without one are ratios, counts or words. Where there is nothing to measure, and
-//! where one model lacks what the other has (`passed` is then false), the value is null.
+//! Keys end in their SI unit; those without a unit are ratios, counts or words. A value is null where there is nothing
+//! to measure, and where only one of the models has the quantity (`passed` is then false).
 
 use serde::Serialize;
 
@@ -12,65 +12,74 @@ use super::errors::Errors;
 use super::invariants::FindingReport;
 use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
-use crate::scene::words::SceneKind;
-use crate::scene::{Scene, Words};
+use crate::scene::keywords::SceneKind;
+use crate::scene::{Keyword, Scene};
 use crate::trace::{Energy, Layout, Model};
 use crate::validate::{
-    Check, Climb, Criterion, IMPACT_S, Recording, Row, Rung, TORQUE_STEP, Tried, Validation, Value, keys, members,
-    name, of_reference, own,
+    Check, Criterion, Evaluation, IMPACT_S, LadderOptions, LadderRow, MEMBER_PERTURBATION, Recording,
+    SolverConfiguration, Validation, Value, configuration_name, engine_keys, ensemble_size, reference_configuration,
+    scene_configuration,
 };
 
-/// One validation.
+/// Report of a validation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidationReport {
     /// Name of the scene.
     pub scene: String,
-    /// `finger`, `bodies` or `gripper`; what a kind of scene does not have is no key at all.
+    /// `finger`, `bodies` or `gripper`. Keys that do not apply to a kind of scene are absent.
     pub kind: &'static str,
     /// Whether every bound holds.
     pub passed: bool,
     pub duration_s: f64,
-    /// Trajectories are compared up to here.
+    /// Trajectories are compared up to this time.
     pub until_s: f64,
-    /// Runs of which the worst counts, and the relative step from one to the next: of the motor torque, or of all speeds of discs
-    /// and gravity.
+    /// Number of runs; the worst counts.
     pub ensemble_runs: usize,
+    /// Relative difference of the motor torque between consecutive runs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ensemble_torque_step: Option<f64>,
+    /// Relative difference of gravity and the speeds of all discs between consecutive runs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ensemble_speed_step: Option<f64>,
     pub verdict: Vec<CheckReport>,
-    /// Estimated error of the reference along the path, of the two methods of the analytic model; m where there are discs alone. Null
-    /// where it is unknown.
+    /// Estimated error of the reference trajectory, from two integration methods of the analytic model; in m for scenes
+    /// of discs, otherwise in rad. Null where it is unknown.
     pub reference_error: Option<f64>,
-    /// The model to trust where a bound fails; null where none fails, or neither is to be trusted.
-    pub trusted: Option<&'static str>,
+    /// The model to trust if a bound fails; null if none fails, or if neither model can be trusted.
+    #[serde(rename = "trusted")]
+    pub trusted_model: Option<&'static str>,
     /// Finer settings of the engine that were run because a bound failed.
-    pub finer: Vec<FinerReport>,
-    /// Criteria of both models, and why they are not judged; null where they are.
+    #[serde(rename = "finer")]
+    pub finer_settings: Vec<FinerReport>,
+    /// Criteria of both models.
     pub criteria: Vec<CriterionReport>,
-    pub criteria_unjudged: Option<&'static str>,
+    /// Reason why the criteria are not judged; null if they are.
+    #[serde(rename = "criteria_unjudged")]
+    pub reason_not_judged: Option<&'static str>,
     pub analytic: ModelReport,
     pub engine: ModelReport,
-    /// Means over many runs beyond `until_s`, where trajectories are not compared; null if they are to the end.
+    /// Means over many runs beyond `until_s`, where trajectories are not compared; null if they are compared to the
+    /// end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub statistics: Option<Option<StatisticsReport>>,
-    /// Impacts of both models, the scene's own torque.
+    /// Impacts of both models at the scene's own torque.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub impacts: Option<Vec<ImpactReport>>,
-    /// Of the engine at the scene's settings: worst of the ensemble.
+    /// Differences of the engine at the scene's settings: the worst of the ensemble.
     pub differences: DifferencesReport,
-    /// Whether settings that take long were left out of the ladder, and the time that it had; null without one.
+    /// Whether the ladder omits settings that take long.
     pub quick: bool,
+    /// Time limit of the ladder; null without a ladder.
     pub ladder_time_s: Option<f64>,
-    /// Speed against error: all settings that were tried; empty without a ladder.
+    /// Speed and error of all settings of the ladder; empty without a ladder.
     pub settings: Vec<SettingReport>,
-    /// Directory of the results as given, and the files in it; null if none were asked for.
+    /// Directory of the results, as given by the user; null if none was requested.
     pub directory: Option<String>,
+    /// Files in `directory`; null if none were requested.
     pub files: Option<Vec<String>>,
 }
 
-/// One bound.
+/// A bound, and the measured value that it limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CheckReport {
     /// Key of the bound, with its unit.
@@ -84,7 +93,7 @@ pub struct CheckReport {
 /// A finer setting of the engine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FinerReport {
-    /// As keys of `[engine]`.
+    /// The setting as keys of `[engine]`.
     pub setting: String,
     pub passed: bool,
 }
@@ -94,72 +103,76 @@ pub struct FinerReport {
 pub struct CriterionReport {
     /// Key of its bound, with its unit.
     pub criterion: &'static str,
-    /// The pair or contact it is of; null where there is one.
-    pub of: Option<String>,
+    /// Name of the pair or contact; null for criteria of the whole scene.
+    #[serde(rename = "of")]
+    pub subject: Option<String>,
     pub analytic: ValueReport,
     pub engine: ValueReport,
-    /// What the bound is compared with; null where one model has none.
+    /// The difference that is compared with the limit; null if only one model has a value.
     pub difference: f64,
     pub limit: f64,
 }
 
-/// A word, or a figure in SI, or null.
+/// A label, a number in SI units, or null.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum ValueReport {
-    Word(&'static str),
-    Figure(Option<f64>),
+    Label(&'static str),
+    Number(Option<f64>),
 }
 
 impl From<&Criterion> for CriterionReport {
-    fn from(found: &Criterion) -> Self {
+    fn from(criterion: &Criterion) -> Self {
         let value = |value: &Value| match value {
-            Value::Word(word) => ValueReport::Word(word),
-            Value::Figure(figure) => ValueReport::Figure(*figure),
+            Value::Label(label) => ValueReport::Label(label),
+            Value::Number(number) => ValueReport::Number(*number),
         };
         CriterionReport {
-            criterion: found.bound,
-            of: Some(found.of.clone()).filter(|of| !of.is_empty()),
-            analytic: value(&found.analytic),
-            engine: value(&found.engine),
-            difference: found.difference,
-            limit: found.limit,
+            criterion: criterion.bound,
+            subject: Some(criterion.subject.clone()).filter(|subject| !subject.is_empty()),
+            analytic: value(&criterion.analytic),
+            engine: value(&criterion.engine),
+            difference: criterion.difference,
+            limit: criterion.limit,
         }
     }
 }
 
-/// One of the two models, of the scene itself: the analytic one at its reference preset, the engine as the scene
-/// says.
+/// Run of one of the models for the scene itself: the analytic model at its reference preset, or the engine at the
+/// scene's settings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelReport {
     pub setting: String,
     pub steps: u64,
-    /// Median wall time with nothing listening; null without a ladder, which measures it.
+    /// Median wall time without output; null without a ladder, which measures it.
     pub wall_s: Option<f64>,
-    /// What moves, at the end of what is compared.
+    /// States of fingers and bodies at the end of the compared time.
     #[serde(flatten)]
     pub states: States,
-    /// Restitution is not measured here: `phalanx run` does.
+    /// Contacts without restitution, which `phalanx run` measures.
     pub contacts: Contacts,
     pub energy: Energy,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loop_gap_m: Option<f64>,
-    /// How near this run came to breaking each invariant.
+    /// Margin of each invariant in this run.
     pub invariants: Vec<FindingReport>,
 }
 
 /// One touch-down in both models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ImpactReport {
-    pub site: String,
+    #[serde(rename = "site")]
+    pub contact: String,
     pub analytic_s: Option<f64>,
     pub engine_s: Option<f64>,
-    /// How long the impulse is taken after the touch-down: up to the analytic model's lift-off, or for the first 20 µs.
+    /// Time after the touch-down over which the impulse is measured: up to the lift-off of the analytic model, or 20
+    /// µs.
     pub window_s: f64,
     pub analytic_n_s: Option<f64>,
     pub engine_n_s: Option<f64>,
 }
 
+/// Whether a setting was evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
@@ -175,20 +188,25 @@ pub struct SettingReport {
     pub family: &'static str,
     pub setting: String,
     pub model: &'static str,
-    /// Whether the scene asks for this one, and whether it is the reference itself.
-    pub own: bool,
-    pub reference: bool,
+    /// Whether the scene requests this setting.
+    #[serde(rename = "own")]
+    pub is_from_scene: bool,
+    /// Whether this setting is the reference itself.
+    #[serde(rename = "reference")]
+    pub is_reference: bool,
     pub status: Status,
-    /// Why there are no figures.
+    /// Reason why the setting has no results.
     pub reason: Option<String>,
-    /// Runs of which the worst counts.
+    /// Number of runs; the worst counts.
     pub ensemble_runs: usize,
     pub steps: Option<u64>,
-    /// Median wall time of so many runs.
+    /// Median wall time of the timed runs.
     pub wall_s: Option<f64>,
+    /// Number of timed runs.
     pub timed_runs: Option<usize>,
-    /// Simulated time over wall time; wall time over that of the analytic model at its engineering preset.
+    /// Ratio of simulated time to wall time.
     pub real_time_factor: Option<f64>,
+    /// Ratio of the wall time to that of the analytic model at its engineering preset.
     pub analytic_factor: Option<f64>,
     #[serde(flatten)]
     pub errors: Errors,
@@ -207,65 +225,70 @@ impl From<&Check> for CheckReport {
 }
 
 impl ValidationReport {
-    /// `ladder`: how the ladder of `found` was climbed, if it was.
-    pub fn new(scene: &Scene, found: &Validation, ladder: Option<Climb>) -> Self {
-        let layout = Layout::of(&scene.system);
-        let (finger, gripper) = (scene.kind() == SceneKind::Finger, scene.kind() == SceneKind::Gripper);
-        let fingers = finger || gripper;
-        let row = |wanted: fn(&Row) -> bool| found.rows.iter().find(|row| wanted(row));
-        let analytic = (of_reference(scene), row(|row| row.rung.is_reference()));
-        let engine = (own(scene), row(|row| row.rung.own));
+    /// Creates the report. `ladder` are the options of the ladder of `validation`, if it was run.
+    pub fn new(scene: &Scene, validation: &Validation, ladder: Option<LadderOptions>) -> Self {
+        let layout = Layout::from_system(&scene.system);
+        let is_single_finger = scene.kind() == SceneKind::Finger;
+        let has_fingers = is_single_finger || scene.kind() == SceneKind::Gripper;
+        let find_row = |predicate: fn(&LadderRow) -> bool| validation.ladder.iter().find(|row| predicate(row));
+        let analytic = (reference_configuration(scene), find_row(|row| row.configuration.is_reference()));
+        let engine = (scene_configuration(scene), find_row(|row| row.configuration.is_from_scene));
         ValidationReport {
             scene: scene.name.clone(),
-            kind: scene.kind().word(),
-            passed: found.verdict.passed(),
+            kind: scene.kind().keyword(),
+            passed: validation.verdict.passed(),
             duration_s: scene.duration_s,
-            until_s: found.until_s,
-            ensemble_runs: members(scene),
-            ensemble_torque_step: fingers.then_some(TORQUE_STEP),
-            ensemble_speed_step: (!fingers).then_some(TORQUE_STEP),
-            verdict: found.verdict.checks.iter().map(CheckReport::from).collect(),
-            reference_error: found.reference_error(),
-            trusted: found.trusted().map(Model::name),
-            finer: found
-                .finer
+            until_s: validation.until_s,
+            ensemble_runs: ensemble_size(scene),
+            ensemble_torque_step: has_fingers.then_some(MEMBER_PERTURBATION),
+            ensemble_speed_step: (!has_fingers).then_some(MEMBER_PERTURBATION),
+            verdict: validation.verdict.checks.iter().map(CheckReport::from).collect(),
+            reference_error: validation.reference_error(),
+            trusted_model: validation.trusted_model().map(Model::name),
+            finer_settings: validation
+                .finer_configurations
                 .iter()
-                .map(|(rung, passed)| FinerReport { setting: keys(rung), passed: *passed })
+                .map(|(configuration, passed)| FinerReport { setting: engine_keys(configuration), passed: *passed })
                 .collect(),
-            criteria: found.criteria.iter().map(CriterionReport::from).collect(),
-            criteria_unjudged: found.unjudged.filter(|_| !found.criteria.is_empty()),
-            analytic: ModelReport::new(scene, analytic, &found.reference, &found.reference_invariants),
-            engine: ModelReport::new(scene, engine, &found.engine, &found.engine_invariants),
-            statistics: finger.then(|| found.statistics.as_ref().map(StatisticsReport::from)),
-            impacts: fingers.then(|| impacts(&layout, &found.reference, &found.engine)),
-            differences: DifferencesReport::new(&layout, &found.differences),
+            criteria: validation.criteria.iter().map(CriterionReport::from).collect(),
+            reason_not_judged: validation.reason_not_judged.filter(|_| !validation.criteria.is_empty()),
+            analytic: ModelReport::new(scene, analytic, &validation.reference, &validation.reference_invariants),
+            engine: ModelReport::new(scene, engine, &validation.engine, &validation.engine_invariants),
+            statistics: is_single_finger.then(|| validation.statistics.as_ref().map(StatisticsReport::from)),
+            impacts: has_fingers.then(|| impacts(&layout, &validation.reference, &validation.engine)),
+            differences: DifferencesReport::new(&layout, &validation.differences),
             quick: ladder.is_some_and(|ladder| ladder.quick),
             ladder_time_s: ladder.map(|ladder| ladder.time_s),
-            settings: found.rows.iter().map(|row| SettingReport::new(&layout, row)).collect(),
+            settings: validation.ladder.iter().map(|row| SettingReport::new(&layout, row)).collect(),
             directory: None,
             files: None,
         }
     }
 
-    /// Whether coordinates can be made of its joints.
-    pub(super) fn has_coordinates(&self) -> bool {
-        self.kind == SceneKind::Finger.word()
+    /// Whether the scene is a single finger, which the engine can build in reduced coordinates.
+    pub(super) fn is_single_finger(&self) -> bool {
+        self.kind == SceneKind::Finger.keyword()
     }
 
-    pub(super) fn is_of_discs(&self) -> bool {
-        self.kind == SceneKind::Bodies.word()
+    pub(super) fn has_discs_only(&self) -> bool {
+        self.kind == SceneKind::Bodies.keyword()
     }
 }
 
 impl ModelReport {
-    fn new(scene: &Scene, (rung, row): (Rung, Option<&Row>), recording: &Recording, invariants: &[Finding]) -> Self {
-        let (layout, outcome) = (Layout::of(&scene.system), &recording.outcome);
-        let wall_s = row.and_then(|row| match row.tried {
-            Tried::Done { cost, .. } => Some(cost.wall_s),
+    fn new(
+        scene: &Scene,
+        (configuration, row): (SolverConfiguration, Option<&LadderRow>),
+        recording: &Recording,
+        invariants: &[Finding],
+    ) -> Self {
+        let (layout, outcome) = (Layout::from_system(&scene.system), &recording.outcome);
+        let wall_s = row.and_then(|row| match row.evaluation {
+            Evaluation::Done { cost, .. } => Some(cost.wall_s),
             _ => None,
         });
         ModelReport {
-            setting: name(&rung),
+            setting: configuration_name(&configuration),
             steps: outcome.work.steps,
             wall_s,
             states: States::new(&layout, Some(outcome), Some(scene)),
@@ -277,18 +300,19 @@ impl ModelReport {
     }
 }
 
-/// The touch-downs of both models, the i-th of one beside the i-th of the other.
+/// Pairs the touch-downs of both models by their order at each contact.
 fn impacts(layout: &Layout, analytic: &Recording, engine: &Recording) -> Vec<ImpactReport> {
     let mut rows = Vec::new();
-    for site in layout.surfaces() {
-        let (mut ours, mut theirs) = (analytic.impacts.of(site), engine.impacts.of(site));
+    for contact in layout.surfaces() {
+        let (mut analytic_impacts, mut engine_impacts) =
+            (analytic.impacts.of_contact(contact), engine.impacts.of_contact(contact));
         loop {
-            let pair = (ours.next(), theirs.next());
+            let pair = (analytic_impacts.next(), engine_impacts.next());
             if let (None, None) = pair {
                 break;
             }
             rows.push(ImpactReport {
-                site: layout.contacts[site].name.clone(),
+                contact: layout.contacts[contact].name.clone(),
                 analytic_s: pair.0.map(|impact| impact.time_s),
                 engine_s: pair.1.map(|impact| impact.time_s),
                 window_s: pair.0.or(pair.1).map_or(IMPACT_S, |impact| impact.end_s() - impact.time_s),
@@ -301,33 +325,33 @@ fn impacts(layout: &Layout, analytic: &Recording, engine: &Recording) -> Vec<Imp
 }
 
 impl SettingReport {
-    fn new(layout: &Layout, row: &Row) -> Self {
-        let rung = &row.rung;
-        let (status, reason) = match &row.tried {
-            Tried::Done { .. } => (Status::Done, None),
-            Tried::Failed { reason } => (Status::Failed, Some(reason.clone())),
-            Tried::TooLong { steps } => (Status::TooLong, Some(format!("would take {steps:.1e} steps"))),
-            Tried::NoTime => (Status::NoTime, Some("beyond the time of the ladder".to_string())),
+    fn new(layout: &Layout, row: &LadderRow) -> Self {
+        let configuration = &row.configuration;
+        let (status, reason) = match &row.evaluation {
+            Evaluation::Done { .. } => (Status::Done, None),
+            Evaluation::Failed { reason } => (Status::Failed, Some(reason.clone())),
+            Evaluation::TooLong { steps } => (Status::TooLong, Some(format!("would take {steps:.1e} steps"))),
+            Evaluation::NoTime => (Status::NoTime, Some("beyond the time limit of the ladder".to_string())),
         };
-        let (found, cost) = match &row.tried {
-            Tried::Done { differences, cost } => (differences.as_deref(), Some(cost)),
+        let (differences, cost) = match &row.evaluation {
+            Evaluation::Done { differences, cost } => (differences.as_deref(), Some(cost)),
             _ => (None, None),
         };
         SettingReport {
-            family: rung.family.name(),
-            setting: name(rung),
-            model: rung.model().name(),
-            own: rung.own,
-            reference: rung.is_reference(),
+            family: configuration.family.name(),
+            setting: configuration_name(configuration),
+            model: configuration.model().name(),
+            is_from_scene: configuration.is_from_scene,
+            is_reference: configuration.is_reference(),
             status,
             reason,
-            ensemble_runs: rung.members,
+            ensemble_runs: configuration.members,
             steps: cost.map(|cost| cost.steps),
             wall_s: cost.map(|cost| cost.wall_s),
             timed_runs: cost.map(|cost| cost.runs),
             real_time_factor: cost.map(|cost| cost.real_time_factor()),
             analytic_factor: cost.map(|cost| cost.analytic_factor()),
-            errors: Errors::new(layout, found),
+            errors: Errors::new(layout, differences),
         }
     }
 }

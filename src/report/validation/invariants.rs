@@ -4,20 +4,25 @@ use serde::Serialize;
 
 use crate::invariants::Finding;
 
-/// How near one invariant came to being broken.
+/// Margin of one invariant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FindingReport {
     pub invariant: &'static str,
     pub meaning: &'static str,
-    pub held: bool,
-    /// Part of what is allowed; null if it is not finite.
+    #[serde(rename = "held")]
+    pub is_satisfied: bool,
+    /// Measured value as a fraction of the limit; null if it is not finite.
     pub share: f64,
-    /// The worst, where and when; in the SI unit of what it measures.
+    /// Worst value, in the SI unit of the quantity.
     pub measured: f64,
+    /// Limit, in the same unit.
     pub allowed: f64,
-    pub place: Option<String>,
+    /// Location of the worst value.
+    #[serde(rename = "place")]
+    pub location: Option<String>,
+    /// Time of the worst value.
     pub time_s: f64,
-    /// All of that in a line.
+    /// The finding as one line of text.
     #[serde(skip)]
     pub line: String,
 }
@@ -27,11 +32,11 @@ impl From<&Finding> for FindingReport {
         Self {
             invariant: found.invariant.name(),
             meaning: found.invariant.meaning(),
-            held: !found.is_broken(),
-            share: found.share(),
+            is_satisfied: !found.is_violated(),
+            share: found.ratio_to_limit(),
             measured: found.measured,
             allowed: found.allowed,
-            place: found.place.clone(),
+            location: found.contact.clone(),
             time_s: found.time_s,
             line: found.to_string(),
         }

@@ -1,15 +1,14 @@
-//! What a validation is reported as: one document of plain figures, printed for people or as JSON, and the series of
-//! both models side by side.
+//! Report of a validation: one document, printed as text or JSON, and the time series of both models side by side.
 
 mod differences;
 mod document;
 mod errors;
-mod figures;
 mod invariants;
+mod numbers;
 mod series;
 mod side_by_side;
 mod statistics;
 mod text;
 
 pub use document::ValidationReport;
-pub use series::{COLUMNS, series};
+pub use series::{COLUMNS, write_series};

@@ -1,125 +1,182 @@
-//! Both models side by side, and how far they are apart.
+//! Results of both models side by side, and their differences.
 
 use super::super::contacts::{Contacts, SurfaceReport};
 use super::super::named::Named;
 use super::super::states::BodyReport;
-use super::differences::{AngleDifference, ContactDifference, DifferencesReport, PlaceDifference};
+use super::differences::{AngleDifference, ContactDifference, DifferencesReport, PositionDifference};
 use super::document::ValidationReport;
-use super::figures::{number, percent};
+use super::numbers::{number, percent};
+use crate::format::format_duration;
+use crate::format::numbers::{format_number, row, zero_below_resolution};
+use crate::format::report::{Report, table};
 use crate::trace::FingerState;
 use crate::units::Dimension;
-use crate::validate::turned;
-use crate::wording::duration;
-use crate::wording::figures::{figure, resolved, row};
-use crate::wording::report::{Report, table};
+use crate::validate::wrap_angle;
 
-/// The state at the end, the contacts and the energies of both models, and their difference.
+/// Returns a table of the final state, the contacts and the energies of both models, with their differences.
 pub(super) fn side_by_side(report: &ValidationReport) -> Report {
     let (a, e) = (&report.analytic, &report.engine);
-    let end_s = if report.is_of_discs() { report.until_s } else { report.duration_s };
-    let mut rows = vec![row([&format!("at {}", duration(end_s)), "analytic", "engine", "difference"])];
-    let alone = a.states.fingers.0.len() == 1;
-    for (name, ours, theirs) in in_both(&a.states.fingers, &e.states.fingers) {
-        rows.extend(finger(name, alone, ours, theirs));
+    let end_s = if report.has_discs_only() { report.until_s } else { report.duration_s };
+    let mut rows = vec![row([&format!("at {}", format_duration(end_s)), "analytic", "engine", "difference"])];
+    let is_single = a.states.fingers.0.len() == 1;
+    for (name, analytic_state, engine_state) in in_both(&a.states.fingers, &e.states.fingers) {
+        rows.extend(finger(name, is_single, analytic_state, engine_state));
     }
-    let moving = in_both(&a.states.bodies, &e.states.bodies).filter(|(_, ours, _)| ours.motion != "fixed");
-    for (name, ours, theirs) in moving {
-        rows.extend(body(name, report.is_of_discs(), ours, theirs));
+    let moving =
+        in_both(&a.states.bodies, &e.states.bodies).filter(|(_, analytic_state, _)| analytic_state.motion != "fixed");
+    for (name, analytic_state, engine_state) in moving {
+        rows.extend(body(name, report.has_discs_only(), analytic_state, engine_state));
     }
     rows.extend(contacts(report, [&a.contacts, &e.contacts]));
     rows.extend(energies(report));
     table(&rows)
 }
 
-/// What both models have, by its name.
-fn in_both<'a, T>(ours: &'a Named<T>, theirs: &'a Named<T>) -> impl Iterator<Item = (&'a str, &'a T, &'a T)> {
-    ours.iter().filter_map(|(name, ours)| Some((name.as_str(), ours, theirs.get(name)?)))
+/// Pairs the entries of both models by name.
+fn in_both<'a, T>(
+    analytic_state: &'a Named<T>,
+    engine_state: &'a Named<T>,
+) -> impl Iterator<Item = (&'a str, &'a T, &'a T)> {
+    analytic_state
+        .iter()
+        .filter_map(|(name, analytic_state)| Some((name.as_str(), analytic_state, engine_state.get(name)?)))
 }
 
-/// A figure of both models in SI, and their difference, in a unit of so much; 0 below the resolution of its dimension.
-fn resolved_line(name: &str, of: Dimension, scale: f64, values: [f64; 2], digits: usize) -> Vec<String> {
-    let [analytic, engine] = values.map(|value| resolved(value, of) * scale);
+/// Returns a row with a quantity of both models and its difference. SI values are multiplied by `scale`; values below
+/// the resolution of their dimension are shown as 0.
+fn resolved_line(name: &str, dimension: Dimension, scale: f64, values: [f64; 2], digits: usize) -> Vec<String> {
+    let [analytic, engine] = values.map(|value| zero_below_resolution(value, dimension) * scale);
     line(name, analytic, engine, digits)
 }
 
-/// A figure of both models, and their difference.
+/// Returns a row with a quantity of both models and its difference.
 fn line(name: &str, analytic: f64, engine: f64, digits: usize) -> Vec<String> {
-    row([name, &figure(analytic, digits), &figure(engine, digits), &figure(engine - analytic, 3)])
+    row([name, &format_number(analytic, digits), &format_number(engine, digits), &format_number(engine - analytic, 3)])
 }
 
-/// The same of an angle in rad, whole turns aside, in degrees.
+/// Returns a row with an angle of both models in degrees, modulo a full turn. The arguments are in rad.
 fn angle(name: &str, analytic: f64, engine: f64) -> Vec<String> {
-    let (analytic, difference) = (turned(analytic), turned(engine - analytic));
+    let (analytic, difference) = (wrap_angle(analytic), wrap_angle(engine - analytic));
     resolved_line(name, Dimension::Angle, 1f64.to_degrees(), [analytic, analytic + difference], 8)
 }
 
-/// Of a finger that is `alone` its rates too.
-fn finger(name: &str, alone: bool, ours: &FingerState, theirs: &FingerState) -> Vec<Vec<String>> {
-    let called = |what: &str| if alone { what.to_string() } else { format!("{name} {what}") };
+/// Returns the rows of a finger. They include rates if it is the only finger.
+fn finger(name: &str, is_single: bool, analytic_state: &FingerState, engine_state: &FingerState) -> Vec<Vec<String>> {
+    let label = |quantity: &str| if is_single { quantity.to_string() } else { format!("{name} {quantity}") };
     let mut rows = vec![
-        angle(&called("q11, deg"), ours.q11_rad, theirs.q11_rad),
-        angle(&called("q21, deg"), ours.q21_rad, theirs.q21_rad),
-        angle(&called("q22, deg"), ours.q22_rad, theirs.q22_rad),
+        angle(&label("q11, deg"), analytic_state.q11_rad, engine_state.q11_rad),
+        angle(&label("q21, deg"), analytic_state.q21_rad, engine_state.q21_rad),
+        angle(&label("q22, deg"), analytic_state.q22_rad, engine_state.q22_rad),
     ];
-    if alone {
-        rows.push(line("qd11, rad/s", ours.qd11_rad_s, theirs.qd11_rad_s, 4));
-        rows.push(line("qd21, rad/s", ours.qd21_rad_s, theirs.qd21_rad_s, 4));
+    if is_single {
+        rows.push(line("qd11, rad/s", analytic_state.qd11_rad_s, engine_state.qd11_rad_s, 4));
+        rows.push(line("qd21, rad/s", analytic_state.qd21_rad_s, engine_state.qd21_rad_s, 4));
     }
     rows
 }
 
-/// Of a disc its rates, of what is grasped how it is turned.
-fn body(name: &str, disc: bool, ours: &BodyReport, theirs: &BodyReport) -> Vec<Vec<String>> {
+/// Returns the rows of a body: position and rates of a disc, position and angle of a grasped object.
+fn body(name: &str, is_disc: bool, analytic_state: &BodyReport, engine_state: &BodyReport) -> Vec<Vec<String>> {
     let mut rows = vec![
-        resolved_line(&format!("{name} x, mm"), Dimension::Length, 1e3, [ours.x_m, theirs.x_m], 8),
-        resolved_line(&format!("{name} y, mm"), Dimension::Length, 1e3, [ours.y_m, theirs.y_m], 8),
+        resolved_line(&format!("{name} x, mm"), Dimension::Length, 1e3, [analytic_state.x_m, engine_state.x_m], 8),
+        resolved_line(&format!("{name} y, mm"), Dimension::Length, 1e3, [analytic_state.y_m, engine_state.y_m], 8),
     ];
-    if disc {
+    if is_disc {
         let (speed, spin) = (Dimension::Speed, Dimension::AngularRate);
-        rows.push(resolved_line(&format!("{name} vx, m/s"), speed, 1.0, [ours.vx_m_s, theirs.vx_m_s], 6));
-        rows.push(resolved_line(&format!("{name} vy, m/s"), speed, 1.0, [ours.vy_m_s, theirs.vy_m_s], 6));
-        rows.push(resolved_line(&format!("{name} spin, rad/s"), spin, 1.0, [ours.spin_rad_s, theirs.spin_rad_s], 6));
+        rows.push(resolved_line(
+            &format!("{name} vx, m/s"),
+            speed,
+            1.0,
+            [analytic_state.vx_m_s, engine_state.vx_m_s],
+            6,
+        ));
+        rows.push(resolved_line(
+            &format!("{name} vy, m/s"),
+            speed,
+            1.0,
+            [analytic_state.vy_m_s, engine_state.vy_m_s],
+            6,
+        ));
+        rows.push(resolved_line(
+            &format!("{name} spin, rad/s"),
+            spin,
+            1.0,
+            [analytic_state.spin_rad_s, engine_state.spin_rad_s],
+            6,
+        ));
     } else {
-        rows.push(angle(&format!("{name} angle, deg"), ours.angle_rad, theirs.angle_rad));
+        rows.push(angle(&format!("{name} angle, deg"), analytic_state.angle_rad, engine_state.angle_rad));
     }
     rows
 }
 
-/// Of a finger that is alone all contacts, otherwise those that touched: what presses in the end, where it touched first, how often
-/// and how hard. Discs part again, and how deep they were counts more than what is left of it.
-fn contacts(report: &ValidationReport, [ours, theirs]: [&Contacts; 2]) -> Vec<Vec<String>> {
-    let alone = report.analytic.states.fingers.0.len() == 1;
-    let pairs = ours.surfaces().zip(theirs.surfaces()).map(|((name, ours), (_, theirs))| (name, ours, theirs));
+/// Returns the rows of the contacts: final forces, first contact, number of touch-downs, impulse and peak force. A single
+/// finger shows all contacts, other scenes those that occurred. Discs show the maximum depth instead of the final
+/// forces, because they separate again.
+fn contacts(report: &ValidationReport, [analytic_state, engine_state]: [&Contacts; 2]) -> Vec<Vec<String>> {
+    let is_single_finger = report.analytic.states.fingers.0.len() == 1;
+    let pairs = analytic_state
+        .surfaces()
+        .zip(engine_state.surfaces())
+        .map(|((name, analytic_state), (_, engine_state))| (name, analytic_state, engine_state));
     let mut rows = Vec::new();
-    for (name, ours, theirs) in pairs.filter(|(_, a, e)| alone || a.touchdowns > 0 || e.touchdowns > 0) {
-        if !report.is_of_discs() {
-            rows.push(line(&format!("{name} normal, N"), ours.final_normal_n, theirs.final_normal_n, 7));
-            rows.push(line(&format!("{name} friction, N"), ours.final_tangential_n, theirs.final_tangential_n, 4));
+    for (name, analytic_state, engine_state) in
+        pairs.filter(|(_, a, e)| is_single_finger || a.touchdowns > 0 || e.touchdowns > 0)
+    {
+        if !report.has_discs_only() {
+            rows.push(line(
+                &format!("{name} normal, N"),
+                analytic_state.final_normal_n,
+                engine_state.final_normal_n,
+                7,
+            ));
+            rows.push(line(
+                &format!("{name} friction, N"),
+                analytic_state.final_tangential_n,
+                engine_state.final_tangential_n,
+                4,
+            ));
         }
-        rows.extend(touches(&name, ours, theirs, if report.is_of_discs() { 6 } else { 4 }));
-        if report.is_of_discs() {
-            let depths = ours.max_penetration_m.zip(theirs.max_penetration_m);
-            rows.extend(depths.map(|(own, other)| line(&format!("{name} depth, µm"), own * 1e6, other * 1e6, 6)));
+        rows.extend(contact_summary(&name, analytic_state, engine_state, if report.has_discs_only() { 6 } else { 4 }));
+        if report.has_discs_only() {
+            let depths = analytic_state.max_penetration_m.zip(engine_state.max_penetration_m);
+            rows.extend(depths.map(|(analytic_state, engine_state)| {
+                line(&format!("{name} depth, µm"), analytic_state * 1e6, engine_state * 1e6, 6)
+            }));
         }
     }
     rows
 }
 
-fn touches(name: &str, ours: &SurfaceReport, theirs: &SurfaceReport, digits: usize) -> Vec<Vec<String>> {
+fn contact_summary(
+    name: &str,
+    analytic_state: &SurfaceReport,
+    engine_state: &SurfaceReport,
+    digits: usize,
+) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
-    if let (Some(ours), Some(theirs)) = (ours.first_s, theirs.first_s) {
-        rows.push(line(&format!("{name} first touch, ms"), ours * 1e3, theirs * 1e3, 8));
+    if let (Some(analytic_state), Some(engine_state)) = (analytic_state.first_s, engine_state.first_s) {
+        rows.push(line(&format!("{name} first contact, ms"), analytic_state * 1e3, engine_state * 1e3, 8));
     }
     let touchdowns = |count: u32| count.to_string();
-    rows.push(row([&format!("{name} touch-downs"), &touchdowns(ours.touchdowns), &touchdowns(theirs.touchdowns)]));
-    rows.push(line(&format!("{name} impulse, mN·s"), ours.impulse_n_s * 1e3, theirs.impulse_n_s * 1e3, 6));
-    rows.push(line(&format!("{name} peak, N"), ours.peak_normal_n, theirs.peak_normal_n, digits));
+    rows.push(row([
+        &format!("{name} touch-downs"),
+        &touchdowns(analytic_state.touchdowns),
+        &touchdowns(engine_state.touchdowns),
+    ]));
+    rows.push(line(
+        &format!("{name} impulse, mN·s"),
+        analytic_state.impulse_n_s * 1e3,
+        engine_state.impulse_n_s * 1e3,
+        6,
+    ));
+    rows.push(line(&format!("{name} peak, N"), analytic_state.peak_normal_n, engine_state.peak_normal_n, digits));
     rows
 }
 
 fn energies(report: &ValidationReport) -> [Vec<String>; 4] {
     let (a, e) = (&report.analytic.energy, &report.engine.energy);
-    let (work, digits) = if report.is_of_discs() { ("drive work, mJ", 6) } else { ("motor work, mJ", 4) };
+    let (work, digits) = if report.has_discs_only() { ("drive work, mJ", 6) } else { ("motor work, mJ", 4) };
     [
         line("kinetic energy, mJ", a.kinetic_j * 1e3, e.kinetic_j * 1e3, digits),
         line("dissipated, mJ", a.dissipated_j * 1e3, e.dissipated_j * 1e3, 6),
@@ -128,42 +185,43 @@ fn energies(report: &ValidationReport) -> [Vec<String>; 4] {
     ]
 }
 
-/// How far apart they are along the way.
+/// Returns tables of the differences over the run.
 pub(super) fn differences(found: &DifferencesReport) -> Report {
     let mut tables = Vec::new();
     let mut rows = vec![row(JOINTS)];
     for (finger, joints) in found.fingers.iter() {
-        let called = |joint: &str| if finger.is_empty() { joint.to_string() } else { format!("{finger} {joint}") };
-        rows.extend(joints.iter().map(|(name, of)| joint(&called(name), of)));
+        let label = |joint: &str| if finger.is_empty() { joint.to_string() } else { format!("{finger} {joint}") };
+        rows.extend(joints.iter().map(|(name, difference)| joint(&label(name), difference)));
     }
     tables.push(rows);
-    let mut rows = vec![row(PLACES)];
-    rows.extend(found.bodies.iter().map(|(name, of)| place(name, of)));
+    let mut rows = vec![row(POSITIONS)];
+    rows.extend(found.bodies.iter().map(|(name, difference)| body_difference(name, difference)));
     tables.push(rows);
     let mut text = Report::join(tables.iter().filter(|rows| rows.len() > 1).map(|rows| table(rows)));
-    let forces = pressing(found);
+    let forces = disc_contacts(found);
     if forces.len() > 1 {
         text.push(table(&forces));
     }
-    let (energy, part) = (figure(found.energy_created_j * 1e3, 3), figure(found.energy_created, 3));
-    let of = match found.fingers.0.len() {
+    let (energy, ratio) = (format_number(found.energy_created_j * 1e3, 3), format_number(found.energy_created, 3));
+    let base = match found.fingers.0.len() {
         0 => "the largest energy",
         1 => "the motor's work",
         _ => "the motors' work",
     };
-    text.push_str(&format!("energy that came from nowhere: {energy} mJ, {part} of {of}\n"));
+    text.push_str(&format!("spurious energy: {energy} mJ, {ratio} of {base}\n"));
     text
 }
 
-/// Of discs, where nothing is left in the end: what touched, and how hard.
-fn pressing(found: &DifferencesReport) -> Vec<Vec<String>> {
-    let mut rows = vec![row(["", "first touch, µs", "impulse, %", "peak force, %"])];
-    let touching = |of: &ContactDifference, peak: Option<f64>| of.first_touch_s.or(of.impulse).or(peak).is_some();
-    for (name, of) in found.contacts.iter() {
-        let Some(peak) = of.peak_force else { continue };
-        if touching(of, peak) {
-            let touch = number(of.first_touch_s.map(|time_s| time_s * 1e6), 3);
-            rows.push(row([name, &touch, &percent(of.impulse), &percent(peak)]));
+/// Returns the differences of the contacts that occurred in a scene of discs.
+fn disc_contacts(found: &DifferencesReport) -> Vec<Vec<String>> {
+    let mut rows = vec![row(["", "first contact, µs", "impulse, %", "peak force, %"])];
+    let has_contact =
+        |contact: &ContactDifference, peak: Option<f64>| contact.first_touch_s.or(contact.impulse).or(peak).is_some();
+    for (name, contact) in found.contacts.iter() {
+        let Some(peak) = contact.peak_force else { continue };
+        if has_contact(contact, peak) {
+            let first_touch = number(contact.first_touch_s.map(|time_s| time_s * 1e6), 3);
+            rows.push(row([name, &first_touch, &percent(contact.impulse), &percent(peak)]));
         }
     }
     rows
@@ -172,24 +230,24 @@ fn pressing(found: &DifferencesReport) -> Vec<Vec<String>> {
 fn joint(name: &str, joint: &AngleDifference) -> Vec<String> {
     row([
         name,
-        &figure(joint.max_rad, 3),
-        &figure(joint.max_at_s * 1e3, 5),
-        &figure(joint.rms_rad, 3),
-        &figure(joint.end_rad, 3),
-        &figure(joint.rate_rms_rad_s, 3),
+        &format_number(joint.max_rad, 3),
+        &format_number(joint.max_at_s * 1e3, 5),
+        &format_number(joint.rms_rad, 3),
+        &format_number(joint.end_rad, 3),
+        &format_number(joint.rate_rms_rad_s, 3),
     ])
 }
 
-fn place(name: &str, body: &PlaceDifference) -> Vec<String> {
+fn body_difference(name: &str, body: &PositionDifference) -> Vec<String> {
     row([
         name,
-        &figure(body.max_m * 1e6, 3),
-        &figure(body.max_at_s * 1e3, 5),
-        &figure(body.rms_m * 1e6, 3),
-        &figure(body.end_m * 1e6, 3),
-        &figure(body.angle_end_rad, 3),
+        &format_number(body.max_m * 1e6, 3),
+        &format_number(body.max_at_s * 1e3, 5),
+        &format_number(body.rms_m * 1e6, 3),
+        &format_number(body.end_m * 1e6, 3),
+        &format_number(body.angle_end_rad, 3),
     ])
 }
 
 const JOINTS: [&str; 6] = ["difference", "max, rad", "at, ms", "RMS, rad", "at the end, rad", "rate RMS, rad/s"];
-const PLACES: [&str; 6] = ["difference", "max, µm", "at, ms", "RMS, µm", "at the end, µm", "angle at the end, rad"];
+const POSITIONS: [&str; 6] = ["difference", "max, µm", "at, ms", "RMS, µm", "at the end, µm", "angle at the end, rad"];

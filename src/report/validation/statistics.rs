@@ -2,77 +2,81 @@
 
 use serde::Serialize;
 
-use crate::validate::{RUNS, SPREAD, Spread, Statistic, Statistics};
-use crate::wording::duration;
-use crate::wording::figures::figure;
-use crate::wording::report::{Report, table};
+use crate::format::format_duration;
+use crate::format::numbers::format_number;
+use crate::format::report::{Report, table};
+use crate::validate::{MeanAndDeviation, STATISTICS_RUNS, Statistic, Statistics, TORQUE_SPREAD};
 
-/// Means over many runs from a time on.
+/// Comparison of means over many runs from a time on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StatisticsReport {
     pub from_s: f64,
-    /// Torques tried, spread evenly over ± this part, and those that both models went through to the end.
+    /// Number of torques.
     pub runs: usize,
+    /// Half the relative spread of the torques.
     pub torque_spread: f64,
+    /// Number of torques for which both models completed the run.
     pub completed: usize,
     pub figures: Vec<StatisticReport>,
 }
 
-/// One figure of the runs of both models.
+/// One statistic of both models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StatisticReport {
-    /// With its unit.
+    /// Name with unit.
     pub figure: &'static str,
     pub analytic_mean: f64,
     pub analytic_deviation: f64,
     pub engine_mean: f64,
     pub engine_deviation: f64,
-    /// Difference of the means in its standard errors; null if it is not finite.
+    /// Difference of the means in standard errors; null if it is not finite.
     pub standard_errors: f64,
 }
 
 impl From<&Statistics> for StatisticsReport {
     fn from(found: &Statistics) -> Self {
-        let figure = |found: &Statistic| {
-            let Statistic { name, analytic, engine, errors } = *found;
-            let Spread { mean: analytic_mean, deviation: analytic_deviation } = analytic;
-            let Spread { mean: engine_mean, deviation: engine_deviation } = engine;
+        let report = |found: &Statistic| {
+            let Statistic { name, analytic, engine, standard_errors } = *found;
+            let MeanAndDeviation { mean: analytic_mean, deviation: analytic_deviation } = analytic;
+            let MeanAndDeviation { mean: engine_mean, deviation: engine_deviation } = engine;
             StatisticReport {
                 figure: name,
                 analytic_mean,
                 analytic_deviation,
                 engine_mean,
                 engine_deviation,
-                standard_errors: errors,
+                standard_errors,
             }
         };
         StatisticsReport {
             from_s: found.from_s,
-            runs: RUNS,
-            torque_spread: SPREAD,
+            runs: STATISTICS_RUNS,
+            torque_spread: TORQUE_SPREAD,
             completed: found.runs,
-            figures: found.figures.iter().map(figure).collect(),
+            figures: found.statistics.iter().map(report).collect(),
         }
     }
 }
 
-/// The statistics as a table.
-pub fn statistics_text(report: &StatisticsReport) -> Report {
+/// Returns the statistics as a table.
+pub fn statistics_table(report: &StatisticsReport) -> Report {
     let heading = format!(
-        "mean ± deviation from {} on, of {} of {} runs with torques over ±{} %",
-        duration(report.from_s),
+        "mean ± deviation from {} on, for {} of {} runs with torques over ±{} %",
+        format_duration(report.from_s),
         report.completed,
         report.runs,
-        figure(100.0 * report.torque_spread, 2)
+        format_number(100.0 * report.torque_spread, 2)
     );
-    let mut rows = vec![[heading.as_str(), "analytic", "engine", "standard errors apart"].map(String::from).to_vec()];
+    let mut rows =
+        vec![[heading.as_str(), "analytic", "engine", "difference, standard errors"].map(String::from).to_vec()];
     for found in &report.figures {
-        let both = |mean: f64, deviation: f64| format!("{} ± {}", figure(mean, 4), figure(deviation, 2));
+        let with_deviation =
+            |mean: f64, deviation: f64| format!("{} ± {}", format_number(mean, 4), format_number(deviation, 2));
         rows.push(vec![
             found.figure.to_string(),
-            both(found.analytic_mean, found.analytic_deviation),
-            both(found.engine_mean, found.engine_deviation),
-            figure(found.standard_errors, 2),
+            with_deviation(found.analytic_mean, found.analytic_deviation),
+            with_deviation(found.engine_mean, found.engine_deviation),
+            format_number(found.standard_errors, 2),
         ]);
     }
     table(&rows)

@@ -1,53 +1,57 @@
-//! A table that a load would press the object against: it would hold it there, and no limit of the hand would be found.
+//! Clearance from the table. A load that presses the object against the table would test the table and not the hand.
 
 use super::error::HoldError;
-use super::load::{Case, Load};
+use super::load::{Load, LoadCase};
 use super::plan::{Loads, Plan};
-use super::prepared::Prepared;
+use super::prepared::PreparedScene;
 use crate::numeric::elementary::sin_cos;
 use crate::shape::support;
 
-/// Clearance that is no contact, m: as much as the object may sink in the hand.
-const CLEAR_M: f64 = 0.5e-3;
-/// At so many places of a load its clearance is looked at.
-const PLACES: usize = 1000;
-/// How finely the largest load is found that keeps clear, as part of itself.
-const FINELY: f64 = 1e-3;
+/// Minimum clearance, m: an allowance for the object sinking in the hand.
+const MIN_CLEARANCE_M: f64 = 0.5e-3;
+/// Number of time steps at which the clearance of a load is checked.
+const SAMPLES: usize = 1000;
+/// Relative tolerance of the largest load that keeps the object clear of the table.
+const RELATIVE_TOLERANCE: f64 = 1e-3;
 
-/// The largest load of each case: that of the plan, or the largest that keeps the object clear of the table. The scene's own move may
-/// begin and end there.
+/// Returns the largest load of each case: the plan's, or the largest that keeps the object clear of the table. The
+/// scene's own move is not limited, because it may start and end on the table.
 ///
 /// # Errors
-/// The smallest load of the plan does not keep clear.
-pub(super) fn highest(prepared: &Prepared, plan: &Plan, cases: &[Case]) -> Result<Vec<f64>, HoldError> {
-    let one = |case: &Case| {
-        let clear = |peak_m_s2: f64| is_clear(prepared, &case.load(&prepared.stage, peak_m_s2));
+/// Returns an error if the smallest load of the plan already presses the object against the table.
+pub(super) fn largest_clear_loads(
+    prepared: &PreparedScene,
+    plan: &Plan,
+    cases: &[LoadCase],
+) -> Result<Vec<f64>, HoldError> {
+    let largest = |case: &LoadCase| {
+        let clear = |peak_m_s2: f64| is_clear(prepared, &case.load(&prepared.setup, peak_m_s2));
         if plan.loads == Loads::Move || clear(plan.to_m_s2) {
             return Ok(plan.to_m_s2);
         }
-        let (mut low, mut high) = (plan.from_m_s2 * (1.0 + FINELY), plan.to_m_s2);
+        let (mut low, mut high) = (plan.from_m_s2 * (1.0 + RELATIVE_TOLERANCE), plan.to_m_s2);
         if !clear(low) {
-            return Err(HoldError::Table { peak_m_s2: plan.from_m_s2 });
+            return Err(HoldError::PressedAgainstTable { peak_m_s2: plan.from_m_s2 });
         }
-        while high - low > FINELY * low {
-            let middle = (low * high).sqrt();
-            *(if clear(middle) { &mut low } else { &mut high }) = middle;
+        while high - low > RELATIVE_TOLERANCE * low {
+            let mean = (low * high).sqrt();
+            *(if clear(mean) { &mut low } else { &mut high }) = mean;
         }
         Ok(low)
     };
-    cases.iter().map(one).collect()
+    cases.iter().map(largest).collect()
 }
 
-/// Whether the object, where it lies in the hand, stays above the table from when loads begin.
-fn is_clear(prepared: &Prepared, load: &Load) -> bool {
+/// Returns whether the object, fixed in the hand, stays clear of the table from the start of the load.
+fn is_clear(prepared: &PreparedScene, load: &Load) -> bool {
     let Some(table) = &prepared.scene.system.table else { return true };
     let object = prepared.scene.system.grasped();
-    let (object, begins_s) = (object.placed(), prepared.stage.begins_s);
-    (0..=PLACES).all(|index| {
-        let time_s = begins_s + (load.over_s - begins_s) * index as f64 / PLACES as f64;
-        let [_, height, turn] = load.motion.pose(time_s).place;
+    let (object, start_s) = (object.placed(), prepared.setup.start_s);
+    (0..=SAMPLES).all(|index| {
+        let time_s = start_s + (load.end_s - start_s) * index as f64 / SAMPLES as f64;
+        let [_, height, turn] = load.motion.pose(time_s).position;
         let (sin, cos) = sin_cos(turn);
         let [x, y] = object.centre_m;
-        height + sin * x + cos * y + support(&object, [sin, cos]).distance < table.level_m - CLEAR_M
+        height + sin * x + cos * y + support(&object, [sin, cos]).distance < table.level_m - MIN_CLEARANCE_M
     })
 }

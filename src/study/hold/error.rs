@@ -1,48 +1,48 @@
-//! Why there is no answer.
+//! Errors during a hold study.
 
-use super::attempt::Found;
+use super::evaluation::LoadOutcome;
 use crate::criteria::Fate;
 use crate::scene::WrongKind;
-use crate::units::LONGEST_S;
+use crate::units::MAX_TIME_S;
 
-/// Why there is no answer.
+/// Error during a hold study.
 #[derive(Debug, thiserror::Error)]
 pub enum HoldError {
     #[error(transparent)]
     Kind(#[from] WrongKind),
     #[error(
-        "the object is fixed in the world, so that nothing carries it; let it move: object.motion = \"free\", or leave that key out"
+        "the object is fixed in the world, so the gripper does not hold it; set object.motion = \"free\" or remove that key"
     )]
-    Fixed,
-    #[error("without any load, the scene could not be simulated: {reason}; see `phalanx run` of it")]
+    FixedObject,
+    #[error("the scene could not be simulated without a load: {reason}; check it with `phalanx run`")]
     Scene { reason: String },
     #[error(
-        "without any load, the object is {} at {:.3} ms, so that there is nothing to be loaded; give a scene that holds its object, or \
-         say by --at when it does", fate.name(), ends_s * 1e3
+        "without a load, the object is {} at {:.3} ms, so no load can be applied; use a scene that holds its object, or set the start \
+         of the loads with --at", fate.name(), end_s * 1e3
     )]
-    NotGrasped { ends_s: f64, fate: Fate },
+    NotGrasped { end_s: f64, fate: Fate },
     #[error(
-        "loads would begin at {:.3} ms, but the fingers let go at {:.3} ms; let them begin earlier: --at TIME",
-        begins_s * 1e3, releases_s * 1e3
+        "loads would start at {:.3} ms, but the fingers release at {:.3} ms; set an earlier start: --at TIME",
+        start_s * 1e3, release_s * 1e3
     )]
-    LetGo { begins_s: f64, releases_s: f64 },
+    ReleasedBeforeLoad { start_s: f64, release_s: f64 },
     #[error(
-        "without any load, the object slips by {:.4} mm from {:.3} ms to {:.3} ms and is {} then: the bound of {:.4} mm says nothing of \
-         loads; give friction that holds (contact.friction.law = \"bristle\"), a larger --slip, or another --at",
-        found.slip.displacement_m * 1e3, begins_s * 1e3, found.end_s * 1e3, found.fate.name(), bound_m * 1e3
+        "without a load, the object slips by {:.4} mm from {:.3} ms to {:.3} ms and is {} at the end, so the bound of {:.4} mm cannot be \
+         applied to loads; use friction with stiction (contact.friction.law = \"bristle\"), a larger --slip, or another --at",
+        outcome.slip.displacement_m * 1e3, start_s * 1e3, outcome.end_s * 1e3, outcome.fate.name(), bound_m * 1e3
     )]
-    Unloaded { begins_s: f64, bound_m: f64, found: Found },
+    SlipsUnloaded { start_s: f64, bound_m: f64, outcome: LoadOutcome },
     #[error(
-        "the object lies on a table, and under the smallest load, {peak_m_s2} m/s², the palm would press it against it; lift it before, such as by \
-         --set moves.lift.y=\"-25 mm\" --set moves.lift.start=\"20 ms\" --set moves.lift.time=\"40 ms\", take the table away by --set \
+        "the object lies on a table, and the smallest load, {peak_m_s2} m/s², would press it against the table; lift it first, for example with \
+         --set moves.lift.y=\"-25 mm\" --set moves.lift.start=\"20 ms\" --set moves.lift.time=\"40 ms\", or remove the table with --set \
          table.present=false"
     )]
-    Table { peak_m_s2: f64 },
+    PressedAgainstTable { peak_m_s2: f64 },
     #[error(
-        "a run under these loads would go on for {over_s:.2e} s, and a run may take {LONGEST_S} s; give a higher frequency \
-         (--vibration), a larger --from of a --move, a shorter --pulse, or an earlier --at"
+        "a run under these loads would last {end_s:.2e} s, more than the {MAX_TIME_S} s allowed; set a higher frequency (--vibration), a \
+         larger --from for --move, a shorter --pulse, or an earlier --at"
     )]
-    TooLong { over_s: f64 },
-    #[error("it was stopped after {done} runs")]
+    TooLong { end_s: f64 },
+    #[error("interrupted after {done} runs")]
     Stopped { done: u64 },
 }

@@ -1,31 +1,33 @@
-//! How well a gripper holds: by simulation, the acceleration of its palm at which the object slips in the hand or is dropped.
+//! Largest acceleration of the palm under which a gripper holds its object, found by simulation.
 //!
-//! The scene is run up to where its object is at rest; from there on a load moves the palm, ever the same one but for its peak
-//! acceleration: pulses in some directions, vibrations, or a pick-and-place move in another time. A run goes on [`AFTER_S`] after the load
-//! is over. A load *slips* the object where it is not held at the end, or got further in the hand than the bound since the load began
-//! (`grasp.cycle.carried` of a run); it *drops* it where it is not held at the end.
+//! The scene runs until its object is at rest. Then a load moves the palm: pulses in several directions, vibrations, or
+//! a pick-and-place move with a scaled duration. Loads of one kind differ only in their peak acceleration. A run
+//! continues for [`SETTLING_S`] after the load. The object *slips* under a load if it is not held at the end, or if it
+//! moves further in the hand than the bound after the start of the load (`grasp.cycle.carried` of a run). It is
+//! *dropped* if it is not held at the end.
 //!
-//! More is not always worse: contacts rattle, and what one load throws out of the hand another one throws back into it. So a scan over
-//! the whole range comes first, the first failure in it is narrowed by bisection, and loads beyond it that hold all the same are said. A
-//! resonance narrower than the scan can be missed. Runs that cannot be finished neither hold nor fail.
+//! The result is not always monotone: contacts rattle, and a larger load can return an object to the hand that a
+//! smaller one throws out. Therefore the study first scans the whole range, refines the first failure by bisection, and
+//! reports larger loads that are held. A resonance narrower than the spacing of the scan can be missed. Runs that
+//! cannot be completed count as neither held nor failed.
 //!
 //! | file | job |
 //! |---|---|
-//! | `plan` | what is asked |
-//! | `error` | why there is no answer |
-//! | `prepared`, `prepare` | the scene up to where loads begin, and how it comes there |
-//! | `rest` | since when the object is at rest |
-//! | `motion` | motions at another pace, later, or fading |
-//! | `load` | what moves the palm at a peak acceleration |
-//! | `clearance` | what the object would be pressed against |
-//! | `attempt` | one run under one load |
-//! | `balance` | what contact forces can balance at rest |
-//! | `search` | limits between what holds and what fails |
+//! | `plan` | parameters |
+//! | `error` | errors |
+//! | `prepared`, `prepare` | the scene up to the start of the loads |
+//! | `rest` | time at which the object comes to rest |
+//! | `motion` | scaled, delayed and fading motions |
+//! | `load` | palm motions with a given peak acceleration |
+//! | `clearance` | clearance from the table |
+//! | `evaluation` | evaluation of one load |
+//! | `balance` | acceleration that contact forces can balance at rest |
+//! | `search` | limits between held and failing loads |
 
-mod attempt;
 mod balance;
 mod clearance;
 mod error;
+mod evaluation;
 mod load;
 mod motion;
 mod plan;
@@ -44,190 +46,211 @@ use crate::numeric::elementary::{ln, log2};
 use crate::scene::{Axis, Scene};
 use crate::study::pool;
 use crate::trace::Sample;
-use crate::units::LONGEST_S;
+use crate::units::MAX_TIME_S;
 
-use prepared::Prepared;
+use prepared::PreparedScene;
 
-pub use attempt::{Found, Tried};
-pub use balance::AtRest;
+pub use balance::StaticLimit;
 pub use error::HoldError;
-pub use load::{Case, Load, Stage};
-pub use plan::{AFTER_S, GoOn, Loads, Plan, REST_M_S};
-pub use prepared::Since;
-pub use search::{Answer, Limit};
+pub use evaluation::{Evaluation, LoadOutcome};
+pub use load::{Load, LoadCase, LoadSetup};
+pub use plan::{KeepRunning, Loads, Plan, REST_SPEED_M_S, SETTLING_S};
+pub use prepared::StartReason;
+pub use search::{Limit, Verdict};
 
-/// How well a gripper holds.
+/// Result of a hold study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hold {
     pub scene: String,
     pub plan: Plan,
-    pub stage: Stage,
-    pub since: Since,
-    /// What becomes of the object with no load at all in the same time.
-    pub unloaded: Found,
-    pub held: Vec<Held>,
+    pub setup: LoadSetup,
+    pub start_reason: StartReason,
+    /// Outcome of a run of the same duration without a load.
+    pub unloaded: LoadOutcome,
+    pub results: Vec<LoadResult>,
 }
 
-/// What holds under one kind of load.
+/// Results for one kind of load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Held {
-    pub case: Case,
-    /// The largest load of its scan: that of the plan, or the one that still keeps clear of the table.
+pub struct LoadResult {
+    pub case: LoadCase,
+    /// Largest load of the scan: the plan's, or the largest that keeps the object clear of the table.
     pub to_m_s2: f64,
-    /// What is balanced at rest when loads begin; `None` of what has no such limit.
-    pub at_rest: Option<AtRest>,
-    /// By their loads, from small to large.
-    pub tried: Vec<Tried>,
+    /// Acceleration that is balanced at rest at the start of the loads; `None` if this kind of load has no such limit.
+    pub static_limit: Option<StaticLimit>,
+    /// Evaluations, sorted by load.
+    pub evaluations: Vec<Evaluation>,
     pub slips: Limit,
     pub drops: Limit,
 }
 
-impl Held {
-    /// The run at a load that was tried.
-    pub fn at(&self, peak_m_s2: f64) -> Option<&Tried> {
-        self.tried.iter().find(|tried| tried.peak_m_s2 == peak_m_s2)
+impl LoadResult {
+    /// Returns the evaluation of a load.
+    pub fn evaluation_at(&self, peak_m_s2: f64) -> Option<&Evaluation> {
+        self.evaluations.iter().find(|evaluation| evaluation.peak_m_s2 == peak_m_s2)
     }
 
-    /// With what was tried besides.
-    fn and(mut self, tried: impl IntoIterator<Item = Tried>, slip_m: f64) -> Self {
-        self.tried.extend(tried);
-        let Held { case, to_m_s2, at_rest, mut tried, .. } = self;
-        tried.sort_by(|a, b| a.peak_m_s2.total_cmp(&b.peak_m_s2));
-        let slips = Limit::of(tried.iter().map(|tried| (tried.peak_m_s2, tried.slips(slip_m))));
-        let drops = Limit::of(tried.iter().map(|tried| (tried.peak_m_s2, tried.drops())));
-        Held { case, to_m_s2, at_rest, tried, slips, drops }
+    /// Adds evaluations and updates the limits.
+    fn with_evaluations(mut self, evaluations: impl IntoIterator<Item = Evaluation>, slip_m: f64) -> Self {
+        self.evaluations.extend(evaluations);
+        let LoadResult { case, to_m_s2, static_limit, mut evaluations, .. } = self;
+        evaluations.sort_by(|a, b| a.peak_m_s2.total_cmp(&b.peak_m_s2));
+        let slips = Limit::from_verdicts(evaluations.iter().map(|run| (run.peak_m_s2, run.slips(slip_m))));
+        let drops = Limit::from_verdicts(evaluations.iter().map(|run| (run.peak_m_s2, run.drops())));
+        LoadResult { case, to_m_s2, static_limit, evaluations, slips, drops }
     }
 }
 
-/// Finds the limits of all kinds of load, on all cores; `tell` hears how many runs are done, and of how many.
+/// Finds the limits of all kinds of load on the plan's number of threads. `progress` receives the completed and the
+/// total number of runs.
 ///
 /// # Errors
-/// The scene holds nothing that could be loaded, or `go_on` said no.
+/// Returns an error if the scene does not hold its object, the loads are not possible, or `keep_running` returned
+/// `false`.
 ///
 /// # Panics
-/// If the plan's scan has fewer than 2 loads.
+/// Panics if the plan's scan has fewer than 2 loads.
 pub fn hold(
     scene: &Scene,
     plan: Plan,
-    tell: &mut (dyn FnMut(u64, u64) + Send),
-    go_on: GoOn<'_>,
+    progress: &mut (dyn FnMut(u64, u64) + Send),
+    keep_running: KeepRunning<'_>,
 ) -> Result<Hold, HoldError> {
     let done = AtomicU64::new(0);
     let stopped = || HoldError::Stopped { done: done.load(Ordering::Relaxed) };
-    let prepared = prepare::prepare(scene, &plan, go_on)?.ok_or_else(stopped)?;
-    let cases = cases(&plan.loads);
+    let prepared = prepare::prepare(scene, &plan, keep_running)?.ok_or_else(stopped)?;
+    let cases = load_cases(&plan.loads);
     // The scene's own move takes longest under the smallest load.
-    let over = |case: &Case| case.load(&prepared.stage, plan.from_m_s2).over_s + AFTER_S;
-    let over_s = cases.iter().map(over).fold(0.0, f64::max);
-    if over_s > LONGEST_S {
-        return Err(HoldError::TooLong { over_s });
+    let run_end = |case: &LoadCase| case.load(&prepared.setup, plan.from_m_s2).end_s + SETTLING_S;
+    let end_s = cases.iter().map(run_end).fold(0.0, f64::max);
+    if end_s > MAX_TIME_S {
+        return Err(HoldError::TooLong { end_s });
     }
-    let highest = clearance::highest(&prepared, &plan, &cases)?;
-    let unloaded = unloaded(&prepared, &plan, &cases, go_on)?.ok_or_else(stopped)?;
-    let sample = beginning(&prepared, &plan, go_on)?.ok_or_else(stopped)?;
-    let ready = &prepared;
-    let asked: Vec<Held> = cases
+    let largest_loads = clearance::largest_clear_loads(&prepared, &plan, &cases)?;
+    let unloaded = run_unloaded(&prepared, &plan, &cases, keep_running)?.ok_or_else(stopped)?;
+    let sample = sample_at_start(&prepared, &plan, keep_running)?.ok_or_else(stopped)?;
+    let start = &prepared;
+    let pending: Vec<LoadResult> = cases
         .iter()
-        .zip(highest)
-        .map(|(case, to_m_s2)| Held {
+        .zip(largest_loads)
+        .map(|(case, to_m_s2)| LoadResult {
             case: *case,
             to_m_s2,
-            at_rest: balance::at_rest(ready, &sample, case),
-            tried: Vec::new(),
+            static_limit: balance::static_limit(start, &sample, case),
+            evaluations: Vec::new(),
             slips: Limit::default(),
             drops: Limit::default(),
         })
         .collect();
 
-    let scan = |held: &Held| search::ladder(plan.from_m_s2, held.to_m_s2, plan.scan);
-    let jobs: Vec<(Case, f64)> =
-        asked.iter().flat_map(|held| scan(held).into_iter().map(|load| (held.case, load))).collect();
+    let scan = |result: &LoadResult| search::geometric_loads(plan.from_m_s2, result.to_m_s2, plan.scan);
+    let jobs: Vec<(LoadCase, f64)> =
+        pending.iter().flat_map(|result| scan(result).into_iter().map(|load| (result.case, load))).collect();
     let mut total = jobs.len() as u64;
-    let tried = pool::map(
+    let evaluations = pool::map(
         plan.threads,
         &jobs,
-        |(case, load), notes: &Sender<u64>| {
-            let tried = attempt::attempt(plan.model, ready, case, *load, go_on);
-            // Whoever asked may be gone.
-            let _ = notes.send(done.fetch_add(1, Ordering::Relaxed) + 1);
-            tried
+        |(case, load), sender: &Sender<u64>| {
+            let evaluation = evaluation::evaluate(plan.model, start, case, *load, keep_running);
+            // A missing receiver does not end the study.
+            let _ = sender.send(done.fetch_add(1, Ordering::Relaxed) + 1);
+            evaluation
         },
-        |now| tell(now, total),
+        |completed| progress(completed, total),
     );
-    let mut tried = tried.into_iter().collect::<Option<Vec<Tried>>>().ok_or_else(stopped)?.into_iter();
-    let scanned: Vec<Held> =
-        asked.into_iter().map(|held| held.and(tried.by_ref().take(plan.scan), plan.slip_m)).collect();
-    total += scanned.iter().map(|held| most_halvings(held, plan.tolerance)).sum::<u64>();
-    let narrowed = pool::map(
+    let mut evaluations = evaluations.into_iter().collect::<Option<Vec<Evaluation>>>().ok_or_else(stopped)?.into_iter();
+    let scanned: Vec<LoadResult> = pending
+        .into_iter()
+        .map(|result| result.with_evaluations(evaluations.by_ref().take(plan.scan), plan.slip_m))
+        .collect();
+    total += scanned.iter().map(|result| max_bisections(result, plan.tolerance)).sum::<u64>();
+    let refined = pool::map(
         plan.threads,
         &scanned,
-        |held, notes: &Sender<u64>| {
-            narrow(held, &plan, ready, go_on, &|| {
-                let _ = notes.send(done.fetch_add(1, Ordering::Relaxed) + 1);
+        |result, sender: &Sender<u64>| {
+            refine(result, &plan, start, keep_running, &|| {
+                let _ = sender.send(done.fetch_add(1, Ordering::Relaxed) + 1);
             })
         },
-        |now| tell(now, total.max(now)),
+        |completed| progress(completed, total.max(completed)),
     );
-    let held = narrowed.into_iter().collect::<Option<_>>().ok_or_else(stopped)?;
-    let Prepared { stage, since, .. } = prepared;
-    Ok(Hold { scene: scene.name.clone(), plan, stage, since, unloaded, held })
+    let results = refined.into_iter().collect::<Option<_>>().ok_or_else(stopped)?;
+    let PreparedScene { setup, start_reason, .. } = prepared;
+    Ok(Hold { scene: scene.name.clone(), plan, setup, start_reason, unloaded, results })
 }
 
-fn cases(loads: &Loads) -> Vec<Case> {
+fn load_cases(loads: &Loads) -> Vec<LoadCase> {
     match loads {
         Loads::Pulses { directions, length_s } => {
             let direction = |index: usize| TAU * index as f64 / *directions as f64;
-            (0..*directions).map(|index| Case::Pulse { direction_rad: direction(index), length_s: *length_s }).collect()
+            (0..*directions)
+                .map(|index| LoadCase::Pulse { direction_rad: direction(index), length_s: *length_s })
+                .collect()
         }
         Loads::Vibrations { axes, frequencies_hz } => {
-            let of = |axis: &Axis| {
+            let cases_of_axis = |axis: &Axis| {
                 let axis = *axis;
-                frequencies_hz.iter().map(move |frequency_hz| Case::Vibration { axis, frequency_hz: *frequency_hz })
+                frequencies_hz.iter().map(move |frequency_hz| LoadCase::Vibration { axis, frequency_hz: *frequency_hz })
             };
-            axes.iter().flat_map(of).collect()
+            axes.iter().flat_map(cases_of_axis).collect()
         }
-        Loads::Move => vec![Case::Move],
+        Loads::Move => vec![LoadCase::Move],
     }
 }
 
-/// Halves both limits until they are as fine as was asked; `None` if it was told to stop.
-fn narrow(held: &Held, plan: &Plan, prepared: &Prepared, go_on: GoOn<'_>, tell: &dyn Fn()) -> Option<Held> {
-    let mut held = held.clone();
-    while let Some(load) = held.slips.next(plan.tolerance).or(held.drops.next(plan.tolerance)) {
-        let tried = attempt::attempt(plan.model, prepared, &held.case, load, go_on)?;
-        tell();
-        held = held.and([tried], plan.slip_m);
+/// Refines both limits by bisection to the plan's tolerance; `None` if interrupted.
+fn refine(
+    result: &LoadResult,
+    plan: &Plan,
+    prepared: &PreparedScene,
+    keep_running: KeepRunning<'_>,
+    count_run: &dyn Fn(),
+) -> Option<LoadResult> {
+    let mut result = result.clone();
+    while let Some(load) = result.slips.next_load(plan.tolerance).or(result.drops.next_load(plan.tolerance)) {
+        let evaluation = evaluation::evaluate(plan.model, prepared, &result.case, load, keep_running)?;
+        count_run();
+        result = result.with_evaluations([evaluation], plan.slip_m);
     }
-    Some(held)
+    Some(result)
 }
 
-/// How many runs narrowing takes at most.
-fn most_halvings(held: &Held, tolerance: f64) -> u64 {
-    let halvings = |limit: &Limit| {
+/// Largest number of runs that the refinement takes.
+fn max_bisections(result: &LoadResult, tolerance: f64) -> u64 {
+    let bisections = |limit: &Limit| {
         limit.held.zip(limit.failed).map_or(0.0, |(held, failed)| log2(ln(failed / held) / tolerance).ceil().max(0.0))
     };
-    (halvings(&held.slips) + halvings(&held.drops)) as u64
+    (bisections(&result.slips) + bisections(&result.drops)) as u64
 }
 
-/// The same time with no load at all; `None` if it was told to stop.
-fn unloaded(prepared: &Prepared, plan: &Plan, cases: &[Case], go_on: GoOn<'_>) -> Result<Option<Found>, HoldError> {
-    let longest_s = cases.iter().map(|case| case.load(&prepared.stage, plan.to_m_s2).over_s).fold(0.0, f64::max);
-    let load = Load { motion: prepared.stage.before.clone(), over_s: longest_s };
-    match attempt::under(plan.model, prepared, load, go_on) {
+/// Runs the scene without a load for the duration of the longest run; `None` if interrupted.
+fn run_unloaded(
+    prepared: &PreparedScene,
+    plan: &Plan,
+    cases: &[LoadCase],
+    keep_running: KeepRunning<'_>,
+) -> Result<Option<LoadOutcome>, HoldError> {
+    let longest_s = cases.iter().map(|case| case.load(&prepared.setup, plan.to_m_s2).end_s).fold(0.0, f64::max);
+    let load = Load { motion: prepared.setup.prior_motion.clone(), end_s: longest_s };
+    match evaluation::simulate(plan.model, prepared, load, keep_running) {
         None => Ok(None),
         Some(Err(reason)) => Err(HoldError::Scene { reason }),
-        Some(Ok(found)) if found.fate != Fate::Held || found.slip.displacement_m > plan.slip_m => {
-            Err(HoldError::Unloaded { begins_s: prepared.stage.begins_s, bound_m: plan.slip_m, found })
+        Some(Ok(outcome)) if outcome.fate != Fate::Held || outcome.slip.displacement_m > plan.slip_m => {
+            Err(HoldError::SlipsUnloaded { start_s: prepared.setup.start_s, bound_m: plan.slip_m, outcome })
         }
-        Some(Ok(found)) => Ok(Some(found)),
+        Some(Ok(outcome)) => Ok(Some(outcome)),
     }
 }
 
-/// The last sample before loads begin; `None` if it was told to stop.
-fn beginning(prepared: &Prepared, plan: &Plan, go_on: GoOn<'_>) -> Result<Option<Sample>, HoldError> {
-    let (motion, duration_s) = (prepared.stage.before.clone(), prepared.stage.begins_s);
-    let scene = prepared.scene.moved_by(Some(motion), duration_s);
-    match run(plan.model, &scene, &mut GraspTracker::of(&scene), go_on) {
+/// Returns the last sample before the loads start; `None` if interrupted.
+fn sample_at_start(
+    prepared: &PreparedScene,
+    plan: &Plan,
+    keep_running: KeepRunning<'_>,
+) -> Result<Option<Sample>, HoldError> {
+    let (motion, duration_s) = (prepared.setup.prior_motion.clone(), prepared.setup.start_s);
+    let scene = prepared.scene.with_palm_motion(Some(motion), duration_s);
+    match run(plan.model, &scene, &mut GraspTracker::for_scene(&scene), keep_running) {
         None => Ok(None),
         Some(Err(reason)) => Err(HoldError::Scene { reason }),
         Some(Ok(outcome)) => Ok(Some(outcome.last)),

@@ -1,28 +1,29 @@
-//! The scene up to where loads begin.
+//! Scene that is ready for loads.
 
-use super::load::Stage;
+use super::load::LoadSetup;
 use crate::scene::Scene;
 
-/// Why loads begin when they do.
+/// Reason for the start time of the loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Since {
-    /// It was asked for.
-    Given,
-    /// All contacts that hold do so, brakes have gripped, and the object is slower than [`REST_M_S`](super::REST_M_S) from then on.
-    Rest,
-    /// The scene ends, and the object still moves at so many m/s.
-    Moving { speed_m_s: f64 },
-    /// The first of the scene's moves is over, and brakes have gripped.
-    Moved,
-    /// The scene's own moves begin.
+pub enum StartReason {
+    /// The start time was requested.
+    Requested,
+    /// All holding contacts are closed, the brakes are engaged, and the object stays slower than
+    /// [`REST_SPEED_M_S`](super::REST_SPEED_M_S).
+    AtRest,
+    /// The scene ends while the object still moves.
+    StillMoving { speed_m_s: f64 },
+    /// The first of the scene's moves has ended and the brakes are engaged.
+    MoveCompleted,
+    /// The scene's first own move starts.
     OwnMove,
 }
 
-/// What all runs begin with.
+/// Common start of all runs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Prepared {
-    /// Without motion, and with drives that stay as they are when loads begin.
+pub struct PreparedScene {
+    /// Scene without palm motion, with the drives fixed from the start of the loads.
     pub scene: Scene,
-    pub stage: Stage,
-    pub since: Since,
+    pub setup: LoadSetup,
+    pub start_reason: StartReason,
 }

@@ -1,24 +1,24 @@
-//! Since when the object is at rest in the hand.
+//! Detection of the time at which the object comes to rest in the hand.
 
-use super::plan::REST_M_S;
+use super::plan::REST_SPEED_M_S;
 use crate::criteria::{GraspCriteria, GraspTracker};
 use crate::numeric::elementary::hypot;
 use crate::trace::{Event, Sample, Sink, SinkError};
 
-/// Finds the criteria of a grasp and, by the way, since when its object is slow.
-pub(super) struct Rest {
+/// Evaluates the grasp criteria and the time from which the object is at rest.
+pub(super) struct RestDetector {
     tracker: GraspTracker,
-    since_s: Option<f64>,
+    rest_start_s: Option<f64>,
 }
 
-impl Rest {
+impl RestDetector {
     pub(super) fn new(tracker: GraspTracker) -> Self {
-        Rest { tracker, since_s: None }
+        RestDetector { tracker, rest_start_s: None }
     }
 
-    /// Since when it is slower than [`REST_M_S`] up to the last sample.
-    pub(super) fn since_s(&self) -> Option<f64> {
-        self.since_s
+    /// Returns the time from which the object stays slower than [`REST_SPEED_M_S`] up to the last sample.
+    pub(super) fn rest_start_s(&self) -> Option<f64> {
+        self.rest_start_s
     }
 
     pub(super) fn criteria(&self) -> Option<GraspCriteria> {
@@ -26,12 +26,12 @@ impl Rest {
     }
 }
 
-impl Sink for Rest {
+impl Sink for RestDetector {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let [x, y] = sample.bodies[0].velocity_m_s;
-        match hypot(x, y) < REST_M_S {
-            true => _ = self.since_s.get_or_insert(sample.time_s),
-            false => self.since_s = None,
+        match hypot(x, y) < REST_SPEED_M_S {
+            true => _ = self.rest_start_s.get_or_insert(sample.time_s),
+            false => self.rest_start_s = None,
         }
         self.tracker.sample(sample)
     }

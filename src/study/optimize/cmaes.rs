@@ -1,144 +1,160 @@
-//! CMA-ES with weighted recombination, cumulative step-size adaptation, and the rank-one and rank-µ updates (Hansen, "The CMA
-//! evolution strategy: a tutorial", 2016: its default parameters, positive weights) over the unit cube.
+//! CMA-ES over the unit cube with weighted recombination, cumulative step-size adaptation, and rank-one and rank-µ
+//! updates (Hansen, "The CMA evolution strategy: a tutorial", 2016, with its default parameters and positive weights).
 //!
-//! Bounds: a sample outside the cube is drawn again, a hundred times at most, then moved to the nearest face; what the search is told
-//! is of the place that was simulated, and so is what it learns from. Constraints: places are ranked by Deb's rules of feasibility,
-//! which is all that the strategy asks of values.
+//! Bounds: a sample outside the cube is redrawn at most a hundred times and then projected onto the nearest face. The
+//! update uses the projected sample, which is the one that was simulated. Constraints: samples are ranked by Deb's
+//! feasibility rules; the strategy needs only a ranking.
 //!
-//! Our own for the reason said in `nsga2`: of the crates there are, cmaes calls an evaluation back one by one or on threads of its own,
-//! cannot be asked for a generation, and brings a second linear algebra, random numbers and statistics along; the update of the
-//! covariance in heuropt divides by the step size of the next generation. The eigenvalues are nalgebra's.
+//! Implemented here for the reasons given in `nsga2`: the crate cmaes evaluates samples through a callback, one by one
+//! or on its own threads, cannot return a whole generation, and depends on a second set of crates for linear algebra,
+//! random numbers and statistics; the covariance update in heuropt divides by the step size of the next generation.
+//! Eigenvalues are computed by nalgebra.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::score::{Score, better};
+use super::score::{Score, compare};
 use crate::numeric::elementary::{exp, ln, powi};
-use crate::study::random::Random;
+use crate::study::random::SplitMix64;
 
-/// First step size, in shares of the ranges: about a third, so that the first samples reach all of the cube from its middle.
-const FIRST_STEP: f64 = 0.3;
-/// The search has converged when the largest deviation is less than this share of a range: far below what any part is made to.
-const CONVERGED: f64 = 1e-6;
-/// Samples that may be drawn for one place within the cube.
-const DRAWS: usize = 100;
+/// Initial step size relative to the ranges: about a third, so that the first samples cover the whole cube from its
+/// centre.
+const INITIAL_STEP_SIZE: f64 = 0.3;
+/// The search has converged when the largest standard deviation is below this fraction of a range, far below
+/// manufacturing tolerances.
+const CONVERGENCE_TOLERANCE: f64 = 1e-6;
+/// Maximum number of draws for a sample within the cube.
+const MAX_RESAMPLES: usize = 100;
 
-/// The search between two generations.
+/// State of the search between two generations.
 #[derive(Clone, Debug)]
 pub struct CmaEs {
     population: usize,
-    random: Random,
-    /// Weights of the best half.
+    random: SplitMix64,
+    /// Recombination weights of the better half.
     weights: Vec<f64>,
-    rates: Rates,
+    parameters: StrategyParameters,
     mean: DVector<f64>,
     step: f64,
     covariance: DMatrix<f64>,
-    /// Directions and deviations: columns and the roots of the eigenvalues.
+    /// Principal axes of the distribution: eigenvectors of the covariance as columns.
     axes: DMatrix<f64>,
+    /// Square roots of the eigenvalues of the covariance.
     deviations: DVector<f64>,
-    /// Of the step size and of the covariance.
+    /// Evolution paths of the step size and of the covariance.
     paths: [DVector<f64>; 2],
     generation: i32,
-    asked: Vec<DVector<f64>>,
-    begun: bool,
+    /// Samples of the current generation, without scores yet.
+    pending: Vec<DVector<f64>>,
+    /// Whether the start has been scored.
+    has_started: bool,
 }
 
-/// What the strategy learns by.
+/// Strategy parameters (table 1 of the tutorial).
 #[derive(Clone, Copy, Debug)]
-struct Rates {
-    effective: f64,
-    sigma: f64,
-    damping: f64,
-    path: f64,
-    one: f64,
-    many: f64,
-    /// Expected length of a normal vector.
-    length: f64,
+struct StrategyParameters {
+    /// Variance-effective selection mass.
+    mu_eff: f64,
+    /// Learning rate of the step-size path.
+    c_sigma: f64,
+    /// Damping of the step-size update.
+    d_sigma: f64,
+    /// Learning rate of the covariance path.
+    c_c: f64,
+    /// Learning rate of the rank-one update.
+    c_1: f64,
+    /// Learning rate of the rank-µ update.
+    c_mu: f64,
+    /// Expected norm of a standard normal vector.
+    chi_n: f64,
 }
 
 impl CmaEs {
-    /// A search from `start`, which alone is the first generation.
+    /// Creates a search whose first generation contains only `start`.
     pub fn new(start: Vec<f64>, population: usize, seed: u64) -> Self {
         let (n, population) = (start.len(), population.max(4));
         let half = population / 2;
         let raw: Vec<f64> = (1..=half).map(|rank| ln(0.5 * (population as f64 + 1.0)) - ln(rank as f64)).collect();
         let sum: f64 = raw.iter().sum();
         let weights: Vec<f64> = raw.iter().map(|weight| weight / sum).collect();
-        let rates = Rates::new(n as f64, 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>());
+        let parameters =
+            StrategyParameters::new(n as f64, 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>());
         CmaEs {
             population,
-            random: Random::new(seed),
+            random: SplitMix64::new(seed),
             weights,
-            rates,
+            parameters,
             mean: DVector::from_vec(start),
-            step: FIRST_STEP,
+            step: INITIAL_STEP_SIZE,
             covariance: DMatrix::identity(n, n),
             axes: DMatrix::identity(n, n),
             deviations: DVector::repeat(n, 1.0),
             paths: [DVector::zeros(n), DVector::zeros(n)],
             generation: 0,
-            asked: Vec::new(),
-            begun: false,
+            pending: Vec::new(),
+            has_started: false,
         }
     }
 
-    /// Samples of a generation for so many variables (4 + ⌊3 ln n⌋, equation 48).
-    pub fn usual_population(variables: usize) -> usize {
+    /// Returns the default number of samples per generation for n variables: 4 + ⌊3 ln n⌋ (equation 48).
+    pub fn default_population(variables: usize) -> usize {
         4 + (3.0 * ln(variables as f64)).floor() as usize
     }
 
-    /// The next generation, to be told of.
+    /// Returns the candidates of the next generation. [`tell`](Self::tell) expects their scores.
     pub fn ask(&mut self) -> Vec<Vec<f64>> {
-        if !self.begun {
+        if !self.has_started {
             return vec![self.mean.as_slice().to_vec()];
         }
-        self.asked = (0..self.population).map(|_| self.sample()).collect();
-        self.asked.iter().map(|place| place.as_slice().to_vec()).collect()
+        self.pending = (0..self.population).map(|_| self.sample()).collect();
+        self.pending.iter().map(|candidate| candidate.as_slice().to_vec()).collect()
     }
 
     fn sample(&mut self) -> DVector<f64> {
-        let mut place = self.mean.clone();
-        for _ in 0..DRAWS {
+        let mut candidate = self.mean.clone();
+        for _ in 0..MAX_RESAMPLES {
             let normal = DVector::from_fn(self.mean.len(), |_, _| self.random.normal());
-            place = &self.mean + &self.axes * self.deviations.component_mul(&normal) * self.step;
-            if place.iter().all(|x| (0.0..=1.0).contains(x)) {
-                return place;
+            candidate = &self.mean + &self.axes * self.deviations.component_mul(&normal) * self.step;
+            if candidate.iter().all(|x| (0.0..=1.0).contains(x)) {
+                return candidate;
             }
         }
-        place.map(|x| x.clamp(0.0, 1.0))
+        candidate.map(|x| x.clamp(0.0, 1.0))
     }
 
-    /// What came of the generation that was asked for, in its order.
+    /// Updates the search with the scores of the last generation, in its order.
     pub fn tell(&mut self, scores: &[Score]) {
-        if !std::mem::replace(&mut self.begun, true) {
+        if !std::mem::replace(&mut self.has_started, true) {
             return;
         }
-        let mut order: Vec<usize> = (0..self.asked.len()).collect();
-        order.sort_by(|&a, &b| better(&scores[a], &scores[b]));
-        // Steps of the best half from the mean that they were drawn around, in units of the step size.
-        let best: Vec<DVector<f64>> =
-            order.iter().take(self.weights.len()).map(|&at| (&self.asked[at] - &self.mean) / self.step).collect();
+        let mut order: Vec<usize> = (0..self.pending.len()).collect();
+        order.sort_by(|&a, &b| compare(&scores[a], &scores[b]));
+        // Steps of the better half from the mean of their distribution, in units of the step size.
+        let best: Vec<DVector<f64>> = order
+            .iter()
+            .take(self.weights.len())
+            .map(|&index| (&self.pending[index] - &self.mean) / self.step)
+            .collect();
         let n = self.mean.len();
         let weighted = self.weights.iter().zip(&best);
         let shift = weighted.clone().fold(DVector::zeros(n), |sum, (weight, step)| sum + step * *weight);
         self.mean += &shift * self.step;
         self.generation += 1;
 
-        let Rates { effective, sigma, damping, path, one, many, length } = self.rates;
-        // The shift in coordinates in which the distribution is round.
-        let round = &self.axes * (self.axes.transpose() * &shift).component_div(&self.deviations);
-        self.paths[0] = &self.paths[0] * (1.0 - sigma) + round * (sigma * (2.0 - sigma) * effective).sqrt();
-        let long = self.paths[0].norm();
-        let settled = (1.0 - powi(1.0 - sigma, 2 * self.generation)).sqrt();
-        let stalled = if long / settled < (1.4 + 2.0 / (n as f64 + 1.0)) * length { 1.0 } else { 0.0 };
-        self.paths[1] = &self.paths[1] * (1.0 - path) + shift * (stalled * (path * (2.0 - path) * effective).sqrt());
-        let lost = (1.0 - stalled) * path * (2.0 - path);
+        let StrategyParameters { mu_eff, c_sigma, d_sigma, c_c, c_1, c_mu, chi_n } = self.parameters;
+        // Shift in coordinates in which the distribution is isotropic.
+        let whitened = &self.axes * (self.axes.transpose() * &shift).component_div(&self.deviations);
+        self.paths[0] = &self.paths[0] * (1.0 - c_sigma) + whitened * (c_sigma * (2.0 - c_sigma) * mu_eff).sqrt();
+        let path_norm = self.paths[0].norm();
+        let path_scale = (1.0 - powi(1.0 - c_sigma, 2 * self.generation)).sqrt();
+        let h_sigma = if path_norm / path_scale < (1.4 + 2.0 / (n as f64 + 1.0)) * chi_n { 1.0 } else { 0.0 };
+        self.paths[1] = &self.paths[1] * (1.0 - c_c) + shift * (h_sigma * (c_c * (2.0 - c_c) * mu_eff).sqrt());
+        let delta_h = (1.0 - h_sigma) * c_c * (2.0 - c_c);
         let rank_one = &self.paths[1] * self.paths[1].transpose();
-        let rank_many =
+        let rank_mu =
             weighted.fold(DMatrix::zeros(n, n), |sum, (weight, step)| sum + step * step.transpose() * *weight);
-        self.covariance = &self.covariance * (1.0 - one - many + one * lost) + rank_one * one + rank_many * many;
-        self.step *= exp((sigma / damping) * (long / length - 1.0)).min(std::f64::consts::E);
-        // Wider than the cube there is nothing to find.
+        self.covariance = &self.covariance * (1.0 - c_1 - c_mu + c_1 * delta_h) + rank_one * c_1 + rank_mu * c_mu;
+        self.step *= exp((c_sigma / d_sigma) * (path_norm / chi_n - 1.0)).min(std::f64::consts::E);
+        // A step size above the width of the cube is useless.
         self.step = self.step.min(1.0);
 
         let eigen = SymmetricEigen::new(self.covariance.clone());
@@ -146,25 +162,25 @@ impl CmaEs {
         self.deviations = eigen.eigenvalues.map(|value| value.max(1e-20).sqrt());
     }
 
-    /// Whether there is nothing left to find: all samples lie within a millionth of the ranges.
-    pub fn is_over(&self) -> bool {
-        self.begun && self.step * self.deviations.max() < CONVERGED
+    /// Returns whether the search has converged: all samples lie within a millionth of the ranges.
+    pub fn has_converged(&self) -> bool {
+        self.has_started && self.step * self.deviations.max() < CONVERGENCE_TOLERANCE
     }
 }
 
-impl Rates {
-    /// For n variables and so many effective samples (table 1 of the tutorial).
-    fn new(n: f64, effective: f64) -> Self {
-        let sigma = (effective + 2.0) / (n + effective + 5.0);
-        let one = 2.0 / (powi(n + 1.3, 2) + effective);
-        Rates {
-            effective,
-            sigma,
-            damping: 1.0 + 2.0 * (((effective - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0) + sigma,
-            path: (4.0 + effective / n) / (n + 4.0 + 2.0 * effective / n),
-            one,
-            many: (1.0 - one).min(2.0 * (effective - 2.0 + 1.0 / effective) / (powi(n + 2.0, 2) + effective)),
-            length: n.sqrt() * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n)),
+impl StrategyParameters {
+    /// Default parameters for n variables and the selection mass `mu_eff` (table 1 of the tutorial).
+    fn new(n: f64, mu_eff: f64) -> Self {
+        let c_sigma = (mu_eff + 2.0) / (n + mu_eff + 5.0);
+        let c_1 = 2.0 / (powi(n + 1.3, 2) + mu_eff);
+        StrategyParameters {
+            mu_eff,
+            c_sigma,
+            d_sigma: 1.0 + 2.0 * (((mu_eff - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0) + c_sigma,
+            c_c: (4.0 + mu_eff / n) / (n + 4.0 + 2.0 * mu_eff / n),
+            c_1,
+            c_mu: (1.0 - c_1).min(2.0 * (mu_eff - 2.0 + 1.0 / mu_eff) / (powi(n + 2.0, 2) + mu_eff)),
+            chi_n: n.sqrt() * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n)),
         }
     }
 }

@@ -1,40 +1,44 @@
-//! The best designs over ranges of fields, simulated (what a grid of a sweep can only come near).
+//! Optimisation of designs over ranges of scene fields by simulation.
 //!
-//! A file names the base scene, the variables with their bounds, the conditions under which each design runs, objectives and
-//! constraints on the columns of a sweep's results. NSGA-II finds the front of several objectives, CMA-ES the best of one. Every design
-//! is a row of a sweep for each condition: a scene that is not valid, a simulation that does not end, and a design that is filtered
-//! for its statics are designs that violate constraints, and are counted.
+//! A file defines the base scene, the variables with their bounds, the conditions under which each design runs, and
+//! objectives and constraints on the result columns of a sweep. NSGA-II finds the front of several objectives, CMA-ES
+//! the optimum of one. Every design has one sweep row per condition. Invalid scenes, failed simulations and designs
+//! filtered by their statics count as constraint violations.
 //!
-//! A search is a function of its file and seed: it is asked for a generation and told of it in the order of its designs, whatever the
-//! order in which they were found. So one that was ended goes on from the rows that are there, the same way.
+//! A search depends only on its file and seed: it receives the scores of a generation in the order of its designs,
+//! regardless of the order in which the runs end. An interrupted search therefore resumes from the stored rows without
+//! a difference.
 //!
 //! | file | job |
 //! |---|---|
-//! | `raw`, `read`, `read_goals` | a file and its scene, checked |
-//! | `problem` | what is optimised |
-//! | `judge` | what the runs of a design say of it |
-//! | `score` | which of two designs is better, fronts |
-//! | `nsga2`, `cmaes`, `search` | the searches |
-//! | `run` | generation after generation |
-//! | `found` | the designs, the front, the table of both |
+//! | `raw`, `read`, `read_goals` | reading and checking of a file and its scene |
+//! | `problem` | optimisation problem |
+//! | `evaluate` | evaluation of a design from its runs |
+//! | `score` | ranking of designs, fronts |
+//! | `nsga2`, `cmaes`, `search` | search algorithms |
+//! | `run` | simulation of all generations |
+//! | `result` | designs, front and result table |
 
 mod cmaes;
-mod found;
-mod judge;
+mod evaluate;
 mod nsga2;
 mod problem;
 mod raw;
 mod read;
 mod read_goals;
+mod result;
 mod run;
 mod score;
 mod search;
 
-pub use found::{Design, Found, gain, is_front, table};
-pub use judge::Judged;
-pub use problem::{Algorithm, Constraint, Figure, Goal, Limit, Method, Objective, Of, Optimisation, Over, Variable};
+pub use evaluate::DesignEvaluation;
+pub use problem::{
+    Algorithm, ColumnAggregation, ConditionAggregation, Constraint, Figure, Goal, Limit, Method, Objective,
+    Optimisation, Variable,
+};
 pub use raw::schema;
 pub use read::{load, parse};
-pub use run::{Listener, Optimised, OtherDesign, run};
+pub use result::{Design, OptimisationResult, gain, is_front, table};
+pub use run::{DesignMismatch, Listener, OptimisationRun, run};
 pub use score::Score;
 pub use search::Search;

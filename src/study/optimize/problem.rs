@@ -1,32 +1,32 @@
-//! What is optimised: variables, objectives, constraints, and how it is searched.
+//! Optimisation problem: variables, objectives, constraints and search method.
 
-use crate::study::sweep::{Field, Holds, Point, Range, Spacing, Study};
+use crate::study::sweep::{AxisValue, Field, FieldType, Range, Spacing, Study};
 use crate::table::Kind;
 use crate::trace::Model;
 
-/// Which way of an objective is better.
+/// Direction of an objective.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Goal {
     Min,
     Max,
 }
 
-/// What is taken of the conditions that a design runs under.
+/// Aggregation of an objective over the conditions of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Over {
+pub enum ConditionAggregation {
     Worst,
     Mean,
 }
 
-/// What is taken of several columns.
+/// Aggregation of several columns of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum ColumnAggregation {
     Largest,
     Smallest,
     Sum,
 }
 
-/// How it is searched.
+/// Search algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Algorithm {
     Nsga2,
@@ -34,7 +34,7 @@ pub enum Algorithm {
 }
 
 impl Algorithm {
-    /// As people write it.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Algorithm::Nsga2 => "NSGA-II",
@@ -43,82 +43,82 @@ impl Algorithm {
     }
 }
 
-/// The search: which, and how long.
+/// Parameters of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Method {
     pub algorithm: Algorithm,
-    /// Designs of a generation.
+    /// Number of designs per generation.
     pub population: u64,
-    /// Generations at most.
+    /// Maximum number of generations.
     pub generations: u64,
     pub seed: u64,
 }
 
-/// A field that may change, within its range.
+/// A field that is varied within a range.
 #[derive(Clone, Debug)]
 pub struct Variable {
     pub(super) field: Field,
     pub(super) range: Range,
-    /// Its value in the base scene.
-    pub(super) start: Point,
-    /// The same as a share of the range.
-    pub(super) start_share: f64,
+    /// Start value: the one given in the file, or the value in the base scene.
+    pub(super) start: AxisValue,
+    /// Start value as a fraction of the range.
+    pub(super) start_fraction: f64,
 }
 
 impl Variable {
-    /// Path of the field in a scene.
+    /// Returns the path of the field in a scene.
     pub fn path(&self) -> &str {
         &self.field.path
     }
 
-    /// Name of its column: the path with the unit of its SI value.
+    /// Returns the column name: the path with the unit of the SI value.
     pub fn column(&self) -> String {
         self.field.column()
     }
 
-    /// Its value in the base scene, where the search begins.
-    pub fn start(&self) -> &Point {
+    /// Returns the start value of the search.
+    pub fn start(&self) -> &AxisValue {
         &self.start
     }
 
-    /// The bounds as values of a scene.
-    pub fn bounds(&self) -> [Point; 2] {
-        [self.range.at(0.0, false), self.range.at(1.0, false)]
+    /// Returns the bounds as scene values.
+    pub fn bounds(&self) -> [AxisValue; 2] {
+        [self.range.value_at(0.0, false), self.range.value_at(1.0, false)]
     }
 
-    /// Whether equal ratios rather than equal differences count as equally far.
+    /// Returns whether the range has logarithmic spacing.
     pub fn is_logarithmic(&self) -> bool {
         self.range.spacing == Spacing::Log
     }
 
-    /// The value that lies so far along the range, from 0 to 1.
-    pub(super) fn at(&self, share: f64) -> Point {
-        if share == self.start_share { self.start.clone() } else { self.range.at(share, false) }
+    /// Returns the value at a fraction of the range, from 0 to 1.
+    pub(super) fn value_at(&self, fraction: f64) -> AxisValue {
+        if fraction == self.start_fraction { self.start.clone() } else { self.range.value_at(fraction, false) }
     }
 }
 
-/// A figure of a run: that of one column, or one of several.
+/// A figure of a run, from one column or several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Name with the unit of its SI value.
+    /// Name with the unit of the SI value.
     pub name: String,
     pub columns: Vec<String>,
-    pub of: Of,
-    /// What all of the columns hold; plain numbers where they differ.
-    pub holds: Holds,
-    /// Where the columns are in a row.
+    pub aggregation: ColumnAggregation,
+    /// Type of the columns; plain numbers if their types differ.
+    pub column_type: FieldType,
+    /// Indices of the columns in a row.
     pub(super) cells: Vec<usize>,
 }
 
-/// What is to be made small or large.
+/// A figure to be minimised or maximised.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Objective {
     pub figure: Figure,
     pub goal: Goal,
-    pub over: Over,
+    pub condition_aggregation: ConditionAggregation,
 }
 
-/// What has to hold under every condition.
+/// A requirement that must be satisfied under every condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
     pub column: String,
@@ -126,85 +126,85 @@ pub struct Constraint {
     pub(super) cell: usize,
 }
 
-/// What a constraint allows.
+/// Limit of a constraint.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Limit {
-    /// Numbers in SI.
+    /// Range of numbers in SI units.
     Between {
         at_least: Option<f64>,
         at_most: Option<f64>,
     },
     Flag(bool),
-    Word(String),
-    /// The worst class allowed, as its place among all from good to bad.
+    Equals(String),
+    /// Worst class allowed, as its index from good to bad.
     Class(usize),
 }
 
 impl Constraint {
-    /// What its column in the results holds: the worst over the conditions.
+    /// Returns the kind of its column in the results, which contains the worst value over the conditions.
     pub fn kind(&self) -> Kind {
         match self.limit {
             Limit::Between { .. } => Kind::Number,
             Limit::Flag(_) => Kind::Flag,
-            Limit::Word(_) | Limit::Class(_) => Kind::Text,
+            Limit::Equals(_) | Limit::Class(_) => Kind::Text,
         }
     }
 }
 
-/// An optimisation that can be run.
+/// A validated optimisation problem.
 #[derive(Clone, Debug)]
 pub struct Optimisation {
     pub variables: Vec<Variable>,
     pub objectives: Vec<Objective>,
     pub constraints: Vec<Constraint>,
     pub method: Method,
-    /// Scene, conditions, model, and filter; designs are put in as they are asked for.
+    /// Scene, conditions, model and filter; designs are inserted during the search.
     pub(super) study: Study,
 }
 
 impl Optimisation {
-    /// The name in reports.
+    /// Returns the name in reports.
     pub fn name(&self) -> &str {
         &self.study.name
     }
 
-    /// What it is for; empty if nothing was said.
+    /// Returns the description; empty if none is given.
     pub fn description(&self) -> &str {
         &self.study.description
     }
 
-    /// The study that its runs are rows of: for their columns, their file, and their fingerprint.
+    /// Returns the study whose rows are the runs of the optimisation; it defines their columns, file and fingerprint.
     pub fn study(&self) -> &Study {
         &self.study
     }
 
-    /// Simulates with this model instead of the file's.
-    pub fn simulate_with(&mut self, model: Model) {
+    /// Sets the model, instead of the file's.
+    pub fn set_model(&mut self, model: Model) {
         self.study.model = model;
     }
 
-    /// How often each design runs.
+    /// Returns the number of runs per design.
     pub fn conditions(&self) -> u64 {
         self.study.conditions()
     }
 
-    /// How many designs there are at most.
-    pub fn most_designs(&self) -> u64 {
+    /// Returns the maximum number of designs.
+    pub fn max_design_count(&self) -> u64 {
         let Method { algorithm, population, generations, .. } = self.method;
         match algorithm {
             Algorithm::Nsga2 => population * generations,
-            // The start has a generation of its own.
+            // CMA-ES evaluates the start as a separate generation.
             Algorithm::CmaEs => 1 + population * generations,
         }
     }
 
-    /// How many runs there are at most.
-    pub fn most_runs(&self) -> u64 {
-        self.most_designs() * self.conditions()
+    /// Returns the maximum number of runs.
+    pub fn max_runs(&self) -> u64 {
+        self.max_design_count() * self.conditions()
     }
 
-    /// The scene of a design under the first of its conditions, as the text of a file.
-    pub fn scene_text(&self, points: &[Point]) -> String {
+    /// Returns the scene file of a design under its first condition.
+    pub fn scene_text(&self, points: &[AxisValue]) -> String {
         self.study.with_rows(vec![points.to_vec()]).scene_text(1)
     }
 }

@@ -1,88 +1,95 @@
-//! Objectives and constraints of a file: which columns, which bounds.
+//! Reads objectives and constraints: columns and bounds.
 
 use std::ops::Range as Span;
 
-use super::problem::{Constraint, Figure, Goal, Limit, Objective, Of, Over};
+use super::problem::{ColumnAggregation, ConditionAggregation, Constraint, Figure, Goal, Limit, Objective};
 use super::raw::{RawConstraint, RawObjective};
 use crate::criteria::Class;
-use crate::scene::any::Any;
 use crate::scene::check::Checker;
+use crate::scene::closest_match;
 use crate::scene::entry::{Entry, Section};
-use crate::scene::nearest;
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
+use crate::scene::toml_value::TomlValue;
 use crate::study::select::CLASSES;
-use crate::study::sweep::{Anything, Holds, found};
+use crate::study::sweep::{AnyValue, FieldType, result_columns};
 use crate::table::Kind;
 use crate::units;
 
-/// All objectives that can be made out; what is wrong is noted. `before`: how many cells of a row stand before the results.
+/// Reads the objectives and reports problems to the checker. `leading_columns` is the number of cells before the
+/// results in a row.
 pub fn objectives(
-    c: &mut Checker<'_>,
+    checker: &mut Checker<'_>,
     raw: &[Section<RawObjective>],
     kind: SceneKind,
-    before: usize,
+    leading_columns: usize,
 ) -> Vec<Objective> {
-    if raw.is_empty() && c.is_clean() {
-        let help = "say what is to be made small or large: [[objectives]] with column = \"tts_s\"";
-        c.push(None, "there are no [[objectives]]", "", help);
+    if raw.is_empty() && checker.is_clean() {
+        let help = "add a figure to minimise or maximise: [[objectives]] with column = \"tts_s\"";
+        checker.push(None, "there are no [[objectives]]", "", help);
     }
-    raw.iter().filter_map(|raw| objective(c, raw, kind, before)).collect()
+    raw.iter().filter_map(|raw| objective(checker, raw, kind, leading_columns)).collect()
 }
 
-fn objective(c: &mut Checker<'_>, raw: &Section<RawObjective>, kind: SceneKind, before: usize) -> Option<Objective> {
-    let (goal, over) = (c.or("goal", &raw.goal, Goal::Min), c.or("over", &raw.over, Over::Worst));
-    let of = c.or("of", &raw.of, Of::Largest);
-    let name = c.get("name", &raw.name);
-    let columns: Vec<(String, Option<Span<usize>>)> = match (raw.column.is_given(), raw.columns.is_given()) {
+fn objective(
+    checker: &mut Checker<'_>,
+    raw: &Section<RawObjective>,
+    kind: SceneKind,
+    leading_columns: usize,
+) -> Option<Objective> {
+    let (goal, condition_aggregation) =
+        (checker.get_or("goal", &raw.goal, Goal::Min), checker.get_or("over", &raw.over, ConditionAggregation::Worst));
+    let aggregation = checker.get_or("of", &raw.of, ColumnAggregation::Largest);
+    let name = checker.get("name", &raw.name);
+    let columns: Vec<(String, Option<Span<usize>>)> = match (raw.column.is_present(), raw.columns.is_present()) {
         (true, false) => {
-            c.unused("of", &raw.of, "on one column");
-            vec![(c.get("column", &raw.column)?, raw.column.span())]
+            checker.report_unused("of", &raw.of, "with one column");
+            vec![(checker.get("column", &raw.column)?, raw.column.span())]
         }
-        (false, true) => listed(c, raw)?,
+        (false, true) => read_columns(checker, raw)?,
         (true, true) => {
             let message = "an objective has both `column` and `columns`";
-            c.push(raw.columns.span(), message, "and here again", "keep one of them");
+            checker.push(raw.columns.span(), message, "repeated here", "keep one of them");
             return None;
         }
         (false, false) => {
-            c.missing("column", raw, "say which column of the results: column = \"tts_s\"");
+            checker.report_missing("column", raw, "name a column of the results: column = \"tts_s\"");
             return None;
         }
     };
-    let (mut cells, mut all) = (Vec::new(), Vec::new());
+    let (mut cells, mut types) = (Vec::new(), Vec::new());
     for (column, span) in &columns {
-        let (cell, holds) = column_of(c, column, span.clone(), kind, before)?;
-        if !matches!(holds.kind(), Kind::Number | Kind::Integer) {
-            let message = format!("`{column}` has no numbers, so it cannot be made small or large");
-            let help = "make it a constraint: [[constraints]] with column and equals or at_least";
-            c.push(span.clone(), message, "no numbers", help);
+        let (cell, column_type) = find_column(checker, column, span.clone(), kind, leading_columns)?;
+        if !matches!(column_type.column_kind(), Kind::Number | Kind::Integer) {
+            let message = format!("`{column}` is not numeric, so it cannot be an objective");
+            let help = "use it as a constraint: [[constraints]] with column and equals or at_least";
+            checker.push(span.clone(), message, "not numeric", help);
             return None;
         }
         cells.push(cell);
-        all.push(holds);
+        types.push(column_type);
     }
-    let holds = match &all[..] {
+    let column_type = match &types[..] {
         [first, others @ ..] if others.iter().all(|other| other == first) => (*first).clone(),
-        _ => Holds::Number,
+        _ => FieldType::Number,
     };
     let columns: Vec<String> = columns.into_iter().map(|(column, _)| column).collect();
-    let name = name.unwrap_or_else(|| match (&columns[..], of) {
-        ([one], _) => one.clone(),
-        (all, Of::Largest) => format!("largest_{}", all.join("_")),
-        (all, Of::Smallest) => format!("smallest_{}", all.join("_")),
-        (all, Of::Sum) => format!("sum_{}", all.join("_")),
+    let name = name.unwrap_or_else(|| match (&columns[..], aggregation) {
+        ([column], _) => column.clone(),
+        (names, ColumnAggregation::Largest) => format!("largest_{}", names.join("_")),
+        (names, ColumnAggregation::Smallest) => format!("smallest_{}", names.join("_")),
+        (names, ColumnAggregation::Sum) => format!("sum_{}", names.join("_")),
     });
-    Some(Objective { figure: Figure { name, columns, of, holds, cells }, goal, over })
+    Some(Objective { figure: Figure { name, columns, aggregation, column_type, cells }, goal, condition_aggregation })
 }
 
-/// The names of several columns.
-fn listed(c: &mut Checker<'_>, raw: &RawObjective) -> Option<Vec<(String, Option<Span<usize>>)>> {
+/// Reads the names of several columns.
+fn read_columns(checker: &mut Checker<'_>, raw: &RawObjective) -> Option<Vec<(String, Option<Span<usize>>)>> {
     let mut columns = Vec::new();
-    for item in c.get("columns", &raw.columns)? {
-        let Any::Text(name) = item.get_ref() else {
-            let message = format!("`columns` has {} in it, but must have names of columns", item.get_ref().name());
+    for item in checker.get("columns", &raw.columns)? {
+        let TomlValue::Text(name) = item.get_ref() else {
+            let message = format!("`columns` contains {}, but must contain column names", item.get_ref().name());
             let help = "write columns = [\"peak_f21_n\", \"peak_f22_n\"]";
-            c.push(Some(item.span()), message, "a text", help);
+            checker.push(Some(item.span()), message, "a string", help);
             return None;
         };
         columns.push((name.clone(), Some(item.span())));
@@ -90,144 +97,161 @@ fn listed(c: &mut Checker<'_>, raw: &RawObjective) -> Option<Vec<(String, Option
     Some(columns)
 }
 
-/// Where a column stands in a row, and what it holds.
-fn column_of(
-    c: &mut Checker<'_>,
+/// Returns the index of a column in a row, and its type.
+fn find_column(
+    checker: &mut Checker<'_>,
     column: &str,
     span: Option<Span<usize>>,
     kind: SceneKind,
-    before: usize,
-) -> Option<(usize, &'static Holds)> {
-    let all = found(kind);
-    if let Some(at) = all.iter().position(|(name, _)| *name == column) {
-        return Some((before + at, &all[at].1));
+    leading_columns: usize,
+) -> Option<(usize, &'static FieldType)> {
+    let columns = result_columns(kind);
+    if let Some(index) = columns.iter().position(|(name, _)| *name == column) {
+        return Some((leading_columns + index, &columns[index].1));
     }
-    let names: Vec<&str> = all.iter().map(|(name, _)| *name).filter(|name| !name.starts_with("check")).collect();
-    let label = nearest(column, &names).map_or("not a column".into(), |near| format!("did you mean \"{near}\"?"));
+    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).filter(|name| !name.starts_with("check")).collect();
+    let label = closest_match(column, &names).map_or("not a column".into(), |near| format!("did you mean \"{near}\"?"));
     let message = format!("the results have no column `{}`", column.escape_debug());
-    c.push(span, message, label, format!("columns of a run: {}", names.join(", ")));
+    checker.push(span, message, label, format!("columns of a run: {}", names.join(", ")));
     None
 }
 
-/// All constraints that can be made out; what is wrong is noted.
+/// Reads the constraints and reports problems to the checker.
 pub fn constraints(
-    c: &mut Checker<'_>,
+    checker: &mut Checker<'_>,
     raw: &[Section<RawConstraint>],
     kind: SceneKind,
-    before: usize,
+    leading_columns: usize,
 ) -> Vec<Constraint> {
-    raw.iter().filter_map(|raw| constraint(c, raw, kind, before)).collect()
+    raw.iter().filter_map(|raw| constraint(checker, raw, kind, leading_columns)).collect()
 }
 
-fn constraint(c: &mut Checker<'_>, raw: &Section<RawConstraint>, kind: SceneKind, before: usize) -> Option<Constraint> {
-    if !raw.column.is_given() {
-        c.missing("column", raw, "say which column of the results: column = \"class\"");
+fn constraint(
+    checker: &mut Checker<'_>,
+    raw: &Section<RawConstraint>,
+    kind: SceneKind,
+    leading_columns: usize,
+) -> Option<Constraint> {
+    if !raw.column.is_present() {
+        checker.report_missing("column", raw, "name a column of the results: column = \"class\"");
         return None;
     }
-    let column = c.get("column", &raw.column)?;
-    let (cell, holds) = column_of(c, &column, raw.column.span(), kind, before)?;
-    if !(raw.at_least.is_given() || raw.at_most.is_given() || raw.equals.is_given()) {
-        let help = match holds.kind() {
+    let column = checker.get("column", &raw.column)?;
+    let (cell, column_type) = find_column(checker, &column, raw.column.span(), kind, leading_columns)?;
+    if !(raw.at_least.is_present() || raw.at_most.is_present() || raw.equals.is_present()) {
+        let help = match column_type.column_kind() {
             Kind::Number | Kind::Integer => "give a bound: at_least = .. or at_most = ..",
-            Kind::Flag => "say what has to hold: equals = true",
-            Kind::Text if column == "class" => "say the worst class allowed: at_least = \"semi-stable\"",
-            Kind::Text => "say what has to hold: equals = \"..\"",
+            Kind::Flag => "give the required value: equals = true",
+            Kind::Text if column == "class" => "give the worst class allowed: at_least = \"semi-stable\"",
+            Kind::Text => "give the required value: equals = \"..\"",
         };
-        c.missing("at_least", raw, help);
+        checker.report_missing("at_least", raw, help);
         return None;
     }
-    let limit = match holds.kind() {
+    let limit = match column_type.column_kind() {
         Kind::Number | Kind::Integer => {
-            c.unused("equals", &raw.equals, "on a column of numbers: give at_least and at_most");
-            let at_least = bound(c, "at_least", &raw.at_least, &column, holds)?;
-            let at_most = bound(c, "at_most", &raw.at_most, &column, holds)?;
-            if let (Some(least), Some(most)) = (at_least, at_most)
-                && least > most
+            checker.report_unused("equals", &raw.equals, "on a numeric column: give at_least and at_most");
+            let at_least = bound(checker, "at_least", &raw.at_least, &column, column_type)?;
+            let at_most = bound(checker, "at_most", &raw.at_most, &column, column_type)?;
+            if let (Some(lower), Some(upper)) = (at_least, at_most)
+                && lower > upper
             {
-                let message = format!("nothing is at least {least} and at most {most}");
-                c.push(raw.at_most.span(), message, "below at_least", "exchange them, or give other bounds");
+                let message = format!("no value is at least {lower} and at most {upper}");
+                checker.push(raw.at_most.span(), message, "below at_least", "swap the bounds, or give other bounds");
                 return None;
             }
             Limit::Between { at_least, at_most }
         }
         Kind::Flag | Kind::Text => {
-            c.unused("at_most", &raw.at_most, "on a column without numbers");
-            return word(c, raw, &column, holds.kind()).map(|limit| Constraint { column, limit, cell });
+            checker.report_unused("at_most", &raw.at_most, "on a column that is not numeric");
+            return text_limit(checker, raw, &column, column_type.column_kind()).map(|limit| Constraint {
+                column,
+                limit,
+                cell,
+            });
         }
     };
     Some(Constraint { column, limit, cell })
 }
 
-/// What a column of words or flags has to say.
-fn word(c: &mut Checker<'_>, raw: &RawConstraint, column: &str, holds: Kind) -> Option<Limit> {
+/// Reads the limit of a text or boolean column.
+fn text_limit(checker: &mut Checker<'_>, raw: &RawConstraint, column: &str, column_kind: Kind) -> Option<Limit> {
     let is_class = column == "class";
     if !is_class {
-        c.unused("at_least", &raw.at_least, "on a column that has no order: give equals");
+        checker.report_unused("at_least", &raw.at_least, "on a column without an order: give equals");
     }
     let (key, entry) =
-        if is_class && raw.at_least.is_given() { ("at_least", &raw.at_least) } else { ("equals", &raw.equals) };
-    let given = c.get(key, entry)?;
-    let span = Some(given.span());
-    match (holds, given.get_ref()) {
-        (Kind::Flag, Any::Flag(flag)) => Some(Limit::Flag(*flag)),
+        if is_class && raw.at_least.is_present() { ("at_least", &raw.at_least) } else { ("equals", &raw.equals) };
+    let value = checker.get(key, entry)?;
+    let span = Some(value.span());
+    match (column_kind, value.get_ref()) {
+        (Kind::Flag, TomlValue::Flag(flag)) => Some(Limit::Flag(*flag)),
         (Kind::Flag, other) => {
-            let message = format!("`{key}` is {}, but `{column}` is true or false", other.name());
-            c.push(span, message, "true or false", "write true or false, without quotes");
+            let message = format!("`{key}` is {}, but `{column}` contains true or false", other.name());
+            checker.push(span, message, "true or false", "write true or false, without quotes");
             None
         }
-        (_, Any::Text(text)) if is_class => {
+        (_, TomlValue::Text(text)) if is_class => {
             let names = CLASSES.map(Class::name);
             let Some(rank) = names.iter().position(|name| name == text) else {
-                let label = nearest(text, &names).map_or("no class".into(), |near| format!("did you mean \"{near}\"?"));
+                let label = closest_match(text, &names)
+                    .map_or("not a class".into(), |near| format!("did you mean \"{near}\"?"));
                 let message = format!("there is no class \"{}\"", text.escape_debug());
-                c.push(span, message, label, format!("classes, from good to bad: {}", names.join(", ")));
+                checker.push(span, message, label, format!("classes, from good to bad: {}", names.join(", ")));
                 return None;
             };
-            Some(if key == "equals" { Limit::Word(text.clone()) } else { Limit::Class(rank) })
+            Some(if key == "equals" { Limit::Equals(text.clone()) } else { Limit::Class(rank) })
         }
-        (_, Any::Text(text)) => Some(Limit::Word(text.clone())),
+        (_, TomlValue::Text(text)) => Some(Limit::Equals(text.clone())),
         (_, other) => {
-            let message = format!("`{key}` is {}, but `{column}` is a word", other.name());
-            c.push(span, message, "a word in quotes", "write the word as it stands in the results, in quotes");
+            let message = format!("`{key}` is {}, but `{column}` contains text", other.name());
+            checker.push(span, message, "a string in quotes", "write the value as in the results, in quotes");
             None
         }
     }
 }
 
-/// A bound in the unit of its column, or a quantity. `None` if it is wrong, `Some(None)` if it is not given.
+/// Reads a bound: a number in the unit of the column, or a quantity. `None` if it is invalid, `Some(None)` if it is not
+/// given.
 #[expect(clippy::option_option)]
-fn bound(c: &mut Checker<'_>, key: &str, entry: &Entry<Anything>, column: &str, holds: &Holds) -> Option<Option<f64>> {
-    if !entry.is_given() {
+fn bound(
+    checker: &mut Checker<'_>,
+    key: &str,
+    entry: &Entry<AnyValue>,
+    column: &str,
+    column_type: &FieldType,
+) -> Option<Option<f64>> {
+    if !entry.is_present() {
         return Some(None);
     }
-    let given = c.get(key, entry)?;
-    let span = Some(given.span());
-    match given.get_ref() {
-        Any::Integer(integer) => Some(Some(*integer as f64)),
-        Any::Float(number) if number.is_finite() => Some(Some(*number)),
-        Any::Text(text) => match holds {
-            Holds::Quantity(dimension) => match units::parse(text, *dimension) {
-                Ok(value) => Some(Some(value)),
+    let value = checker.get(key, entry)?;
+    let span = Some(value.span());
+    match value.get_ref() {
+        TomlValue::Integer(integer) => Some(Some(*integer as f64)),
+        TomlValue::Float(number) if number.is_finite() => Some(Some(*number)),
+        TomlValue::Text(text) => match column_type {
+            FieldType::Quantity(dimension) => match units::parse(text, *dimension) {
+                Ok(si) => Some(Some(si)),
                 Err(error) => {
                     let help = format!("write a number and its unit, as in \"{}\"", dimension.example());
-                    c.push(span, format!("`{key}`: {error}"), dimension.name(), help);
+                    checker.push(span, format!("`{key}`: {error}"), dimension.name(), help);
                     None
                 }
             },
             _ => {
-                let message = format!("`{key}` is a text, but a bound of `{column}` is a plain number");
-                c.push(
+                let message = format!("`{key}` is a string, but a bound of `{column}` must be a plain number");
+                checker.push(
                     span,
                     message,
                     "a number",
-                    "write it without quotes, in the unit that the column's name ends in",
+                    "write it without quotes, in the unit at the end of the column name",
                 );
                 None
             }
         },
         other => {
             let message = format!("`{key}` is {}, but must be a number", other.name());
-            c.push(span, message, "a number", "write a number in the unit that the column's name ends in");
+            checker.push(span, message, "a number", "write a number in the unit at the end of the column name");
             None
         }
     }

@@ -1,25 +1,25 @@
-//! Which of two designs is better: Deb's rules of feasibility, dominance, fronts, and how lonely a design is on its front.
+//! Ranks designs: Deb's feasibility rules, dominance, non-dominated fronts and crowding distances.
 
 use std::cmp::Ordering;
 
-/// What a search knows of a design.
+/// Score of a design, as used by the searches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
-    /// All to be made small; of a design that is not feasible they may say nothing.
+    /// Objectives, all to be minimised; may be meaningless if the design is infeasible.
     pub objectives: Vec<f64>,
-    /// By how much constraints are missed; 0 of a feasible design.
+    /// Total constraint violation; 0 for a feasible design.
     pub violation: f64,
 }
 
 impl Score {
-    /// Whether all constraints are met.
+    /// Returns whether all constraints are satisfied.
     pub fn is_feasible(&self) -> bool {
         self.violation <= 0.0
     }
 }
 
-/// Whether the first of two designs is better for certain (Deb 2000): feasible where the other is not; less violated where neither is;
-/// where both are, in no objective worse and in one better.
+/// Returns whether `a` dominates `b` (Deb 2000): it is feasible and `b` is not; or both are infeasible and it has the
+/// smaller violation; or both are feasible, and it is no worse in every objective and better in at least one.
 pub(super) fn dominates(a: &Score, b: &Score) -> bool {
     match (a.is_feasible(), b.is_feasible()) {
         (true, false) => true,
@@ -32,8 +32,8 @@ pub(super) fn dominates(a: &Score, b: &Score) -> bool {
     }
 }
 
-/// The order by one objective, the better first, by the same rules.
-pub(super) fn better(a: &Score, b: &Score) -> Ordering {
+/// Compares two designs by the first objective with the same rules; the better one is less.
+pub(super) fn compare(a: &Score, b: &Score) -> Ordering {
     match (a.is_feasible(), b.is_feasible()) {
         (true, false) => Ordering::Less,
         (false, true) => Ordering::Greater,
@@ -42,11 +42,11 @@ pub(super) fn better(a: &Score, b: &Score) -> Ordering {
     }
 }
 
-/// Fronts of designs, none of which dominates another of its front, the best front first (fast non-dominated sort, Deb et al. 2002);
-/// indices ascend within a front.
-pub(super) fn fronts(scores: &[&Score]) -> Vec<Vec<usize>> {
-    let mut below: Vec<Vec<usize>> = vec![Vec::new(); scores.len()];
-    let mut above = vec![0usize; scores.len()];
+/// Returns the non-dominated fronts, best first (fast non-dominated sort, Deb et al. 2002). Indices ascend within a
+/// front.
+pub(super) fn non_dominated_fronts(scores: &[&Score]) -> Vec<Vec<usize>> {
+    let mut dominated: Vec<Vec<usize>> = vec![Vec::new(); scores.len()];
+    let mut dominator_counts = vec![0usize; scores.len()];
     for a in 0..scores.len() {
         for b in a + 1..scores.len() {
             let (better, worse) = match (dominates(scores[a], scores[b]), dominates(scores[b], scores[a])) {
@@ -54,48 +54,50 @@ pub(super) fn fronts(scores: &[&Score]) -> Vec<Vec<usize>> {
                 (_, true) => (b, a),
                 _ => continue,
             };
-            below[better].push(worse);
-            above[worse] += 1;
+            dominated[better].push(worse);
+            dominator_counts[worse] += 1;
         }
     }
-    let mut fronts = Vec::new();
-    let mut front: Vec<usize> = (0..scores.len()).filter(|&index| above[index] == 0).collect();
+    let mut non_dominated_fronts = Vec::new();
+    let mut front: Vec<usize> = (0..scores.len()).filter(|&index| dominator_counts[index] == 0).collect();
     while !front.is_empty() {
         let mut next = Vec::new();
-        for &worse in front.iter().flat_map(|&index| &below[index]) {
-            above[worse] -= 1;
-            if above[worse] == 0 {
+        for &worse in front.iter().flat_map(|&index| &dominated[index]) {
+            dominator_counts[worse] -= 1;
+            if dominator_counts[worse] == 0 {
                 next.push(worse);
             }
         }
         next.sort_unstable();
-        fronts.push(std::mem::replace(&mut front, next));
+        non_dominated_fronts.push(std::mem::replace(&mut front, next));
     }
-    fronts
+    non_dominated_fronts
 }
 
-/// The feasible designs that no other one dominates, by their indices: one pass over those found so far, for there may be thousands.
-pub(super) fn front(scores: &[&Score]) -> Vec<usize> {
-    let mut kept: Vec<usize> = Vec::new();
+/// Returns the indices of the feasible designs that no other design dominates. A single pass with a running front,
+/// because there may be thousands of designs.
+pub(super) fn pareto_front(scores: &[&Score]) -> Vec<usize> {
+    let mut front: Vec<usize> = Vec::new();
     for (index, score) in scores.iter().enumerate().filter(|(_, score)| score.is_feasible()) {
-        // Of equals the first is kept.
-        let beaten = |&other: &usize| dominates(scores[other], score) || scores[other].objectives == score.objectives;
-        if kept.iter().any(beaten) {
+        // The first of equal designs is kept.
+        let is_excluded_by =
+            |&other: &usize| dominates(scores[other], score) || scores[other].objectives == score.objectives;
+        if front.iter().any(is_excluded_by) {
             continue;
         }
-        kept.retain(|&other| !dominates(score, scores[other]));
-        kept.push(index);
+        front.retain(|&other| !dominates(score, scores[other]));
+        front.push(index);
     }
-    kept
+    front
 }
 
-/// How far each design of a front is from its neighbours: half the edges of the box between them, in shares of the front's extent;
-/// infinite at the ends (crowding distance, Deb et al. 2002).
-pub(super) fn crowding(scores: &[&Score], front: &[usize]) -> Vec<f64> {
+/// Crowding distance of each design of a front (Deb et al. 2002): distance between its two neighbours, summed over the
+/// objectives and relative to the front's extent; infinite at the ends.
+pub(super) fn crowding_distances(scores: &[&Score], front: &[usize]) -> Vec<f64> {
     let mut distances = vec![0.0; front.len()];
     let objectives = front.first().map_or(0, |&first| scores[first].objectives.len());
     for objective in 0..objectives {
-        let value = |place: usize| scores[front[place]].objectives[objective];
+        let value = |index: usize| scores[front[index]].objectives[objective];
         let mut order: Vec<usize> = (0..front.len()).collect();
         order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
         let (first, last) = (order[0], order[order.len() - 1]);
@@ -120,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn feasible_designs_come_first_and_then_those_that_nothing_beats() {
+    fn feasible_designs_dominate_infeasible_ones() {
         let all = [
             score(&[1.0, 4.0], 0.0),
             score(&[2.0, 2.0], 0.0),
@@ -131,20 +133,20 @@ mod tests {
             score(&[2.0, 2.0], 0.0),
         ];
         let all: Vec<&Score> = all.iter().collect();
-        assert_eq!(fronts(&all), [vec![0, 1, 5, 6], vec![2], vec![4], vec![3]]);
-        assert_eq!(front(&all), [0, 1, 5], "of equals the first");
-        assert_eq!(better(all[3], all[4]), Ordering::Greater);
-        assert_eq!(better(all[0], all[4]), Ordering::Less);
+        assert_eq!(non_dominated_fronts(&all), [vec![0, 1, 5, 6], vec![2], vec![4], vec![3]]);
+        assert_eq!(pareto_front(&all), [0, 1, 5], "the first of equal designs");
+        assert_eq!(compare(all[3], all[4]), Ordering::Greater);
+        assert_eq!(compare(all[0], all[4]), Ordering::Less);
     }
 
     #[test]
-    fn the_ends_of_a_front_are_the_loneliest() {
-        let all = [[0.0, 10.0], [1.0, 6.0], [4.0, 4.0], [10.0, 0.0]].map(|of| score(&of, 0.0));
+    fn ends_of_a_front_have_infinite_crowding_distance() {
+        let all = [[0.0, 10.0], [1.0, 6.0], [4.0, 4.0], [10.0, 0.0]].map(|objectives| score(&objectives, 0.0));
         let all: Vec<&Score> = all.iter().collect();
-        let found = crowding(&all, &[0, 1, 2, 3]);
+        let found = crowding_distances(&all, &[0, 1, 2, 3]);
         assert_eq!((found[0], found[3]), (f64::INFINITY, f64::INFINITY));
         // By hand: (4 − 0)/10 + (10 − 4)/10 and (10 − 1)/10 + (6 − 0)/10.
         assert!((found[1] - 1.0).abs() < 1e-15 && (found[2] - 1.5).abs() < 1e-15, "{found:?}");
-        assert_eq!(crowding(&all, &[2]), [f64::INFINITY]);
+        assert_eq!(crowding_distances(&all, &[2]), [f64::INFINITY]);
     }
 }

@@ -1,11 +1,12 @@
-//! A search by either algorithm: asked for a generation, told what came of it.
+//! Ask-and-tell interface of both search algorithms.
 
 use super::cmaes::CmaEs;
 use super::nsga2::Nsga2;
 use super::problem::{Algorithm, Method};
 use super::score::Score;
 
-/// A search between two generations. Places are within the unit cube; equal seeds ask for equal places.
+/// State of a search between two generations. Candidates are points of the unit cube; equal seeds give equal
+/// candidates.
 #[derive(Clone, Debug)]
 pub enum Search {
     Nsga2(Nsga2),
@@ -13,7 +14,7 @@ pub enum Search {
 }
 
 impl Search {
-    /// A search from a place, which is in its first generation.
+    /// Creates a search whose first generation contains `start`.
     pub fn new(method: &Method, start: Vec<f64>) -> Self {
         let population = usize::try_from(method.population).unwrap_or(usize::MAX);
         match method.algorithm {
@@ -22,7 +23,7 @@ impl Search {
         }
     }
 
-    /// The places of the next generation.
+    /// Returns the candidates of the next generation.
     pub fn ask(&mut self) -> Vec<Vec<f64>> {
         match self {
             Search::Nsga2(search) => search.ask(),
@@ -30,7 +31,7 @@ impl Search {
         }
     }
 
-    /// What came of the places asked for, in their order.
+    /// Updates the search with the scores of the last generation, in its order.
     pub fn tell(&mut self, scores: &[Score]) {
         match self {
             Search::Nsga2(search) => search.tell(scores),
@@ -38,11 +39,11 @@ impl Search {
         }
     }
 
-    /// Whether there is nothing left to find. NSGA-II never says so.
-    pub fn is_over(&self) -> bool {
+    /// Returns whether the search has converged; always `false` for NSGA-II.
+    pub fn has_converged(&self) -> bool {
         match self {
             Search::Nsga2(_) => false,
-            Search::CmaEs(search) => search.is_over(),
+            Search::CmaEs(search) => search.has_converged(),
         }
     }
 }

@@ -1,88 +1,88 @@
-//! What can be wrong with a part, or with all of them together.
+//! Errors while writing or merging parts.
 
 use std::fmt::Display;
 
-use super::cover::{Gap, Overlap};
+use super::coverage::{Gap, Overlap};
 use crate::study::sweep::ShardError;
 
-/// Of a long list as many are named.
-const NAMED: usize = 20;
+/// Maximum number of entries of a list in a message.
+const MAX_LISTED: usize = 20;
 
-/// Why a part, or the results of a whole study, cannot be made.
+/// Error while writing or merging parts.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PartError {
     #[error(transparent)]
     Shard(#[from] ShardError),
-    /// A place where no file can be.
+    /// The output path is unusable.
     #[error("cannot write {file}: {reason}")]
-    Place { file: String, reason: String },
-    /// Writing broke off.
+    InvalidPath { file: String, reason: String },
+    /// Writing failed.
     #[error("cannot write {file}: {reason}")]
     Write { file: String, reason: String },
     #[error("cannot read {file}: {reason}")]
     Read { file: String, reason: String },
     #[error(
-        "{file} is not a part of a sweep: {reason}; a part is what `phalanx sweep STUDY --shard K/N --out PART.parquet` writes"
+        "{file} is not a shard of a sweep: {reason}; give files written by `phalanx sweep STUDY --shard K/N --out SHARD.parquet`"
     )]
     NotAPart { file: String, reason: String },
-    #[error("{file} is damaged: {reason}; delete it and make that part again")]
+    #[error("{file} is damaged: {reason}; delete it and run the shard again")]
     Damaged { file: String, reason: String },
-    /// Something is where a part is to be.
-    #[error("{file} is there already, and {reason}, so it is left alone; {help}")]
-    Taken { file: String, reason: String, help: &'static str },
-    #[error("{}", foreign(.parts))]
+    /// The output path contains something else.
+    #[error("{file} already exists, but {reason}, so it is not replaced; {help}")]
+    AlreadyExists { file: String, reason: String, help: &'static str },
+    #[error("{}", foreign_message(.parts))]
     Foreign {
-        /// File and reason of each.
+        /// File and reason of each part.
         parts: Vec<(String, String)>,
     },
-    #[error("{}", overlapping(.overlaps))]
+    #[error("{}", overlap_message(.overlaps))]
     Overlapping { overlaps: Vec<Overlap> },
-    #[error("{}", missing(.gaps, *.runs))]
+    #[error("{}", missing_message(.gaps, *.runs))]
     Missing {
         gaps: Vec<Gap>,
-        /// Of the whole study.
+        /// Number of runs of the study.
         runs: u64,
     },
-    /// It was told to stop.
-    #[error("stopped after {done} of {of} runs; no file was written")]
-    Stopped { done: u64, of: u64 },
+    /// The operation was interrupted.
+    #[error("stopped after {done} of {total} runs; no file was written")]
+    Stopped { done: u64, total: u64 },
 }
 
-fn foreign(parts: &[(String, String)]) -> String {
-    let which = parts.iter().map(|(file, reason)| format!("{file} is no part of this study: {reason}"));
-    named("", which, "")
+fn foreign_message(parts: &[(String, String)]) -> String {
+    let entries = parts.iter().map(|(file, reason)| format!("{file} is not a shard of this study: {reason}"));
+    list_message("", entries, "")
 }
 
-fn overlapping(overlaps: &[Overlap]) -> String {
-    let line = |Overlap { file, other, first, last }: &Overlap| {
-        format!("{file} and {other} both have {}", runs(*first, *last))
+fn overlap_message(overlaps: &[Overlap]) -> String {
+    let line = |Overlap { file, other_file, first, last }: &Overlap| {
+        format!("{file} and {other_file} both contain {}", run_range(*first, *last))
     };
-    named("parts overlap: ", overlaps.iter().map(line), "; leave out one of each two")
+    list_message("shards overlap: ", overlaps.iter().map(line), "; remove one of each pair")
 }
 
-fn missing(gaps: &[Gap], all: u64) -> String {
-    let line = |gap: &Gap| format!("{} ({})", runs(gap.first, gap.last), shards(gap));
+fn missing_message(gaps: &[Gap], total: u64) -> String {
+    let line = |gap: &Gap| format!("{} ({})", run_range(gap.first, gap.last), shard_arguments(gap));
     let count: u64 = gaps.iter().map(|gap| gap.last - gap.first + 1).sum();
-    named(&format!("{count} of {all} runs are in no part: "), gaps.iter().map(line), "")
+    list_message(&format!("{count} of {total} runs are in no shard: "), gaps.iter().map(line), "")
 }
 
-fn runs(first: u64, last: u64) -> String {
+fn run_range(first: u64, last: u64) -> String {
     if first == last { format!("run {first}") } else { format!("runs {first} to {last}") }
 }
 
-/// The parts that a gap lacks, as arguments.
-fn shards(Gap { from, to, of, .. }: &Gap) -> String {
-    match to - from {
-        0 => format!("--shard {from}/{of}"),
-        1 => format!("--shard {from}/{of} and {to}/{of}"),
-        _ => format!("--shard {from}/{of} to {to}/{of}"),
+/// Arguments that make the parts of a gap.
+fn shard_arguments(Gap { first_shard, last_shard, shard_count, .. }: &Gap) -> String {
+    match last_shard - first_shard {
+        0 => format!("--shard {first_shard}/{shard_count}"),
+        1 => format!("--shard {first_shard}/{shard_count} and {last_shard}/{shard_count}"),
+        _ => format!("--shard {first_shard}/{shard_count} to {last_shard}/{shard_count}"),
     }
 }
 
-/// The first of a list, and how many more there are.
-fn named<T: Display>(before: &str, mut list: impl ExactSizeIterator<Item = T>, after: &str) -> String {
-    let first: Vec<String> = list.by_ref().take(NAMED).map(|one| one.to_string()).collect();
+/// Joins the first entries of a list and states the number of the others.
+fn list_message<T: Display>(prefix: &str, mut list: impl ExactSizeIterator<Item = T>, suffix: &str) -> String {
+    let first: Vec<String> = list.by_ref().take(MAX_LISTED).map(|entry| entry.to_string()).collect();
     let more = list.len();
     let more = if more > 0 { format!("; and {more} more") } else { String::new() };
-    format!("{before}{}{more}{after}", first.join("; "))
+    format!("{prefix}{}{more}{suffix}", first.join("; "))
 }

@@ -1,28 +1,28 @@
-//! Sweeps beyond one machine: a part of a study into a file of its own, and such files into the results of the whole.
+//! Sweeps distributed over several machines: parts of a study in separate files, and their merge.
 //!
-//! Whatever can run a command, or call [`write_part`], can make parts: a job array, a cluster of tasks, a loop of a shell. A part
-//! is one Parquet file that appears whole or not at all, and says in its metadata of which study it is and which runs it has; so
-//! a part that is there is done, and all that a broken sweep needs is its missing parts. [`merge`] joins parts to the very bytes
-//! that the undisturbed sweep writes, with no more in memory than two groups of rows.
+//! A job array, a cluster or a shell loop can make parts with the command or with [`write_part`]. A part is one Parquet
+//! file that is written atomically and whose metadata identify the study and the runs. An existing part is therefore
+//! finished, and resuming a sweep means making the missing parts. [`merge`] writes the same bytes as an undivided sweep
+//! and keeps at most two row groups in memory.
 //!
-//! Parts are Parquet alone: a CSV file cannot say what it is a part of, and two files do not appear at once.
+//! Parts are Parquet files only: CSV has no metadata, and two files cannot be written atomically.
 //!
-//! | file | job |
+//! | file | content |
 //! |---|---|
-//! | `info` | what a part says of itself |
-//! | `make` | the runs of a part, and its file |
-//! | `cover` | what is missing of a study, and what is there twice |
-//! | `merge` | parts to results |
-//! | `error` | what can be wrong |
+//! | `info` | metadata of a part |
+//! | `write` | execution and writing of a part |
+//! | `coverage` | missing and duplicate runs |
+//! | `merge` | merge of parts into results |
+//! | `error` | errors |
 
-mod cover;
+mod coverage;
 mod error;
 mod info;
-mod make;
 mod merge;
+mod write;
 
-pub use cover::{Gap, Overlap};
+pub use coverage::{Gap, Overlap};
 pub use error::PartError;
 pub use info::PartInfo;
-pub use make::{Made, Work, write_part};
-pub use merge::{Merged, merge};
+pub use merge::{MergeResult, merge};
+pub use write::{PartOptions, WrittenPart, write_part};

@@ -1,36 +1,36 @@
-//! The thesis's figures again: sizing, designs, statics, volumes, the 384 simulations, selection, design 95 and its CAD
-//! model, each beside what the thesis prints.
+//! Reproduction of the figures of the thesis: sizing, designs, statics, volumes, the 384 simulations, selection, design
+//! 95 and its CAD model, each compared with the printed value.
 //!
 //! | file | job |
 //! |---|---|
-//! | `thesis` | the thesis's figures with their sources, what is expected, and the reasons for differences (`thesis.csv`, `reasons.toml`) |
-//! | `sizing` | spring and motor of design 95; places and types of the spring over all designs |
-//! | `designs` | masses, trajectories and statics of the 192 designs, also by other sizings |
-//! | `grids` | volumes with points elsewhere and by other torques |
-//! | `chaos` | the simulations again: their checks, and which of them change their class with method, tolerance or torque |
-//! | `checks` | what the checks found |
+//! | `thesis` | figures of the thesis with their sources, expected values, and reasons for differences (`thesis.csv`, `reasons.toml`) |
+//! | `sizing` | spring and motor of design 95; placement and type of the spring for all designs |
+//! | `designs` | masses, trajectories and statics of the 192 designs, also with other sizings |
+//! | `grids` | volumes with points at cell centres and with other torques |
+//! | `chaos` | repeated simulations: their checks, and runs whose class depends on method, tolerance or torque |
+//! | `checks` | results of the checks |
 //! | `chosen` | design 95 as printed, and its CAD model |
-//! | `measured` | everything found, by the keys of the figures |
+//! | `computed_values` | computed values by figure key |
 //!
-//! Everything is computed from the shipped study and scenes, which are part of the program.
+//! Everything is computed from the shipped study and scenes, which are embedded in the program.
 
 mod chaos;
 mod checks;
 mod chosen;
+mod computed_values;
 mod designs;
 mod grids;
-mod measured;
 mod sizing;
 mod thesis;
 
 use std::collections::HashSet;
 
-pub use chaos::{Chaos, DRIFT_S, Flip, Variation};
+pub use chaos::{Chaos, ClassChange, MAX_TTS_DIFFERENCE_S, Variation};
 pub use checks::Checks;
 pub use chosen::{Closing, ClosingPoint};
+pub use computed_values::{CHOSEN_DESIGN, computed_values};
 pub use designs::{Designs, OtherSizing};
-pub use grids::{CELLS, Grid};
-pub use measured::{CHOSEN, measured};
+pub use grids::{CELLS_PER_AXIS, Grid};
 pub use sizing::SizingFound;
 pub use thesis::{Figure, Reason, UNITS, figures, reasons};
 
@@ -40,113 +40,117 @@ use super::volume::{self, Volume, VolumeRequest};
 use crate::scene::{self, Scene};
 use crate::table::Table;
 
-/// The study of the thesis and the scenes of its chosen design.
+/// Study of the thesis.
 const STUDY: &str = include_str!("../../../scenes/studies/thesis.toml");
 
-/// Points of a volume along each axis, and in a quick reproduction.
+/// Number of points of a volume along each axis.
 pub const RESOLUTION: usize = 20;
+/// Number of points along each axis in a quick reproduction.
 pub const QUICK_RESOLUTION: usize = 10;
 
-/// Everything that was found.
+/// All results of the reproduction.
 #[derive(Clone, Debug)]
 pub struct Reproduction {
-    /// Coarser volumes.
+    /// Whether the volumes are coarser.
     pub quick: bool,
     pub sizing: SizingFound,
     pub designs: Designs,
     pub volumes: Vec<Volume>,
     pub grids: Vec<Grid>,
-    /// Results of the 384 simulations, each checked.
+    /// Results of the 384 simulations, with checks.
     pub results: Table,
     pub checks: Checks,
     pub selection: Selection,
     pub chaos: Chaos,
-    /// Design 95 with the printed torques, and its CAD model.
+    /// Design 95 with the printed torques.
     pub chosen: Closing,
+    /// CAD model of design 95.
     pub cad: Closing,
 }
 
-/// Why there is no reproduction. All of it is shipped with the program, so that any of these is a mistake in the program.
+/// Error during the reproduction. All inputs are embedded in the program, so every error except an interruption is a bug.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} could not be computed: {reason}")]
+#[error("{step} could not be computed: {reason}")]
 pub struct ReproduceError {
-    pub what: &'static str,
+    pub step: &'static str,
     pub reason: String,
 }
 
 impl ReproduceError {
-    fn of(what: &'static str) -> impl Fn(&dyn std::fmt::Display) -> ReproduceError {
-        move |reason| ReproduceError { what, reason: reason.to_string() }
+    /// Returns a function that converts an error of a step.
+    fn in_step(step: &'static str) -> impl Fn(&dyn std::fmt::Display) -> ReproduceError {
+        move |reason| ReproduceError { step, reason: reason.to_string() }
     }
 }
 
-/// The reason of a reproduction that was told to stop.
-const STOPPED: &str = "it was told to stop";
+/// Reason for an interrupted reproduction.
+const INTERRUPTED: &str = "interrupted";
 
-/// The parts of a reproduction, for whoever waits.
-pub const PARTS: usize = 6;
+/// Number of steps of a reproduction, for progress reports.
+pub const STEPS: usize = 6;
 
-/// Computes everything on so many threads (0: one for each core) while it may `go_on`, and `show`s which part comes next.
+/// Computes all results on the given number of threads (0: one per core). `progress` receives the number and the name
+/// of each step.
 ///
 /// # Errors
-/// What could not be computed, or that it was told to stop.
+/// Returns an error if a step fails, or `keep_running` returned `false`.
 pub fn reproduce(
     quick: bool,
     threads: usize,
-    show: &mut dyn FnMut(usize, usize, &str),
-    go_on: &(dyn Fn() -> bool + Sync),
+    progress: &mut dyn FnMut(usize, usize, &str),
+    keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Result<Reproduction, ReproduceError> {
-    let mut part = 0;
-    let mut next = |name: &'static str| {
-        show(part, PARTS, name);
-        part += 1;
-        if go_on() { Ok(()) } else { Err(ReproduceError::of(name)(&STOPPED)) }
+    let mut step = 0;
+    let mut start_step = |name: &'static str| {
+        progress(step, STEPS, name);
+        step += 1;
+        if keep_running() { Ok(()) } else { Err(ReproduceError::in_step(name)(&INTERRUPTED)) }
     };
-    let mut study = sweep::parse(STUDY, "thesis.toml").map_err(|error| ReproduceError::of("the study")(&error))?;
-    // Their checks come with the variations, which are runs of the checks.
+    let mut study = sweep::parse(STUDY, "thesis.toml").map_err(|error| ReproduceError::in_step("the study")(&error))?;
+    // `chaos` checks the runs later, because its variations include the runs that the checks need.
     study.checked = false;
-    next("the 384 simulations")?;
-    let mut results = swept(&study, threads, go_on)?;
+    start_step("the 384 simulations")?;
+    let mut results = run_sweep(&study, threads, keep_running)?;
     let scenes = scenes(&study)?;
-    let selection =
-        select(&results, &SelectionCriteria::default()).map_err(|error| ReproduceError::of("the selection")(&error))?;
-    next("sizing")?;
-    let chosen_run = (measured::CHOSEN - 1) as usize;
+    let selection = select(&results, &SelectionCriteria::default())
+        .map_err(|error| ReproduceError::in_step("the selection")(&error))?;
+    start_step("sizing")?;
+    let chosen_run = (computed_values::CHOSEN_DESIGN - 1) as usize;
     let sizing = sizing::sizing(&scenes[..scenes.len() / 2], &scenes[chosen_run])?;
-    next("statics")?;
+    start_step("statics")?;
     let designs = designs::designs(&scenes, &results, &selection, chosen_run, &sizing)?;
-    next("grasp-state volumes")?;
-    let volumes = volumes(quick, threads, go_on)?;
-    let grids = grids::grids(&sizing, go_on)?;
-    next("runs that are near-chaotic")?;
-    let (checks, chaos) = chaos::chaos(&scenes, &mut results, &selection, threads, go_on)?;
-    next("design 95")?;
+    start_step("grasp-state volumes")?;
+    let volumes = volumes(quick, threads, keep_running)?;
+    let grids = grids::grids(&sizing, keep_running)?;
+    start_step("runs that are near-chaotic")?;
+    let (checks, chaos) = chaos::chaos(&scenes, &mut results, &selection, threads, keep_running)?;
+    start_step("design 95")?;
     let (chosen, cad) = (chosen::chosen()?, chosen::cad()?);
     Ok(Reproduction { quick, sizing, designs, volumes, grids, results, checks, selection, chaos, chosen, cad })
 }
 
-/// The scene of every run.
+/// Returns the scene of every run.
 fn scenes(study: &Study) -> Result<Vec<Scene>, ReproduceError> {
     let parsed = (1..=study.runs()).map(|run| scene::parse(&study.scene_text(run), "run.toml"));
-    parsed.collect::<Result<_, _>>().map_err(|error| ReproduceError::of("a scene of the study")(&error))
+    parsed.collect::<Result<_, _>>().map_err(|error| ReproduceError::in_step("a scene of the study")(&error))
 }
 
-fn swept(study: &Study, threads: usize, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Table, ReproduceError> {
+fn run_sweep(study: &Study, threads: usize, keep_running: &(dyn Fn() -> bool + Sync)) -> Result<Table, ReproduceError> {
     let mut rows = Vec::new();
-    let take = |row| {
+    let collect = |row| {
         rows.push(row);
         true
     };
-    let ran = sweep::run_while(study, threads, study.runs(), &HashSet::new(), go_on, take);
+    let ran = sweep::run_while(study, threads, study.runs(), &HashSet::new(), keep_running, collect);
     if !ran.complete {
-        return Err(ReproduceError::of("the sweep")(&STOPPED));
+        return Err(ReproduceError::in_step("the sweep")(&INTERRUPTED));
     }
     Ok(sweep::table(study, &rows))
 }
 
-fn volumes(quick: bool, threads: usize, go_on: &dyn Fn() -> bool) -> Result<Vec<Volume>, ReproduceError> {
+fn volumes(quick: bool, threads: usize, keep_running: &dyn Fn() -> bool) -> Result<Vec<Volume>, ReproduceError> {
     let points = if quick { QUICK_RESOLUTION } else { RESOLUTION };
     let request = VolumeRequest { axes: volume::Axes::thesis([points; 3]), ..VolumeRequest::thesis() };
-    volume::volumes_with(&request, threads, &mut |_, _| (), go_on)
-        .map_err(|error| ReproduceError::of("the volumes")(&error))
+    volume::volumes_with(&request, threads, &mut |_, _| (), keep_running)
+        .map_err(|error| ReproduceError::in_step("the volumes")(&error))
 }

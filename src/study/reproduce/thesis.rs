@@ -1,42 +1,44 @@
-//! The figures of the thesis, with what a right implementation finds (2-design §2.6) and why the two differ.
+//! Numbers of the thesis, with the values expected from a correct implementation (2-design §2.6) and the reasons for
+//! differences.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use serde::Deserialize;
 
-/// One figure, in SI. Its key ends in the unit of its value, or has it before the first `.base`, `.mu` or `.all`.
+/// One number of the thesis, in SI units. The key contains the unit of the value, at its end or before the first
+/// `.base`, `.mu` or `.all`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     pub key: String,
     pub section: String,
     /// Table, figure, section or equation of the thesis.
     pub source: String,
-    pub what: String,
-    /// The thesis's unit.
+    pub quantity: String,
+    /// Unit in the thesis.
     pub unit: &'static str,
-    /// Value in the thesis's unit per SI value.
+    /// Factor from SI to the unit in the thesis.
     pub scale: f64,
-    /// As printed, in its unit: also tells how many digits.
+    /// Printed text, which also defines the number of digits.
     pub printed: String,
-    /// Decimals in which the value is shown: those of the thesis or of what is expected, whichever has more.
+    /// Number of decimals shown: the larger one of the printed and the expected value.
     pub decimals: usize,
     pub thesis: Option<f64>,
     pub expected: Option<f64>,
-    /// How far from the expected value is right.
-    pub within: f64,
-    /// Key of a [`Reason`]; empty where thesis and expectation agree.
+    /// Allowed deviation from the expected value.
+    pub tolerance: f64,
+    /// Key of a [`Reason`]; empty if the printed and the expected value agree.
     pub reason: String,
 }
 
-/// Why a figure differs.
+/// Reason for a difference between the printed and the expected value.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct Reason {
     pub errata: Vec<u32>,
     pub text: String,
 }
 
-/// Units of the file with their factor to SI and the suffix of their keys.
+/// Units in `thesis.csv`: name, factor from SI to the unit, and suffix of the keys.
 pub const UNITS: [(&str, f64, &str); 8] = [
     ("", 1.0, ""),
     ("%", 1.0, "_percent"),
@@ -52,36 +54,38 @@ const FIGURES: &str = include_str!("thesis.csv");
 const REASONS: &str = include_str!("reasons.toml");
 
 #[derive(Deserialize)]
-struct Line {
+struct FigureRow {
     key: String,
     section: String,
     source: String,
-    what: String,
+    #[serde(rename = "what")]
+    quantity: String,
     unit: String,
     thesis: String,
     expected: String,
-    within: Option<f64>,
+    #[serde(rename = "within")]
+    tolerance: Option<f64>,
     reason: String,
 }
 
-/// All figures, in the order of the file.
+/// Returns all numbers, in the order of the file.
 pub fn figures() -> &'static [Figure] {
-    static READ: OnceLock<Vec<Figure>> = OnceLock::new();
-    READ.get_or_init(|| {
+    static PARSED: OnceLock<Vec<Figure>> = OnceLock::new();
+    PARSED.get_or_init(|| {
         let mut reader = csv::Reader::from_reader(FIGURES.as_bytes());
         let lines =
-            reader.deserialize().map(|line: Result<Line, csv::Error>| line.expect("the file is part of the program"));
+            reader.deserialize().map(|line: Result<FigureRow, csv::Error>| line.expect("the embedded file is valid"));
         lines.map(figure).collect()
     })
 }
 
-/// Reasons by key.
+/// Returns the reasons by key.
 pub fn reasons() -> &'static BTreeMap<String, Reason> {
-    static READ: OnceLock<BTreeMap<String, Reason>> = OnceLock::new();
-    READ.get_or_init(|| toml::from_str(REASONS).expect("the file is part of the program"))
+    static PARSED: OnceLock<BTreeMap<String, Reason>> = OnceLock::new();
+    PARSED.get_or_init(|| toml::from_str(REASONS).expect("the embedded file is valid"))
 }
 
-fn figure(line: Line) -> Figure {
+fn figure(line: FigureRow) -> Figure {
     let (unit, scale, _) = *UNITS.iter().find(|(unit, ..)| *unit == line.unit).expect("a unit of the list");
     let number = |text: &str| (!text.is_empty()).then(|| text.parse::<f64>().expect("a number") / scale);
     let decimals = |text: &str| text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
@@ -89,12 +93,12 @@ fn figure(line: Line) -> Figure {
         thesis: number(&line.thesis),
         expected: number(&line.expected),
         decimals: decimals(&line.thesis).max(decimals(&line.expected)),
-        within: line.within.unwrap_or(0.0) / scale,
+        tolerance: line.tolerance.unwrap_or(0.0) / scale,
         printed: line.thesis,
         key: line.key,
         section: line.section,
         source: line.source,
-        what: line.what,
+        quantity: line.quantity,
         unit,
         scale,
         reason: line.reason,
@@ -106,27 +110,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_differ_and_carry_their_units_and_every_difference_has_a_reason() {
+    fn keys_are_unique_and_every_difference_has_a_reason() {
         let figures = figures();
         assert!(figures.len() > 80);
         for (index, figure) in figures.iter().enumerate() {
             let key = &figure.key;
-            assert!(figures[..index].iter().all(|other| other.key != *key), "{key} is there twice");
+            assert!(figures[..index].iter().all(|other| other.key != *key), "{key} is not unique");
             let (.., suffix) = UNITS.iter().find(|(unit, ..)| *unit == figure.unit).expect("a unit");
             let quantity =
                 [".base_", ".all", ".mu_"].iter().fold(key.as_str(), |key, end| key.split(end).next().unwrap_or(key));
-            assert!(quantity.ends_with(suffix), "{key} is in {}", figure.unit);
-            assert!(figure.expected.is_some() || figure.within == 0.0, "{key} has a width about nothing");
+            assert!(quantity.ends_with(suffix), "{key} does not end in the unit {}", figure.unit);
+            assert!(
+                figure.expected.is_some() || figure.tolerance == 0.0,
+                "{key} has a tolerance without an expected value"
+            );
             assert!(figure.reason.is_empty() || reasons().contains_key(&figure.reason), "{key}: {}", figure.reason);
-            // What is right and what is printed may only differ for a reason.
+            // The printed and the expected value may differ only for a reason.
             if let (Some(thesis), Some(expected)) = (figure.thesis, figure.expected) {
                 let decimals = figure.printed.split_once('.').map_or(0, |(_, fraction)| fraction.len() as i32);
                 let rounding = 0.5 * 10f64.powi(-decimals) / figure.scale * (1.0 + 1e-9);
-                let agree = (thesis - expected).abs() <= rounding.max(figure.within);
+                let agree = (thesis - expected).abs() <= rounding.max(figure.tolerance);
                 assert!(agree || !figure.reason.is_empty(), "{key} has no reason");
             }
         }
         let used = |key: &String| figures.iter().any(|figure| figure.reason == *key);
-        assert!(reasons().keys().all(used), "a reason that nothing needs");
+        assert!(reasons().keys().all(used), "an unused reason");
     }
 }

@@ -1,6 +1,6 @@
-//! Classes of a grasp, from the best.
+//! Dynamic classes in order.
 
 use crate::criteria::Class;
 
-/// From best to worst.
+/// Dynamic classes from best to worst.
 pub const CLASSES: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];

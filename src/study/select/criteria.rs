@@ -1,4 +1,4 @@
-//! What a run must meet, and whether it does.
+//! Selection criteria and their evaluation.
 
 use super::candidates::Candidate;
 use super::{SelectError, Weights};
@@ -6,16 +6,16 @@ use crate::criteria::Class;
 use crate::study::sweep::Status;
 use crate::table::Table;
 
-/// What is asked of a design. The default is the thesis's §4.3: form-closed, statically stable, stable or semi-stable, and
-/// a palm force ≥ 0 from the final simulated forces.
+/// Criteria for a design. The default is that of thesis §4.3: form-closed, statically stable, dynamically stable or
+/// semi-stable, and a palm force ≥ 0 from the final simulated forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelectionCriteria {
-    /// Both static forces at the final configuration are positive.
+    /// Whether both static forces in the final configuration must be positive.
     pub force_positive: bool,
     pub form_closed: bool,
-    /// The worst dynamic class allowed; `None` for any.
-    pub least_class: Option<Class>,
-    /// Further bounds on columns of numbers, in the order in which they are applied.
+    /// Worst permitted dynamic class; `None` for any.
+    pub worst_class: Option<Class>,
+    /// Bounds on numeric columns, in the order of application.
     pub bounds: Vec<Bound>,
     pub weights: Weights,
 }
@@ -25,14 +25,14 @@ impl Default for SelectionCriteria {
         SelectionCriteria {
             force_positive: true,
             form_closed: true,
-            least_class: Some(Class::SemiStable),
+            worst_class: Some(Class::SemiStable),
             bounds: vec![Bound { column: "pfp_n".to_string(), side: Side::AtLeast, value: 0.0 }],
             weights: Weights::default(),
         }
     }
 }
 
-/// A column of numbers and a limit in its unit.
+/// Bound on a numeric column, in its unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
     pub column: String,
@@ -40,6 +40,7 @@ pub struct Bound {
     pub value: f64,
 }
 
+/// Direction of a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     AtLeast,
@@ -47,6 +48,7 @@ pub enum Side {
 }
 
 impl Side {
+    /// Relational symbol.
     pub fn sign(self) -> &'static str {
         match self {
             Side::AtLeast => "≥",
@@ -55,47 +57,47 @@ impl Side {
     }
 }
 
-/// One criterion, as it is applied.
+/// A single criterion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Criterion {
-    /// The run came to its end; without that there is nothing to rank.
+    /// The run is complete; otherwise it cannot be ranked.
     Completed,
-    /// The finger can grasp its object. Only where there are runs in which it cannot.
+    /// The finger can grasp its object. Applied only if some runs cannot.
     Graspable,
     ForcePositive,
     FormClosed,
     Class(Class),
     Bound(Bound),
-    /// There is a time to stability to rank by. Only where no class asks for it already.
+    /// The time to stability exists. Applied only if it is weighted and no class criterion implies it.
     Settled,
 }
 
-/// What is known of a criterion for one run.
+/// Result of a criterion for one run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
     Holds,
     Fails,
-    /// The run has no such figure: it was filtered, refused, or failed before. It does not count as met.
+    /// The figure is missing, because the run was filtered, refused or failed. The criterion is not met.
     Unknown,
 }
 
 impl SelectionCriteria {
-    /// The criteria in the order in which they are applied: what is known first comes first.
-    pub fn list(&self) -> Vec<Criterion> {
+    /// Criteria in the order of application: those known before the simulation first.
+    pub fn criteria(&self) -> Vec<Criterion> {
         let mut list = vec![Criterion::Completed];
         list.extend(self.force_positive.then_some(Criterion::ForcePositive));
         list.extend(self.form_closed.then_some(Criterion::FormClosed));
-        list.extend(self.least_class.filter(|&class| class != Class::Unstable).map(Criterion::Class));
-        let settles = list.iter().any(|criterion| matches!(criterion, Criterion::Class(_)));
+        list.extend(self.worst_class.filter(|&class| class != Class::Unstable).map(Criterion::Class));
+        let implies_settling = list.iter().any(|criterion| matches!(criterion, Criterion::Class(_)));
         list.extend(self.bounds.iter().cloned().map(Criterion::Bound));
-        list.extend((!settles && self.weights.tts > 0.0).then_some(Criterion::Settled));
+        list.extend((!implies_settling && self.weights.tts > 0.0).then_some(Criterion::Settled));
         list
     }
 }
 
 impl Criterion {
-    /// Whether a run meets it; `bound` is the value of the bound's column.
-    pub(super) fn judge(&self, run: &Candidate, bound: Option<f64>) -> Verdict {
+    /// Evaluates the criterion for a run; `bounded_value` is the value of the bounded column.
+    pub(super) fn evaluate(&self, run: &Candidate, bounded_value: Option<f64>) -> Verdict {
         let completed = run.status == Status::Completed;
         let verdict = |holds: Option<bool>| match holds {
             Some(true) => Verdict::Holds,
@@ -107,28 +109,33 @@ impl Criterion {
             Criterion::Graspable => verdict(completed.then(|| !run.cannot_grasp())),
             Criterion::ForcePositive => verdict(run.force_positive),
             Criterion::FormClosed => verdict(run.form_closed),
-            // In the order of `CLASSES`.
-            Criterion::Class(least) => verdict(run.class.map(|class| class as u8 <= *least as u8)),
-            Criterion::Bound(Bound { side, value, column }) => match bound.filter(|found| found.is_finite()) {
-                Some(found) if *side == Side::AtLeast => verdict(Some(found >= *value)),
-                Some(found) => verdict(Some(found <= *value)),
-                // A completed run that never settles has no time to be within.
-                None if completed && (column == "tts_s" || column == "t_geo_s" || column == "rebound_percent") => {
-                    Verdict::Fails
+            // The variants are declared in the order of `CLASSES`.
+            Criterion::Class(worst) => verdict(run.class.map(|class| class as u8 <= *worst as u8)),
+            Criterion::Bound(Bound { side, value, column }) => {
+                match bounded_value.filter(|number| number.is_finite()) {
+                    Some(number) if *side == Side::AtLeast => verdict(Some(number >= *value)),
+                    Some(number) => verdict(Some(number <= *value)),
+                    // A completed run that does not settle exceeds any bound on these columns.
+                    None if completed && (column == "tts_s" || column == "t_geo_s" || column == "rebound_percent") => {
+                        Verdict::Fails
+                    }
+                    None => Verdict::Unknown,
                 }
-                None => Verdict::Unknown,
-            },
+            }
             Criterion::Settled if completed => verdict(Some(run.tts_s.is_some())),
             Criterion::Settled => Verdict::Unknown,
         }
     }
 }
 
-/// For each criterion that is a bound, its column by row.
-pub(super) fn bounded(table: &Table, list: &[Criterion]) -> Result<Vec<Option<Vec<Option<f64>>>>, SelectError> {
+/// Values of the bounded column by row for each criterion; `None` for criteria that are not bounds.
+pub(super) fn bound_columns(
+    table: &Table,
+    criteria: &[Criterion],
+) -> Result<Vec<Option<Vec<Option<f64>>>>, SelectError> {
     let numbers = |criterion: &Criterion| match criterion {
         Criterion::Bound(bound) => Ok(Some(table.numbers(&bound.column)?)),
         _ => Ok(None),
     };
-    list.iter().map(numbers).collect()
+    criteria.iter().map(numbers).collect()
 }

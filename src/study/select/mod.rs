@@ -1,17 +1,16 @@
-//! Selection over the results of a sweep: which designs meet the criteria, what each criterion removed, and which of the
-//! designs left is best (thesis §4.1.2, §4.2.1, §4.3; errata 11).
+//! Selection of designs from the results of a sweep: criteria, runs removed by each criterion, and ranking of the
+//! remaining designs (thesis §4.1.2, §4.2.1, §4.3; errata 11).
 //!
-//! | file | job |
+//! | file | content |
 //! |---|---|
-//! | `candidates` | a table of results → runs with their figures, axes and conditions |
-//! | `criteria` | what a run must meet, and whether it does |
-//! | `ranking` | r_WC of those that do, and their places |
-//! | `tally` | what each criterion removed, and the classes counted |
-//! | `error` | what a table or a question can have wrong |
+//! | `candidates` | runs, axes and conditions from a table of results |
+//! | `criteria` | criteria and their evaluation |
+//! | `ranking` | score r_WC and ranks of the selected runs |
+//! | `tally` | runs removed by each criterion, runs per class |
+//! | `error` | errors |
 //!
-//! Nothing but the table is needed: the axes are the columns between `design` and `l12_m`, whatever a study varied. Axes
-//! that vary within one design (the friction of the thesis's study) make its **conditions**: every design is there once
-//! in each of them.
+//! Only the table is required: the axes are the columns between `design` and `l12_m`. Axes that vary within a design,
+//! such as the friction in the study of the thesis, define the **conditions**; every design occurs once per condition.
 
 mod candidates;
 mod classes;
@@ -20,12 +19,12 @@ mod error;
 mod ranking;
 mod tally;
 
-pub use candidates::{Axis, Candidate, Condition, class_named};
+pub use candidates::{Axis, Candidate, Condition, parse_class};
 pub use classes::CLASSES;
 pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict};
 pub use error::SelectError;
-pub use ranking::{Figures, Parts, Ranked, Weights, rank};
-pub use tally::{Classes, Tally};
+pub use ranking::{Figures, Ranked, ScoreTerms, Weights, rank};
+pub use tally::{ClassCounts, Tally};
 
 use crate::study::sweep::Reason;
 use crate::table::Table;
@@ -33,31 +32,32 @@ use crate::table::Table;
 /// A finished selection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
-    /// In the order in which they were applied.
+    /// Criteria in the order of application.
     pub criteria: Vec<Criterion>,
     pub weights: Weights,
     pub axes: Vec<Axis>,
     pub conditions: Vec<Condition>,
-    /// Every run of the table, in the order of its numbers.
+    /// All runs of the table, sorted by number.
     pub runs: Vec<Candidate>,
-    /// By run and criterion.
+    /// Verdicts by run and criterion.
     pub verdicts: Vec<Vec<Verdict>>,
-    /// One for each criterion.
+    /// One tally per criterion.
     pub tallies: Vec<Tally>,
-    /// One for each condition.
-    pub classes: Vec<Classes>,
-    /// Why runs that were simulated to the end have no class, by the reason without its numbers.
+    /// Counts of each condition.
+    pub classes: Vec<ClassCounts>,
+    /// Reasons for a missing class of completed runs, grouped without numbers.
     pub cannot_grasp: Vec<Reason>,
-    /// What decides the classes, from the best; `status` is the class. Empty if the table has no column `class_reason`.
+    /// Reasons for the classes from best to worst; `status` is the class. Empty if the table has no column
+    /// `class_reason`.
     pub class_reasons: Vec<Reason>,
-    /// The runs that meet every criterion, best first.
+    /// Runs that meet every criterion, best first.
     pub ranking: Vec<Ranked>,
-    /// Numbers up to the largest that no row has: the sweep was not finished.
+    /// Run numbers missing up to the largest one; not empty if the sweep is unfinished.
     pub missing_runs: Vec<i64>,
 }
 
 impl Selection {
-    /// How many different designs there are.
+    /// Number of different designs.
     pub fn designs(&self) -> usize {
         let mut numbers: Vec<i64> = self.runs.iter().map(|run| run.design).collect();
         numbers.sort_unstable();
@@ -65,45 +65,48 @@ impl Selection {
         numbers.len()
     }
 
-    /// The criterion after which none was left, applied one after the other; `None` while some are.
+    /// First criterion, in the order of application, after which no run remains; `None` if some runs remain.
     pub fn emptied_by(&self) -> Option<&Tally> {
-        self.tallies.iter().find(|tally| tally.left == 0)
+        self.tallies.iter().find(|tally| tally.remaining == 0)
     }
 }
 
-/// Applies the criteria to every run of a table of results, and ranks those that meet all of them.
+/// Applies the criteria to every run of a table of results and ranks the runs that meet all of them.
 ///
-/// Columns as `phalanx sweep` writes them. The table must have `run`, `design`, `l12_m`, `status`,
-/// `force_positive`, `form_closed`, `class`, `tts_s`, `f21_n`, `f22_n`, `pfp_n`, and what is bounded; others may be missing. A
-/// completed run may lack figures if its `reason` says why; it meets no criterion about them.
+/// The columns are those of `phalanx sweep`. Required are `run`, `design`, `l12_m`, `status`,
+/// `force_positive`, `form_closed`, `class`, `tts_s`, `f21_n`, `f22_n`, `pfp_n`, and the bounded columns. A
+/// completed run may lack figures if it has a `reason`; it does not meet the criteria on these figures.
+///
+/// # Errors
+/// Returns an error if the table is not the result of a sweep, or the criteria are invalid.
 pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection, SelectError> {
     criteria.weights.check()?;
-    let candidates::Read { axes, conditions, runs } = candidates::read(results)?;
-    let mut list = criteria.list();
+    let candidates::ResultRuns { axes, conditions, runs } = candidates::read_results(results)?;
+    let mut list = criteria.criteria();
     if runs.iter().any(Candidate::cannot_grasp) {
         list.insert(1, Criterion::Graspable);
     }
-    let bounded = criteria::bounded(results, &list)?;
-    let judge = |run: &Candidate| {
-        let of = |(criterion, column): (&Criterion, &Option<Vec<Option<f64>>>)| {
-            criterion.judge(run, column.as_ref().and_then(|values| values[run.row]))
+    let bound_columns = criteria::bound_columns(results, &list)?;
+    let evaluate = |run: &Candidate| {
+        let verdict = |(criterion, column): (&Criterion, &Option<Vec<Option<f64>>>)| {
+            criterion.evaluate(run, column.as_ref().and_then(|values| values[run.row]))
         };
-        list.iter().zip(&bounded).map(of).collect::<Vec<_>>()
+        list.iter().zip(&bound_columns).map(verdict).collect::<Vec<_>>()
     };
-    let verdicts: Vec<Vec<Verdict>> = runs.iter().map(judge).collect();
+    let verdicts: Vec<Vec<Verdict>> = runs.iter().map(evaluate).collect();
     let selected: Vec<usize> =
         (0..runs.len()).filter(|&run| verdicts[run].iter().all(|&verdict| verdict == Verdict::Holds)).collect();
-    let figures: Vec<Figures> = selected.iter().map(|&run| Figures::of(&runs[run])).collect();
+    let figures: Vec<Figures> = selected.iter().map(|&run| Figures::from_candidate(&runs[run])).collect();
     let mut ranking = rank(&figures, &criteria.weights);
     for ranked in &mut ranking {
         ranked.run_index = selected[ranked.run_index];
     }
     Ok(Selection {
         tallies: tally::tallies(&list, &verdicts),
-        classes: tally::classes(&runs, conditions.len()),
-        cannot_grasp: tally::cannot_grasp(&runs),
+        classes: tally::count_classes(&runs, conditions.len()),
+        cannot_grasp: tally::cannot_grasp_reasons(&runs),
         class_reasons: tally::class_reasons(&runs),
-        missing_runs: tally::missing(&runs),
+        missing_runs: tally::missing_runs(&runs),
         weights: criteria.weights,
         criteria: list,
         axes,

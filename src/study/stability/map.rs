@@ -1,9 +1,9 @@
-//! What is gone through, and what is found: plain data.
+//! Grid and results of the stability map.
 
 use crate::scene::WrongKind;
 use serde::Serialize;
 
-/// What is gone through: steps from long to short, factors from small to large.
+/// Grid of the map: steps from long to short, factors from small to large.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Grid {
     pub steps_s: Vec<f64>,
@@ -12,24 +12,26 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The usual one; `quick` leaves out the two shortest steps.
-    pub fn usual(quick: bool) -> Self {
+    /// Returns the standard grid; `quick` omits the two shortest steps.
+    pub fn standard(quick: bool) -> Self {
         let mut steps_s = vec![1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6];
         steps_s.truncate(if quick { 5 } else { 7 });
         Grid { steps_s, stiffness_factors: vec![1e-2, 1.0, 1e2, 1e4], damping_factors: vec![0.0, 1e-3, 1.0, 10.0] }
     }
 
+    /// Returns the number of cells.
     pub fn cells(&self) -> usize {
         self.steps_s.len() * self.columns().len()
     }
 
-    /// Pairs of factors, stiffness and damping: all stiffnesses of the first damping, and so on.
+    /// Returns pairs of stiffness and damping factors; stiffness varies fastest.
     pub(super) fn columns(&self) -> Vec<(f64, f64)> {
-        let of = |&damping: &f64| self.stiffness_factors.iter().map(move |&stiffness| (stiffness, damping));
-        self.damping_factors.iter().flat_map(of).collect()
+        let pairs = |&damping: &f64| self.stiffness_factors.iter().map(move |&stiffness| (stiffness, damping));
+        self.damping_factors.iter().flat_map(pairs).collect()
     }
 }
 
+/// Verdict on a run of the engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -42,7 +44,7 @@ pub enum Verdict {
 impl Verdict {
     pub const ALL: [Verdict; 4] = [Verdict::Accurate, Verdict::Inaccurate, Verdict::Failed, Verdict::NotJudged];
 
-    /// In tables and pictures.
+    /// Returns the label in tables and plots.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::Accurate => "stable, accurate",
@@ -52,7 +54,7 @@ impl Verdict {
         }
     }
 
-    /// In files for programs.
+    /// Returns the key in machine-readable files.
     pub fn key(self) -> &'static str {
         match self {
             Verdict::Accurate => "accurate",
@@ -70,17 +72,19 @@ pub struct Cell {
     pub stiffness_factor: f64,
     pub damping_factor: f64,
     pub verdict: Verdict,
-    /// Largest difference of any joint angle, as far as the run came; `None` where it is not finite or unknown.
+    /// Largest difference of any joint angle up to the end of the run; `None` if it is not finite or unknown.
     pub angle_error_rad: Option<f64>,
-    /// Mechanical energy from nowhere, in J and as part of the reference's throughput; the largest |balance| as part of it.
+    /// Spurious mechanical energy, J.
     pub energy_created_j: f64,
+    /// Spurious mechanical energy relative to the energy exchanged in the reference run.
     pub energy_created: f64,
+    /// Largest magnitude of the energy balance relative to the energy exchanged in the reference run.
     pub energy_balance: f64,
     pub loop_gap_m: f64,
     pub steps: u64,
     pub contact_substeps: u64,
     pub wall_s: f64,
-    /// Why it failed or was not judged.
+    /// Reason why the run failed or was not judged.
     pub reason: Option<String>,
 }
 
@@ -91,28 +95,29 @@ pub struct ReferenceRun {
     pub damping_factor: f64,
     pub steps: u64,
     pub touchdowns: [u32; 2],
-    /// Most energy that was ever about.
+    /// Energy throughput: largest mechanical energy in the system at any time.
     pub throughput_j: f64,
-    /// Largest change of any joint angle when the motor torque is larger by 1e-9 of itself; `None` if unknown.
+    /// Largest change of any joint angle for a relative increase of the motor torque by 1e-9; `None` if unknown.
     pub sensitivity_rad: Option<f64>,
     pub wall_s: f64,
-    /// Why it could not be completed.
+    /// Reason why the run was not completed.
     pub reason: Option<String>,
 }
 
-/// The whole map.
+/// Stability map.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stability {
     pub scene: String,
     pub accuracy_rad: f64,
     pub duration_s: f64,
     pub until_s: f64,
-    /// Of the scene, proximal and distal; the unit of k is N/m^e.
+    /// Contact stiffness k of the scene, proximal and distal, N/m^e.
     pub stiffness_si: [f64; 2],
+    /// Largest contact damping c_max of the scene, proximal and distal.
     pub damping_max_n_s_per_m: [f64; 2],
     pub grid: Grid,
     pub references: Vec<ReferenceRun>,
-    /// Dampings in order, in each the stiffnesses, in each the steps.
+    /// Cells; the step varies fastest, then stiffness, then damping.
     pub cells: Vec<Cell>,
     pub wall_s: f64,
 }
@@ -132,36 +137,36 @@ impl Stability {
     }
 }
 
-/// Why there is no map.
+/// Error during a stability study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     #[error(transparent)]
     Kind(#[from] WrongKind),
     #[error(
-        "nothing can touch in this scene, and factors of contact stiffness and damping would change nothing; give it an \
-         object: [object] radius and centre"
+        "the scene has no contacts, so factors of contact stiffness and damping have no effect; add an object: [object] radius and \
+         centre"
     )]
     NoObject,
     #[error(
-        "the engine of this scene answers with rapier's own contact, which knows neither stiffness nor damping; leave out \
-         `law = \"rapier\"` under [engine]"
+        "the engine of this scene uses rapier's own contact, which has neither stiffness nor damping; remove `law = \"rapier\"` under \
+         [engine]"
     )]
-    Rigid,
+    RigidContact,
     #[error(
-        "the step of {step_s:e} s is not shorter than the run of {duration_s:e} s; give shorter steps or a longer `duration`"
+        "the step of {step_s:e} s is not shorter than the run of {duration_s:e} s; use shorter steps or a longer `duration`"
     )]
     LongStep { step_s: f64, duration_s: f64 },
     #[error(
-        "with steps of {step_s:e} s the run of {duration_s:e} s takes more than {most} steps; give longer steps or a shorter `duration`, or \
-         raise max_steps under [engine]"
+        "with steps of {step_s:e} s the run of {duration_s:e} s takes more than {max_steps} steps; use longer steps or a shorter \
+         `duration`, or raise max_steps under [engine]"
     )]
-    ShortStep { step_s: f64, duration_s: f64, most: u64 },
+    ShortStep { step_s: f64, duration_s: f64, max_steps: u64 },
     #[error(
-        "the stiffness factor {stiffness:e} with the damping factor {damping:e} leaves a contact with k = {k:e} and c_max = \
-         {c:e}: both must be finite and one of them above 0; give other factors"
+        "the stiffness factor {stiffness:e} and the damping factor {damping:e} give a contact with k = {k:e} and c_max = {c:e}; both must \
+         be finite and one of them above 0; use other factors"
     )]
-    Law { stiffness: f64, damping: f64, k: f64, c: f64 },
-    /// `go_on` said no.
-    #[error("stopped after {done} of {total} parts")]
+    InvalidLaw { stiffness: f64, damping: f64, k: f64, c: f64 },
+    /// `keep_running` returned `false`.
+    #[error("interrupted after {done} of {total} runs")]
     Stopped { done: usize, total: usize },
 }

@@ -1,21 +1,23 @@
-//! The convergence map of the engine model: over step size, contact stiffness and contact damping.
+//! Convergence map of the engine model over step size, contact stiffness and contact damping.
 //!
-//! **Cells.** The scene of a finger as it is given, the engine with a fixed step, and in both contacts with the object the
-//! stiffness k and the greatest damping c_max times a factor each. The joint limit keeps its law. Each pair of factors is
-//! compared with a *reference* of its own, the analytic model at [`Preset::Reference`](crate::scene::Preset).
+//! **Cells.** Each cell is a run of the finger scene with the engine at a fixed step, with the stiffness k and the
+//! largest damping c_max of both object contacts multiplied by one factor each. The joint limit keeps its law. Each
+//! pair of factors is compared with its own *reference*, the analytic model at
+//! [`Preset::Reference`](crate::scene::Preset).
 //!
-//! | verdict | what it says |
+//! | verdict | meaning |
 //! |---|---|
-//! | failed | the run ended in an error, or broke what stability means: every number finite; mechanical energy beyond the motor's work never [`ENERGY`] of the reference's throughput above an earlier value; what is dissipated does not fall by as much; contacts and joint limit no deeper than all energy there is (and [`ENERGY`] more) could push them |
-//! | accurate | not failed, and q11, q21, q22 within the bound of the reference at every step up to `[validate] until` |
-//! | inaccurate | not failed, but further away somewhere |
+//! | failed | the run ended in an error or violated a stability criterion: all numbers are finite; mechanical energy minus the motor's work never rises by more than [`ENERGY_TOLERANCE`] of the reference's throughput above an earlier value; dissipated energy never falls by as much; contacts and joint limit penetrate no deeper than the total energy plus [`ENERGY_TOLERANCE`] allows |
+//! | accurate | not failed, and q11, q21, q22 are within the bound of the reference at every step up to `[validate] until` |
+//! | inaccurate | not failed, but beyond the bound at some step |
 //! | not judged | the reference could not be completed, or the engine's step budget was too small |
 //!
-//! The throughput is the most energy that was ever about in the reference. That of a broken run would grow with its errors.
-//! A run that is too coarse to be right may still be stable: energy that gets lost is an error, not a failure.
+//! The throughput is the largest mechanical energy in the reference at any time; the throughput of a failed run would
+//! grow with its errors. A run that is too coarse to be accurate may still be stable: a loss of energy is an error, not
+//! a failure.
 //!
-//! Each reference is also run with a motor torque larger by 1e-9: by how much that turns the angles says how well the
-//! closing itself is determined. Where that is more than the bound, no step size could be right.
+//! Each reference is repeated with the motor torque increased by 1e-9. The change of the angles is the sensitivity of
+//! the closing motion. If it exceeds the bound, no step size can be accurate.
 
 mod map;
 
@@ -24,52 +26,54 @@ use std::time::Instant;
 
 use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{Engine, Response, Scene, Stepping};
 use crate::study::pool;
-use crate::trace::While;
+use crate::trace::Cancellable;
 use crate::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
-use crate::validate::{Comparison, Recording, member, record_while, reference, sampled};
+use crate::validate::{Comparison, Recording, ensemble_member, record_cancellable, reference_scene, sampled_scene};
 
 pub use map::{Cell, Grid, ReferenceRun, Stability, StudyError, Verdict};
 
-/// Part of the reference's energy throughput that may come from nowhere before a run counts as failed.
-pub const ENERGY: f64 = 0.1;
-/// Largest angle difference of an accurate run, unless another is asked for, in rad.
+/// Spurious energy relative to the reference's throughput above which a run counts as failed.
+pub const ENERGY_TOLERANCE: f64 = 0.1;
+/// Default for the largest angle difference of an accurate run, rad.
 pub const ACCURACY_RAD: f64 = 1e-3;
-/// Invariants whose breach is a failure, beside the energy; the others say how accurate a run is.
-const STABILITY: [Invariant; 4] =
+/// Invariants whose violation is a failure, in addition to the energy. The others measure accuracy.
+const STABILITY_INVARIANTS: [Invariant; 4] =
     [Invariant::Finite, Invariant::Passivity, Invariant::Penetration, Invariant::JointLimit];
 
-/// What is the same for all cells.
-struct Task<'a> {
+/// Common settings of all cells.
+struct CellSettings<'a> {
     steps_s: &'a [f64],
     accuracy_rad: f64,
-    go_on: &'a (dyn Fn() -> bool + Sync),
+    keep_running: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// Makes the map on all cores. `tell` hears how many of how many parts are done, and which was the last.
+/// Computes the map on all cores. `progress` receives the completed and the total number of runs, and the model of the
+/// last one.
 ///
 /// # Errors
-/// A scene or grid that cannot be mapped, or `go_on` said no. Runs that fail are part of the map.
+/// Returns an error if the scene or the grid is not suitable, or `keep_running` returned `false`. Failed runs are part
+/// of the map.
 pub fn stability(
     scene: &Scene,
     grid: &Grid,
     accuracy_rad: f64,
-    tell: &mut dyn FnMut(usize, usize, &str),
-    go_on: &(dyn Fn() -> bool + Sync),
+    progress: &mut dyn FnMut(usize, usize, &str),
+    keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Result<Stability, StudyError> {
     check(scene, grid)?;
     let start = Instant::now();
     let columns = grid.columns();
     let total = columns.len() * (grid.steps_s.len() + 1);
-    let task = Task { steps_s: &grid.steps_s, accuracy_rad, go_on };
+    let settings = CellSettings { steps_s: &grid.steps_s, accuracy_rad, keep_running };
     let mut done = 0;
-    tell(done, total, "references");
-    let work = |&factors: &_, sender: &_| column(scene, factors, &task, sender);
-    let found = pool::map(0, &columns, work, |note| {
+    progress(done, total, "references");
+    let work = |&factors: &_, sender: &_| column(scene, factors, &settings, sender);
+    let found = pool::map(0, &columns, work, |model| {
         done += 1;
-        tell(done, total, note);
+        progress(done, total, model);
     });
     let found: Option<Vec<(ReferenceRun, Vec<Cell>)>> = found.into_iter().collect();
     let (references, cells): (Vec<_>, Vec<_>) = found.ok_or(StudyError::Stopped { done, total })?.into_iter().unzip();
@@ -89,32 +93,32 @@ pub fn stability(
 }
 
 fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
-    if scene.only(SceneKind::Finger)?.object().is_none() {
+    if scene.require_kind(SceneKind::Finger)?.object().is_none() {
         return Err(StudyError::NoObject);
     }
     if scene.engine.response != Response::Laws {
-        return Err(StudyError::Rigid);
+        return Err(StudyError::RigidContact);
     }
     if let Some(&step_s) = grid.steps_s.iter().find(|&&step_s| step_s >= scene.duration_s) {
         return Err(StudyError::LongStep { step_s, duration_s: scene.duration_s });
     }
-    let most = scene.engine.max_steps.max(Engine::DEFAULT.max_steps);
-    if let Some(&step_s) = grid.steps_s.iter().find(|&&step_s| scene.duration_s / step_s > most as f64) {
-        return Err(StudyError::ShortStep { step_s, duration_s: scene.duration_s, most });
+    let max_steps = scene.engine.max_steps.max(Engine::DEFAULT.max_steps);
+    if let Some(&step_s) = grid.steps_s.iter().find(|&&step_s| scene.duration_s / step_s > max_steps as f64) {
+        return Err(StudyError::ShortStep { step_s, duration_s: scene.duration_s, max_steps });
     }
     for (stiffness, damping) in grid.columns() {
         let contact = scaled(scene, stiffness, damping).finger().contact;
         for law in [contact.proximal.normal, contact.distal.normal] {
             let (k, c) = (law.stiffness_n_per_m_e, law.damping_max_n_s_per_m);
             if !(k.is_finite() && c.is_finite() && k.max(c) > 0.0) {
-                return Err(StudyError::Law { stiffness, damping, k, c });
+                return Err(StudyError::InvalidLaw { stiffness, damping, k, c });
             }
         }
     }
     Ok(())
 }
 
-/// The scene with its contacts times the factors.
+/// Returns the scene with contact stiffness and damping multiplied by the factors.
 fn scaled(scene: &Scene, stiffness: f64, damping: f64) -> Scene {
     let mut scene = scene.clone();
     for contact in scene.finger_mut().contact.both_mut() {
@@ -124,28 +128,37 @@ fn scaled(scene: &Scene, stiffness: f64, damping: f64) -> Scene {
     scene
 }
 
-/// The reference of a pair of factors and the cells judged by it; `None` if it was told to stop.
-fn column(scene: &Scene, factors: (f64, f64), task: &Task, sender: &Sender<&str>) -> Option<(ReferenceRun, Vec<Cell>)> {
+/// Computes the reference for a pair of factors and the cells compared with it; `None` if interrupted.
+fn column(
+    scene: &Scene,
+    factors: (f64, f64),
+    settings: &CellSettings,
+    sender: &Sender<&str>,
+) -> Option<(ReferenceRun, Vec<Cell>)> {
     let scene = scaled(scene, factors.0, factors.1);
-    let (found, recording) = expected(&scene, factors, task)?;
-    // Nobody listening is no reason to stop.
+    let (found, recording) = run_reference(&scene, factors, settings)?;
+    // A missing receiver does not end the study.
     let _ = sender.send("references");
-    let mut cells = Vec::with_capacity(task.steps_s.len());
-    for &step_s in task.steps_s {
+    let mut cells = Vec::with_capacity(settings.steps_s.len());
+    for &step_s in settings.steps_s {
         cells.push(match &recording {
-            Some(recording) => cell(&scene, factors, step_s, (&found, recording), task)?,
-            None => unjudged(factors, step_s, "the reference could not be completed"),
+            Some(recording) => cell(&scene, factors, step_s, (&found, recording), settings)?,
+            None => unjudged_cell(factors, step_s, "the reference could not be completed"),
         });
         let _ = sender.send("engine");
     }
     Some((found, cells))
 }
 
-/// Runs the reference, and once more with a little more torque.
-fn expected(scene: &Scene, (stiffness, damping): (f64, f64), task: &Task) -> Option<(ReferenceRun, Option<Recording>)> {
-    let tight = reference(scene);
+/// Runs the reference, and repeats it with a slightly larger torque.
+fn run_reference(
+    scene: &Scene,
+    (stiffness, damping): (f64, f64),
+    settings: &CellSettings,
+) -> Option<(ReferenceRun, Option<Recording>)> {
+    let reference = reference_scene(scene);
     let start = Instant::now();
-    let recording = record_while(Model::Analytic, &tight, task.go_on);
+    let recording = record_cancellable(Model::Analytic, &reference, settings.keep_running);
     let wall_s = start.elapsed().as_secs_f64();
     let mut found = ReferenceRun {
         stiffness_factor: stiffness,
@@ -160,15 +173,19 @@ fn expected(scene: &Scene, (stiffness, damping): (f64, f64), task: &Task) -> Opt
     match recording {
         Ok(recording) => {
             found.steps = recording.outcome.work.steps;
-            found.touchdowns = [0, 1].map(|site| recording.outcome.contacts[site].touchdowns);
-            let mut invariants = Invariants::new(Model::Analytic, &tight);
+            found.touchdowns = [0, 1].map(|contact| recording.outcome.contacts[contact].touchdowns);
+            let mut invariants = Invariants::new(Model::Analytic, &reference);
             for sample in &recording.samples {
-                invariants.sample(sample).expect("measuring writes nothing");
+                invariants.sample(sample).expect("invariants write no output");
             }
             found.throughput_j = invariants.throughput_j();
             let mut comparison = Comparison::new(&recording, scene.bounds.until_s);
-            let nearby = member(&tight, 1);
-            match run(Model::Analytic, &nearby, &mut While { sink: &mut comparison, go_on: task.go_on }) {
+            let perturbed = ensemble_member(&reference, 1);
+            match run(
+                Model::Analytic,
+                &perturbed,
+                &mut Cancellable { sink: &mut comparison, keep_running: settings.keep_running },
+            ) {
                 Ok(outcome) => found.sensitivity_rad = Some(comparison.finish(&outcome).path_max()),
                 Err(error) if error.is_stop() => return None,
                 Err(_) => {}
@@ -183,13 +200,13 @@ fn expected(scene: &Scene, (stiffness, damping): (f64, f64), task: &Task) -> Opt
     }
 }
 
-/// Compares with the reference and watches the invariants in one go.
-struct Watched<'a> {
+/// Compares a run with the reference and checks the invariants.
+struct CellObserver<'a> {
     comparison: Comparison<'a>,
     invariants: Invariants,
 }
 
-impl Sink for Watched<'_> {
+impl Sink for CellObserver<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.comparison.sample(sample)?;
         self.invariants.sample(sample)
@@ -200,77 +217,79 @@ impl Sink for Watched<'_> {
     }
 }
 
-/// Runs the engine with a fixed step and judges it; `None` if it was told to stop.
+/// Runs the engine with a fixed step and judges the run; `None` if interrupted.
 fn cell(
     scene: &Scene,
     factors: (f64, f64),
     step_s: f64,
-    (expected, reference): (&ReferenceRun, &Recording),
-    task: &Task,
+    (run_reference, reference): (&ReferenceRun, &Recording),
+    settings: &CellSettings,
 ) -> Option<Cell> {
-    let mut scene = sampled(Model::Engine, scene);
+    let mut scene = sampled_scene(Model::Engine, scene);
     scene.engine.stepping = Stepping::Fixed { step_s };
-    let mut watched = Watched {
+    let mut observer = CellObserver {
         comparison: Comparison::new(reference, scene.bounds.until_s),
-        invariants: Invariants::new(Model::Engine, &scene).tolerating(ENERGY),
+        invariants: Invariants::new(Model::Engine, &scene).with_energy_tolerance(ENERGY_TOLERANCE),
     };
     let start = Instant::now();
-    let result = run(Model::Engine, &scene, &mut While { sink: &mut watched, go_on: task.go_on });
+    let result =
+        run(Model::Engine, &scene, &mut Cancellable { sink: &mut observer, keep_running: settings.keep_running });
     let wall_s = start.elapsed().as_secs_f64();
-    let (outcome, broken) = match result {
+    let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),
         Err(RunError::Simulation { failure: Failure { reason: Reason::Stopped, .. }, .. }) => return None,
-        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure)),
-        Err(RunError::Sink(error)) => return Some(unjudged(factors, step_s, &error.to_string())),
+        Err(RunError::Simulation { failure, partial_outcome }) => (*partial_outcome, Some(failure)),
+        Err(RunError::Sink(error)) => return Some(unjudged_cell(factors, step_s, &error.to_string())),
     };
-    let Watched { comparison, invariants } = watched;
+    let CellObserver { comparison, invariants } = observer;
     let error_rad = comparison.finish(&outcome).path_max();
     let (created_j, findings) = (invariants.created_j(), invariants.findings(outcome.loop_gap_m));
-    let (verdict, reason) = match broken {
+    let (verdict, reason) = match failure {
         Some(Failure { reason: reason @ (Reason::Budget(_) | Reason::SubstepBudget { .. }), .. }) => {
             (Verdict::NotJudged, Some(reason.to_string()))
         }
         Some(failure) => (Verdict::Failed, Some(failure.to_string())),
-        None => match breach(&findings, created_j, ENERGY * expected.throughput_j) {
-            Some(breach) => (Verdict::Failed, Some(breach)),
-            None if error_rad <= task.accuracy_rad => (Verdict::Accurate, None),
+        None => match violations(&findings, created_j, ENERGY_TOLERANCE * run_reference.throughput_j) {
+            Some(violations) => (Verdict::Failed, Some(violations)),
+            None if error_rad <= settings.accuracy_rad => (Verdict::Accurate, None),
             None => (Verdict::Inaccurate, None),
         },
     };
-    let part = |energy_j: f64| if energy_j > 0.0 { energy_j / expected.throughput_j } else { 0.0 };
+    let relative = |energy_j: f64| if energy_j > 0.0 { energy_j / run_reference.throughput_j } else { 0.0 };
     Some(Cell {
         verdict,
         angle_error_rad: Some(error_rad).filter(|error| error.is_finite()),
         energy_created_j: created_j,
-        energy_created: part(created_j),
-        energy_balance: part(findings[Invariant::Energy as usize].measured),
+        energy_created: relative(created_j),
+        energy_balance: relative(findings[Invariant::Energy as usize].measured),
         loop_gap_m: outcome.loop_gap_m,
         steps: outcome.work.steps,
         contact_substeps: outcome.work.contact_substeps,
         wall_s,
         reason,
-        ..unjudged(factors, step_s, "")
+        ..unjudged_cell(factors, step_s, "")
     })
 }
 
-/// In what a finished run broke what stability means, everything that did.
-fn breach(findings: &[Finding], created_j: f64, allowed_j: f64) -> Option<String> {
-    let mut broken = Vec::new();
+/// Returns the stability criteria that a completed run violates, if any.
+fn violations(findings: &[Finding], created_j: f64, allowed_j: f64) -> Option<String> {
+    let mut violations = Vec::new();
     if created_j > allowed_j || !created_j.is_finite() {
-        broken.push(format!("energy created: {created_j:.3e} of {allowed_j:.3e} J allowed"));
+        violations.push(format!("energy created: {created_j:.3e} of {allowed_j:.3e} J allowed"));
     }
-    for found in findings.iter().filter(|found| STABILITY.contains(&found.invariant)) {
-        let held_to_reference = found.invariant == Invariant::Passivity;
-        let found = if held_to_reference { &Finding { allowed: allowed_j, ..found.clone() } } else { found };
-        if found.is_broken() {
-            broken.push(found.to_string());
+    for found in findings.iter().filter(|found| STABILITY_INVARIANTS.contains(&found.invariant)) {
+        // Passivity is judged relative to the reference's throughput.
+        let is_relative_to_reference = found.invariant == Invariant::Passivity;
+        let found = if is_relative_to_reference { &Finding { allowed: allowed_j, ..found.clone() } } else { found };
+        if found.is_violated() {
+            violations.push(found.to_string());
         }
     }
-    (!broken.is_empty()).then(|| broken.join("; "))
+    (!violations.is_empty()).then(|| violations.join("; "))
 }
 
-/// A cell about which nothing is known.
-fn unjudged((stiffness_factor, damping_factor): (f64, f64), step_s: f64, reason: &str) -> Cell {
+/// Returns a cell without a result.
+fn unjudged_cell((stiffness_factor, damping_factor): (f64, f64), step_s: f64, reason: &str) -> Cell {
     Cell {
         step_s,
         stiffness_factor,

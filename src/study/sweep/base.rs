@@ -1,5 +1,5 @@
-//! The base scene: its keys and values are checked once, as far as that can be said without the axes; whether the finger
-//! closes, say, is found run by run.
+//! Base scene: its keys and values are checked once. Checks that depend on the axes, such as whether the finger closes,
+//! are made in each run.
 
 use std::ops::Range;
 use std::path::Path;
@@ -9,93 +9,99 @@ use serde_json::Value as Json;
 use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 use toml::{Spanned, Table};
 
-use super::field::{Holds, join};
+use super::field::{FieldType, join};
 use super::problem::problem;
-use crate::scene::any::Any;
-use crate::scene::kinds::Words;
-use crate::scene::schema::{schema_of, schemas_but};
-use crate::scene::text::syntax;
-use crate::scene::words::SceneKind;
-use crate::scene::{Layer, Problem, SceneError, keys, layers, parse_layers};
+use crate::scene::keywords::SceneKind;
+use crate::scene::parse::syntax_problem;
+use crate::scene::schema::{other_schemas, schema_for};
+use crate::scene::toml_value::TomlValue;
+use crate::scene::value_kinds::Keyword;
+use crate::scene::{Layer, Problem, SceneError, keys, load_layers, parse_layers};
 
 /// A base scene.
 pub struct Base {
     pub table: Table,
     pub kind: SceneKind,
-    /// The text of its file; empty if it stands in the study.
+    /// Text of its file; empty if the scene is part of the study file.
     pub text: String,
 }
 
-/// Why there is no base scene: because of what the study says of it, or because of what its own file says.
-pub enum Refusal {
+/// Error in the base scene, located in the study file or in the scene file.
+pub enum BaseError {
     Study(Problem),
     Scene(SceneError, SceneKind),
 }
 
-/// Reads the scene file that a study names, from the study's directory; `span`: where it does.
-pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result<Base, Refusal> {
+/// Reads the scene file that a study names, relative to the directory of the study. `span` locates the name.
+pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result<Base, BaseError> {
     let path = Path::new(study_file).parent().unwrap_or(Path::new("")).join(scene);
-    let layers = layers(&path).map_err(|error| match error {
-        SceneError::Read { file, reason } => Refusal::Study(problem(
+    let layers = load_layers(&path).map_err(|error| match error {
+        SceneError::Read { file, reason } => BaseError::Study(problem(
             span.clone(),
             format!("cannot read the base scene {file}: {reason}"),
             "this file".to_string(),
-            "name a scene file; its path is seen from the directory of the study".to_string(),
+            "name a scene file; its path is relative to the directory of the study".to_string(),
         )),
-        error => Refusal::Scene(error, SceneKind::Finger),
+        error => BaseError::Scene(error, SceneKind::Finger),
     })?;
     let kind = parse_layers(&layers, &[], |text, _| {
-        Ok(DeTable::parse(text).map_or(SceneKind::Finger, |document| kind_of(document.get_ref())))
+        Ok(DeTable::parse(text).map_or(SceneKind::Finger, |document| scene_kind(document.get_ref())))
     });
-    of_layers(&layers, &[]).map_err(|error| Refusal::Scene(error, kind.unwrap_or(SceneKind::Finger)))
+    base_from_layers(&layers, &[]).map_err(|error| BaseError::Scene(error, kind.unwrap_or(SceneKind::Finger)))
 }
 
-/// The base scene of these texts, see `scene::parse_layers`.
-pub fn of_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
+/// Builds a base scene from the arguments of `scene::parse_layers`.
+pub fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
     let read = |text: &str, file: &str| {
         let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
-        let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax(&error)]))?;
-        let (mut problems, kind) = (Vec::new(), kind_of(document.get_ref()));
-        let table = check(document, "", kind, &mut problems);
+        let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
+        let (mut problems, kind) = (Vec::new(), scene_kind(document.get_ref()));
+        let table = check_scene(document, "", kind, &mut problems);
         if problems.is_empty() { Ok(Base { table, kind, text: text.to_string() }) } else { Err(refuse(problems)) }
     };
     parse_layers(layers, settings, read)
 }
 
-/// The kind of scene a document says it is; of a finger if it says nothing that is known.
-pub fn kind_of(document: &DeTable<'_>) -> SceneKind {
-    let said = document.get("kind").and_then(|kind| kind.get_ref().as_str());
-    SceneKind::ALL.into_iter().find(|kind| Some(kind.word()) == said).unwrap_or(SceneKind::Finger)
+/// Kind of the scene in a document; a finger if it is missing or unknown.
+pub fn scene_kind(document: &DeTable<'_>) -> SceneKind {
+    let name = document.get("kind").and_then(|kind| kind.get_ref().as_str());
+    SceneKind::ALL.into_iter().find(|kind| Some(kind.keyword()) == name).unwrap_or(SceneKind::Finger)
 }
 
-/// Checks a scene of this kind or a part of one, which stands under `path` in its file.
-pub fn check(mut document: Spanned<DeTable<'_>>, path: &str, kind: SceneKind, problems: &mut Vec<Problem>) -> Table {
+/// Checks a scene of this kind, or a section of one at `path` of its file. Returns its valid content.
+pub fn check_scene(
+    mut document: Spanned<DeTable<'_>>,
+    path: &str,
+    kind: SceneKind,
+    problems: &mut Vec<Problem>,
+) -> Table {
     if kind == SceneKind::Bodies {
         problems.push(problem(
             document.get_ref().get("kind").map(Spanned::span),
             "a sweep simulates fingers and grippers, but this is a scene of kind \"bodies\"".to_string(),
             "another kind".to_string(),
-            "give the scene of a finger (kind = \"finger\", or no kind at all) or of a gripper (kind = \"gripper\")"
+            "use the scene of a finger (kind = \"finger\", or without `kind`) or of a gripper (kind = \"gripper\")"
                 .to_string(),
         ));
         return Table::new();
     }
-    let allowed = keys::Allowed { kind: kind.word(), schema: schema_of(kind), others: &|| schemas_but(kind) };
-    problems.extend(keys::weed(document.get_mut(), &allowed));
-    leaves(document.get_ref(), schema_of(kind), path, problems);
+    let allowed =
+        keys::KeySchemas { kind: kind.keyword(), schema: schema_for(kind), other_kinds: &|| other_schemas(kind) };
+    problems.extend(keys::remove_unknown(document.get_mut(), &allowed));
+    check_values(document.get_ref(), schema_for(kind), path, problems);
     Table::deserialize(Deserializer::from(document)).unwrap_or_default()
 }
 
-/// Checks single values: their kinds, their units.
-fn leaves(table: &DeTable<'_>, schema: &Json, path: &str, problems: &mut Vec<Problem>) {
+/// Checks the types and units of single values.
+fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, problems: &mut Vec<Problem>) {
     for (key, value) in table {
         let key = key.get_ref().as_ref();
-        let (here, part) = (join(path, key), keys::child(schema, key).unwrap_or(&Json::Null));
+        let (path, schema) = (join(path, key), keys::child_schema(schema, key).unwrap_or(&Json::Null));
         if let DeValue::Table(inner) = value.get_ref() {
-            leaves(inner, part, &here, problems);
-        } else if let Ok(given) = Any::deserialize(ValueDeserializer::from(value.clone())) {
-            let given = Spanned::new(value.span(), given);
-            problems.extend(Holds::of(part).read(&here, &given).err().into_iter().flatten());
+            check_values(inner, schema, &path, problems);
+        } else if let Ok(toml_value) = TomlValue::deserialize(ValueDeserializer::from(value.clone())) {
+            let toml_value = Spanned::new(value.span(), toml_value);
+            problems.extend(FieldType::from_schema(schema).read(&path, &toml_value).err().into_iter().flatten());
         }
     }
 }

@@ -1,93 +1,93 @@
-//! A study's document and the base scene it names or has in it, whatever else the study says.
+//! TOML document of a study file and its base scene.
 
 use serde::Deserialize;
 use serde_json::Value as Json;
 use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Spanned, Table};
 
-use super::base::{self, Base, Refusal};
+use super::base::{self, Base, BaseError};
 use super::error::StudyError;
 use crate::scene::check::Checker;
 use crate::scene::entry::Entry;
-use crate::scene::kinds::{Kind, Text};
-use crate::scene::text::syntax;
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
+use crate::scene::parse::syntax_problem;
+use crate::scene::value_kinds::{InputKind, Text};
 use crate::scene::{Problem, SceneError, keys};
 
-/// What stands in a study file, unknown keys and the scene taken out.
-pub(in crate::study) struct Document<R> {
+/// Content of a study file without unknown keys and the scene.
+pub(in crate::study) struct StudyDocument<R> {
     pub raw: R,
-    /// Of the base scene.
+    /// Kind of the base scene.
     pub kind: SceneKind,
-    /// What is wrong so far.
+    /// Problems so far.
     pub problems: Vec<Problem>,
-    pub scene: SceneParts,
+    pub scene: BaseSceneParts,
 }
 
-/// The base scene before it is put together.
-pub(in crate::study) struct SceneParts {
-    named: Option<Result<Base, Refusal>>,
+/// Parts of the base scene.
+pub(in crate::study) struct BaseSceneParts {
+    named: Option<Result<Base, BaseError>>,
     inline: Option<Table>,
     set: Table,
 }
 
-/// Reads the text of a study file; `scene_of`: where its document names a scene file.
+/// Parses the text of a study file. `scene_of` returns the entry that names a scene file.
 ///
 /// # Errors
-/// What is no document of this kind at all.
-pub(in crate::study) fn document<R: for<'de> Deserialize<'de>>(
+/// Returns an error if the text is not valid TOML, or its structure is not that of a study.
+pub(in crate::study) fn parse_document<R: for<'de> Deserialize<'de>>(
     text: &str,
     file_name: &str,
     schema: &Json,
     scene_of: impl Fn(&R) -> &Entry<Text>,
-) -> Result<Document<R>, StudyError> {
-    let refuse = |problems| refused(text, file_name, problems);
-    let mut document = DeTable::parse(text).map_err(|error| refuse(vec![syntax(&error)]))?;
-    let inline = take(document.get_mut(), "scene");
-    let set = take(document.get_mut(), "set");
-    let allowed = keys::Allowed { kind: "study", schema, others: &Vec::new };
-    let mut problems = keys::weed(document.get_mut(), &allowed);
-    let raw = R::deserialize(Deserializer::from(document)).map_err(|error| refuse(vec![syntax(&error)]))?;
+) -> Result<StudyDocument<R>, StudyError> {
+    let refuse = |problems| invalid_study(text, file_name, problems);
+    let mut document = DeTable::parse(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
+    let inline = take_table(document.get_mut(), "scene");
+    let set = take_table(document.get_mut(), "set");
+    let allowed = keys::KeySchemas { kind: "study", schema, other_kinds: &Vec::new };
+    let mut problems = keys::remove_unknown(document.get_mut(), &allowed);
+    let raw = R::deserialize(Deserializer::from(document)).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
     let entry = scene_of(&raw);
-    // What the axes and [set] may say depends on the kind of scene, so its file is looked at first; what is wrong there is said last.
-    let named = entry.given.as_ref().and_then(|given| Text::read("scene", given).ok());
+    // The valid fields of the axes and of [set] depend on the kind of scene, so its file is read first. Its problems
+    // are reported last.
+    let named = entry.value.as_ref().and_then(|value| Text::read("scene", value).ok());
     let named = named.map(|scene| base::load(&scene, file_name, entry.span()));
     let kind = match (&inline, &named) {
-        (Some(inline), _) => base::kind_of(inline.get_ref()),
-        (None, Some(Ok(Base { kind, .. }) | Err(Refusal::Scene(_, kind)))) => *kind,
+        (Some(inline), _) => base::scene_kind(inline.get_ref()),
+        (None, Some(Ok(Base { kind, .. }) | Err(BaseError::Scene(_, kind)))) => *kind,
         (None, _) => SceneKind::Finger,
     };
-    let mut part = |table: Spanned<DeTable<'_>>, path: &str| base::check(table, path, kind, &mut problems);
-    let inline = inline.map(|table| part(table, "scene"));
-    let set = set.map(|table| part(table, "set")).unwrap_or_default();
-    Ok(Document { raw, kind, problems, scene: SceneParts { named, inline, set } })
+    let mut check = |table: Spanned<DeTable<'_>>, path: &str| base::check_scene(table, path, kind, &mut problems);
+    let inline = inline.map(|table| check(table, "scene"));
+    let set = set.map(|table| check(table, "set")).unwrap_or_default();
+    Ok(StudyDocument { raw, kind, problems, scene: BaseSceneParts { named, inline, set } })
 }
 
-/// That a study is refused.
-pub(in crate::study) fn refused(text: &str, file_name: &str, problems: Vec<Problem>) -> StudyError {
+/// Error for a study with these problems.
+pub(in crate::study) fn invalid_study(text: &str, file_name: &str, problems: Vec<Problem>) -> StudyError {
     StudyError::Invalid(SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems })
 }
 
-impl SceneParts {
-    /// Notes that there is no scene; `entry`: where one could be named.
-    pub fn check(&self, c: &mut Checker<'_>, entry: &Entry<Text>) {
-        let scene = c.get("scene", entry);
-        if scene.is_none() && self.inline.is_none() && !entry.is_given() {
-            let help =
-                "say which scene is the base: scene = \"experiment-95.toml\", or give it here as a table [scene]";
-            c.push(None, "`scene` is missing", "", help);
+impl BaseSceneParts {
+    /// Reports a missing base scene; `entry` is the key that could name one.
+    pub fn check(&self, checker: &mut Checker<'_>, entry: &Entry<Text>) {
+        let scene = checker.get("scene", entry);
+        if scene.is_none() && self.inline.is_none() && !entry.is_present() {
+            let help = "name the base scene: scene = \"experiment-95.toml\", or write it in a table [scene]";
+            checker.push(None, "`scene` is missing", "", help);
         }
     }
 
-    /// The base scene with what [set] puts into it, and the text of its file.
+    /// Returns the base scene with the fields of [set], and the text of its file.
     ///
     /// # Errors
-    /// What is wrong with the file.
-    pub fn put_together(self, text: &str, file_name: &str) -> Result<(Table, String), StudyError> {
+    /// Returns an error if the scene file is invalid or cannot be read.
+    pub fn assemble(self, text: &str, file_name: &str) -> Result<(Table, String), StudyError> {
         let (mut table, text) = match self.named {
             Some(Ok(Base { table, text, .. })) => (table, text),
-            Some(Err(Refusal::Study(problem))) => return Err(refused(text, file_name, vec![problem])),
-            Some(Err(Refusal::Scene(error, _))) => return Err(StudyError::Invalid(error)),
+            Some(Err(BaseError::Study(problem))) => return Err(invalid_study(text, file_name, vec![problem])),
+            Some(Err(BaseError::Scene(error, _))) => return Err(StudyError::Invalid(error)),
             None => (self.inline.unwrap_or_default(), String::new()),
         };
         super::template::merge(&mut table, self.set);
@@ -95,8 +95,8 @@ impl SceneParts {
     }
 }
 
-/// Takes a table out of the document; anything else of that name stays, to be complained about.
-fn take<'a>(document: &mut DeTable<'a>, key: &str) -> Option<Spanned<DeTable<'a>>> {
+/// Removes and returns a table of the document. A value of another type stays and is reported later.
+fn take_table<'a>(document: &mut DeTable<'a>, key: &str) -> Option<Spanned<DeTable<'a>>> {
     document.get(key).filter(|value| matches!(value.get_ref(), DeValue::Table(_)))?;
     let value = document.remove(key)?;
     let span = value.span();

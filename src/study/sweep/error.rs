@@ -1,20 +1,20 @@
-//! Why there is no study.
+//! Errors in study files.
 
 use std::fmt;
 
 use crate::scene::{Problem, SceneError};
 
-/// Why a study file gives no study.
+/// Error in a study file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum StudyError {
-    /// The study cannot be read.
+    /// The file cannot be read.
     Read { file: String, reason: String },
-    /// The study, or the base scene it names, was read, but something in it is wrong.
+    /// The study or its base scene is invalid.
     Invalid(SceneError),
 }
 
 impl StudyError {
-    /// The problems found in the text; empty when it could not be read.
+    /// Problems in the text; empty if the file could not be read.
     pub fn problems(&self) -> &[Problem] {
         match self {
             StudyError::Read { .. } => &[],
@@ -25,7 +25,7 @@ impl StudyError {
 
 impl std::error::Error for StudyError {}
 
-/// As a scene's error: with place, source line and help, and `error:` in front.
+/// Formatted like an error of a scene: `error:`, location, source line and help.
 impl fmt::Display for StudyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

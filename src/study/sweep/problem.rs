@@ -1,10 +1,10 @@
-//! A problem at a place of the study.
+//! Construction of problems.
 
 use std::ops::Range;
 
 use crate::scene::Problem;
 
-/// A problem at a place of the study, for other readers of its parts.
+/// Problem at a location in the study file.
 pub(super) fn problem(span: Option<Range<usize>>, message: String, label: String, help: String) -> Problem {
     Problem { span, message, label, help }
 }

@@ -1,4 +1,5 @@
-//! The study file as it is written. Doc comments become the descriptions of the JSON Schema; defaults stand beside them.
+//! Structure of the study file. Doc comments become the descriptions of the JSON Schema; defaults are in the
+//! attributes.
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, json_schema};
@@ -9,29 +10,29 @@ use toml::Spanned;
 use super::axis::Spacing;
 use super::sequence::Method;
 use crate::scene::Problem;
-use crate::scene::any::Any;
 use crate::scene::entry::{Entry, Section};
-use crate::scene::kinds::{Choice, Count, Flag, Kind, Text, Words, at};
-use crate::scene::schema::{schema_of, unwrap_lines};
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
+use crate::scene::schema::{schema_for, unwrap_lines};
+use crate::scene::toml_value::TomlValue;
+use crate::scene::value_kinds::{Choice, Count, Flag, InputKind, Keyword, Text, problem_at};
 use crate::trace::Model;
 
-/// A study: a scene, the fields of it that vary, and what is simulated of all that.
+/// A study: a base scene, the fields that vary, and the runs to simulate.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 #[schemars(title = "phalanx study")]
 pub struct RawStudy {
-    /// Name in reports. Default: the file's name without its extension.
+    /// Name in reports. Default: the file name without its extension.
     pub name: Entry<Text>,
-    /// What the study is for.
+    /// Purpose of the study.
     pub description: Entry<Text>,
-    /// The base scene: a file, seen from the directory of this one, or a table [scene] with the keys of a scene. It may lack
-    /// what the axes give.
+    /// The base scene: a path relative to the directory of this file, or a table [scene] with the keys of a scene. It
+    /// may lack the fields of the axes.
     pub scene: Entry<Text>,
-    /// The model that simulates.
+    /// Simulation model.
     #[schemars(extend("default" = "analytic"))]
     pub model: Entry<Choice<Model>>,
-    /// What varies; all combinations are run, the last axis fastest.
+    /// Fields that vary; all combinations are run, the last axis fastest.
     pub axes: Vec<Section<RawAxis>>,
     pub sample: Section<RawSample>,
     pub filter: Section<RawFilter>,
@@ -41,72 +42,71 @@ pub struct RawStudy {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RawAxis {
-    /// Field of a scene, such as "design.base" or "contact.friction.mu_static".
+    /// Scene field, such as "design.base" or "contact.friction.mu_static".
     pub field: Entry<Text>,
-    /// Fields that vary together, by `rows`.
-    pub fields: Entry<List>,
-    /// Values, as they would stand in the scene.
-    pub values: Entry<List>,
+    /// Fields that vary together; requires `rows`.
+    pub fields: Entry<ValueList>,
+    /// Values, written as in a scene.
+    pub values: Entry<ValueList>,
     /// Rows of values, one value for each of `fields`.
-    pub rows: Entry<List>,
+    pub rows: Entry<ValueList>,
     /// First value of a range.
-    pub from: Entry<Anything>,
+    pub from: Entry<AnyValue>,
     /// Last value of a range.
-    pub to: Entry<Anything>,
-    /// How many values of the range, both ends among them. Left out, the values are those of [sample].
+    pub to: Entry<AnyValue>,
+    /// Number of values of the range including both ends. Without it, [sample] determines the values.
     pub count: Entry<Count>,
-    /// How the values of a range lie.
+    /// Spacing of the values of a range.
     #[schemars(extend("default" = "linear"))]
     pub spacing: Entry<Choice<Spacing>>,
-    /// Whether the values make no new designs: the same designs run again under other conditions.
+    /// Whether the axis repeats the same designs under other conditions instead of making new designs.
     #[schemars(extend("default" = false))]
     pub again: Entry<Flag>,
 }
 
-/// Points spread over all ranges without `count`, instead of their grid. Every combination of the other axes gets all of
-/// them.
+/// Sample points of all ranges without `count`. Every combination of the other axes is run with all points.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RawSample {
-    /// "halton": low discrepancy, and a longer sample contains the shorter one; "latin-hypercube": every slice of every axis
-    /// once; "random": independent points.
+    /// "halton": low discrepancy, and a longer sample contains the shorter one; "latin-hypercube": one point in
+    /// every slice of every axis; "random": independent points.
     #[schemars(extend("default" = "halton"))]
     pub method: Entry<Choice<Method>>,
-    /// How many points. Required.
+    /// Number of points. Required.
     pub count: Entry<Count>,
-    /// Another seed gives other points.
+    /// Seed of the points.
     #[schemars(extend("default" = 1))]
     pub seed: Entry<Count>,
 }
 
-/// What is simulated: designs whose static criteria are as is said here. The others are in the results as "filtered".
+/// Static criteria of the designs to simulate. Other designs are in the results as "filtered".
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RawFilter {
-    /// Both contact forces at rest push.
+    /// Whether both contact forces at rest are compressive.
     pub force_positive: Entry<Flag>,
-    /// At rest the object is pressed on the palm.
+    /// Whether the palm force at rest is compressive.
     pub palm_force_positive: Entry<Flag>,
-    /// The object cannot be moved between two such fingers and the palm.
+    /// Whether the grasp by two such fingers and the palm is form-closed.
     pub form_closed: Entry<Flag>,
 }
 
-/// Values of any kind.
+/// List of values of any type.
 #[derive(Debug)]
-pub struct List;
+pub struct ValueList;
 
-impl Kind for List {
-    type Value = Vec<Spanned<Any>>;
+impl InputKind for ValueList {
+    type Value = Vec<Spanned<TomlValue>>;
     const NAME: &'static str = "Values";
 
-    fn read(key: &str, value: &Spanned<Any>) -> Result<Self::Value, Vec<Problem>> {
-        let help = "write values between brackets, with commas: [0.0, 0.8]".to_string();
+    fn read(key: &str, value: &Spanned<TomlValue>) -> Result<Self::Value, Vec<Problem>> {
+        let help = "write comma-separated values in brackets: [0.0, 0.8]".to_string();
         match value.get_ref() {
-            Any::List(items) if !items.is_empty() => Ok(items.clone()),
-            Any::List(_) => Err(vec![at(value, format!("`{key}` is empty"), "nothing to run", help)]),
+            TomlValue::List(items) if !items.is_empty() => Ok(items.clone()),
+            TomlValue::List(_) => Err(vec![problem_at(value, format!("`{key}` is empty"), "nothing to run", help)]),
             other => {
                 let message = format!("`{key}` is {}, but must be a list", other.name());
-                Err(vec![at(value, message, "a list in brackets", help)])
+                Err(vec![problem_at(value, message, "a list in brackets", help)])
             }
         }
     }
@@ -116,15 +116,15 @@ impl Kind for List {
     }
 }
 
-/// A value of any kind: its field says which.
+/// Value of any type, checked against its field later.
 #[derive(Debug)]
-pub struct Anything;
+pub struct AnyValue;
 
-impl Kind for Anything {
-    type Value = Spanned<Any>;
+impl InputKind for AnyValue {
+    type Value = Spanned<TomlValue>;
     const NAME: &'static str = "Value";
 
-    fn read(_: &str, value: &Spanned<Any>) -> Result<Self::Value, Vec<Problem>> {
+    fn read(_: &str, value: &Spanned<TomlValue>) -> Result<Self::Value, Vec<Problem>> {
         Ok(value.clone())
     }
 
@@ -133,51 +133,51 @@ impl Kind for Anything {
     }
 }
 
-impl Words for Spacing {
-    const WORDS: &'static [(&'static str, Self)] = &[("linear", Spacing::Linear), ("log", Spacing::Log)];
+impl Keyword for Spacing {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[("linear", Spacing::Linear), ("log", Spacing::Log)];
 }
 
-impl Words for Method {
-    const WORDS: &'static [(&'static str, Self)] =
+impl Keyword for Method {
+    const KEYWORDS: &'static [(&'static str, Self)] =
         &[("halton", Method::Halton), ("latin-hypercube", Method::LatinHypercube), ("random", Method::Random)];
 }
 
-/// JSON Schema of study files, as text.
+/// JSON Schema of study files.
 pub fn schema() -> String {
-    schema_text(schema_json())
+    scene_study_schema_text(schema_json())
 }
 
-/// The schema of files with a base scene and [set], whose keys are those of a scene of either kind.
-pub(in crate::study) fn schema_text(mut schema: Json) -> String {
+/// Text of the schema of a file with a base scene and [set]; both accept the keys of a finger or a gripper.
+pub(in crate::study) fn scene_study_schema_text(mut schema: Json) -> String {
     let [scene, set] = ["scene", "set"].map(|key| schema["properties"][key]["description"].take());
-    let [finger, gripper] = swept();
+    let [finger, gripper] = scene_schemas();
     let file = json!({ "type": "string" });
     schema["properties"]["scene"] = json!({ "description": scene, "anyOf": [file, finger, gripper] });
-    schema["properties"]["set"] = json!({ "description": set, "anyOf": swept() });
+    schema["properties"]["set"] = json!({ "description": set, "anyOf": scene_schemas() });
     format!("{schema:#}\n")
 }
 
-/// The kinds of scenes that a study takes.
-fn swept() -> [Json; 2] {
+/// Schemas of the scenes that a study accepts.
+fn scene_schemas() -> [Json; 2] {
     [SceneKind::Finger, SceneKind::Gripper].map(|kind| {
-        let mut schema = schema_of(kind).clone();
+        let mut schema = schema_for(kind).clone();
         schema.as_object_mut().map(|map| map.remove("$schema"));
         schema
     })
 }
 
-/// The schema by which unknown keys are found. A [scene] or [set] that is a table is judged as a scene, not by this.
+/// Schema that detects unknown keys. Tables [scene] and [set] are checked as scenes instead.
 pub(super) fn schema_json() -> Json {
-    schema_of_study::<RawStudy>("study")
+    study_schema::<RawStudy>("study")
 }
 
-/// The same of any file with a base scene and [set], by what it is.
-pub(in crate::study) fn schema_of_study<R: JsonSchema>(whole: &str) -> Json {
+/// Schema of a file with a base scene and [set]. `name` is the name of the file type in descriptions.
+pub(in crate::study) fn study_schema<R: JsonSchema>(name: &str) -> Json {
     let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<R>().to_value();
     unwrap_lines(&mut schema);
-    let [mut set, _] = swept();
-    set["description"] = format!("Fields of the base scene that the whole {whole} replaces.").into();
+    let [mut set, _] = scene_schemas();
+    set["description"] = format!("Fields of the base scene that the {name} replaces in every run.").into();
     schema["properties"]["set"] = set;
     schema
 }

@@ -1,11 +1,11 @@
-//! Rows and columns of the results.
+//! Rows and columns of sweep results.
 
 use std::collections::BTreeMap;
 
 use super::Study;
-use super::field::{Field, Holds};
-use crate::scene::schema::schema_of;
-use crate::scene::words::SceneKind;
+use super::field::{Field, FieldType};
+use crate::scene::keywords::SceneKind;
+use crate::scene::schema::schema_for;
 use crate::table::{Column, Kind, Table, Value};
 use crate::units::Dimension;
 
@@ -14,18 +14,18 @@ use crate::units::Dimension;
 pub enum Status {
     /// Simulated to the end.
     Completed,
-    /// Not simulated, because of its statics.
+    /// Not simulated, excluded by the filter.
     Filtered,
-    /// The scene is not valid.
+    /// The scene is invalid.
     Refused,
-    /// The simulation did not come to its end.
+    /// The simulation did not finish.
     Failed,
 }
 
 impl Status {
     pub const ALL: [Status; 4] = [Status::Completed, Status::Filtered, Status::Refused, Status::Failed];
 
-    /// In results and reports.
+    /// Name in results and reports.
     pub fn name(self) -> &'static str {
         match self {
             Status::Completed => "completed",
@@ -41,28 +41,28 @@ impl Status {
 pub struct Row {
     pub run: u64,
     pub status: Status,
-    /// Whether it has a verdict: a class, or of a gripper what became of the grasp. A run that was not completed has none, and a
-    /// finger that cannot grasp its object has none.
-    pub judged: bool,
-    /// A value for each of [`columns`].
+    /// Whether the row has a verdict: the class of a finger, or the fate of a grasp by a gripper. Incomplete runs and
+    /// fingers that cannot grasp their object have none.
+    pub has_verdict: bool,
+    /// One value per column, see [`columns`].
     pub cells: Vec<Value>,
 }
 
-/// Columns after those of the axes, in order.
-pub(in crate::study) fn found(kind: SceneKind) -> &'static [(&'static str, Holds)] {
-    if kind == SceneKind::Gripper { &OF_GRIPPER } else { &OF_FINGER }
+/// Result columns that follow the columns of the axes, in order.
+pub(in crate::study) fn result_columns(kind: SceneKind) -> &'static [(&'static str, FieldType)] {
+    if kind == SceneKind::Gripper { &GRIPPER_COLUMNS } else { &FINGER_COLUMNS }
 }
 
-const LENGTH: Holds = Holds::Quantity(Dimension::Length);
-const ANGLE: Holds = Holds::Quantity(Dimension::Angle);
-const TIME: Holds = Holds::Quantity(Dimension::Time);
-const MASS: Holds = Holds::Quantity(Dimension::Mass);
-const FORCE: Holds = Holds::Quantity(Dimension::Force);
-const TORQUE: Holds = Holds::Quantity(Dimension::Torque);
-const SPEED: Holds = Holds::Quantity(Dimension::Speed);
+const LENGTH: FieldType = FieldType::Quantity(Dimension::Length);
+const ANGLE: FieldType = FieldType::Quantity(Dimension::Angle);
+const TIME: FieldType = FieldType::Quantity(Dimension::Time);
+const MASS: FieldType = FieldType::Quantity(Dimension::Mass);
+const FORCE: FieldType = FieldType::Quantity(Dimension::Force);
+const TORQUE: FieldType = FieldType::Quantity(Dimension::Torque);
+const SPEED: FieldType = FieldType::Quantity(Dimension::Speed);
 
-/// Of grippers: lengths and forces of both fingers, what became of the object and where it is.
-static OF_GRIPPER: [(&str, Holds); 42] = [
+/// Result columns of grippers: dimensions, forces and torques of both fingers, fate and final position of the object.
+static GRIPPER_COLUMNS: [(&str, FieldType); 42] = [
     ("palm_width_m", LENGTH),
     ("right_l21_m", LENGTH),
     ("left_l21_m", LENGTH),
@@ -70,22 +70,22 @@ static OF_GRIPPER: [(&str, Holds); 42] = [
     ("left_motor_n_m", TORQUE),
     ("right_spring_n_m", TORQUE),
     ("left_spring_n_m", TORQUE),
-    ("status", Holds::Text),
-    ("reason", Holds::Text),
-    ("grasp", Holds::Text),
+    ("status", FieldType::Text),
+    ("reason", FieldType::Text),
+    ("grasp", FieldType::Text),
     ("grasped_s", TIME),
     ("tts_s", TIME),
     ("until_s", TIME),
-    ("form_closed", Holds::Flag),
+    ("form_closed", FieldType::Flag),
     ("x_start_m", LENGTH),
     ("x_m", LENGTH),
     ("y_m", LENGTH),
     ("angle_rad", ANGLE),
-    ("offset_ratio", Holds::Number),
+    ("offset_ratio", FieldType::Number),
     ("speed_m_s", SPEED),
     ("slip_m", LENGTH),
     ("slip_rad", ANGLE),
-    ("contacts_lost", Holds::Whole(0, i64::MAX)),
+    ("contacts_lost", FieldType::Integer(0, i64::MAX)),
     ("link_overlap_m", LENGTH),
     ("right_proximal_first_s", TIME),
     ("left_proximal_first_s", TIME),
@@ -102,12 +102,13 @@ static OF_GRIPPER: [(&str, Holds); 42] = [
     ("peak_left_proximal_n", FORCE),
     ("peak_left_distal_n", FORCE),
     ("peak_palm_n", FORCE),
-    ("steps", Holds::Whole(0, i64::MAX)),
-    ("check", Holds::Text),
+    ("steps", FieldType::Integer(0, i64::MAX)),
+    ("check", FieldType::Text),
     ("check_error_rad", ANGLE),
 ];
 
-static OF_FINGER: [(&str, Holds); 28] = [
+/// Result columns of fingers: dimensions, statics, class and forces.
+static FINGER_COLUMNS: [(&str, FieldType); 28] = [
     ("l12_m", LENGTH),
     ("l21_m", LENGTH),
     ("l22_m", LENGTH),
@@ -119,34 +120,34 @@ static OF_FINGER: [(&str, Holds); 28] = [
     ("static_f21_n", FORCE),
     ("static_f22_n", FORCE),
     ("static_pfp_n", FORCE),
-    ("force_positive", Holds::Flag),
-    ("form_closed", Holds::Flag),
-    ("status", Holds::Text),
-    ("reason", Holds::Text),
+    ("force_positive", FieldType::Flag),
+    ("form_closed", FieldType::Flag),
+    ("status", FieldType::Text),
+    ("reason", FieldType::Text),
     ("t_geo_s", TIME),
     ("tts_s", TIME),
-    ("rebound_percent", Holds::Percent),
-    ("class", Holds::Text),
-    ("class_reason", Holds::Text),
+    ("rebound_percent", FieldType::Percent),
+    ("class", FieldType::Text),
+    ("class_reason", FieldType::Text),
     ("f21_n", FORCE),
     ("f22_n", FORCE),
     ("pfp_n", FORCE),
     ("peak_f21_n", FORCE),
     ("peak_f22_n", FORCE),
-    ("steps", Holds::Whole(0, i64::MAX)),
-    ("check", Holds::Text),
+    ("steps", FieldType::Integer(0, i64::MAX)),
+    ("check", FieldType::Text),
     ("check_error_rad", ANGLE),
 ];
 
-/// The column of the verdict.
+/// Name of the verdict column.
 pub(super) fn verdict_column(kind: SceneKind) -> &'static str {
     if kind == SceneKind::Gripper { "grasp" } else { "class" }
 }
 
 impl Row {
-    /// The row of these cells, as they were written.
-    pub(in crate::study) fn of_cells(kind: SceneKind, cells: Vec<Value>) -> Row {
-        let text = |name: &str| match cells.get(place(kind, cells.len(), name)?)? {
+    /// Rebuilds a row from stored cells.
+    pub(in crate::study) fn from_cells(kind: SceneKind, cells: Vec<Value>) -> Row {
+        let text = |name: &str| match cells.get(column_index(kind, cells.len(), name)?)? {
             Value::Text(text) => Some(text.as_str()),
             _ => None,
         };
@@ -155,39 +156,48 @@ impl Row {
             Some(Value::Integer(run)) => u64::try_from(*run).unwrap_or(0),
             _ => 0,
         };
-        Row { run, status: status.unwrap_or(Status::Refused), judged: text(verdict_column(kind)).is_some(), cells }
+        Row { run, status: status.unwrap_or(Status::Refused), has_verdict: text(verdict_column(kind)).is_some(), cells }
     }
 }
 
-/// Where a found column stands in a row of so many cells.
-fn place(kind: SceneKind, cells: usize, name: &str) -> Option<usize> {
-    let found = found(kind);
-    Some(cells.checked_sub(found.len())? + found.iter().position(|(column, _)| *column == name)?)
+/// Index of a result column in a row of `cell_count` cells, of which the result columns are the last.
+fn column_index(kind: SceneKind, cell_count: usize, name: &str) -> Option<usize> {
+    let columns = result_columns(kind);
+    Some(cell_count.checked_sub(columns.len())? + columns.iter().position(|(column, _)| *column == name)?)
 }
 
-/// What a column of results holds: one of every study's, or of a field that varies; `None` of any other column.
-pub fn held_by(column: &str) -> Option<Holds> {
+/// Type of a result column or of the column of a scene field; `None` for any other column.
+pub fn column_type(column: &str) -> Option<FieldType> {
     let kinds = SceneKind::ALL;
-    let own = kinds.into_iter().flat_map(found).find(|(name, _)| *name == column).map(|(_, holds)| holds.clone());
-    own.or_else(|| Some(kinds.into_iter().find_map(|kind| Field::of_column(column, schema_of(kind)))?.holds))
+    let result_type = kinds
+        .into_iter()
+        .flat_map(result_columns)
+        .find(|(name, _)| *name == column)
+        .map(|(_, field_type)| field_type.clone());
+    result_type
+        .or_else(|| Some(kinds.into_iter().find_map(|kind| Field::from_column(column, schema_for(kind)))?.field_type))
 }
 
-/// The columns of a study's results: `run`, `design`, the axes, and what is found.
+/// Columns of the results of a study: `run`, `design`, the axes, and the result columns.
 pub fn columns(study: &Study) -> Vec<Column> {
     let first = [Column::new("run", Kind::Integer), Column::new("design", Kind::Integer)];
-    let axes =
-        study.axes.iter().flat_map(|axis| &axis.fields).map(|field| Column::new(field.column(), field.holds.kind()));
-    let found = found(study.kind).iter().map(|(name, holds)| Column::new(*name, holds.kind()));
-    first.into_iter().chain(axes).chain(found).collect()
+    let axes = study
+        .axes
+        .iter()
+        .flat_map(|axis| &axis.fields)
+        .map(|field| Column::new(field.column(), field.field_type.column_kind()));
+    let results =
+        result_columns(study.kind).iter().map(|(name, field_type)| Column::new(*name, field_type.column_kind()));
+    first.into_iter().chain(axes).chain(results).collect()
 }
 
-/// The results as a table, by run.
+/// Results as a table sorted by run.
 pub fn table(study: &Study, rows: &[Row]) -> Table {
-    sorted(study, rows.iter().map(|row| row.cells.clone()))
+    sorted_table(study, rows.iter().map(|row| row.cells.clone()))
 }
 
-/// Rows of cells as a table, by run; of a run that is there twice, the first.
-pub fn sorted(study: &Study, rows: impl IntoIterator<Item = Vec<Value>>) -> Table {
+/// Rows as a table sorted by run; only the first row of each run is used.
+pub fn sorted_table(study: &Study, rows: impl IntoIterator<Item = Vec<Value>>) -> Table {
     let mut by_run = BTreeMap::new();
     for row in rows {
         if let Some(Value::Integer(run)) = row.first() {
@@ -197,41 +207,43 @@ pub fn sorted(study: &Study, rows: impl IntoIterator<Item = Vec<Value>>) -> Tabl
     Table::new(columns(study), by_run.into_values().collect())
 }
 
-/// The cells of a row, named while it is made.
+/// Builder of a row, whose cells are set by column name.
 pub(super) struct Cells {
     cells: Vec<Value>,
     kind: SceneKind,
 }
 
 impl Cells {
+    /// Starts a row with the numbers of run and design and the values of the axes.
     pub fn new(kind: SceneKind, first: Vec<Value>) -> Self {
         let mut cells = first;
-        cells.resize(cells.len() + found(kind).len(), Value::Missing);
+        cells.resize(cells.len() + result_columns(kind).len(), Value::Missing);
         Cells { cells, kind }
     }
 
-    /// Sets what was found; numbers that are not finite are missing.
+    /// Sets a result; a number that is not finite becomes missing.
     pub fn set(&mut self, name: &str, value: impl Into<Value>) {
         let value = match value.into() {
             Value::Number(number) if !number.is_finite() => Value::Missing,
             value => value,
         };
-        let place = place(self.kind, self.cells.len(), name);
-        debug_assert!(place.is_some(), "{name}");
-        if let Some(place) = place {
-            self.cells[place] = value;
+        let index = column_index(self.kind, self.cells.len(), name);
+        debug_assert!(index.is_some(), "{name}");
+        if let Some(index) = index {
+            self.cells[index] = value;
         }
     }
 
+    /// Finishes the row.
     pub fn row(mut self, run: u64, status: Status, reason: &str) -> Row {
         self.set("status", status.name());
-        // One row is one line of the file that grows.
+        // A row must be a single line of the partial file.
         let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
         let reason = Some(reason).filter(|reason| !reason.is_empty());
         let has_reason = reason.is_some();
         self.set("reason", reason);
-        let row = Row { run, ..Row::of_cells(self.kind, self.cells) };
-        debug_assert!(row.judged || has_reason, "run {run} has neither a verdict nor a reason");
+        let row = Row { run, ..Row::from_cells(self.kind, self.cells) };
+        debug_assert!(row.has_verdict || has_reason, "run {run} has neither a verdict nor a reason");
         row
     }
 }

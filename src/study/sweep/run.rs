@@ -1,4 +1,4 @@
-//! All runs of a study, on as many threads as are wanted.
+//! Parallel execution of the runs of a study.
 
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
@@ -8,74 +8,74 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::one::one;
+use super::single_run::run_one;
 use super::{Row, Study};
-use crate::study::pool::pool;
+use crate::study::pool::build_pool;
 
-/// What running a study came to.
+/// Statistics of one invocation of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ran {
-    /// Runs made now; those that were done already do not count.
+pub struct RunStats {
+    /// Number of runs performed now, without those finished earlier.
     pub runs: u64,
     pub threads: usize,
     pub wall_s: f64,
-    /// Whether all runs that were to be made have been.
+    /// Whether all requested runs are finished.
     pub complete: bool,
 }
 
-/// Makes all runs of a study that are not `done`; each `row` comes as it is found, in any order.
+/// Performs all runs of a study that are not in `done`. Passes each row to `on_row` when it is finished, in any order.
 ///
-/// With 0 threads there is one for each core.
-pub fn run(study: &Study, threads: usize, done: &HashSet<u64>, mut each: impl FnMut(Row) + Send) -> Ran {
-    let take = |row| {
-        each(row);
+/// `threads` = 0 means one thread per core.
+pub fn run(study: &Study, threads: usize, done: &HashSet<u64>, mut on_row: impl FnMut(Row) + Send) -> RunStats {
+    let on_row = |row| {
+        on_row(row);
         true
     };
-    run_while(study, threads, study.runs(), done, &|| true, take)
+    run_while(study, threads, study.runs(), done, &|| true, on_row)
 }
 
-/// Makes the first `most` runs of a study except those `done`, until `go_on` or `each` says no. A run that is stopped on its
-/// way has no row.
+/// Performs those of the first `max_runs` runs of a study that are not in `done`. Stops when `keep_running` or `on_row`
+/// returns false; an interrupted run has no row.
 pub fn run_while(
     study: &Study,
     threads: usize,
-    most: u64,
+    max_runs: u64,
     done: &HashSet<u64>,
-    go_on: &(dyn Fn() -> bool + Sync),
-    each: impl FnMut(Row) -> bool + Send,
-) -> Ran {
-    run_range(study, threads, 1..=study.runs().min(most), done, go_on, each)
+    keep_running: &(dyn Fn() -> bool + Sync),
+    on_row: impl FnMut(Row) -> bool + Send,
+) -> RunStats {
+    run_range(study, threads, 1..=study.runs().min(max_runs), done, keep_running, on_row)
 }
 
-/// Makes these runs of a study except those `done`, as [`run_while`] does.
+/// Like [`run_while`], for a range of runs.
 ///
-/// Threads take the next run when they are free, one after the other, so that rows come nearly in order; and hand over its
-/// row themselves: nobody has to be woken for it.
+/// A free thread takes the next run, so that rows are finished nearly in order. It calls `on_row` itself, so that no
+/// other thread has to be woken.
 pub fn run_range(
     study: &Study,
     threads: usize,
     runs: RangeInclusive<u64>,
     done: &HashSet<u64>,
-    go_on: &(dyn Fn() -> bool + Sync),
-    each: impl FnMut(Row) -> bool + Send,
-) -> Ran {
+    keep_running: &(dyn Fn() -> bool + Sync),
+    on_row: impl FnMut(Row) -> bool + Send,
+) -> RunStats {
     let start = Instant::now();
-    let all = if runs.is_empty() { 0 } else { runs.end() - runs.start() + 1 };
-    let left = all - done.iter().filter(|run| runs.contains(run)).count() as u64;
-    let pool = pool(threads, usize::try_from(left).unwrap_or(usize::MAX));
-    let (stopped, ran, each) = (AtomicBool::new(false), AtomicU64::new(0), Mutex::new(each));
-    let may = || !stopped.load(Ordering::Relaxed) && go_on();
-    // `None` where it is stopped, and then no thread takes another run.
-    let work = |at| {
-        let row = may().then(|| one(study, at, &may))??;
-        // A listener that panicked on another thread has seen the end of this one too.
-        if !each.lock().ok()?(row) {
+    let total = if runs.is_empty() { 0 } else { runs.end() - runs.start() + 1 };
+    let missing = total - done.iter().filter(|run| runs.contains(run)).count() as u64;
+    let pool = build_pool(threads, usize::try_from(missing).unwrap_or(usize::MAX));
+    let (stopped, finished, on_row) = (AtomicBool::new(false), AtomicU64::new(0), Mutex::new(on_row));
+    let may_continue = || !stopped.load(Ordering::Relaxed) && keep_running();
+    // `None` stops all threads.
+    let work = |run| {
+        let row = may_continue().then(|| run_one(study, run, &may_continue))??;
+        // A poisoned lock means that `on_row` panicked on another thread.
+        if !on_row.lock().ok()?(row) {
             stopped.store(true, Ordering::Relaxed);
         }
-        ran.fetch_add(1, Ordering::Relaxed);
+        finished.fetch_add(1, Ordering::Relaxed);
         Some(())
     };
-    pool.install(|| runs.filter(|at| !done.contains(at)).par_bridge().try_for_each(work));
-    let (runs, threads) = (ran.into_inner(), pool.current_num_threads());
-    Ran { runs, threads, wall_s: start.elapsed().as_secs_f64(), complete: runs == left }
+    pool.install(|| runs.filter(|run| !done.contains(run)).par_bridge().try_for_each(work));
+    let (runs, threads) = (finished.into_inner(), pool.current_num_threads());
+    RunStats { runs, threads, wall_s: start.elapsed().as_secs_f64(), complete: runs == missing }
 }

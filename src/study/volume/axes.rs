@@ -1,4 +1,4 @@
-//! The three axes of a volume, and the order of its points.
+//! The three axes of a volume and the order of its points.
 
 use serde::Serialize;
 
@@ -15,23 +15,23 @@ impl Axis {
         Self { from, to, points }
     }
 
-    /// The value at an index; a single point lies in the middle.
+    /// Returns the value at an index; a single point is the midpoint.
     pub fn value(&self, index: usize) -> f64 {
-        let part = match self.points {
+        let fraction = match self.points {
             0 | 1 => 0.5,
             points => index as f64 / (points - 1) as f64,
         };
-        // Either end exactly, also where the other one is of another size.
-        (1.0 - part) * self.from + part * self.to
+        // This form gives both ends exactly, even if their magnitudes differ.
+        (1.0 - fraction) * self.from + fraction * self.to
     }
 
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         (0..self.points).map(|index| self.value(index))
     }
 
-    /// The indices of at most so many values, evenly spread, the first and the last among them.
-    pub fn spread(&self, most: usize) -> Vec<usize> {
-        let count = self.points.min(most);
+    /// Returns the indices of at most `max_count` evenly spaced values, including the first and the last.
+    pub fn spaced_indices(&self, max_count: usize) -> Vec<usize> {
+        let count = self.points.min(max_count);
         if count < 2 {
             return if count == 0 { Vec::new() } else { vec![(self.points - 1) / 2] };
         }
@@ -42,7 +42,7 @@ impl Axis {
 /// The axes of a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Axes {
-    /// Place of l21 within the range its base allows.
+    /// Position of l21 within the range that the base allows, from 0 to 1.
     pub l21_fraction: Axis,
     pub phi22_rad: Axis,
     /// r_l = l22/l11.
@@ -50,7 +50,8 @@ pub struct Axes {
 }
 
 impl Axes {
-    /// Those of the thesis (§3.4) with so many points each; the limits of φ22 and r_l are those of its designs (§4.2).
+    /// Returns the axes of the thesis (§3.4) with the given numbers of points; the limits of φ22 and r_l are from its
+    /// designs (§4.2).
     pub fn thesis([l21, phi22, arm]: [usize; 3]) -> Self {
         Self {
             l21_fraction: Axis::new(0.0, 1.0, l21),
@@ -59,12 +60,12 @@ impl Axes {
         }
     }
 
-    /// Points along l21, φ22 and r_l.
+    /// Returns the number of points along l21, φ22 and r_l.
     pub fn resolution(&self) -> [usize; 3] {
         [self.l21_fraction.points, self.phi22_rad.points, self.arm_ratio.points]
     }
 
-    /// Points in all.
+    /// Returns the total number of points.
     pub fn len(&self) -> usize {
         self.resolution().iter().product()
     }
@@ -73,12 +74,12 @@ impl Axes {
         self.len() == 0
     }
 
-    /// Place in the list of points: r_l fastest, then φ22, then l21.
+    /// Returns the index in the list of points: r_l varies fastest, then φ22, then l21.
     pub fn index(&self, [l21, phi22, arm]: [usize; 3]) -> usize {
         (l21 * self.phi22_rad.points + phi22) * self.arm_ratio.points + arm
     }
 
-    /// l21 fraction, φ22 and r_l of the point at a place in the list.
+    /// Returns the l21 fraction, φ22 and r_l of the point at an index of the list.
     pub fn at(&self, index: usize) -> [f64; 3] {
         let (rest, arm) = (index / self.arm_ratio.points, index % self.arm_ratio.points);
         let (l21, phi22) = (rest / self.phi22_rad.points, rest % self.phi22_rad.points);
@@ -91,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ends_are_exact_and_a_single_point_is_the_middle() {
+    fn ends_are_exact_and_a_single_point_is_the_midpoint() {
         let axis = Axis::new(1.0 / 3.0, 2.0 / 3.0, 20);
         assert_eq!((axis.value(0), axis.value(19)), (1.0 / 3.0, 2.0 / 3.0));
         assert_eq!(Axis::new(0.0, 1.0, 1).value(0), 0.5);
@@ -99,16 +100,16 @@ mod tests {
     }
 
     #[test]
-    fn slices_are_spread_over_the_axis() {
+    fn spaced_indices_cover_the_axis() {
         let axis = |points| Axis::new(0.0, 1.0, points);
-        assert_eq!(axis(20).spread(5), [0, 5, 10, 14, 19]);
-        assert_eq!(axis(3).spread(5), [0, 1, 2]);
-        assert_eq!(axis(7).spread(1), [3]);
-        assert_eq!(axis(1).spread(5), [0]);
+        assert_eq!(axis(20).spaced_indices(5), [0, 5, 10, 14, 19]);
+        assert_eq!(axis(3).spaced_indices(5), [0, 1, 2]);
+        assert_eq!(axis(7).spaced_indices(1), [3]);
+        assert_eq!(axis(1).spaced_indices(5), [0]);
     }
 
     #[test]
-    fn points_are_listed_with_the_last_axis_fastest() {
+    fn last_axis_varies_fastest() {
         let axes = Axes::thesis([3, 4, 5]);
         assert_eq!(axes.len(), 60);
         let mut next = 0;

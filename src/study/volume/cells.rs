@@ -1,15 +1,15 @@
-//! A volume as it is looked at: what each point shows of one quantity.
+//! Cells of a volume: the display state of each point for one quantity.
 
 use super::{Point, Quantity, Volume};
 
-/// What a point shows.
+/// Display state of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// No finger, or not at every base.
+    /// No finger exists, at least at one base.
     NoFinger,
-    /// A phalanx would have to pull.
+    /// A contact force would have to be tensile.
     Unstable,
-    /// The quantity in SI.
+    /// The value of the quantity in SI units.
     Stable(f64),
 }
 
@@ -22,12 +22,13 @@ impl Cell {
     }
 }
 
-/// The cells of one volume, in the order of its points.
+/// Returns the cells of one volume, in the order of its points.
 pub fn cells(volume: &Volume, quantity: Quantity) -> Vec<Cell> {
     intersection_cells(&[volume], quantity)
 }
 
-/// The cells of the intersection of volumes that differ in their base alone: stable where all are, with the worst value.
+/// Returns the cells of the intersection of volumes that differ only in their base: stable where all are, with the
+/// worst value.
 pub fn intersection_cells(volumes: &[&Volume], quantity: Quantity) -> Vec<Cell> {
     let points = volumes.iter().map(|volume| volume.points.len()).min().unwrap_or(0);
     (0..points).map(|index| cell(|| volumes.iter().map(move |volume| &volume.points[index]), quantity)).collect()
@@ -38,7 +39,7 @@ fn cell<'a, I: Iterator<Item = &'a Point>>(points: impl Fn() -> I, quantity: Qua
         return Cell::NoFinger;
     }
     let states = || points().filter_map(|point| point.state.as_ref().ok());
-    match quantity.worst_of(states()) {
+    match quantity.worst_value(states()) {
         Some(worst) if states().all(|state| state.is_stable()) => Cell::Stable(worst),
         _ => Cell::Unstable,
     }

@@ -1,41 +1,42 @@
-//! Grasp-state volumes (thesis §3.4): which designs hold the object, over l21, φ22 and r_l, at a base and a friction.
+//! Grasp-state volumes (thesis §3.4): designs that hold the object, over l21, φ22 and r_l, for one base and one
+//! friction coefficient.
 //!
-//! Every point is a design, sized by a [`Rule`], closed on the object, in equilibrium there. Where neither phalanx would have
-//! to pull the grasp is stable (force positiveness); within the stable region one more quantity can be looked at: palm force
-//! positiveness, form closure, forces, sizing, mass. Sizing and form closure know nothing of friction, so a design is
-//! sized once for all coefficients. A design that does not exist stays in its place, with the reason.
+//! Every point is a design, sized by a [`Rule`] and closed on the object, in equilibrium. The grasp is stable if no
+//! contact force is tensile (force positiveness). In the stable region, one more quantity can be shown: palm force
+//! positiveness, form closure, forces, sizing or mass. Sizing and form closure do not depend on friction, so each
+//! design is sized once for all coefficients. A design that does not exist keeps its point, with the reason.
 //!
 //! | file | job |
 //! |---|---|
 //! | `axes` | the three axes and the order of the points |
-//! | `point` | one design: built, sized, closed, held |
-//! | `run` | all points on many threads |
-//! | `quantity` | what a point can be coloured by |
-//! | `cells` | what each point shows, also of an intersection |
-//! | `shares` | counts, maxima, intersections over the bases |
+//! | `point` | one design: built, sized, closed and in equilibrium |
+//! | `run` | computation of all points on several threads |
+//! | `quantity` | quantities of a point |
+//! | `cells` | display state of each point, also for an intersection |
+//! | `counts` | counts, maxima and intersections over the bases |
 
 mod axes;
 mod cells;
+mod counts;
 mod point;
 mod quantity;
 mod run;
-mod shares;
 
 pub use crate::study::pool::all_cores;
 pub use axes::{Axes, Axis};
 pub use cells::{Cell, cells, intersection_cells};
-pub use point::{Closed, NoFinger, Point, Sized, State, close, design, hold};
-pub use quantity::{Quantity, Worst};
-pub use run::{MOST_POINTS, volumes, volumes_with};
-pub use shares::{Best, Intersection, Shares, intersection, intersections, percent, shares};
+pub use counts::{Best, Intersection, VolumeCounts, count_volume, intersection, intersections, percent};
+pub use point::{ClosedFinger, GraspState, NoFinger, Point, SizedFinger, close_finger, design_at, solve_grasp};
+pub use quantity::{Quantity, WorstCase};
+pub use run::{MAX_POINTS, volumes, volumes_with};
 
 use crate::scene::Template;
 use crate::sizing::Rule;
 
-/// What is asked for.
+/// Parameters of a volume study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeRequest {
-    /// What all designs have in common.
+    /// Common data of all designs.
     pub template: Template,
     pub bases_m: Vec<f64>,
     pub mu_static: Vec<f64>,
@@ -44,7 +45,7 @@ pub struct VolumeRequest {
 }
 
 impl VolumeRequest {
-    /// The volumes of the thesis: four bases, three coefficients of friction, 20³ points each.
+    /// Returns the volumes of the thesis: four bases, three friction coefficients, 20³ points each.
     pub fn thesis() -> Self {
         Self {
             template: Template::thesis(),
@@ -55,80 +56,80 @@ impl VolumeRequest {
         }
     }
 
-    /// Whether this can be computed. Designs that do not exist are no mistake; what no design could have is.
+    /// Checks the request. Designs that do not exist are allowed; values that no design can have are not.
     fn check(&self) -> Result<(), VolumeError> {
-        let lists = [("base", &self.bases_m, f64::MIN_POSITIVE), ("coefficient of friction", &self.mu_static, 0.0)];
-        for (what, list, least) in lists {
+        let lists = [("base", &self.bases_m, f64::MIN_POSITIVE), ("friction coefficient", &self.mu_static, 0.0)];
+        for (name, list, minimum) in lists {
             if list.is_empty() {
-                return Err(VolumeError::Nothing { what });
+                return Err(VolumeError::Empty { name });
             }
-            if let Some(&value) = list.iter().find(|value| !(value.is_finite() && **value >= least)) {
-                let allowed = if least > 0.0 { "above 0" } else { "at least 0" };
-                return Err(VolumeError::Value { what, value, allowed });
+            if let Some(&value) = list.iter().find(|value| !(value.is_finite() && **value >= minimum)) {
+                let allowed = if minimum > 0.0 { "above 0" } else { "at least 0" };
+                return Err(VolumeError::InvalidValue { name, value, allowed });
             }
             if let Some((index, &value)) = list.iter().enumerate().find(|(i, value)| list[..*i].contains(value)) {
-                return Err(VolumeError::Twice { what, value, place: index + 1 });
+                return Err(VolumeError::Duplicate { name, value, position: index + 1 });
             }
         }
-        for (what, axis) in
+        for (name, axis) in
             [("l21", &self.axes.l21_fraction), ("phi22", &self.axes.phi22_rad), ("arm_ratio", &self.axes.arm_ratio)]
         {
             if !(axis.from.is_finite() && axis.to.is_finite() && axis.from <= axis.to) {
-                return Err(VolumeError::Limits { what, from: axis.from, to: axis.to });
+                return Err(VolumeError::InvalidLimits { name, from: axis.from, to: axis.to });
             }
             if axis.points == 0 {
-                return Err(VolumeError::NoPoints { what });
+                return Err(VolumeError::EmptyAxis { name });
             }
         }
-        let lists = self.bases_m.len().checked_mul(self.mu_static.len());
+        let volumes = self.bases_m.len().checked_mul(self.mu_static.len());
         let points = self.axes.resolution().into_iter().try_fold(1usize, usize::checked_mul);
-        match lists.zip(points).and_then(|(lists, points)| lists.checked_mul(points)) {
-            Some(points) if points <= MOST_POINTS => Ok(()),
+        match volumes.zip(points).and_then(|(volumes, points)| volumes.checked_mul(points)) {
+            Some(points) if points <= MAX_POINTS => Ok(()),
             points => Err(VolumeError::TooMany { points: points.unwrap_or(usize::MAX) }),
         }
     }
 }
 
-/// The volume of one base and one coefficient of friction.
+/// The volume of one base and one friction coefficient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
     pub base_m: f64,
     pub mu_static: f64,
     pub axes: Axes,
-    /// As [`Axes::index`] has them: r_l fastest, then φ22, then l21.
+    /// Points in the order of [`Axes::index`]: r_l varies fastest, then φ22, then l21.
     pub points: Vec<Point>,
 }
 
 impl Volume {
-    /// Points along l21, φ22 and r_l.
+    /// Returns the number of points along l21, φ22 and r_l.
     pub fn resolution(&self) -> [usize; 3] {
         self.axes.resolution()
     }
 
-    /// The point at indices along l21, φ22 and r_l.
-    pub fn point(&self, at: [usize; 3]) -> &Point {
-        &self.points[self.axes.index(at)]
+    /// Returns the point at indices along l21, φ22 and r_l.
+    pub fn point(&self, indices: [usize; 3]) -> &Point {
+        &self.points[self.axes.index(indices)]
     }
 }
 
-/// Why there are no volumes.
+/// Error during a volume study.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VolumeError {
-    #[error("no {what} was asked for: give at least one")]
-    Nothing { what: &'static str },
-    #[error("{value} is no {what}: it must be a finite number {allowed}")]
-    Value { what: &'static str, value: f64, allowed: &'static str },
-    #[error("the {what} {value} is there twice (its second place is {place}): give each once")]
-    Twice { what: &'static str, value: f64, place: usize },
-    #[error("the axis {what} goes from {from} to {to}: give finite limits, the lower one first")]
-    Limits { what: &'static str, from: f64, to: f64 },
-    #[error("the axis {what} has no points: give at least 1")]
-    NoPoints { what: &'static str },
+    #[error("no {name} is given; give at least one")]
+    Empty { name: &'static str },
+    #[error("invalid {name} {value}: it must be a finite number {allowed}")]
+    InvalidValue { name: &'static str, value: f64, allowed: &'static str },
+    #[error("the {name} {value} is given twice (again at position {position}); give each value once")]
+    Duplicate { name: &'static str, value: f64, position: usize },
+    #[error("the axis {name} goes from {from} to {to}; give finite limits, the lower one first")]
+    InvalidLimits { name: &'static str, from: f64, to: f64 },
+    #[error("the axis {name} has no points; give at least 1")]
+    EmptyAxis { name: &'static str },
     #[error(
-        "that is {points} points in all, more than the {MOST_POINTS} that are kept in memory: lower the resolution, or give \
-         fewer bases or coefficients of friction"
+        "the volumes have {points} points in total, more than the maximum of {MAX_POINTS}; lower the resolution, or give fewer bases or \
+         friction coefficients"
     )]
     TooMany { points: usize },
-    #[error("the volumes were stopped after {done} of {total} designs")]
+    #[error("interrupted after {done} of {total} designs")]
     Stopped { done: usize, total: usize },
 }

@@ -1,8 +1,8 @@
-//! What a point of a volume can be coloured by: the fifth dimension.
+//! Quantities of the points of a volume, shown as colours.
 
-use super::point::State;
+use super::point::GraspState;
 
-/// A quantity of a finger that holds the object.
+/// A quantity of a finger in equilibrium on the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Palm force positiveness (3.2).
@@ -11,18 +11,18 @@ pub enum Quantity {
     F21,
     /// Normal force of the distal phalanx.
     F22,
-    /// k_s.
+    /// Spring torque k_s.
     Spring,
-    /// τ11.
+    /// Motor torque τ11.
     Motor,
     /// Mass of a finger.
     Mass,
     FormClosed,
 }
 
-/// What becomes of a quantity where several bases stand for one.
+/// Worst value of a quantity over several bases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Worst {
+pub enum WorstCase {
     Smallest,
     Largest,
 }
@@ -38,7 +38,7 @@ impl Quantity {
         Quantity::FormClosed,
     ];
 
-    /// On the command line and in names of files.
+    /// Returns the key on the command line and in file names.
     pub fn key(self) -> &'static str {
         match self {
             Quantity::Pfp => "pfp",
@@ -51,7 +51,7 @@ impl Quantity {
         }
     }
 
-    /// Its column in tables, with the unit of the value.
+    /// Returns the column name in tables, with the unit.
     pub fn column(self) -> &'static str {
         match self {
             Quantity::Pfp => "static_pfp_n",
@@ -64,7 +64,7 @@ impl Quantity {
         }
     }
 
-    /// In pictures.
+    /// Returns the label in plots.
     pub fn name(self) -> &'static str {
         match self {
             Quantity::Pfp => "palm force PFP",
@@ -77,8 +77,8 @@ impl Quantity {
         }
     }
 
-    /// Its value in SI; form closure is 1 or 0.
-    pub fn value(self, state: &State) -> f64 {
+    /// Returns the value in SI units; form closure is 1 or 0.
+    pub fn value(self, state: &GraspState) -> f64 {
         match self {
             Quantity::Pfp => state.forces.pfp_n,
             Quantity::F21 => state.forces.f21_n,
@@ -90,20 +90,21 @@ impl Quantity {
         }
     }
 
-    /// Which of several bases counts for the intersection: the weakest force, the largest torque and mass.
-    pub fn worst(self) -> Worst {
+    /// Returns which value of several bases counts for the intersection: the smallest force, the largest torque or
+    /// mass.
+    pub fn worst(self) -> WorstCase {
         match self {
-            Quantity::Spring | Quantity::Motor | Quantity::Mass => Worst::Largest,
-            _ => Worst::Smallest,
+            Quantity::Spring | Quantity::Motor | Quantity::Mass => WorstCase::Largest,
+            _ => WorstCase::Smallest,
         }
     }
 
-    /// Its value in SI where all of these fingers stand for one: that of the worst of them.
-    pub fn worst_of<'a>(self, states: impl IntoIterator<Item = &'a State>) -> Option<f64> {
+    /// Returns the worst value of several fingers in SI units.
+    pub fn worst_value<'a>(self, states: impl IntoIterator<Item = &'a GraspState>) -> Option<f64> {
         let values = states.into_iter().map(|state| self.value(state));
         values.reduce(match self.worst() {
-            Worst::Smallest => f64::min,
-            Worst::Largest => f64::max,
+            WorstCase::Smallest => f64::min,
+            WorstCase::Largest => f64::max,
         })
     }
 }

@@ -1,54 +1,55 @@
-//! All points of all volumes, on as many threads as asked for: the same points whatever their number.
+//! Computation of all points of all volumes on several threads. The result does not depend on their number.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 
-use super::point::{Point, close, design, hold};
+use super::point::{Point, close_finger, design_at, solve_grasp};
 use super::{Volume, VolumeError, VolumeRequest};
 use crate::study::pool;
 
-/// Designs that a thread takes at a time: a few milliseconds of work.
-const SHARE: usize = 64;
+/// Number of designs per job: a few milliseconds of work.
+const CHUNK_SIZE: usize = 64;
 
-/// Points in all, above which a request is refused: they are kept in memory, some 150 bytes each, and as a table four times that.
-pub const MOST_POINTS: usize = 2_000_000;
+/// Maximum total number of points. Points are kept in memory, with about 150 bytes each, and four times that as a
+/// table.
+pub const MAX_POINTS: usize = 2_000_000;
 
-/// The volumes of every base and coefficient of friction, bases slowest.
+/// Computes the volumes of every base and friction coefficient; the base varies slowest.
 ///
 /// # Errors
-/// What is wrong with the request.
+/// Returns an error if the request is invalid.
 pub fn volumes(request: &VolumeRequest, threads: usize) -> Result<Vec<Volume>, VolumeError> {
     volumes_with(request, threads, &mut |_, _| (), &|| true)
 }
 
-/// [`volumes`] that `show`s how many of how many designs are done, for as long as it may `go_on`.
+/// Like [`volumes`], with progress and interruption: `progress` receives the completed and the total number of designs.
 ///
 /// # Errors
-/// What is wrong with the request, or that it was stopped.
+/// Returns an error if the request is invalid, or `keep_running` returned `false`.
 pub fn volumes_with(
     request: &VolumeRequest,
     threads: usize,
-    show: &mut dyn FnMut(usize, usize),
-    go_on: &dyn Fn() -> bool,
+    progress: &mut dyn FnMut(usize, usize),
+    keep_running: &dyn Fn() -> bool,
 ) -> Result<Vec<Volume>, VolumeError> {
     request.check()?;
     let designs = request.axes.len();
     let total = designs * request.bases_m.len();
-    let shares = (0..designs).step_by(SHARE).map(|from| from..designs.min(from + SHARE));
+    let chunks = (0..designs).step_by(CHUNK_SIZE).map(|from| from..designs.min(from + CHUNK_SIZE));
     let bases = request.bases_m.iter();
-    let jobs: Vec<_> = bases.flat_map(|&base_m| shares.clone().map(move |share| (base_m, share))).collect();
+    let jobs: Vec<_> = bases.flat_map(|&base_m| chunks.clone().map(move |chunk| (base_m, chunk))).collect();
     let (stopped, mut done) = (AtomicBool::new(false), 0);
     let work = |(base_m, designs): &(f64, Range<usize>), sender: &Sender<usize>| {
-        let points = (!stopped.load(Ordering::Relaxed)).then(|| share(request, *base_m, designs.clone()))?;
-        // Nobody listens any more where the listener panicked.
+        let points = (!stopped.load(Ordering::Relaxed)).then(|| evaluate_designs(request, *base_m, designs.clone()))?;
+        // The receiver is gone if the calling thread panicked.
         sender.send(designs.len()).unwrap_or_else(|_| stopped.store(true, Ordering::Relaxed));
         Some(points)
     };
-    let found = pool::map(threads, &jobs, work, |more| {
-        done += more;
-        show(done, total);
-        if !go_on() {
+    let found = pool::map(threads, &jobs, work, |completed| {
+        done += completed;
+        progress(done, total);
+        if !keep_running() {
             stopped.store(true, Ordering::Relaxed);
         }
     });
@@ -60,8 +61,8 @@ pub fn volumes_with(
         for &mu_static in &request.mu_static {
             volumes.push(Volume { base_m, mu_static, axes: request.axes, points: Vec::with_capacity(designs) });
         }
-        for share in found.by_ref().take(shares.len()) {
-            for (volume, points) in volumes[start..].iter_mut().zip(share) {
+        for chunk in found.by_ref().take(chunks.len()) {
+            for (volume, points) in volumes[start..].iter_mut().zip(chunk) {
                 volume.points.extend(points);
             }
         }
@@ -69,15 +70,15 @@ pub fn volumes_with(
     Ok(volumes)
 }
 
-/// The points of some designs of one base, a list for each coefficient of friction.
-fn share(request: &VolumeRequest, base_m: f64, designs: Range<usize>) -> Vec<Vec<Point>> {
+/// Computes the points of some designs of one base; one list for each friction coefficient.
+fn evaluate_designs(request: &VolumeRequest, base_m: f64, designs: Range<usize>) -> Vec<Vec<Point>> {
     let mut lists: Vec<Vec<Point>> = request.mu_static.iter().map(|_| Vec::with_capacity(designs.len())).collect();
     for index in designs {
-        let at = request.axes.at(index);
-        let [l21_fraction, phi22_rad, arm_ratio] = at;
-        let closed = close(&request.template, &design(&request.template, base_m, at), request.rule);
+        let coordinates = request.axes.at(index);
+        let [l21_fraction, phi22_rad, arm_ratio] = coordinates;
+        let closed = close_finger(&request.template, &design_at(&request.template, base_m, coordinates), request.rule);
         for (list, &mu_static) in lists.iter_mut().zip(&request.mu_static) {
-            let state = closed.as_ref().map_err(Clone::clone).and_then(|closed| hold(closed, mu_static));
+            let state = closed.as_ref().map_err(Clone::clone).and_then(|closed| solve_grasp(closed, mu_static));
             list.push(Point { l21_fraction, phi22_rad, arm_ratio, state });
         }
     }

@@ -1,22 +1,22 @@
-//! Any bytes as a log: refused with a reason, or read as far as they go, in order of time.
+//! Arbitrary bytes as a log: rejected with a reason, or read up to the first error, in order of time.
 
 use std::io::Cursor;
 
 use phalanx::criteria::{FinalAngles, Tracker};
-use phalanx::log::{self, Expected, Lockstep, LogSink};
+use phalanx::log::{self, ComparisonOptions, LogComparison, LogSink};
 use phalanx::report::replay::Summary;
-use phalanx::scene::words::SceneKind;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::trace::{Event, Layout, Sample, Sink, SinkError};
 
-/// The consumers that `phalanx replay` has, and a check of what they are given.
-struct Listener {
+/// The consumer of `phalanx replay`, with checks of its input.
+struct CheckingSink {
     tracker: Tracker,
     latest_s: f64,
     samples: u64,
     events: u64,
 }
 
-impl Sink for Listener {
+impl Sink for CheckingSink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         assert!(sample.time_s >= self.latest_s);
         self.latest_s = sample.time_s;
@@ -33,36 +33,36 @@ impl Sink for Listener {
 
 pub fn log(bytes: &[u8]) {
     let tracker = Tracker::new(FinalAngles { q11_rad: 0.03, q21_rad: 1.13 });
-    let mut listener = Listener { tracker, latest_s: 0.0, samples: 0, events: 0 };
-    match log::read(Cursor::new(bytes), &mut listener) {
+    let mut sink = CheckingSink { tracker, latest_s: 0.0, samples: 0, events: 0 };
+    match log::read(Cursor::new(bytes), &mut sink) {
         Ok(reading) => {
-            // A sink of one finger hears nothing of discs and grippers.
-            let heard = (listener.samples, listener.events);
+            // A sink for a single finger receives nothing from discs and grippers.
+            let received = (sink.samples, sink.events);
             let expected = match reading.kind() {
                 SceneKind::Finger => (reading.samples, reading.events),
                 _ => (0, 0),
             };
-            assert_eq!(heard, expected);
+            assert_eq!(received, expected);
             for loss in &reading.losses {
                 assert!(!loss.to_string().is_empty());
             }
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     }
-    let _ = listener.tracker.criteria(None);
-    any(bytes);
-    recovered(bytes);
+    let _ = sink.tracker.criteria(None);
+    read_any_kind(bytes);
+    check_recovery(bytes);
 }
 
-/// What takes logs of either kind.
+/// A sink for logs of any kind of scene.
 #[derive(Default)]
-struct Any {
+struct AnyKindSink {
     layout: Layout,
     summary: Summary,
     latest_s: f64,
 }
 
-impl LogSink for Any {
+impl LogSink for AnyKindSink {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
         self.layout = layout.clone();
         self.summary = Summary::new(layout.clone(), None);
@@ -84,26 +84,27 @@ impl LogSink for Any {
     }
 }
 
-fn any(bytes: &[u8]) {
-    let _ = log::read_any(Cursor::new(bytes), &mut Any::default());
-    let _ = log::read_pieces(Cursor::new(bytes), &mut Any::default());
+fn read_any_kind(bytes: &[u8]) {
+    let _ = log::read_any(Cursor::new(bytes), &mut AnyKindSink::default());
+    let _ = log::read_past_damage(Cursor::new(bytes), &mut AnyKindSink::default());
 }
 
-/// What is recovered is whole, nothing of it is lost when it is recovered once more, and it is the beginning of what it was
-/// recovered from.
-fn recovered(bytes: &[u8]) {
+/// A recovered log is complete, a second recovery loses nothing, and it has no more messages than recovered.
+fn check_recovery(bytes: &[u8]) {
     let recover = |bytes: &[u8]| {
         let mut out = Vec::new();
-        log::recover(&mut Cursor::new(bytes), "fuzz.mcap", &mut out, "the log", &|_| Ok(())).map(|found| (out, found))
+        log::recover(&mut Cursor::new(bytes), "fuzz.mcap", &mut out, "the log", &|_| Ok(()))
+            .map(|recovery| (out, recovery))
     };
-    let Ok((out, found)) = recover(bytes) else { return };
-    let reading = log::read_any(Cursor::new(&out), &mut Any::default()).expect("a log");
-    assert!(reading.is_whole(), "{:?}", reading.losses);
-    assert_eq!(reading.messages, found.messages);
-    let (_, again) = recover(&out).expect("a log");
-    assert_eq!((again.messages, again.gaps), (found.messages, found.gaps));
-    let mut lockstep = Lockstep::new(Cursor::new(&out), Expected::default(), &|_| Ok(())).expect("a log of our own");
-    let _ = log::read_any(Cursor::new(bytes), &mut lockstep);
-    let compared = lockstep.finish().expect("readable");
-    assert!(compared.compared <= found.messages);
+    let Ok((out, recovery)) = recover(bytes) else { return };
+    let reading = log::read_any(Cursor::new(&out), &mut AnyKindSink::default()).expect("a log");
+    assert!(reading.is_complete(), "{:?}", reading.losses);
+    assert_eq!(reading.messages, recovery.messages);
+    let (_, second) = recover(&out).expect("a log");
+    assert_eq!((second.messages, second.gaps), (recovery.messages, recovery.gaps));
+    let mut comparison =
+        LogComparison::new(Cursor::new(&out), ComparisonOptions::default(), &|_| Ok(())).expect("a valid log");
+    let _ = log::read_any(Cursor::new(bytes), &mut comparison);
+    let compared = comparison.finish().expect("readable");
+    assert!(compared.compared <= recovery.messages);
 }

@@ -1,12 +1,13 @@
-//! Any bytes as a scene file: refused with a message, or a scene that shows itself as it is and runs in bounded time.
+//! Arbitrary bytes as a scene file: rejected with a message, or a scene that can be formatted losslessly and runs in
+//! bounded time.
 
 use phalanx::scene::{Engine, Integrator, LogRates, Scene, parse_any, show};
 use phalanx::trace::{Model, run};
 
-/// Steps that a run may take here.
-const STEPS: u64 = 100;
-/// Samples on the grid of a run.
-const SAMPLES: f64 = 1e3;
+/// Maximum steps of a run.
+const MAX_STEPS: u64 = 100;
+/// Maximum samples on the time grid of a run.
+const MAX_SAMPLES: f64 = 1e3;
 
 pub fn scene(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
@@ -17,31 +18,32 @@ pub fn scene(bytes: &[u8]) {
             return;
         }
     };
-    let shown = show(&scene);
-    let again = parse_any(&shown, "fuzz.toml").unwrap_or_else(|error| panic!("what is shown is refused: {error}"));
-    assert_eq!(show(&again), shown);
-    assert_eq!(Scene { source: scene.source.clone(), ..again }, scene);
-    let short = Scene {
-        integrator: short_integrator(&scene.integrator),
-        engine: short_engine(&scene.engine),
-        log: coarse(scene.log, scene.duration_s),
+    let formatted = show(&scene);
+    let reparsed =
+        parse_any(&formatted, "fuzz.toml").unwrap_or_else(|error| panic!("the formatted scene is rejected: {error}"));
+    assert_eq!(show(&reparsed), formatted);
+    assert_eq!(Scene { source: scene.source.clone(), ..reparsed }, scene);
+    let limited = Scene {
+        integrator: limit_integrator_steps(&scene.integrator),
+        engine: limit_engine_steps(&scene.engine),
+        log: limit_rate(scene.log, scene.duration_s),
         ..scene
     };
     for model in [Model::Analytic, Model::Engine] {
-        if let Err(error) = run(model, &short, &mut ()) {
+        if let Err(error) = run(model, &limited, &mut ()) {
             assert!(!error.to_string().is_empty());
         }
     }
 }
 
-fn short_integrator(integrator: &Integrator) -> Integrator {
-    Integrator { max_steps: STEPS.min(integrator.max_steps), ..*integrator }
+fn limit_integrator_steps(integrator: &Integrator) -> Integrator {
+    Integrator { max_steps: MAX_STEPS.min(integrator.max_steps), ..*integrator }
 }
 
-fn short_engine(engine: &Engine) -> Engine {
-    Engine { max_steps: STEPS.min(engine.max_steps), iterations: engine.iterations.min(50), ..*engine }
+fn limit_engine_steps(engine: &Engine) -> Engine {
+    Engine { max_steps: MAX_STEPS.min(engine.max_steps), iterations: engine.iterations.min(50), ..*engine }
 }
 
-fn coarse(log: LogRates, duration_s: f64) -> LogRates {
-    LogRates { numeric_hz: log.numeric_hz.min(SAMPLES / duration_s), ..log }
+fn limit_rate(log: LogRates, duration_s: f64) -> LogRates {
+    LogRates { numeric_hz: log.numeric_hz.min(MAX_SAMPLES / duration_s), ..log }
 }

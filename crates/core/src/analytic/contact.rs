@@ -1,12 +1,12 @@
 //! Contact geometry in closed form: a phalanx is a capsule, the object a shape (thesis (B.1)–(B.2), errata 5).
 
-pub use crate::fivebar::capsule::{Capsule, Nearest, nearest};
+pub use crate::fivebar::capsule::{Capsule, ClosestPoints, closest_points};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::numeric::Real;
 use crate::numeric::plane::{Vector, dot, perp, rotate, scale_by, sub};
-use crate::shape::{Placed, Support};
+use crate::shape::{PlacedShape, Support};
 
-/// Geometry of one unilateral contact: gap, and the rows that give its rates from q̇_a.
+/// Geometry of one unilateral contact: the gap, and the rows that give gap rate and slip from q̇_a.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<T> {
     /// Distance between the surfaces; −δ in penetration.
@@ -15,19 +15,19 @@ pub struct Geometry<T> {
     pub normal_row: [T; 2],
     /// Slip velocity = tangent_row · q̇_a.
     pub tangent_row: [T; 2],
-    /// From the object to the phalanx.
+    /// Unit normal from the object to the phalanx.
     pub normal: Vector<T>,
-    /// On the surface of the phalanx.
+    /// Contact point on the surface of the phalanx.
     pub point: Vector<T>,
-    /// Of the object along the normal.
+    /// Support function of the object along the normal.
     pub support: Support<T>,
 }
 
-/// Contact of l21: a body turning about O at q̇21.
+/// Contact of l21, a body that rotates about O at q̇21.
 #[inline(always)]
-pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, object: &Placed<T>) -> Geometry<T> {
+pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, object: &PlacedShape<T>) -> Geometry<T> {
     let capsule = Capsule { base: [T::zero(); 2], axis: pose.e2, length: l21, radius: w };
-    let Nearest { foot, normal, gap, support } = nearest(&capsule, object);
+    let ClosestPoints { foot, normal, gap, support } = closest_points(&capsule, object);
     let point = sub(foot, scale_by(normal, w));
     let lever = |direction| dot(perp(point), direction);
     Geometry {
@@ -40,31 +40,31 @@ pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, object: &Placed
     }
 }
 
-/// Shape of the distal phalanx: its lengths, and φ22 as (cos, sin).
+/// Dimensions of the distal phalanx; φ22 is given as (cos, sin).
 #[derive(Clone, Copy, Debug)]
-pub struct Distal {
+pub struct DistalShape {
     pub l21: f64,
     pub t22: f64,
     pub w: f64,
     pub phi22: [f64; 2],
 }
 
-/// Contact of t22: A22 moves with l21, and the body turns about it at θ̇4.
+/// Contact geometry of t22. A22 moves with l21, and the distal body rotates about A22 at θ̇4.
 #[inline(always)]
 pub fn distal<T: Real>(
     pose: &Directions<T>,
     rates: &PassiveRates<T>,
-    shape: &Distal,
-    object: &Placed<T>,
+    shape: &DistalShape,
+    object: &PlacedShape<T>,
 ) -> Geometry<T> {
     let base = scale_by(pose.e2, shape.l21);
     let capsule = Capsule { base, axis: rotate(pose.e4, shape.phi22), length: shape.t22, radius: shape.w };
-    let Nearest { foot, normal, gap, support } = nearest(&capsule, object);
+    let ClosestPoints { foot, normal, gap, support } = closest_points(&capsule, object);
     let point = sub(foot, scale_by(normal, shape.w));
     let arm = perp(sub(point, base));
     let row = |direction| {
-        let turning = dot(arm, direction);
-        [turning * rates.a4[0], turning * rates.a4[1] + dot(perp(base), direction)]
+        let lever = dot(arm, direction);
+        [lever * rates.a4[0], lever * rates.a4[1] + dot(perp(base), direction)]
     };
     Geometry { gap, normal_row: row(normal), tangent_row: row(perp(normal)), normal, point, support }
 }

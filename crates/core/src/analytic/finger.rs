@@ -1,33 +1,34 @@
-//! One finger of the analytic model, wherever it is: its links, its spring, its laws. What moves the object is not its business.
+//! The mechanics of one finger in its own frame: links, spring and laws. The motion of the object is prescribed by the
+//! caller.
 
-use super::contact::{self, Distal, Geometry};
+use super::contact::{self, DistalShape, Geometry};
 use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_rates, reference_gamma};
 use crate::fivebar::spring::SpringModel;
-use crate::gripper::{Assembly, Finger, Site, Spring};
+use crate::gripper::{Assembly, Finger, FingerContact, Spring};
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{angle_between, opening_angle, rotate};
-use crate::numeric::{Dual, Real, from_each};
-use crate::scene::{Contacts, Initial};
-use crate::shape::{Placed, Support};
+use crate::numeric::{Dual, Real, map_array};
+use crate::scene::{FingerContactLaws, Initial};
+use crate::shape::{PlacedShape, Support};
 
-/// A finger with everything that does not change in time worked out.
+/// A finger with all constant terms precomputed.
 #[derive(Clone, Debug)]
 pub struct FingerModel {
     pub(super) dynamics: Dynamics,
     pub(super) spring: Option<SpringModel>,
     pub(super) limit: Option<NormalLaw>,
-    pub(super) contacts: Contacts,
-    distal: Distal,
+    pub(super) contacts: FingerContactLaws,
+    distal: DistalShape,
 }
 
 impl FingerModel {
-    /// A finger under a gravity that its own frame sees, in a run that starts from `initial`.
+    /// Builds the model under the gravity in the finger's own frame, for a run that starts at `initial`.
     pub fn new(
         finger: &Finger,
         (spring, limit): (Option<Spring>, Option<NormalLaw>),
-        contacts: Contacts,
+        contacts: FingerContactLaws,
         initial: &Initial,
         gravity_m_s2: [f64; 2],
     ) -> Self {
@@ -44,7 +45,7 @@ impl FingerModel {
             spring: spring.map(|s| SpringModel::new(&s, &lengths, gamma, &start)),
             limit,
             contacts,
-            distal: Distal { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
+            distal: DistalShape { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
         }
     }
 
@@ -54,30 +55,30 @@ impl FingerModel {
         terms(&self.dynamics, directions(&self.dynamics.lengths, self.dynamics.gamma, q))
     }
 
-    /// Link directions and passive rates at q_a: all that geometry needs of [`FingerModel::terms`].
+    /// Link directions and passive rates at q_a, the part of [`FingerModel::terms`] that contact geometry needs.
     #[inline(always)]
-    pub(super) fn place(&self, q: [f64; 2]) -> (Directions<f64>, PassiveRates<f64>) {
+    pub(super) fn kinematics(&self, q: [f64; 2]) -> (Directions<f64>, PassiveRates<f64>) {
         let pose = directions(&self.dynamics.lengths, self.dynamics.gamma, q);
         let rates = passive_rates(&self.dynamics.lengths, &pose);
         (pose, rates)
     }
 
-    /// Geometry of a phalanx against an object; of the joint limit it is [`FingerModel::limit_geometry`].
+    /// Geometry of a phalanx against an object. For the joint limit, see [`FingerModel::limit_geometry`].
     #[inline(always)]
-    pub(super) fn phalanx<T: Real>(
+    pub(super) fn phalanx_geometry<T: Real>(
         &self,
         pose: &Directions<T>,
         rates: &PassiveRates<T>,
-        site: Site,
-        object: &Placed<T>,
+        contact: FingerContact,
+        object: &PlacedShape<T>,
     ) -> Geometry<T> {
-        match site {
-            Site::Proximal => contact::proximal(pose, self.distal.l21, self.distal.w, object),
+        match contact {
+            FingerContact::Proximal => contact::proximal(pose, self.distal.l21, self.distal.w, object),
             _ => contact::distal(pose, rates, &self.distal, object),
         }
     }
 
-    /// Geometry of the joint limit, whose gap is q22 + φ22: the angle from l21 to the tip phalanx.
+    /// Geometry of the joint limit. Its gap is q22 + φ22, the angle from l21 to the tip phalanx.
     #[inline(always)]
     pub(super) fn limit_geometry<T: Real>(&self, pose: &Directions<T>, rates: &PassiveRates<T>) -> Geometry<T> {
         let gap = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22));
@@ -87,24 +88,24 @@ impl FingerModel {
     }
 
     #[inline(always)]
-    pub(super) fn normal_law(&self, site: Site) -> Option<&NormalLaw> {
-        match site {
-            Site::Proximal => Some(&self.contacts.proximal.normal),
-            Site::Distal => Some(&self.contacts.distal.normal),
-            Site::Limit => self.limit.as_ref(),
+    pub(super) fn normal_law(&self, contact: FingerContact) -> Option<&NormalLaw> {
+        match contact {
+            FingerContact::Proximal => Some(&self.contacts.proximal.normal),
+            FingerContact::Distal => Some(&self.contacts.distal.normal),
+            FingerContact::Limit => self.limit.as_ref(),
         }
     }
 
     #[inline(always)]
-    pub(super) fn friction_law(&self, site: Site) -> Option<&FrictionLaw> {
-        match site {
-            Site::Proximal => self.contacts.proximal.friction.as_ref(),
-            Site::Distal => self.contacts.distal.friction.as_ref(),
-            Site::Limit => None,
+    pub(super) fn friction_law(&self, contact: FingerContact) -> Option<&FrictionLaw> {
+        match contact {
+            FingerContact::Proximal => self.contacts.proximal.friction.as_ref(),
+            FingerContact::Distal => self.contacts.distal.friction.as_ref(),
+            FingerContact::Limit => None,
         }
     }
 
-    /// τ − c of (2.24) without contacts: motor, spring, gravity and what turns with the links.
+    /// τ − c of (2.24) without contacts: motor, spring, gravity and velocity-dependent inertial forces of the links.
     #[inline(always)]
     pub(super) fn load<T: Real>(&self, motor_torque: T, terms: &Terms<T>, v: [T; 2]) -> [T; 2] {
         let c = bias(terms, absolute_rates(&terms.rates, v));
@@ -114,12 +115,13 @@ impl FingerModel {
         [load[0] + force[0], load[1] + force[1]]
     }
 
-    /// [`FingerModel::load`] without its motor: with derivatives by both angles, and apart from those by both rates, of which it has squares only.
+    /// [`FingerModel::load`] without the motor: with derivatives with respect to both angles, and separately those with
+    /// respect to both rates, in which it is quadratic.
     #[inline(always)]
-    pub(super) fn load_with_slopes(&self, terms: &Terms<Dual<2>>, v: [f64; 2]) -> ([Dual<2>; 2], [[f64; 2]; 2]) {
-        let turning = |row: [Dual<2>; 2]| row[0] * v[0] + row[1] * v[1];
-        let ([a3, a4], [first, second]) = ([terms.rates.a3, terms.rates.a4], from_each(v, Dual::constant));
-        let rates = [first, second, turning(a3), turning(a4)];
+    pub(super) fn load_with_derivatives(&self, terms: &Terms<Dual<2>>, v: [f64; 2]) -> ([Dual<2>; 2], [[f64; 2]; 2]) {
+        let rate_of = |row: [Dual<2>; 2]| row[0] * v[0] + row[1] * v[1];
+        let ([a3, a4], [first, second]) = ([terms.rates.a3, terms.rates.a4], map_array(v, Dual::constant));
+        let rates = [first, second, rate_of(a3), rate_of(a4)];
         let c = bias(terms, rates);
         let by_rates = terms.quadratic.map(|row| {
             let slope: [f64; 4] = std::array::from_fn(|k| -2.0 * row[k].value * rates[k].value);
@@ -129,30 +131,30 @@ impl FingerModel {
         ([force[0] - c[0], force[1] - c[1]], by_rates)
     }
 
-    /// Gravity's and the spring's energy in a pose, J.
-    pub(super) fn potential(&self, pose: &Directions<f64>) -> [f64; 2] {
+    /// Gravity and spring energy in a pose, J.
+    pub(super) fn potential_energies(&self, pose: &Directions<f64>) -> [f64; 2] {
         [gravity_energy(&self.dynamics, pose), self.spring.as_ref().map_or(0.0, |spring| spring.energy(pose))]
     }
 
-    /// Passive joints and their rates (2.2), (2.8).
-    pub(super) fn passive(
+    /// Angles and rates of the passive joints (2.2), (2.8).
+    pub(super) fn passive_joints(
         &self,
         pose: &Directions<f64>,
         rates: &PassiveRates<f64>,
         q: [f64; 2],
         v: [f64; 2],
-    ) -> Passive {
+    ) -> PassiveJoints {
         let [_, _, qd3, qd4] = absolute_rates(rates, v);
         let phi22 = self.dynamics.lengths.phi22_rad;
-        // Measured from the straight line, q22 stays continuous through the joint limit.
+        // Measured from the straight line, so that q22 is continuous through the joint limit.
         let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
-        Passive { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
+        PassiveJoints { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
     }
 }
 
 /// Passive joint angles and rates; q13 is the absolute orientation of l22.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Passive {
+pub struct PassiveJoints {
     pub q12: f64,
     pub q22: f64,
     pub q13: f64,

@@ -1,17 +1,20 @@
-//! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws, and in [`multibody`] those of any
-//! list of fingers and discs.
+//! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws, and in
+//! [`multibody`] the equations of any list of fingers and discs.
 //!
-//! One finger that closes on what does not move has a kernel of its own, [`FingerMotion`]: that is what studies run by the thousand.
+//! One finger that closes on a fixed object has its own kernel, [`FingerMotion`], which studies run by the thousand.
 //!
-//! Independent of the engine model, which it checks: both share lengths, masses and scalar laws, nothing else.
+//! The model is independent of the engine model, which it checks: both share lengths, masses and scalar laws, nothing
+//! else.
 
 pub mod contact;
 mod finger;
+mod finger_events;
 mod mode;
 mod model;
-mod modes;
 pub mod multibody;
 
-pub use finger::Passive;
-pub use mode::{Mode, SiteState};
-pub use model::{Energies, FingerMode, FingerMotion, GUARDS, HoldingModel, Model, QUADRATURES, SiteReading, Snapshot};
+pub use finger::PassiveJoints;
+pub use mode::{ContactState, Mode};
+pub use model::{
+    BristleModel, ContactReading, EVENT_FUNCTIONS, Energies, FingerMode, FingerMotion, Model, QUADRATURES, Snapshot,
+};

@@ -1,60 +1,61 @@
-//! Which branch of its laws every contact is on, and the guards that say where that ends: for fingers and discs alike.
+//! Active branches of the contact laws, and the event functions that detect their ends, for fingers and discs alike.
 
 use std::ops::{Index, IndexMut};
 
-use crate::integrator::{Guard, Look, Strain};
+use crate::integrator::{ErrorWeight, EventFunction, RootSearch};
 use crate::law::{
-    Bristle, FrictionLaw, FrictionRange, NormalLaw, cone, damping, friction_range, is_damped, spring_force,
+    Bristle, FrictionLaw, FrictionRange, NormalLaw, damping, friction_cone, friction_range, is_damped, spring_force,
     unclamped_normal_force,
 };
 
-/// Branch of the normal law at one site.
+/// Branch of the normal law of one contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SiteState {
-    /// Surfaces apart: no force.
+pub enum ContactState {
+    /// Separated surfaces: no force.
     Free,
-    /// k δᵉ + c δ̇ as it stands; an event ends it where it turns negative.
+    /// k δᵉ + c δ̇; an event ends the branch where the force becomes negative.
     Active,
-    /// Still overlapping, but let go: the clamp holds the force at zero.
+    /// Overlapping surfaces without a force: k δᵉ + c δ̇ is negative, and the force is clamped to zero.
     Released,
-    /// max(0, k δᵉ + c δ̇), whatever happens: for one step where events chatter.
-    Natural,
+    /// max(0, k δᵉ + c δ̇) without events: for single steps where events chatter.
+    Clamped,
 }
 
-impl SiteState {
-    /// Whether there is a force on this branch.
+impl ContactState {
+    /// Whether the contact can have a force on this branch.
     #[inline(always)]
-    pub fn presses(self) -> bool {
-        matches!(self, Self::Active | Self::Natural)
+    pub fn has_force(self) -> bool {
+        matches!(self, Self::Active | Self::Clamped)
     }
 }
 
-/// Whether a contact is less deep than its damper's transition.
+/// Range of a contact's depth relative to the transition depth of its damper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DamperRange {
     /// δ < δ_max: c grows with the depth.
     Engaging,
-    /// c = c_max.
+    /// δ ≥ δ_max: c = c_max.
     Engaged,
-    /// Not looked at.
+    /// The range is not monitored.
     Any,
 }
 
-/// Branches of all sites: of their normal laws, and the ranges of their dampers and friction laws.
+/// Branches of the normal laws of all contacts, and the ranges of their friction laws and dampers.
 ///
-/// The ranges change no force: the laws are the same functions in all of them. They keep a step from leaping over a part of a law, like
-/// from sliding one way to sliding the other across the whole sticking range, where neither its stages nor its error would see it.
+/// The ranges change no force: the laws are the same functions in all of them. They prevent a step from skipping a part
+/// of a law, such as the whole sticking range between sliding in one direction and sliding in the other, which neither
+/// the stages of the step nor its error estimate would detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Mode<const S: usize> {
-    pub sites: [SiteState; S],
-    pub slips: [FrictionRange; S],
-    pub dampers: [DamperRange; S],
+pub struct Mode<const C: usize> {
+    pub contacts: [ContactState; C],
+    pub friction_ranges: [FrictionRange; C],
+    pub damper_ranges: [DamperRange; C],
 }
 
 impl DamperRange {
-    /// That of a contact which is so deep.
+    /// Range at the depth `delta`.
     #[inline(always)]
-    pub fn of(law: &NormalLaw, delta: f64) -> Self {
+    pub fn at_depth(law: &NormalLaw, delta: f64) -> Self {
         match is_damped(law) {
             false => DamperRange::Any,
             true if delta < law.transition_m => DamperRange::Engaging,
@@ -63,403 +64,488 @@ impl DamperRange {
     }
 }
 
-impl<const S: usize> From<[SiteState; S]> for Mode<S> {
-    fn from(sites: [SiteState; S]) -> Self {
-        Self { sites, ..Self::FREE }
+impl<const C: usize> From<[ContactState; C]> for Mode<C> {
+    fn from(contacts: [ContactState; C]) -> Self {
+        Self { contacts, ..Self::FREE }
     }
 }
 
-impl<const S: usize> Index<usize> for Mode<S> {
-    type Output = SiteState;
+impl<const C: usize> Index<usize> for Mode<C> {
+    type Output = ContactState;
 
     #[inline(always)]
-    fn index(&self, site: usize) -> &SiteState {
-        &self.sites[site]
+    fn index(&self, index: usize) -> &ContactState {
+        &self.contacts[index]
     }
 }
 
-impl<const S: usize> IndexMut<usize> for Mode<S> {
+impl<const C: usize> IndexMut<usize> for Mode<C> {
     #[inline(always)]
-    fn index_mut(&mut self, site: usize) -> &mut SiteState {
-        &mut self.sites[site]
+    fn index_mut(&mut self, index: usize) -> &mut ContactState {
+        &mut self.contacts[index]
     }
 }
 
-/// What one site is asked about: its penetration and rate, its slip, and the rows that give the rates of gap and slip.
+/// State of one contact: penetration and its rate, slip, and the rows that give the rates of gap and slip.
 #[derive(Clone, Copy, Debug)]
-pub struct Contact<const N: usize> {
+pub struct ContactVariables<const N: usize> {
     pub delta: f64,
     pub rate: f64,
     pub slip: f64,
-    /// σ of its bristle.
-    pub memory: f64,
-    pub row: [f64; N],
-    pub tangent: [f64; N],
+    /// Bristle state σ.
+    pub bristle_state: f64,
+    pub normal_row: [f64; N],
+    pub tangent_row: [f64; N],
 }
 
-/// What the normal law makes of a contact: the forces of its spring and its damper, N (limit: N·m), which may pull.
+/// Spring and damper force of the normal law, N (limit: N·m); their sum may be negative.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Press {
+pub struct SpringDamperForce {
     spring: f64,
     damper: f64,
 }
 
-impl Press {
+impl SpringDamperForce {
     #[inline(always)]
-    pub fn of<const N: usize>(law: &NormalLaw, at: &Contact<N>) -> Self {
-        if at.delta <= 0.0 {
+    pub fn evaluate<const N: usize>(law: &NormalLaw, variables: &ContactVariables<N>) -> Self {
+        if variables.delta <= 0.0 {
             return Self { spring: 0.0, damper: 0.0 };
         }
-        Self { spring: spring_force(law, at.delta), damper: damping(law, at.delta).0 * at.rate }
+        Self { spring: spring_force(law, variables.delta), damper: damping(law, variables.delta).0 * variables.rate }
     }
 
     #[inline(always)]
-    pub fn force(&self) -> f64 {
+    pub fn total(&self) -> f64 {
         self.spring + self.damper
     }
 }
 
-/// Part of the cone, and a force in N, by which a bristle's pull may be off by as much as its law's finest range.
-const CONE_SHARE: f64 = 0.1;
-const CONE_FLOOR: f64 = 1e-3;
+/// A margin of this part of the friction cone plus [`CONE_TOLERANCE_N`] counts as the finest slip scale of the law.
+const CONE_RELATIVE_TOLERANCE: f64 = 0.1;
+/// Absolute part of that margin, N.
+const CONE_TOLERANCE_N: f64 = 1e-3;
 
-/// How far a bristle's pull is below the cone on one side of it, in parts of what counts as the law's finest range of slip, m/s.
-fn room_below<const N: usize>(law: &FrictionLaw, bristle: &Bristle, at: &Contact<N>, force: f64, forward: bool) -> f64 {
-    let most = cone(law, at.slip).0 * force.max(0.0);
-    let held = bristle.damping_n_s_per_m * (at.memory + at.slip);
-    law.finest_m_s() * (most - if forward { held } else { -held }) / (CONE_SHARE * (most + CONE_FLOOR))
+/// Margin between the friction force of a bristle and the cone, on one side of the cone, scaled to a slip in m/s.
+fn cone_margin<const N: usize>(
+    law: &FrictionLaw,
+    bristle: &Bristle,
+    variables: &ContactVariables<N>,
+    force: f64,
+    forward: bool,
+) -> f64 {
+    let limit = friction_cone(law, variables.slip).0 * force.max(0.0);
+    let friction = bristle.damping_n_s_per_m * (variables.bristle_state + variables.slip);
+    law.min_slip_scale_m_s() * (limit - if forward { friction } else { -friction })
+        / (CONE_RELATIVE_TOLERANCE * (limit + CONE_TOLERANCE_N))
 }
 
-/// The range that the friction of a contact under a normal force is in. A bristle sticks below its cone, and has two ranges of sliding.
-pub fn range_of<const N: usize>(law: &FrictionLaw, at: &Contact<N>, force: f64) -> FrictionRange {
-    let Some(bristle) = &law.bristle else { return friction_range(law, at.slip) };
-    let forward = at.memory + at.slip > 0.0;
-    if room_below(law, bristle, at, force, forward) >= 0.0 {
-        FrictionRange::Sticks
-    } else if at.slip.abs() <= law.v_dynamic_m_s {
-        FrictionRange::Yields { forward }
+/// Range of the friction law of a contact under a normal force. A bristle sticks within its cone, and has two sliding
+/// ranges.
+pub fn friction_range_at<const N: usize>(
+    law: &FrictionLaw,
+    variables: &ContactVariables<N>,
+    force: f64,
+) -> FrictionRange {
+    let Some(bristle) = &law.bristle else { return friction_range(law, variables.slip) };
+    let forward = variables.bristle_state + variables.slip > 0.0;
+    if cone_margin(law, bristle, variables, force, forward) >= 0.0 {
+        FrictionRange::Sticking
+    } else if variables.slip.abs() <= law.v_dynamic_m_s {
+        FrictionRange::Transition { forward }
     } else {
-        FrictionRange::Slides { forward: at.slip > 0.0 }
+        FrictionRange::Sliding { forward: variables.slip > 0.0 }
     }
 }
 
-/// How far a contact is from the end of a range, m/s or what counts as that.
-fn room_of<const N: usize>(range: FrictionRange, law: &FrictionLaw, at: &Contact<N>, force: f64) -> f64 {
-    let Some(bristle) = &law.bristle else { return range.room(law, at.slip) };
+/// Margin between a contact and the end of its friction range, as a slip in m/s.
+fn range_margin<const N: usize>(
+    range: FrictionRange,
+    law: &FrictionLaw,
+    variables: &ContactVariables<N>,
+    force: f64,
+) -> f64 {
+    let Some(bristle) = &law.bristle else { return range.margin(law, variables.slip) };
     match range {
-        FrictionRange::Sticks => {
-            let [up, down] = [true, false].map(|forward| room_below(law, bristle, at, force, forward));
-            up.min(down)
+        FrictionRange::Sticking => {
+            let [forward, backward] = [true, false].map(|forward| cone_margin(law, bristle, variables, force, forward));
+            forward.min(backward)
         }
-        FrictionRange::Yields { forward } => {
-            (-room_below(law, bristle, at, force, forward)).min(law.v_dynamic_m_s - at.slip.abs())
+        FrictionRange::Transition { forward } => {
+            (-cone_margin(law, bristle, variables, force, forward)).min(law.v_dynamic_m_s - variables.slip.abs())
         }
-        FrictionRange::Slides { .. } | FrictionRange::Any => range.room(law, at.slip),
+        FrictionRange::Sliding { .. } | FrictionRange::Any => range.margin(law, variables.slip),
     }
 }
 
-/// The range beyond the end that a contact is nearest to.
-fn neighbour_of<const N: usize>(range: FrictionRange, law: &FrictionLaw, at: &Contact<N>, force: f64) -> FrictionRange {
-    let Some(bristle) = &law.bristle else { return range.neighbour(law, at.slip) };
+/// Friction range beyond the nearest end of the current one.
+fn neighbour_range<const N: usize>(
+    range: FrictionRange,
+    law: &FrictionLaw,
+    variables: &ContactVariables<N>,
+    force: f64,
+) -> FrictionRange {
+    let Some(bristle) = &law.bristle else { return range.neighbour(law, variables.slip) };
     match range {
-        FrictionRange::Sticks => FrictionRange::Yields { forward: at.memory + at.slip > 0.0 },
-        FrictionRange::Slides { forward } => FrictionRange::Yields { forward },
-        FrictionRange::Yields { forward }
-            if -room_below(law, bristle, at, force, forward) < law.v_dynamic_m_s - at.slip.abs() =>
+        FrictionRange::Sticking => {
+            FrictionRange::Transition { forward: variables.bristle_state + variables.slip > 0.0 }
+        }
+        FrictionRange::Sliding { forward } => FrictionRange::Transition { forward },
+        FrictionRange::Transition { forward }
+            if -cone_margin(law, bristle, variables, force, forward) < law.v_dynamic_m_s - variables.slip.abs() =>
         {
-            FrictionRange::Sticks
+            FrictionRange::Sticking
         }
-        FrictionRange::Yields { .. } => FrictionRange::Slides { forward: at.slip > 0.0 },
+        FrictionRange::Transition { .. } => FrictionRange::Sliding { forward: variables.slip > 0.0 },
         FrictionRange::Any => FrictionRange::Any,
     }
 }
 
-/// Noise of a depth, m or rad: some last digits of the coordinates it is the difference of.
+/// Rounding error of a depth, m or rad; the depth is a difference of coordinates.
 const DEPTH_NOISE: f64 = 2e-15;
 
-/// How exactly events are landed on: forces in N (limit: N·m).
+/// Tolerances of event location; forces in N (limit: N·m).
 #[derive(Clone, Copy, Debug)]
-pub struct Landing {
-    /// Part of δ_max.
-    pub depth_share: f64,
+pub struct EventTolerances {
+    /// Tolerance of a depth, as a fraction of δ_max.
+    pub depth_fraction: f64,
     pub force: f64,
 }
 
-impl Landing {
-    /// No finer than what a spring makes of the last digits of its depth.
-    fn force(&self, law: &NormalLaw) -> f64 {
+impl EventTolerances {
+    /// Tolerance of a force, not below the effect of rounding errors of the depth.
+    fn force_tolerance(&self, law: &NormalLaw) -> f64 {
         self.force.max(spring_force(law, DEPTH_NOISE))
     }
 
-    /// A released contact takes up again above this force, so that lift-off and reload do not answer each other.
-    fn reload(&self, law: &NormalLaw) -> f64 {
-        3.0 * self.force(law)
+    /// Force at which a released contact becomes active again, so that lift-off and reload do not alternate.
+    fn reload_force(&self, law: &NormalLaw) -> f64 {
+        3.0 * self.force_tolerance(law)
     }
 }
 
-/// Whether some derivative of the spring's force is infinite where surfaces part: no polynomial of a step follows it there.
+/// Whether a low derivative of the spring force is infinite at zero depth, so that the polynomial of a step cannot
+/// follow it.
 pub fn is_kinked(law: &NormalLaw) -> bool {
     law.exponent.fract() != 0.0 && law.exponent < 3.0
 }
 
-/// Rates below which a contact creeps rather than rebounds, m/s (limit: rad/s).
-const SLOWEST_REBOUND: f64 = 1e-2;
+/// Rate above which a contact rebounds instead of creeping, m/s (limit: rad/s).
+const MIN_REBOUND_SPEED: f64 = 1e-2;
 
-/// A contact that parts so slowly that its damper takes this part of its spring's force may let go within a step and be back at its
-/// end: a long step holds by its polynomial what the law has let go.
-const FADING: f64 = 0.5;
+/// A contact separates slowly if its damper cancels this part of the spring force. Its force may then end and return
+/// within one step; interpolation over a long step would keep a force that the law has ended.
+const WEAK_FORCE_RATIO: f64 = 0.5;
 
-/// Part of a range's width by which a slip or depth may be beyond it before it counts as left, so that neighbours do not answer each
-/// other…
+/// A range ends this part of its width beyond its nominal end, so that neighbouring ranges do not alternate.
 const RANGE_MARGIN: f64 = 0.01;
-/// …and part of that within which it is landed on.
-const RANGE_LANDING: f64 = 0.3;
+/// Tolerance of locating that end, as a fraction of the margin.
+const RANGE_TOLERANCE: f64 = 0.3;
 
-impl<const S: usize> Mode<S> {
-    pub const FREE: Self =
-        Self { sites: [SiteState::Free; S], slips: [FrictionRange::Any; S], dampers: [DamperRange::Any; S] };
-    /// The laws left to themselves: what an integrator without events takes.
-    pub const NATURAL: Self =
-        Self { sites: [SiteState::Natural; S], slips: [FrictionRange::Any; S], dampers: [DamperRange::Any; S] };
+impl<const C: usize> Mode<C> {
+    pub const FREE: Self = Self {
+        contacts: [ContactState::Free; C],
+        friction_ranges: [FrictionRange::Any; C],
+        damper_ranges: [DamperRange::Any; C],
+    };
+    /// The laws without events, for integrators without event location.
+    pub const CLAMPED: Self = Self {
+        contacts: [ContactState::Clamped; C],
+        friction_ranges: [FrictionRange::Any; C],
+        damper_ranges: [DamperRange::Any; C],
+    };
 
-    /// A fresh reading at a state whose contacts are `at`; `free` gives the accelerations in a mode. A site that just touches presses
-    /// where its gap closes, or rests and would close without all that just touch.
-    pub fn read<'a, const N: usize>(
-        landing: &Landing,
-        at: impl Fn(usize) -> Option<(Contact<N>, &'a NormalLaw, Option<&'a FrictionLaw>)>,
-        free: impl FnOnce(&Self) -> [f64; N],
+    /// Determines the mode of a state. `contact_variables` gives the contacts; `accelerations` gives the accelerations
+    /// in a mode. A contact at zero depth is active if its gap closes, or if it is at rest and would close without the
+    /// forces of all contacts at zero depth.
+    pub fn at_state<'a, const N: usize>(
+        event_tolerances: &EventTolerances,
+        contact_variables: impl Fn(usize) -> Option<(ContactVariables<N>, &'a NormalLaw, Option<&'a FrictionLaw>)>,
+        accelerations: impl FnOnce(&Self) -> [f64; N],
     ) -> Self {
         let mut mode = Self::FREE;
-        let mut touching = [None; S];
-        for (site, touch) in touching.iter_mut().enumerate() {
-            let Some((contact, law, friction)) = at(site) else { continue };
-            let Contact { delta, rate, row, .. } = contact;
-            let pressed = Press::of(law, &contact).force();
-            mode.dampers[site] = DamperRange::of(law, delta);
-            mode.slips[site] = friction.map_or(FrictionRange::Any, |law| range_of(law, &contact, pressed));
-            if delta.abs() <= landing.depth_share * law.transition_m {
-                *touch = Some((row, rate));
+        let mut at_zero_depth = [None; C];
+        for (index, zero_depth) in at_zero_depth.iter_mut().enumerate() {
+            let Some((contact, law, friction)) = contact_variables(index) else { continue };
+            let ContactVariables { delta, rate, normal_row, .. } = contact;
+            let force = SpringDamperForce::evaluate(law, &contact).total();
+            mode.damper_ranges[index] = DamperRange::at_depth(law, delta);
+            mode.friction_ranges[index] =
+                friction.map_or(FrictionRange::Any, |law| friction_range_at(law, &contact, force));
+            if delta.abs() <= event_tolerances.depth_fraction * law.transition_m {
+                *zero_depth = Some((normal_row, rate));
             } else if delta > 0.0 {
                 let force = unclamped_normal_force(law, delta, rate).force;
-                mode[site] = if force >= 0.0 { SiteState::Active } else { SiteState::Released };
+                mode[index] = if force >= 0.0 { ContactState::Active } else { ContactState::Released };
             }
         }
-        let free = free(&mode);
-        for (state, touch) in mode.sites.iter_mut().zip(touching) {
-            let Some((row, rate)) = touch else { continue };
-            let resting = rate.abs() < 1e-12;
-            if rate >= 1e-12 || (resting && -along(&row, &free) > 0.0) {
-                *state = SiteState::Active;
+        let free_accelerations = accelerations(&mode);
+        for (state, zero_depth) in mode.contacts.iter_mut().zip(at_zero_depth) {
+            let Some((normal_row, rate)) = zero_depth else { continue };
+            let is_at_rest = rate.abs() < 1e-12;
+            if rate >= 1e-12 || (is_at_rest && -row_dot(&normal_row, &free_accelerations) > 0.0) {
+                *state = ContactState::Active;
             }
         }
         mode
     }
 
-    /// Whether the friction of a site is beyond the range in which it sticks: `None` where nothing presses, and where it is not looked at.
-    pub fn slips_at(&self, site: usize) -> Option<bool> {
-        match self.slips[site] {
-            _ if !self.sites[site].presses() => None,
+    /// Whether the friction of a contact is outside its sticking range; `None` without a force, or if the range is not
+    /// monitored.
+    pub fn is_slipping(&self, index: usize) -> Option<bool> {
+        match self.friction_ranges[index] {
+            _ if !self.contacts[index].has_force() => None,
             FrictionRange::Any => None,
-            range => Some(range != FrictionRange::Sticks),
+            range => Some(range != FrictionRange::Sticking),
         }
     }
 
-    /// Whether a site has no branch that could end.
+    /// Whether a contact has no branch or friction range that can end.
     #[inline(always)]
-    pub fn is_left_alone(&self, site: usize) -> bool {
-        self.sites[site] == SiteState::Natural && self.slips[site] == FrictionRange::Any
+    pub fn is_unmonitored(&self, index: usize) -> bool {
+        self.contacts[index] == ContactState::Clamped && self.friction_ranges[index] == FrictionRange::Any
     }
 
-    /// One guard, whose site is as `at` says, without its strain.
+    /// One event function of a contact in the state `variables`, without its error weight.
     #[inline(always)]
-    pub fn guard<const N: usize>(
+    pub fn event_function<const N: usize>(
         &self,
-        guard: usize,
+        event: usize,
         (law, friction): (&NormalLaw, Option<&FrictionLaw>),
-        landing: &Landing,
-        at: &Contact<N>,
-    ) -> Guard<N> {
-        let site = guard % S;
-        match (guard / S, friction) {
-            (0, _) => self.normal_guard(site, law, landing, at, &Press::of(law, at)),
+        event_tolerances: &EventTolerances,
+        variables: &ContactVariables<N>,
+    ) -> EventFunction<N> {
+        let index = event % C;
+        match (event / C, friction) {
+            (0, _) => {
+                self.normal_event(index, law, event_tolerances, variables, &SpringDamperForce::evaluate(law, variables))
+            }
             (1, Some(friction)) => {
-                let press = if friction.bristle.is_some() { Press::of(law, at) } else { Press::default() };
-                self.slip_guard(site, friction, at, &press)
+                let force = if friction.bristle.is_some() {
+                    SpringDamperForce::evaluate(law, variables)
+                } else {
+                    SpringDamperForce::default()
+                };
+                self.slip_event(index, friction, variables, &force)
             }
-            (1, None) => Guard::QUIET,
-            _ => self.damper_guard(site, law, at),
+            (1, None) => EventFunction::INACTIVE,
+            _ => self.damper_event(index, law, variables),
         }
     }
 
-    /// Guard of the normal law of a site.
+    /// Event function of the normal law of a contact.
     #[inline(always)]
-    pub fn normal_guard<const N: usize>(
+    pub fn normal_event<const N: usize>(
         &self,
-        site: usize,
+        index: usize,
         law: &NormalLaw,
-        landing: &Landing,
-        at: &Contact<N>,
-        press: &Press,
-    ) -> Guard<N> {
-        let Contact { delta, rate, .. } = *at;
-        let quiet = Guard::QUIET;
-        let strain = || {
-            let springy = press.spring > press.damper.abs();
-            let rebounds = springy && rate.abs() > SLOWEST_REBOUND;
-            if delta > 0.0 { Strain::Depth { row: at.row, depth: delta, rebounds, springy } } else { Strain::None }
+        event_tolerances: &EventTolerances,
+        variables: &ContactVariables<N>,
+        force: &SpringDamperForce,
+    ) -> EventFunction<N> {
+        let ContactVariables { delta, rate, .. } = *variables;
+        let inactive = EventFunction::INACTIVE;
+        let error_weight = || {
+            let is_spring_dominated = force.spring > force.damper.abs();
+            let is_rebounding = is_spring_dominated && rate.abs() > MIN_REBOUND_SPEED;
+            if delta > 0.0 {
+                ErrorWeight::Depth { row: variables.normal_row, depth: delta, is_rebounding, is_spring_dominated }
+            } else {
+                ErrorWeight::None
+            }
         };
-        match self.sites[site] {
-            SiteState::Natural => quiet,
-            SiteState::Free => Guard { value: -delta, rate: -rate, look: Look::Gap, ..quiet },
-            // Just landed and about to enter.
-            SiteState::Active if delta <= 0.0 && rate >= 0.0 => Guard { apart: false, ..quiet },
-            // Without a damper the force ends where the surfaces part, and is small long before.
-            SiteState::Active if !is_damped(law) => {
+        match self.contacts[index] {
+            ContactState::Clamped => inactive,
+            ContactState::Free => {
+                EventFunction { value: -delta, rate: -rate, root_search: RootSearch::Gap, ..inactive }
+            }
+            // After touch-down, before the first penetration.
+            ContactState::Active if delta <= 0.0 && rate >= 0.0 => EventFunction { is_separated: false, ..inactive },
+            // Without a damper the force falls continuously to 0 with the depth, so the depth locates the separation.
+            ContactState::Active if !is_damped(law) => {
                 let value = if delta > 0.0 { delta } else { delta.min(-1e-290) };
-                Guard { value, rate, look: Look::Gap, apart: false, strain: strain() }
+                EventFunction {
+                    value,
+                    rate,
+                    root_search: RootSearch::Gap,
+                    is_separated: false,
+                    error_weight: error_weight(),
+                }
             }
-            SiteState::Active => {
-                // Gone through zero without ever pulling counts as let go too.
-                let value = if delta > 0.0 { press.force() } else { delta.min(-1e-290) };
-                let look = if value < FADING * press.spring { Look::Fading } else { Look::End };
-                Guard { value, look, apart: false, strain: strain(), ..quiet }
+            ContactState::Active => {
+                // A negative depth ends the branch even if the force never became negative.
+                let value = if delta > 0.0 { force.total() } else { delta.min(-1e-290) };
+                let root_search =
+                    if value < WEAK_FORCE_RATIO * force.spring { RootSearch::FadingForce } else { RootSearch::EndOnly };
+                EventFunction { value, root_search, is_separated: false, error_weight: error_weight(), ..inactive }
             }
-            // The force of a released contact may come and go within a step.
-            SiteState::Released => {
-                Guard { value: landing.reload(law) - press.force(), look: Look::Inside, apart: delta < 0.0, ..quiet }
-            }
+            // The force of a released contact may return and end again within one step.
+            ContactState::Released => EventFunction {
+                value: event_tolerances.reload_force(law) - force.total(),
+                root_search: RootSearch::Interior,
+                is_separated: delta < 0.0,
+                ..inactive
+            },
         }
     }
 
-    /// Guard of the friction law of a site.
+    /// Event function of the friction law of a contact.
     #[inline(always)]
-    pub fn slip_guard<const N: usize>(
+    pub fn slip_event<const N: usize>(
         &self,
-        site: usize,
+        index: usize,
         law: &FrictionLaw,
-        at: &Contact<N>,
-        press: &Press,
-    ) -> Guard<N> {
-        if !self.sites[site].presses() || self.slips[site] == FrictionRange::Any {
-            return Guard::QUIET;
+        variables: &ContactVariables<N>,
+        force: &SpringDamperForce,
+    ) -> EventFunction<N> {
+        if !self.contacts[index].has_force() || self.friction_ranges[index] == FrictionRange::Any {
+            return EventFunction::INACTIVE;
         }
-        let value = room_of(self.slips[site], law, at, press.force()) + RANGE_MARGIN * law.finest_m_s();
-        // Out of sticking a step may look and come back; out of sliding it must not miss that it would have stuck.
-        let look = if self.slips[site] == FrictionRange::Sticks { Look::End } else { Look::Smooth };
-        let strain = match self.slips[site] {
-            FrictionRange::Sticks if law.bristle.is_some() => held(law, at, press),
-            _ if law.bristle.is_some() => Strain::None,
-            FrictionRange::Slides { .. } | FrictionRange::Any => Strain::None,
-            _ => Strain::Slip { row: at.tangent, finest: law.finest_m_s(), normal: press.force().max(0.0) },
+        let value = range_margin(self.friction_ranges[index], law, variables, force.total())
+            + RANGE_MARGIN * law.min_slip_scale_m_s();
+        // A step may leave sticking and return; but a sliding step must not miss that it would have stuck.
+        let root_search = if self.friction_ranges[index] == FrictionRange::Sticking {
+            RootSearch::EndOnly
+        } else {
+            RootSearch::Smooth
         };
-        Guard { value, look, apart: false, strain, ..Guard::QUIET }
+        let error_weight = match self.friction_ranges[index] {
+            FrictionRange::Sticking if law.bristle.is_some() => sticking_error_weight(law, variables, force),
+            _ if law.bristle.is_some() => ErrorWeight::None,
+            FrictionRange::Sliding { .. } | FrictionRange::Any => ErrorWeight::None,
+            _ => ErrorWeight::Slip {
+                row: variables.tangent_row,
+                slip_scale: law.min_slip_scale_m_s(),
+                normal_force: force.total().max(0.0),
+            },
+        };
+        EventFunction { value, root_search, is_separated: false, error_weight, ..EventFunction::INACTIVE }
     }
 
-    /// Guard of the damper of a site.
+    /// Event function of the damper of a contact.
     #[inline(always)]
-    pub fn damper_guard<const N: usize>(&self, site: usize, law: &NormalLaw, at: &Contact<N>) -> Guard<N> {
-        let room = match self.dampers[site] {
-            _ if self.sites[site] != SiteState::Active => return Guard::QUIET,
-            DamperRange::Any => return Guard::QUIET,
-            DamperRange::Engaging => [law.transition_m - at.delta, -at.rate],
-            DamperRange::Engaged => [at.delta - law.transition_m, at.rate],
+    pub fn damper_event<const N: usize>(
+        &self,
+        index: usize,
+        law: &NormalLaw,
+        variables: &ContactVariables<N>,
+    ) -> EventFunction<N> {
+        let [margin, margin_rate] = match self.damper_ranges[index] {
+            _ if self.contacts[index] != ContactState::Active => return EventFunction::INACTIVE,
+            DamperRange::Any => return EventFunction::INACTIVE,
+            DamperRange::Engaging => [law.transition_m - variables.delta, -variables.rate],
+            DamperRange::Engaged => [variables.delta - law.transition_m, variables.rate],
         };
-        let value = room[0] + RANGE_MARGIN * law.transition_m;
-        Guard { value, rate: room[1], look: Look::Gap, apart: false, ..Guard::QUIET }
+        let value = margin + RANGE_MARGIN * law.transition_m;
+        EventFunction {
+            value,
+            rate: margin_rate,
+            root_search: RootSearch::Gap,
+            is_separated: false,
+            ..EventFunction::INACTIVE
+        }
     }
 
-    /// How near to zero the guard of a site must be for its event: guards from S on are those of slips, from 2 S on of dampers.
-    pub fn landing_tolerance(
+    /// Tolerance of an event function. Indices below C belong to normal laws, those below 2 C to friction laws, the
+    /// others to dampers.
+    pub fn event_tolerance(
         &self,
-        site: usize,
+        event: usize,
         law: &NormalLaw,
         friction: Option<&FrictionLaw>,
-        landing: &Landing,
+        event_tolerances: &EventTolerances,
     ) -> f64 {
-        if site >= 2 * S {
-            return RANGE_LANDING * RANGE_MARGIN * law.transition_m;
+        if event >= 2 * C {
+            return RANGE_TOLERANCE * RANGE_MARGIN * law.transition_m;
         }
-        if site >= S {
-            return friction.map_or(0.0, |law| RANGE_LANDING * RANGE_MARGIN * law.finest_m_s());
+        if event >= C {
+            return friction.map_or(0.0, |law| RANGE_TOLERANCE * RANGE_MARGIN * law.min_slip_scale_m_s());
         }
-        match self.sites[site] {
-            SiteState::Active if is_damped(law) => landing.force(law),
-            SiteState::Released | SiteState::Natural => landing.force(law),
-            SiteState::Free | SiteState::Active => landing.depth_share * law.transition_m,
+        match self.contacts[event] {
+            ContactState::Active if is_damped(law) => event_tolerances.force_tolerance(law),
+            ContactState::Released | ContactState::Clamped => event_tolerances.force_tolerance(law),
+            ContactState::Free | ContactState::Active => event_tolerances.depth_fraction * law.transition_m,
         }
     }
 
-    /// The mode after the event of a guard, whose site is as `at` says.
-    pub fn switched<const N: usize>(
+    /// Returns the mode after an event of a contact in the state `variables`.
+    pub fn after_event<const N: usize>(
         &self,
-        guard: usize,
+        event: usize,
         law: &NormalLaw,
         friction: Option<&FrictionLaw>,
-        at: &Contact<N>,
+        variables: &ContactVariables<N>,
     ) -> Self {
-        let (delta, force) = (at.delta, Press::of(law, at).force());
+        let (delta, force) = (variables.delta, SpringDamperForce::evaluate(law, variables).total());
         let mut next = *self;
-        if guard >= 2 * S {
-            let damper = &mut next.dampers[guard - 2 * S];
+        if event >= 2 * C {
+            let damper = &mut next.damper_ranges[event - 2 * C];
             *damper = if *damper == DamperRange::Engaging { DamperRange::Engaged } else { DamperRange::Engaging };
             return next;
         }
-        let range = friction.map_or(FrictionRange::Any, |law| range_of(law, at, force));
-        if guard >= S {
-            let site = guard - S;
-            next.slips[site] = match self.slips[site] == range {
-                // Landed on from inside.
-                true => friction.map_or(range, |law| neighbour_of(range, law, at, force)),
+        let range = friction.map_or(FrictionRange::Any, |law| friction_range_at(law, variables, force));
+        if event >= C {
+            let index = event - C;
+            next.friction_ranges[index] = match self.friction_ranges[index] == range {
+                // The event was located within the margin of the old range.
+                true => friction.map_or(range, |law| neighbour_range(range, law, variables, force)),
                 false => range,
             };
             return next;
         }
-        next.sites[guard] = match self.sites[guard] {
-            SiteState::Free | SiteState::Released => SiteState::Active,
-            SiteState::Active => SiteState::Released,
-            SiteState::Natural => SiteState::Natural,
+        next.contacts[event] = match self.contacts[event] {
+            ContactState::Free | ContactState::Released => ContactState::Active,
+            ContactState::Active => ContactState::Released,
+            ContactState::Clamped => ContactState::Clamped,
         };
-        next.slips[guard] = range;
-        next.dampers[guard] = DamperRange::of(law, delta);
+        next.friction_ranges[event] = range;
+        next.damper_ranges[event] = DamperRange::at_depth(law, delta);
         next
     }
 
-    /// The mode after a step where released surfaces have parted.
-    pub fn relaxed<const N: usize, const G: usize>(&self, guards: &[Guard<N>; G]) -> Option<Self> {
+    /// Returns the mode after a step in which released surfaces have separated; `None` if none has.
+    pub fn with_separated_contacts<const N: usize, const G: usize>(
+        &self,
+        functions: &[EventFunction<N>; G],
+    ) -> Option<Self> {
         let mut next = *self;
-        for (state, guard) in next.sites.iter_mut().zip(guards) {
-            if *state == SiteState::Released && guard.apart {
-                *state = SiteState::Free;
+        for (state, function) in next.contacts.iter_mut().zip(functions) {
+            if *state == ContactState::Released && function.is_separated {
+                *state = ContactState::Free;
             }
         }
         (next != *self).then_some(next)
     }
 
-    /// The mode with the law of a guard left to itself.
-    pub fn with_natural(&self, guard: usize) -> Self {
+    /// Returns the mode without events of the law that an event function belongs to.
+    pub fn with_clamped_law(&self, event: usize) -> Self {
         let mut next = *self;
-        match guard / S {
-            0 => next.sites[guard] = SiteState::Natural,
-            1 => next.slips[guard - S] = FrictionRange::Any,
-            _ => next.dampers[guard - 2 * S] = DamperRange::Any,
+        match event / C {
+            0 => next.contacts[event] = ContactState::Clamped,
+            1 => next.friction_ranges[event - C] = FrictionRange::Any,
+            _ => next.damper_ranges[event - 2 * C] = DamperRange::Any,
         }
         next
     }
 }
 
-/// What a contact that a bristle holds is sensitive to: slip and memory together, of which the cone leaves little.
-fn held<const N: usize>(law: &FrictionLaw, at: &Contact<N>, press: &Press) -> Strain<N> {
-    let most = law.mu_static * press.force().max(0.0);
-    let finest = law.bristle.map_or(f64::INFINITY, |bristle| (most + CONE_FLOOR) / bristle.damping_n_s_per_m);
-    Strain::Slip { row: at.tangent, finest, normal: 0.0 }
+/// Error weight of a sticking bristle contact, for the sum of slip and bristle state, which the cone bounds tightly.
+fn sticking_error_weight<const N: usize>(
+    law: &FrictionLaw,
+    variables: &ContactVariables<N>,
+    force: &SpringDamperForce,
+) -> ErrorWeight<N> {
+    let limit = law.mu_static * force.total().max(0.0);
+    let slip_scale =
+        law.bristle.map_or(f64::INFINITY, |bristle| (limit + CONE_TOLERANCE_N) / bristle.damping_n_s_per_m);
+    ErrorWeight::Slip { row: variables.tangent_row, slip_scale, normal_force: 0.0 }
 }
 
-/// The rate along a row.
+/// Product of a row and a column, such as the rate of a gap.
 #[inline(always)]
-pub fn along<const N: usize>(row: &[f64; N], rates: &[f64; N]) -> f64 {
+pub fn row_dot<const N: usize>(row: &[f64; N], column: &[f64; N]) -> f64 {
     let mut sum = -0.0;
     for i in 0..N {
-        sum += row[i] * rates[i];
+        sum += row[i] * column[i];
     }
     sum
 }

@@ -1,53 +1,54 @@
 //! The analytic model of one finger: accelerations, their exact Jacobian, and the state of every contact.
 //!
-//! Coordinates are q_a = (q11, q21). Where friction holds, the rates behind theirs are the memories σ of the bristles of both phalanges: of
-//! coordinates that nothing depends on.
+//! Coordinates are q_a = (q11, q21). If friction has bristles, the rates after theirs are the bristle states σ of both
+//! phalanges; nothing depends on the coordinates at these indices.
 
 use super::contact::Geometry;
-use super::finger::{FingerModel, Passive};
-use super::mode::SiteState;
+use super::finger::{FingerModel, PassiveJoints};
+use super::mode::ContactState;
 use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
-use crate::gripper::Site;
+use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
 use crate::law::{
-    Bristle, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_force, friction_with_memory, normal_force,
+    Bristle, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_force, friction_with_state, normal_force,
     normal_over_gap, unclamped_normal_force,
 };
 use crate::numeric::plane::dot;
-use crate::numeric::{Dual, Real, each, from_each};
+use crate::numeric::{Dual, Real, array_from, map_array};
 use crate::scene::{self, Actuation, DrivenFinger, Initial, Side, torque};
-use crate::shape::{Placed, Support};
+use crate::shape::{PlacedShape, Support};
 
-/// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
+/// Number of quadratures: normal impulses of the three contacts, work of all contact forces on the finger, work of the
+/// motor.
 pub const QUADRATURES: usize = 5;
 
-/// Guards of the three sites: of their normal laws, then of their slips, then of their dampers.
-pub const GUARDS: usize = 9;
+/// Number of event functions of the three contacts. Normal laws come first, then friction laws, then dampers.
+pub const EVENT_FUNCTIONS: usize = 9;
 
-/// Branches of all sites, in the order of [`Site::ALL`].
+/// Branches of all contacts, in the order of [`FingerContact::ALL`].
 pub type FingerMode = super::mode::Mode<3>;
 
 /// Coordinates of a finger.
-pub(super) const OWN: usize = 2;
+pub(super) const FINGER_COORDINATES: usize = 2;
 
-/// Memories of bristles: of the proximal and the distal one.
-const MEMORIES: usize = 2;
+/// Number of bristles, on the proximal and the distal phalanx.
+const BRISTLES: usize = 2;
 
-/// The analytic model of a scene, with everything that does not change in time worked out; of N coordinates, and with W = N + 2 variables
-/// that its Jacobian is taken in: q11, q21, and all rates.
+/// The analytic model of a scene, with all constant terms precomputed. It has N coordinates, and its Jacobian is taken
+/// with respect to W = N + 2 variables: q11, q21, and all rates.
 #[derive(Clone, Debug)]
 pub struct FingerMotion<const N: usize, const W: usize> {
     pub(super) finger: FingerModel,
     pub(super) actuation: Actuation,
-    pub(super) object: Option<Placed>,
+    pub(super) object: Option<PlacedShape>,
 }
 
-/// That of a scene whose friction has no memory.
-pub type Model = FingerMotion<OWN, { 2 * OWN }>;
+/// The model of a scene whose friction has no bristles.
+pub type Model = FingerMotion<FINGER_COORDINATES, { 2 * FINGER_COORDINATES }>;
 
-/// That of a scene whose friction holds: with the memories of the proximal and the distal bristle.
-pub type HoldingModel = FingerMotion<{ OWN + MEMORIES }, { 2 * OWN + MEMORIES }>;
+/// The model of a scene whose friction has bristles, on the proximal and the distal phalanx.
+pub type BristleModel = FingerMotion<{ FINGER_COORDINATES + BRISTLES }, { 2 * FINGER_COORDINATES + BRISTLES }>;
 
 /// Energies of one state, in J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,35 +59,45 @@ pub struct Energies {
     pub elastic: f64,
 }
 
-/// Everything about one state.
+/// Passive joints, contacts and energies of one state.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot {
-    pub passive: Passive,
-    /// In the order of [`Site::ALL`]; `None` where the scene has no such contact.
-    pub sites: [Option<SiteReading>; 3],
+    pub passive: PassiveJoints,
+    /// Contacts in the order of [`FingerContact::ALL`]; `None` where the scene has no such contact.
+    pub contacts: [Option<ContactReading>; 3],
     pub energies: Energies,
 }
 
-/// One site in one state.
+/// Geometry, kinematics and forces of one contact in one state.
 #[derive(Clone, Copy, Debug)]
-pub struct SiteReading {
+pub struct ContactReading {
     pub geometry: Geometry<f64>,
-    /// δ, its rate, and slip.
+    /// Penetration δ.
     pub delta: f64,
+    /// Rate of the penetration.
     pub delta_rate: f64,
+    /// Slip velocity.
     pub slip: f64,
-    /// Normal force (limit: torque) with the clamp, and friction force.
+    /// Normal force (limit: torque), clamped.
     pub normal: f64,
+    /// Friction force.
     pub tangential: f64,
 }
 
 impl<const N: usize, const W: usize> FingerMotion<N, W> {
-    /// Whether there are memories of bristles.
-    const HOLDS: bool = N > OWN;
+    /// Whether friction has bristles.
+    const HAS_BRISTLES: bool = N > FINGER_COORDINATES;
 
-    /// Builds the model of a scene; one whose friction holds needs the room for what it remembers.
+    /// Builds the model of a scene.
+    ///
+    /// # Panics
+    ///
+    /// Panics if N does not fit the presence of bristles in the scene.
     pub fn new(system: &scene::System) -> Self {
-        assert!(Self::HOLDS == system.holds() && W == OWN + N, "the finger's coordinates, and memories");
+        assert!(
+            Self::HAS_BRISTLES == system.has_stiction() && W == FINGER_COORDINATES + N,
+            "N and W must match the finger's coordinates and bristles"
+        );
         let DrivenFinger { linkage, motor, spring, limit, contact, initial } = system.finger(Side::Right);
         Self {
             finger: FingerModel::new(linkage, (*spring, *limit), *contact, initial, system.gravity_m_s2),
@@ -95,168 +106,184 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         }
     }
 
-    /// Coordinates and rates at the start.
+    /// Returns the coordinates and rates at the start.
     pub fn start(system: &scene::System) -> State<N, QUADRATURES> {
         let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = system.finger(Side::Right).initial;
-        State { q: spread([q11_rad, q21_rad]), v: spread([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
+        State { q: pad([q11_rad, q21_rad]), v: pad([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
     }
 
     pub fn dynamics(&self) -> &Dynamics {
         &self.finger.dynamics
     }
 
-    /// Where the memory of a site's bristle is among the rates; the joint limit has none.
+    /// Index of a contact's bristle state among the rates; the joint limit has no bristle.
     #[inline(always)]
-    pub(super) fn memory_of(site: Site) -> Option<usize> {
-        if Self::HOLDS && site != Site::Limit { Some(OWN + site as usize) } else { None }
+    pub(super) fn bristle_index(contact: FingerContact) -> Option<usize> {
+        if Self::HAS_BRISTLES && contact != FingerContact::Limit {
+            Some(FINGER_COORDINATES + contact as usize)
+        } else {
+            None
+        }
     }
 
-    /// The bristle of a site, where friction holds.
-    pub(crate) fn bristle(&self, site: Site) -> Option<Bristle> {
-        self.finger.friction_law(site).and_then(|friction| friction.bristle)
+    /// Returns the bristle of a contact's friction law.
+    pub(crate) fn bristle(&self, contact: FingerContact) -> Option<Bristle> {
+        self.finger.friction_law(contact).and_then(|friction| friction.bristle)
     }
 
-    /// All bristles, with the places of their memories.
+    /// All bristles, with the indices of their states among the rates.
     #[inline(always)]
     fn bristles(&self) -> impl Iterator<Item = (usize, Bristle)> {
-        let of = |site| Self::memory_of(site).zip(self.bristle(site));
-        Site::ALL.into_iter().filter_map(of)
+        let indexed_bristle = |contact| Self::bristle_index(contact).zip(self.bristle(contact));
+        FingerContact::ALL.into_iter().filter_map(indexed_bristle)
     }
 
-    /// Friction of a site at these rates; a law without memory asks for none.
+    /// Friction of a contact at these rates.
     #[inline(always)]
-    fn friction<T: Real>(law: &FrictionLaw, site: Site, slip: T, v: &[T; N], normal: T) -> T {
-        match Self::memory_of(site) {
-            Some(memory) if Self::HOLDS => friction_with_memory(law, slip, Some(v[memory]), normal),
+    fn friction<T: Real>(law: &FrictionLaw, contact: FingerContact, slip: T, v: &[T; N], normal: T) -> T {
+        match Self::bristle_index(contact) {
+            Some(bristle) if Self::HAS_BRISTLES => friction_with_state(law, slip, Some(v[bristle]), normal),
             _ => friction_force(law, slip, normal),
         }
     }
 
-    /// Geometry of one site; `None` where the scene has no such contact.
+    /// Geometry of one contact; `None` where the scene has no such contact.
     #[inline(always)]
     pub(super) fn geometry<T: Real>(
         &self,
         pose: &Directions<T>,
         rates: &PassiveRates<T>,
-        site: Site,
+        contact: FingerContact,
     ) -> Option<Geometry<T>> {
-        if site == Site::Limit {
+        if contact == FingerContact::Limit {
             return self.finger.limit.map(|_| self.finger.limit_geometry(pose, rates));
         }
-        let Placed { shape, centre_m, angle_rad } = self.object?;
+        let PlacedShape { shape, centre_m, angle_rad } = self.object?;
         let centre_m = [T::constant(centre_m[0]), T::constant(centre_m[1])];
-        let object = Placed { shape, centre_m, angle_rad: T::constant(angle_rad) };
-        Some(self.finger.phalanx(pose, rates, site, &object))
+        let object = PlacedShape { shape, centre_m, angle_rad: T::constant(angle_rad) };
+        Some(self.finger.phalanx_geometry(pose, rates, contact, &object))
     }
 
-    /// q̈_a and the rates of the memories and of the quadratures (2.24), from the position-dependent terms and the geometry of the sites
-    /// that press.
+    /// q̈_a (2.24) and the rates of bristle states and quadratures, from the position-dependent terms and the geometry
+    /// of the active contacts.
     #[inline(always)]
     fn accelerations<T: Real>(
         &self,
         motor_torque: T,
         terms: &Terms<T>,
-        geometry: impl Fn(Site) -> Option<Geometry<T>>,
+        geometry: impl Fn(FingerContact) -> Option<Geometry<T>>,
         mode: &FingerMode,
         v: [T; N],
     ) -> ([T; N], [T; QUADRATURES]) {
-        let own = own(&v);
-        let mut driven = [T::zero(); MEMORIES];
-        if Self::HOLDS {
-            self.bristles().for_each(|(memory, bristle)| driven[memory - OWN] = v[memory] * -bristle.rate());
+        let finger_rates = finger_coordinates(&v);
+        let mut bristle_rates = [T::zero(); BRISTLES];
+        if Self::HAS_BRISTLES {
+            self.bristles().for_each(|(index, bristle)| {
+                bristle_rates[index - FINGER_COORDINATES] = v[index] * -bristle.rate();
+            });
         }
-        let mut load = self.finger.load(motor_torque, terms, own);
+        let mut load = self.finger.load(motor_torque, terms, finger_rates);
         let mut quadratures = [T::zero(); QUADRATURES];
         let mut contact_power = T::zero();
-        for site in Site::ALL {
-            let index = site as usize;
-            if !mode[index].presses() {
+        for contact in FingerContact::ALL {
+            let index = contact as usize;
+            if !mode[index].has_force() {
                 continue;
             }
-            let (Some(geometry), Some(law)) = (geometry(site), self.finger.normal_law(site)) else { continue };
-            let gap_rate = dot(geometry.normal_row, own);
-            let normal = normal_over_gap(|d, rate| branch(law, mode[index], d, rate), geometry.gap, gap_rate);
+            let (Some(geometry), Some(law)) = (geometry(contact), self.finger.normal_law(contact)) else { continue };
+            let gap_rate = dot(geometry.normal_row, finger_rates);
+            let normal =
+                normal_over_gap(|d, rate| normal_force_on_branch(law, mode[index], d, rate), geometry.gap, gap_rate);
             load[0] += geometry.normal_row[0] * normal;
             load[1] += geometry.normal_row[1] * normal;
             contact_power += normal * gap_rate;
             quadratures[index] = normal;
-            if let Some(friction) = self.finger.friction_law(site) {
-                let slip = dot(geometry.tangent_row, own);
-                let tangential = Self::friction(friction, site, slip, &v, normal);
+            if let Some(friction) = self.finger.friction_law(contact) {
+                let slip = dot(geometry.tangent_row, finger_rates);
+                let tangential = Self::friction(friction, contact, slip, &v, normal);
                 load[0] += geometry.tangent_row[0] * tangential;
                 load[1] += geometry.tangent_row[1] * tangential;
                 contact_power += tangential * slip;
-                if let Some((memory, bristle)) = Self::memory_of(site).zip(friction.bristle) {
-                    driven[memory - OWN] += -tangential * bristle.driven();
+                if let Some((bristle_index, bristle)) = Self::bristle_index(contact).zip(friction.bristle) {
+                    bristle_rates[bristle_index - FINGER_COORDINATES] += -tangential * bristle.stretch_gain();
                 }
             }
         }
         quadratures[3] = contact_power;
-        quadratures[4] = motor_torque * own[0];
-        let turning = solve_mass(&terms.mass, load);
+        quadratures[4] = motor_torque * finger_rates[0];
+        let finger_accelerations = solve_mass(&terms.mass, load);
         let mut all = [T::zero(); N];
-        all[..OWN].copy_from_slice(&turning);
-        all[OWN..].copy_from_slice(&driven[..N - OWN]);
+        all[..FINGER_COORDINATES].copy_from_slice(&finger_accelerations);
+        all[FINGER_COORDINATES..].copy_from_slice(&bristle_rates[..N - FINGER_COORDINATES]);
         (all, quadratures)
     }
 
-    /// Everything there is to know of one site in one state; `None` where the scene has no such contact.
-    pub fn reading(&self, q: [f64; N], v: [f64; N], site: Site, state: SiteState) -> Option<SiteReading> {
-        let (pose, rates) = self.finger.place(own(&q));
-        self.reading_at(&pose, &rates, &v, site, state)
+    /// Evaluates one contact in one state; `None` where the scene has no such contact.
+    pub fn contact_reading(
+        &self,
+        q: [f64; N],
+        v: [f64; N],
+        contact: FingerContact,
+        state: ContactState,
+    ) -> Option<ContactReading> {
+        let (pose, rates) = self.finger.kinematics(finger_coordinates(&q));
+        self.reading_in_pose(&pose, &rates, &v, contact, state)
     }
 
-    fn reading_at(
+    fn reading_in_pose(
         &self,
         pose: &Directions<f64>,
         rates: &PassiveRates<f64>,
         v: &[f64; N],
-        site: Site,
-        state: SiteState,
-    ) -> Option<SiteReading> {
-        let geometry = self.geometry(pose, rates, site)?;
-        let law = self.finger.normal_law(site)?;
-        let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, own(v)));
-        let slip = dot(geometry.tangent_row, own(v));
-        let normal = branch(law, state, delta, delta_rate).force.max(0.0);
-        let friction = |law| Self::friction(law, site, slip, v, normal);
-        let tangential = self.finger.friction_law(site).map_or(0.0, friction);
-        Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
+        contact: FingerContact,
+        state: ContactState,
+    ) -> Option<ContactReading> {
+        let geometry = self.geometry(pose, rates, contact)?;
+        let law = self.finger.normal_law(contact)?;
+        let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, finger_coordinates(v)));
+        let slip = dot(geometry.tangent_row, finger_coordinates(v));
+        let normal = normal_force_on_branch(law, state, delta, delta_rate).force.max(0.0);
+        let friction = |law| Self::friction(law, contact, slip, v, normal);
+        let tangential = self.finger.friction_law(contact).map_or(0.0, friction);
+        Some(ContactReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
     /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
     pub fn snapshot(&self, q: [f64; N], v: [f64; N], mode: &FingerMode) -> Snapshot {
-        self.snapshot_of(q, v, mode, (true, true))
+        self.partial_snapshot(q, v, mode, (true, true))
     }
 
-    /// The same, of which the passive joints and the energies may be left out: they are zeros then.
-    pub(crate) fn snapshot_of(
+    /// Like [`FingerMotion::snapshot`]; passive joints and energies are optional, and zero if omitted.
+    pub(crate) fn partial_snapshot(
         &self,
         q: [f64; N],
         v: [f64; N],
         mode: &FingerMode,
         (passive, energies): (bool, bool),
     ) -> Snapshot {
-        let (pose, rates) = self.finger.place(own(&q));
-        let sites = Site::ALL.map(|site| self.reading_at(&pose, &rates, &v, site, mode[site as usize]));
-        let joints = || self.finger.passive(&pose, &rates, own(&q), own(&v));
-        let passive = if passive { joints() } else { Passive::default() };
-        let energies = if energies { self.energies(v, &pose, &sites) } else { Energies::default() };
-        Snapshot { passive, sites, energies }
+        let (pose, rates) = self.finger.kinematics(finger_coordinates(&q));
+        let contacts =
+            FingerContact::ALL.map(|contact| self.reading_in_pose(&pose, &rates, &v, contact, mode[contact as usize]));
+        let passive_joints =
+            || self.finger.passive_joints(&pose, &rates, finger_coordinates(&q), finger_coordinates(&v));
+        let passive = if passive { passive_joints() } else { PassiveJoints::default() };
+        let energies = if energies { self.energies(v, &pose, &contacts) } else { Energies::default() };
+        Snapshot { passive, contacts, energies }
     }
 
-    /// Energies of a state whose contacts are read.
-    fn energies(&self, v: [f64; N], pose: &Directions<f64>, sites: &[Option<SiteReading>; 3]) -> Energies {
-        let springs = Site::ALL.map(|site| match (self.finger.normal_law(site), &sites[site as usize]) {
-            (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
-            _ => 0.0,
-        });
+    /// Energies of a state with evaluated contacts.
+    fn energies(&self, v: [f64; N], pose: &Directions<f64>, contacts: &[Option<ContactReading>; 3]) -> Energies {
+        let springs =
+            FingerContact::ALL.map(|contact| match (self.finger.normal_law(contact), &contacts[contact as usize]) {
+                (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
+                _ => 0.0,
+            });
         let mut elastic = springs.iter().sum();
-        if Self::HOLDS {
-            elastic += self.bristles().map(|(memory, bristle)| bristle.energy(v[memory])).sum::<f64>();
+        if Self::HAS_BRISTLES {
+            elastic += self.bristles().map(|(index, bristle)| bristle.energy(v[index])).sum::<f64>();
         }
-        let [gravity, spring] = self.finger.potential(pose);
-        let kinetic = kinetic_energy(&terms(&self.finger.dynamics, *pose).mass, own(&v));
+        let [gravity, spring] = self.finger.potential_energies(pose);
+        let kinetic = kinetic_energy(&terms(&self.finger.dynamics, *pose).mass, finger_coordinates(&v));
         Energies { kinetic, gravity, spring, elastic }
     }
 
@@ -266,27 +293,27 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     }
 }
 
-/// A finger's own of all coordinates, or of their rates.
+/// Returns the first two coordinates or rates, which belong to the finger.
 #[inline(always)]
-pub(super) fn own<T: Copy, const N: usize>(all: &[T; N]) -> [T; OWN] {
+pub(super) fn finger_coordinates<T: Copy, const N: usize>(all: &[T; N]) -> [T; FINGER_COORDINATES] {
     [all[0], all[1]]
 }
 
-/// A finger's own among all, with zeros behind.
+/// Appends zeros to the finger's own coordinates or rates.
 #[inline(always)]
-pub(super) fn spread<const N: usize>(own: [f64; OWN]) -> [f64; N] {
+pub(super) fn pad<const N: usize>(finger_coordinates: [f64; FINGER_COORDINATES]) -> [f64; N] {
     let mut all = [0.0; N];
-    all[..OWN].copy_from_slice(&own);
+    all[..FINGER_COORDINATES].copy_from_slice(&finger_coordinates);
     all
 }
 
-/// Normal law on the branch of `state`.
+/// Normal force on the branch of `state`.
 #[inline(always)]
-pub(super) fn branch(law: &NormalLaw, state: SiteState, delta: f64, rate: f64) -> NormalForce {
+pub(super) fn normal_force_on_branch(law: &NormalLaw, state: ContactState, delta: f64, rate: f64) -> NormalForce {
     match state {
-        SiteState::Free | SiteState::Released => NormalForce::default(),
-        SiteState::Active => unclamped_normal_force(law, delta, rate),
-        SiteState::Natural => normal_force(law, delta, rate),
+        ContactState::Free | ContactState::Released => NormalForce::default(),
+        ContactState::Active => unclamped_normal_force(law, delta, rate),
+        ContactState::Clamped => normal_force(law, delta, rate),
     }
 }
 
@@ -295,51 +322,52 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
 
     #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Rates<N, QUADRATURES> {
-        let terms = self.finger.terms(own(q));
+        let terms = self.finger.terms(finger_coordinates(q));
         let torque = torque(&self.actuation, t).0;
-        let geometry = |site| self.geometry(&terms.pose, &terms.rates, site);
+        let geometry = |contact| self.geometry(&terms.pose, &terms.rates, contact);
         let (a, g) = self.accelerations(torque, &terms, geometry, mode, *v);
         Rates { a, g }
     }
 
     #[inline(always)]
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Linearised<N, QUADRATURES> {
-        // Positions first, with two derivatives; rates only then, with all.
-        let narrow = self.finger.terms([Dual::<OWN>::variable(q[0], 0), Dual::variable(q[1], 1)]);
-        let wide = narrow.widen();
-        let rate = each(|i| Dual::<W>::variable(v[i], OWN + i));
+        // Terms that depend on positions only are computed with the derivatives with respect to the two positions, then
+        // extended to all variables.
+        let finger_terms = self.finger.terms([Dual::<FINGER_COORDINATES>::variable(q[0], 0), Dual::variable(q[1], 1)]);
+        let widened_terms = finger_terms.widen();
+        let rate = array_from(|i| Dual::<W>::variable(v[i], FINGER_COORDINATES + i));
         let (torque, slope) = torque(&self.actuation, t);
-        let geometry = |site| self.geometry(&narrow.pose, &narrow.rates, site).map(Geometry::widen);
-        let (a, g) = self.accelerations(Dual::constant(torque), &wide, geometry, mode, rate);
-        let mass = from_each(narrow.mass, |m| m.value);
+        let geometry = |contact| self.geometry(&finger_terms.pose, &finger_terms.rates, contact).map(Geometry::widen);
+        let (a, g) = self.accelerations(Dual::constant(torque), &widened_terms, geometry, mode, rate);
+        let mass = map_array(finger_terms.mass, |m| m.value);
         Linearised {
-            rates: Rates { a: from_each(a, |x| x.value), g: from_each(g, |x| x.value) },
-            a_q: by_q(&a),
-            a_v: by_v(&a),
-            a_t: spread(solve_mass(&mass, [slope, 0.0])),
-            g_q: by_q(&g),
-            g_v: by_v(&g),
+            rates: Rates { a: map_array(a, |x| x.value), g: map_array(g, |x| x.value) },
+            a_q: position_derivatives(&a),
+            a_v: rate_derivatives(&a),
+            a_t: pad(solve_mass(&mass, [slope, 0.0])),
+            g_q: position_derivatives(&g),
+            g_v: rate_derivatives(&g),
             g_t: [0.0, 0.0, 0.0, 0.0, slope * v[0]],
         }
     }
 }
 
-/// Derivatives of R numbers by N positions, of which a finger's own alone have any.
+/// Derivatives of R numbers with respect to N positions; zero except for the finger's own positions.
 #[inline(always)]
-fn by_q<const N: usize, const W: usize, const R: usize>(of: &[Dual<W>; R]) -> [[f64; N]; R] {
+fn position_derivatives<const N: usize, const W: usize, const R: usize>(values: &[Dual<W>; R]) -> [[f64; N]; R] {
     let mut rows = [[0.0; N]; R];
-    for (row, x) in rows.iter_mut().zip(of) {
-        row[..OWN].copy_from_slice(&x.grad[..OWN]);
+    for (row, x) in rows.iter_mut().zip(values) {
+        row[..FINGER_COORDINATES].copy_from_slice(&x.grad[..FINGER_COORDINATES]);
     }
     rows
 }
 
-/// By N rates.
+/// Derivatives of R numbers with respect to N rates.
 #[inline(always)]
-fn by_v<const N: usize, const W: usize, const R: usize>(of: &[Dual<W>; R]) -> [[f64; N]; R] {
+fn rate_derivatives<const N: usize, const W: usize, const R: usize>(values: &[Dual<W>; R]) -> [[f64; N]; R] {
     let mut rows = [[0.0; N]; R];
-    for (row, x) in rows.iter_mut().zip(of) {
-        row.copy_from_slice(&x.grad[OWN..]);
+    for (row, x) in rows.iter_mut().zip(values) {
+        row.copy_from_slice(&x.grad[FINGER_COORDINATES..]);
     }
     rows
 }
@@ -348,12 +376,12 @@ impl Geometry<Dual<2>> {
     #[inline(always)]
     fn widen<const W: usize>(self) -> Geometry<Dual<W>> {
         Geometry {
-            gap: self.gap.among(),
-            normal_row: from_each(self.normal_row, Dual::among),
-            tangent_row: from_each(self.tangent_row, Dual::among),
-            normal: from_each(self.normal, Dual::among),
-            point: from_each(self.point, Dual::among),
-            support: Support { distance: self.support.distance.among(), slope: self.support.slope.among() },
+            gap: self.gap.widen(),
+            normal_row: map_array(self.normal_row, Dual::widen),
+            tangent_row: map_array(self.tangent_row, Dual::widen),
+            normal: map_array(self.normal, Dual::widen),
+            point: map_array(self.point, Dual::widen),
+            support: Support { distance: self.support.distance.widen(), slope: self.support.slope.widen() },
         }
     }
 }

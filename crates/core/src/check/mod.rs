@@ -1,20 +1,21 @@
-//! What a run is worth: an estimate of its error from a second, independent resolution, and whether its outcome depends on the last
-//! digits of its input.
+//! Accuracy check of a run: an error estimate from a second, independent simulation, and a test whether the outcome
+//! depends on the last digits of the input.
 //!
-//! A run of the analytic model is compared with one by the other family of methods (Rodas5P against Radau IIA) at a hundredth of its
-//! tolerance; a run of the engine with the analytic model itself, or where there is none of the scene (beyond a fold of the linkage, rapier's
-//! own contact, more discs than it takes) with the engine at a tenth of its tolerance and steps of at most a quarter. A comparison of two runs
-//! of one method that took the same steps to the same digits says nothing. What drives the scene is changed by [`PUSH`] of itself to see
-//! what such a change does.
+//! A run of the analytic model is compared with a run by the other family of methods (Rodas5P or Radau IIA) at a
+//! hundredth of its tolerance. A run of the engine is compared with the analytic model. If the analytic model does not
+//! support the scene (singular configurations of the linkage, rapier's own contact, too many discs), the reference is
+//! the engine at a tenth of the tolerance and a quarter of the step limit. Two runs of one method with the same steps
+//! and the same digits are no evidence of accuracy. To measure the sensitivity, the actuation of the scene is
+//! multiplied by 1 + [`PERTURBATION`].
 //!
-//! Compared are the path, the energies and works, and the restitution of discs.
+//! The check compares the path, energies and works, and the restitution of discs.
 //!
-//! | file | job |
+//! | file | contents |
 //! |---|---|
-//! | `path` | a run kept as its path on an even grid, and differences of two |
+//! | `path` | a run sampled on an even grid, and differences of two such paths |
 //! | `runs` | the runs that are compared |
-//! | `scale` | sizes of the scene and of its motion, of which bars are parts |
-//! | `verdict` | what is said of a run, and why |
+//! | `scale` | length scales of the scene and of its motion, which error limits refer to |
+//! | `verdict` | the verdict on a run, and its reason |
 
 mod path;
 mod runs;
@@ -23,151 +24,204 @@ mod verdict;
 
 pub use path::Errors;
 use path::Path;
-pub use runs::pushed;
-use runs::{Way, is_comparable, run, words};
-pub use scale::{CHAOTIC, MOTION_PART, length_m, units};
+pub use runs::perturbed;
+use runs::{RunOptions, is_comparable, reference_name, run};
+pub use scale::{CHAOS_THRESHOLD, MOTION_FRACTION, reference_length_m, units};
 pub use verdict::Verdict;
-use verdict::{Compared, verdict};
+use verdict::{Comparison, verdict};
 
 use crate::scene::Scene;
 use crate::trace::{Model, Sink};
 
-/// Relative change of what drives a scene: motor torques, or velocities and gravity of discs.
-pub const PUSH: f64 = 1e-7;
-/// The radius of the usual object: the length by which comparisons of both models measure centres beside angles.
-pub const LENGTH_M: f64 = 0.02;
-/// A run is uncertain if the error of its path is estimated to be larger, of the analytic model and of the engine: in rad, for a gripper's
-/// object in its radii, for discs alone in 20 radii of the smallest that moves; and at most [`MOTION_PART`] of the largest displacement.
-pub const BAR: f64 = 1e-5;
-pub const ENGINE_BAR: f64 = 1e-4;
-/// The same for energies and works, as parts of the energy exchanged in the run. Of 560 random fingers, grippers and discs (analytic
-/// model) and 570 (engine) the largest errors of paths that are right were 3e-4 and 6e-3, bar one of the engine with 1.3e-2.
-pub const ENERGY_BAR: f64 = 1e-3;
-pub const ENGINE_ENERGY_BAR: f64 = 1e-2;
-/// The same for the restitution of discs that meet at the largest speed of a run.
-pub const RESTITUTION_BAR: f64 = 1e-3;
-pub const ENGINE_RESTITUTION_BAR: f64 = 1e-2;
-/// Through more events than this of the analytic model its estimate is one draw of what they make of last digits: of 9,542 random scenes the
-/// four that were off by more than the bar (1.1e-5 to 2.6e-5 rad) and sure of it had 2,769 to 7,436, and estimates of 1.9e-6 to 9.7e-6…
+/// Relative change of the actuation of a scene: motor torques, or velocities and gravity of discs.
+pub const PERTURBATION: f64 = 1e-7;
+/// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
+pub const REFERENCE_LENGTH_M: f64 = 0.02;
+/// Largest estimated path error of a run of the analytic model with the verdict "sure": in rad for joint angles, in
+/// radii for a gripper's object, and in 20 radii of the smallest moving disc in scenes of discs. The limit is at most
+/// [`MOTION_FRACTION`] of the largest displacement.
+pub const MAX_PATH_ERROR: f64 = 1e-5;
+/// [`MAX_PATH_ERROR`] of the engine.
+pub const ENGINE_MAX_PATH_ERROR: f64 = 1e-4;
+/// Largest energy error of a run of the analytic model with the verdict "sure", as a fraction of the energy exchanged
+/// in the run. In 560 random scenes of fingers, grippers and discs, the largest error of an accurate path was 3e-4.
+pub const MAX_ENERGY_ERROR: f64 = 1e-3;
+/// [`MAX_ENERGY_ERROR`] of the engine. In 570 random scenes, the largest error of an accurate path was 6e-3, apart from
+/// one of 1.3e-2.
+pub const ENGINE_MAX_ENERGY_ERROR: f64 = 1e-2;
+/// Largest restitution error of discs that collide at the largest speed of a run.
+pub const MAX_RESTITUTION_ERROR: f64 = 1e-3;
+/// [`MAX_RESTITUTION_ERROR`] of the engine.
+pub const ENGINE_MAX_RESTITUTION_ERROR: f64 = 1e-2;
+/// Number of events above which an error estimate of the analytic model depends on rounding errors. Among 9,542 random
+/// scenes, four runs had errors beyond the limit (1.1e-5 to 2.6e-5 rad) but the verdict "sure"; they had 2,769 to 7,436
+/// events and estimates of 1.9e-6 to 9.7e-6.
 const MANY_EVENTS: u64 = 1000;
-/// …so such runs are held to this bar.
-const MANY_EVENTS_BAR: f64 = 1e-6;
-/// Steps a run may have to be checked without being asked to: at a few microseconds each the check then takes some tenths of a second.
-pub const MOST_STEPS: u64 = 20_000;
+/// [`MAX_PATH_ERROR`] of runs with more than [`MANY_EVENTS`] events.
+const MAX_PATH_ERROR_MANY_EVENTS: f64 = 1e-6;
+/// Largest number of steps of a run that is checked without a request. At a few microseconds per step the check takes
+/// some tenths of a second.
+pub const MAX_CHECKED_STEPS: u64 = 20_000;
 
-/// Steps that each run of a check may take for each of the run itself, and beside: a finer run follows what trembles for some 30,000
-/// steps before it lets it be damped (`integrator::pace`), and a check that broke off there would say nothing.
+/// Step budget of each run of a check, per step of the checked run.
 const STEPS_PER_STEP: u64 = 10;
-const BESIDE: u64 = 50_000;
+/// Additional step budget. A finer run resolves chatter for some 30,000 steps before the integrator damps it; a check
+/// that stopped there would give no result.
+const EXTRA_CHECK_STEPS: u64 = 50_000;
 
-/// What a check found.
+/// Result of a check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
     pub verdict: Verdict,
     pub errors: Errors,
-    /// Largest change of the path by a push, rad (discs: m).
+    /// Largest change of the path by the perturbation, rad (discs: m).
     pub sensitivity: f64,
-    /// The error of the path from which on a run is uncertain, rad (discs: m), and what it is a part of.
-    pub bar: f64,
-    pub bar_of: String,
-    /// The largest displacement along the path, where the bar is a part of that because it is small.
-    pub motion: Option<f64>,
-    /// The error of energies from which on a run is uncertain, as a part of the energy exchanged.
-    pub energy_bar: f64,
-    /// What the run was compared with, in words.
-    pub against: String,
-    /// Why the verdict is what it is, where figures do not say it.
+    /// Path error above which the run is uncertain, rad (discs: m).
+    pub max_path_error: f64,
+    /// Length scale of `max_path_error`, in words.
+    pub max_path_error_basis: String,
+    /// Largest displacement along the path, if it determines `max_path_error` because the motion is small.
+    pub largest_displacement: Option<f64>,
+    /// Energy error above which the run is uncertain, as a fraction of the energy exchanged.
+    pub max_energy_error: f64,
+    /// Name of the reference that the run was compared with.
+    pub reference: String,
+    /// Reason for the verdict beyond the path error.
     pub reason: Option<String>,
 }
 
 impl Check {
-    /// Of a run with nothing to compare: errors are unknown.
+    /// Result without a comparison: errors are unknown.
     fn unknown(model: Model, reason: String) -> Self {
         let errors = Errors { path: f64::INFINITY, energy: f64::INFINITY, ..Errors::default() };
-        let (bar, energy_bar) = bars(model, 0);
+        let (max_path_error, max_energy_error) = error_limits(model, 0);
         Check {
             verdict: Verdict::Unknown,
             errors,
             sensitivity: f64::INFINITY,
-            bar,
-            bar_of: String::new(),
-            motion: None,
-            energy_bar,
-            against: String::new(),
+            max_path_error,
+            max_path_error_basis: String::new(),
+            largest_displacement: None,
+            max_energy_error,
+            reference: String::new(),
             reason: Some(reason),
         }
     }
 
-    /// Of a run that was not completed: it has no verdict.
+    /// Result for a run that was not completed; it has no verdict.
     pub fn not_completed(model: Model, time_s: f64, reason: &str) -> Self {
         Self::unknown(model, format!("the run ended at {:.6} ms because: {reason}", time_s * 1e3))
     }
 }
 
-/// Bars of the path and of energies.
-fn bars(model: Model, events: u64) -> (f64, f64) {
+/// Limits of the path error and of the energy error.
+fn error_limits(model: Model, events: u64) -> (f64, f64) {
     match model {
-        Model::Engine => (ENGINE_BAR, ENGINE_ENERGY_BAR),
-        Model::Analytic if events > MANY_EVENTS => (MANY_EVENTS_BAR, ENERGY_BAR),
-        Model::Analytic => (BAR, ENERGY_BAR),
+        Model::Engine => (ENGINE_MAX_PATH_ERROR, ENGINE_MAX_ENERGY_ERROR),
+        Model::Analytic if events > MANY_EVENTS => (MAX_PATH_ERROR_MANY_EVENTS, MAX_ENERGY_ERROR),
+        Model::Analytic => (MAX_PATH_ERROR, MAX_ENERGY_ERROR),
     }
 }
 
-/// Checks a run by one of the models, as the scene says, while `go_on` says so.
-pub fn check(model: Model, scene: &Scene, go_on: &dyn Fn() -> bool) -> Check {
-    check_heard(model, scene, [&mut (), &mut ()], go_on)
+/// Checks a run of a model with the settings of the scene. `keep_running` is polled; the check stops if it returns
+/// false.
+pub fn check(model: Model, scene: &Scene, keep_running: &dyn Fn() -> bool) -> Check {
+    check_with_sinks(model, scene, [&mut (), &mut ()], keep_running)
 }
 
-/// The same, whose finer runs others hear too: the one that the run is held to, and the one that is pushed. They have no energies and
-/// peaks. What takes an engine where the analytic model does not get to the end is heard as well, behind what that said.
-pub fn check_heard(
+/// Like [`check`], with sinks for the finer runs: the reference and the perturbed run. Their samples have no energies
+/// or peaks. If the analytic model is the reference and fails, the reference sink receives its samples before those of
+/// the engine.
+pub fn check_with_sinks(
     model: Model,
     scene: &Scene,
-    [held_to, pushed]: [&mut dyn Sink; 2],
-    go_on: &dyn Fn() -> bool,
+    [reference_sink, perturbed_sink]: [&mut dyn Sink; 2],
+    keep_running: &dyn Fn() -> bool,
 ) -> Check {
-    let way = Way { finer: false, push: 0.0, span_s: scene.duration_s, energies: true, budget: u64::MAX, go_on };
-    let own = run(scene, model, &way, &mut ());
-    if let Some(reason) = &own.failure {
-        return Check::not_completed(model, own.end_s, &reason.to_string());
-    }
-    // An object that leaves the gripper after a microsecond is compared along that microsecond.
-    let span_s = if own.ejected { own.end_s } else { scene.duration_s };
-    let own = if span_s < scene.duration_s { run(scene, model, &Way { span_s, ..way }, &mut ()) } else { own };
-    let finer = Way { finer: true, span_s, budget: STEPS_PER_STEP * own.steps + BESIDE, ..way };
-    let analytic =
-        (model == Model::Analytic || is_comparable(scene)).then(|| run(scene, Model::Analytic, &finer, held_to));
-    // The analytic model speaks for the engine as far as it gets; beyond, the engine itself does.
-    let as_far =
-        if model == Model::Engine { analytic.as_ref().map_or(0.0, |path| path::difference(&own, path)) } else { 0.0 };
-    let speaks = |path: &Path| model == Model::Analytic || path.failure.is_none();
-    let (second, judge) = match analytic.filter(speaks) {
-        Some(analytic) => (analytic, Model::Analytic),
-        None => (run(scene, Model::Engine, &finer, held_to), Model::Engine),
+    let options = RunOptions {
+        finer: false,
+        perturbation: 0.0,
+        span_s: scene.duration_s,
+        energies: true,
+        max_steps: u64::MAX,
+        keep_running,
     };
-    let pushed = run(scene, judge, &Way { push: PUSH, energies: false, ..finer }, pushed);
-    let (ordinary, energy_bar) = bars(model, own.events);
-    let bar = scale::bar(&scene.system, &own, ordinary);
-    let mut errors = path::errors(&own, &second);
-    errors.path = errors.path.max(as_far);
-    let sensitivity = path::difference(&second, &pushed);
-    let (verdict, reason) = verdict(&Compared {
-        run: &own,
-        second: &second,
-        pushed: &pushed,
+    let checked_run = run(scene, model, &options, &mut ());
+    if let Some(reason) = &checked_run.failure {
+        return Check::not_completed(model, checked_run.end_s, &reason.to_string());
+    }
+    // A run that ended early because the object left the gripper is compared up to that time.
+    let span_s = if checked_run.ejected { checked_run.end_s } else { scene.duration_s };
+    let checked_run = if span_s < scene.duration_s {
+        run(scene, model, &RunOptions { span_s, ..options }, &mut ())
+    } else {
+        checked_run
+    };
+    let finer = RunOptions {
+        finer: true,
+        span_s,
+        max_steps: STEPS_PER_STEP * checked_run.steps + EXTRA_CHECK_STEPS,
+        ..options
+    };
+    let analytic =
+        (model == Model::Analytic || is_comparable(scene)).then(|| run(scene, Model::Analytic, &finer, reference_sink));
+    // The analytic model is the reference for the engine up to its failure; the engine itself is the reference if it
+    // fails.
+    let error_until_failure = if model == Model::Engine {
+        analytic.as_ref().map_or(0.0, |path| path::difference(&checked_run, path))
+    } else {
+        0.0
+    };
+    let is_reference = |path: &Path| model == Model::Analytic || path.failure.is_none();
+    let (reference_run, reference_model) = match analytic.filter(is_reference) {
+        Some(analytic) => (analytic, Model::Analytic),
+        None => (run(scene, Model::Engine, &finer, reference_sink), Model::Engine),
+    };
+    let perturbed_run = run(
+        scene,
+        reference_model,
+        &RunOptions { perturbation: PERTURBATION, energies: false, ..finer },
+        perturbed_sink,
+    );
+    let (ordinary_limit, max_energy_error) = error_limits(model, checked_run.events);
+    let limit = scale::path_error_limit(&scene.system, &checked_run, ordinary_limit);
+    let mut errors = path::errors(&checked_run, &reference_run);
+    errors.path = errors.path.max(error_until_failure);
+    let sensitivity = path::difference(&reference_run, &perturbed_run);
+    let (verdict, reason) = verdict(&Comparison {
+        run: &checked_run,
+        reference_run: &reference_run,
+        perturbed_run: &perturbed_run,
         errors: &errors,
         sensitivity,
-        chaotic: bar.chaotic,
-        bar: bar.error,
-        energy_bar,
-        restitution_bar: if model == Model::Engine { ENGINE_RESTITUTION_BAR } else { RESTITUTION_BAR },
-        gap_bar_m: ENGINE_BAR * scene.system.shortest_link_m(),
-        // The analytic model is checked by another method, the engine by the analytic model or by itself.
-        same_method: judge == Model::Engine,
+        chaos_threshold: limit.chaos_threshold,
+        max_path_error: limit.error,
+        max_energy_error,
+        max_restitution_error: if model == Model::Engine {
+            ENGINE_MAX_RESTITUTION_ERROR
+        } else {
+            MAX_RESTITUTION_ERROR
+        },
+        max_loop_gap_m: ENGINE_MAX_PATH_ERROR * scene.system.shortest_link_m(),
+        // The reference of the analytic model uses another method.
+        same_method: reference_model == Model::Engine,
     });
     if verdict == Verdict::Unknown {
-        return Check { against: words(scene, judge), ..Check::unknown(model, reason.unwrap_or_default()) };
+        return Check {
+            reference: reference_name(scene, reference_model),
+            ..Check::unknown(model, reason.unwrap_or_default())
+        };
     }
-    let scale::Bar { error: bar, of: bar_of, motion, .. } = bar;
-    Check { verdict, errors, sensitivity, bar, bar_of, motion, energy_bar, against: words(scene, judge), reason }
+    let scale::ErrorLimit { error: max_path_error, basis: max_path_error_basis, largest_displacement, .. } = limit;
+    Check {
+        verdict,
+        errors,
+        sensitivity,
+        max_path_error,
+        max_path_error_basis,
+        largest_displacement,
+        max_energy_error,
+        reference: reference_name(scene, reference_model),
+        reason,
+    }
 }

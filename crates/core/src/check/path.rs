@@ -1,28 +1,32 @@
-//! A run kept as its path on an even grid.
+//! A run sampled on an even grid.
 
 use crate::criteria::{Rebound, Rebounds};
 use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
 use crate::numeric::elementary::hypot;
-use crate::numeric::plane::near_turn;
-use crate::trace::{BodyState, Energy, Event, Sample, Sink, SinkError, Wants};
+use crate::numeric::plane::nearest_equivalent_angle;
+use crate::trace::{BodyState, Energy, Event, RequiredData, Sample, Sink, SinkError};
 
-/// Points of the grid: errors come and go within a hundredth of a run.
-pub const POINTS: f64 = 256.0;
-/// Runs that end early do so alike if they do at times as near to each other, in parts of these.
-const SAME_END: f64 = 1e-4;
+/// Number of grid intervals. Errors can appear and vanish within a hundredth of a run.
+pub const GRID_INTERVALS: f64 = 256.0;
+/// Relative tolerance for equal end times of runs that end early.
+const END_TIME_TOLERANCE: f64 = 1e-4;
 
-/// Angles of a finger that are compared.
-pub const ANGLES: usize = 3;
+/// Number of compared angles per finger.
+pub const FINGER_ANGLES: usize = 3;
 
-/// What is kept of a run.
+/// The compared quantities of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
+    /// Coordinates at the grid points.
     pub points: Vec<Vec<f64>>,
-    /// Energies at the points, where they were recorded.
+    /// Energies at the grid points; empty if not recorded.
     pub energies: Vec<Energy>,
+    /// Coordinates at the end.
     pub last: Vec<f64>,
+    /// First touch-downs of the contacts.
     pub first_s: Vec<Option<f64>>,
+    /// Normal forces at the end.
     pub normal_n: Vec<f64>,
     pub end_s: f64,
     pub failure: Option<Reason>,
@@ -30,54 +34,54 @@ pub struct Path {
     pub ejected: bool,
     /// Energies at the end.
     pub energy: Energy,
-    /// Of the pairs of discs; empty with a finger.
+    /// Rebounds of the pairs of discs; empty in scenes with fingers.
     pub rebounds: Vec<Rebound>,
     /// Largest speed of a body, m/s.
     pub speed_m_s: f64,
     /// Largest opening of a joint.
     pub loop_gap_m: f64,
     pub audit: Option<EnergyAudit>,
-    /// What differences of each coordinate are divided by.
+    /// Units of the coordinates, which differences are divided by.
     pub units: Vec<f64>,
     pub steps: u64,
     pub events: u64,
 }
 
-/// Keeps the points of the grid, while `go_on` says so.
-pub struct Keep<'a> {
+/// Records the grid points of a run; the run stops when `keep_running` returns false.
+pub struct PathRecorder<'a> {
     interval_s: f64,
     pub points: Vec<Vec<f64>>,
     pub energies: Vec<Energy>,
     pub rebounds: Option<Rebounds>,
     pub audit: Option<EnergyAudit>,
     pub speed_m_s: f64,
-    go_on: &'a dyn Fn() -> bool,
+    keep_running: &'a dyn Fn() -> bool,
 }
 
-impl<'a> Keep<'a> {
-    /// Points over a length of time; `pairs` of discs whose rebounds are recorded, and an audit of the energies, if any.
+impl<'a> PathRecorder<'a> {
+    /// Samples `span_s` seconds; optionally records rebounds of discs and audits the energies.
     pub fn new(
         span_s: f64,
         rebounds: Option<Rebounds>,
         audit: Option<EnergyAudit>,
-        go_on: &'a dyn Fn() -> bool,
+        keep_running: &'a dyn Fn() -> bool,
     ) -> Self {
         Self {
-            interval_s: span_s / POINTS,
+            interval_s: span_s / GRID_INTERVALS,
             points: Vec::new(),
             energies: Vec::new(),
             rebounds,
             audit,
             speed_m_s: 0.0,
-            go_on,
+            keep_running,
         }
     }
 
-    /// Samples also come at short steps, between the points.
-    fn take(&mut self, sample: &Sample) {
+    /// Records a sample; samples between the grid points are skipped.
+    fn record(&mut self, sample: &Sample) {
         let next = self.points.len() as f64 * self.interval_s;
         let is_on_grid = (sample.time_s - next).abs() <= 1e-9 * self.interval_s;
-        if is_on_grid && self.points.len() <= POINTS as usize {
+        if is_on_grid && self.points.len() <= GRID_INTERVALS as usize {
             self.points.push(coordinates(sample, self.points.last()));
             if self.audit.is_some() {
                 self.energies.push(sample.energy);
@@ -86,89 +90,91 @@ impl<'a> Keep<'a> {
         let speeds = sample.bodies.iter().map(|BodyState { velocity_m_s: [x, y], .. }| hypot(*x, *y));
         self.speed_m_s = speeds.fold(self.speed_m_s, f64::max);
         if let Some(audit) = &mut self.audit {
-            audit.enter(sample.time_s, &sample.energy);
+            audit.record(sample.time_s, &sample.energy);
         }
     }
 }
 
-/// The coordinates that are compared: angles of fingers in the turns in which they follow on those before, for readings of
-/// passive angles jump by one, and centres of bodies.
-pub fn coordinates(sample: &Sample, before: Option<&Vec<f64>>) -> Vec<f64> {
-    let angles =
-        sample.fingers.iter().flat_map(|finger| -> [f64; ANGLES] { [finger.q11_rad, finger.q21_rad, finger.q22_rad] });
-    let follow = |(index, angle)| before.map_or(angle, |before| near_turn(angle, before[index]));
+/// Returns the compared coordinates: angles of fingers and centres of bodies. Passive angles can jump by a turn; each
+/// angle is shifted by turns to the value nearest to the previous point's angle.
+pub fn coordinates(sample: &Sample, previous: Option<&Vec<f64>>) -> Vec<f64> {
+    let angles = sample
+        .fingers
+        .iter()
+        .flat_map(|finger| -> [f64; FINGER_ANGLES] { [finger.q11_rad, finger.q21_rad, finger.q22_rad] });
+    let unwrap = |(index, angle)| previous.map_or(angle, |previous| nearest_equivalent_angle(angle, previous[index]));
     let centres = sample.bodies.iter().flat_map(|body| body.centre_m);
-    angles.enumerate().map(follow).chain(centres).collect()
+    angles.enumerate().map(unwrap).chain(centres).collect()
 }
 
-/// Somebody else who hears what is kept.
-pub struct Heard<'a, 'b> {
-    pub keep: &'a mut Keep<'b>,
+/// Passes samples and events to a recorder and to another sink.
+pub struct RecorderTee<'a, 'b> {
+    pub recorder: &'a mut PathRecorder<'b>,
     pub sink: &'a mut dyn Sink,
 }
 
-impl Sink for Heard<'_, '_> {
+impl Sink for RecorderTee<'_, '_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.keep.take(sample);
-        self.keep.rebounds.sample(sample)?;
+        self.recorder.record(sample);
+        self.recorder.rebounds.sample(sample)?;
         self.sink.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.keep.rebounds.event(event)?;
+        self.recorder.rebounds.event(event)?;
         self.sink.event(event)
     }
 
-    /// Coordinates of points, and how the run ends.
-    fn wants(&self) -> Wants {
-        Wants { energies: self.keep.audit.is_some(), passive: true, peaks: false }
+    /// Requires passive angles because grid points contain them.
+    fn required_data(&self) -> RequiredData {
+        RequiredData { energies: self.recorder.audit.is_some(), passive: true, peaks: false }
     }
 
-    fn proceed(&self) -> bool {
-        (self.keep.go_on)() && self.sink.proceed()
+    fn should_continue(&self) -> bool {
+        (self.recorder.keep_running)() && self.sink.should_continue()
     }
 }
 
 impl Path {
-    /// Largest difference of one point from that of another run, in these units.
-    pub fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
+    /// Largest difference between two points, in the units of the coordinates.
+    pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let differences = a.iter().zip(b).zip(&self.units).map(|((x, y), unit)| (x - y).abs() / unit);
         let largest = differences.fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) });
         if largest.is_nan() { f64::INFINITY } else { largest }
     }
 }
 
-/// Largest difference along the path that both have.
+/// Largest difference along the common part of two paths.
 pub fn difference(a: &Path, b: &Path) -> f64 {
-    a.points.iter().zip(&b.points).map(|(p, q)| a.apart(p, q)).fold(0.0, f64::max)
+    a.points.iter().zip(&b.points).map(|(p, q)| a.distance(p, q)).fold(0.0, f64::max)
 }
 
-/// Whether both reach their end, or break off at about the same time.
-pub fn end_alike(a: &Path, b: &Path) -> bool {
+/// Whether both runs reach their end, or end early at about the same time.
+pub fn have_same_end(a: &Path, b: &Path) -> bool {
     (a.failure.is_some(), a.ejected) == (b.failure.is_some(), b.ejected)
-        && (a.end_s - b.end_s).abs() <= SAME_END * a.end_s.max(b.end_s)
+        && (a.end_s - b.end_s).abs() <= END_TIME_TOLERANCE * a.end_s.max(b.end_s)
 }
 
-/// What a run is off by, if another is right.
-pub fn errors(run: &Path, right: &Path) -> Errors {
-    let off = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).collect::<Vec<f64>>();
-    let both_end = run.failure.is_none() && right.failure.is_none();
-    let last = if both_end { off(&run.last, &right.last) } else { Vec::new() };
-    let at_end = if both_end { run.apart(&run.last, &right.last) } else { 0.0 };
-    let first = run.first_s.iter().zip(&right.first_s).map(|(a, b)| a.zip(*b).map(|(a, b)| (a - b).abs()));
-    let restitution = run.rebounds.iter().zip(&right.rebounds);
+/// Errors of a run relative to a reference.
+pub fn errors(run: &Path, reference: &Path) -> Errors {
+    let differences = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).collect::<Vec<f64>>();
+    let both_end = run.failure.is_none() && reference.failure.is_none();
+    let last = if both_end { differences(&run.last, &reference.last) } else { Vec::new() };
+    let at_end = if both_end { run.distance(&run.last, &reference.last) } else { 0.0 };
+    let first = run.first_s.iter().zip(&reference.first_s).map(|(a, b)| a.zip(*b).map(|(a, b)| (a - b).abs()));
+    let restitution = run.rebounds.iter().zip(&reference.rebounds);
     Errors {
-        path: difference(run, right).max(at_end),
+        path: difference(run, reference).max(at_end),
         last,
         first_s: first.collect(),
-        normal_n: if both_end { off(&run.normal_n, &right.normal_n) } else { Vec::new() },
+        normal_n: if both_end { differences(&run.normal_n, &reference.normal_n) } else { Vec::new() },
         restitution: restitution.clone().map(|(a, b)| restitution_error(a, b)).collect(),
         rebound: restitution.map(|(a, b)| rebound_error(a, b, run.speed_m_s)).fold(0.0, f64::max),
-        energy: energy_error(run, right),
+        energy: energy_error(run, reference),
     }
 }
 
-/// Error of a restitution; infinite where only one of the runs has it.
+/// Error of a restitution; infinite if only one of the runs has it.
 fn restitution_error(a: &Rebound, b: &Rebound) -> Option<f64> {
     match (a.restitution(), b.restitution()) {
         (Some(a), Some(b)) => Some((a - b).abs()),
@@ -177,48 +183,51 @@ fn restitution_error(a: &Rebound, b: &Rebound) -> Option<f64> {
     }
 }
 
-/// Error of the restitution that a run shows, as far as the pair meets at a speed that matters beside the largest one of the run. Where the
-/// other run has none it counts as 0.
+/// Error of a restitution, weighted with the approach speed relative to the largest speed in the run. It is 0 if the
+/// run has no restitution; a missing restitution of the reference counts as 0.
 fn rebound_error(a: &Rebound, b: &Rebound, speed_m_s: f64) -> f64 {
     let approach_m_s = a.approach_m_s.into_iter().chain(b.approach_m_s).fold(0.0, f64::max);
     let error = a.restitution().map_or(0.0, |a| (a - b.restitution().unwrap_or_default()).abs());
     if error == 0.0 { 0.0 } else { error * (approach_m_s / speed_m_s).min(1.0) }
 }
 
-/// Largest difference of an energy or a work, as a part of the energy exchanged: at the end, and along the path where it lasts from one
-/// point to the next. Impacts are shorter than that, and a small shift of one in time makes a large difference of kinetic energy within it.
-fn energy_error(run: &Path, right: &Path) -> f64 {
+/// Largest difference of an energy or a work, as a fraction of the energy exchanged: at the end, and along the path if
+/// the difference persists from one grid point to the next. Impacts are shorter than a grid interval, and a small shift
+/// of an impact in time makes a large difference of kinetic energy within it.
+fn energy_error(run: &Path, reference: &Path) -> f64 {
     let scale_j =
-        [run, right].into_iter().filter_map(|path| path.audit).map(|audit| audit.scale_j()).fold(0.0, f64::max);
-    let off = |(a, b): (&Energy, &Energy)| {
+        [run, reference].into_iter().filter_map(|path| path.audit).map(|audit| audit.scale_j()).fold(0.0, f64::max);
+    let difference = |(a, b): (&Energy, &Energy)| {
         let pairs = a.values_j().into_iter().zip(b.values_j());
         pairs
             .map(|(x, y)| (x - y).abs())
-            .fold(0.0, |most: f64, off| if off.is_nan() { f64::INFINITY } else { most.max(off) })
+            .fold(0.0, |largest: f64, value| if value.is_nan() { f64::INFINITY } else { largest.max(value) })
     };
-    let along: Vec<f64> = run.energies.iter().zip(&right.energies).map(off).collect();
-    let lasting = along.windows(2).map(|pair| pair[0].min(pair[1])).fold(0.0, f64::max);
-    let both_end = run.failure.is_none() && right.failure.is_none();
-    let at_end = if both_end { off((&run.energy, &right.energy)) } else { 0.0 };
-    let off_j = lasting.max(at_end);
-    if off_j == 0.0 { 0.0 } else { off_j / scale_j }
+    let along: Vec<f64> = run.energies.iter().zip(&reference.energies).map(difference).collect();
+    let persistent = along.windows(2).map(|pair| pair[0].min(pair[1])).fold(0.0, f64::max);
+    let both_end = run.failure.is_none() && reference.failure.is_none();
+    let at_end = if both_end { difference((&run.energy, &reference.energy)) } else { 0.0 };
+    let error_j = persistent.max(at_end);
+    if error_j == 0.0 { 0.0 } else { error_j / scale_j }
 }
 
-/// Estimated errors of the main figures of a run. What only one of the runs has is `None`, as is what neither has.
+/// Estimated errors of the main results of a run; `None` if one or both runs do not have the quantity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Largest of any coordinate along the path, rad (discs: m; of a gripper's object in its radii). Infinite if nothing was compared.
+    /// Largest error of any coordinate along the path, rad (discs: m; a gripper's object: in its radii). Infinite
+    /// without a comparison.
     pub path: f64,
-    /// Of the coordinates at the end: q11, q21, q22 of every finger, then x and y of every body.
+    /// Errors of the coordinates at the end: q11, q21, q22 of every finger, then x and y of every body.
     pub last: Vec<f64>,
-    /// Of the first touch-downs of the contacts, s.
+    /// Errors of the contacts' first touch-downs, s.
     pub first_s: Vec<Option<f64>>,
-    /// Of their normal forces at the end, N.
+    /// Errors of their normal forces at the end, N.
     pub normal_n: Vec<f64>,
-    /// Of the restitution of every pair of discs; infinite where only one of the runs has it.
+    /// Errors of the restitution of every pair of discs; infinite if only one of the runs has it.
     pub restitution: Vec<Option<f64>>,
-    /// Largest of a restitution, times the speed at which the pair meets as a part of the largest speed in the run, at most 1.
+    /// Largest error of a restitution, times the ratio (at most 1) of the pair's approach speed to the largest speed in
+    /// the run.
     pub rebound: f64,
-    /// Largest of any energy or work, as a part of the energy exchanged in the run.
+    /// Largest error of any energy or work, as a fraction of the energy exchanged in the run.
     pub energy: f64,
 }

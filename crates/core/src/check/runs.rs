@@ -1,53 +1,55 @@
 //! The runs that a check compares.
 
-use super::path::{Heard, Keep, POINTS, Path, coordinates};
+use super::path::{GRID_INTERVALS, Path, PathRecorder, RecorderTee, coordinates};
 use super::scale::units;
-use crate::analytic::multibody::of_discs;
+use crate::analytic::multibody::count_moving_discs;
 use crate::criteria::Rebounds;
 use crate::invariants::EnergyAudit;
-use crate::scene::words::SceneKind;
-use crate::scene::{DiscMotion, Engine, Integrator, Method, Scene, Stepping, System, Words, scaled};
-use crate::shape::reach;
+use crate::scene::keywords::SceneKind;
+use crate::scene::{DiscMotion, Engine, Integrator, Keyword, Method, Scene, Stepping, System, scaled};
+use crate::shape::max_radius;
 use crate::trace::{self, Layout, Model, Outcome, RunError, Sink};
 
-/// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
-const FINER: f64 = 1e-2;
-const FINEST: f64 = 1e-9;
-/// How far runs are made of one that ended early: beyond that end by a quarter of its length.
-const BEYOND: f64 = 1.25;
+/// Tolerance of the reference, as a fraction of the run's tolerance.
+const TOLERANCE_FACTOR: f64 = 1e-2;
+/// Smallest tolerance of the reference.
+const MIN_TOLERANCE: f64 = 1e-9;
+/// Duration of the reference relative to the end of a run that ended early.
+const DURATION_FACTOR: f64 = 1.25;
 
-/// How a scene is run for a check.
+/// Options of one run of a check.
 #[derive(Clone, Copy)]
-pub struct Way<'a> {
-    /// By the other family of methods, more exactly.
+pub struct RunOptions<'a> {
+    /// Whether to use the reference settings: another method, or smaller steps.
     pub finer: bool,
-    pub push: f64,
-    /// Length of time over which the path is sampled.
+    /// Relative change of the actuation.
+    pub perturbation: f64,
+    /// Duration over which the path is sampled.
     pub span_s: f64,
     /// Whether energies are recorded along the path.
     pub energies: bool,
-    /// Steps it may take at most.
-    pub budget: u64,
-    pub go_on: &'a dyn Fn() -> bool,
+    /// Largest number of steps.
+    pub max_steps: u64,
+    pub keep_running: &'a dyn Fn() -> bool,
 }
 
-/// What a scene starts with, changed by a small part `by` of itself: the motor of a finger is stronger; of a gripper the right one, and
-/// the left one by half of that, so that both fingers part ways; with a differential its input, and the object is that part of its
-/// radius further to the right besides; discs without fingers start faster and fall harder.
-pub fn pushed(scene: &Scene, by: f64) -> Scene {
+/// Increases the actuation of a scene by the relative amount `relative_change`. In a gripper the left motor torque
+/// increases by half of it only, so that the fingers differ. With a differential, its input torque increases and the
+/// object moves to the right by that part of its radius. Discs without fingers start faster, and gravity increases.
+pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
     let mut scene = scene.clone();
     let System { fingers, differential, discs, gravity_m_s2, .. } = &mut scene.system;
-    for (finger, part) in fingers.iter_mut().zip([by, 0.5 * by]) {
+    for (finger, part) in fingers.iter_mut().zip([relative_change, 0.5 * relative_change]) {
         finger.motor.actuation = scaled(&finger.motor.actuation, 1.0 + part);
     }
     if let Some(differential) = differential {
-        differential.motor.actuation = scaled(&differential.motor.actuation, 1.0 + by);
+        differential.motor.actuation = scaled(&differential.motor.actuation, 1.0 + relative_change);
         for object in &mut *discs {
-            object.centre_m[0] += by * reach(&object.shape);
+            object.centre_m[0] += relative_change * max_radius(&object.shape);
         }
     }
     if fingers.is_empty() {
-        let factor = 1.0 + by;
+        let factor = 1.0 + relative_change;
         *gravity_m_s2 = gravity_m_s2.map(|g| g * factor);
         for disc in discs {
             if let DiscMotion::Driven { velocity_m_s, spin_rad_s, .. }
@@ -61,83 +63,83 @@ pub fn pushed(scene: &Scene, by: f64) -> Scene {
     scene
 }
 
-/// The other family of methods at a finer tolerance.
-fn other(own: &Integrator) -> Integrator {
-    let method = match own.method {
+/// Returns the other family of methods at a smaller tolerance.
+fn other_method(integrator: &Integrator) -> Integrator {
+    let method = match integrator.method {
         Method::Rodas5p => Method::RadauIIa5,
         Method::RadauIIa5 => Method::Rodas5p,
     };
-    Integrator { method, ..own.with_rtol((FINER * own.rtol).max(FINEST)) }
+    Integrator { method, ..integrator.with_rtol((TOLERANCE_FACTOR * integrator.rtol).max(MIN_TOLERANCE)) }
 }
 
-fn integrator(own: &Integrator, way: &Way<'_>) -> Integrator {
-    let mut used = if way.finer { other(own) } else { *own };
-    used.max_steps = way.budget.min(used.max_steps);
-    used
+fn integrator(integrator: &Integrator, options: &RunOptions<'_>) -> Integrator {
+    let mut settings = if options.finer { other_method(integrator) } else { *integrator };
+    settings.max_steps = options.max_steps.min(settings.max_steps);
+    settings
 }
 
-fn engine(own: &Engine, way: &Way<'_>) -> Engine {
-    let mut used = *own;
-    if way.finer {
-        used.stepping = finer_stepping(own.stepping, way.span_s);
+fn engine(engine: &Engine, options: &RunOptions<'_>) -> Engine {
+    let mut settings = *engine;
+    if options.finer {
+        settings.stepping = finer_stepping(engine.stepping, options.span_s);
     }
-    used.max_steps = way.budget.min(used.max_steps);
-    used
+    settings.max_steps = options.max_steps.min(settings.max_steps);
+    settings
 }
 
-/// What a run is held to, in words.
-pub fn words(scene: &Scene, judge: Model) -> String {
-    match judge {
+/// Name of the reference.
+pub fn reference_name(scene: &Scene, reference_model: Model) -> String {
+    match reference_model {
         Model::Analytic => {
-            let used = other(&scene.integrator);
-            format!("the analytic model, {} (rtol {:.0e})", used.method.word(), used.rtol)
+            let integrator = other_method(&scene.integrator);
+            format!("the analytic model, {} (rtol {:.0e})", integrator.method.keyword(), integrator.rtol)
         }
         Model::Engine => "the engine with finer steps".to_string(),
     }
 }
 
-/// Whether both models answer contact by the same laws, and the analytic one takes the scene.
+/// Whether the analytic model takes the scene, and both models use the same contact laws.
 pub fn is_comparable(scene: &Scene) -> bool {
-    let taken = scene.kind() != SceneKind::Bodies || of_discs(&scene.system).is_ok();
-    scene.engine.uses_laws() && taken
+    let is_supported = scene.kind() != SceneKind::Bodies || count_moving_discs(&scene.system).is_ok();
+    scene.engine.uses_laws() && is_supported
 }
 
-/// The scene as it is run for a check.
-fn changed(scene: &Scene, way: &Way<'_>) -> Scene {
-    let mut changed = pushed(scene, way.push);
-    changed.integrator = integrator(&scene.integrator, way);
-    changed.engine = engine(&scene.engine, way);
-    changed.log.numeric_hz = POINTS / way.span_s;
-    changed.duration_s = scene.duration_s.min(BEYOND * way.span_s);
-    changed
+/// Returns the scene with the settings of a run of a check.
+fn configured_scene(scene: &Scene, options: &RunOptions<'_>) -> Scene {
+    let mut configured = perturbed(scene, options.perturbation);
+    configured.integrator = integrator(&scene.integrator, options);
+    configured.engine = engine(&scene.engine, options);
+    configured.log.numeric_hz = GRID_INTERVALS / options.span_s;
+    configured.duration_s = scene.duration_s.min(DURATION_FACTOR * options.span_s);
+    configured
 }
 
-/// Runs the scene, and keeps its path; `heard` hears it as well.
-pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> Path {
-    let layout = Layout::of(&scene.system);
+/// Runs the scene and returns its path; `sink` receives the samples and events as well.
+pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn Sink) -> Path {
+    let layout = Layout::from_system(&scene.system);
     let surfaces: Vec<usize> = layout.surfaces().collect();
     let is_discs = scene.kind() == SceneKind::Bodies;
-    let rebounds = is_discs.then(|| Rebounds::of(&scene.system));
-    let audit = way.energies.then(|| EnergyAudit::new(model, scene));
-    let mut keep = Keep::new(way.span_s, rebounds, audit, way.go_on);
-    let mut heard = Heard { keep: &mut keep, sink: heard };
-    let (outcome, failure) = match trace::run(model, &changed(scene, way), &mut heard) {
+    let rebounds = is_discs.then(|| Rebounds::for_system(&scene.system));
+    let audit = options.energies.then(|| EnergyAudit::new(model, scene));
+    let mut recorder = PathRecorder::new(options.span_s, rebounds, audit, options.keep_running);
+    let mut tee = RecorderTee { recorder: &mut recorder, sink };
+    let (outcome, failure) = match trace::run(model, &configured_scene(scene, options), &mut tee) {
         Ok(outcome) => (outcome, None),
-        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason)),
-        // A path takes whatever comes; who cannot hear it to its end has not.
+        Err(RunError::Simulation { failure, partial_outcome }) => (*partial_outcome, Some(failure.reason)),
+        // The recorder never fails. If the other sink fails, its caller handles the error.
         Err(RunError::Sink(_)) => (Outcome::default(), None),
     };
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
     let forces = surfaces.iter().filter_map(|index| outcome.last.contacts.get(*index));
     Path {
-        last: coordinates(&outcome.last, keep.points.last()),
-        points: keep.points,
-        energies: keep.energies,
+        last: coordinates(&outcome.last, recorder.points.last()),
+        points: recorder.points,
+        energies: recorder.energies,
         energy: outcome.last.energy,
-        rebounds: keep.rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
-        speed_m_s: keep.speed_m_s,
+        rebounds: recorder.rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
+        speed_m_s: recorder.speed_m_s,
         loop_gap_m: outcome.loop_gap_m,
-        audit: keep.audit,
+        audit: recorder.audit,
         ejected: outcome.ejected_s.is_some(),
         first_s: contacts.map(|contact| contact.first_s).collect(),
         normal_n: forces.map(|contact| contact.normal_n).collect(),
@@ -149,8 +151,8 @@ pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> 
     }
 }
 
-/// A step a quarter as long, or a tolerance a tenth as large and steps of at most a quarter: what flies straight has no error that a
-/// tolerance would see.
+/// Returns a quarter of a fixed step; or a tenth of the tolerance and at most a quarter of the step limit, because free
+/// flight has no error that a tolerance would control.
 fn finer_stepping(stepping: Stepping, span_s: f64) -> Stepping {
     match stepping {
         Stepping::Fixed { step_s } => Stepping::Fixed { step_s: 0.25 * step_s },

@@ -1,76 +1,84 @@
-//! The sizes of a scene and of its motion, by which errors are measured.
+//! Length scales of a scene and of its motion, which errors are measured by.
 
-use super::path::{ANGLES, Path};
+use super::path::{FINGER_ANGLES, Path};
 use crate::scene::{Disc, System};
-use crate::shape::reach;
+use crate::shape::max_radius;
 
-/// A run is chaotic if the push moves its path by more than this, in the unit of [`BAR`](super::BAR), or by a tenth of the largest displacement.
-pub const CHAOTIC: f64 = 1e-3;
-/// An error counts as large, however small it is, if it is more than this part of the largest displacement.
-pub const MOTION_PART: f64 = 1e-2;
-/// The same for what a push does.
-const CHAOTIC_PART: f64 = 0.1;
-/// The length of discs alone that counts as much as a radian, in radii of the smallest that moves.
-const DISC_RADII: f64 = 20.0;
-/// Displacements below this part of a radian, or of that length, are rest: rounding of coordinates is a part of them.
-const REST: f64 = 1e-10;
+/// A run is chaotic if the perturbation changes its path by more than this, in the unit of
+/// [`MAX_PATH_ERROR`](super::MAX_PATH_ERROR), or by [`CHAOS_MOTION_FRACTION`] of the largest displacement.
+pub const CHAOS_THRESHOLD: f64 = 1e-3;
+/// A path error is too large if it exceeds this fraction of the largest displacement.
+pub const MOTION_FRACTION: f64 = 1e-2;
+/// The effect of the perturbation is too large if it exceeds this fraction of the largest displacement.
+const CHAOS_MOTION_FRACTION: f64 = 0.1;
+/// Length that corresponds to a radian in scenes without fingers, in radii of the smallest moving disc.
+const DISC_LENGTH_RADII: f64 = 20.0;
+/// Displacements below this fraction of a radian, or of the corresponding length, are rounding errors and count as
+/// rest.
+const REST_FRACTION: f64 = 1e-10;
 
-/// What differences of the coordinates of a sample are divided by to be compared with each other: 1 of angles; of a body beside
-/// fingers its reach (radius of a disc) in m, of discs alone 1 m.
+/// Units of the compared coordinates: 1 for angles; for a body next to fingers its reach (radius of a disc) in m, for
+/// discs alone 1 m.
 pub fn units(system: &System) -> Vec<f64> {
-    let unit = |disc: &Disc| if system.fingers.is_empty() { 1.0 } else { reach(&disc.shape) };
-    let angles = std::iter::repeat_n(1.0, ANGLES * system.fingers.len());
-    angles.chain(system.told_discs().iter().flat_map(|disc| [unit(disc); 2])).collect()
+    let unit = |disc: &Disc| if system.fingers.is_empty() { 1.0 } else { max_radius(&disc.shape) };
+    let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * system.fingers.len());
+    angles.chain(system.reported_discs().iter().flat_map(|disc| [unit(disc); 2])).collect()
 }
 
-/// The length that counts as much as a radian beside fingers: the reach of what they grasp, m.
-pub fn length_m(system: &System) -> f64 {
-    system.object().map_or(1.0, |object| reach(&object.shape))
+/// Length that corresponds to a radian in scenes with fingers: the reach of the object, m.
+pub fn reference_length_m(system: &System) -> f64 {
+    system.object().map_or(1.0, |object| max_radius(&object.shape))
 }
 
-/// The error from which on a run is uncertain, and what it is a part of.
+/// The path error above which a run is uncertain.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bar {
-    /// In the unit of errors: rad, of discs alone m.
+pub struct ErrorLimit {
+    /// Limit in the unit of errors: rad, or m in scenes without fingers.
     pub error: f64,
-    /// The effect of a push from which on it is chaotic.
-    pub chaotic: f64,
-    pub of: String,
-    /// The largest displacement, where the bar is a part of that.
-    pub motion: Option<f64>,
+    /// Effect of the perturbation above which the run is chaotic.
+    pub chaos_threshold: f64,
+    /// Length scale of the limit, in words.
+    pub basis: String,
+    /// Largest displacement, if the limit is a fraction of it.
+    pub largest_displacement: Option<f64>,
 }
 
-/// The bar of a run, where `ordinary` is that of a motion by a radian.
-pub fn bar(system: &System, run: &Path, ordinary: f64) -> Bar {
+/// Returns the error limit of a run; `ordinary_limit` is the limit for a motion of a radian.
+pub fn path_error_limit(system: &System, run: &Path, ordinary_limit: f64) -> ErrorLimit {
     let is_discs = system.fingers.is_empty();
-    let size = if is_discs { DISC_RADII * smallest(system) } else { 1.0 };
-    let motion = motion(run).max(REST * size);
-    let (usual, least) = (ordinary * size, MOTION_PART * motion);
-    let chaotic = (CHAOTIC * size).min(CHAOTIC_PART * motion);
-    if least < usual {
+    let size = if is_discs { DISC_LENGTH_RADII * smallest_reach(system) } else { 1.0 };
+    let largest_displacement = largest_displacement(run).max(REST_FRACTION * size);
+    let (ordinary, small_motion) = (ordinary_limit * size, MOTION_FRACTION * largest_displacement);
+    let chaos_threshold = (CHAOS_THRESHOLD * size).min(CHAOS_MOTION_FRACTION * largest_displacement);
+    if small_motion < ordinary {
         let unit = if is_discs { "m" } else { "rad" };
-        let of = format!("{MOTION_PART} of the largest displacement, {motion:.1e} {unit}");
-        return Bar { error: least, chaotic, of, motion: Some(motion) };
+        let basis = format!("{MOTION_FRACTION} of the largest displacement, {largest_displacement:.1e} {unit}");
+        return ErrorLimit {
+            error: small_motion,
+            chaos_threshold,
+            basis,
+            largest_displacement: Some(largest_displacement),
+        };
     }
-    let of = match (is_discs, system.told_discs().is_empty()) {
-        (true, _) => format!("{:e} of the radius of the smallest disc that moves", DISC_RADII * ordinary),
-        (false, true) => format!("{ordinary:e} of a radian"),
-        (false, false) => format!("{ordinary:e} of a radian and of the object's radius"),
+    let basis = match (is_discs, system.reported_discs().is_empty()) {
+        (true, _) => format!("{:e} of the radius of the smallest disc that moves", DISC_LENGTH_RADII * ordinary_limit),
+        (false, true) => format!("{ordinary_limit:e} of a radian"),
+        (false, false) => format!("{ordinary_limit:e} of a radian and of the object's radius"),
     };
-    Bar { error: usual, chaotic, of, motion: None }
+    ErrorLimit { error: ordinary, chaos_threshold, basis, largest_displacement: None }
 }
 
-/// Reach of the smallest body that moves, m; where none does, of the smallest.
-fn smallest(system: &System) -> f64 {
-    let least = |moving: bool| {
+/// Reach of the smallest moving body, m; of the smallest body if none moves.
+fn smallest_reach(system: &System) -> f64 {
+    let smallest = |moving: bool| {
         let discs = system.discs.iter().filter(|disc| !moving || disc.motion.moves());
-        discs.map(|disc| reach(&disc.shape)).min_by(f64::total_cmp)
+        discs.map(|disc| max_radius(&disc.shape)).min_by(f64::total_cmp)
     };
-    least(true).or(least(false)).unwrap_or(1.0 / DISC_RADII)
+    smallest(true).or(smallest(false)).unwrap_or(1.0 / DISC_LENGTH_RADII)
 }
 
 /// Largest distance of a coordinate from its start along a path, in its unit.
-fn motion(path: &Path) -> f64 {
+fn largest_displacement(path: &Path) -> f64 {
     let Some(first) = path.points.first() else { return 0.0 };
-    path.points.iter().map(|point| path.apart(first, point)).fold(0.0, f64::max)
+    path.points.iter().map(|point| path.distance(first, point)).fold(0.0, f64::max)
 }

@@ -1,67 +1,71 @@
-//! What a run of a gripper came to, as figures.
+//! Criteria of a run of a gripper.
 
 use serde::Serialize;
 
 use crate::numeric::elementary::hypot;
-use crate::scene::Place;
+use crate::scene::GripperContact;
 use crate::trace::BodyState;
 
-/// The criteria of one run of a gripper (6-gripper §6.8). Poses are in the palm's frame.
+/// The criteria of one run of a gripper (6-gripper §6.8). Poses are in the palm frame.
 ///
-/// A contact is *active* while its normal force exceeds the force threshold of the scene, and through losses shorter than its time threshold
-/// ([`Thresholds`](crate::scene::Thresholds)).
+/// A contact is *active* while its normal force exceeds the force threshold of the scene. Losses shorter than the time
+/// threshold are ignored ([`Thresholds`](crate::scene::Thresholds)).
 ///
-/// The object *is pressed from both sides* while two active contacts are with phalanges and have normals whose components along the palm
-/// (x) have opposite signs. Palm and table push neither way. A single finger that has bent around the object presses from both sides too.
-/// It is *force-closed* if the active contacts with phalanges and palm balance any force and moment by normal forces and friction. It *is
-/// held* while either is so.
+/// The object *has contacts on both sides* while two phalanges have active contacts whose normals have x components
+/// (along the palm) of opposite sign. Palm and table do not count. A single finger bent around the object can have
+/// contacts on both sides. The object is *force-closed* if the active contacts of phalanges and palm balance any force
+/// and moment by normal forces and friction. It is *held* while either condition is met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraspCriteria {
-    /// Of every contact that is no joint limit (four phalanges, palm, table), in the order of [`Place::ALL`].
+    /// Criteria of all contacts except joint limits (four phalanges, palm, table), in the order of
+    /// [`GripperContact::ALL`].
     pub contacts: Vec<ContactCriteria>,
-    /// Time to stability of the whole grasp: start of the last interval up to the end of the run in which every contact is active that is
-    /// active at the end, palm and table included. It is the last of their [`ContactCriteria::presses_since_s`]. `None` where the object is
-    /// not held at the end.
+    /// Time to stability of the whole grasp: start of the interval up to the end of the run in which all contacts that
+    /// are active at the end are active, including palm and table. It is the largest of their
+    /// [`ContactCriteria::active_since_s`]. `None` if the object is not held at the end.
     pub tts_s: Option<f64>,
-    /// When the object was first pressed from both sides, or held by force closure; `None` if it was never held for long enough.
+    /// Time at which the object was first held; `None` if it was never held for the required time.
     pub grasped_s: Option<f64>,
-    /// Since when it is held at the end, if it is, however short that is.
+    /// Time since which the object is held at the end, even if shorter than required; `None` if the object is not held.
     pub held_since_s: Option<f64>,
     pub fate: Fate,
-    /// The object at the start and at the end of the run.
+    /// State of the object at the start of the run.
     pub start: BodyState,
+    /// State of the object at the end of the run.
     pub end: BodyState,
-    /// Of the object since the start.
+    /// Travel of the object since the start.
     pub travel: Travel,
-    /// Slip in the hand: of the object since [`GraspCriteria::tts_s`].
+    /// Slip in the hand: travel of the object since [`GraspCriteria::tts_s`].
     pub slip: Option<Travel>,
-    /// What a cycle adds: of all else above, its end is when the fingers let go.
+    /// Criteria of a cycle. For the criteria above, the end is the release, if there is one.
     pub cycle: CycleCriteria,
 }
 
-/// What became of a cycle.
+/// Criteria of a cycle: palm motion and release.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CycleCriteria {
-    /// When the palm begins to move, and when nothing closes the fingers any more.
-    pub carries_s: Option<f64>,
-    pub releases_s: Option<f64>,
-    /// How far the object got in the hand from the one to the other, or to the end of the run.
-    pub carried: Option<Travel>,
-    /// Since when no phalanx presses once the fingers let go; `None` while one does, and where they do not.
+    /// Time at which the palm begins to move.
+    pub motion_start_s: Option<f64>,
+    /// Time at which the drives stop closing the fingers.
+    pub release_s: Option<f64>,
+    /// Travel of the object in the hand from `motion_start_s` to `release_s`, or to the end of the run.
+    pub motion_travel: Option<Travel>,
+    /// Time after the release since which no phalanx is in active contact; `None` if one still is at the end, or if
+    /// there is no release.
     pub opened_s: Option<f64>,
-    /// How far the driven links, right and left, turned at most once their brakes had gripped, rad, until they let go.
+    /// Largest rotation of the driven links, right and left, from the engagement of their brakes to the release, rad.
     pub brake_slip_rad: [Option<f64>; 2],
 }
 
-/// Why a fate is what it is, as a sentence without its full stop.
-pub fn fate_reason(found: &GraspCriteria, held_time_s: f64) -> String {
+/// Returns the reason for a fate, as a sentence without a full stop.
+pub fn fate_reason(criteria: &GraspCriteria, held_time_s: f64) -> String {
     let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
-    match (found.fate, found.held_since_s) {
+    match (criteria.fate, criteria.held_since_s) {
         (Fate::Held, since_s) => format!("held from {} on", ms(since_s.unwrap_or_default())),
         (Fate::Dropped { since_s }, None) => format!("no longer held from {} on", ms(since_s)),
         (Fate::Dropped { since_s }, Some(again_s)) => {
-            let (lost, again, least) = (ms(since_s), ms(again_s), ms(held_time_s));
-            format!("no longer held from {lost} on; held again only from {again} on, less than {least}")
+            let (lost, again, required) = (ms(since_s), ms(again_s), ms(held_time_s));
+            format!("no longer held from {lost} on; held again only from {again} on, less than {required}")
         }
         (Fate::Ejected { at_s }, _) => format!("out of the reach of both fingers at {}", ms(at_s)),
         (Fate::NotGrasped, None) => format!("never held for {}", ms(held_time_s)),
@@ -71,59 +75,62 @@ pub fn fate_reason(found: &GraspCriteria, held_time_s: f64) -> String {
     }
 }
 
-/// Nearer to the middle than this, m, an object starts centred: far below anything that can be positioned.
-const CENTRED_M: f64 = 1e-9;
+/// Largest offset from the middle at which an object counts as centred, m: far below any positioning accuracy.
+const CENTRED_TOLERANCE_M: f64 = 1e-9;
 
 impl GraspCriteria {
-    /// |x| at the end over |x| at the start: below 1 the grasp centres its object. `None` where it was centred from the start, within
-    /// 1e-9 m.
+    /// Returns |x| at the end over |x| at the start: below 1 the grasp centres its object. `None` if the object starts
+    /// within 1e-9 m of the middle.
     pub fn offset_ratio(&self) -> Option<f64> {
         let [start, end] = [self.start, self.end].map(|body| body.centre_m[0].abs());
-        (start > CENTRED_M).then(|| end / start)
+        (start > CENTRED_TOLERANCE_M).then(|| end / start)
     }
 
-    /// Speed of the object's centre at the end, m/s: whether it is at rest.
+    /// Returns the speed of the object's centre at the end, m/s.
     pub fn end_speed_m_s(&self) -> f64 {
         let [x, y] = self.end.velocity_m_s;
         hypot(x, y)
     }
 }
 
-/// One contact through a run.
+/// Criteria of one contact over a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ContactCriteria {
     #[serde(skip)]
-    pub place: Place,
-    /// When the surfaces first met; `None` if they never did.
-    pub first_touch_s: Option<f64>,
-    /// Start of the last interval up to the end of the run in which it is active; `None` if it is not active at the end.
-    pub presses_since_s: Option<f64>,
-    /// How often it was lost once it had pressed…
+    pub id: GripperContact,
+    /// Time of the first contact; `None` if there was none.
+    #[serde(rename = "first_touch_s")]
+    pub first_contact_s: Option<f64>,
+    /// Start of the last interval up to the end of the run in which it is active; `None` if it is not active at the
+    /// end.
+    #[serde(rename = "presses_since_s")]
+    pub active_since_s: Option<f64>,
+    /// Number of losses after the contact was first active.
     pub times_lost: u32,
-    /// …and for how long, all losses together and up to the end of the run.
+    /// Total duration of all losses up to the end of the run, s.
     pub lost_s: f64,
 }
 
-/// What became of the object.
+/// Fate of the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
-    /// It is held at the end, or when the fingers let go, and has been for at least the time that the scene states.
+    /// The object is held at the end, or at the release, and has been held for at least the required time of the scene.
     Held,
-    /// It was held for that time and is not any more, since this instant. An object that is released and caught again, and is held at the
-    /// end, is not dropped. How far it moved does not matter.
+    /// The object was held for the required time and is no longer held since `since_s`. An object that is lost, caught
+    /// again and held at the end is not dropped. The travel does not matter.
     Dropped { since_s: f64 },
-    /// At this time it left the region that the fingers can reach ([`Reach`](crate::trace::Reach)), after something had touched it. The
-    /// run ends there.
+    /// At `at_s` the object left the region that the fingers can reach ([`Reach`](crate::trace::Reach)), after a
+    /// contact. The run ends there.
     Ejected { at_s: f64 },
-    /// It was never held for that time.
+    /// The object was never held for the required time.
     NotGrasped,
 }
 
 impl Fate {
-    /// Names of all fates, from good to bad.
+    /// Names of all fates, from best to worst.
     pub const NAMES: [&str; 4] = ["held", "dropped", "ejected", "not grasped"];
 
-    /// In results and reports.
+    /// Returns the name in results and reports.
     pub fn name(self) -> &'static str {
         Self::NAMES[match self {
             Fate::Held => 0,
@@ -133,8 +140,9 @@ impl Fate {
         }]
     }
 
-    /// Since when the object is no longer held, or when it left the gripper; `None` for the other fates.
-    pub fn until_s(self) -> Option<f64> {
+    /// Returns the time since which the object is no longer held, or at which it left the gripper; `None` for the other
+    /// fates.
+    pub fn lost_at_s(self) -> Option<f64> {
         match self {
             Fate::Dropped { since_s } => Some(since_s),
             Fate::Ejected { at_s } => Some(at_s),
@@ -143,11 +151,11 @@ impl Fate {
     }
 }
 
-/// How far the object got from a pose, at most: at the samples and changes of contact.
+/// Largest travel of the object from a pose, evaluated at samples and contact changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Travel {
-    /// Of its centre, m.
+    /// Largest displacement of its centre, m.
     pub displacement_m: f64,
-    /// Of its angle, either way, rad.
+    /// Largest rotation in either direction, rad.
     pub rotation_rad: f64,
 }

@@ -1,4 +1,4 @@
-//! An angle between two samples: the cubic through both values with both rates, and where it crosses a level.
+//! Cubic Hermite interpolation between two samples, and crossings of a level.
 
 /// The cubic Hermite interpolant of one coordinate over one step.
 #[derive(Clone, Copy, Debug)]
@@ -9,11 +9,11 @@ pub struct Hermite {
     coefficients: [f64; 4],
 }
 
-/// Time to which crossings are found, in s.
+/// Tolerance of crossing times, s.
 pub const CROSSING_TOLERANCE_S: f64 = 1e-9;
 
 impl Hermite {
-    /// Through (t0, q0) with rate v0 and (t1, q1) with rate v1; t1 > t0.
+    /// Creates the interpolant through (t0, q0) with rate v0 and (t1, q1) with rate v1; t1 > t0.
     pub fn new((t0, q0, v0): (f64, f64, f64), (t1, q1, v1): (f64, f64, f64)) -> Self {
         let length_s = t1 - t0;
         let (m0, m1) = (v0 * length_s, v1 * length_s);
@@ -21,23 +21,24 @@ impl Hermite {
         Hermite { start_s: t0, length_s, coefficients: [q0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise] }
     }
 
+    /// Returns the value at a time.
     pub fn value(&self, time_s: f64) -> f64 {
-        self.at((time_s - self.start_s) / self.length_s)
+        self.evaluate((time_s - self.start_s) / self.length_s)
     }
 
-    fn at(&self, x: f64) -> f64 {
+    fn evaluate(&self, x: f64) -> f64 {
         let [a, b, c, d] = self.coefficients;
         a + x * (b + x * (c + x * d))
     }
 
-    /// Appends every time within the step at which the cubic passes through `level`, to [`CROSSING_TOLERANCE_S`] (and to
-    /// the resolution of `f64` in steps shorter than that).
+    /// Appends all times within the step at which the cubic crosses `level`, to [`CROSSING_TOLERANCE_S`] or, in shorter
+    /// steps, to the resolution of `f64`.
     ///
-    /// The turning points cut the step into monotone pieces, so bisection misses nothing.
+    /// The turning points split the step into monotone intervals, so bisection finds every crossing.
     pub fn crossings(&self, level: f64, times_s: &mut Vec<f64>) {
-        let (turns, count) = self.turning_points();
+        let (turning_points, count) = self.turning_points();
         let mut from = 0.0;
-        for &to in turns[..count].iter().chain(std::iter::once(&1.0)) {
+        for &to in turning_points[..count].iter().chain(std::iter::once(&1.0)) {
             if let Some(x) = self.bisect(level, from, to) {
                 times_s.push(self.start_s + x * self.length_s);
             }
@@ -45,13 +46,13 @@ impl Hermite {
         }
     }
 
-    /// Roots of the derivative b + 2c x + 3d x² in (0, 1), in order.
+    /// Returns the roots of the derivative b + 2c x + 3d x² in (0, 1) in ascending order, and their number.
     fn turning_points(&self) -> ([f64; 2], usize) {
         let [_, b, c, d] = self.coefficients;
         let mut roots = [f64::NAN; 2];
         let discriminant = c * c - 3.0 * b * d;
         if discriminant >= 0.0 {
-            // Stable form: no difference of nearly equal numbers, and a vanishing d gives one root at infinity.
+            // Avoids differences of nearly equal numbers; d = 0 gives one root at infinity.
             let q = -(c + discriminant.sqrt().copysign(c));
             roots = [q / (3.0 * d), b / q];
         }
@@ -68,8 +69,8 @@ impl Hermite {
     }
 
     fn bisect(&self, level: f64, mut from: f64, mut to: f64) -> Option<f64> {
-        let below_at_start = self.at(from) < level;
-        if below_at_start == (self.at(to) < level) {
+        let below_at_start = self.evaluate(from) < level;
+        if below_at_start == (self.evaluate(to) < level) {
             return None;
         }
         let tolerance = (0.25 * CROSSING_TOLERANCE_S / self.length_s).max(f64::EPSILON);
@@ -78,7 +79,7 @@ impl Hermite {
             if middle <= from || middle >= to {
                 break;
             }
-            if (self.at(middle) < level) == below_at_start {
+            if (self.evaluate(middle) < level) == below_at_start {
                 from = middle;
             } else {
                 to = middle;
@@ -92,7 +93,7 @@ impl Hermite {
 mod tests {
     use super::*;
 
-    /// q = (t − 1)(t − 2)(t − 3) and its rate: a cubic, which the interpolant must reproduce.
+    /// q = (t − 1)(t − 2)(t − 3) and its rate; the interpolant must reproduce a cubic.
     fn cubic(t: f64) -> (f64, f64, f64) {
         let q = (t - 1.0) * (t - 2.0) * (t - 3.0);
         let v = (t - 2.0) * (t - 3.0) + (t - 1.0) * (t - 3.0) + (t - 1.0) * (t - 2.0);
@@ -122,8 +123,8 @@ mod tests {
     }
 
     #[test]
-    fn a_dip_between_samples_is_seen() {
-        // Down from 1 and back up to 1 within the step: the minimum 1 − 2/4 lies in the middle.
+    fn a_minimum_between_samples_is_found() {
+        // From 1 down and back to 1 within the step; the minimum 1 − 2/4 is in the middle.
         let mut roots = Vec::new();
         Hermite::new((0.0, 1.0, -2.0), (1.0, 1.0, 2.0)).crossings(0.75, &mut roots);
         assert_eq!(roots.len(), 2);

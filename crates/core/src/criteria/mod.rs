@@ -1,47 +1,50 @@
-//! Dynamic criteria of a closing: how soon the finger is at rest on the object, and whether it rebounds (thesis §4.1.1).
+//! Dynamic criteria of a closing motion: time to stability and rebound (thesis §4.1.1).
 //!
 //! * **In position**: |q11 − q11,f| ≤ ε and |q21 − q21,f| ≤ ε, with ε = 0.2° and (q11,f, q21,f) the geometric final
-//!   configuration (both phalanges touch the object).
+//!   configuration, in which both phalanges touch the object.
 //! * **t_geo**: the first time the finger is in position.
-//! * **tts**, time to stability: start of the last interval, lasting to the end of the run, in which the finger is in
-//!   position and both normal forces are positive. None: the finger is not stable.
-//! * **rebound** = 100 |(t_geo + T)/(tts + T) − 1| percent (4.1), T the length of the run; see [`rebound_percent`] for
-//!   when it counts as 0.
-//! * **class**: [`Class::of`], which takes in whether the grasp is statically stable ([`at_rest`]); [`ClassReason`] says what decides it.
+//! * **tts**, time to stability: start of the interval up to the end of the run in which the finger is in position and
+//!   both normal forces are positive. None: the finger is not stable.
+//! * **rebound** = 100 |(t_geo + T)/(tts + T) − 1| percent (4.1), with T the duration of the run; see
+//!   [`rebound_percent`] for when it counts as 0.
+//! * **class**: [`Class::classify`], which also depends on static stability ([`static_grasp`]); [`ClassReason`] gives
+//!   the deciding figure.
 //!
-//! [`Rebounds`] finds restitution in a scene of discs.
+//! [`Tracker`] computes these criteria during a run and stores only the last sample.
 //!
-//! [`Tracker`] finds these figures while a run streams by, keeping nothing but the last sample.
+//! [`Rebounds`] computes restitution in a scene of discs.
 //!
-//! A gripper has other criteria: [`GraspCriteria`], which [`GraspTracker`] finds. Whether its grasp is form-closed is a question to
-//! [`gripper_closure`](crate::statics::gripper_closure) about its [`stance`] in the last sample.
+//! The criteria of a gripper are [`GraspCriteria`], computed by [`GraspTracker`]. [`is_form_closed`] decides form
+//! closure in a sample by [`gripper_closure`](crate::statics::gripper_closure).
 
-mod at_rest;
-mod balance;
+mod contact_history;
+mod contact_status;
 mod formula;
 mod grasp;
+mod grasp_configuration;
 mod grasp_tracker;
+mod hand_at_rest;
 mod hermite;
-mod history;
-mod judge;
-mod overlap;
-mod pieces;
-mod pressing;
+mod link_overlap;
 mod reason;
 mod rebounds;
-mod stance;
+mod run_criteria;
+mod segments;
+mod static_grasp;
 mod tracker;
 
-pub use at_rest::{AtRest, at_rest, grasp_at_rest};
-pub use balance::{Driven, Pressed, hand_at_rest, held_at_rest, pressed};
 pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
 pub use grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, fate_reason};
+pub use grasp_configuration::{
+    friction_coefficients, grasp_configuration, is_form_closed, normal_forces, sample_force_closure,
+};
 pub use grasp_tracker::GraspTracker;
-pub use judge::{Judge, Judged};
-pub use overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
-pub use reason::{AtEnd, ClassReason, Condition, Loss};
+pub use hand_at_rest::{DriveMode, GraspState, grasp_state, hand_at_rest, sampled_hand_at_rest};
+pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
+pub use reason::{ClassReason, Condition, FinalContact, Loss};
 pub use rebounds::{Rebound, Rebounds};
-pub use stance::{force_closure_of, friction, is_form_closed, normal_forces, stance};
+pub use run_criteria::{RunCriteria, RunCriteriaTracker};
+pub use static_grasp::{StaticGrasp, scene_static_grasp, static_grasp};
 pub use tracker::{FinalAngles, Tracker};
 
 use serde::Serialize;
@@ -51,21 +54,21 @@ use serde::Serialize;
 pub struct Criteria {
     /// Time to stability; `None` if the run does not end in a stable state.
     pub tts_s: Option<f64>,
-    /// (4.1); `None` if the finger is not stable.
+    /// Rebound (4.1), percent; `None` if the finger is not stable.
     pub rebound_percent: Option<f64>,
     pub class: Class,
-    /// What decides the class; in documents its sentence.
+    /// Reason for the class; serialised as a sentence.
     pub class_reason: ClassReason,
-    /// First time in position; `None` if the finger never gets there.
+    /// First time in position; `None` if the finger is never in position.
     pub t_geo_s: Option<f64>,
-    /// Time after t_geo that went to rebounds: out of position, or with a phalanx off the object it had touched.
+    /// Time lost to rebounds after t_geo: out of position, or with a phalanx lifted off the object, s.
     pub lost_s: f64,
-    /// Force positiveness of the grasp at rest: without it the class is unstable, whatever the run shows.
+    /// Whether the static grasp is force-positive. Otherwise the class is unstable, regardless of the run.
     pub statically_stable: bool,
 }
 
 impl Criteria {
-    /// The class and what decides it, in a sentence.
+    /// Returns the class and its reason as a sentence.
     pub fn verdict(&self) -> String {
         format!("{}: {}", self.class.name(), self.class_reason)
     }

@@ -1,66 +1,72 @@
-//! Restitution: how fast two surfaces part over how fast they met.
+//! Restitution: separation speed of two surfaces over their approach speed.
 
 use crate::numeric::elementary::hypot;
 use crate::scene::{DiscMotion, Pair, Partner, System};
 use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
 
-/// An approach slower than this part of the fastest body's speed is rounding: the difference of two velocities whose own errors are
-/// about as large.
-const SLOWEST_APPROACH: f64 = 1e-6;
-/// A separation by this part of the approach speed is rounding.
+/// Smallest approach speed relative to the fastest body. A slower approach is rounding error: the difference of two
+/// velocities with errors of the same size.
+const MIN_RELATIVE_APPROACH: f64 = 1e-6;
+/// Largest ratio of separation and approach speed that is rounding error.
 const SEPARATION_ROUNDING: f64 = 1e-9;
-/// A contact gives back at most what it took. The rest is the error of a coarse run; above it something else drove the pair apart.
-const LARGEST_RESTITUTION: f64 = 1.01;
-/// Part of the change of the gap rate that may be due to anything but the contact: gravity, drives, other contacts.
-const LARGEST_OTHER_SHARE: f64 = 0.5;
+/// Largest valid restitution. Physically it is at most 1; the margin is for the error of a coarse run. Above it,
+/// something other than the contact separated the pair.
+const MAX_RESTITUTION: f64 = 1.01;
+/// Largest fraction of the change of the gap rate that may have other causes: gravity, drives, other contacts.
+const MAX_OTHER_FRACTION: f64 = 0.5;
 
-/// The first impact of a pair: from its touch-down to its last lift-off before the pair meets again.
+/// The first impact of a pair: from its touch-down to its last lift-off before the next touch-down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rebound {
-    /// Closing speed −gap rate at the touch-down; `None` until there was one at speed.
+    /// Approach speed (−gap rate) at the touch-down, m/s; `None` before the first touch-down with a positive approach
+    /// speed.
     pub approach_m_s: Option<f64>,
-    /// Gap rate once the force has ended; `None` while it presses.
+    /// Gap rate after the force has ended, m/s; `None` while the contact is active.
     pub separation_m_s: Option<f64>,
     /// Largest speed of any body's centre in the run, m/s.
     fastest_m_s: f64,
-    /// Change of the gap rate by the impulse of the contact alone, m/s; `None` where masses are not known.
-    by_contact_m_s: Option<f64>,
-    /// Whether the pair has met again: what follows is another impact.
-    over: bool,
-    /// Whether the next sample has the gap rate of the lift-off.
-    waits: bool,
+    /// Change of the gap rate due to the impulse of the contact, m/s; `None` if masses are unknown.
+    contact_change_m_s: Option<f64>,
+    /// Whether the pair has touched again, so later events belong to another impact.
+    is_finished: bool,
+    /// Whether the next sample gives the gap rate at the lift-off.
+    awaits_separation: bool,
 }
 
 impl Rebound {
-    /// Newton's coefficient: separation speed over approach speed.
+    /// Returns Newton's coefficient of restitution: separation speed over approach speed.
     ///
-    /// `None` where the ratio means nothing: the pair has not let go; the approach is rounding beside the fastest body of the run; the
-    /// surfaces still close when the force ends; or the separation is not due to the impact, because it is faster than the approach by
-    /// more than 1 %, or because less than half of the change of the gap rate is the contact's own impulse.
+    /// `None` if the ratio is meaningless: the pair has not separated; the approach speed is rounding error relative to
+    /// the fastest body of the run; the surfaces still approach when the force ends; or the separation is not due to
+    /// the impact, because it is more than 1 % faster than the approach, or because the contact impulse causes less
+    /// than half of the change of the gap rate.
     pub fn restitution(&self) -> Option<f64> {
         let (approach, separation) = (self.approach_m_s?, self.separation_m_s?);
         let ratio = separation / approach;
-        let meaningful = approach >= SLOWEST_APPROACH * self.fastest_m_s;
-        let parts = (-SEPARATION_ROUNDING..=LARGEST_RESTITUTION).contains(&ratio);
+        let is_significant = approach >= MIN_RELATIVE_APPROACH * self.fastest_m_s;
+        let is_separation = (-SEPARATION_ROUNDING..=MAX_RESTITUTION).contains(&ratio);
         let change = approach + separation;
-        let own = self.by_contact_m_s.is_none_or(|by| (change - by).abs() <= LARGEST_OTHER_SHARE * change);
-        (meaningful && parts && own).then(|| ratio.max(0.0))
+        let is_caused_by_contact =
+            self.contact_change_m_s.is_none_or(|by_contact| (change - by_contact).abs() <= MAX_OTHER_FRACTION * change);
+        (is_significant && is_separation && is_caused_by_contact).then(|| ratio.max(0.0))
     }
 }
 
-/// Finds the first impact of every pair while a run streams by.
+/// A [`Sink`] that finds the first impact of each pair during a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rebounds {
     pairs: Vec<Rebound>,
-    /// Gap rate per unit of normal impulse of each pair, 1/kg; empty where masses are not known.
+    /// Change of the gap rate per normal impulse of each pair, 1/kg; empty if masses are unknown.
     mobilities_per_kg: Vec<f64>,
-    /// Time and gap rates of the latest sample.
+    /// Time of the last sample.
     time_s: f64,
+    /// Gap rates in the last sample.
     rates_m_s: Vec<f64>,
 }
 
 impl Rebounds {
-    /// Of pairs of bodies whose masses are not known: any separation of at most the approach speed counts as due to the impact.
+    /// Creates the sink for pairs of bodies of unknown mass. A separation at no more than the approach speed then
+    /// counts as due to the impact.
     pub fn new(pairs: usize) -> Self {
         Rebounds {
             pairs: vec![Rebound::default(); pairs],
@@ -70,24 +76,24 @@ impl Rebounds {
         }
     }
 
-    /// Of the pairs of a system of discs.
-    pub fn of(system: &System) -> Self {
+    /// Creates the sink for the pairs of a system of discs.
+    pub fn for_system(system: &System) -> Self {
         let mobility = |disc: usize| match system.discs[disc].motion {
             DiscMotion::Free { mass_kg, .. } => mass_kg.recip(),
             DiscMotion::Fixed | DiscMotion::Driven { .. } => 0.0,
         };
         let pairs = system.pairs();
-        let of_pair = |pair: &Pair| {
+        let pair_mobility = |pair: &Pair| {
             let partner = match pair.partner {
                 Partner::Disc(disc) => mobility(disc),
                 Partner::HalfPlane => 0.0,
             };
             mobility(pair.disc) + partner
         };
-        Rebounds { mobilities_per_kg: pairs.iter().map(of_pair).collect(), ..Self::new(pairs.len()) }
+        Rebounds { mobilities_per_kg: pairs.iter().map(pair_mobility).collect(), ..Self::new(pairs.len()) }
     }
 
-    /// In the order of the scene's pairs.
+    /// Returns the rebounds in the order of the pairs of the scene.
     pub fn pairs(&self) -> &[Rebound] {
         &self.pairs
     }
@@ -103,7 +109,7 @@ impl Sink for Rebounds {
         }
         for ((pair, rate), contact) in self.pairs.iter_mut().zip(&mut self.rates_m_s).zip(&sample.contacts) {
             *rate = contact.gap_rate_m_s;
-            if std::mem::take(&mut pair.waits) {
+            if std::mem::take(&mut pair.awaits_separation) {
                 pair.separation_m_s = Some(contact.gap_rate_m_s);
             }
         }
@@ -114,22 +120,22 @@ impl Sink for Rebounds {
         let pair = &mut self.pairs[event.contact];
         match event.kind {
             EventKind::TouchDown if pair.approach_m_s.is_some() => {
-                // Another impact only if the first has let go.
-                pair.over |= pair.separation_m_s.is_some() || pair.waits;
+                // Another impact only if the pair has separated after the first.
+                pair.is_finished |= pair.separation_m_s.is_some() || pair.awaits_separation;
             }
             EventKind::TouchDown if event.approach_speed > 0.0 => pair.approach_m_s = Some(event.approach_speed),
-            EventKind::LiftOff if pair.approach_m_s.is_some() && !pair.over => {
+            EventKind::LiftOff if pair.approach_m_s.is_some() && !pair.is_finished => {
                 let mobility = self.mobilities_per_kg.get(event.contact);
-                pair.by_contact_m_s = mobility.map(|mobility| mobility * event.impulse);
-                // A model that lands on its events has a sample right there; after one within a step the pair is free,
-                // and the end of the step has its rate.
+                pair.contact_change_m_s = mobility.map(|mobility| mobility * event.impulse);
+                // With event location there is a sample at the event. Otherwise the pair is free for the rest of the
+                // step, and the sample at its end gives the rate.
                 if self.time_s == event.time_s {
                     pair.separation_m_s = Some(self.rates_m_s[event.contact]);
                 } else {
-                    pair.waits = true;
+                    pair.awaits_separation = true;
                 }
             }
-            EventKind::Reload if !pair.over => (pair.separation_m_s, pair.waits) = (None, false),
+            EventKind::Reload if !pair.is_finished => (pair.separation_m_s, pair.awaits_separation) = (None, false),
             _ => {}
         }
         Ok(())
@@ -150,48 +156,48 @@ mod tests {
         Event { time_s, contact: 0, kind, approach_speed, impulse: 0.0 }
     }
 
-    fn found(run: &[(Option<f64>, f64, Option<EventKind>)]) -> Rebound {
+    fn rebound(run: &[(Option<f64>, f64, Option<EventKind>)]) -> Rebound {
         let mut rebounds = Rebounds::new(1);
         for &(rate, time_s, kind) in run {
             if let Some(rate) = rate {
-                rebounds.sample(&sample(time_s, rate)).expect("kept");
+                rebounds.sample(&sample(time_s, rate)).expect("accepted");
             }
             if let Some(kind) = kind {
-                rebounds.event(&event(time_s, kind, 2.0)).expect("kept");
+                rebounds.event(&event(time_s, kind, 2.0)).expect("accepted");
             }
         }
         rebounds.pairs()[0]
     }
 
     #[test]
-    fn the_rate_at_the_lift_off_counts_whether_there_is_a_sample_or_not() {
+    fn uses_the_rate_at_the_lift_off_with_or_without_a_sample() {
         use EventKind::{LiftOff, TouchDown};
-        let landed = [(Some(-2.0), 1.0, Some(TouchDown)), (Some(1.0), 2.0, Some(LiftOff)), (Some(0.9), 3.0, None)];
-        assert_eq!(found(&landed).restitution(), Some(0.5));
-        let within =
+        let at_events = [(Some(-2.0), 1.0, Some(TouchDown)), (Some(1.0), 2.0, Some(LiftOff)), (Some(0.9), 3.0, None)];
+        assert_eq!(rebound(&at_events).restitution(), Some(0.5));
+        let between_samples =
             [(Some(-2.0), 0.9, None), (None, 1.0, Some(TouchDown)), (None, 2.0, Some(LiftOff)), (Some(1.5), 2.1, None)];
-        assert_eq!(found(&within).restitution(), Some(0.75));
+        assert_eq!(rebound(&between_samples).restitution(), Some(0.75));
     }
 
     #[test]
-    fn ratios_that_say_nothing_of_the_impact_are_none() {
+    fn meaningless_ratios_are_none() {
         let impact = Rebound { approach_m_s: Some(2.0), separation_m_s: Some(1.0), ..Rebound::default() };
         assert_eq!(impact.restitution(), Some(0.5));
-        // Rounding beside a fast body, but not in a scene that is slow as a whole.
+        // Rounding error relative to a fast body, but not in a scene in which all bodies are slow.
         assert_eq!(Rebound { fastest_m_s: 3e6, ..impact }.restitution(), None);
         assert_eq!(Rebound { fastest_m_s: 1e6, ..impact }.restitution(), Some(0.5));
         let slow = Rebound { approach_m_s: Some(1e-8), separation_m_s: Some(1e-8), fastest_m_s: 1e-8, ..impact };
         assert_eq!(slow.restitution(), Some(1.0));
-        // Faster apart than together, and closing still; rounding of nothing is nothing.
-        let parts = |separation: f64| Rebound { separation_m_s: Some(separation), ..impact }.restitution();
-        assert_eq!([2.01, 2.03, -0.1, -1e-17].map(parts), [Some(1.005), None, None, Some(0.0)]);
-        // Of a change of 3 m/s the contact itself made so much.
-        let by = |by: f64| Rebound { by_contact_m_s: Some(by), ..impact }.restitution();
-        assert_eq!([3.0, 1.6, 1.4, 0.0, 4.6].map(by), [Some(0.5), Some(0.5), None, None, None]);
+        // Separation faster than the approach, and surfaces that still approach; a rounding error of 0 counts as 0.
+        let with_separation = |separation: f64| Rebound { separation_m_s: Some(separation), ..impact }.restitution();
+        assert_eq!([2.01, 2.03, -0.1, -1e-17].map(with_separation), [Some(1.005), None, None, Some(0.0)]);
+        // Contribution of the contact to a change of 3 m/s.
+        let with_change = |change: f64| Rebound { contact_change_m_s: Some(change), ..impact }.restitution();
+        assert_eq!([3.0, 1.6, 1.4, 0.0, 4.6].map(with_change), [Some(0.5), Some(0.5), None, None, None]);
     }
 
     #[test]
-    fn only_the_first_impact_counts_and_a_reload_belongs_to_it() {
+    fn a_reload_belongs_to_the_first_impact() {
         use EventKind::{LiftOff, Reload, TouchDown};
         let bounces = [
             (Some(-2.0), 1.0, Some(TouchDown)),
@@ -201,8 +207,8 @@ mod tests {
             (Some(-1.0), 5.0, Some(TouchDown)),
             (Some(0.3), 6.0, Some(LiftOff)),
         ];
-        assert_eq!(found(&bounces).restitution(), Some(0.5));
-        assert_eq!(found(&bounces[..1]).restitution(), None);
-        assert_eq!(found(&bounces[..3]).restitution(), None, "pressed again");
+        assert_eq!(rebound(&bounces).restitution(), Some(0.5));
+        assert_eq!(rebound(&bounces[..1]).restitution(), None);
+        assert_eq!(rebound(&bounces[..3]).restitution(), None, "in contact again");
     }
 }

@@ -1,10 +1,10 @@
-//! The criteria found while a run streams by.
+//! Computes the criteria of a finger during a run.
 
 use super::hermite::Hermite;
-use super::pieces::{Judge, Piece, Pieces};
 use super::reason::{is_in_position, is_positive};
-use super::{AtEnd, ClassReason, Condition, Criteria, EPSILON_RAD, Loss, RESOLUTION_S, rebound_percent};
-use crate::trace::{Event, Sample, Sink, SinkError, Wants};
+use super::segments::{Segment, SegmentObserver, SegmentSplitter};
+use super::{ClassReason, Condition, Criteria, EPSILON_RAD, FinalContact, Loss, RESOLUTION_S, rebound_percent};
+use crate::trace::{Event, RequiredData, Sample, Sink, SinkError};
 
 /// The two angles of the geometric final configuration, in which both phalanges touch the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,146 +13,156 @@ pub struct FinalAngles {
     pub q21_rad: f64,
 }
 
-/// A [`Sink`] that finds the [`Criteria`] of a run, in constant memory.
+/// A [`Sink`] that computes the [`Criteria`] of a run in constant memory.
 ///
 /// Between two samples the angles follow the cubic Hermite interpolant of values and rates; the times at which they
-/// cross ±ε are found to 1e-9 s. Contacts change at the times of their events. Within a contact the normal force counts
-/// as positive between two samples if it is positive at both; the zero at the very touch-down does not count against
-/// it.
+/// cross ±ε are found to 1e-9 s. Contacts change at the times of their events. Between two samples of a closed contact,
+/// the normal force counts as positive if it is positive at both; the zero at the touch-down is ignored.
 #[derive(Clone, Debug)]
 pub struct Tracker {
-    pieces: Pieces<2>,
-    found: Found,
+    segments: SegmentSplitter<2>,
+    state: TrackerState,
 }
 
-/// What the pieces so far have said.
+/// History of the stability conditions up to the last segment.
 #[derive(Clone, Debug)]
-struct Found {
+struct TrackerState {
     target: FinalAngles,
     t_geo_s: Option<f64>,
     stable_since_s: Option<f64>,
     lost_s: f64,
-    /// In the order of [`Condition::ALL`].
-    conditions: [History; 4],
-    /// |q11 − q11,f| and |q21 − q21,f| in the middle of the last piece, rad, by which that is judged; `None` without a piece.
-    off_rad: Option<[f64; 2]>,
+    /// Histories in the order of [`Condition::ALL`].
+    conditions: [ConditionHistory; 4],
+    /// |q11 − q11,f| and |q21 − q21,f| in the middle of the last segment, rad; `None` before the first segment.
+    deviation_rad: Option<[f64; 2]>,
 }
 
-/// One condition of stability through the run.
+/// History of one condition of stability.
 #[derive(Clone, Copy, Debug, Default)]
-struct History {
-    /// When it was first met; of a phalanx, when it first touched.
+struct ConditionHistory {
+    /// Time at which the angle was first within its tolerance, or the phalanx first touched the object.
     first_s: Option<f64>,
-    holds: bool,
+    is_met: bool,
     times_lost: u32,
-    /// Start and end of the last loss, the end while it lasts that of the last piece.
+    /// Start and end of the last loss; during a loss the end of the last segment.
     lost_s: Option<[f64; 2]>,
 }
 
-impl History {
-    /// Takes a piece of the run. `met`: in position in this piece, or touched so far.
-    fn take(&mut self, [from_s, to_s]: [f64; 2], met: bool, holds: bool) {
-        if met {
+impl ConditionHistory {
+    /// Adds a segment. `has_started` is true once the angle has been within its tolerance, or the phalanx has touched
+    /// the object.
+    fn update(&mut self, [from_s, to_s]: [f64; 2], has_started: bool, is_met: bool) {
+        if has_started {
             self.first_s.get_or_insert(from_s);
         }
-        if !holds && self.first_s.is_some() {
+        if !is_met && self.first_s.is_some() {
             match &mut self.lost_s {
-                Some([_, until_s]) if !self.holds => *until_s = to_s,
+                Some([_, until_s]) if !self.is_met => *until_s = to_s,
                 lost_s => {
                     *lost_s = Some([from_s, to_s]);
                     self.times_lost = self.times_lost.saturating_add(1);
                 }
             }
         }
-        self.holds = holds;
+        self.is_met = is_met;
     }
 
-    fn at_end(&self) -> AtEnd {
-        match (self.holds, self.lost_s) {
-            (true, _) => AtEnd::Presses,
-            (false, Some([at_s, _])) => AtEnd::LiftedOff { at_s },
-            (false, None) => AtEnd::NeverTouched,
+    fn final_contact(&self) -> FinalContact {
+        match (self.is_met, self.lost_s) {
+            (true, _) => FinalContact::Active,
+            (false, Some([at_s, _])) => FinalContact::LiftedOff { at_s },
+            (false, None) => FinalContact::NeverTouched,
         }
     }
 }
 
 impl Tracker {
+    /// Creates a tracker for a finger with these final angles.
     pub fn new(target: FinalAngles) -> Self {
-        let found = Found {
+        let state = TrackerState {
             target,
             t_geo_s: None,
             stable_since_s: None,
             lost_s: 0.0,
             conditions: Default::default(),
-            off_rad: None,
+            deviation_rad: None,
         };
-        Tracker { pieces: Pieces::default(), found }
+        Tracker { segments: SegmentSplitter::default(), state }
     }
 
-    /// The criteria of the run up to the last sample; `None` of a run without duration. `static_forces_n`: normal forces of both
-    /// phalanges in the grasp at rest (thesis (2.32)), N; `None` where these are not known or judged elsewhere.
+    /// Returns the criteria of the run up to the last sample; `None` for a run without duration. `static_forces_n`:
+    /// normal forces of both phalanges in the static grasp (thesis (2.32)), N; `None` if unknown or evaluated
+    /// elsewhere.
     pub fn criteria(&self, static_forces_n: Option<[f64; 2]>) -> Option<Criteria> {
-        let Found { t_geo_s, stable_since_s, lost_s, off_rad, .. } = self.found;
-        let (last, judged_rad) = (self.pieces.last()?, off_rad?);
-        let off_rad = self.found.off_rad(last.finger().q11_rad, last.finger().q21_rad);
-        // A crossing of the band's edge at the very end does not change how the last piece was judged.
-        let off_rad = [0, 1].map(|joint| match is_in_position(off_rad[joint]) == is_in_position(judged_rad[joint]) {
-            true => off_rad[joint],
-            false => judged_rad[joint],
-        });
+        let TrackerState { t_geo_s, stable_since_s, lost_s, deviation_rad, .. } = self.state;
+        let (last, evaluated_rad) = (self.segments.last()?, deviation_rad?);
+        let deviation_rad = self.state.deviation_rad(last.finger().q11_rad, last.finger().q21_rad);
+        // A crossing of the limit at the end must not contradict the evaluation of the last segment.
+        let deviation_rad =
+            [0, 1].map(|joint| match is_in_position(deviation_rad[joint]) == is_in_position(evaluated_rad[joint]) {
+                true => deviation_rad[joint],
+                false => evaluated_rad[joint],
+            });
         let rebound_percent =
             t_geo_s.zip(stable_since_s).map(|(t_geo_s, tts_s)| rebound_percent(t_geo_s, tts_s, last.time_s, lost_s));
-        let pulls = static_forces_n.filter(|forces_n| !is_positive(forces_n));
-        let class_reason = match (pulls, stable_since_s.zip(rebound_percent)) {
+        let negative_forces_n = static_forces_n.filter(|forces_n| !is_positive(forces_n));
+        let class_reason = match (negative_forces_n, stable_since_s.zip(rebound_percent)) {
             (Some(forces_n), _) => ClassReason::StaticForces { forces_n },
             (None, Some((tts_s, rebound_percent))) => {
-                ClassReason::Settled { tts_s, rebound_percent, loss: self.found.last_loss() }
+                ClassReason::Settled { tts_s, rebound_percent, loss: self.state.last_loss() }
             }
-            (None, None) if off_rad.into_iter().all(is_in_position) => {
-                let [_, _, proximal, tip] = &self.found.conditions;
-                ClassReason::NotPressing { phalanges: [proximal, tip].map(History::at_end) }
+            (None, None) if deviation_rad.into_iter().all(is_in_position) => {
+                let [_, _, proximal, tip] = &self.state.conditions;
+                ClassReason::NotInContact { phalanges: [proximal, tip].map(ConditionHistory::final_contact) }
             }
-            (None, None) => ClassReason::OutOfPosition { off_rad },
+            (None, None) => ClassReason::OutOfPosition { deviation_rad },
         };
         Some(Criteria {
             t_geo_s,
             tts_s: stable_since_s,
             lost_s,
             rebound_percent,
-            statically_stable: pulls.is_none(),
+            statically_stable: negative_forces_n.is_none(),
             class: class_reason.class(),
             class_reason,
         })
     }
 }
 
-impl Found {
-    fn off_rad(&self, q11_rad: f64, q21_rad: f64) -> [f64; 2] {
+impl TrackerState {
+    fn deviation_rad(&self, q11_rad: f64, q21_rad: f64) -> [f64; 2] {
         [(q11_rad - self.target.q11_rad).abs(), (q21_rad - self.target.q21_rad).abs()]
     }
 
-    /// The loss that ended last, if it is one that counts as a rebound.
+    /// Returns the loss that ended last, if it counts as a rebound.
     fn last_loss(&self) -> Option<Loss> {
         let t_geo_s = self.t_geo_s.filter(|_| self.lost_s >= RESOLUTION_S)?;
         let [_, _, proximal, tip] = &self.conditions;
         let tip_first = tip.first_s.zip(proximal.first_s).is_some_and(|(tip_s, proximal_s)| tip_s < proximal_s);
-        let losses = Condition::ALL.into_iter().zip(&self.conditions).filter_map(|(of, history)| {
+        let losses = Condition::ALL.into_iter().zip(&self.conditions).filter_map(|(condition, history)| {
             let [from_s, until_s] = history.lost_s?;
-            let touched_first = of == Condition::Tip && tip_first;
-            Some(Loss { of, from_s, until_s, times: history.times_lost, touched_first, all_s: self.lost_s })
+            let touched_first = condition == Condition::Tip && tip_first;
+            Some(Loss {
+                condition,
+                from_s,
+                until_s,
+                times: history.times_lost,
+                touched_first,
+                total_lost_s: self.lost_s,
+            })
         });
         losses.filter(|loss| loss.until_s > t_geo_s).max_by(|a, b| a.until_s.total_cmp(&b.until_s))
     }
 }
 
-/// Of the proximal and the distal phalanx: the first two of a finger's contacts.
-impl Judge<2> for Found {
-    /// q11 and q21.
-    type Path = [Hermite; 2];
+/// Observes the contacts of the proximal and the distal phalanx, the first two of a finger.
+impl SegmentObserver<2> for TrackerState {
+    /// Interpolants of q11 and q21.
+    type Interpolant = [Hermite; 2];
 
     fn begin(&mut self, _: &Sample) {}
 
-    fn path(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 2] {
+    fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 2] {
         let ([from, to], [t0, t1]) = ([last.finger(), next.finger()], [last.time_s, next.time_s]);
         let q11 = Hermite::new((t0, from.q11_rad, from.qd11_rad_s), (t1, to.q11_rad, to.qd11_rad_s));
         let q21 = Hermite::new((t0, from.q21_rad, from.qd21_rad_s), (t1, to.q21_rad, to.qd21_rad_s));
@@ -163,43 +173,49 @@ impl Judge<2> for Found {
         [q11, q21]
     }
 
-    fn judge(&mut self, [q11, q21]: &[Hermite; 2], piece: &Piece<2>) {
-        let middle = 0.5 * (piece.from_s + piece.to_s);
-        let off_rad = self.off_rad(q11.value(middle), q21.value(middle));
-        self.off_rad = Some(off_rad);
-        let ([q11_in, q21_in], [proximal, tip]) = (off_rad.map(is_in_position), piece.pressing);
+    fn observe(&mut self, [q11, q21]: &[Hermite; 2], segment: &Segment<2>) {
+        let middle = 0.5 * (segment.from_s + segment.to_s);
+        let deviation_rad = self.deviation_rad(q11.value(middle), q21.value(middle));
+        self.deviation_rad = Some(deviation_rad);
+        let ([q11_in, q21_in], [proximal, tip]) = (deviation_rad.map(is_in_position), segment.is_active);
         let in_position = q11_in && q21_in;
-        let met = [q11_in, q21_in, piece.touched[0], piece.touched[1]];
-        for ((history, met), holds) in self.conditions.iter_mut().zip(met).zip([q11_in, q21_in, proximal, tip]) {
-            history.take([piece.from_s, piece.to_s], met, holds);
+        let has_started = [q11_in, q21_in, segment.has_touched[0], segment.has_touched[1]];
+        for ((history, has_started), is_met) in
+            self.conditions.iter_mut().zip(has_started).zip([q11_in, q21_in, proximal, tip])
+        {
+            history.update([segment.from_s, segment.to_s], has_started, is_met);
         }
         if in_position {
-            self.t_geo_s.get_or_insert(piece.from_s);
+            self.t_geo_s.get_or_insert(segment.from_s);
         }
-        if in_position && piece.pressing == [true; 2] {
-            self.stable_since_s.get_or_insert(piece.from_s);
+        if in_position && segment.is_active == [true; 2] {
+            self.stable_since_s.get_or_insert(segment.from_s);
             return;
         }
         self.stable_since_s = None;
-        let off = piece.touched.iter().zip(piece.pressing).any(|(touched, pressing)| *touched && !pressing);
-        if self.t_geo_s.is_some() && (!in_position || off) {
-            self.lost_s += piece.to_s - piece.from_s;
+        let has_lifted_off = segment
+            .has_touched
+            .iter()
+            .zip(segment.is_active)
+            .any(|(has_touched, is_active)| *has_touched && !is_active);
+        if self.t_geo_s.is_some() && (!in_position || has_lifted_off) {
+            self.lost_s += segment.to_s - segment.from_s;
         }
     }
 }
 
 impl Sink for Tracker {
-    fn wants(&self) -> Wants {
-        Wants { energies: false, passive: false, peaks: true }
+    fn required_data(&self) -> RequiredData {
+        RequiredData { energies: false, passive: false, peaks: true }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.pieces.sample(sample, &mut self.found);
+        self.segments.sample(sample, &mut self.state);
         Ok(())
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.pieces.event(event);
+        self.segments.event(event);
         Ok(())
     }
 }

@@ -1,15 +1,15 @@
 //! The four links of a finger, in its own frame.
 
-use super::parts::{Body, Part, Pose, Shape};
+use super::body::{Body, BodyRole, Pose, Shape};
 use crate::gripper::{Lengths, Posture, link_outline, tip_outline};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::Side;
 use crate::trace::FingerState;
 
-/// The four links: what they weigh by, and where they touch.
-pub(super) fn links(lengths: &Lengths) -> [Body; 4] {
+/// Returns the four links with their outlines and contact surfaces.
+pub(super) fn link_bodies(lengths: &Lengths) -> [Body; 4] {
     let w = lengths.half_width_m;
-    let body = |name: &str, part, shapes| Body { name: name.to_string(), part, fixed: false, shapes };
+    let body = |name: &str, role, shapes| Body { name: name.to_string(), role, fixed: false, shapes };
     let bar = |length_m| Shape::Polygon { corners_m: link_outline(length_m, w).to_vec() };
     let surface = |angle: f64, length: f64| Shape::Capsule {
         from_m: [0.0; 2],
@@ -19,46 +19,47 @@ pub(super) fn links(lengths: &Lengths) -> [Body; 4] {
     let mut distal = vec![surface(lengths.phi22_rad, lengths.t22_m)];
     match tip_outline(lengths) {
         Ok(corners) => distal.insert(0, Shape::Polygon { corners_m: corners.to_vec() }),
-        // A triangle that is flat has no outline of its own; its mass is given then.
+        // A degenerate triangle has no outline; its mass is given in the scene.
         Err(_) => distal.insert(0, surface(0.0, lengths.l22_m)),
     }
     [
-        body("l11", Part::Driver, vec![bar(lengths.l11_m)]),
-        body("l12", Part::Coupler, vec![bar(lengths.l12_m)]),
-        body("l21", Part::Proximal, vec![bar(lengths.l21_m), surface(0.0, lengths.l21_m)]),
-        body("l22", Part::Distal, distal),
+        body("l11", BodyRole::Driver, vec![bar(lengths.l11_m)]),
+        body("l12", BodyRole::Coupler, vec![bar(lengths.l12_m)]),
+        body("l21", BodyRole::Proximal, vec![bar(lengths.l21_m), surface(0.0, lengths.l21_m)]),
+        body("l22", BodyRole::Distal, distal),
     ]
 }
 
-/// Where they are: l11 and l21 turn about the origin, l12 about A12, the distal body about A22 with its x-axis along the arm.
+/// Poses of the links: l11 and l21 rotate about the origin, l12 about A12, the distal body about A22 with its x-axis
+/// along the arm.
 pub(super) fn link_poses(lengths: &Lengths, posture: &Posture) -> [Pose; 4] {
     let Lengths { l11_m, l21_m, .. } = *lengths;
     let along = |length: f64, angle: f64| [length * cos(angle), length * sin(angle)];
-    let turned = |position_m, angle_rad| Pose { position_m, angle_rad };
+    let pose = |position_m, angle_rad| Pose { position_m, angle_rad };
     [
-        turned([0.0; 2], posture.q11_rad),
-        turned(along(l11_m, posture.q11_rad), posture.q11_rad + posture.q12_rad),
-        turned([0.0; 2], posture.q21_rad),
-        turned(along(l21_m, posture.q21_rad), posture.q21_rad + posture.q22_rad),
+        pose([0.0; 2], posture.q11_rad),
+        pose(along(l11_m, posture.q11_rad), posture.q11_rad + posture.q12_rad),
+        pose([0.0; 2], posture.q21_rad),
+        pose(along(l21_m, posture.q21_rad), posture.q21_rad + posture.q22_rad),
     ]
 }
 
-/// How fast these change: velocities and angular velocities in place of positions and angles.
-pub(super) fn link_motions(lengths: &Lengths, finger: &FingerState) -> [Pose; 4] {
+/// Time derivatives of the poses: velocities and angular velocities instead of positions and angles.
+pub(super) fn link_velocities(lengths: &Lengths, finger: &FingerState) -> [Pose; 4] {
     let Lengths { l11_m, l21_m, .. } = *lengths;
-    let turning = |position_m, angle_rad| Pose { position_m, angle_rad };
+    let velocity = |position_m, angle_rad| Pose { position_m, angle_rad };
     // d/dt of L (cos q, sin q).
-    let end = |length: f64, q: f64, rate: f64| [-length * rate * sin(q), length * rate * cos(q)];
+    let end_velocity = |length: f64, q: f64, rate: f64| [-length * rate * sin(q), length * rate * cos(q)];
     let FingerState { q11_rad, q21_rad, qd11_rad_s, qd12_rad_s, qd21_rad_s, qd22_rad_s, .. } = *finger;
     [
-        turning([0.0; 2], qd11_rad_s),
-        turning(end(l11_m, q11_rad, qd11_rad_s), qd11_rad_s + qd12_rad_s),
-        turning([0.0; 2], qd21_rad_s),
-        turning(end(l21_m, q21_rad, qd21_rad_s), qd21_rad_s + qd22_rad_s),
+        velocity([0.0; 2], qd11_rad_s),
+        velocity(end_velocity(l11_m, q11_rad, qd11_rad_s), qd11_rad_s + qd12_rad_s),
+        velocity([0.0; 2], qd21_rad_s),
+        velocity(end_velocity(l21_m, q21_rad, qd21_rad_s), qd21_rad_s + qd22_rad_s),
     ]
 }
 
-/// A shape of a link as the finger of a side has it.
+/// Mirrors a link's shape for a left finger.
 pub(super) fn mirrored(shape: Shape, side: Side) -> Shape {
     let flip = |[x, y]: [f64; 2]| [x, side.mirror() * y];
     match shape {

@@ -1,9 +1,10 @@
-//! Small dense systems, row by row, solved in place: a step of the engine may not allocate.
+//! Small dense linear systems, row by row, solved in place because engine steps must not allocate.
 
-/// Solves a x = b by elimination with row pivoting; `a` (row by row) is destroyed, `b` becomes x. False if a is singular.
+/// Solves a x = b by Gaussian elimination with row pivoting; `a` (row by row) is destroyed, `b` becomes x. Returns
+/// false if a is singular.
 pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
     let (a, b) = (&mut a[..size * size], &mut b[..size]);
-    // A size the compiler knows is worth a factor of three; contact spaces are small.
+    // Compile-time sizes are three times faster; contact spaces are small.
     match size {
         1 => eliminate(a, b, 1),
         2 => eliminate(a, b, 2),
@@ -14,7 +15,7 @@ pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
     }
 }
 
-/// [`solve`] for slices of just the right lengths, inlined where the size is known.
+/// Like [`solve`], but for slices of the exact lengths; inlined for compile-time sizes.
 #[inline(always)]
 pub fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
     assert!(a.len() == size * size && b.len() == size);
@@ -54,9 +55,9 @@ pub fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
     true
 }
 
-/// Cholesky factor L of a symmetric positive definite matrix, over its lower triangle; the diagonal holds 1/Lᵢᵢ. Row i is
-/// zero before column `first[i]`, in the matrix as in the factor, and neither is touched there. False if the matrix is not
-/// positive definite.
+/// Computes the Cholesky factor L of a symmetric positive definite matrix and stores it in the matrix's lower triangle,
+/// with 1/Lᵢᵢ on the diagonal. Row i is zero before column `first[i]` in the matrix and in the factor; those entries
+/// are not accessed. Returns false if the matrix is not positive definite.
 pub fn factorise(a: &mut [f64], first: &[usize]) -> bool {
     let size = first.len();
     for i in 0..size {
@@ -81,18 +82,18 @@ pub fn factorise(a: &mut [f64], first: &[usize]) -> bool {
 /// Solves L Lᵀ x = b with the factor of [`factorise`]; `b` becomes x.
 pub fn solve_factorised(factor: &[f64], first: &[usize], b: &mut [f64]) {
     match first.len() {
-        // Five pins, the usual case: unrolled, and zeros before the first column cost less than looking where it is.
+        // Five pins are the usual case: unrolled, and processing zeros is cheaper than reading the first column.
         10 => substitute(factor, |_| 0, b, 10),
         size => substitute(factor, |row| first[row], b, size),
     }
 }
 
 #[inline(always)]
-fn substitute(factor: &[f64], first: impl Fn(usize) -> usize, b: &mut [f64], size: usize) {
+fn substitute(factor: &[f64], first_column: impl Fn(usize) -> usize, b: &mut [f64], size: usize) {
     assert!(factor.len() == size * size && b.len() == size);
     for i in 0..size {
         let mut rest = b[i];
-        for j in first(i)..i {
+        for j in first_column(i)..i {
             rest -= factor[i * size + j] * b[j];
         }
         b[i] = rest * factor[i * size + i];
@@ -100,7 +101,7 @@ fn substitute(factor: &[f64], first: impl Fn(usize) -> usize, b: &mut [f64], siz
     for i in (0..size).rev() {
         let x = b[i] * factor[i * size + i];
         b[i] = x;
-        for j in first(i)..i {
+        for j in first_column(i)..i {
             b[j] -= factor[i * size + j] * x;
         }
     }
@@ -114,22 +115,22 @@ mod tests {
         let x = [1.5, -2.0, 0.25];
         let mut b: Vec<f64> = (0..3).map(|i| (0..3).map(|j| a[3 * i + j] * x[j]).sum()).collect();
         assert!(super::solve(&mut a, &mut b, 3));
-        for (found, wanted) in b.iter().zip(x) {
-            assert!((found - wanted).abs() < 1e-14);
+        for (found, expected) in b.iter().zip(x) {
+            assert!((found - expected).abs() < 1e-14);
         }
         assert!(!super::solve(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 1.0], 2));
     }
 
     #[test]
-    fn factorises_what_is_positive_definite_and_nothing_else() {
+    fn factorises_only_positive_definite_matrices() {
         let a = [4.0, 2.0, -1.0, 2.0, 5.0, 0.5, -1.0, 0.5, 3.0];
         let x = [0.3, -1.0, 2.0];
         let mut b: Vec<f64> = (0..3).map(|i| (0..3).map(|j| a[3 * i + j] * x[j]).sum()).collect();
         let mut factor = a;
         assert!(super::factorise(&mut factor, &[0, 0, 0]));
         super::solve_factorised(&factor, &[0, 0, 0], &mut b);
-        for (found, wanted) in b.iter().zip(x) {
-            assert!((found - wanted).abs() < 1e-14);
+        for (found, expected) in b.iter().zip(x) {
+            assert!((found - expected).abs() < 1e-14);
         }
         assert!(!super::factorise(&mut [1.0, 0.0, 2.0, 1.0], &[0, 0]));
         assert!(!super::factorise(&mut [f64::NAN, 0.0, 0.0, 1.0], &[0, 0]));

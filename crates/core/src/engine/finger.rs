@@ -1,55 +1,64 @@
-//! A finger in a plan: four links, five pins, a spring, a stop, and the contacts of both phalanges.
+//! Plan of a finger: four links, five pins, a spring, a stop, and the contacts of both phalanges.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::plan::{
-    Against, Capsule, Meet, Plan, PlannedBody, PlannedContact, PlannedPin, PlannedSpring, PlannedStop, Shape,
+    Capsule, ContactPartner, ContactPointConvention, Plan, PlannedBody, PlannedContact, PlannedPin, PlannedSpring,
+    PlannedStop, Shape,
 };
-use crate::gripper::{Body, Lengths, Posture, Spring, close, straight};
+use crate::gripper::{Body, Lengths, Posture, Spring, close_loop, straight_posture};
 use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::opening_angle;
 use crate::scene::{DrivenFinger, Placement, Side};
 
-/// Indices of the finger's bodies.
+/// Index of the driven link l11 in its finger.
 pub const L11: usize = 0;
+/// Index of the coupler l12 in its finger.
 pub const L12: usize = 1;
+/// Index of the proximal phalanx l21 in its finger.
 pub const L21: usize = 2;
+/// Index of the distal phalanx l22 in its finger.
 pub const L22: usize = 3;
 
-/// Links of a finger.
+/// Number of links of a finger.
 pub const LINKS: usize = 4;
 
-/// The first body of a finger; its links come in their order.
-pub fn base(side: Side) -> usize {
+/// Body index of the first link of a finger; the others follow in order.
+pub fn first_link(side: Side) -> usize {
     LINKS * side as usize
 }
 
-/// What the phalanges of a finger may touch: all discs.
+/// Surfaces that the phalanges of a finger can touch: all discs.
 #[derive(Clone, Copy)]
-pub(super) struct Reach<'a> {
-    pub discs: &'a [Against],
-    pub meet: Meet,
+pub(super) struct ContactTargets<'a> {
+    pub discs: &'a [ContactPartner],
+    pub point_convention: ContactPointConvention,
 }
 
-/// Where a finger stands: its ground joint, and −1 where it is the mirror image about the y axis of what its parts say.
+/// Mounting of a finger: its base joint, and −1 for a finger mirrored about the y axis.
 #[derive(Clone, Copy)]
 pub(super) struct Mount {
-    /// The body that it stands on; none is the ground.
+    /// Body that carries the finger; `None` is the ground.
     pub on: Option<usize>,
     pub ground_m: [f64; 2],
     pub mirror: f64,
 }
 
-/// Adds the four links, pins, spring, stop and contacts of a finger, but no motor; `None` where its angles do not close the loop.
-pub(super) fn add(plan: &mut Plan, driven: &DrivenFinger, reach: Reach<'_>, mount: Mount) -> Option<()> {
+/// Adds links, pins, spring, stop and contacts of a finger, but no motor; `None` if its angles do not close the loop.
+pub(super) fn add_finger(
+    plan: &mut Plan,
+    driven: &DrivenFinger,
+    targets: ContactTargets<'_>,
+    mount: Mount,
+) -> Option<()> {
     let DrivenFinger { linkage: finger, initial: start, .. } = driven;
     let (lengths, Mount { mirror, ground_m, .. }) = (&finger.lengths, mount);
     let base = plan.bodies.len();
-    let posture = close(lengths, finger.assembly, start.q11_rad, start.q21_rad).ok()?;
+    let posture = close_loop(lengths, finger.assembly, start.q11_rad, start.q21_rad).ok()?;
     let angles = body_angles(&posture, lengths.phi22_rad);
-    let along =
+    let link_end =
         |length: f64, angle: f64| [ground_m[0] + mirror * (length * cos(angle)), ground_m[1] + length * sin(angle)];
-    let (a12, a22) = (along(lengths.l11_m, angles[L11]), along(lengths.l21_m, angles[L21]));
+    let (a12, a22) = (link_end(lengths.l11_m, angles[L11]), link_end(lengths.l21_m, angles[L21]));
     let rates = body_rates(lengths, &angles, [start.qd11_rad_s, start.qd21_rad_s]);
     let radius_m = lengths.half_width_m;
     let capsules = [
@@ -66,7 +75,7 @@ pub(super) fn add(plan: &mut Plan, driven: &DrivenFinger, reach: Reach<'_>, moun
         angle_rad: if mirror > 0.0 { angles[i] } else { PI - angles[i] },
         velocity_m_s: [0.0; 2],
         rate_rad_s: mirror * rates[i],
-        shape: capsules[i].filter(|_| !reach.discs.is_empty()),
+        shape: capsules[i].filter(|_| !targets.discs.is_empty()),
     }));
     let pin = |first: Option<usize>, second: usize, length: f64| PlannedPin {
         first: first.map_or(mount.on, |body| Some(base + body)),
@@ -82,32 +91,37 @@ pub(super) fn add(plan: &mut Plan, driven: &DrivenFinger, reach: Reach<'_>, moun
         pin(Some(L21), L22, lengths.l21_m),
         PlannedPin { anchor_second_m: [lengths.l22_m, 0.0], closes_loop: true, ..pin(Some(L12), L22, lengths.l12_m) },
     ]);
-    plan.springs.extend(spring(driven.spring, lengths, mirror, base)?);
-    // In a mirror the angle from l21 to l22 is that from l22 to l21.
+    plan.springs.extend(plan_spring(driven.spring, lengths, mirror, base)?);
+    // For a mirrored finger the angle from l21 to l22 becomes the angle from l22 to l21.
     let (on, against) = if mirror > 0.0 { (L22, L21) } else { (L21, L22) };
-    let stop = |law| PlannedStop { on: base + on, against: base + against, least_rad: -lengths.phi22_rad, law };
+    let stop = |law| PlannedStop { on: base + on, against: base + against, min_angle_rad: -lengths.phi22_rad, law };
     plan.stops.extend(driven.limit.map(stop));
-    for &against in reach.discs {
+    for &against in targets.discs {
         for (body, law) in [(L21, driven.contact.proximal), (L22, driven.contact.distal)] {
-            plan.contacts.push(PlannedContact { body: base + body, against, meet: reach.meet, law });
+            plan.contacts.push(PlannedContact {
+                body: base + body,
+                against,
+                point_convention: targets.point_convention,
+                law,
+            });
         }
     }
     Some(())
 }
 
-/// Orientations of the four bodies. That of l22 is counted from the straight line, the way both models count q22.
+/// Orientations of the four links. The angle of l22 is measured from the straight line, as q22 is in both models.
 fn body_angles(posture: &Posture, phi22: f64) -> [f64; 4] {
     let direction = |angle: f64| [cos(angle), sin(angle)];
     let bend = opening_angle(direction(posture.q21_rad), direction(posture.q21_rad + posture.q22_rad + phi22));
     [posture.q11_rad, posture.q11_rad + posture.q12_rad, posture.q21_rad, posture.q21_rad + bend - phi22]
 }
 
-/// Angular rates of the four bodies from those of the ground links: the loop's point A13 moves as one.
+/// Angular rates of the four links from those of the base links; the loop's point A13 has one velocity.
 fn body_rates(lengths: &Lengths, angles: &[f64; 4], [w1, w2]: [f64; 2]) -> [f64; 4] {
-    // Velocity of the end of a link of some length that turns with rate 1.
-    let turn = |length: f64, angle: f64| [-length * sin(angle), length * cos(angle)];
-    let (u1, u2) = (turn(lengths.l11_m, angles[L11]), turn(lengths.l21_m, angles[L21]));
-    let (u3, u4) = (turn(lengths.l12_m, angles[L12]), turn(lengths.l22_m, angles[L22]));
+    // Velocity of the end of a link that rotates at rate 1.
+    let end_velocity = |length: f64, angle: f64| [-length * sin(angle), length * cos(angle)];
+    let (u1, u2) = (end_velocity(lengths.l11_m, angles[L11]), end_velocity(lengths.l21_m, angles[L21]));
+    let (u3, u4) = (end_velocity(lengths.l12_m, angles[L12]), end_velocity(lengths.l22_m, angles[L22]));
     // w3 u3 − w4 u4 = w2 u2 − w1 u1
     let rhs = [w2 * u2[0] - w1 * u1[0], w2 * u2[1] - w1 * u1[1]];
     let determinant = u4[0] * u3[1] - u3[0] * u4[1];
@@ -116,8 +130,8 @@ fn body_rates(lengths: &Lengths, angles: &[f64; 4], [w1, w2]: [f64; 2]) -> [f64;
     [w1, w3, w2, w4]
 }
 
-/// The spring between the two bodies of its placement; the outer `None` where the straight posture does not exist.
-fn spring(spring: Option<Spring>, lengths: &Lengths, mirror: f64, base: usize) -> Option<Option<PlannedSpring>> {
+/// Returns the spring between the two links of its placement; the outer `None` if the straight posture does not exist.
+fn plan_spring(spring: Option<Spring>, lengths: &Lengths, mirror: f64, base: usize) -> Option<Option<PlannedSpring>> {
     let Some(spring) = spring else { return Some(None) };
     let (on, against) = match spring.placement {
         Placement::GroundLinks => (L21, L11),
@@ -125,8 +139,8 @@ fn spring(spring: Option<Spring>, lengths: &Lengths, mirror: f64, base: usize) -
         Placement::Phalanges => (L22, L21),
         Placement::CouplerDistal => (L12, L22),
     };
-    let angles = body_angles(&straight(lengths, FRAC_PI_2).ok()?, lengths.phi22_rad);
-    // How the angle changes with q11 at fixed q21.
+    let angles = body_angles(&straight_posture(lengths, FRAC_PI_2).ok()?, lengths.phi22_rad);
+    // Rate of the angle with q11 at constant q21.
     let rates = body_rates(lengths, &angles, [1.0, 0.0]);
     Some(Some(PlannedSpring {
         on: base + on,

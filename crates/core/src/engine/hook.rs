@@ -1,12 +1,13 @@
-//! Takes contact out of rapier's hands.
+//! Hook that disables rapier's contact response.
 
 use rapier2d_f64::prelude::*;
 
-/// rapier's broad phase finds the pairs that carry this hook; they get no solver contacts and no response, for the contact
-/// laws answer instead. `None` rather than empty solver flags: rapier then does not compute the geometry it has no use for.
-pub struct Governed;
+/// Disables solver contacts and response for the pairs that carry this hook; the contact laws replace them, and
+/// rapier's broad phase still finds the pairs. `None` rather than empty solver flags, so that rapier skips the unused
+/// contact geometry.
+pub struct LawContactHook;
 
-impl PhysicsHooks for Governed {
+impl PhysicsHooks for LawContactHook {
     fn filter_contact_pair(&self, _: &PairFilterContext) -> Option<SolverFlags> {
         None
     }

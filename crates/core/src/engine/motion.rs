@@ -1,21 +1,21 @@
-//! The engine in motion: one rapier step at a time, centred by half kicks, with contact from the hook.
+//! Motion of the engine: one rapier step at a time in a centred leapfrog scheme, with contact from the contact solver.
 //!
-//! Between nodes n and n + 1 rapier moves every body with one velocity, which is the mean over the step. It starts from
-//! the mean of the step before; what lies between the two centres is applied as a force over the step: the second half of
-//! the last step's smooth forces and its late contact impulses, and the first half of this step's with its early ones.
-//! That is leapfrog, second order also where the step size changes. The velocity *at* a node is the last mean plus the
-//! second halves, with the joints' reactions.
+//! Between nodes n and n + 1 rapier moves every body with one velocity, the mean over the step. It starts from the mean
+//! velocity of the preceding step. The difference between both means is applied as a force over the step: the second
+//! half of the last step's smooth forces and its late contact impulses, and the first half of this step's smooth forces
+//! and its early contact impulses. This leapfrog is of second order, even with a variable step size. The velocity *at*
+//! a node is the last mean plus the second halves, including joint reactions.
 
 use rapier2d_f64::prelude::*;
 
-use super::hook::Governed;
-use super::linkage::{Linkage, Locked, Twist};
-use super::native::{self, Native};
+use super::candidates::{self, ContactCandidate, Source};
+use super::contact_space::ContactSpace;
+use super::hook::LawContactHook;
+use super::linkage::{Linkage, SingularConstraints, Twist};
 use super::plan::Plan;
-use super::settle::Settled;
-use super::space::Space;
-use super::substeps::{Contact, Moment, Unsolved};
-use super::touch::{self, Source, Touch};
+use super::rapier_contact::{self, RapierContact};
+use super::rate_correction::RateCorrection;
+use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::world::World;
 use super::{drive, forces, frame};
 use crate::integrator::Clock;
@@ -23,75 +23,87 @@ use crate::law::normal_force;
 use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Construction;
 
-/// Why a step could not be taken.
+/// Error during a step.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     #[error(transparent)]
-    Locked(#[from] Locked),
+    SingularConstraints(#[from] SingularConstraints),
     #[error(transparent)]
-    Contact(#[from] Unsolved),
-    #[error("a body's position is not finite: rapier's joints did not hold at this step size")]
+    Contact(#[from] ContactSolveError),
+    #[error("the position of a body is not finite: rapier's joints are not accurate at this step size")]
     NotFinite,
-    /// The motion is where it was, and takes a shorter step.
+    /// The motion is unchanged, and accepts a shorter step.
     #[error("a step of {dt_s:.1e} s would open a joint by {opening_m:.1e} m")]
     TooLong { dt_s: f64, opening_m: f64 },
 }
 
-/// Tolerances by which a step may open a joint, before the anchors make up for it: a hundred times what steps are made for.
-const TORN: f64 = 100.0;
-/// How often the anchors of a step are moved, each time for better mean velocities.
-const MOST_AIMS: u32 = 4;
-/// Part of a tolerance by which anchors may be moved for other velocities than bodies then have.
-const WELL_AIMED: f64 = 0.1;
+/// Largest joint opening of a step before the anchor correction, in step tolerances.
+const MAX_OPENING_PER_TOLERANCE: f64 = 100.0;
+/// Largest number of iterations of the anchor correction, each with better mean velocities.
+const MAX_ANCHOR_ITERATIONS: u32 = 4;
+/// Error of the anchor correction, in step tolerances, below which its iteration stops.
+const ANCHOR_TOLERANCE: f64 = 0.1;
 
-/// A world at a node in time.
+/// State of the engine at the end of its last step, called a node.
 pub struct Motion<'a> {
     pub plan: &'a Plan,
     pub world: World,
     pub linkage: Linkage,
     pub clock: Clock,
-    /// Velocities and accelerations (contact not counted) at the node, and what may touch there.
+    /// Velocities at the node.
     pub velocities: Vec<Twist>,
+    /// Accelerations without contact at the node.
     pub accelerations: Vec<Twist>,
     /// Largest change of a body's acceleration over the last step, in m/s².
     pub acceleration_change: f64,
-    pub touches: Vec<Touch>,
-    /// Contact in the last step: its space as it was at the step's start.
-    pub space: Space,
-    pub contact: Contact,
-    /// What rapier's own contact did in the last step, where the scene asks for it.
-    pub native: Vec<Native>,
+    /// Contact candidates at the node.
+    pub candidates: Vec<ContactCandidate>,
+    /// Contact space of the last step, from its start.
+    pub space: ContactSpace,
+    /// Solution of the contacts in the last step.
+    pub contact: ContactSolver,
+    /// Impulses of rapier's own contact in the last step, if the scene selects it.
+    pub rapier_contacts: Vec<RapierContact>,
     pub last_dt_s: f64,
-    /// Work of the motor, and of whatever drives bodies.
+    /// Work of motors and drives.
     pub motor_work_j: f64,
+    /// Work of contacts and brakes.
     pub contact_work_j: f64,
+    /// Smooth forces at the node.
     forces: Vec<Twist>,
-    means: Vec<Twist>,
-    /// Those that the last step started with, as rapier's joints made them.
+    /// Mean velocities of the last step.
+    mean_velocities: Vec<Twist>,
+    /// Accelerations at the start of the last step, as produced by rapier's joints.
     pub step_accelerations: Vec<Twist>,
+    /// Working array: impulses on the bodies.
     impulse: Vec<Twist>,
-    middle: Vec<Twist>,
-    /// σ of the bristle of every stop, contact and hold.
-    pub memories: Vec<f64>,
-    /// Accelerations of driven bodies.
+    /// Working array: predicted mean velocities of the next step.
+    predicted_mean_velocities: Vec<Twist>,
+    /// Bristle state σ of every stop, contact, brake and motor.
+    pub bristle_states: Vec<f64>,
+    /// Accelerations of driven bodies, with the body indices.
     driven: Vec<(usize, Twist)>,
+    /// Pin openings with the anchor correction, and the corrections.
     open: Vec<[f64; 2]>,
     overshoot: Vec<[f64; 2]>,
-    /// Largest rate of rate at which a pin would open at the node, see [`Linkage::opening`].
-    pub opening: f64,
-    /// How far a step may leave a pin open because its bodies do not go as expected, m.
+    /// Largest opening acceleration of a pin at the node, see [`Linkage::max_opening_acceleration`].
+    pub opening_acceleration: f64,
+    /// Largest pin opening that a step may leave because its mean velocities differ from the predicted ones, m.
     pub tolerance_m: f64,
-    settled: Settled,
-    /// Normals of the touches before the step.
-    normals: Vec<[f64; 2]>,
-    /// Places before the step, from which a multibody's mean velocity is read.
-    before: Vec<[f64; 3]>,
-    /// Torques of the motors there.
-    torques_before: Vec<f64>,
+    rate_correction: RateCorrection,
+    /// Normals of the candidates before the step.
+    previous_normals: Vec<[f64; 2]>,
+    /// Poses before the step, from which the mean velocities of a multibody are computed.
+    previous_poses: Vec<[f64; 3]>,
+    /// Motor torques before the step.
+    previous_torques: Vec<f64>,
 }
 
 impl<'a> Motion<'a> {
-    /// A world at t = 0.
+    /// Creates the motion of a world at t = 0.
+    ///
+    /// # Errors
+    /// Returns an error if the joint constraints are singular.
     pub fn new(plan: &'a Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, plan);
         let bodies = plan.bodies.len();
@@ -103,185 +115,211 @@ impl<'a> Motion<'a> {
             velocities: vec![[0.0; 3]; bodies],
             accelerations: vec![[0.0; 3]; bodies],
             acceleration_change: 0.0,
-            touches: Vec::new(),
-            space: Space::default(),
-            contact: Contact::default(),
-            native: Vec::new(),
+            candidates: Vec::new(),
+            space: ContactSpace::default(),
+            contact: ContactSolver::default(),
+            rapier_contacts: Vec::new(),
             last_dt_s: 0.0,
             motor_work_j: 0.0,
             contact_work_j: 0.0,
             forces: vec![[0.0; 3]; bodies],
-            means: vec![[0.0; 3]; bodies],
+            mean_velocities: vec![[0.0; 3]; bodies],
             step_accelerations: vec![[0.0; 3]; bodies],
             impulse: vec![[0.0; 3]; bodies],
-            middle: vec![[0.0; 3]; bodies],
+            predicted_mean_velocities: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
-            memories: vec![0.0; plan.first_motor() + plan.motors.len()],
+            bristle_states: vec![0.0; plan.first_motor() + plan.motors.len()],
             open: Vec::new(),
             overshoot: Vec::new(),
-            opening: 0.0,
+            opening_acceleration: 0.0,
             tolerance_m: f64::INFINITY,
-            settled: Settled::default(),
-            normals: Vec::new(),
-            before: vec![[0.0; 3]; bodies],
-            torques_before: Vec::new(),
+            rate_correction: RateCorrection::default(),
+            previous_normals: Vec::new(),
+            previous_poses: vec![[0.0; 3]; bodies],
+            previous_torques: Vec::new(),
         };
         motion.linkage.factorise()?;
-        motion.read_means();
-        motion.velocities.copy_from_slice(&motion.means);
+        motion.read_mean_velocities();
+        motion.velocities.copy_from_slice(&motion.mean_velocities);
         drive::set_velocities(plan, 0.0, &mut motion.velocities);
         motion.linkage.project(&mut motion.velocities);
-        touch::measure(&motion.world, plan, &motion.linkage, &mut motion.touches);
-        motion.look();
+        candidates::collect(&motion.world, plan, &motion.linkage, &mut motion.candidates);
+        motion.update_node();
         Ok(motion)
     }
 
-    /// One step of rapier, with everything that acts in it.
+    /// Takes one step of rapier with all forces.
+    ///
+    /// # Errors
+    /// See [`StepError`].
     pub fn advance(&mut self, dt: f64) -> Result<(), StepError> {
         self.advance_while(dt, &|| true)
     }
 
-    /// The same, unless it may not `go_on`; then the motion is of no more use, nor is it after an error but [`StepError::TooLong`].
-    pub fn advance_while(&mut self, dt: f64, go_on: &dyn Fn() -> bool) -> Result<(), StepError> {
+    /// Takes one step while `keep_running` returns true.
+    ///
+    /// # Errors
+    /// See [`StepError`]. After an error other than [`StepError::TooLong`] the motion is unusable.
+    pub fn advance_while(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
         let power_before = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
-        touch::grip(self.plan, self.clock.now(), dt, &mut self.touches);
-        // Mean velocities of the step, as far as they are known before it.
-        for (v, a) in self.middle.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
+        candidates::set_shaft_torques(self.plan, self.clock.now(), dt, &mut self.candidates);
+        // Predicted mean velocities of the step.
+        for (v, a) in self.predicted_mean_velocities.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
             *v = std::array::from_fn(|axis| a.0[axis] + 0.5 * dt * a.1[axis]);
         }
-        let mut aims = 0;
+        let mut iterations = 0;
         loop {
-            self.aim(dt);
+            self.shift_anchors(dt);
             let Self { world, plan, linkage, .. } = self;
-            let touches = (&self.touches[..], &self.memories[..]);
-            self.space.assemble(world, plan, linkage, touches, &self.velocities, &self.step_accelerations, dt);
-            self.contact.solve_while(&self.space, dt, go_on)?;
-            self.load(dt);
-            aims += 1;
-            let [opening_m, missed_m] = self.opens(dt);
-            if opening_m > TORN * self.tolerance_m || (missed_m > self.tolerance_m && aims == MOST_AIMS) {
+            let candidates = (&self.candidates[..], &self.bristle_states[..]);
+            self.space.assemble(world, plan, linkage, candidates, &self.velocities, &self.step_accelerations, dt);
+            self.contact.solve_while(&self.space, dt, keep_running)?;
+            self.compute_impulses(dt);
+            iterations += 1;
+            let [opening_m, error_m] = self.opening_errors(dt);
+            if opening_m > MAX_OPENING_PER_TOLERANCE * self.tolerance_m
+                || (error_m > self.tolerance_m && iterations == MAX_ANCHOR_ITERATIONS)
+            {
                 return Err(StepError::TooLong { dt_s: dt, opening_m });
             }
-            if missed_m <= WELL_AIMED * self.tolerance_m || aims == MOST_AIMS {
+            if error_m <= ANCHOR_TOLERANCE * self.tolerance_m || iterations == MAX_ANCHOR_ITERATIONS {
                 break;
             }
         }
-        self.remember(dt);
+        self.update_bristles(dt);
         self.contact_work_j += self.contact.work;
         self.motor_work_j += self.contact.motor_work;
         self.motor_work_j -= drive::contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
         self.motor_work_j -=
             frame::table_work(self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
 
-        for (place, before) in self.linkage.places.iter().zip(&mut self.before) {
-            *before = [place.com[0], place.com[1], place.angle];
+        for (pose, before) in self.linkage.poses.iter().zip(&mut self.previous_poses) {
+            *before = [pose.com[0], pose.com[1], pose.angle];
         }
-        self.torques_before.clear();
+        self.previous_torques.clear();
         let now = self.clock.now();
-        self.torques_before.extend(self.plan.motors.iter().map(|motor| motor.characteristic(now).0));
-        self.push(dt);
+        self.previous_torques.extend(self.plan.motors.iter().map(|motor| motor.characteristic(now).0));
+        self.step_rapier(dt);
         self.clock.advance(dt);
         self.last_dt_s = dt;
 
-        self.linkage.read_places(&self.world);
-        if self.linkage.places.iter().any(|place| !(place.angle + place.com[0] + place.com[1]).is_finite()) {
+        self.linkage.read_poses(&self.world);
+        if self.linkage.poses.iter().any(|pose| !(pose.angle + pose.com[0] + pose.com[1]).is_finite()) {
             return Err(StepError::NotFinite);
         }
         self.linkage.factorise()?;
-        self.read_means();
-        // Where rapier answers contact, its impulses meet the bodies at the rates of before the step.
-        let (work, on_driven) =
-            native::read(&self.world, self.plan, &self.touches, &self.velocities, &self.means, &mut self.native);
+        self.read_mean_velocities();
+        // With rapier's own contact, impulses act on the rates before the step.
+        let (work, on_driven) = rapier_contact::read_impulses(
+            &self.world,
+            self.plan,
+            &self.candidates,
+            &self.velocities,
+            &self.mean_velocities,
+            &mut self.rapier_contacts,
+        );
         self.contact_work_j += work;
         self.motor_work_j -= on_driven;
-        self.normals.clear();
-        self.normals.extend(self.touches.iter().map(|touch| touch.normal));
-        touch::measure(&self.world, self.plan, &self.linkage, &mut self.touches);
-        touch::note_turning(&mut self.touches, &self.normals, dt);
-        // A jump of the torque at the node belongs to the next step.
+        self.previous_normals.clear();
+        self.previous_normals.extend(self.candidates.iter().map(|candidate| candidate.normal));
+        candidates::collect(&self.world, self.plan, &self.linkage, &mut self.candidates);
+        candidates::set_normal_rotation_rates(&mut self.candidates, &self.previous_normals, dt);
+        // A torque discontinuity at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
-        forces::smooth(self.plan, &self.linkage, before_node, &mut self.forces);
+        forces::smooth_forces(self.plan, &self.linkage, before_node, &mut self.forces);
         self.kick(0.5 * dt);
-        self.settle();
+        self.correct_contact_rates();
 
-        // The work of a motor that slows down with its rate was integrated with its torque, along its row.
-        for (motor, before) in self.plan.motors.iter().zip(&self.torques_before) {
+        // The work of a motor with a no-load speed is integrated with its torque, along its row.
+        for (motor, before) in self.plan.motors.iter().zip(&self.previous_torques) {
             if motor.no_load_speed_rad_s.is_none() {
-                let turned = motor.shaft(|body| self.linkage.places[body].angle - self.before[body][2]);
-                self.motor_work_j += 0.5 * (before + motor.characteristic(before_node).0) * turned;
+                let shaft_rotation = motor.shaft(|body| self.linkage.poses[body].angle - self.previous_poses[body][2]);
+                self.motor_work_j += 0.5 * (before + motor.characteristic(before_node).0) * shaft_rotation;
             }
         }
         let power_after = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         self.motor_work_j += 0.5 * dt * (power_before + power_after);
-        self.look();
+        self.update_node();
         Ok(())
     }
 
-    /// Takes over what bristles have become; those that are out of reach relax.
-    fn remember(&mut self, dt: f64) {
-        for touch in &self.touches {
-            if let Some(bristle) = touch.bristle() {
-                self.memories[touch.index] *= exp(-dt * bristle.rate());
+    /// Updates the bristle states; bristles out of reach relax.
+    fn update_bristles(&mut self, dt: f64) {
+        for candidate in &self.candidates {
+            if let Some(bristle) = candidate.bristle() {
+                self.bristle_states[candidate.index] *= exp(-dt * bristle.rate());
             }
         }
-        for (site, memory) in self.space.sites.iter().zip(&self.contact.memory) {
-            self.memories[site.touch.index] = *memory;
+        for (active, bristle_state) in self.space.active_contacts.iter().zip(&self.contact.bristle_state) {
+            self.bristle_states[active.candidate.index] = *bristle_state;
         }
     }
 
-    /// Energy in bristles, J.
+    /// Returns the energy stored in bristles, J.
     pub fn bristle_energy(&self) -> f64 {
-        let of = |touch: &Touch| touch.bristle().map_or(0.0, |bristle| bristle.energy(self.memories[touch.index]));
-        self.touches.iter().map(of).sum()
+        let energy = |candidate: &ContactCandidate| {
+            candidate.bristle().map_or(0.0, |bristle| bristle.energy(self.bristle_states[candidate.index]))
+        };
+        self.candidates.iter().map(energy).sum()
     }
 
-    /// Torque with which a hold answers on its shaft, N·m.
-    pub fn hold_torque(&self, hold: usize) -> f64 {
-        self.forces(self.plan.first_hold() + hold).1
+    /// Returns the torque of a brake on its shaft, N·m.
+    pub fn brake_torque(&self, brake: usize) -> f64 {
+        self.forces(self.plan.first_brake() + brake).1
     }
 
-    /// Normal and tangential force of a stop or contact at the end of the last step, whoever answers there.
+    /// Returns normal and tangential force of a stop or contact at the end of the last step, from the contact laws or
+    /// from rapier.
     pub fn forces(&self, index: usize) -> (f64, f64) {
-        if let Some(at) = self.space.sites.iter().find(|at| at.touch.index == index) {
+        if let Some(contact) = self.space.active_contacts.iter().find(|contact| contact.candidate.index == index) {
             let force = &self.contact.force;
-            // Before the first step there is none.
-            return (force.get(at.normal).copied().unwrap_or(0.0), at.tangent.map_or(0.0, |t| force[t]));
+            // There is no force before the first step.
+            return (force.get(contact.normal).copied().unwrap_or(0.0), contact.tangent.map_or(0.0, |t| force[t]));
         }
-        let native = self.native.iter().find(|native| native.index == index);
-        native.map_or((0.0, 0.0), |native| (native.normal / self.last_dt_s, native.tangential / self.last_dt_s))
+        let rapier_contact = self.rapier_contacts.iter().find(|contact| contact.index == index);
+        rapier_contact
+            .map_or((0.0, 0.0), |contact| (contact.normal / self.last_dt_s, contact.tangential / self.last_dt_s))
     }
 
-    /// Whether the bristle of a contact slips at the end of the last step; `None` where it has none, and where nothing presses.
-    pub fn slips(&self, index: usize) -> Option<bool> {
-        let at = self.space.sites.iter().position(|at| at.touch.index == index)?;
-        self.contact.slips(at, &self.space)
+    /// Whether the bristle of a contact slips at the end of the last step; `None` if it has no bristle or is not
+    /// loaded.
+    pub fn is_slipping(&self, index: usize) -> Option<bool> {
+        let position = self.space.active_contacts.iter().position(|contact| contact.candidate.index == index)?;
+        self.contact.is_slipping(position, &self.space)
     }
 
-    /// Where in the last step a stop or contact pressed hardest, and where it was deepest, if its law was asked in it.
-    pub fn contact_extremes(&self, index: usize) -> Option<[Moment; 2]> {
-        let at = self.space.sites.iter().position(|at| at.touch.index == index)?;
-        Some([*self.contact.peak.get(at)?, *self.contact.deepest.get(at)?])
+    /// Returns the states of a stop or contact with the largest force and with the largest penetration in the last
+    /// step, if it was in the contact space.
+    pub fn contact_extrema(&self, index: usize) -> Option<[ContactExtremum; 2]> {
+        let position = self.space.active_contacts.iter().position(|contact| contact.candidate.index == index)?;
+        Some([*self.contact.peak.get(position)?, *self.contact.deepest.get(position)?])
     }
 
-    /// Normal impulse of a stop or contact in the last step, whoever answers there.
+    /// Returns the normal impulse of a stop or contact in the last step, from the contact laws or from rapier.
     pub fn normal_impulse(&self, index: usize) -> f64 {
-        match self.space.sites.iter().find(|at| at.touch.index == index) {
-            Some(at) => self.contact.early[at.normal] + self.contact.late[at.normal],
-            None => self.native.iter().find(|native| native.index == index).map_or(0.0, |native| native.normal),
+        match self.space.active_contacts.iter().find(|contact| contact.candidate.index == index) {
+            Some(active) => self.contact.early_impulse[active.normal] + self.contact.late_impulse[active.normal],
+            None => {
+                self.rapier_contacts.iter().find(|contact| contact.index == index).map_or(0.0, |contact| contact.normal)
+            }
         }
     }
 
-    /// From the mean velocities of the last step to those at its end: the second half of the smooth forces, and the late
-    /// impulses of contact along the rows as they are now.
+    /// Advances from the mean velocities of the last step to those at its end: second half of the smooth forces, and
+    /// late contact impulses along the current rows.
     fn kick(&mut self, half: f64) {
-        self.velocities.copy_from_slice(&self.means);
+        self.velocities.copy_from_slice(&self.mean_velocities);
         self.impulse.copy_from_slice(&self.forces);
         self.impulse.iter_mut().flatten().for_each(|force| *force *= half);
-        for site in &self.space.sites {
-            let touch = self.touches.iter().find(|touch| touch.index == site.touch.index).unwrap_or(&site.touch);
-            touch.normal_row.add_to(&mut self.impulse, self.contact.late[site.normal]);
-            if let Some(tangent) = site.tangent {
-                touch.slip_row.add_to(&mut self.impulse, self.contact.late[tangent]);
+        for active in &self.space.active_contacts {
+            let candidate = self
+                .candidates
+                .iter()
+                .find(|candidate| candidate.index == active.candidate.index)
+                .unwrap_or(&active.candidate);
+            candidate.normal_row.add_to(&mut self.impulse, self.contact.late_impulse[active.normal]);
+            if let Some(tangent) = active.tangent {
+                candidate.slip_row.add_to(&mut self.impulse, self.contact.late_impulse[tangent]);
             }
         }
         for ((v, impulse), inertia) in self.velocities.iter_mut().zip(&self.impulse).zip(&self.linkage.inertias) {
@@ -293,118 +331,158 @@ impl<'a> Motion<'a> {
         self.linkage.project(&mut self.velocities);
     }
 
-    /// Late impulses were found with the directions and loads of the step's start. Where a contact presses on, what they
-    /// miss at its end shows as a rate the contact cannot have: as joints are, such rows are brought back to the rate that
-    /// the contact's own equations end with; and where friction creeps, so is the slip. Nothing may pull: a contact whose
-    /// late impulse would turn negative is let go.
-    fn settle(&mut self) {
+    /// Corrects the rates of active contacts.
+    ///
+    /// Late impulses are computed with the directions and loads at the start of the step. Their error at its end shows
+    /// as a rate that the contact cannot have. Like joints, these rows are corrected to the rate at the end of the
+    /// contact's own equations, and so is the slip where friction creeps. No force may pull: late impulses are limited
+    /// so that they do not become negative.
+    fn correct_contact_rates(&mut self) {
         let dt = self.last_dt_s;
-        let Self { space, contact, touches, settled, .. } = self;
-        settled.begin();
-        for (index, site) in space.sites.iter().enumerate() {
-            let (normal, force) = (site.normal, contact.force[site.normal]);
-            if let (Source::Hold(_) | Source::Motor(_), Some(tangent)) = (site.touch.source, site.tangent) {
-                let after = site.touch.friction_after([contact.rate[tangent], contact.memory[index], force], dt);
-                settled.take_slip(tangent, site.touch.slip_row, contact.rate[tangent], 0.0, dt * after.by_slip);
+        let Self { space, contact, candidates, rate_correction, .. } = self;
+        rate_correction.clear();
+        for (index, active) in space.active_contacts.iter().enumerate() {
+            let (normal, force) = (active.normal, contact.force[active.normal]);
+            if let (Source::Brake(_) | Source::Motor(_), Some(tangent)) = (active.candidate.source, active.tangent) {
+                let after = active
+                    .candidate
+                    .friction_at_step_end([contact.rate[tangent], contact.bristle_state[index], force], dt);
+                rate_correction.add_tangent_row(
+                    tangent,
+                    active.candidate.slip_row,
+                    contact.rate[tangent],
+                    0.0,
+                    dt * after.d_slip,
+                );
                 continue;
             }
-            // Where every side is fixed or driven there is nothing to settle.
+            // Contacts between fixed or driven bodies need no correction.
             if force <= 0.0 || space.w[normal * space.len() + normal] == 0.0 {
                 continue;
             }
-            let Some(touch) = touches.iter().find(|touch| touch.index == site.touch.index) else { continue };
-            let law = normal_force(&touch.law, -contact.gap[index], -contact.rate[normal]);
+            let Some(candidate) = candidates.iter().find(|candidate| candidate.index == active.candidate.index) else {
+                continue;
+            };
+            let law = normal_force(&candidate.law, -contact.gap[index], -contact.rate[normal]);
             let stiffness = dt * (law.d_rate + dt * law.d_delta);
-            settled.take(normal, touch.normal_row, contact.rate[normal], contact.late[normal], stiffness);
-            let Some(tangent) = site.tangent else { continue };
-            let after = touch.friction_after([contact.rate[tangent], contact.memory[index], force], dt);
-            let creep = (dt * after.by_slip).max(0.0);
-            settled.take_slip(tangent, touch.slip_row, contact.rate[tangent], after.by_normal, creep);
+            rate_correction.add_normal_row(
+                normal,
+                candidate.normal_row,
+                contact.rate[normal],
+                contact.late_impulse[normal],
+                stiffness,
+            );
+            let Some(tangent) = active.tangent else { continue };
+            let after =
+                candidate.friction_at_step_end([contact.rate[tangent], contact.bristle_state[index], force], dt);
+            let creep = (dt * after.d_slip).max(0.0);
+            rate_correction.add_tangent_row(tangent, candidate.slip_row, contact.rate[tangent], after.d_normal, creep);
         }
-        settled.solve(&mut self.linkage, &mut self.velocities);
-        let is_driven = |row: usize| space.sites.iter().any(|at| at.tangent == Some(row) && at.touch.drive.is_some());
-        let (mut of_contact, mut of_motors) = (0.0, 0.0);
-        for (row, work) in settled.works(&self.velocities) {
-            *(if is_driven(row) { &mut of_motors } else { &mut of_contact }) += work;
+        rate_correction.solve(&mut self.linkage, &mut self.velocities);
+        let is_motor_row = |row: usize| {
+            space
+                .active_contacts
+                .iter()
+                .any(|contact| contact.tangent == Some(row) && contact.candidate.motor.is_some())
+        };
+        let (mut contact_work, mut motor_work) = (0.0, 0.0);
+        for (row, work) in rate_correction.impulse_work(&self.velocities) {
+            *(if is_motor_row(row) { &mut motor_work } else { &mut contact_work }) += work;
         }
-        self.contact_work_j += of_contact;
-        self.motor_work_j += of_motors;
-        for (index, size) in settled.found() {
-            contact.late[index] += size;
+        self.contact_work_j += contact_work;
+        self.motor_work_j += motor_work;
+        for (row, impulse) in rate_correction.impulses() {
+            contact.late_impulse[row] += impulse;
         }
     }
 
-    /// Forces and accelerations at the node, for what comes.
-    fn look(&mut self) {
-        touch::drop_rounding(&mut self.touches, &self.velocities);
+    /// Updates forces and accelerations at the node for the next step.
+    fn update_node(&mut self) {
+        candidates::zero_rounding_gaps(&mut self.candidates, &self.velocities);
         let now = self.clock.now();
-        forces::smooth(self.plan, &self.linkage, now, &mut self.forces);
-        self.middle.copy_from_slice(&self.accelerations);
+        forces::smooth_forces(self.plan, &self.linkage, now, &mut self.forces);
+        // Buffer for the previous accelerations.
+        self.predicted_mean_velocities.copy_from_slice(&self.accelerations);
         drive::accelerations(self.plan, now, &mut self.driven);
         self.impulse.copy_from_slice(&self.forces);
-        forces::add_slowed_motors(self.plan, &self.velocities, now, &mut self.impulse);
+        forces::add_speed_dependent_motors(self.plan, &self.velocities, now, &mut self.impulse);
         self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
-        let changes =
-            self.accelerations.iter().zip(&self.middle).map(|(now, then)| hypot(now[0] - then[0], now[1] - then[1]));
+        let changes = self
+            .accelerations
+            .iter()
+            .zip(&self.predicted_mean_velocities)
+            .map(|(now, before)| hypot(now[0] - before[0], now[1] - before[1]));
         self.acceleration_change = changes.fold(0.0, f64::max);
-        self.opening = self.linkage.opening(&self.velocities);
+        self.opening_acceleration = self.linkage.max_opening_acceleration(&self.velocities);
     }
 
-    /// rapier closes a joint along the tangent at the step's start, so that it is open by ½ dt² |J̇ v| at the end. Moving the
-    /// anchors by as much beforehand, for the mean velocities in `middle`, leaves a third-order rest.
-    fn aim(&mut self, dt: f64) {
-        let Self { linkage, open, overshoot, middle, .. } = self;
+    /// Shifts the joint anchors of rapier. It closes a joint along the tangent at the start of the step, so that the
+    /// joint is open by ½ dt² |J̇ v| at the end. Shifting the anchors by that amount beforehand, for the predicted mean
+    /// velocities, leaves an error of third order.
+    fn shift_anchors(&mut self, dt: f64) {
+        let Self { linkage, open, overshoot, predicted_mean_velocities, .. } = self;
         overshoot.clear();
-        overshoot.extend(linkage.overshoot(middle, dt));
+        overshoot.extend(linkage.overshoot(predicted_mean_velocities, dt));
         open.clear();
-        open.extend(linkage.open().zip(&*overshoot).map(|(open, more)| [open[0] + more[0], open[1] + more[1]]));
+        open.extend(
+            linkage
+                .pin_openings()
+                .zip(&*overshoot)
+                .map(|(open, overshoot)| [open[0] + overshoot[0], open[1] + overshoot[1]]),
+        );
         for ((planned, joint), overshoot) in self.plan.pins.iter().zip(&self.world.joints).zip(&self.overshoot) {
             let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
                 continue;
             };
-            // The moved anchor turns with its body, by ω × shift in the step: what is left is (1 + ω dt ×) shift = overshoot.
-            let turn = dt * planned.first.map_or(0.0, |body| self.middle[body][2]);
-            let [a, b] = overshoot.map(|x| x / (1.0 + turn * turn));
-            let shift = self.linkage.in_frame(planned.first, [a + turn * b, b - turn * a]);
+            // The shifted anchor rotates with its body, by ω × shift in the step; the shift solves (1 + ω dt ×) shift =
+            // overshoot.
+            let rotation = dt * planned.first.map_or(0.0, |body| self.predicted_mean_velocities[body][2]);
+            let [a, b] = overshoot.map(|x| x / (1.0 + rotation * rotation));
+            let shift = self.linkage.direction_in_body(planned.first, [a + rotation * b, b - rotation * a]);
             let [x, y] = planned.anchor_first_m;
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
         let (plan, now) = (self.plan, self.clock.now());
-        drive::mean_accelerations(plan, &self.linkage.places, &self.velocities, now, dt, &mut self.driven);
+        drive::mean_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
         let opening = (&self.open[..], dt);
         self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
     }
 
-    /// Impulses that take rapier from the last mean velocity to the next one: to the node's velocity, half a step of acceleration on,
-    /// and what the early impulses of contact add; and that mean velocity, in `middle`. The joints' reactions are in it, so that
-    /// rapier's iterative joint solver starts next to its solution.
-    fn load(&mut self, dt: f64) {
+    /// Computes the impulses from rapier's last mean velocity to the next one (node velocity, half a step of
+    /// acceleration, and early contact impulses), and that mean velocity, in `predicted_mean_velocities`. They include
+    /// the joint reactions, so that rapier's iterative joint solver starts close to its solution.
+    fn compute_impulses(&mut self, dt: f64) {
         for (body, impulse) in self.impulse.iter_mut().enumerate() {
             let inertia = &self.linkage.inertias[body];
             let change: Twist = std::array::from_fn(|axis| {
-                self.velocities[body][axis] - self.means[body][axis] + 0.5 * dt * self.step_accelerations[body][axis]
+                self.velocities[body][axis] - self.mean_velocities[body][axis]
+                    + 0.5 * dt * self.step_accelerations[body][axis]
             });
             *impulse = [inertia.mass * change[0], inertia.mass * change[1], inertia.inertia * change[2]];
         }
-        self.space.add_impulses(&self.linkage, &self.contact.early, &mut self.impulse);
-        let loaded = self.means.iter().zip(&self.impulse).zip(&self.linkage.inertias);
-        for (middle, ((mean, impulse), inertia)) in self.middle.iter_mut().zip(loaded) {
+        self.space.add_impulses(&self.linkage, &self.contact.early_impulse, &mut self.impulse);
+        let loaded = self.mean_velocities.iter().zip(&self.impulse).zip(&self.linkage.inertias);
+        for (predicted, ((mean, impulse), inertia)) in self.predicted_mean_velocities.iter_mut().zip(loaded) {
             let inverse = [inertia.inverse_mass, inertia.inverse_mass, inertia.inverse_inertia];
-            *middle = std::array::from_fn(|axis| mean[axis] + inverse[axis] * impulse[axis]);
+            *predicted = std::array::from_fn(|axis| mean[axis] + inverse[axis] * impulse[axis]);
         }
     }
 
-    /// How far the mean velocities in `middle` open a pin in a step, and how far that is from what the anchors were moved for, m.
-    fn opens(&mut self, dt: f64) -> [f64; 2] {
-        let Self { linkage, overshoot, middle, .. } = self;
-        let opened = linkage.overshoot(middle, dt).zip(&*overshoot);
-        opened.fold([0.0; 2], |[most, missed], (opens, aimed)| {
-            [most.max(hypot(opens[0], opens[1])), missed.max(hypot(opens[0] - aimed[0], opens[1] - aimed[1]))]
+    /// Returns the largest joint opening in a step at the predicted mean velocities, m, and its largest difference from
+    /// the opening that the shifted anchors compensate, m.
+    fn opening_errors(&mut self, dt: f64) -> [f64; 2] {
+        let Self { linkage, overshoot, predicted_mean_velocities, .. } = self;
+        let openings = linkage.overshoot(predicted_mean_velocities, dt).zip(&*overshoot);
+        openings.fold([0.0; 2], |[largest, error], (opening, corrected)| {
+            [
+                largest.max(hypot(opening[0], opening[1])),
+                error.max(hypot(opening[0] - corrected[0], opening[1] - corrected[1])),
+            ]
         })
     }
 
-    /// One step of rapier under these impulses, as forces over the step.
-    fn push(&mut self, dt: f64) {
+    /// Takes one step of rapier with the impulses applied as forces over the step.
+    fn step_rapier(&mut self, dt: f64) {
         let physics = &mut self.world.physics;
         for (impulse, handle) in self.impulse.iter().zip(&self.world.bodies) {
             let body = &mut physics.bodies[*handle];
@@ -413,22 +491,29 @@ impl<'a> Motion<'a> {
             body.add_force(Vector::new(impulse[0] / dt, impulse[1] / dt), false);
             body.add_torque(impulse[2] / dt, false);
         }
-        drive::steer(self.plan, &self.linkage.places, &self.world.bodies, &mut physics.bodies, self.clock.now(), dt);
+        drive::set_rapier_velocities(
+            self.plan,
+            &self.linkage.poses,
+            &self.world.bodies,
+            &mut physics.bodies,
+            self.clock.now(),
+            dt,
+        );
         physics.integration_parameters.dt = dt;
-        physics.step_with_events(&Governed, &());
+        physics.step_with_events(&LawContactHook, &());
     }
 
-    /// Mean velocities of the last step.
-    fn read_means(&mut self) {
+    /// Reads the mean velocities of the last step from rapier.
+    fn read_mean_velocities(&mut self) {
         let dt = self.last_dt_s;
-        for (i, v) in self.means.iter_mut().enumerate() {
+        for (i, v) in self.mean_velocities.iter_mut().enumerate() {
             let body = &self.world.physics.bodies[self.world.bodies[i]];
             *v = match self.world.construction {
-                // The links of a multibody show velocities that are a step old.
+                // The links of a multibody report the velocities of the preceding step.
                 Construction::Reduced if dt > 0.0 => {
-                    let (place, before) = (&self.linkage.places[i], &self.before[i]);
-                    let mean = |now: f64, then: f64| (now - then) / dt;
-                    [mean(place.com[0], before[0]), mean(place.com[1], before[1]), mean(place.angle, before[2])]
+                    let (pose, before) = (&self.linkage.poses[i], &self.previous_poses[i]);
+                    let mean = |now: f64, before: f64| (now - before) / dt;
+                    [mean(pose.com[0], before[0]), mean(pose.com[1], before[1]), mean(pose.angle, before[2])]
                 }
                 _ => [body.linvel().x, body.linvel().y, body.angvel()],
             };

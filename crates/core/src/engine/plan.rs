@@ -1,38 +1,38 @@
-//! What a scene needs of the engine, as plain lists: bodies, pins, gears, torques, drives, stops and contacts.
+//! Components of a scene as plain lists: bodies, pins, gears, torques, drives, stops and contacts.
 //!
-//! Nothing here knows of rapier, and nothing in the engine beyond the files that make a plan knows of fingers or discs: more
-//! bodies, pins or contacts are more entries.
+//! The plan is independent of rapier. Only the modules that build a plan depend on fingers and discs; the others accept
+//! any number of bodies, pins and contacts.
 
 use crate::gripper::Body;
 use crate::law::{ContactLaw, NormalLaw};
-use crate::scene::{Actuation, Brake, PalmMotion, SpringKind, next_corner, torque};
+use crate::scene::{Actuation, Brake, PalmMotion, SpringKind, next_discontinuity, torque};
 use crate::shape;
 
-/// A moving body: its mass properties, and where it starts. A body without mass is moved by a drive; one without inertia
-/// does not turn by itself.
+/// A moving body: mass properties and initial state. A body without mass is moved by a drive; a body without inertia
+/// does not rotate.
 #[derive(Clone, Debug)]
 pub struct PlannedBody {
     pub body: Body,
-    /// Origin of the body's frame (the joint before it) and its orientation at the start.
+    /// Origin of the body frame (the preceding joint) and its orientation at the start.
     pub origin_m: [f64; 2],
     pub angle_rad: f64,
-    /// Velocity of the origin, where no pin says it.
+    /// Velocity of the origin, unless a pin determines it.
     pub velocity_m_s: [f64; 2],
     pub rate_rad_s: f64,
     pub shape: Option<Shape>,
 }
 
-/// A surface, in its body's frame or, of what is fixed, in the world.
+/// A surface, in its body frame or, if fixed, in the world frame.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     Capsule(Capsule),
-    /// About the origin of its frame.
+    /// A convex shape around the origin of its frame.
     Disc(shape::Shape),
-    /// Everything below the origin of its frame.
+    /// The half-plane below the origin of its frame.
     HalfPlane,
 }
 
-/// A capsule in its body's frame: from the origin along a direction.
+/// A capsule in its body frame: from the origin along a direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Capsule {
     pub length_m: f64,
@@ -40,205 +40,211 @@ pub struct Capsule {
     pub radius_m: f64,
 }
 
-/// A surface that does not move: it is no body.
+/// A fixed surface, which belongs to no body.
 #[derive(Clone, Copy, Debug)]
-pub struct PlannedFixed {
+pub struct PlannedFixedSurface {
     pub shape: Shape,
     pub origin_m: [f64; 2],
-    /// Its x axis: exact, where an angle of π would not be.
+    /// Its x axis as a vector, which is exact where an angle of π is not.
     pub direction: [f64; 2],
 }
 
-/// A revolute joint; `None` is the ground. Anchors are in each body's frame.
+/// A revolute joint; `None` is the ground. Anchors are in the body frames.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedPin {
     pub first: Option<usize>,
     pub second: usize,
     pub anchor_first_m: [f64; 2],
     pub anchor_second_m: [f64; 2],
-    /// Whether this is the joint that closes a loop of the others.
+    /// Whether this joint closes a loop of the others.
     pub closes_loop: bool,
 }
 
-/// A torque over time, against the ground.
+/// A motor: a torque over time, supported by the ground.
 #[derive(Clone, Debug)]
 pub struct PlannedMotor {
-    /// Bodies it turns, with the part of its torque that each gets: its shaft turns by the sum of these parts of their angles.
+    /// Driven bodies with their torque ratios; the shaft angle is the sum of the body angles times these ratios.
     pub on: Vec<(usize, f64)>,
     pub actuation: Actuation,
-    /// Rate of the shaft at which nothing is left of the torque.
+    /// Shaft rate at which the torque is zero.
     pub no_load_speed_rad_s: Option<f64>,
 }
 
-/// Wheels that keep two sums at zero: of their angles from the start, each times its pair of ratios.
+/// A gear: two constraints. Each one keeps at zero the sum of the wheel angles, measured from the start, times one
+/// ratio per wheel.
 #[derive(Clone, Debug)]
 pub struct PlannedGear {
     pub wheels: Vec<(usize, [f64; 2])>,
 }
 
-/// A body that moves as told, whatever holds it.
+/// A body with prescribed motion.
 #[derive(Clone, Debug)]
 pub struct PlannedDrive {
     pub body: usize,
-    pub course: Course,
+    pub motion: PrescribedMotion,
 }
 
-/// How a driven body moves from where it starts.
+/// Prescribed motion of a driven body from its initial state.
 #[derive(Clone, Debug)]
-pub enum Course {
+pub enum PrescribedMotion {
     /// x(t) = origin + velocity t + ½ acceleration t², angle = spin t.
-    Even { acceleration_m_s2: [f64; 2] },
-    /// That of a palm, whose frame counts: others stand on it.
+    ConstantAcceleration { acceleration_m_s2: [f64; 2] },
+    /// Motion of a palm, whose frame is the base of other components.
     Palm(PalmMotion),
 }
 
-/// A brake on the shaft that turns by the sum of the parts of two bodies' angles.
+/// A brake on a shaft whose angle is the sum of the angles of up to two bodies times their ratios.
 #[derive(Clone, Copy, Debug)]
-pub struct PlannedHold {
+pub struct PlannedBrake {
+    /// Body and ratio of one side.
     pub on: (usize, f64),
+    /// Body and ratio of the other side.
     pub against: Option<(usize, f64)>,
     pub brake: Brake,
 }
 
-/// Inertia of a body that counts its rate against the palm, whose own turning does not move it.
+/// Inertia of a rotor on a body, driven by the rate of the body relative to the palm; rotation of the palm alone does
+/// not turn it.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedRotor {
     pub body: usize,
     pub inertia_kg_m2: f64,
 }
 
-/// A torque on `on`, and its reaction on `against`, that depends on the angle from `against` to `on`.
+/// A torque on `on`, with its reaction on `against`, that depends on the angle from `against` to `on`.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedSpring {
     pub on: usize,
     pub against: usize,
     pub kind: SpringKind,
-    /// +1 where the angle grows as the finger closes: the torque pulls against that.
+    /// +1 if the angle grows as the finger closes; the torque acts against closing.
     pub closing_sign: f64,
     /// The angle in the straight configuration.
     pub straight_rad: f64,
 }
 
-/// A one-sided stop: the angle from `against` to `on` stays above `least_rad`.
+/// A one-sided stop: keeps the angle from `against` to `on` above `min_angle_rad`.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedStop {
     pub on: usize,
     pub against: usize,
-    pub least_rad: f64,
+    pub min_angle_rad: f64,
     pub law: NormalLaw,
 }
 
-/// What the surface of a body may touch.
+/// The other surface of a contact.
 #[derive(Clone, Copy, Debug)]
-pub enum Against {
-    /// The surface of another body, by its index.
+pub enum ContactPartner {
+    /// Surface of another body, by body index.
     Body(usize),
-    /// A fixed surface, by its index.
+    /// Fixed surface, by its index.
     Fixed(usize),
 }
 
-/// The surface of a body that may touch another one.
+/// A pair of surfaces that can come into contact.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedContact {
     pub body: usize,
-    pub against: Against,
-    pub meet: Meet,
+    pub against: ContactPartner,
+    pub point_convention: ContactPointConvention,
     pub law: ContactLaw,
 }
 
-/// The material points of two surfaces at which they exchange forces.
+/// Choice of the material points of two surfaces at which contact forces act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Meet {
-    /// Each at its own nearest point.
-    Each,
-    /// Both where the body's surface is.
-    Body,
-    /// Both where the other surface is.
-    Other,
+pub enum ContactPointConvention {
+    /// Each surface at its own closest point.
+    EachSurface,
+    /// Both at the closest point of the body's surface.
+    BodySurface,
+    /// Both at the closest point of the other surface.
+    PartnerSurface,
 }
 
-/// Everything the engine builds for a scene, and nothing it does not need.
+/// All components that the engine builds for a scene.
 ///
-/// Stops, contacts, holds and motors are known by one index, in this order.
+/// Stops, contacts, brakes and motors share one element index, in this order.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     pub bodies: Vec<PlannedBody>,
-    pub fixed: Vec<PlannedFixed>,
+    pub fixed_surfaces: Vec<PlannedFixedSurface>,
     pub pins: Vec<PlannedPin>,
     pub gears: Vec<PlannedGear>,
     pub motors: Vec<PlannedMotor>,
-    pub holds: Vec<PlannedHold>,
+    pub brakes: Vec<PlannedBrake>,
     pub rotors: Vec<PlannedRotor>,
     pub drives: Vec<PlannedDrive>,
     pub springs: Vec<PlannedSpring>,
     pub stops: Vec<PlannedStop>,
     pub contacts: Vec<PlannedContact>,
-    /// Which contact of a sample each stop is, and each contact.
-    pub stop_places: Vec<usize>,
-    pub contact_places: Vec<usize>,
+    /// Contact channel in samples of each stop.
+    pub stop_channels: Vec<usize>,
+    /// Contact channel in samples of each contact.
+    pub contact_channels: Vec<usize>,
     pub gravity_m_s2: [f64; 2],
 }
 
 impl Plan {
-    /// Torque of all motors on a body at time `t`, in N·m, at these rates of all bodies.
+    /// Returns the torque of all motors on a body at time `t`, N·m, at the given rates of all bodies.
     pub fn motor_torque(&self, body: usize, t: f64, rate: impl Fn(usize) -> f64) -> f64 {
-        let on = |motor: &PlannedMotor| motor.on.iter().find(|(on, _)| *on == body).map_or(0.0, |(_, part)| *part);
-        let driving = self.motors.iter().filter(|motor| on(motor) != 0.0);
-        driving.map(|motor| on(motor) * motor.torque(t, &rate)).sum()
+        let ratio = |motor: &PlannedMotor| motor.on.iter().find(|(on, _)| *on == body).map_or(0.0, |(_, ratio)| *ratio);
+        let driving = self.motors.iter().filter(|motor| ratio(motor) != 0.0);
+        driving.map(|motor| ratio(motor) * motor.torque(t, &rate)).sum()
     }
 
-    /// The next time after `t` at which the torque of a motor, or something of a brake or of the palm's motion, jumps.
-    pub fn next_corner(&self, t: f64) -> f64 {
-        let motors = self.motors.iter().map(|motor| next_corner(&motor.actuation, t));
-        let holds = self.holds.iter().map(|hold| hold.brake.next_corner(t));
-        let palm = self.palm().map(|(_, motion)| motion.next_corner(t));
-        motors.chain(holds).chain(palm).fold(f64::INFINITY, f64::min)
+    /// Returns the next time after `t` at which a motor torque, a brake or the palm motion has a discontinuity.
+    pub fn next_discontinuity(&self, t: f64) -> f64 {
+        let motors = self.motors.iter().map(|motor| next_discontinuity(&motor.actuation, t));
+        let brakes = self.brakes.iter().map(|brake| brake.brake.next_discontinuity(t));
+        let palm = self.palm().map(|(_, motion)| motion.next_discontinuity(t));
+        motors.chain(brakes).chain(palm).fold(f64::INFINITY, f64::min)
     }
 
-    /// The body that is a moving palm, and how it moves.
+    /// Returns the body index and motion of a moving palm.
     pub fn palm(&self) -> Option<(usize, &PalmMotion)> {
-        self.drives.iter().find_map(|drive| match &drive.course {
-            Course::Palm(motion) => Some((drive.body, motion)),
-            Course::Even { .. } => None,
+        self.drives.iter().find_map(|drive| match &drive.motion {
+            PrescribedMotion::Palm(motion) => Some((drive.body, motion)),
+            PrescribedMotion::ConstantAcceleration { .. } => None,
         })
     }
 
-    /// Which contact of a sample a stop or contact is; `None` of a hold.
-    pub fn place(&self, index: usize) -> Option<usize> {
-        self.stop_places.iter().chain(&self.contact_places).nth(index).copied()
+    /// Returns the contact channel of a stop or contact by its element index; `None` for other elements.
+    pub fn contact_channel(&self, index: usize) -> Option<usize> {
+        self.stop_channels.iter().chain(&self.contact_channels).nth(index).copied()
     }
 
-    /// The index of a sample's contact among stops and contacts; `None` where there is nothing to touch.
-    pub fn index(&self, place: usize) -> Option<usize> {
-        self.stop_places.iter().chain(&self.contact_places).position(|of| *of == place)
+    /// Returns the element index of a contact channel; `None` if the contact does not exist.
+    pub fn element_index(&self, channel: usize) -> Option<usize> {
+        self.stop_channels.iter().chain(&self.contact_channels).position(|other| *other == channel)
     }
 
-    /// Index of the first hold among stops, contacts and holds.
-    pub fn first_hold(&self) -> usize {
+    /// Element index of the first brake.
+    pub fn first_brake(&self) -> usize {
         self.stops.len() + self.contacts.len()
     }
 
-    /// Index of the first motor behind them.
+    /// Element index of the first motor.
     pub fn first_motor(&self) -> usize {
-        self.first_hold() + self.holds.len()
+        self.first_brake() + self.brakes.len()
     }
 }
 
 impl PlannedMotor {
-    /// Torque at standstill at time `t`, in N·m, and what a rate of the shaft of 1 rad/s takes from it, in N·m·s/rad.
+    /// Returns the stall torque at time `t`, N·m, and the torque lost per shaft rate, N·m·s/rad.
     pub fn characteristic(&self, t: f64) -> (f64, f64) {
-        let full = torque(&self.actuation, t).0;
-        (full, self.no_load_speed_rad_s.map_or(0.0, |speed| full.abs() / speed))
+        let stall_torque = torque(&self.actuation, t).0;
+        (stall_torque, self.no_load_speed_rad_s.map_or(0.0, |speed| stall_torque.abs() / speed))
     }
 
-    /// Torque of the shaft at time `t`, in N·m: τ − |τ| ω/ω₀ at the rate ω that its bodies give it.
+    /// Returns the shaft torque at time `t`, N·m: τ − |τ| ω/ω₀ at the shaft rate ω of its bodies.
     pub fn torque(&self, t: f64, rate: impl Fn(usize) -> f64) -> f64 {
-        let full = torque(&self.actuation, t).0;
-        self.no_load_speed_rad_s.map_or(full, |speed| full - full.abs() * self.shaft(rate) / speed)
+        let stall_torque = torque(&self.actuation, t).0;
+        self.no_load_speed_rad_s
+            .map_or(stall_torque, |speed| stall_torque - stall_torque.abs() * self.shaft(rate) / speed)
     }
 
-    /// Angle or rate of the shaft, from those of the bodies.
-    pub fn shaft(&self, of: impl Fn(usize) -> f64) -> f64 {
-        self.on.iter().map(|(body, part)| part * of(*body)).sum()
+    /// Returns the shaft angle or rate from those of the bodies.
+    pub fn shaft(&self, value: impl Fn(usize) -> f64) -> f64 {
+        self.on.iter().map(|(body, ratio)| ratio * value(*body)).sum()
     }
 }

@@ -1,130 +1,147 @@
-//! How long the next step may be, judged by what is known at its start.
+//! Step size control, from the state at the start of the step.
 //!
-//! * Free motion: rapier moves bodies straight on, by up to ½ dt² |J̇ v| off the arcs of their joints: no further than the
-//!   tolerance. And what leapfrog misses of a changing acceleration adds up to no more than 100 tolerances a
+//! * Free motion: rapier moves bodies straight on, by up to ½ dt² |J̇ v| off the arcs of their joints; this error is
+//!   limited to the tolerance. The leapfrog error under a changing acceleration is limited to 100 tolerances per
 //!   second.
-//! * Touch: a step ends where a gap is predicted to close, and the last steps before it shrink by halves.
-//! * Impact: no step may move a surface by more than a part of the depth at which its law stops it.
-//! * Turning: a contact's direction is frozen in a step; what it turns meanwhile, under its force, counts as drift.
-//! * Effort: a step after a contact solve that needed many sub-steps is not longer than the one before.
-//! * Steps at most double, end at jumps of the motor torque and at the end of the run.
+//! * Touch-down: a step ends where a gap is predicted to close, and the last steps before it are halved successively.
+//! * Impact: a step moves a surface by at most a fraction of the depth at which its law stops it.
+//! * Rotation: the direction of a contact is frozen in a step; its rotation under the contact force counts as drift.
+//! * Cost: a step after a contact solution with many sub-steps is not longer than the one before.
+//! * Steps at most double; they end at discontinuities of the motor torque and at the end of the run.
 
 use super::motion::Motion;
 use super::substeps::time_to_zero;
 use crate::law::stopping_depth;
 use crate::scene::Stepping;
 
-/// Part of its stopping depth an impact may cross in one step…
-const CROSSING: f64 = 0.08;
-/// …if that is no deeper than this, in m or rad; else less, by the root of how much deeper: what a step's frozen geometry misses of
-/// an impact grows with the way that surfaces go in it. Design 95 stops within 4e-6 m, soft contacts within up to 6e-4 m.
-const SHALLOW: f64 = 5e-6;
-/// The least that remains of the part.
-const DEEPEST_SHARE: f64 = 0.25;
-/// …or, where its inertia is not known yet, part of its damper's transition.
-const FIRST_CROSSING: f64 = 0.05;
-/// Sub-steps from which a contact counts as hard.
-const HARD_SUBSTEPS: u32 = 60;
-/// Tolerances per second by which the scheme may drift off in free motion: two tolerances in a closing of 20 ms.
+/// Fraction of its stopping depth that an impact may cross in one step.
+const CROSSING_FRACTION: f64 = 0.08;
+/// Stopping depth, m or rad, up to which [`CROSSING_FRACTION`] applies. For larger depths the fraction is inversely
+/// proportional to the square root of the depth, because the error of the frozen geometry grows with the distance that
+/// the surfaces travel. Design 95 stops within 4e-6 m, soft contacts within up to 6e-4 m.
+const SHALLOW_DEPTH: f64 = 5e-6;
+/// Smallest factor by which [`CROSSING_FRACTION`] is reduced at large depths.
+const MIN_CROSSING_FACTOR: f64 = 0.25;
+/// Fraction of the damper's transition that an impact may cross in one step while its effective mass is unknown.
+const FIRST_CROSSING_FRACTION: f64 = 0.05;
+/// Number of sub-steps above which steps do not grow.
+const MAX_GROWTH_SUBSTEPS: u32 = 60;
+/// Drift of the scheme in free motion, in tolerances per second: two tolerances in a closing motion of 20 ms.
 const DRIFT_PER_S: f64 = 100.0;
+/// Length of the first step, s.
 const FIRST_STEP_S: f64 = 1e-6;
-/// Touches and drift ask for no shorter steps, s.
-const SHORTEST_S: f64 = 1e-10;
+/// Shortest step that touch-downs and drift can request, s.
+const MIN_STEP_S: f64 = 1e-10;
 
-/// The next step, ending at `end_s` at the latest.
-pub fn next(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
-    let left = motion.clock.until(stop(motion, end_s));
+/// Returns the length of the next step, which ends at `end_s` at the latest.
+pub fn next_step(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
+    let remaining = motion.clock.until(latest_end(motion, end_s));
     match stepping {
         Stepping::Fixed { step_s } => {
-            if left < 1.000_001 * step_s {
-                left
+            if remaining < 1.000_001 * step_s {
+                remaining
             } else {
                 step_s
             }
         }
         Stepping::Adaptive { tolerance_m, max_step_s } => {
-            let wanted = adaptive(motion, tolerance_m, max_step_s);
-            // Two even steps rather than one and a rest.
-            if left <= wanted { left } else { wanted.min(if left < 2.0 * wanted { 0.5 * left } else { left }) }
+            let requested = adaptive_step(motion, tolerance_m, max_step_s);
+            // Two equal steps instead of a full one and a short rest.
+            if remaining <= requested {
+                remaining
+            } else {
+                requested.min(if remaining < 2.0 * requested { 0.5 * remaining } else { remaining })
+            }
         }
     }
 }
 
-/// Where the next step ends at the latest: at the next jump of what drives the bodies, or at the end of the run.
+/// Returns the latest end of the next step: the next discontinuity of a drive, or the end of the run.
 ///
-/// Times that are one in a scene can differ by a last digit here, as a move's end (its start and what it takes) and the start of the
-/// next. In a step of 3e-17 s from one to the other, speeds of what is driven would be rounding over that: jumps this near are one.
-fn stop(motion: &Motion, end_s: f64) -> f64 {
-    let mut stop = end_s.min(motion.plan.next_corner(motion.clock.now() + SHORTEST_S));
+/// Equal times of a scene can differ by rounding here, such as the end of a move (start plus duration) and the start of
+/// the next. A step of 3e-17 s between them would turn rounding errors into speeds of driven bodies, so discontinuities
+/// this close are merged.
+fn latest_end(motion: &Motion, end_s: f64) -> f64 {
+    let mut end = end_s.min(motion.plan.next_discontinuity(motion.clock.now() + MIN_STEP_S));
     loop {
-        let later = end_s.min(motion.plan.next_corner(stop));
-        if stop >= end_s || later - stop > SHORTEST_S {
-            return stop;
+        let next_end = end_s.min(motion.plan.next_discontinuity(end));
+        if end >= end_s || next_end - end > MIN_STEP_S {
+            return end;
         }
-        stop = later;
+        end = next_end;
     }
 }
 
-fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
+fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     let growth = match motion.last_dt_s {
         0.0 => FIRST_STEP_S,
-        last if motion.contact.substeps > HARD_SUBSTEPS => last,
+        last if motion.contact.substeps > MAX_GROWTH_SUBSTEPS => last,
         last => 2.0 * last,
     };
-    // Leapfrog misses dt³/12 of the acceleration's rate of change in a step: an error that grows at this speed.
-    let drift_m_s = motion.last_dt_s * (motion.acceleration_change + motion.last_dt_s * turning(motion)) / 12.0;
-    let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / motion.opening).sqrt());
-    let shortest = SHORTEST_S.min(dt);
+    // The leapfrog error per step is dt³/12 times the rate of the acceleration: an error that grows at this speed.
+    let drift_m_s = motion.last_dt_s
+        * (motion.acceleration_change + motion.last_dt_s * contact_acceleration_rotation(motion))
+        / 12.0;
+    let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / motion.opening_acceleration).sqrt());
+    let shortest = MIN_STEP_S.min(dt);
     if drift_m_s > 0.0 {
         dt = dt.min(motion.last_dt_s * (DRIFT_PER_S * tolerance_m / drift_m_s).sqrt());
     }
-    for touch in motion.touches.iter().filter(|touch| touch.has_gap()) {
-        let rate = touch.normal_row.rate(&motion.velocities);
-        let at = motion.space.sites.iter().find(|at| at.touch.index == touch.index);
-        // Drift of an acceleration whose direction turns, for as long as a step: the longest step that it allows.
-        let straight = |acceleration: f64| (12.0 * DRIFT_PER_S * tolerance_m / (acceleration * touch.turning)).sqrt();
-        let (crossing, force) = match at {
-            Some(at) => {
-                let inverse_mass = motion.space.w[at.normal * (motion.space.len() + 1)];
-                let stop = stopping_depth(&touch.law, rate.abs(), inverse_mass).max(-touch.gap);
-                let crossing = (crossing_part(stop) * stop / rate.abs()).min(straight(0.5 * rate * rate / stop));
-                (crossing, motion.contact.force[at.normal])
+    for candidate in motion.candidates.iter().filter(|candidate| candidate.has_gap()) {
+        let rate = candidate.normal_row.rate(&motion.velocities);
+        let active = motion.space.active_contacts.iter().find(|contact| contact.candidate.index == candidate.index);
+        // Longest step for which the drift of an acceleration with a rotating direction is allowed.
+        let rotation_limit = |acceleration: f64| {
+            (12.0 * DRIFT_PER_S * tolerance_m / (acceleration * candidate.normal_rotation_rate)).sqrt()
+        };
+        let (crossing, force) = match active {
+            Some(active) => {
+                let inverse_mass = motion.space.w[active.normal * (motion.space.len() + 1)];
+                let depth = stopping_depth(&candidate.law, rate.abs(), inverse_mass).max(-candidate.gap);
+                let crossing =
+                    (crossing_fraction(depth) * depth / rate.abs()).min(rotation_limit(0.5 * rate * rate / depth));
+                (crossing, motion.contact.force[active.normal])
             }
-            // Its inertia is not known yet: an impact may take the whole rate away in one step.
+            // The effective mass is unknown: an impact may stop the whole rate in one step.
             None => {
-                let crossing = FIRST_CROSSING * touch.law.transition_m / rate.abs();
-                let turning = 12.0 * DRIFT_PER_S * tolerance_m / (rate.abs() * touch.turning);
-                (crossing.min(turning), 0.0)
+                let crossing = FIRST_CROSSING_FRACTION * candidate.law.transition_m / rate.abs();
+                let rotation_limit = 12.0 * DRIFT_PER_S * tolerance_m / (rate.abs() * candidate.normal_rotation_rate);
+                (crossing.min(rotation_limit), 0.0)
             }
         };
-        if touch.gap <= 0.0 {
-            // On its way out a surface matters only while it still pushes; one that a step moves by less than its last digits, never.
-            if (rate < 0.0 || force > 0.0) && rate.abs() * dt > touch.rounding {
+        if candidate.gap <= 0.0 {
+            // A receding surface limits the step only while a force acts; a surface that a step moves by less than
+            // rounding never does.
+            if (rate < 0.0 || force > 0.0) && rate.abs() * dt > candidate.rounding {
                 dt = dt.min(crossing);
             }
             continue;
         }
-        let ahead = time_to_zero(touch.gap, rate, touch.normal_row.rate(&motion.accelerations));
-        if ahead < 2.0 * dt {
-            // Step onto the touch by halves, and over it with the step an impact asks for.
-            dt = dt.min(if ahead > 2.0 * crossing { 0.5 * ahead } else { ahead.max(crossing) });
+        let time_to_touch_down = time_to_zero(candidate.gap, rate, candidate.normal_row.rate(&motion.accelerations));
+        if time_to_touch_down < 2.0 * dt {
+            // Approach the touch-down by halved steps, and cross it with the step required by an impact.
+            dt = dt.min(if time_to_touch_down > 2.0 * crossing {
+                0.5 * time_to_touch_down
+            } else {
+                time_to_touch_down.max(crossing)
+            });
         }
     }
     dt.max(shortest)
 }
 
-/// Rate at which the accelerations that contacts make turn with their normals, in m/s³.
-fn turning(motion: &Motion) -> f64 {
+/// Returns the rate at which contact accelerations rotate with their normals, m/s³.
+fn contact_acceleration_rotation(motion: &Motion) -> f64 {
     let rows = motion.space.len();
-    let of = |at: &super::space::Site| {
-        let touch = motion.touches.iter().find(|touch| touch.index == at.touch.index);
-        let pushed = motion.space.w[at.normal * (rows + 1)] * motion.contact.force[at.normal];
-        pushed * touch.map_or(0.0, |touch| touch.turning)
+    let rotation = |active: &super::contact_space::ActiveContact| {
+        let candidate = motion.candidates.iter().find(|candidate| candidate.index == active.candidate.index);
+        let acceleration = motion.space.w[active.normal * (rows + 1)] * motion.contact.force[active.normal];
+        acceleration * candidate.map_or(0.0, |candidate| candidate.normal_rotation_rate)
     };
-    motion.space.sites.iter().map(of).fold(0.0, f64::max)
+    motion.space.active_contacts.iter().map(rotation).fold(0.0, f64::max)
 }
 
-/// Part of its stopping depth that an impact may cross in one step.
-fn crossing_part(stop: f64) -> f64 {
-    CROSSING * (SHALLOW / stop).sqrt().clamp(DEEPEST_SHARE, 1.0)
+/// Returns the fraction of its stopping depth that an impact may cross in one step.
+fn crossing_fraction(depth: f64) -> f64 {
+    CROSSING_FRACTION * (SHALLOW_DEPTH / depth).sqrt().clamp(MIN_CROSSING_FACTOR, 1.0)
 }

@@ -1,135 +1,152 @@
 //! Contact within one step of the engine: ġ = u_n, u̇ = b + W F(g, u), integrated with W and b frozen.
 //!
-//! SDIRK2 (Alexander 1977, γ = 1 − 1/√2: two stages, second order, L-stable) with steps chosen from its embedded
-//! first-order solution; flight up to the next touch-down in closed form. What comes out are impulses along the rows,
-//! split so that the engine's leapfrog is centred: the *early* part moves the bodies within this step, the *late* part
-//! is felt from the next one on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
+//! SDIRK2 (Alexander 1977, γ = 1 − 1/√2: two stages, second order, L-stable) with step sizes from its embedded
+//! first-order solution; free flight up to the next touch-down is in closed form. The results are impulses along the
+//! rows, split so that the engine's leapfrog is centred: the *early* part moves the bodies within this step, the *late*
+//! part from the next step on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
 
+use super::candidates::GAP_ROUNDING;
+use super::contact_space::{ActiveContact, ContactSpace};
 use super::implicit::{NotConverged, Stage, Workspace};
-use super::space::{Site, Space};
-use super::touch::ROUNDING;
 use crate::law::{friction_range, normal_force};
 use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Stepping;
 
-/// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site. At 3e-3
-/// undamped rebounds were off by 4e-3 rad whatever was asked for; 2e-4 costs a closing of design 95 a tenth of its time.
+/// Error of a sub-step's first-order solution relative to the speed at each contact. At 3e-3, undamped rebounds had
+/// errors of 4e-3 rad at any step tolerance; 2e-4 makes a run of design 95 a tenth slower.
 const RELATIVE_TOLERANCE: f64 = 2e-4;
-/// Finer is idle where a long step has frozen the geometry: that goes wrong by hundreds of radians per second.
+/// Relative tolerance per second of step length: a long step freezes the geometry, with errors of hundreds of radians
+/// per second, so a finer tolerance has no benefit.
 const RELATIVE_TOLERANCE_PER_S: f64 = 20.0;
-const COARSEST_RELATIVE_TOLERANCE: f64 = 0.03;
-/// …or absolute, in m/s or rad/s, where it creeps.
+/// Largest relative tolerance.
+const MAX_RELATIVE_TOLERANCE: f64 = 0.03;
+/// Absolute tolerance of rates, m/s or rad/s.
 const ABSOLUTE_TOLERANCE: f64 = 1e-5;
-/// …and of slip no more than this part of the narrowest range of the friction law, within which μ goes from one end to the
-/// other.
+/// Tolerance of slip, as a fraction of the narrowest range of the friction law, within which μ changes from one end
+/// value to the other.
 const SLIP_TOLERANCE: f64 = 0.03;
-/// The same where steps of a given length ask for no accuracy: their frozen geometry is worth no finer ones.
+/// Tolerances for fixed steps. The error of the frozen geometry is larger, so finer tolerances have no benefit.
 const FIXED: Tolerance = Tolerance { relative: 3e-3, relative_per_s: 300.0, absolute: 1e-5, slip: SLIP_TOLERANCE };
-/// The tolerance of steps, in m, for which these are meant: the default.
-const USUAL_TOLERANCE_M: f64 = 1e-7;
-/// However coarse the steps, slip keeps to its range of the friction law by this part of it.
-const COARSEST_SLIP_TOLERANCE: f64 = 0.1;
-/// By this part of the narrowest range a sub-step may go over the end of one: there μ has moved
-/// by three hundredths of the range, with a slope that starts at zero.
-const BEYOND_RANGE: f64 = 0.1;
-/// Part of the damper's transition that a first sub-step may cross.
+/// Default step tolerance, m, to which these tolerances refer.
+const DEFAULT_TOLERANCE_M: f64 = 1e-7;
+/// Largest value to which [`SLIP_TOLERANCE`] is scaled for coarse steps.
+const MAX_SLIP_TOLERANCE: f64 = 0.1;
+/// Fraction of the narrowest range by which a sub-step may exceed the end of a range: μ has then changed by three
+/// hundredths, with a slope that starts at zero.
+const RANGE_MARGIN: f64 = 0.1;
+/// Fraction of the damper's transition that a first sub-step may cross.
 const FIRST_CROSSING: f64 = 0.05;
-/// Friction, N, that a bristle may always hold as far as errors go.
-const BRISTLE_FLOOR: f64 = 1e-3;
-const GROWTH: f64 = 4.0;
-/// Sub-steps one step may take before the contact counts as unsolved.
+/// Smallest friction limit, N, in the error scale of a bristle.
+const MIN_BRISTLE_FRICTION_N: f64 = 1e-3;
+/// Largest ratio of successive sub-steps.
+const MAX_GROWTH: f64 = 4.0;
+/// Largest number of sub-steps per step.
 const MAX_SUBSTEPS: u32 = 100_000;
-const SMALLEST_FRACTION: f64 = 1e-14;
+/// Smallest sub-step as a fraction of the step.
+const MIN_STEP_FRACTION: f64 = 1e-14;
 
-/// SDIRK2.
+/// Coefficient γ of SDIRK2.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Weights of the stage forces in the double integral over a sub-step: Σᵢ bᵢ aᵢⱼ with b = (1 − γ, γ).
-const DOUBLE: [f64; 2] = [2.0 * GAMMA * (1.0 - GAMMA), GAMMA * GAMMA];
+const DOUBLE_INTEGRAL_WEIGHTS: [f64; 2] = [2.0 * GAMMA * (1.0 - GAMMA), GAMMA * GAMMA];
 
-/// A change of one site within a step.
+/// A change of one contact within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// Time after the start of the step.
+    /// Time of the change, from the start of the step.
     pub after_s: f64,
-    /// Index of the site in the contact space.
-    pub site: usize,
+    /// Index of the contact in the contact space.
+    pub contact: usize,
     pub kind: ChangeKind,
-    /// Closing rate, and the normal impulse of this step up to here.
+    /// Closing rate.
     pub closing: f64,
+    /// Normal impulse of this step so far.
     pub impulse: f64,
 }
 
+/// Kind of a contact change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangeKind {
-    Meets,
-    Parts,
-    Presses,
-    LetsGo,
-    /// A bristle that presses has come to the end of its cone, or is within it again.
+    /// The gap closes.
+    Closes,
+    /// The gap opens.
+    Opens,
+    /// The contact force starts.
+    Loads,
+    /// The contact force ends.
+    Unloads,
+    /// The bristle of an active contact reaches the edge of its friction cone.
     Slips,
+    /// The bristle is within its friction cone again.
     Sticks,
 }
 
-/// One site at an instant within a step.
+/// State of one contact at an extremum within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moment {
-    /// Time after the start of the step.
+pub struct ContactExtremum {
+    /// Time of the extremum, from the start of the step.
     pub after_s: f64,
     pub gap: f64,
     pub gap_rate: f64,
     pub slip: f64,
     pub normal: f64,
     pub tangential: f64,
-    /// Normal impulse of this step up to here.
+    /// Normal impulse of this step so far.
     pub impulse: f64,
 }
 
-/// What contact did in one step.
+/// Solver of contact over one step, with its results.
 #[derive(Clone, Debug, Default)]
-pub struct Contact {
-    /// Impulses along each row.
-    pub early: Vec<f64>,
-    pub late: Vec<f64>,
-    /// Forces at the end, gaps (per site) and rates there.
+pub struct ContactSolver {
+    /// Early impulse along each row, see the module documentation.
+    pub early_impulse: Vec<f64>,
+    /// Late impulse along each row.
+    pub late_impulse: Vec<f64>,
+    /// Force along each row at the end of the step.
     pub force: Vec<f64>,
+    /// Gap of each contact at the end of the step.
     pub gap: Vec<f64>,
+    /// Rate along each row at the end of the step.
     pub rate: Vec<f64>,
-    /// Memories of bristles there, per site.
-    pub memory: Vec<f64>,
-    /// Where the normal force of each site is largest, and where its penetration.
-    pub peak: Vec<Moment>,
-    pub deepest: Vec<Moment>,
-    /// Work on the bodies: of contacts and holds, and of motors.
+    /// Bristle states at the end, per contact.
+    pub bristle_state: Vec<f64>,
+    /// State with the largest normal force, per contact.
+    pub peak: Vec<ContactExtremum>,
+    /// State with the largest penetration, per contact.
+    pub deepest: Vec<ContactExtremum>,
+    /// Work of contacts and brakes on the bodies.
     pub work: f64,
+    /// Work of motors on the bodies.
     pub motor_work: f64,
     pub changes: Vec<Change>,
     pub substeps: u32,
     pub iterations: u32,
-    /// Worst residual is below the certificate by construction; this counts sub-steps repeated to get there.
+    /// Number of repeated sub-steps; residuals are below the limit by construction.
     pub repeated: u32,
-    /// How finely sub-steps are to be taken.
+    /// Tolerances of sub-steps.
     pub tolerance: Tolerance,
     work_space: Workspace,
     buffers: Buffers,
 }
 
+/// Working arrays: integrals of force, stages and error per row, and states per contact.
 #[derive(Clone, Debug, Default)]
 struct Buffers {
-    total: Vec<f64>,
-    double: Vec<f64>,
+    impulse: Vec<f64>,
+    double_integral: Vec<f64>,
     first: Vec<f64>,
     second: Vec<f64>,
     first_force: Vec<f64>,
     base_rate: Vec<f64>,
     base_gap: Vec<f64>,
-    base_memory: Vec<f64>,
+    base_bristle_state: Vec<f64>,
     error: Vec<f64>,
-    touching: Vec<bool>,
-    pressing: Vec<bool>,
-    slipping: Vec<bool>,
+    is_touching: Vec<bool>,
+    is_loaded: Vec<bool>,
+    is_slipping: Vec<bool>,
 }
 
-/// Errors of rates that one sub-step may make.
+/// Error tolerances of the rates in one sub-step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     relative: f64,
@@ -145,212 +162,237 @@ impl Default for Tolerance {
 }
 
 impl Tolerance {
-    /// What a run asks for: errors of sub-steps fall in proportion to its tolerance.
-    pub fn of(stepping: Stepping) -> Self {
+    /// Returns the tolerances of a run: sub-step errors are proportional to its step tolerance.
+    pub fn from_stepping(stepping: Stepping) -> Self {
         let Stepping::Adaptive { tolerance_m, .. } = stepping else { return FIXED };
-        let part = tolerance_m / USUAL_TOLERANCE_M;
+        let factor = tolerance_m / DEFAULT_TOLERANCE_M;
         Self {
-            relative: RELATIVE_TOLERANCE * part,
-            relative_per_s: RELATIVE_TOLERANCE_PER_S * part,
-            absolute: ABSOLUTE_TOLERANCE * part.min(1.0),
-            slip: (SLIP_TOLERANCE * part).min(COARSEST_SLIP_TOLERANCE),
+            relative: RELATIVE_TOLERANCE * factor,
+            relative_per_s: RELATIVE_TOLERANCE_PER_S * factor,
+            absolute: ABSOLUTE_TOLERANCE * factor.min(1.0),
+            slip: (SLIP_TOLERANCE * factor).min(MAX_SLIP_TOLERANCE),
         }
     }
 
-    /// In a long step, which has frozen the geometry, finer is idle.
-    fn within(self, dt: f64) -> Self {
-        let relative = (self.relative_per_s * dt).max(self.relative).min(COARSEST_RELATIVE_TOLERANCE);
+    /// Returns the tolerances for a step of length `dt`: a long step freezes the geometry, so a finer tolerance has no
+    /// benefit.
+    fn for_step(self, dt: f64) -> Self {
+        let relative = (self.relative_per_s * dt).max(self.relative).min(MAX_RELATIVE_TOLERANCE);
         Self { relative, ..self }
     }
 }
 
-/// Contact could not be solved.
+/// Error reported by the contact solver.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Unsolved {
+pub enum ContactSolveError {
     #[error("the contact solve did not converge (relative residual {residual:.1e} at sub-steps of {h_s:.1e} s)")]
     NotConverged { residual: f64, h_s: f64 },
-    #[error("contact needs more than {MAX_SUBSTEPS} sub-steps within one step of {dt_s:.1e} s: take smaller steps")]
-    Budget { dt_s: f64 },
-    #[error("the contact solve was told to stop")]
+    #[error("contact needs more than {MAX_SUBSTEPS} sub-steps within one step of {dt_s:.1e} s: use smaller steps")]
+    SubstepBudget { dt_s: f64 },
+    #[error("the contact solve was interrupted")]
     Stopped,
 }
 
-impl Contact {
+impl ContactSolver {
     /// Integrates contact over `dt`.
-    pub fn solve(&mut self, space: &Space, dt: f64) -> Result<(), Unsolved> {
+    ///
+    /// # Errors
+    /// See [`ContactSolveError`].
+    pub fn solve(&mut self, space: &ContactSpace, dt: f64) -> Result<(), ContactSolveError> {
         self.solve_while(space, dt, &|| true)
     }
 
-    /// The same for as long as it may `go_on`: a step of many contacts can take minutes.
-    pub fn solve_while(&mut self, space: &Space, dt: f64, go_on: &dyn Fn() -> bool) -> Result<(), Unsolved> {
+    /// Integrates contact over `dt` while `keep_running` returns true: a step with many contacts can take minutes.
+    ///
+    /// # Errors
+    /// See [`ContactSolveError`].
+    pub fn solve_while(
+        &mut self,
+        space: &ContactSpace,
+        dt: f64,
+        keep_running: &dyn Fn() -> bool,
+    ) -> Result<(), ContactSolveError> {
         self.begin(space);
         let (mut now, mut h) = (0.0, dt);
-        let tolerance = self.tolerance.within(dt);
+        let tolerance = self.tolerance.for_step(dt);
         while now < dt {
-            let left = dt - now;
-            if left <= SMALLEST_FRACTION * dt {
+            let remaining = dt - now;
+            if remaining <= MIN_STEP_FRACTION * dt {
                 break;
             }
-            let flight = self.until_touch(space, left);
-            if !self.buffers.touching.contains(&true) && flight > 0.0 {
-                self.fly(space, flight);
-                now += flight;
-                self.meet(space, now);
+            let flight_time = self.time_to_touch_down(space, remaining);
+            if !self.buffers.is_touching.contains(&true) && flight_time > 0.0 {
+                self.fly(space, flight_time);
+                now += flight_time;
+                self.record_touch_downs(space, now);
                 h = self.first_crossing(space, dt);
                 continue;
             }
-            // Another site may touch on the way: end there.
-            let ahead = if flight > SMALLEST_FRACTION * dt { flight } else { left };
-            h = h.min(ahead).min(left);
-            match self.substep(space, h, left, tolerance) {
+            // Another contact may close within the sub-step: end the sub-step there.
+            let max_length = if flight_time > MIN_STEP_FRACTION * dt { flight_time } else { remaining };
+            h = h.min(max_length).min(remaining);
+            match self.substep(space, h, remaining, tolerance) {
                 Ok(error) => {
                     let ratio = (1.0 / error.max(1e-300)).sqrt();
-                    if error > 1.0 && h > SMALLEST_FRACTION * dt {
+                    if error > 1.0 && h > MIN_STEP_FRACTION * dt {
                         self.repeated += 1;
                         h *= (0.9 * ratio).clamp(0.1, 0.7);
                         continue;
                     }
-                    if let Some(part) = self.leaves_range(space).filter(|_| h > SMALLEST_FRACTION * dt) {
+                    if let Some(fraction) = self.fraction_to_range_end(space).filter(|_| h > MIN_STEP_FRACTION * dt) {
                         self.repeated += 1;
-                        h *= part;
+                        h *= fraction;
                         continue;
                     }
-                    self.accept(space, now, h, left);
+                    self.accept(space, now, h, remaining);
                     now += h;
-                    if self.look(space, now) {
+                    if self.record_changes(space, now) {
                         h = h.min(self.first_crossing(space, dt));
                     } else {
-                        h *= (0.9 * ratio).clamp(0.3, GROWTH);
+                        h *= (0.9 * ratio).clamp(0.3, MAX_GROWTH);
                     }
                 }
-                Err(failed) => {
+                Err(error) => {
                     self.repeated += 1;
                     h *= 0.25;
-                    if h < SMALLEST_FRACTION * dt {
-                        return Err(Unsolved::NotConverged { residual: failed.residual, h_s: h });
+                    if h < MIN_STEP_FRACTION * dt {
+                        return Err(ContactSolveError::NotConverged { residual: error.residual, h_s: h });
                     }
                 }
             }
             if self.substeps > MAX_SUBSTEPS {
-                return Err(Unsolved::Budget { dt_s: dt });
+                return Err(ContactSolveError::SubstepBudget { dt_s: dt });
             }
-            if !go_on() {
-                return Err(Unsolved::Stopped);
+            if !keep_running() {
+                return Err(ContactSolveError::Stopped);
             }
         }
         let buffers = &self.buffers;
         for i in 0..space.len() {
-            self.early[i] = buffers.double[i] / dt;
-            self.late[i] = buffers.total[i] - self.early[i];
+            self.early_impulse[i] = buffers.double_integral[i] / dt;
+            self.late_impulse[i] = buffers.impulse[i] - self.early_impulse[i];
         }
         Ok(())
     }
 
-    /// Whether the bristle of a site slips at the end of the step; `None` where it has none or nothing presses.
-    pub fn slips(&self, site: usize, space: &Space) -> Option<bool> {
-        let at = &space.sites[site];
-        let holds = at.touch.has_gap() && at.touch.bristle().is_some() && self.force[at.normal] > 0.0;
-        if holds { self.buffers.slipping.get(site).copied() } else { None }
+    /// Whether the bristle of a contact slips at the end of the step; `None` if it has no bristle or is not loaded.
+    pub fn is_slipping(&self, index: usize, space: &ContactSpace) -> Option<bool> {
+        let contact = &space.active_contacts[index];
+        let is_loaded =
+            contact.candidate.has_gap() && contact.candidate.bristle().is_some() && self.force[contact.normal] > 0.0;
+        if is_loaded { self.buffers.is_slipping.get(index).copied() } else { None }
     }
 
-    fn begin(&mut self, space: &Space) {
+    /// Initialises all arrays at the start of a step.
+    fn begin(&mut self, space: &ContactSpace) {
         let rows = space.len();
-        let Buffers { total, double, first, second, first_force, base_rate, error, .. } = &mut self.buffers;
-        let own = [&mut self.early, &mut self.late, &mut self.force];
-        for list in own.into_iter().chain([total, double, first, second, first_force, base_rate, error]) {
+        let Buffers { impulse: total_impulse, double_integral, first, second, first_force, base_rate, error, .. } =
+            &mut self.buffers;
+        let own = [&mut self.early_impulse, &mut self.late_impulse, &mut self.force];
+        for list in
+            own.into_iter().chain([total_impulse, double_integral, first, second, first_force, base_rate, error])
+        {
             list.clear();
             list.resize(rows, 0.0);
         }
-        self.work_space.resize(rows, space.sites.len());
-        self.memory.clear();
-        self.memory.extend(space.sites.iter().map(|site| site.memory));
-        self.buffers.base_memory.clear();
-        self.buffers.base_memory.resize(space.sites.len(), 0.0);
+        self.work_space.resize(rows, space.active_contacts.len());
+        self.bristle_state.clear();
+        self.bristle_state.extend(space.active_contacts.iter().map(|contact| contact.bristle_state));
+        self.buffers.base_bristle_state.clear();
+        self.buffers.base_bristle_state.resize(space.active_contacts.len(), 0.0);
         self.rate.clear();
         self.rate.extend_from_slice(&space.rate);
         self.gap.clear();
-        self.gap.extend(space.sites.iter().map(|site| site.touch.gap));
+        self.gap.extend(space.active_contacts.iter().map(|contact| contact.candidate.gap));
         self.buffers.base_gap.clear();
-        self.buffers.base_gap.resize(space.sites.len(), 0.0);
+        self.buffers.base_gap.resize(space.active_contacts.len(), 0.0);
         for list in [&mut self.peak, &mut self.deepest] {
             list.clear();
-            list.resize(space.sites.len(), Moment::default());
+            list.resize(space.active_contacts.len(), ContactExtremum::default());
         }
         self.changes.clear();
         (self.work, self.motor_work) = (0.0, 0.0);
         (self.substeps, self.iterations, self.repeated) = (0, 0, 0);
-        self.buffers.touching.clear();
-        self.buffers.touching.extend(self.gap.iter().map(|gap| *gap <= 0.0));
-        self.buffers.pressing.clear();
-        self.buffers.slipping.clear();
-        for site in &space.sites {
-            let force = normal_force(&site.touch.law, -site.touch.gap, -space.rate[site.normal]).force;
-            self.force[site.normal] = force;
-            self.buffers.pressing.push(force > 0.0);
-            self.buffers.slipping.push(force > 0.0 && slips(site, space, force));
+        self.buffers.is_touching.clear();
+        self.buffers.is_touching.extend(self.gap.iter().map(|gap| *gap <= 0.0));
+        self.buffers.is_loaded.clear();
+        self.buffers.is_slipping.clear();
+        for contact in &space.active_contacts {
+            let force = normal_force(&contact.candidate.law, -contact.candidate.gap, -space.rate[contact.normal]).force;
+            self.force[contact.normal] = force;
+            self.buffers.is_loaded.push(force > 0.0);
+            self.buffers.is_slipping.push(force > 0.0 && is_bristle_slipping(contact, space, force));
         }
     }
 
-    /// Time until the first site that is apart touches at its present rate and acceleration; `left` if none does.
-    fn until_touch(&self, space: &Space, left: f64) -> f64 {
+    /// Returns the time until the first open gap closes at its current rate and acceleration; `remaining` if none does.
+    fn time_to_touch_down(&self, space: &ContactSpace, remaining: f64) -> f64 {
         let rows = space.len();
-        let mut soonest = left;
-        for (index, site) in space.sites.iter().enumerate() {
-            if self.buffers.touching[index] {
+        let mut time_to_event = remaining;
+        for (index, contact) in space.active_contacts.iter().enumerate() {
+            if self.buffers.is_touching[index] {
                 continue;
             }
-            let n = site.normal;
-            let pushed: f64 = (0..rows).map(|j| space.w[n * rows + j] * self.force[j]).sum();
-            soonest = soonest.min(time_to_zero(self.gap[index], self.rate[n], space.free[n] + pushed));
+            let n = contact.normal;
+            let contact_acceleration: f64 = (0..rows).map(|j| space.w[n * rows + j] * self.force[j]).sum();
+            time_to_event =
+                time_to_event.min(time_to_zero(self.gap[index], self.rate[n], space.free[n] + contact_acceleration));
         }
-        soonest
+        time_to_event
     }
 
-    /// Motion without any contact.
-    fn fly(&mut self, space: &Space, time: f64) {
-        for (gap, site) in self.gap.iter_mut().zip(&space.sites) {
-            *gap += time * (self.rate[site.normal] + 0.5 * time * space.free[site.normal]);
+    /// Advances the motion without contact.
+    fn fly(&mut self, space: &ContactSpace, time: f64) {
+        for (gap, contact) in self.gap.iter_mut().zip(&space.active_contacts) {
+            *gap += time * (self.rate[contact.normal] + 0.5 * time * space.free[contact.normal]);
         }
         for (rate, free) in self.rate.iter_mut().zip(&space.free) {
             *rate += time * free;
         }
-        for (memory, site) in self.memory.iter_mut().zip(&space.sites) {
-            *memory *= site.touch.bristle().map_or(1.0, |bristle| exp(-time * bristle.rate()));
+        for (bristle_state, contact) in self.bristle_state.iter_mut().zip(&space.active_contacts) {
+            *bristle_state *= contact.candidate.bristle().map_or(1.0, |bristle| exp(-time * bristle.rate()));
         }
     }
 
-    /// Marks the sites that a flight has brought to touch: those whose gap is rounding.
-    fn meet(&mut self, space: &Space, now: f64) {
-        for (index, site) in space.sites.iter().enumerate() {
-            let scale = site.touch.gap.abs().max(site.touch.law.transition_m * 1e-9);
-            if !self.buffers.touching[index] && self.gap[index] <= 1e-9 * scale && self.rate[site.normal] < 0.0 {
+    /// Records touch-downs at the end of a free flight: contacts whose gap is zero within rounding.
+    fn record_touch_downs(&mut self, space: &ContactSpace, now: f64) {
+        for (index, contact) in space.active_contacts.iter().enumerate() {
+            let scale = contact.candidate.gap.abs().max(contact.candidate.law.transition_m * 1e-9);
+            if !self.buffers.is_touching[index] && self.gap[index] <= 1e-9 * scale && self.rate[contact.normal] < 0.0 {
                 self.gap[index] = self.gap[index].min(0.0);
-                self.note(space, index, now, ChangeKind::Meets);
-                self.buffers.touching[index] = true;
+                self.push_change(space, index, now, ChangeKind::Closes);
+                self.buffers.is_touching[index] = true;
             }
         }
     }
 
-    /// Time in which the fastest closing site crosses the first part of its damper's transition.
-    fn first_crossing(&self, space: &Space, dt: f64) -> f64 {
+    /// Returns the time in which the fastest closing contact crosses the first fraction of its damper's transition.
+    fn first_crossing(&self, space: &ContactSpace, dt: f64) -> f64 {
         let mut shortest = dt;
-        for (index, site) in space.sites.iter().enumerate() {
-            let closing = -self.rate[site.normal];
-            if self.buffers.touching[index] && closing > 0.0 {
-                shortest = shortest.min(FIRST_CROSSING * site.touch.law.transition_m / closing);
+        for (index, contact) in space.active_contacts.iter().enumerate() {
+            let closing = -self.rate[contact.normal];
+            if self.buffers.is_touching[index] && closing > 0.0 {
+                shortest = shortest.min(FIRST_CROSSING * contact.candidate.law.transition_m / closing);
             }
         }
         shortest
     }
 
-    /// Both stages of a sub-step of length h; returns its error in the rates, 1 being what is allowed.
-    fn substep(&mut self, space: &Space, h: f64, left: f64, tolerance: Tolerance) -> Result<f64, NotConverged> {
+    /// Computes both stages of a sub-step of length h; returns the error of the rates relative to the tolerance.
+    fn substep(
+        &mut self,
+        space: &ContactSpace,
+        h: f64,
+        remaining: f64,
+        tolerance: Tolerance,
+    ) -> Result<f64, NotConverged> {
         self.substeps += 1;
-        let Buffers { first, second, first_force, base_rate, base_gap, base_memory, error, .. } = &mut self.buffers;
+        let Buffers { first, second, first_force, base_rate, base_gap, base_bristle_state, error, .. } =
+            &mut self.buffers;
         let implicit = GAMMA * h;
 
         first.copy_from_slice(&self.rate);
-        let stage = Stage { rate: &self.rate, gap: &self.gap, memory: &self.memory, h: implicit };
+        let stage = Stage { rate: &self.rate, gap: &self.gap, bristle_state: &self.bristle_state, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, first)?;
         first_force.copy_from_slice(&self.work_space.force);
 
@@ -358,90 +400,96 @@ impl Contact {
         for i in 0..space.len() {
             base_rate[i] = self.rate[i] + ratio * (first[i] - self.rate[i]);
         }
-        for (index, site) in space.sites.iter().enumerate() {
-            base_gap[index] = self.gap[index] + (1.0 - GAMMA) * h * first[site.normal];
-            base_memory[index] = self.memory[index] + ratio * (self.work_space.memory[index] - self.memory[index]);
+        for (index, contact) in space.active_contacts.iter().enumerate() {
+            base_gap[index] = self.gap[index] + (1.0 - GAMMA) * h * first[contact.normal];
+            base_bristle_state[index] =
+                self.bristle_state[index] + ratio * (self.work_space.bristle_state[index] - self.bristle_state[index]);
         }
         second.copy_from_slice(first);
-        let stage = Stage { rate: base_rate, gap: base_gap, memory: base_memory, h: implicit };
+        let stage = Stage { rate: base_rate, gap: base_gap, bristle_state: base_bristle_state, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, second)?;
 
-        // γ h (a₂ − a₁), aᵢ the stages' accelerations; the filter takes out what decays within the sub-step anyway.
+        // γ h (a₂ − a₁), with the stage accelerations aᵢ; the filter removes components that decay within the sub-step.
         for i in 0..space.len() {
             let (a1, a2) = (first[i] - self.rate[i], second[i] - base_rate[i]);
             error[i] = a2 - a1;
         }
-        let size = relative_error(space, (&self.rate, second, &self.work_space.force), error, tolerance);
-        if size <= 1.0 && h >= left {
-            return Ok(size);
+        let relative = relative_error(space, (&self.rate, second, &self.work_space.force), error, tolerance);
+        if relative <= 1.0 && h >= remaining {
+            return Ok(relative);
         }
         self.work_space.filter(space, implicit, error);
         Ok(relative_error(space, (&self.rate, second, &self.work_space.force), error, tolerance))
     }
 
-    /// The part of the sub-step after which friction leaves the polynomial it starts on; `None` where it stays there, or goes
-    /// over its end by little.
-    fn leaves_range(&self, space: &Space) -> Option<f64> {
+    /// Returns the fraction of the sub-step after which friction leaves the polynomial range it starts in; `None` if it
+    /// stays there, or exceeds the end only within the margin.
+    fn fraction_to_range_end(&self, space: &ContactSpace) -> Option<f64> {
         let Buffers { second, .. } = &self.buffers;
-        let mut part: Option<f64> = None;
-        for site in &space.sites {
-            let law = site.touch.friction.as_ref().filter(|law| law.bristle.is_none());
-            let Some((t, law)) = site.tangent.zip(law) else { continue };
-            let (held, holds) = (self.force[site.normal], self.work_space.force[site.normal]);
-            if held <= 0.0 && holds <= 0.0 {
+        let mut fraction: Option<f64> = None;
+        for contact in &space.active_contacts {
+            let law = contact.candidate.friction.as_ref().filter(|law| law.bristle.is_none());
+            let Some((t, law)) = contact.tangent.zip(law) else { continue };
+            let (force_before, force_after) = (self.force[contact.normal], self.work_space.force[contact.normal]);
+            if force_before <= 0.0 && force_after <= 0.0 {
                 continue;
             }
             let (before, after) = (self.rate[t], second[t]);
             let range = friction_range(law, before);
-            let margin = BEYOND_RANGE * law.finest_m_s();
-            let room = range.room(law, after);
-            if room < -margin {
-                // Aim at the middle of the margin, as if slip changed evenly.
-                let had = range.room(law, before).max(0.0);
-                let share = ((had + 0.5 * margin) / (had - room)).clamp(0.02, 0.9);
-                part = Some(part.map_or(share, |part| part.min(share)));
+            let margin = RANGE_MARGIN * law.min_slip_scale_m_s();
+            let distance_to_end = range.margin(law, after);
+            if distance_to_end < -margin {
+                // Target the middle of the margin, assuming constant slip acceleration.
+                let distance_before = range.margin(law, before).max(0.0);
+                let candidate =
+                    ((distance_before + 0.5 * margin) / (distance_before - distance_to_end)).clamp(0.02, 0.9);
+                fraction = Some(fraction.map_or(candidate, |fraction| fraction.min(candidate)));
             }
         }
-        part
+        fraction
     }
 
-    /// Takes over a sub-step: state, impulses, work and extremes.
-    fn accept(&mut self, space: &Space, now: f64, h: f64, left: f64) {
-        let Buffers { total, double, first, second, first_force, base_gap, .. } = &mut self.buffers;
+    /// Accepts a sub-step: updates state, impulses, work and extrema.
+    fn accept(&mut self, space: &ContactSpace, now: f64, h: f64, remaining: f64) {
+        let Buffers { impulse: total_impulse, double_integral, first, second, first_force, base_gap, .. } =
+            &mut self.buffers;
         let second_force = &self.work_space.force;
-        // ∫ (end − s) F ds over the whole step grows by what has been and by what is coming.
-        let rest = left - h;
+        // ∫ (end − s) F ds over the whole step: contributions of this sub-step and of the remaining time.
+        let remaining_after = remaining - h;
         for i in 0..space.len() {
             let impulse = h * ((1.0 - GAMMA) * first_force[i] + GAMMA * second_force[i]);
-            double[i] += h * h * (DOUBLE[0] * first_force[i] + DOUBLE[1] * second_force[i]) + rest * impulse;
-            total[i] += impulse;
+            double_integral[i] +=
+                h * h * (DOUBLE_INTEGRAL_WEIGHTS[0] * first_force[i] + DOUBLE_INTEGRAL_WEIGHTS[1] * second_force[i])
+                    + remaining_after * impulse;
+            total_impulse[i] += impulse;
         }
         let work = |i: usize| h * ((1.0 - GAMMA) * first_force[i] * first[i] + GAMMA * second_force[i] * second[i]);
-        for site in &space.sites {
-            let of = if site.touch.drive.is_some() { &mut self.motor_work } else { &mut self.work };
-            // The normal of a hold or a motor moves nothing.
-            let normal = site.touch.has_gap().then_some(site.normal);
-            normal.into_iter().chain(site.tangent).for_each(|row| *of += work(row));
+        for contact in &space.active_contacts {
+            let total_work = if contact.candidate.motor.is_some() { &mut self.motor_work } else { &mut self.work };
+            // The normal row of a brake or a motor does no work.
+            let normal = contact.candidate.has_gap().then_some(contact.normal);
+            normal.into_iter().chain(contact.tangent).for_each(|row| *total_work += work(row));
         }
-        for (index, site) in space.sites.iter().enumerate() {
-            let n = site.normal;
+        for (index, contact) in space.active_contacts.iter().enumerate() {
+            let n = contact.normal;
             let gap_before = std::mem::replace(&mut self.gap[index], base_gap[index] + GAMMA * h * second[n]);
-            let moment = |after_s, gap, rate: &[f64], force: &[f64], impulse| Moment {
+            let extremum = |after_s, gap, rate: &[f64], force: &[f64], impulse| ContactExtremum {
                 after_s,
                 gap,
                 gap_rate: rate[n],
-                slip: site.tangent.map_or(0.0, |t| rate[t]),
+                slip: contact.tangent.map_or(0.0, |t| rate[t]),
                 normal: force[n],
-                tangential: site.tangent.map_or(0.0, |t| force[t]),
+                tangential: contact.tangent.map_or(0.0, |t| force[t]),
                 impulse,
             };
             let impulse = h * ((1.0 - GAMMA) * first_force[n] + GAMMA * second_force[n]);
             let (peak, deepest) = (&mut self.peak[index], &mut self.deepest[index]);
             if first_force[n] > peak.normal {
-                let (implicit, given) = (GAMMA * h, total[n] - impulse + GAMMA * h * first_force[n]);
-                *peak = moment(now + implicit, gap_before + implicit * first[n], first, first_force, given);
+                let (implicit, impulse_at_stage) = (GAMMA * h, total_impulse[n] - impulse + GAMMA * h * first_force[n]);
+                *peak =
+                    extremum(now + implicit, gap_before + implicit * first[n], first, first_force, impulse_at_stage);
             }
-            let end = moment(now + h, self.gap[index], second, second_force, total[n]);
+            let end = extremum(now + h, self.gap[index], second, second_force, total_impulse[n]);
             if end.normal > peak.normal {
                 *peak = end;
             }
@@ -449,86 +497,96 @@ impl Contact {
                 *deepest = end;
             }
         }
-        self.memory.copy_from_slice(&self.work_space.memory);
+        self.bristle_state.copy_from_slice(&self.work_space.bristle_state);
         self.rate.copy_from_slice(second);
         self.force.copy_from_slice(second_force);
     }
 
-    /// Notes what has changed since the last look; true if a site has just met.
-    fn look(&mut self, space: &Space, now: f64) -> bool {
-        let mut met = false;
-        for (index, site) in space.sites.iter().enumerate() {
-            let (touching, pressing) = (self.gap[index] <= 0.0, self.force[site.normal] > 0.0);
-            let rounding = ROUNDING * site.touch.law.transition_m;
-            if !self.buffers.touching[index] && self.gap[index] <= rounding && self.rate[site.normal] < 0.0 {
-                self.note(space, index, now, ChangeKind::Meets);
-                (self.buffers.touching[index], met) = (true, true);
+    /// Records the changes since the last call; returns true if a gap has just closed.
+    fn record_changes(&mut self, space: &ContactSpace, now: f64) -> bool {
+        let mut has_closed = false;
+        for (index, contact) in space.active_contacts.iter().enumerate() {
+            let (is_touching, is_loaded) = (self.gap[index] <= 0.0, self.force[contact.normal] > 0.0);
+            let rounding = GAP_ROUNDING * contact.candidate.law.transition_m;
+            if !self.buffers.is_touching[index] && self.gap[index] <= rounding && self.rate[contact.normal] < 0.0 {
+                self.push_change(space, index, now, ChangeKind::Closes);
+                (self.buffers.is_touching[index], has_closed) = (true, true);
                 continue;
             }
-            if site.touch.has_gap() && site.touch.bristle().is_some() {
-                let slips = pressing && self.work_space.slips[index];
-                if slips != self.buffers.slipping[index] && pressing {
-                    self.note(space, index, now, if slips { ChangeKind::Slips } else { ChangeKind::Sticks });
+            if contact.candidate.has_gap() && contact.candidate.bristle().is_some() {
+                let is_slipping = is_loaded && self.work_space.is_slipping[index];
+                if is_slipping != self.buffers.is_slipping[index] && is_loaded {
+                    self.push_change(
+                        space,
+                        index,
+                        now,
+                        if is_slipping { ChangeKind::Slips } else { ChangeKind::Sticks },
+                    );
                 }
-                self.buffers.slipping[index] = slips;
+                self.buffers.is_slipping[index] = is_slipping;
             }
-            if pressing != self.buffers.pressing[index] {
-                let kind = if pressing { ChangeKind::Presses } else { ChangeKind::LetsGo };
-                self.note(space, index, now, kind);
-                self.buffers.pressing[index] = pressing;
+            if is_loaded != self.buffers.is_loaded[index] {
+                let kind = if is_loaded { ChangeKind::Loads } else { ChangeKind::Unloads };
+                self.push_change(space, index, now, kind);
+                self.buffers.is_loaded[index] = is_loaded;
             }
-            if self.buffers.touching[index] && !touching && !pressing {
-                self.note(space, index, now, ChangeKind::Parts);
-                self.buffers.touching[index] = false;
+            if self.buffers.is_touching[index] && !is_touching && !is_loaded {
+                self.push_change(space, index, now, ChangeKind::Opens);
+                self.buffers.is_touching[index] = false;
             }
         }
-        met
+        has_closed
     }
 
-    fn note(&mut self, space: &Space, site: usize, after_s: f64, kind: ChangeKind) {
-        let normal = space.sites[site].normal;
-        let (closing, impulse) = (-self.rate[normal], self.buffers.total[normal]);
-        self.changes.push(Change { after_s, site, kind, closing, impulse });
+    /// Appends a change of a contact.
+    fn push_change(&mut self, space: &ContactSpace, contact: usize, after_s: f64, kind: ChangeKind) {
+        let normal = space.active_contacts[contact].normal;
+        let (closing, impulse) = (-self.rate[normal], self.buffers.impulse[normal]);
+        self.changes.push(Change { after_s, contact, kind, closing, impulse });
     }
 }
 
-/// Whether the bristle of a site is at the end of its cone where a step starts, under so much force.
-fn slips(site: &Site, space: &Space, force: f64) -> bool {
-    let held = site.touch.bristle().and(site.tangent);
-    held.is_some_and(|t| site.touch.friction_after([space.rate[t], site.memory, force], 0.0).by_normal != 0.0)
+/// Whether the bristle of a contact is at the edge of its friction cone at the start of a step, under the given normal
+/// force.
+fn is_bristle_slipping(contact: &ActiveContact, space: &ContactSpace, force: f64) -> bool {
+    let tangent = contact.candidate.bristle().and(contact.tangent);
+    tangent.is_some_and(|t| {
+        contact.candidate.friction_at_step_end([space.rate[t], contact.bristle_state, force], 0.0).d_normal != 0.0
+    })
 }
 
-/// Largest error of any site's rates, relative to what its speed allows, and, where friction depends on it, what the ranges
-/// of its law allow.
+/// Returns the largest rate error of any contact relative to the tolerance at its speed and, for speed-dependent
+/// friction, to the ranges of its law.
 fn relative_error(
-    space: &Space,
+    space: &ContactSpace,
     (from, rate, force): (&[f64], &[f64], &[f64]),
     error: &[f64],
     tolerance: Tolerance,
 ) -> f64 {
-    let of = |site: &Site| {
-        let n = site.normal;
-        let Some(t) = site.tangent else {
+    let contact_error = |contact: &ActiveContact| {
+        let n = contact.normal;
+        let Some(t) = contact.tangent else {
             return error[n].abs() / (tolerance.absolute + tolerance.relative * rate[n].abs());
         };
-        // A hold or a motor has no gap whose rate counts.
-        let closing = if site.touch.has_gap() { rate[n] } else { 0.0 };
+        // A brake or a motor has no gap rate.
+        let closing = if contact.candidate.has_gap() { rate[n] } else { 0.0 };
         let allowed = tolerance.absolute + tolerance.relative * hypot(rate[t], closing);
-        if let Some(bristle) = site.touch.bristle() {
-            let most = site.touch.friction.map_or(0.0, |law| law.mu_static) * force[n] + BRISTLE_FLOOR;
-            let held = tolerance.slip * most / bristle.damping_n_s_per_m;
-            let sticks = force[t].abs() < most && rate[t].abs() < most / bristle.damping_n_s_per_m;
-            let slip_allowed = if sticks { held.min(allowed) } else { allowed };
+        if let Some(bristle) = contact.candidate.bristle() {
+            let max_friction =
+                contact.candidate.friction.map_or(0.0, |law| law.mu_static) * force[n] + MIN_BRISTLE_FRICTION_N;
+            let sticking_tolerance = tolerance.slip * max_friction / bristle.damping_n_s_per_m;
+            let is_sticking = force[t].abs() < max_friction && rate[t].abs() < max_friction / bristle.damping_n_s_per_m;
+            let slip_allowed = if is_sticking { sticking_tolerance.min(allowed) } else { allowed };
             return (error[n].abs() / allowed).max(error[t].abs() / slip_allowed);
         }
-        let slip = site.touch.friction.filter(|law| from[t].abs().min(rate[t].abs()) <= law.v_dynamic_m_s);
-        let slip_allowed = slip.map_or(allowed, |law| allowed.min(tolerance.slip * law.finest_m_s()));
+        let slip = contact.candidate.friction.filter(|law| from[t].abs().min(rate[t].abs()) <= law.v_dynamic_m_s);
+        let slip_allowed = slip.map_or(allowed, |law| allowed.min(tolerance.slip * law.min_slip_scale_m_s()));
         (error[n].abs() / allowed).max(error[t].abs() / slip_allowed)
     };
-    space.sites.iter().map(of).fold(0.0, f64::max)
+    space.active_contacts.iter().map(contact_error).fold(0.0, f64::max)
 }
 
-/// Smallest positive time at which gap + rate t + ½ acceleration t² is zero; infinite if none.
+/// Returns the smallest positive time at which gap + rate t + ½ acceleration t² is zero; infinite if there is none.
 pub fn time_to_zero(gap: f64, rate: f64, acceleration: f64) -> f64 {
     if gap <= 0.0 {
         return if rate < 0.0 { 0.0 } else { f64::INFINITY };
@@ -537,7 +595,7 @@ pub fn time_to_zero(gap: f64, rate: f64, acceleration: f64) -> f64 {
     if discriminant < 0.0 {
         return f64::INFINITY;
     }
-    // The root of the smaller time, without cancellation.
+    // Smaller root, without cancellation.
     let time = 2.0 * gap / (-rate + discriminant.sqrt());
     if time > 0.0 { time } else { f64::INFINITY }
 }

@@ -1,36 +1,36 @@
-//! The rapier world of a plan, with the settings that make rapier accurate (the [module](super) says what each is worth).
+//! The rapier world of a plan, with the settings that make rapier accurate (see the [module](super)).
 
 use rapier2d_f64::na::Unit;
 use rapier2d_f64::prelude::*;
 
-use super::hook::Governed;
-use super::plan::{Against, Capsule, Plan, PlannedBody, PlannedPin, Shape};
+use super::hook::LawContactHook;
+use super::plan::{Capsule, ContactPartner, Plan, PlannedBody, PlannedPin, Shape};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Construction, Response};
-use crate::shape::{self, reach, round};
+use crate::shape::{self, circle_radius, max_radius};
 
-/// A rapier world, and what of it belongs to which body of the plan.
+/// A rapier world, with the handles of the components of a plan.
 pub struct World {
     pub physics: PhysicsWorld,
     pub bodies: Vec<RigidBodyHandle>,
-    /// Colliders of each contact of the plan: that of its body, and the other one.
+    /// Colliders of each contact of the plan: of its body, and of the other surface.
     pub contacts: Vec<[ColliderHandle; 2]>,
-    /// Constraint between two bodies that stands for each pin of the plan; `None` where a multibody's own coordinate does.
+    /// Joint constraint of each pin of the plan; `None` if a multibody coordinate replaces it.
     pub joints: Vec<Option<ImpulseJointHandle>>,
     pub construction: Construction,
     pub response: Response,
 }
 
-/// Constraints close their error in one step.
+/// Constraints correct their error in one step.
 const RIGID: SpringCoefficients<f64> = SpringCoefficients { natural_frequency: 1e14, damping_ratio: 1.0 };
 
-/// How far apart rapier keeps a pair in mind, in radii of the largest surface: far enough that no step outruns it.
-const REACH: f64 = 0.5;
+/// Distance up to which rapier tracks a pair, in radii of the largest surface: far enough that no step exceeds it.
+const PREDICTION_RADII: f64 = 0.5;
 
-/// Builds the world. With [`Response::Laws`] every contact pair is left to the hook.
-pub fn build(plan: &Plan, construction: Construction, response: Response, iterations: u32) -> World {
+/// Builds the world. With [`Response::Laws`] every contact pair carries the hook.
+pub fn build_world(plan: &Plan, construction: Construction, response: Response, iterations: u32) -> World {
     let mut physics = PhysicsWorld::new();
-    // Applied as a force on each body, so that it can be halved where the step size changes.
+    // Gravity is applied as a force on each body, so that it can be halved when the step size changes.
     physics.gravity = Vector::ZERO;
     physics.integration_parameters = parameters(plan, response, iterations);
 
@@ -50,7 +50,7 @@ pub fn build(plan: &Plan, construction: Construction, response: Response, iterat
                 builder
                     .pose(pose)
                     .additional_mass_properties(MassProperties::new(com, body.mass_kg, body.inertia_kg_m2))
-                    // A sleeping body misses forces; a fast link turns further than rapier's cap of 45° a step.
+                    // Sleeping bodies ignore forces; fast links exceed rapier's default limit of 45° per step.
                     .can_sleep(false)
                     .allow_fast_rotation(true),
             )
@@ -64,9 +64,9 @@ pub fn build(plan: &Plan, construction: Construction, response: Response, iterat
         match construction {
             Construction::Reduced if !pin.closes_loop => {
                 let handle = physics.insert_multibody_joint(first, bodies[pin.second], joint);
-                let handle = handle.expect("the open tree of a plan has no loop");
+                let handle = handle.expect("the tree joints of a plan form no loop");
                 if let Some((multibody, _)) = physics.multibody_joints.get_mut(handle) {
-                    // A revolute joint of a multibody comes with a damping of 0.1 N·m·s.
+                    // By default, revolute joints of a multibody have a damping of 0.1 N·m·s.
                     multibody.damping_mut().fill(0.0);
                 }
                 joints.push(None);
@@ -81,7 +81,7 @@ pub fn build(plan: &Plan, construction: Construction, response: Response, iterat
     add_colliders(&mut world, plan, response);
     refresh(&mut world);
     if construction == Construction::Reduced {
-        // Only now does the multibody know that its root is fixed.
+        // The multibody only knows after a step that its root is fixed.
         set_joint_coordinates(&mut world, plan);
         refresh(&mut world);
     }
@@ -89,36 +89,37 @@ pub fn build(plan: &Plan, construction: Construction, response: Response, iterat
     world
 }
 
-/// A step of no length: world mass properties and contact pairs are there before the first real one.
+/// Takes a step of zero length, which updates world mass properties and contact pairs.
 fn refresh(world: &mut World) {
     world.physics.integration_parameters.dt = 0.0;
-    world.physics.step_with_events(&Governed, &());
+    world.physics.step_with_events(&LawContactHook, &());
 }
 
 fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
-    let shapes = plan.fixed.iter().map(|fixed| fixed.shape).chain(plan.bodies.iter().filter_map(|body| body.shape));
+    let shapes =
+        plan.fixed_surfaces.iter().map(|fixed| fixed.shape).chain(plan.bodies.iter().filter_map(|body| body.shape));
     let radius = |shape| match shape {
         Shape::Capsule(Capsule { radius_m, .. }) => radius_m,
-        Shape::Disc(shape) => reach(&shape),
+        Shape::Disc(shape) => max_radius(&shape),
         Shape::HalfPlane => 0.0,
     };
-    let reach_m = REACH * shapes.map(radius).fold(0.0, f64::max);
+    let prediction_distance_m = PREDICTION_RADII * shapes.map(radius).fold(0.0, f64::max);
     IntegrationParameters {
         num_solver_iterations: 1,
         num_internal_pgs_iterations: iterations as usize,
-        // A stabilisation pass moves bodies without their velocities: the scheme would lose its order.
+        // A stabilisation pass moves bodies without their velocities, which would reduce the order of the scheme.
         num_internal_stabilization_iterations: match response {
             Response::Laws => 0,
             Response::Rapier { .. } => 1,
         },
         warmstart_joints: true,
-        // rapier's contact is soft by default (60 Hz against a fixed body): under the motor it would sink in for as long as
-        // a closing lasts.
+        // rapier's contact is soft by default (60 Hz against a fixed body): the motor would push surfaces into each
+        // other for the whole closing motion.
         contact_softness: RIGID,
         static_contact_softness: RIGID,
         normalized_max_linear_velocity: Real::MAX,
         normalized_max_corrective_velocity: Real::MAX,
-        normalized_prediction_distance: reach_m,
+        normalized_prediction_distance: prediction_distance_m,
         normalized_allowed_linear_error: 0.0,
         max_ccd_substeps: 0,
         contact_recycling: false,
@@ -141,7 +142,7 @@ fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
         let builder = builder
             .density(0.0)
             .collision_groups(groups(plan, surface))
-            // By default a driven body meets only what moves freely.
+            // By default driven bodies collide only with dynamic ones.
             .active_collision_types(ActiveCollisionTypes::all());
         match response {
             Response::Laws => builder.active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS),
@@ -149,7 +150,7 @@ fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
         }
     };
     let fixed: Vec<_> = plan
-        .fixed
+        .fixed_surfaces
         .iter()
         .enumerate()
         .map(|(index, fixed)| {
@@ -169,25 +170,25 @@ fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
         .collect();
     world.contacts.extend(plan.contacts.iter().map(|contact| {
         let other = match contact.against {
-            Against::Body(index) => moving[index],
-            Against::Fixed(index) => Some(fixed[index]),
+            ContactPartner::Body(index) => moving[index],
+            ContactPartner::Fixed(index) => Some(fixed[index]),
         };
         let (Some(own), Some(other)) = (moving[contact.body], other) else {
-            panic!("a contact of a plan is between two bodies with surfaces")
+            panic!("both sides of a planned contact must have a surface")
         };
         [own, other]
     }));
 }
 
-/// Surfaces (of bodies, then fixed ones) meet only where the plan has a contact: links of a finger pass through one another. rapier
-/// has 32 groups; those beyond share them, and then pair more than they need.
+/// Collision groups: surfaces (of bodies, then fixed ones) collide only if the plan has a contact; links of a finger
+/// pass through one another. rapier has 32 groups; further surfaces share them, which creates unneeded pairs.
 fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
     let group = |surface: usize| Group::from_bits_truncate(1 << (surface % 32));
     let mut partners = Group::NONE;
     for contact in &plan.contacts {
         let other = match contact.against {
-            Against::Body(body) => body,
-            Against::Fixed(index) => plan.bodies.len() + index,
+            ContactPartner::Body(body) => body,
+            ContactPartner::Fixed(index) => plan.bodies.len() + index,
         };
         if contact.body == surface {
             partners |= group(other);
@@ -198,31 +199,33 @@ fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
     InteractionGroups::new(group(surface), partners, InteractionTestMode::And)
 }
 
-/// What stands for a shape that is not round: it says what is near; where its surface is, [`surfaces`](super::surfaces) asks the shape.
+/// Polygon that approximates a non-round shape in the broad phase; [`closest_points`](super::closest_points) uses the
+/// exact shape.
 pub fn polygon(shape: &shape::Shape) -> ColliderBuilder {
     let corners = shape.at([0.0; 2]).outline_m().into_iter().map(|[x, y]| Vector::new(x, y)).collect();
     ColliderBuilder::convex_polyline(corners).expect("the corners of a convex outline")
 }
 
-/// What rapier has in place of a surface.
+/// Returns the rapier collider of a surface.
 pub fn collider(shape: Shape) -> ColliderBuilder {
     match shape {
         Shape::Capsule(capsule) => {
             let end = Vector::new(cos(capsule.angle_rad), sin(capsule.angle_rad)) * capsule.length_m;
             ColliderBuilder::capsule_from_endpoints(Vector::ZERO, end, capsule.radius_m)
         }
-        Shape::Disc(shape) => round(&shape).map_or_else(|| polygon(&shape), ColliderBuilder::ball),
+        Shape::Disc(shape) => circle_radius(&shape).map_or_else(|| polygon(&shape), ColliderBuilder::ball),
         Shape::HalfPlane => ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)),
     }
 }
 
-/// Initial rates: every body turns about its origin, and the origin moves with the links before it, or by itself.
+/// Sets the initial rates: every body rotates about its origin, which moves with the preceding links or with its own
+/// velocity.
 fn set_rates(world: &mut World, plan: &Plan) {
     if plan.bodies.iter().all(|body| body.rate_rad_s == 0.0 && body.velocity_m_s == [0.0; 2]) {
         return;
     }
-    let own = |body: &PlannedBody| Vector::new(body.velocity_m_s[0], body.velocity_m_s[1]);
-    let mut origin_rates: Vec<_> = plan.bodies.iter().map(own).collect();
+    let origin_velocity = |body: &PlannedBody| Vector::new(body.velocity_m_s[0], body.velocity_m_s[1]);
+    let mut origin_rates: Vec<_> = plan.bodies.iter().map(origin_velocity).collect();
     for pin in plan.pins.iter().filter(|pin| !pin.closes_loop) {
         let Some(first) = pin.first else { continue };
         let planned = &plan.bodies[first];
@@ -237,26 +240,27 @@ fn set_rates(world: &mut World, plan: &Plan) {
     }
 }
 
-/// A multibody has its own joint angles and rates, from zero; those of the bodies are only read from it.
+/// Sets joint angles and rates of a multibody, which start at zero; the poses of its bodies are derived from them.
 fn set_joint_coordinates(world: &mut World, plan: &Plan) {
     let physics = &mut world.physics;
     let mut angles = vec![0.0; plan.bodies.len()];
-    let mut found = None;
+    let mut multibody_index = None;
     for pin in plan.pins.iter().filter(|pin| !pin.closes_loop) {
         let Some(id) = physics.multibody_joints.rigid_body_link(world.bodies[pin.second]).copied() else { continue };
-        // The root is fixed and has no degree of freedom; every other link has one, in the order of insertion.
-        let (Some(place), Some(multibody)) =
+        // The fixed root has no degree of freedom; every other link has one, in the order of insertion.
+        let (Some(coordinate), Some(multibody)) =
             (id.id.checked_sub(1), physics.multibody_joints.get_multibody_mut(id.multibody))
         else {
             continue;
         };
         let first = pin.first.map(|i| &plan.bodies[i]);
         let second = &plan.bodies[pin.second];
-        angles[place] = second.angle_rad - first.map_or(0.0, |body| body.angle_rad);
-        multibody.generalized_velocity_mut()[place] = second.rate_rad_s - first.map_or(0.0, |body| body.rate_rad_s);
-        found = Some(id.multibody);
+        angles[coordinate] = second.angle_rad - first.map_or(0.0, |body| body.angle_rad);
+        multibody.generalized_velocity_mut()[coordinate] =
+            second.rate_rad_s - first.map_or(0.0, |body| body.rate_rad_s);
+        multibody_index = Some(id.multibody);
     }
-    if let Some(multibody) = found.and_then(|index| physics.multibody_joints.get_multibody_mut(index)) {
+    if let Some(multibody) = multibody_index.and_then(|index| physics.multibody_joints.get_multibody_mut(index)) {
         multibody.apply_displacements(&angles);
         multibody.forward_kinematics(&physics.bodies, false);
         multibody.update_rigid_bodies(&mut physics.bodies, true);

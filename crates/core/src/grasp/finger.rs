@@ -1,167 +1,177 @@
-//! The grasp of a scene at rest: what `phalanx statics` reports.
+//! The static grasp of one finger: results of `phalanx statics`.
 
 use serde::Serialize;
 
 use crate::fivebar::spring::gradient;
 use crate::gripper::{FinalPosture, Finger, GraspError, Spring, final_posture};
 use crate::numeric::elementary::{cos, sin};
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{Scene, WrongKind, torque};
-use crate::shape::Placed;
+use crate::shape::PlacedShape;
 use crate::statics::{
-    AtRest, Birglen, Equilibrium, FormClosure, Hand, StaticsError, at_rest, birglen, decide, drive_loads,
-    equilibrium_each, unilateral,
+    Birglen, Equilibrium, FormClosure, Hand, StaticKinematics, StaticsError, birglen, decide_form_closure, drive_loads,
+    equilibrium_with_mu, static_kinematics, unilateral,
 };
 
-/// How far an object may be from the palm and still rest on it, in m.
-const RESTS_M: f64 = 1e-6;
+/// Largest gap or penetration of an object that rests on the palm, m.
+const PALM_TOLERANCE_M: f64 = 1e-6;
 
-/// Everything about a grasp at rest.
+/// Static grasp of a finger.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grasp {
     pub scene: String,
     pub finger: Finger,
-    pub object: Placed,
+    pub object: PlacedShape,
     pub end: FinalPosture,
-    /// Proximal and distal.
+    /// Contacts of the proximal and the distal phalanx.
     pub contacts: [Contact; 2],
     pub drive: Drive,
-    /// One for each pair of friction coefficients that was asked for.
+    /// Forces for each requested pair of friction coefficients.
     pub forces: Vec<Forces>,
     pub palm: Palm,
     pub closure: FormClosure,
-    /// Forces of 1 N·m of the motor without spring and friction: with a palm, all three are positive where the grasp is
-    /// form-closed.
-    pub pure: Equilibrium,
+    /// Forces per 1 N·m of motor torque without spring and friction. With a palm, all three are positive if the grasp
+    /// is form-closed.
+    pub unit_torque_forces: Equilibrium,
 }
 
-/// Where a phalanx touches.
+/// Contact of a phalanx with the object.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Contact {
-    /// Along the phalanx from its joint.
+    /// Distance from the joint along the phalanx.
     pub from_joint_m: f64,
+    /// Length of the phalanx.
     pub phalanx_m: f64,
-    /// On the surfaces of both.
+    /// Contact point.
     pub point_m: [f64; 2],
-    /// n, from the object into the phalanx.
+    /// Unit normal n, from the object into the phalanx.
     pub normal: [f64; 2],
-    /// t, from the joint of the phalanx to its end.
+    /// Unit tangent t, from the joint of the phalanx to its end.
     #[serde(skip)]
     pub tangent: [f64; 2],
 }
 
-/// What the motor and the spring do.
+/// Torques of motor and spring in the final posture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     pub motor_n_m: f64,
     pub spring: Option<SpringAtRest>,
-    /// τ_a + τ_s on (q11, q21).
+    /// Generalised forces τ_a + τ_s on (q11, q21).
     pub loads_n_m: [f64; 2],
-    /// Motor torque from which on the tip pushes (F22 ≥ 0); none where a motor that closes opens the tip.
+    /// Smallest motor torque at which the distal phalanx pushes (F22 ≥ 0); `None` if a closing motor opens the distal
+    /// phalanx.
     pub motor_min_n_m: Option<f64>,
 }
 
-/// The spring at the final posture.
+/// Spring in the final posture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringAtRest {
     pub spring: Spring,
-    /// On the joint it sits at.
+    /// Torque of the spring on its joint.
     pub torque_n_m: f64,
-    /// τ_s on (q11, q21).
+    /// Generalised forces τ_s on (q11, q21).
     pub loads_n_m: [f64; 2],
 }
 
-/// Forces with friction coefficients of the proximal and the distal contact.
+/// Forces for one pair of friction coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces {
+    /// Static friction coefficients of the proximal and the distal contact.
     pub mu_static: [f64; 2],
     pub equilibrium: Equilibrium,
     pub birglen: Birglen,
 }
 
-/// What holds the object from below.
+/// Support of the object by the palm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Palm {
-    Rests,
+    Resting,
     /// The scene has no palm.
     None,
-    /// The object is above it.
-    Apart {
+    /// The object is above the palm.
+    Separated {
         gap_m: f64,
     },
-    /// The object is partly below it: it counts as resting there.
-    Within {
+    /// The object penetrates the palm; it counts as resting.
+    Penetrating {
         depth_m: f64,
     },
 }
 
 impl Palm {
-    /// Whether the object cannot go down.
-    pub fn holds(&self) -> bool {
-        matches!(self, Palm::Rests | Palm::Within { .. })
+    /// Returns whether the palm supports the object.
+    pub fn supports_object(&self) -> bool {
+        matches!(self, Palm::Resting | Palm::Penetrating { .. })
     }
 }
 
-/// What stands in for the scene's values.
+/// Values that replace those of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Instead {
-    /// Friction coefficients, of both contacts; none given: none at all, and those of the scene.
+pub struct GraspOverrides {
+    /// Friction coefficients, each for both contacts. If empty, the grasp is evaluated without friction and with the
+    /// coefficients of the scene.
     pub mu_static: Vec<f64>,
+    /// Motor torque; `None` for the torque at the end of the scene.
     pub motor_n_m: Option<f64>,
 }
 
-/// Why a scene has no grasp at rest.
+/// Error returned by [`grasp`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GraspStudyError {
     #[error(transparent)]
     Kind(#[from] WrongKind),
     #[error(
-        "the scene \"{scene}\" has no object, and statics is about a grasp: take out [object] present = false, or give \
-         another scene"
+        "the scene \"{scene}\" has no object, and statics needs a grasp: remove [object] present = false, or use another scene"
     )]
     NoObject { scene: String },
     #[error("the finger of \"{scene}\" does not grasp its object: {error}")]
     NoGrasp { scene: String, error: GraspError },
-    #[error("the grasp of \"{scene}\" has no statics: {error}")]
+    #[error("statics of the grasp of \"{scene}\" failed: {error}")]
     Statics { scene: String, error: StaticsError },
 }
 
-/// Statics of a scene with a finger and an object.
+/// Returns the static grasp of a scene with a finger and an object.
 ///
-/// The motor torque is that of the end of the scene. The hand is the finger, its mirror image about the object's centre, and
-/// the palm if the object rests on it.
+/// The motor torque is the one at the end of the scene. The hand consists of the finger, its mirror image about the
+/// centre of the object, and the palm if the object rests on it.
 ///
 /// # Errors
-/// A scene of another kind or without an object, a finger that does not grasp it, a singular posture.
-pub fn grasp(scene: &Scene, instead: &Instead) -> Result<Grasp, GraspStudyError> {
+/// Returns an error if the scene is of another kind or has no object, the finger cannot grasp the object, or the
+/// posture is singular.
+pub fn grasp(scene: &Scene, overrides: &GraspOverrides) -> Result<Grasp, GraspStudyError> {
     let name = || scene.name.clone();
-    let Some(object) = scene.only(SceneKind::Finger)?.object() else {
+    let Some(object) = scene.require_kind(SceneKind::Finger)?.object() else {
         return Err(GraspStudyError::NoObject { scene: name() });
     };
     let object = object.placed();
     let end = final_posture(&scene.finger().linkage.lengths, scene.finger().linkage.assembly, object)
         .map_err(|error| GraspStudyError::NoGrasp { scene: name(), error })?;
-    at_rest_with(scene, object, end, instead).map_err(|error| GraspStudyError::Statics { scene: name(), error })
+    solve_grasp(scene, object, end, overrides).map_err(|error| GraspStudyError::Statics { scene: name(), error })
 }
 
-fn at_rest_with(scene: &Scene, object: Placed, end: FinalPosture, instead: &Instead) -> Result<Grasp, StaticsError> {
+fn solve_grasp(
+    scene: &Scene,
+    object: PlacedShape,
+    end: FinalPosture,
+    overrides: &GraspOverrides,
+) -> Result<Grasp, StaticsError> {
     let finger = scene.finger().linkage;
-    let motor_n_m = instead.motor_n_m.unwrap_or_else(|| torque(&scene.finger().motor.actuation, scene.duration_s).0);
+    let motor_n_m = overrides.motor_n_m.unwrap_or_else(|| torque(&scene.finger().motor.actuation, scene.duration_s).0);
     let drive = drive(&finger, &end, motor_n_m, scene.finger().spring.as_ref())?;
-    let of_scene = scene.finger().contact.mu_static();
-    let asked: Vec<[f64; 2]> = match &instead.mu_static[..] {
-        [] if of_scene == [0.0; 2] => vec![of_scene],
-        [] => vec![[0.0; 2], of_scene],
+    let scene_mu_static = scene.finger().contact.mu_static();
+    let mu_static: Vec<[f64; 2]> = match &overrides.mu_static[..] {
+        [] if scene_mu_static == [0.0; 2] => vec![scene_mu_static],
+        [] => vec![[0.0; 2], scene_mu_static],
         given => given.iter().map(|&mu| [mu; 2]).collect(),
     };
     let forces = |mu_static: [f64; 2]| -> Result<Forces, StaticsError> {
-        let equilibrium = equilibrium_each(&finger, &end, drive.loads_n_m, mu_static)?;
-        // Of Birglen's two contacts only the distal one has a lever for friction.
+        let equilibrium = equilibrium_with_mu(&finger, &end, drive.loads_n_m, mu_static)?;
+        // In Birglen's model only the distal contact has a lever for friction.
         let birglen = birglen(&finger, &end, drive.loads_n_m, mu_static[1])?;
         Ok(Forces { mu_static, equilibrium, birglen })
     };
     let palm = palm(scene, &object);
-    let hand = Hand { palm: palm.holds(), ..Hand::symmetric(&finger, &end) };
+    let hand = Hand { palm: palm.supports_object(), ..Hand::symmetric(&finger, &end) };
     Ok(Grasp {
         scene: scene.name.clone(),
         finger,
@@ -169,16 +179,16 @@ fn at_rest_with(scene: &Scene, object: Placed, end: FinalPosture, instead: &Inst
         end,
         contacts: contacts(&finger, &object, &end),
         drive,
-        forces: asked.into_iter().map(forces).collect::<Result<_, _>>()?,
+        forces: mu_static.into_iter().map(forces).collect::<Result<_, _>>()?,
         palm,
-        closure: decide(&unilateral(&hand)?)?,
-        pure: equilibrium_each(&finger, &end, [1.0, 0.0], [0.0; 2])?,
+        closure: decide_form_closure(&unilateral(&hand)?)?,
+        unit_torque_forces: equilibrium_with_mu(&finger, &end, [1.0, 0.0], [0.0; 2])?,
     })
 }
 
 fn drive(finger: &Finger, end: &FinalPosture, motor_n_m: f64, spring: Option<&Spring>) -> Result<Drive, StaticsError> {
     let loads_n_m = drive_loads(finger, end, motor_n_m, spring)?;
-    let AtRest { rates, tip_slope: [slope, _], .. } = at_rest(finger, end)?;
+    let StaticKinematics { rates, tip_slope: [slope, _], .. } = static_kinematics(finger, end)?;
     let spring = spring.map(|&spring| {
         let [g11, g21] = gradient(spring.placement, &rates);
         let [s11, s21] = [loads_n_m[0] - motor_n_m, loads_n_m[1]];
@@ -186,35 +196,35 @@ fn drive(finger: &Finger, end: &FinalPosture, motor_n_m: f64, spring: Option<&Sp
         let torque_n_m = ((g11 * s11 + g21 * s21) / (g11 * g11 + g21 * g21)).abs();
         SpringAtRest { spring, torque_n_m, loads_n_m: [s11, s21] }
     });
-    let held_n_m = spring.map_or(0.0, |spring| -spring.loads_n_m[0]);
-    let motor_min_n_m = (slope > 0.0).then_some(held_n_m);
+    let spring_n_m = spring.map_or(0.0, |spring| -spring.loads_n_m[0]);
+    let motor_min_n_m = (slope > 0.0).then_some(spring_n_m);
     Ok(Drive { motor_n_m, spring, loads_n_m, motor_min_n_m })
 }
 
-fn contacts(finger: &Finger, object: &Placed, end: &FinalPosture) -> [Contact; 2] {
-    let quarter = 0.5 * std::f64::consts::PI;
+fn contacts(finger: &Finger, object: &PlacedShape, end: &FinalPosture) -> [Contact; 2] {
+    let quarter_turn = 0.5 * std::f64::consts::PI;
     let contact = |angle: f64, from_joint_m: f64, phalanx_m: f64| {
         let normal = [cos(angle), sin(angle)];
         Contact {
             from_joint_m,
             phalanx_m,
-            point_m: object.furthest_m(normal),
+            point_m: object.furthest_point_m(normal),
             normal,
             tangent: [-normal[1], normal[0]],
         }
     };
     [
-        contact(end.posture.q21_rad - quarter, end.l_c21_m, finger.lengths.l21_m),
+        contact(end.posture.q21_rad - quarter_turn, end.l_c21_m, finger.lengths.l21_m),
         contact(end.phi_c_rad, end.l_c22_m, finger.lengths.t22_m),
     ]
 }
 
-fn palm(scene: &Scene, object: &Placed) -> Palm {
-    let gap_m = object.lowest_m()[1];
+fn palm(scene: &Scene, object: &PlacedShape) -> Palm {
+    let gap_m = object.lowest_point_m()[1];
     match scene.system.palm.is_some() {
         false => Palm::None,
-        true if gap_m.abs() <= RESTS_M => Palm::Rests,
-        true if gap_m > 0.0 => Palm::Apart { gap_m },
-        true => Palm::Within { depth_m: -gap_m },
+        true if gap_m.abs() <= PALM_TOLERANCE_M => Palm::Resting,
+        true if gap_m > 0.0 => Palm::Separated { gap_m },
+        true => Palm::Penetrating { depth_m: -gap_m },
     }
 }

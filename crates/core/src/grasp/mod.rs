@@ -1,16 +1,16 @@
-//! A grasp at rest, all of it: for a report and a picture.
+//! Static grasps of fingers and grippers: forces, closures and balanced accelerations.
 //!
 //! | file | job |
 //! |---|---|
-//! | `finger` | of one finger, its mirror image and the palm |
-//! | `gripper` | how a gripper holds its object, and what acceleration it bears |
-//! | `geometric` | where the fingers of a gripper close around its object |
-//! | `simulate` | a run of a gripper for what its criteria say |
+//! | `finger` | grasp of one finger, its mirror image and the palm |
+//! | `gripper` | grasp of a gripper, and the accelerations that it balances |
+//! | `geometric_posture` | geometric posture of a gripper around its object |
+//! | `simulate` | run of a scene for its criteria |
 
 pub mod finger;
-mod geometric;
+mod geometric_posture;
 pub mod gripper;
 mod simulate;
 
-pub use geometric::geometric;
+pub use geometric_posture::geometric_posture;
 pub use simulate::run;

@@ -1,4 +1,4 @@
-//! The energy that a run exchanges, and whether it is all accounted for.
+//! Energy audit of a run: the exchanged energy, and whether it balances.
 
 use std::fmt;
 
@@ -6,111 +6,122 @@ use super::Tolerances;
 use crate::scene::Scene;
 use crate::trace::{Energy, Event, Model, Sample, Sink, SinkError};
 
-/// Part of a stored energy whose changes are rounding, at a few digits.
+/// Relative rounding error of stored energies.
 const ROUNDING: f64 = 1e-10;
-/// Least part of the exchanged energy that counts as missing: the tolerance of the everyday preset, four digits of what is printed.
-const LEAST: f64 = 1e-4;
-/// The same for rapier's own contact, whose invariants have no bound: rigid impacts of discs keep their energy to 6e-4, and stacks
-/// that gain some gain a half.
-const RIGID: f64 = 1e-2;
+/// Smallest fraction of the exchanged energy that counts as missing: the tolerance of the everyday preset, four digits
+/// of printed results.
+const MIN_TOLERANCE: f64 = 1e-4;
+/// [`MIN_TOLERANCE`] for rapier's own contact, whose energy has no error bound: rigid impacts of discs conserve energy
+/// to 6e-4, and unstable stacks gain half of theirs.
+const RIGID_CONTACT_TOLERANCE: f64 = 1e-2;
 
-/// A sink that adds up the energy exchanged in a run, and finds what is missing of it and what was created.
+/// A sink that measures the energy exchanged in a run, and detects missing and created energy.
 ///
-/// Its bound is that of [`Invariant::Energy`](super::Invariant::Energy) and [`Invariant::Passivity`](super::Invariant::Passivity), applied to
-/// changes since the start: where the origin of the coordinates lies does not matter.
+/// It uses the limits of [`Invariant::Energy`](super::Invariant::Energy) and
+/// [`Invariant::Passivity`](super::Invariant::Passivity) for changes since the start, so that the origin of the
+/// coordinates does not matter.
 #[derive(Clone, Copy, Debug)]
 pub struct EnergyAudit {
     /// Part of the exchanged energy that may be missing or created.
     tolerance: f64,
     start: Option<Energy>,
-    /// Largest sum of energies and works at an instant, as changes since the start.
-    exchanged_j: f64,
+    /// Largest sum of energies and works at one instant, as changes since the start.
+    max_exchanged_j: f64,
     /// Largest stored energy.
-    stored_j: f64,
+    max_stored_j: f64,
     dissipated_j: f64,
-    /// Largest |balance|, and largest fall of the dissipated energy, each with its time.
-    imbalance: (f64, f64),
-    created: (f64, f64),
+    /// Largest |balance| and its time.
+    max_imbalance: (f64, f64),
+    /// Largest decrease of the dissipated energy and its time.
+    max_created: (f64, f64),
 }
 
-/// An energy that is not accounted for.
+/// An energy error beyond its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Breach {
-    /// Whether contacts, friction and dampers gave energy back that they never took; otherwise the balance is off.
-    pub created: bool,
+pub struct EnergyViolation {
+    /// Whether contacts, friction and dampers released more energy than they had absorbed; otherwise the balance has an
+    /// error.
+    pub max_created: bool,
     pub time_s: f64,
-    pub off_j: f64,
-    pub exchanged_j: f64,
+    pub amount_j: f64,
+    pub max_exchanged_j: f64,
     pub allowed_j: f64,
 }
 
 impl EnergyAudit {
-    /// For a run of `scene` with `model`, with the tolerance of its settings.
+    /// Audits a run of `scene` with `model`, with the tolerance of its settings.
     pub fn new(model: Model, scene: &Scene) -> Self {
-        let bound = Tolerances::of(model, &scene.integrator, &scene.engine, scene.bounds.loop_gap_m).energy;
+        let bound = Tolerances::for_settings(model, &scene.integrator, &scene.engine, scene.bounds.loop_gap_m).energy;
         let is_rigid = model == Model::Engine && !scene.engine.uses_laws();
         EnergyAudit {
-            tolerance: if is_rigid { RIGID } else { bound.max(LEAST) },
+            tolerance: if is_rigid { RIGID_CONTACT_TOLERANCE } else { bound.max(MIN_TOLERANCE) },
             start: None,
-            exchanged_j: 0.0,
-            stored_j: 0.0,
+            max_exchanged_j: 0.0,
+            max_stored_j: 0.0,
             dissipated_j: 0.0,
-            imbalance: (0.0, 0.0),
-            created: (0.0, 0.0),
+            max_imbalance: (0.0, 0.0),
+            max_created: (0.0, 0.0),
         }
     }
 
-    /// What differences of energies are measured by, J: the largest energy exchanged so far, and the rounding of what is stored.
+    /// Scale of energy differences, J: the largest energy exchanged so far, and the rounding error of stored energies.
     pub fn scale_j(&self) -> f64 {
-        self.exchanged_j + ROUNDING * self.stored_j
+        self.max_exchanged_j + ROUNDING * self.max_stored_j
     }
 
-    /// Takes the energies at an instant.
-    pub fn enter(&mut self, time_s: f64, energy: &Energy) {
+    /// Records the energies at one instant.
+    pub fn record(&mut self, time_s: f64, energy: &Energy) {
         let start = *self.start.get_or_insert(*energy);
         let Energy { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j } = *energy;
         let [gravity, spring] = [gravity_j - start.gravity_j, spring_j - start.spring_j].map(f64::abs);
-        let moved = kinetic_j + elastic_j + dissipated_j.abs();
-        self.exchanged_j = self.exchanged_j.max(moved).max(motor_work_j.abs() + spring + gravity);
-        self.stored_j = self.stored_j.max(gravity_j.abs()).max(spring_j.abs());
+        let absorbed_j = kinetic_j + elastic_j + dissipated_j.abs();
+        self.max_exchanged_j = self.max_exchanged_j.max(absorbed_j).max(motor_work_j.abs() + spring + gravity);
+        self.max_stored_j = self.max_stored_j.max(gravity_j.abs()).max(spring_j.abs());
         self.dissipated_j = self.dissipated_j.max(dissipated_j);
-        largest(&mut self.imbalance, balance_j.abs(), time_s);
-        largest(&mut self.created, self.dissipated_j - dissipated_j, time_s);
+        update_max(&mut self.max_imbalance, balance_j.abs(), time_s);
+        update_max(&mut self.max_created, self.dissipated_j - dissipated_j, time_s);
     }
 
-    /// The worse of a balance that is off and of energy that was created, if either is beyond its bound.
-    pub fn breach(&self) -> Option<Breach> {
+    /// Returns the larger of the balance error and the created energy, if it is beyond the limit.
+    pub fn violation(&self) -> Option<EnergyViolation> {
         let allowed_j = self.tolerance * self.scale_j();
-        let [(balance, balance_s), (created, created_s)] = [self.imbalance, self.created];
-        let is_created = created > balance;
-        let (off_j, time_s) = if is_created { (created, created_s) } else { (balance, balance_s) };
-        // What is no number is off too.
-        let within = off_j <= allowed_j;
-        (!within).then_some(Breach { created: is_created, time_s, off_j, exchanged_j: self.exchanged_j, allowed_j })
+        let [(imbalance_j, imbalance_s), (created_j, created_s)] = [self.max_imbalance, self.max_created];
+        let is_created = created_j > imbalance_j;
+        let (amount_j, time_s) = if is_created { (created_j, created_s) } else { (imbalance_j, imbalance_s) };
+        // NaN is a violation too.
+        let is_within_limit = amount_j <= allowed_j;
+        (!is_within_limit).then_some(EnergyViolation {
+            max_created: is_created,
+            time_s,
+            amount_j,
+            max_exchanged_j: self.max_exchanged_j,
+            allowed_j,
+        })
     }
 }
 
-fn largest((most, at_s): &mut (f64, f64), value: f64, time_s: f64) {
-    if value > *most || value.is_nan() {
-        (*most, *at_s) = (value, time_s);
+/// Updates a maximum and its time; NaN counts as the largest value.
+fn update_max((max, at_s): &mut (f64, f64), value: f64, time_s: f64) {
+    if value > *max || value.is_nan() {
+        (*max, *at_s) = (value, time_s);
     }
 }
 
-impl fmt::Display for Breach {
+impl fmt::Display for EnergyViolation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Breach { created, time_s, off_j, exchanged_j, allowed_j } = self;
-        let what = if *created { "contacts created energy from nothing" } else { "the energy balance is off" };
-        let (per_cent, time_ms) = (100.0 * off_j / exchanged_j, time_s * 1e3);
+        let EnergyViolation { max_created, time_s, amount_j, max_exchanged_j, allowed_j } = self;
+        let description = if *max_created { "contacts created energy" } else { "the energy balance is violated" };
+        let (per_cent, time_ms) = (100.0 * amount_j / max_exchanged_j, time_s * 1e3);
         write!(
             f,
-            "{what}: {off_j:.2e} J at {time_ms:.6} ms, {per_cent:.2} % of the {exchanged_j:.2e} J exchanged; allowed are {allowed_j:.2e} J"
+            "{description}: {amount_j:.2e} J at {time_ms:.6} ms, {per_cent:.2} % of the {max_exchanged_j:.2e} J exchanged; allowed are {allowed_j:.2e} J"
         )
     }
 }
 
 impl Sink for EnergyAudit {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.enter(sample.time_s, &sample.energy);
+        self.record(sample.time_s, &sample.energy);
         Ok(())
     }
 

@@ -1,8 +1,9 @@
-//! How near an invariant came to being broken.
+//! Results of measuring an invariant.
 
 use std::cmp::Ordering;
 use std::fmt;
 
+/// A property that every run must have. See the [module](super) for their limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Invariant {
     Finite,
@@ -47,47 +48,49 @@ impl Invariant {
         }
     }
 
-    /// In words.
+    /// Meaning, as a short sentence.
     pub fn meaning(self) -> &'static str {
         match self {
             Invariant::Finite => "every number is finite",
             Invariant::Energy => "energy balances",
             Invariant::Passivity => "contacts, limit and friction only dissipate",
-            Invariant::NoAdhesion => "nothing pulls, and nothing pushes from afar",
+            Invariant::NoAdhesion => "no contact pulls, and no contact pushes across a gap",
             Invariant::Friction => "friction follows its law, within the cone and against the slip",
-            Invariant::Penetration => "no surface is deeper in than its energy allows",
-            Invariant::JointLimit => "the joint limit holds",
+            Invariant::Penetration => "no penetration is deeper than the available energy allows",
+            Invariant::JointLimit => "no joint exceeds its limit further than the available energy allows",
             Invariant::LoopGap => "joints stay closed",
-            Invariant::Momentum => "a free object has the momentum that contacts and weight gave it",
-            Invariant::AngularMomentum => "a free object turns as its contacts made it",
+            Invariant::Momentum => "the momentum of a free object equals the impulses of its contacts and its weight",
+            Invariant::AngularMomentum => "the angular momentum of a free object equals that of its contact impulses",
         }
     }
 }
 
-/// The worst of one invariant over a run.
+/// The value of one invariant in a run that is closest to its limit, or furthest beyond it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     pub invariant: Invariant,
-    /// Where (the name of a contact or stop) and when it was worst.
-    pub place: Option<String>,
+    /// Name of the contact or stop.
+    pub contact: Option<String>,
+    /// Time of the value.
     pub time_s: f64,
-    /// In the unit of the invariant; what is allowed there.
+    /// Measured value, in the unit of the invariant.
     pub measured: f64,
+    /// Limit of the value, in the same unit.
     pub allowed: f64,
 }
 
 impl Finding {
-    /// Part of what is allowed; above 1 the invariant is broken.
-    pub fn share(&self) -> f64 {
-        Self::part(self.measured, self.allowed)
+    /// Ratio of the measured value to the limit; above 1 the invariant is violated.
+    pub fn ratio_to_limit(&self) -> f64 {
+        Self::fraction_of_limit(self.measured, self.allowed)
     }
 
-    pub fn is_broken(&self) -> bool {
-        self.share() > 1.0
+    pub fn is_violated(&self) -> bool {
+        self.ratio_to_limit() > 1.0
     }
 
-    /// `measured` as a part of what is allowed: 0 for nothing, infinite for what is no number.
-    pub(super) fn part(measured: f64, allowed: f64) -> f64 {
+    /// Ratio of `measured` to `allowed`: 0 for values that are not positive, infinite for NaN.
+    pub(super) fn fraction_of_limit(measured: f64, allowed: f64) -> f64 {
         match measured.partial_cmp(&0.0) {
             Some(Ordering::Greater) => measured / allowed,
             Some(_) => 0.0,
@@ -98,10 +101,10 @@ impl Finding {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = self.place.as_ref().map_or(String::new(), |place| format!(" ({place})"));
+        let contact = self.contact.as_ref().map_or(String::new(), |contact| format!(" ({contact})"));
         write!(
             f,
-            "{}{place}: {:.3e} of {:.3e} allowed, at {:.6} ms",
+            "{}{contact}: {:.3e} of {:.3e} allowed, at {:.6} ms",
             self.invariant.name(),
             self.measured,
             self.allowed,

@@ -1,45 +1,47 @@
-//! Momentum of a free object: what its contacts and its weight have given it is what it has.
+//! Momentum balance of a free object: its momentum must equal the impulses of its contacts and its weight.
 //!
-//! Between two samples a contact gives ΔJ (n + μ t), where ΔJ is what its normal impulse grew by and μ = F_t / F_n. Directions
-//! and μ change meanwhile, by what the samples before and after say: that is the doubt, which is allowed.
+//! Between two samples a contact transfers ΔJ (n + μ t), where ΔJ is the increase of its normal impulse and μ = F_t /
+//! F_n. Directions and μ change in between. Their differences between the two samples give the uncertainty, which is
+//! allowed as an error.
 
 use crate::law::{FrictionLaw, friction_coefficient};
 use crate::numeric::elementary::hypot;
 use crate::trace::{ContactSample, Sample};
 
-/// A body that nothing but its contacts and its weight moves.
+/// A body that only contacts and gravity accelerate.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Free {
+pub(super) struct FreeBody {
     pub mass_kg: f64,
     pub inertia_kg_m2: f64,
     pub gravity_m_s2: [f64; 2],
 }
 
-/// Rounding, as a part of all that is exchanged in a run.
+/// Relative rounding error of the exchanged momentum.
 const ROUNDING: f64 = 1e-9;
 
-/// How far momentum (N·s) or angular momentum (N·m·s) is off, and what of that samples cannot say or integration may miss.
+/// Error of a momentum (N·s) or an angular momentum (N·m·s), and its limit from the uncertainty of the samples and the
+/// integration error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Imbalance {
     pub time_s: f64,
-    pub off: f64,
+    pub error: f64,
     pub allowed: f64,
 }
 
-/// What is known of one momentum so far.
+/// Error of one momentum so far.
 #[derive(Clone, Copy, Debug, Default)]
-struct Account {
-    doubt: f64,
-    /// Sizes of all that was exchanged, however it cancels.
+struct MomentumError {
+    uncertainty: f64,
+    /// Sum of the absolute values of all exchanged impulses.
     exchanged: f64,
-    /// Where it was furthest beyond what is allowed.
+    /// Imbalance furthest beyond its limit.
     worst: Imbalance,
 }
 
-impl Account {
-    fn enter(&mut self, time_s: f64, off: f64, tolerance: f64) {
-        let found = Imbalance { time_s, off, allowed: tolerance * self.exchanged + self.doubt };
-        if found.off - found.allowed >= self.worst.off - self.worst.allowed {
+impl MomentumError {
+    fn record(&mut self, time_s: f64, error: f64, tolerance: f64) {
+        let found = Imbalance { time_s, error, allowed: tolerance * self.exchanged + self.uncertainty };
+        if found.error - found.allowed >= self.worst.error - self.worst.allowed {
             self.worst = found;
         }
     }
@@ -49,92 +51,92 @@ impl Account {
     }
 }
 
-/// The books of one object.
+/// Momentum balance of one object.
 #[derive(Clone, Debug)]
-pub(super) struct Books {
-    free: Free,
-    /// Of every contact of a sample; none of stops.
-    frictions: Vec<Option<FrictionLaw>>,
+pub(super) struct MomentumBalance {
+    body: FreeBody,
+    /// Friction law of every contact of a sample; `None` for stops.
+    friction_laws: Vec<Option<FrictionLaw>>,
     last: Option<Sample>,
-    /// What the object was given beyond what it has: along x, along y, about its centre.
-    missing: [f64; 3],
-    /// Part of what is exchanged that integration may miss.
+    /// Impulses minus the change of momentum: along x, along y, about the centre.
+    unbalanced: [f64; 3],
+    /// Relative integration error of the exchanged momentum.
     tolerance: f64,
-    linear: Account,
-    angular: Account,
+    linear: MomentumError,
+    angular: MomentumError,
 }
 
-impl Books {
-    pub fn new(tolerance: f64, free: Free, frictions: Vec<Option<FrictionLaw>>) -> Self {
-        let (linear, angular) = (Account::default(), Account::default());
-        Self { free, frictions, last: None, missing: [0.0; 3], tolerance, linear, angular }
+impl MomentumBalance {
+    pub fn new(tolerance: f64, body: FreeBody, friction_laws: Vec<Option<FrictionLaw>>) -> Self {
+        let (linear, angular) = (MomentumError::default(), MomentumError::default());
+        Self { body, friction_laws, last: None, unbalanced: [0.0; 3], tolerance, linear, angular }
     }
 
-    /// Momentum and angular momentum, each where it was furthest beyond what is allowed.
+    /// Imbalances of momentum and angular momentum furthest beyond their limits.
     pub fn worst(&self) -> [Imbalance; 2] {
         [self.linear.worst(), self.angular.worst()]
     }
 
-    /// Enters the time up to a sample.
-    pub fn enter(&mut self, sample: &Sample) {
+    /// Adds the interval from the last sample to this one.
+    pub fn record(&mut self, sample: &Sample) {
         if let Some(last) = self.last.take() {
-            self.weight(&last, sample);
+            self.add_weight(&last, sample);
             for index in (0..sample.contacts.len()).filter(|index| !sample.is_stop(*index)) {
                 let ends = [(&last, &last.contacts[index]), (sample, &sample.contacts[index])];
-                self.contact(ends, self.frictions[index]);
+                self.add_contact(ends, self.friction_laws[index]);
             }
-            self.own(&last, sample);
+            self.subtract_momentum_change(&last, sample);
         }
         self.last = Some(sample.clone());
-        let [x, y, about] = self.missing;
-        self.linear.enter(sample.time_s, hypot(x, y), self.tolerance);
-        self.angular.enter(sample.time_s, about.abs(), self.tolerance);
+        let [x, y, angular] = self.unbalanced;
+        self.linear.record(sample.time_s, hypot(x, y), self.tolerance);
+        self.angular.record(sample.time_s, angular.abs(), self.tolerance);
     }
 
-    fn weight(&mut self, last: &Sample, sample: &Sample) {
-        for (missing, gravity) in self.missing.iter_mut().zip(self.free.gravity_m_s2) {
-            let given = self.free.mass_kg * gravity * (sample.time_s - last.time_s);
-            *missing += given;
-            self.linear.exchanged += given.abs();
+    fn add_weight(&mut self, last: &Sample, sample: &Sample) {
+        for (unbalanced, gravity) in self.unbalanced.iter_mut().zip(self.body.gravity_m_s2) {
+            let impulse = self.body.mass_kg * gravity * (sample.time_s - last.time_s);
+            *unbalanced += impulse;
+            self.linear.exchanged += impulse.abs();
         }
     }
 
-    fn own(&mut self, last: &Sample, sample: &Sample) {
+    fn subtract_momentum_change(&mut self, last: &Sample, sample: &Sample) {
         let (before, after) = (&last.bodies[0], &sample.bodies[0]);
         for axis in 0..2 {
-            self.missing[axis] -= self.free.mass_kg * (after.velocity_m_s[axis] - before.velocity_m_s[axis]);
+            self.unbalanced[axis] -= self.body.mass_kg * (after.velocity_m_s[axis] - before.velocity_m_s[axis]);
         }
-        self.missing[2] -= self.free.inertia_kg_m2 * (after.spin_rad_s - before.spin_rad_s);
+        self.unbalanced[2] -= self.body.inertia_kg_m2 * (after.spin_rad_s - before.spin_rad_s);
     }
 
-    fn contact(&mut self, ends: [(&Sample, &ContactSample); 2], friction: Option<FrictionLaw>) {
+    fn add_contact(&mut self, ends: [(&Sample, &ContactSample); 2], friction: Option<FrictionLaw>) {
         let impulse = ends[1].1.impulse_n_s - ends[0].1.impulse_n_s;
         if impulse == 0.0 {
             return;
         }
-        // On the object, opposite to that on what presses; for an impulse of 1.
+        // Force and moment on the object, opposite to those on its partner, per unit of normal impulse.
         let [from, to] = ends.map(|(sample, contact)| {
-            let (normal, tangent, mu) = (contact.normal, contact.tangent(), ratio(contact, friction));
+            let (normal, tangent, mu) = (contact.normal, contact.tangent(), friction_ratio(contact, friction));
             let force = [0, 1].map(|axis| -normal[axis] - mu * tangent[axis]);
             let centre = sample.bodies[0].centre_m;
             let lever = [0, 1].map(|axis| contact.point_m[axis] - centre[axis]);
             [force[0], force[1], lever[0] * force[1] - lever[1] * force[0]]
         });
-        let apart = [0, 1, 2].map(|part| (to[part] - from[part]).abs());
-        for part in 0..3 {
-            self.missing[part] += impulse * 0.5 * (from[part] + to[part]);
+        let change = [0, 1, 2].map(|axis| (to[axis] - from[axis]).abs());
+        for axis in 0..3 {
+            self.unbalanced[axis] += impulse * 0.5 * (from[axis] + to[axis]);
         }
         let (centre, point) = (ends[1].0.bodies[0].centre_m, ends[1].1.point_m);
         let radius = hypot(point[0] - centre[0], point[1] - centre[1]);
-        self.linear.doubt += impulse.abs() * hypot(apart[0], apart[1]);
+        self.linear.uncertainty += impulse.abs() * hypot(change[0], change[1]);
         self.linear.exchanged += impulse.abs();
-        self.angular.doubt += impulse.abs() * apart[2];
+        self.angular.uncertainty += impulse.abs() * change[2];
         self.angular.exchanged += impulse.abs() * radius;
     }
 }
 
-/// F_t / F_n; of surfaces that do not press, what it would be if they did.
-fn ratio(contact: &ContactSample, friction: Option<FrictionLaw>) -> f64 {
+/// F_t / F_n; without a normal force, the ratio that the law gives at this slip.
+fn friction_ratio(contact: &ContactSample, friction: Option<FrictionLaw>) -> f64 {
     if contact.normal_n > 0.0 {
         contact.tangential_n / contact.normal_n
     } else {

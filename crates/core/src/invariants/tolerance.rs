@@ -1,35 +1,36 @@
-//! How much of each invariant a run may miss, by the settings it is made with.
+//! Tolerances of the invariants, from the settings of a run.
 
 use crate::scene::{Engine, Integrator, Response, Stepping};
 use crate::trace::Model;
 
-/// What discretisation leaves of the invariants. Where they hold exactly (finite, nothing pulls) there is no tolerance.
+/// Tolerances due to discretisation. Invariants that hold exactly (finite values, no pulling contact) have none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
-    /// Part of the energy that went through the run.
+    /// Tolerance of energies, as a fraction of the energy throughput.
     pub energy: f64,
-    /// A force may still act where the gap has opened this far, beside what it opens in a step of `step_s`.
+    /// Largest gap at which a contact force is accepted; the opening during a step of `step_s` is added.
     pub gap_m: f64,
-    /// Part of the normal force.
+    /// Tolerance of the friction force, as a fraction of the normal force.
     pub friction: f64,
     pub loop_gap_m: f64,
-    /// Longest step of fixed steps: a force belongs to a whole step, at whose end its surfaces may have parted. 0 where
-    /// steps are as short as contact needs.
+    /// Length of fixed steps; 0 for adaptive steps, which are as short as contacts need. A force acts for a whole step,
+    /// at whose end the surfaces may already be separated.
     pub step_s: f64,
-    /// Whether contacts follow the scene's laws. rapier's own has neither their friction nor a spring that bounds depth.
+    /// Whether contacts follow the scene's laws. rapier's own contact has a different friction law and no spring that
+    /// bounds the depth.
     pub laws: bool,
 }
 
 impl Tolerances {
-    /// Those of a model at its settings; `loop_gap_m` is what the scene allows the engine's joints.
-    pub fn of(model: Model, integrator: &Integrator, engine: &Engine, loop_gap_m: f64) -> Self {
+    /// Tolerances of a model with its settings; `loop_gap_m` is the tolerance of the scene for the engine's joints.
+    pub fn for_settings(model: Model, integrator: &Integrator, engine: &Engine, loop_gap_m: f64) -> Self {
         match model {
             Model::Analytic => Self::analytic(integrator),
             Model::Engine => Self::engine(engine, loop_gap_m),
         }
     }
 
-    /// Contact forces follow the state to rounding; energy is as good as the integration.
+    /// Contact forces follow the state to rounding errors; the energy is as accurate as the integration.
     fn analytic(settings: &Integrator) -> Self {
         Self {
             energy: (10.0 * settings.rtol).max(1e-9),
@@ -41,12 +42,12 @@ impl Tolerances {
         }
     }
 
-    /// Forces belong to a step whose geometry is frozen: they miss what turns meanwhile.
+    /// Forces act for a step with fixed geometry, so they miss rotations within the step.
     fn engine(settings: &Engine, loop_gap_m: f64) -> Self {
         let (energy, gap_m, friction, step_s) = match settings.stepping {
             Stepping::Adaptive { tolerance_m, .. } => {
-                let coarse = (tolerance_m / 1e-7).max(1.0);
-                (1e-3 * coarse.sqrt(), tolerance_m, 0.02, 0.0)
+                let coarsening = (tolerance_m / 1e-7).max(1.0);
+                (1e-3 * coarsening.sqrt(), tolerance_m, 0.02, 0.0)
             }
             // Half of g dt² at the accelerations of these grippers, 1e4 m/s².
             Stepping::Fixed { step_s } => {
@@ -55,7 +56,7 @@ impl Tolerances {
         };
         match settings.response {
             Response::Laws => Self { energy, gap_m, friction, loop_gap_m, step_s, laws: true },
-            // A rigid contact has impulses instead of forces.
+            // Rigid contacts have impulses instead of forces.
             Response::Rapier { .. } => {
                 Self { energy: 1.0, gap_m: f64::INFINITY, friction: f64::INFINITY, loop_gap_m, step_s, laws: false }
             }

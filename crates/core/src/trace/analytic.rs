@@ -1,149 +1,164 @@
-//! Runs the analytic model of a scene and tells a sink about it.
+//! Runs the analytic model of a scene and reports the run to a sink.
 
 use super::grid::Span;
 use super::reading::{Reader, SystemReader};
 use super::recorder::Recorder;
 use super::{Outcome, Reach, RunError, Sink, Work};
-use crate::analytic::multibody::{Multibody, Size};
 #[cfg(feature = "lists")]
-use crate::analytic::multibody::{ROOM, TooMany, of_discs};
-use crate::analytic::{FingerMotion, GUARDS, QUADRATURES};
+use crate::analytic::multibody::{MAX_SIZES, TooLarge, count_moving_discs};
+use crate::analytic::multibody::{Multibody, Size};
+use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
 use crate::integrator::{
     self, Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, State, Tolerances, integrate_by,
 };
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Method, Motor, Scene, Side, System};
 
 /// Simulates `scene` with the analytic model.
 ///
-/// The sink gets a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than its
-/// interval, and at both ends; and every event, in order of time. Runs of grippers with more than 1000 points have 4 to 7 of
-/// those within a step that is longer.
+/// The sink receives a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than
+/// the grid interval, and at both ends; and every event, in order of time. In gripper runs with more than 1000 grid
+/// points, longer steps get 4 to 7 of their grid points.
 ///
-/// A scene with more discs or pairs than the model takes is refused, and one that has an objection ([`System::objection`](crate::scene::System::objection)).
+/// # Errors
+/// Returns an error if the scene has more discs or pairs than the model supports or is unsupported
+/// ([`System::unsupported`](crate::scene::System::unsupported)), the sink fails, or the simulation does not complete.
 pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let (system, span) = (&scene.system, Span::of(scene));
-    if let Some(why) = system.objection() {
-        return Err(none_at_all(why.to_string()));
+    let (system, span) = (&scene.system, Span::from_scene(scene));
+    if let Some(reason) = system.unsupported() {
+        return Err(rejected_scene(reason.to_string()));
     }
     match scene.kind() {
-        SceneKind::Finger if is_closing(system) => match system.holds() {
-            true => finger::<4, 6>(scene, span, sink),
-            false => finger::<2, 4>(scene, span, sink),
+        SceneKind::Finger if fits_finger_kernel(system) => match system.has_stiction() {
+            true => run_finger::<4, 6>(scene, span, sink),
+            false => run_finger::<2, 4>(scene, span, sink),
         },
-        SceneKind::Finger => list(scene, span, sink),
-        SceneKind::Bodies => discs(scene, span, sink),
-        SceneKind::Gripper => gripper(scene, span, sink),
+        SceneKind::Finger => run_general(scene, span, sink),
+        SceneKind::Bodies => run_discs(scene, span, sink),
+        SceneKind::Gripper => run_gripper(scene, span, sink),
     }
 }
 
-/// Two fingers with what they grasp, which have six places, palm and table: of 4, 7 or 8 coordinates, or of up to 16 with the memories of
-/// bristles.
-fn gripper(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+/// Runs two fingers with at most one object, which has six contacts with phalanges, palm and table: 4, 7 or 8
+/// coordinates, or up to 16 with bristle states.
+fn run_gripper(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let system = &scene.system;
-    match (system.discs.len(), system.holds(), Size::of(system).coordinates) {
-        (0 | 1, false, 4) => parts::<4, 8, 10, 24>(scene, span, sink),
-        (0 | 1, false, 7) => parts::<7, 8, 10, 24>(scene, span, sink),
-        (0 | 1, false, 8) => parts::<8, 8, 10, 24>(scene, span, sink),
-        (0 | 1, true, ..=16) => parts::<16, 8, 10, 24>(scene, span, sink),
-        _ => list(scene, span, sink),
+    match (system.discs.len(), system.has_stiction(), Size::of_system(system).coordinates) {
+        (0 | 1, false, 4) => run_multibody::<4, 8, 10, 24>(scene, span, sink),
+        (0 | 1, false, 7) => run_multibody::<7, 8, 10, 24>(scene, span, sink),
+        (0 | 1, false, 8) => run_multibody::<8, 8, 10, 24>(scene, span, sink),
+        (0 | 1, true, ..=16) => run_multibody::<16, 8, 10, 24>(scene, span, sink),
+        _ => run_general(scene, span, sink),
     }
 }
 
-/// Discs alone.
+/// Runs a scene of discs.
 #[cfg(feature = "lists")]
-fn discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    match of_discs(&scene.system).map(|moving| (moving, scene.system.holds())) {
+fn run_discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    match count_moving_discs(&scene.system).map(|moving| (moving, scene.system.has_stiction())) {
         Ok((0, _)) => Ok(Outcome::default()),
-        Ok((_, true)) => parts::<18, 12, 14, 36>(scene, span, sink),
-        Ok((_, false)) => parts::<9, 12, 14, 36>(scene, span, sink),
-        Err(too_many) => Err(too_large(&too_many)),
+        Ok((_, true)) => run_multibody::<18, 12, 14, 36>(scene, span, sink),
+        Ok((_, false)) => run_multibody::<9, 12, 14, 36>(scene, span, sink),
+        Err(error) => Err(too_large(&error)),
     }
 }
 
-/// Anything that has room.
+/// Runs any other system that fits the largest kernel.
 #[cfg(feature = "lists")]
-fn list(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let (of, holds) = (Size::of(&scene.system), scene.system.holds());
-    let most = ROOM[usize::from(holds)];
-    // Coordinates that are not there have no errors: the tolerances make up for their part in the mean of all.
-    let part = (of.coordinates as f64 / most.coordinates as f64).sqrt();
-    match (of.fits(&most), holds) {
-        (false, _) => Err(too_large(&TooMany::Parts { of, most })),
-        (true, false) => parts_within::<{ ROOM[0].coordinates }, 24, 26, 72>(scene, part, span, sink),
-        (true, true) => parts_within::<{ ROOM[1].coordinates }, 24, 26, 72>(scene, part, span, sink),
+fn run_general(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let (size, has_stiction) = (Size::of_system(&scene.system), scene.system.has_stiction());
+    let max_size = MAX_SIZES[usize::from(has_stiction)];
+    // Unused coordinates have no errors; scaled tolerances compensate for their share in the mean over all coordinates.
+    let tolerance_scale = (size.coordinates as f64 / max_size.coordinates as f64).sqrt();
+    match (size.fits(&max_size), has_stiction) {
+        (false, _) => Err(too_large(&TooLarge::Components { size, limit: max_size })),
+        (true, false) => {
+            run_multibody_scaled::<{ MAX_SIZES[0].coordinates }, 24, 26, 72>(scene, tolerance_scale, span, sink)
+        }
+        (true, true) => {
+            run_multibody_scaled::<{ MAX_SIZES[1].coordinates }, 24, 26, 72>(scene, tolerance_scale, span, sink)
+        }
     }
 }
 
+/// Error for a system that exceeds the largest kernel.
 #[cfg(feature = "lists")]
-fn too_large(too_many: &TooMany) -> RunError {
-    none_at_all(format!("{too_many}, or simulate with `--model engine`, which takes any number"))
+fn too_large(error: &TooLarge) -> RunError {
+    rejected_scene(format!("{error}, or simulate with `--model engine`, which takes any number"))
 }
 
 #[cfg(not(feature = "lists"))]
-fn discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    list(scene, span, sink)
+fn run_discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    run_general(scene, span, sink)
 }
 
 #[cfg(not(feature = "lists"))]
-fn list(_: &Scene, _: Span, _: &mut dyn Sink) -> Result<Outcome, RunError> {
-    Err(none_at_all("this build has no analytic model but of a finger and of a gripper with one object".to_string()))
+fn run_general(_: &Scene, _: Span, _: &mut dyn Sink) -> Result<Outcome, RunError> {
+    Err(rejected_scene(
+        "in this build the analytic model supports only a finger and a gripper with one object".to_string(),
+    ))
 }
 
-/// Whether it is one finger that closes on what does not move, driven by a torque alone: the kernel of a finger knows of nothing else.
-fn is_closing(system: &System) -> bool {
+/// Whether the system is one finger that closes on fixed surfaces, driven by a torque alone; the finger kernel supports
+/// nothing else.
+fn fits_finger_kernel(system: &System) -> bool {
     let motor = &system.finger(Side::Right).motor;
-    let by_torque = *motor == Motor::of(motor.actuation.clone());
+    let is_torque_driven = *motor == Motor::from_actuation(motor.actuation.clone());
     system.discs.iter().all(|disc| !disc.motion.moves())
         && system.discs.len() < 2
         && system.palm_motion.is_none()
-        && by_torque
+        && is_torque_driven
 }
 
-/// A run that ends before it begins.
-pub(super) fn none_at_all(reason: String) -> RunError {
+/// Error for a scene rejected before integration.
+pub(super) fn rejected_scene(reason: String) -> RunError {
     let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
-    RunError::Simulation { failure, so_far: Box::default() }
+    RunError::Simulation { failure, partial_outcome: Box::default() }
 }
 
-fn finger<const N: usize, const W: usize>(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+/// Runs a scene with the finger kernel.
+fn run_finger<const N: usize, const W: usize>(
+    scene: &Scene,
+    span: Span,
+    sink: &mut dyn Sink,
+) -> Result<Outcome, RunError> {
     let model = FingerMotion::<N, W>::new(&scene.system);
     let start = FingerMotion::<N, W>::start(&scene.system);
-    simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, (span, None), sink)
+    simulate::<_, _, N, QUADRATURES, EVENT_FUNCTIONS>(&model, &model, start, &scene.integrator, (span, None), sink)
 }
 
-/// Of a system that has room in N coordinates and C contacts, with Z quadratures and G guards.
-fn parts<const N: usize, const C: usize, const Z: usize, const G: usize>(
+/// Runs a system of up to N coordinates and C contacts, with Z quadratures and G event functions.
+fn run_multibody<const N: usize, const C: usize, const Z: usize, const G: usize>(
     scene: &Scene,
     span: Span,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, RunError> {
-    parts_within::<N, C, Z, G>(scene, 1.0, span, sink)
+    run_multibody_scaled::<N, C, Z, G>(scene, 1.0, span, sink)
 }
 
-/// The same, with a part of all tolerances.
-fn parts_within<const N: usize, const C: usize, const Z: usize, const G: usize>(
+/// Runs such a system with all tolerances multiplied by `tolerance_scale`.
+fn run_multibody_scaled<const N: usize, const C: usize, const Z: usize, const G: usize>(
     scene: &Scene,
-    part: f64,
+    tolerance_scale: f64,
     span: Span,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, RunError> {
-    let asked = &scene.integrator;
+    let requested = &scene.integrator;
     let settings = Integrator {
-        atol_angle_rad: part * asked.atol_angle_rad,
-        atol_rate_rad_s: part * asked.atol_rate_rad_s,
-        rtol: part * asked.rtol,
-        ..*asked
+        atol_angle_rad: tolerance_scale * requested.atol_angle_rad,
+        atol_rate_rad_s: tolerance_scale * requested.atol_rate_rad_s,
+        rtol: tolerance_scale * requested.rtol,
+        ..*requested
     };
     let model = Multibody::<N, C>::new(&scene.system);
     let reader = SystemReader { model: &model, system: &scene.system };
     let start = model.start::<Z>(&scene.system);
-    let until = (span, Reach::of(&scene.system));
-    simulate::<_, _, N, Z, G>(&model, &reader, start, &settings, until, sink)
+    let end = (span, Reach::from_system(&scene.system));
+    simulate::<_, _, N, Z, G>(&model, &reader, start, &settings, end, sink)
 }
 
-/// Integrates a model from `start` to the end of the span, or to where the object leaves the reach of the fingers, and shows what `reader`
-/// makes of it.
+/// Integrates a model from `start` to the end of the span, or to where the object leaves the reach of the fingers, and
+/// records the samples that `reader` produces.
 fn simulate<M, R, const N: usize, const Z: usize, const G: usize>(
     model: &M,
     reader: &R,
@@ -157,7 +172,7 @@ where
     R: Reader<N, Z, Mode = M::Mode>,
 {
     let options = options(settings);
-    let mode = model.read_mode(0.0, &start.q, &start.v);
+    let mode = model.mode_at(0.0, &start.q, &start.v);
     let mut recorder = Recorder::new(reader, mode, &start, (span, reach), sink);
     recorder.begin()?;
     let method: RadauOrRodas<N, Z> = match settings.method {
@@ -167,7 +182,9 @@ where
     let end = integrate_by(method, model, &options, 0.0, start, span.end_s, &mut recorder);
     let outcome = recorder.finish(&end.state, work(&end.counters))?;
     match end.result {
-        Err(failure) if outcome.ejected_s.is_none() => Err(RunError::Simulation { failure, so_far: Box::new(outcome) }),
+        Err(failure) if outcome.ejected_s.is_none() => {
+            Err(RunError::Simulation { failure, partial_outcome: Box::new(outcome) })
+        }
         _ => Ok(outcome),
     }
 }

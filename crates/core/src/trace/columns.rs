@@ -1,19 +1,19 @@
-//! The figures of a sample in columns, every one with its SI unit: what `replay --csv` writes and what a
-//! [`Recording`](super::Recording) keeps.
+//! Columns of a sample, each with its SI unit: written by `replay --csv` and stored by a
+//! [`Recording`](super::Recording).
 
 use super::{BodyState, ContactSample, Energy, FingerState, Layout, Sample};
 
-/// A figure of a sample.
+/// One value of a sample.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// With its unit, such as `distal_normal_n`.
+    /// Name with unit, such as `distal_normal_n`.
     pub name: String,
-    get: Get,
+    get: Accessor,
 }
 
-/// How a figure is read off a sample; the number is that of the finger, body or contact.
+/// How a value is read from a sample; the number is the index of the finger, body or contact.
 #[derive(Clone, Copy, Debug)]
-enum Get {
+enum Accessor {
     Time,
     Finger(usize, fn(&FingerState) -> f64),
     Body(usize, fn(&BodyState) -> f64),
@@ -21,11 +21,11 @@ enum Get {
     Energy(fn(&Energy) -> f64),
 }
 
-/// The figures of one kind of part, by name and unit.
-type Figures<T> = [(&'static str, fn(&T) -> f64)];
+/// Names and accessors of the values of one kind of component.
+type NamedAccessors<T> = [(&'static str, fn(&T) -> f64)];
 
 const TIME: &str = "time_s";
-const FINGER: &Figures<FingerState> = &[
+const FINGER: &NamedAccessors<FingerState> = &[
     ("q11_rad", |finger| finger.q11_rad),
     ("q21_rad", |finger| finger.q21_rad),
     ("q12_rad", |finger| finger.q12_rad),
@@ -37,7 +37,7 @@ const FINGER: &Figures<FingerState> = &[
     ("qd22_rad_s", |finger| finger.qd22_rad_s),
     ("motor_torque_n_m", |finger| finger.motor_torque_n_m),
 ];
-const BODY: &Figures<BodyState> = &[
+const BODY: &NamedAccessors<BodyState> = &[
     ("x_m", |body| body.centre_m[0]),
     ("y_m", |body| body.centre_m[1]),
     ("angle_rad", |body| body.angle_rad),
@@ -45,7 +45,7 @@ const BODY: &Figures<BodyState> = &[
     ("vy_m_s", |body| body.velocity_m_s[1]),
     ("spin_rad_s", |body| body.spin_rad_s),
 ];
-const SURFACE: &Figures<ContactSample> = &[
+const SURFACE: &NamedAccessors<ContactSample> = &[
     ("gap_m", |contact| contact.gap_m),
     ("gap_rate_m_s", |contact| contact.gap_rate_m_s),
     ("slip_m_s", |contact| contact.slip_m_s),
@@ -57,14 +57,14 @@ const SURFACE: &Figures<ContactSample> = &[
     ("normal_x", |contact| contact.normal[0]),
     ("normal_y", |contact| contact.normal[1]),
 ];
-/// Of a contact whose gap is an angle.
-const STOP: &Figures<ContactSample> = &[
+/// Columns of a contact whose gap is an angle.
+const STOP: &NamedAccessors<ContactSample> = &[
     ("gap_rad", |contact| contact.gap_m),
     ("gap_rate_rad_s", |contact| contact.gap_rate_m_s),
     ("torque_n_m", |contact| contact.normal_n),
     ("impulse_n_m_s", |contact| contact.impulse_n_s),
 ];
-const ENERGY: &Figures<Energy> = &[
+const ENERGY: &NamedAccessors<Energy> = &[
     ("kinetic_j", |energy| energy.kinetic_j),
     ("gravity_j", |energy| energy.gravity_j),
     ("spring_j", |energy| energy.spring_j),
@@ -75,46 +75,53 @@ const ENERGY: &Figures<Energy> = &[
 ];
 
 impl Column {
-    /// Where there is nothing to touch a gap is infinite, and no figure of the contact is a number.
+    /// Returns the value in a sample; NaN for contacts that do not exist, whose gap is infinite.
     pub fn value(&self, sample: &Sample) -> f64 {
         match self.get {
-            Get::Time => sample.time_s,
-            Get::Finger(index, of) => of(&sample.fingers[index]),
-            Get::Body(index, of) => of(&sample.bodies[index]),
-            Get::Contact(index, of) => {
+            Accessor::Time => sample.time_s,
+            Accessor::Finger(index, get) => get(&sample.fingers[index]),
+            Accessor::Body(index, get) => get(&sample.bodies[index]),
+            Accessor::Contact(index, get) => {
                 let contact = &sample.contacts[index];
-                if contact.gap_m.is_finite() { of(contact) } else { f64::NAN }
+                if contact.gap_m.is_finite() { get(contact) } else { f64::NAN }
             }
-            Get::Energy(of) => of(&sample.energy),
+            Accessor::Energy(get) => get(&sample.energy),
         }
     }
 }
 
-/// The columns of samples of this layout: the time, the fingers, the bodies, the contacts, the energies.
+/// Returns the columns of samples of this layout: time, fingers, bodies, contacts, energies.
 pub fn columns(layout: &Layout) -> Vec<Column> {
-    let mut columns = vec![Column { name: TIME.to_string(), get: Get::Time }];
+    let mut columns = vec![Column { name: TIME.to_string(), get: Accessor::Time }];
     for (index, name) in layout.fingers.iter().enumerate() {
-        part(&mut columns, name, FINGER, |of| Get::Finger(index, of));
+        add_columns(&mut columns, name, FINGER, |value| Accessor::Finger(index, value));
     }
     for (index, name) in layout.bodies.iter().enumerate() {
-        part(&mut columns, name, BODY, |of| Get::Body(index, of));
+        add_columns(&mut columns, name, BODY, |value| Accessor::Body(index, value));
     }
-    for (index, place) in layout.contacts.iter().enumerate() {
-        part(&mut columns, &place.name, if place.angular { STOP } else { SURFACE }, |of| Get::Contact(index, of));
+    for (index, contact) in layout.contacts.iter().enumerate() {
+        add_columns(&mut columns, &contact.name, if contact.is_angular { STOP } else { SURFACE }, |value| {
+            Accessor::Contact(index, value)
+        });
     }
-    part(&mut columns, "", ENERGY, Get::Energy);
+    add_columns(&mut columns, "", ENERGY, Accessor::Energy);
     columns
 }
 
-fn part<T>(columns: &mut Vec<Column>, name: &str, figures: &Figures<T>, get: impl Fn(fn(&T) -> f64) -> Get) {
-    for &(figure, of) in figures {
-        let name = if name.is_empty() { figure.to_string() } else { format!("{name}_{figure}") };
-        columns.push(Column { name, get: get(of) });
+fn add_columns<T>(
+    columns: &mut Vec<Column>,
+    name: &str,
+    fields: &NamedAccessors<T>,
+    get: impl Fn(fn(&T) -> f64) -> Accessor,
+) {
+    for &(field, value) in fields {
+        let name = if name.is_empty() { field.to_string() } else { format!("{name}_{field}") };
+        columns.push(Column { name, get: get(value) });
     }
 }
 
-/// Whether these are the columns of samples: time first, the energies last, whatever is between.
-pub fn are_of_samples(columns: &[&str]) -> bool {
+/// Whether these are columns of samples: time first and the energies last.
+pub fn are_sample_columns(columns: &[&str]) -> bool {
     let energies = ENERGY.iter().map(|(name, _)| name);
     columns.first() == Some(&TIME)
         && columns.len() > ENERGY.len()

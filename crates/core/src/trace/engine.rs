@@ -1,84 +1,88 @@
-//! Runs the engine model of a scene and tells a sink about it.
+//! Runs the engine model of a scene and reports the run to a sink.
 
 use super::engine_recorder::EngineRecorder;
-use super::follow::Follow;
 use super::grid::Span;
+use super::step_observer::StepObserver;
 use super::{Outcome, RunError, Sink, SinkError};
-use crate::engine::{Motion, StepError, Tolerance, build, next, plan};
+use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{Construction, Engine, Scene, Stepping};
 
-/// Contact sub-steps that the step budget allows, per step: a step of a hard contact may take 100,000 of them, so that a
-/// budget of steps alone would not bound the time a run takes. Ordinary runs need one to four.
+/// Contact sub-steps allowed per step of the budget. A step with hard contacts can take 100,000 sub-steps, so a budget
+/// of steps alone would not bound the computing time. Ordinary runs need one to four.
 const SUBSTEPS_PER_STEP: u64 = 10;
 
-/// The shortest part of a step that is tried where the step would tear joints apart.
-const SHORTEST_PART: f64 = 1e-9;
+/// Smallest fraction of a step that is tried when longer steps would open the joints too far.
+const MIN_STEP_FRACTION: f64 = 1e-9;
 
-/// Simulates `scene` with the engine model, as `scene.engine` says.
+/// Simulates `scene` with the engine model and the settings in `scene.engine`.
 ///
-/// `scene.engine.max_steps` is a budget of steps, and of ten times as many contact sub-steps.
+/// `scene.engine.max_steps` limits the number of steps, and ten times as many contact sub-steps.
 ///
-/// The sink gets a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps: what is logged does
-/// not change the run), at every step shorter than its interval, and at both ends; and every event, in order of time.
+/// The sink receives a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps, so logging
+/// does not change the run), at every step shorter than the grid interval, and at both ends; and every event, in order
+/// of time.
+///
+/// # Errors
+/// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    if let Some(why) = scene.system.objection() {
-        return Err(unstarted(why.to_string(), Outcome::default()));
+    if let Some(reason) = scene.system.unsupported() {
+        return Err(start_failure(reason.to_string(), Outcome::default()));
     }
     let Scene { system, engine, .. } = scene;
     let kind = scene.kind();
-    let unmoved = || if kind == SceneKind::Finger { Outcome::of_unmoved_finger() } else { Outcome::default() };
-    let plan = plan(system).map_err(|side| {
+    let initial_outcome = || if kind == SceneKind::Finger { Outcome::stationary_finger() } else { Outcome::default() };
+    let plan = build_plan(system).map_err(|side| {
         let reason = match kind {
             SceneKind::Gripper => {
-                format!("the links of the {} finger do not close their loop at these initial angles", side.word())
+                format!("the links of the {} finger do not close their loop at these initial angles", side.name())
             }
             _ => "the links do not close the loop at these initial angles; choose others".to_string(),
         };
-        unstarted(reason, unmoved())
+        start_failure(reason, initial_outcome())
     })?;
     if kind == SceneKind::Gripper && engine.construction == Construction::Reduced {
         let reason = "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string();
-        return Err(unstarted(reason, unmoved()));
+        return Err(start_failure(reason, initial_outcome()));
     }
-    let world = build(&plan, engine.construction, engine.response, engine.iterations);
+    let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
     match Motion::new(&plan, world) {
         Ok(motion) => simulate(motion, scene, sink),
-        Err(error) => Err(unstarted(error.to_string(), unmoved())),
+        Err(error) => Err(start_failure(error.to_string(), initial_outcome())),
     }
 }
 
-/// A run that could not be started, and all there is of it.
-fn unstarted(reason: String, so_far: Outcome) -> RunError {
+/// Error for a run that could not be started, with its outcome.
+fn start_failure(reason: String, outcome: Outcome) -> RunError {
     let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
-    RunError::Simulation { failure, so_far: Box::new(so_far) }
+    RunError::Simulation { failure, partial_outcome: Box::new(outcome) }
 }
 
-/// Simulates the motion of a scene.
+/// Simulates a scene from its initial motion.
 fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let span = Span::of(scene);
+    let span = Span::from_scene(scene);
     let mut recorder = EngineRecorder::new(scene, &motion, span, sink);
     recorder.begin(&motion)?;
-    let broken = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
+    let failure_reason = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
     let time_s = motion.clock.now();
     let outcome = recorder.finish()?;
-    match broken {
+    match failure_reason {
         Some(reason) if outcome.ejected_s.is_none() => {
-            Err(RunError::Simulation { failure: Failure { time_s, reason }, so_far: Box::new(outcome) })
+            Err(RunError::Simulation { failure: Failure { time_s, reason }, partial_outcome: Box::new(outcome) })
         }
         _ => Ok(outcome),
     }
 }
 
-/// Steps to the end of the run, and shows every step to `follow`; says why where it does not get there.
+/// Steps to the end of the run and reports every step to `observer`; returns the reason if the run does not get there.
 fn step_through(
     motion: &mut Motion,
     settings: &Engine,
     end_s: f64,
-    follow: &mut impl Follow,
+    observer: &mut impl StepObserver,
 ) -> Result<Option<Reason>, SinkError> {
-    motion.contact.tolerance = Tolerance::of(settings.stepping);
+    motion.contact.tolerance = Tolerance::from_stepping(settings.stepping);
     if let Stepping::Adaptive { tolerance_m, .. } = settings.stepping {
         motion.tolerance_m = tolerance_m;
     }
@@ -91,33 +95,33 @@ fn step_through(
         if substeps >= budget {
             return Ok(Some(Reason::SubstepBudget { budget, steps }));
         }
-        let stop_s = end_s.min(motion.clock.now() + follow.exit_in_s());
-        let dt = next(motion, settings.stepping, stop_s);
-        if let Err(error) = advance(motion, dt, &|| follow.proceed()) {
-            return Ok(Some(match follow.proceed() {
+        let stop_s = end_s.min(motion.clock.now() + observer.time_to_exit_s());
+        let dt = next_step(motion, settings.stepping, stop_s);
+        if let Err(error) = advance(motion, dt, &|| observer.should_continue()) {
+            return Ok(Some(match observer.should_continue() {
                 true => Reason::Obstacle(error.to_string()),
                 false => Reason::Stopped,
             }));
         }
         steps += 1;
         substeps += u64::from(motion.contact.substeps);
-        follow.step(motion)?;
-        if let Some(reason) = follow.broken() {
+        observer.step(motion)?;
+        if let Some(reason) = observer.failure() {
             return Ok(Some(Reason::Obstacle(reason.to_string())));
         }
-        if !follow.proceed() {
+        if !observer.should_continue() {
             return Ok(Some(Reason::Stopped));
         }
     }
     Ok(None)
 }
 
-/// One step, shorter than `dt` where that would tear the joints apart.
-fn advance(motion: &mut Motion, dt: f64, go_on: &dyn Fn() -> bool) -> Result<(), StepError> {
-    let mut tried = dt;
+/// Takes one step, shorter than `dt` if it would open the joints too far.
+fn advance(motion: &mut Motion, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
+    let mut trial_dt = dt;
     loop {
-        match motion.advance_while(tried, go_on) {
-            Err(StepError::TooLong { .. }) if tried > SHORTEST_PART * dt => tried *= 0.25,
+        match motion.advance_while(trial_dt, keep_running) {
+            Err(StepError::TooLong { .. }) if trial_dt > MIN_STEP_FRACTION * dt => trial_dt *= 0.25,
             result => return result,
         }
     }

@@ -1,301 +1,316 @@
-//! Turns the steps of the engine model into samples, events and summary figures.
+//! Converts the steps of the engine model into samples, events and summary figures.
 
-use super::engine_reading::{self as reading, contact, stored};
-use super::follow::Follow;
+use super::consistency::ConsistencyCheck;
+use super::contact_tracker::{ContactTracker, ReportedEvent};
+use super::engine_reading::{self as reading, sample_contact, stored_energy};
 use super::grid::{Grid, Span};
-use super::moments::Moments;
 use super::sample::OVERLAP_ROUNDING;
-use super::soundness::Soundness;
-use super::tracked::{Told, Tracked};
+use super::step_extrema::StepExtrema;
+use super::step_observer::StepObserver;
 use super::{ContactSample, Energy, Event, Outcome, Reach, Sample, Sink, SinkError, Work};
-use crate::engine::{Change, ChangeKind, Motion, RESTING, Site};
+use crate::engine::{ActiveContact, Change, ChangeKind, Motion, ZERO_RATE};
 use crate::scene::{Scene, System};
 
+/// Observer that records an engine run.
 pub(super) struct EngineRecorder<'a> {
     system: &'a System,
     sink: &'a mut dyn Sink,
     grid: Grid,
     end_s: f64,
-    /// The region whose boundary ends the run, and when the object left it.
+    /// Region whose boundary ends the run.
     reach: Option<Reach>,
+    /// Time at which the object left the region.
     ejected_s: Option<f64>,
     start_energy: Energy,
-    places: Vec<Tracked>,
-    /// Which of them have the normal turned round that the plan has.
-    turned: Vec<bool>,
+    trackers: Vec<ContactTracker>,
+    /// Contacts whose sampled normal is opposite to that of the plan.
+    flipped: Vec<bool>,
     last: Sample,
-    /// Room for the end of the step at hand, for a sample at a change or an extreme within it, and for one on the grid.
+    /// Buffer for the sample at the end of the current step.
     node: Sample,
+    /// Buffer for a sample at a change or extremum within the step.
     within: Sample,
+    /// Buffer for a sample on the grid.
     point: Sample,
     emitted_s: f64,
-    moments: Moments,
+    step_extrema: StepExtrema,
     work: Work,
     loop_gap_m: f64,
-    soundness: Soundness,
-    broken: Option<String>,
+    consistency: ConsistencyCheck,
+    failure: Option<String>,
 }
 
 impl<'a> EngineRecorder<'a> {
-    /// Of a motion of a scene.
+    /// Creates a recorder for a motion of a scene at its start.
     pub fn new(scene: &'a Scene, motion: &Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
         let system = &scene.system;
-        let start_energy = stored(motion);
-        let turned = reading::turned(system);
-        let places = vec![Tracked::default(); turned.len()];
+        let start_energy = stored_energy(motion);
+        let flipped = reading::flipped_normals(system);
+        let trackers = vec![ContactTracker::default(); flipped.len()];
         let mut last = Sample::default();
-        read(system, motion, start_energy.since(&start_energy, 0.0, 0.0), (&places, &turned), &mut last);
+        read_node(system, motion, start_energy.relative_to(&start_energy, 0.0, 0.0), (&trackers, &flipped), &mut last);
         Self {
             system,
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
-            reach: Reach::of(system),
+            reach: Reach::from_system(system),
             ejected_s: None,
             last,
             node: Sample::default(),
             within: Sample::default(),
             point: Sample::default(),
             start_energy,
-            places,
-            turned,
+            trackers,
+            flipped,
             emitted_s: 0.0,
-            moments: Moments::default(),
+            step_extrema: StepExtrema::default(),
             work: Work::default(),
-            loop_gap_m: motion.linkage.gap(),
-            soundness: Soundness::new(system, scene.engine.stepping, start_energy),
-            broken: None,
+            loop_gap_m: motion.linkage.max_pin_opening(),
+            consistency: ConsistencyCheck::new(system, scene.engine.stepping, start_energy),
+            failure: None,
         }
     }
 
-    /// Contacts that are there from the start, and the first sample.
+    /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
-        for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0 && touch.has_gap()) {
-            let Some(place) = motion.plan.place(touch.index) else { continue };
-            let contact = self.last.contacts[place];
-            // Surfaces that just touch and recede overlap by rounding only.
-            if contact.gap_m >= -OVERLAP_ROUNDING && contact.gap_rate_m_s > RESTING {
+        for candidate in motion.candidates.iter().filter(|candidate| candidate.gap < 0.0 && candidate.has_gap()) {
+            let Some(channel) = motion.plan.contact_channel(candidate.index) else { continue };
+            let contact = self.last.contacts[channel];
+            // The overlap of surfaces that just touch and recede is rounding error.
+            if contact.gap_m >= -OVERLAP_ROUNDING && contact.gap_rate_m_s > ZERO_RATE {
                 continue;
             }
-            self.change(place, ChangeKind::Meets, 0.0, contact.approach_at_start(), 0.0)?;
-            self.places[place].summary.take(self.last.contacts[place].pressed());
+            self.process_change(channel, ChangeKind::Closes, 0.0, contact.approach_at_start(), 0.0)?;
+            self.trackers[channel].summary.update(self.last.contacts[channel].force_and_penetration());
         }
         self.sink.sample(&self.last)
     }
 
-    /// One step: its events, its samples, its figures.
+    /// Processes one step: emits its events and samples and updates the summary.
     pub fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
         let (end_s, dt) = (motion.clock.now(), motion.last_dt_s);
         self.work.steps += 1;
         self.work.contact_substeps += u64::from(motion.contact.substeps);
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
-        let gap_m = motion.linkage.gap();
+        let gap_m = motion.linkage.max_pin_opening();
         self.loop_gap_m = self.loop_gap_m.max(gap_m);
-        let mut now = std::mem::take(&mut self.node);
-        let energy = stored(motion).since(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
-        self.broken = self.soundness.take(&energy, gap_m, dt);
-        read(self.system, motion, energy, (&self.places, &self.turned), &mut now);
-        self.meet_between_steps(motion, end_s - dt)?;
-        self.find_extremes(motion);
+        let mut node = std::mem::take(&mut self.node);
+        let energy = stored_energy(motion).relative_to(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
+        self.failure = self.consistency.check(&energy, gap_m, dt);
+        read_node(self.system, motion, energy, (&self.trackers, &self.flipped), &mut node);
+        self.record_touch_downs_between_steps(motion, end_s - dt)?;
+        self.find_extrema(motion);
         for index in 0..motion.contact.changes.len() {
-            let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
-            let Some(place) = motion.plan.place(motion.space.sites[site].touch.index) else { continue };
+            let Change { after_s, contact, kind, closing, impulse } = motion.contact.changes[index];
+            let Some(channel) = motion.plan.contact_channel(motion.space.active_contacts[contact].candidate.index)
+            else {
+                continue;
+            };
             let time_s = end_s - dt + after_s;
-            self.pass_extremes(&now, dt, after_s)?;
-            if kind == ChangeKind::Meets && !self.places[place].touching {
-                self.pass_touch(motion, &now, place, time_s, closing)?;
+            self.emit_extrema_before(&node, dt, after_s)?;
+            if kind == ChangeKind::Closes && !self.trackers[channel].is_touching {
+                self.emit_touch_down(motion, &node, channel, time_s, closing)?;
             }
-            self.change(place, kind, time_s, closing, impulse)?;
+            self.process_change(channel, kind, time_s, closing, impulse)?;
         }
-        self.pass_extremes(&now, dt, dt)?;
-        for place in 0..self.places.len() {
-            self.close_step(motion, place, end_s)?;
+        self.emit_extrema_before(&node, dt, dt)?;
+        for channel in 0..self.trackers.len() {
+            self.finish_step(motion, channel, end_s)?;
         }
-        // A step that is none ends the run by itself.
-        let is_sound = self.broken.is_none();
-        if is_sound && self.is_touched() && self.reach.is_some_and(|reach| reach.leaves(&self.last, &now)) {
+        // An inconsistent step ends the run as a failure instead.
+        let is_consistent = self.failure.is_none();
+        if is_consistent && self.is_object_touched() && self.reach.is_some_and(|reach| reach.leaves(&self.last, &node))
+        {
             self.ejected_s = Some(end_s);
         }
-        self.node = now;
-        self.emit(dt)
+        self.node = node;
+        self.emit_step(dt)
     }
 
     /// Whether something has touched the object.
-    fn is_touched(&self) -> bool {
-        let touched = |(index, place): (usize, &Tracked)| place.summary.touchdowns > 0 && !self.last.is_stop(index);
-        self.places.iter().enumerate().any(touched)
+    fn is_object_touched(&self) -> bool {
+        let has_touched =
+            |(index, tracker): (usize, &ContactTracker)| tracker.summary.touchdowns > 0 && !self.last.is_stop(index);
+        self.trackers.iter().enumerate().any(has_touched)
     }
 
-    /// Surfaces that the last step left apart, in its frozen geometry, or that the run starts with, and that overlap where this
-    /// one starts. What recedes has just been left, and overlaps by rounding.
-    fn meet_between_steps(&mut self, motion: &Motion, start_s: f64) -> Result<(), SinkError> {
-        let meets = |at: &&Site| at.touch.gap <= 0.0 && motion.space.closes(at);
-        for at in motion.space.sites.iter().filter(meets) {
-            let closing = (-motion.space.rate[at.normal]).max(0.0);
-            let Some(place) = motion.plan.place(at.touch.index) else { continue };
-            self.change(place, ChangeKind::Meets, start_s, closing, 0.0)?;
+    /// Records touch-downs of surfaces that the last step left separated in its frozen geometry, or that the run starts
+    /// with, and that overlap at the start of this step. Receding surfaces have just separated, and overlap by rounding
+    /// only.
+    fn record_touch_downs_between_steps(&mut self, motion: &Motion, start_s: f64) -> Result<(), SinkError> {
+        let has_closed = |contact: &&ActiveContact| contact.candidate.gap <= 0.0 && motion.space.is_closing(contact);
+        for contact in motion.space.active_contacts.iter().filter(has_closed) {
+            let closing = (-motion.space.rate[contact.normal]).max(0.0);
+            let Some(channel) = motion.plan.contact_channel(contact.candidate.index) else { continue };
+            self.process_change(channel, ChangeKind::Closes, start_s, closing, 0.0)?;
         }
         Ok(())
     }
 
-    /// Finds where in the step a contact is deeper, or presses harder, than ever before.
-    fn find_extremes(&mut self, motion: &Motion) {
-        self.moments.clear();
-        for (place, tracked) in self.places.iter_mut().enumerate() {
-            let Some(index) = motion.plan.index(place) else { continue };
-            let within = motion.contact_extremes(index);
-            let depth = motion.touches.iter().find(|touch| touch.index == index).map_or(0.0, |touch| -touch.gap);
+    /// Finds the instants of the step at which a penetration or a contact force exceeds all earlier values.
+    fn find_extrema(&mut self, motion: &Motion) {
+        self.step_extrema.clear();
+        for (channel, tracker) in self.trackers.iter_mut().enumerate() {
+            let Some(index) = motion.plan.element_index(channel) else { continue };
+            let within = motion.contact_extrema(index);
+            let depth = motion
+                .candidates
+                .iter()
+                .find(|candidate| candidate.index == index)
+                .map_or(0.0, |candidate| -candidate.gap);
             let end = [motion.forces(index).0, depth];
-            self.moments.take(place, &mut tracked.summary, within, motion.last_dt_s, end);
+            self.step_extrema.add_contact(channel, &mut tracker.summary, within, motion.last_dt_s, end);
         }
-        self.moments.sort();
+        self.step_extrema.sort();
     }
 
-    /// Samples at the extremes of a step of length `dt` that come before `after_s`.
-    fn pass_extremes(&mut self, now: &Sample, dt: f64, after_s: f64) -> Result<(), SinkError> {
-        while let Some((place, moment)) = self.moments.before(after_s) {
-            let time_s = now.time_s - dt + moment.after_s;
+    /// Emits samples at the extrema of a step of length `dt` that lie before `after_s`.
+    fn emit_extrema_before(&mut self, now: &Sample, dt: f64, after_s: f64) -> Result<(), SinkError> {
+        while let Some((channel, extremum)) = self.step_extrema.next_before(after_s) {
+            let time_s = now.time_s - dt + extremum.after_s;
             let sample = &mut self.within;
-            sample.become_between(&self.last, now, time_s);
-            sample.contacts[place].at(&moment, self.places[place].impulse);
-            while let Some((other, at_once)) = self.moments.along(moment.after_s) {
-                sample.contacts[other].at(&at_once, self.places[other].impulse);
+            sample.interpolate_from(&self.last, now, time_s);
+            sample.contacts[channel].set_extremum(&extremum, self.trackers[channel].impulse);
+            while let Some((other, simultaneous)) = self.step_extrema.next_at(extremum.after_s) {
+                sample.contacts[other].set_extremum(&simultaneous, self.trackers[other].impulse);
             }
             if time_s > self.emitted_s && time_s < now.time_s {
                 self.emit_grid(now, time_s)?;
-                take(&mut self.places, &self.within);
+                update_summaries(&mut self.trackers, &self.within);
                 self.sink.extreme(&self.within)?;
             }
         }
         Ok(())
     }
 
-    /// A sample at a touch within the step: up to here the place has had no impulse and the bodies have moved freely, from
-    /// here on not.
-    fn pass_touch(
+    /// Emits a sample at a touch-down within the step: up to here the contact has had no impulse and the bodies have
+    /// moved freely.
+    fn emit_touch_down(
         &mut self,
         motion: &Motion,
         now: &Sample,
-        place: usize,
+        channel: usize,
         time_s: f64,
         closing: f64,
     ) -> Result<(), SinkError> {
         if time_s <= self.last.time_s {
             return Ok(());
         }
-        let mut touch = std::mem::take(&mut self.within);
-        touch.become_between(&self.last, now, time_s);
-        reading::fly(self.system, &mut touch, &self.last, motion);
-        for (contact, before) in touch.contacts.iter_mut().zip(&self.last.contacts) {
-            contact.press_on(before);
+        let mut sample = std::mem::take(&mut self.within);
+        sample.interpolate_from(&self.last, now, time_s);
+        reading::extrapolate(self.system, &mut sample, &self.last, motion);
+        for (contact, before) in sample.contacts.iter_mut().zip(&self.last.contacts) {
+            contact.set_before_touch_down_elsewhere(before);
         }
-        touch.contacts[place].not_yet_pressed(&self.last.contacts[place], closing);
-        self.emit_grid(&touch, time_s)?;
+        sample.contacts[channel].set_touch_down(&self.last.contacts[channel], closing);
+        self.emit_grid(&sample, time_s)?;
         self.emitted_s = time_s;
-        take(&mut self.places, &touch);
-        self.sink.sample(&touch)?;
-        // Whatever comes until the end of the step comes at the rates after the impact.
-        touch.take_rates(now);
-        self.within = std::mem::replace(&mut self.last, touch);
+        update_summaries(&mut self.trackers, &sample);
+        self.sink.sample(&sample)?;
+        // The rest of the step has the rates after the impact.
+        sample.copy_rates(now);
+        self.within = std::mem::replace(&mut self.last, sample);
         Ok(())
     }
 
-    /// Impulse of one place over the step, and changes that fell between two steps.
-    fn close_step(&mut self, motion: &Motion, place: usize, end_s: f64) -> Result<(), SinkError> {
-        let Some(index) = motion.plan.index(place) else { return Ok(()) };
+    /// Adds the impulse of one contact over the step, and processes changes between two steps.
+    fn finish_step(&mut self, motion: &Motion, channel: usize, end_s: f64) -> Result<(), SinkError> {
+        let Some(index) = motion.plan.element_index(channel) else { return Ok(()) };
         let force = motion.forces(index).0;
-        if force > 0.0 && !self.places[place].touching {
-            // rapier's own contact tells of no touch-down, and a step that began with an overlap has passed it.
-            let native = motion.native.iter().find(|native| native.index == index);
-            let closing = native.map_or(0.0, |native| native.closing);
-            self.change(place, ChangeKind::Meets, end_s - motion.last_dt_s, closing, 0.0)?;
+        if force > 0.0 && !self.trackers[channel].is_touching {
+            // rapier's own contact reports no touch-down, and a step that began with an overlap has passed it.
+            let rapier_contact = motion.rapier_contacts.iter().find(|contact| contact.index == index);
+            let closing_rate = rapier_contact.map_or(0.0, |contact| contact.closing_rate);
+            self.process_change(channel, ChangeKind::Closes, end_s - motion.last_dt_s, closing_rate, 0.0)?;
         }
-        let tracked = &mut self.places[place];
-        if let Some(touch) = motion.touches.iter().find(|touch| touch.index == index) {
-            tracked.touching &= !touch.is_apart() || force > 0.0;
+        let tracker = &mut self.trackers[channel];
+        if let Some(candidate) = motion.candidates.iter().find(|candidate| candidate.index == index) {
+            tracker.is_touching &= !candidate.is_separated() || force > 0.0;
         }
-        tracked.add_step(motion.normal_impulse(index));
-        if let Some(kind) = tracked.unnoticed(force) {
-            self.change(place, kind, end_s, 0.0, 0.0)?;
+        tracker.add_step(motion.normal_impulse(index));
+        if let Some(kind) = tracker.change_between_steps(force) {
+            self.process_change(channel, kind, end_s, 0.0, 0.0)?;
         }
-        // Between two steps directions turn, and a bristle may have come over the end of its cone.
-        let slips = self.places[place].slip(motion.slips(index));
-        slips.map_or(Ok(()), |told| self.tell(place, end_s, told))
+        // The contact normal turns between two steps, so a bristle may have crossed the edge of its friction cone.
+        let slip_event = self.trackers[channel].update_slip(motion.is_slipping(index));
+        slip_event.map_or(Ok(()), |event| self.emit_event(channel, end_s, event))
     }
 
-    /// A change of one place; `impulse` is that of the present step up to here.
-    fn change(
+    /// Processes a change of one contact; `impulse` is the impulse of the current step so far.
+    fn process_change(
         &mut self,
-        place: usize,
+        channel: usize,
         kind: ChangeKind,
         time_s: f64,
         closing: f64,
         impulse: f64,
     ) -> Result<(), SinkError> {
-        let changed = self.places[place].change(kind, time_s, closing, impulse);
-        changed.map_or(Ok(()), |told| self.tell(place, time_s, told))
+        let event = self.trackers[channel].process_change(kind, time_s, closing, impulse);
+        event.map_or(Ok(()), |event| self.emit_event(channel, time_s, event))
     }
 
-    fn tell(&mut self, contact: usize, time_s: f64, told: Told) -> Result<(), SinkError> {
-        let Told { kind, approach: approach_speed, impulse } = told;
+    /// Emits an event, after the last sample if that has not been emitted.
+    fn emit_event(&mut self, contact: usize, time_s: f64, event: ReportedEvent) -> Result<(), SinkError> {
+        let ReportedEvent { kind, approach: approach_speed, impulse } = event;
         let event = Event { time_s, contact, kind, approach_speed, impulse };
-        if kind.is_of_friction() {
+        if kind.is_friction_event() {
             return self.sink.event(&event);
         }
         self.work.events += 1;
-        // Rates jump soon after an event: whoever interpolates needs the sample just before it.
+        // Rates jump after an event: interpolation needs the sample just before it.
         if self.emitted_s < self.last.time_s {
             self.emitted_s = self.last.time_s;
-            take(&mut self.places, &self.last);
+            update_summaries(&mut self.trackers, &self.last);
             self.sink.sample(&self.last)?;
         }
         self.sink.event(&event)
     }
 
-    /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short, extremes lie
-    /// there, or the run is over.
-    fn emit(&mut self, dt: f64) -> Result<(), SinkError> {
+    /// Emits the samples of one step, or of the rest of it: the grid points inside it, and its end if the step is
+    /// short, an extremum lies there, or the run is over.
+    fn emit_step(&mut self, dt: f64) -> Result<(), SinkError> {
         let now = std::mem::take(&mut self.node);
         let time_s = now.time_s;
         self.emit_grid(&now, time_s)?;
         self.node = std::mem::replace(&mut self.last, now);
-        if self.grid.takes_end(time_s, dt) || time_s >= self.end_s {
+        if self.grid.includes_end(time_s, dt) || time_s >= self.end_s {
             self.emitted_s = time_s;
-            take(&mut self.places, &self.last);
+            update_summaries(&mut self.trackers, &self.last);
             self.sink.sample(&self.last)
-        } else if self.moments.at_end {
-            take(&mut self.places, &self.last);
+        } else if self.step_extrema.at_end {
+            update_summaries(&mut self.trackers, &self.last);
             self.sink.extreme(&self.last)
         } else {
             Ok(())
         }
     }
 
-    /// The grid points before `until_s`, between the last sample and `end`.
+    /// Emits the grid points before `until_s`, between the last sample and `end`.
     fn emit_grid(&mut self, end: &Sample, until_s: f64) -> Result<(), SinkError> {
-        while let Some(t) = self.grid.before(until_s) {
-            // A grid can be so fine that one step holds millions of its points.
-            if !self.sink.proceed() {
+        while let Some(t) = self.grid.next_before(until_s) {
+            // A fine grid can have millions of points within one step.
+            if !self.sink.should_continue() {
                 break;
             }
             if t > self.last.time_s {
                 self.emitted_s = t;
-                self.point.become_between(&self.last, end, t);
-                take(&mut self.places, &self.point);
+                self.point.interpolate_from(&self.last, end, t);
+                update_summaries(&mut self.trackers, &self.point);
                 self.sink.sample(&self.point)?;
             }
         }
         Ok(())
     }
 
-    /// The last sample, if the run broke off between grid points, and the summary.
+    /// Emits the last sample if the run ended between grid points, and returns the summary.
     pub fn finish(mut self) -> Result<Outcome, SinkError> {
         if self.emitted_s < self.last.time_s {
-            take(&mut self.places, &self.last);
+            update_summaries(&mut self.trackers, &self.last);
             self.sink.sample(&self.last)?;
         }
-        let contacts = self.places.iter().map(|tracked| tracked.summary).collect();
+        let contacts = self.trackers.iter().map(|tracker| tracker.summary).collect();
         Ok(Outcome {
             last: self.last,
             contacts,
@@ -306,48 +321,54 @@ impl<'a> EngineRecorder<'a> {
     }
 }
 
-/// By rounding, and where a step has frozen the geometry, a sample can be above the extremes within the steps.
-fn take(places: &mut [Tracked], sample: &Sample) {
-    places.iter_mut().zip(&sample.contacts).for_each(|(tracked, contact)| tracked.summary.take(contact.pressed()));
+/// Updates the maxima with a sample: by rounding and frozen geometry, it can exceed the extrema found within the steps.
+fn update_summaries(trackers: &mut [ContactTracker], sample: &Sample) {
+    trackers
+        .iter_mut()
+        .zip(&sample.contacts)
+        .for_each(|(tracker, contact)| tracker.summary.update(contact.force_and_penetration()));
 }
 
-/// The node as a sample, where these are its energies and its places of contact up to the start of the step.
-fn read(
+/// Reads the node into a sample, given its energies and the contact states up to the start of the step.
+fn read_node(
     system: &System,
     motion: &Motion,
     energy: Energy,
-    (places, turned): (&[Tracked], &[bool]),
+    (trackers, flipped): (&[ContactTracker], &[bool]),
     sample: &mut Sample,
 ) {
     sample.time_s = motion.clock.now();
-    reading::read(system, motion, sample);
+    reading::read_state(system, motion, sample);
     sample.contacts.clear();
-    sample.contacts.extend(places.iter().zip(turned).enumerate().map(|(place, (tracked, turned))| {
-        let index = motion.plan.index(place);
-        // Before the first step there is none.
-        let stepped = index.filter(|_| motion.last_dt_s > 0.0);
-        let impulse = tracked.impulse + stepped.map_or(0.0, |index| motion.normal_impulse(index));
-        let contact = contact(motion, index, impulse);
-        ContactSample { normal: if *turned { contact.normal.map(|part| -part) } else { contact.normal }, ..contact }
+    sample.contacts.extend(trackers.iter().zip(flipped).enumerate().map(|(channel, (tracker, flipped))| {
+        let index = motion.plan.element_index(channel);
+        // There is no step impulse before the first step.
+        let stepped_index = index.filter(|_| motion.last_dt_s > 0.0);
+        let impulse = tracker.impulse + stepped_index.map_or(0.0, |index| motion.normal_impulse(index));
+        let contact = sample_contact(motion, index, impulse);
+        ContactSample {
+            normal: if *flipped { contact.normal.map(|component| -component) } else { contact.normal },
+            ..contact
+        }
     }));
     sample.energy = energy;
 }
 
-impl Follow for EngineRecorder<'_> {
+impl StepObserver for EngineRecorder<'_> {
     fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
         EngineRecorder::step(self, motion)
     }
 
-    fn exit_in_s(&self) -> f64 {
-        let object = self.last.bodies.first().filter(|_| self.is_touched());
-        self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.exit_in_s(object))
+    fn time_to_exit_s(&self) -> f64 {
+        let object = self.last.bodies.first().filter(|_| self.is_object_touched());
+        self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(object))
     }
 
-    fn broken(&self) -> Option<&str> {
-        self.broken.as_deref()
+    fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
     }
 
-    fn proceed(&self) -> bool {
-        self.ejected_s.is_none() && self.sink.proceed()
+    fn should_continue(&self) -> bool {
+        self.ejected_s.is_none() && self.sink.should_continue()
     }
 }

@@ -1,20 +1,20 @@
-//! Why a run did not get to its end.
+//! Errors of a run.
 
 use super::{Outcome, SinkError};
 use crate::integrator::{Failure, Reason};
 
-/// Why a run did not get to its end.
+/// Reason why a run did not complete.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     #[error(transparent)]
     Sink(#[from] SinkError),
-    /// The simulation could not be completed; `so_far` is the run up to there, which the sink has in full.
+    /// The simulation failed; `partial_outcome` summarises the run up to the failure. The sink has received all of it.
     #[error("the simulation could not be completed {failure}")]
-    Simulation { failure: Failure, so_far: Box<Outcome> },
+    Simulation { failure: Failure, partial_outcome: Box<Outcome> },
 }
 
 impl RunError {
-    /// Whether the run ended because its sink said so, see [`Sink::proceed`](super::Sink::proceed).
+    /// Whether the run was cancelled by its sink, see [`Sink::should_continue`](super::Sink::should_continue).
     pub fn is_stop(&self) -> bool {
         matches!(self, RunError::Simulation { failure: Failure { reason: Reason::Stopped, .. }, .. })
     }

@@ -1,57 +1,60 @@
-//! What the samples of a scene consist of, by name.
+//! Names of the parts of a scene's samples.
 
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Disc, Side, System};
 
-/// The fingers, bodies and contacts of a scene's samples, in their order.
+/// Names of the fingers, bodies and contacts of a scene's samples, in their order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
-    /// A finger that is alone has no name.
+    /// Names of the fingers; the name of a single finger is empty.
     pub fingers: Vec<String>,
     pub bodies: Vec<String>,
-    pub contacts: Vec<Place>,
+    pub contacts: Vec<ContactChannel>,
 }
 
-/// A place of contact.
+/// One contact of a sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct ContactChannel {
     pub name: String,
-    /// Whether its gap is an angle, as that of a joint limit is: for m read rad, for N read N·m.
-    pub angular: bool,
+    /// Whether the gap is an angle, as for a joint limit: read rad for m and N·m for N.
+    pub is_angular: bool,
 }
 
 impl Layout {
-    /// Of what is simulated: contacts in the order of [`System::touching`].
-    pub fn of(system: &System) -> Self {
-        let place = |of| Place { name: system.touching_name(of), angular: of.is_stop() };
+    /// Returns the layout of a system; contacts are in the order of [`System::touching`].
+    pub fn from_system(system: &System) -> Self {
+        let channel = |id| ContactChannel { name: system.contact_name(id), is_angular: id.is_stop() };
         Self {
-            bodies: system.told_discs().iter().map(|disc| disc.name.clone()).collect(),
-            contacts: system.touching().into_iter().map(place).collect(),
-            ..Self::of_fingers(system.fingers.len())
+            bodies: system.reported_discs().iter().map(|disc| disc.name.clone()).collect(),
+            contacts: system.contact_ids().into_iter().map(channel).collect(),
+            ..Self::from_finger_count(system.fingers.len())
         }
     }
 
-    /// Of a kind of scene, as far as that alone says it: not of discs, which have names.
-    pub fn of_kind(kind: SceneKind) -> Self {
+    /// Returns the layout implied by a kind of scene alone; discs, whose names come from the scene, are missing.
+    pub fn from_kind(kind: SceneKind) -> Self {
         match kind {
             SceneKind::Bodies => Self::default(),
-            SceneKind::Finger => Self::of_fingers(1),
-            SceneKind::Gripper => Self { bodies: vec![Disc::OBJECT.to_string()], ..Self::of_fingers(2) },
+            SceneKind::Finger => Self::from_finger_count(1),
+            SceneKind::Gripper => Self { bodies: vec![Disc::OBJECT.to_string()], ..Self::from_finger_count(2) },
         }
     }
 
-    fn of_fingers(count: usize) -> Self {
-        let place = |of: &scene::Place| Place { name: of.name_among(count), angular: of.is_stop() };
+    fn from_finger_count(count: usize) -> Self {
+        let channel = |contact: &scene::GripperContact| ContactChannel {
+            name: contact.name_for(count),
+            is_angular: contact.is_stop(),
+        };
         let sides = Side::BOTH.iter().take(count);
         Layout {
-            fingers: sides.map(|side| if count == 1 { String::new() } else { side.word().to_string() }).collect(),
+            fingers: sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect(),
             bodies: Vec::new(),
-            contacts: scene::Place::of_fingers(count).iter().map(place).collect(),
+            contacts: scene::GripperContact::for_fingers(count).iter().map(channel).collect(),
         }
     }
 
-    /// The contacts between surfaces, by their index: all but the stops of joints.
+    /// Indices of the contacts between surfaces, that is all except joint limits.
     pub fn surfaces(&self) -> impl Iterator<Item = usize> + '_ {
-        self.contacts.iter().enumerate().filter(|(_, place)| !place.angular).map(|(index, _)| index)
+        self.contacts.iter().enumerate().filter(|(_, channel)| !channel.is_angular).map(|(index, _)| index)
     }
 }

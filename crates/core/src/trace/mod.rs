@@ -1,20 +1,26 @@
-//! What a simulation says, whichever model made it and whatever it simulates: samples, events, and the sinks that take them.
+//! Output of a simulation, independent of model and scene kind: samples, events, and the sinks that receive them.
 //!
 //! | file | job |
 //! |---|---|
-//! | `sample`, `outcome` | one instant, the events between instants, and what remains in the end |
-//! | `layout`, `columns` | what the samples of a scene consist of: its fingers, bodies and contacts by name, its figures with their units |
-//! | `model`, `overrides` | the two models behind one face; a run that is made otherwise than its scene says |
-//! | `sink`, `thin`, `recording` | who takes a run: everything, what a log keeps, arrays |
-//! | `between`, `grid` | a sample between two others; the even grid of times |
-//! | `analytic`, `recorder`, `search`, `reading` | runs of the analytic model, and how its states are read |
-//! | `gate` | runs that end when they are told to |
+//! | `sample`, `outcome` | one instant and the events between instants; the summary of a finished run |
+//! | `layout`, `columns` | names of the fingers, bodies and contacts of a sample; its values as named columns with units |
+//! | `model`, `overrides` | common interface of both models; settings of a run that replace those of its scene |
+//! | `sink`, `decimator`, `recording` | receivers of a run; the samples stored in a log; recording as arrays |
+//! | `interpolation`, `grid` | interpolation between two samples; the uniform sampling grid |
+//! | `analytic`, `recorder`, `peak_search`, `slip_events`, `reading` | runs of the analytic model; conversion of its states to samples |
+//! | `cancellation` | cancellable runs |
 //! | `reach` | the region that the fingers of a gripper can reach |
-//! | `engine`, `engine_recorder`, `moments`, `tracked`, `engine_reading` | runs of the engine, and how its nodes are read |
+//! | `engine`, `step_observer`, `engine_recorder`, `engine_reading` | runs of the engine; conversion of its nodes to samples |
+//! | `contact_tracker`, `step_extrema`, `consistency` | engine contacts through time; extrema within a step; joint and energy checks |
 
 mod analytic;
-mod between;
+mod cancellation;
 pub mod columns;
+#[cfg(feature = "engine")]
+mod consistency;
+#[cfg(feature = "engine")]
+mod contact_tracker;
+mod decimator;
 #[cfg(feature = "engine")]
 mod engine;
 #[cfg(feature = "engine")]
@@ -22,42 +28,37 @@ mod engine_reading;
 #[cfg(feature = "engine")]
 mod engine_recorder;
 mod error;
-#[cfg(feature = "engine")]
-mod follow;
-mod gate;
 mod grid;
+mod interpolation;
 mod layout;
 mod model;
-#[cfg(feature = "engine")]
-mod moments;
 mod outcome;
 pub mod overrides;
+mod peak_search;
 mod reach;
 mod reading;
 mod recorder;
 mod recording;
 mod sample;
-mod search;
 mod sink;
-mod slipping;
+mod slip_events;
 #[cfg(feature = "engine")]
-mod soundness;
-mod thin;
+mod step_extrema;
 #[cfg(feature = "engine")]
-mod tracked;
+mod step_observer;
 
 pub use analytic::run_analytic;
-pub use between::between;
+pub use cancellation::{Cancellable, KeepRunning};
+pub use decimator::{Decimated, Decimator};
 #[cfg(feature = "engine")]
 pub use engine::run_engine;
 pub use error::RunError;
-pub use gate::{GoOn, While};
-pub use layout::{Layout, Place};
+pub use interpolation::interpolate;
+pub use layout::{ContactChannel, Layout};
 pub use model::{Model, run};
 pub use outcome::{ContactSummary, Outcome, Work};
 pub use reach::Reach;
 pub use recording::{Recording, record};
-pub use sample::{BodyState, ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
-pub use sink::{Sink, SinkError, Wants};
-pub use slipping::MOST_FRICTION_EVENTS;
-pub use thin::{Thin, Thinned};
+pub use sample::{BodyState, ContactSample, Energy, Event, EventKind, FingerContact, FingerState, Sample};
+pub use sink::{RequiredData, Sink, SinkError};
+pub use slip_events::MAX_FRICTION_EVENTS;

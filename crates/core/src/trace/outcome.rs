@@ -1,77 +1,81 @@
-//! What remains of a run when it is over: figures found on the dense output, and what it cost.
+//! Summary of a finished run: extrema found on the dense output, and computational cost.
 
 use serde::Serialize;
 
-use super::{Sample, Site};
+use super::{FingerContact, Sample};
 
-/// The history of one contact in a few figures. For the limit of a joint, read rad for m and N·m for N.
+/// Summary of one contact. For a joint limit, read rad for m and N·m for N.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Time of the first touch-down, when the depth δ crosses 0 upward; `None` if contact never happened. A run that starts with an
-    /// overlap, with a force or without, or with a gap of 0 that closes, has `Some(0.0)`.
+    /// Time of the first touch-down, when the depth δ crosses 0 upward; `None` without contact. It is `Some(0.0)` for a
+    /// run that starts with an overlap, with or without a force, or with a zero gap that closes.
     pub first_s: Option<f64>,
     pub touchdowns: u32,
-    /// Largest normal force, searched on the dense output.
+    /// Largest normal force, found on the dense output.
     pub peak_normal_n: f64,
-    /// Largest overlap δ, with or without a force; 0 if there never was one. [`ContactSummary::depth_m`] says whether it was a contact.
+    /// Largest overlap δ, with or without a force; 0 if there was none. [`ContactSummary::depth_m`] excludes overlaps
+    /// without contact.
     pub max_penetration_m: f64,
     /// ∫ F_n dt over the run.
     pub impulse_n_s: f64,
-    /// How often friction that holds began to slip.
+    /// Number of slip onsets of bristle friction.
     pub slips: u32,
 }
 
-/// An overlap without a touch-down that is deeper than this is no rounding, m (limit: rad): 1 nm, what the analytic model lands on.
-const PASSED: f64 = 1e-9;
+/// Overlap without a touch-down above which surfaces count as having passed through each other, m (limit: rad): 1 nm,
+/// the tolerance of event location in the analytic model.
+const MIN_UNDETECTED_OVERLAP: f64 = 1e-9;
 
 impl ContactSummary {
-    /// Whether the surfaces overlapped although no touch-down was found: steps too long for a fast body let it pass through another
-    /// one. There was no contact then, and the overlap is no depth of one.
+    /// Whether the surfaces overlapped although no touch-down was found (tunnelling): the steps were too long for a
+    /// fast body. The overlap is then not a contact depth.
     pub fn passed_through(&self) -> bool {
-        self.touchdowns == 0 && self.max_penetration_m > PASSED
+        self.touchdowns == 0 && self.max_penetration_m > MIN_UNDETECTED_OVERLAP
     }
 
-    /// Largest depth δ of the contact, with or without a force; `None` where the surfaces passed through each other unnoticed.
+    /// Returns the largest depth δ of the contact, with or without a force; `None` if the surfaces passed through each
+    /// other.
     pub fn depth_m(&self) -> Option<f64> {
         (!self.passed_through()).then_some(self.max_penetration_m)
     }
 
-    /// Takes a penetration; true if it is the largest so far.
-    pub(super) fn deepen(&mut self, delta_m: f64) -> bool {
-        let deeper = delta_m > self.max_penetration_m;
+    /// Updates the largest penetration; returns true if it grew.
+    pub(super) fn update_max_penetration(&mut self, delta_m: f64) -> bool {
+        let is_deeper = delta_m > self.max_penetration_m;
         self.max_penetration_m = self.max_penetration_m.max(delta_m);
-        deeper
+        is_deeper
     }
 
-    /// Takes force and penetration of a sample.
-    pub fn take(&mut self, (normal_n, delta_m): (f64, f64)) {
-        self.press(normal_n);
-        self.deepen(delta_m);
+    /// Updates both maxima with force and penetration of a sample.
+    pub fn update(&mut self, (normal_n, delta_m): (f64, f64)) {
+        self.update_peak_force(normal_n);
+        self.update_max_penetration(delta_m);
     }
 
-    /// Takes a normal force; true if it is the largest so far.
-    pub(super) fn press(&mut self, normal_n: f64) -> bool {
-        let harder = normal_n > self.peak_normal_n;
+    /// Updates the largest normal force; returns true if it grew.
+    pub(super) fn update_peak_force(&mut self, normal_n: f64) -> bool {
+        let is_larger = normal_n > self.peak_normal_n;
         self.peak_normal_n = self.peak_normal_n.max(normal_n);
-        harder
+        is_larger
     }
 }
 
-/// What a run cost. Counters of the model that has no such thing stay 0.
+/// Computational cost of a run. Counters that do not apply to a model stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Work {
     /// Accepted steps.
     #[serde(skip)]
     pub steps: u64,
-    /// Steps repeated because the error was too large, to land on an event, or to approach a fold.
+    /// Steps repeated because the error was too large, to locate an event, or to approach a fold.
     #[serde(rename = "rejected_steps")]
     pub rejected: u64,
     pub rhs_evaluations: u64,
     pub jacobian_evaluations: u64,
     /// Events: touch-downs, lift-offs and reloads of any contact.
     pub events: u64,
-    /// Sub-steps of the engine's contact solver, and Newton iterations in them.
+    /// Sub-steps of the engine's contact solver.
     pub contact_substeps: u64,
+    /// Newton iterations of the engine's contact solver.
     pub newton_iterations: u64,
 }
 
@@ -79,28 +83,28 @@ pub struct Work {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     pub last: Sample,
-    /// In the order of the contacts of a sample.
+    /// Summaries in the order of the contacts of a sample.
     pub contacts: Vec<ContactSummary>,
     pub work: Work,
-    /// Largest opening of a joint; 0 for the analytic model, whose loop is closed by construction, and where there is no joint.
+    /// Largest opening of a joint; 0 without joints, and for the analytic model, whose loop is closed by construction.
     pub loop_gap_m: f64,
-    /// When the object of a gripper was thrown out of it, which ends the run; `None` otherwise.
+    /// Time at which the object was ejected from the gripper, which ends the run; `None` otherwise.
     pub ejected_s: Option<f64>,
 }
 
 impl Outcome {
-    /// Of a finger that did not begin to move: all figures zero.
+    /// Returns the outcome of a finger that did not start: all values are zero.
     #[cfg(feature = "engine")]
-    pub(super) fn of_unmoved_finger() -> Self {
-        let contacts = vec![ContactSummary::default(); Site::ALL.len()];
-        Outcome { last: Sample::of_finger(), contacts, ..Outcome::default() }
+    pub(super) fn stationary_finger() -> Self {
+        let contacts = vec![ContactSummary::default(); FingerContact::ALL.len()];
+        Outcome { last: Sample::with_one_finger(), contacts, ..Outcome::default() }
     }
 
-    /// A contact of the first finger.
+    /// Returns a contact of the first finger.
     ///
     /// # Panics
-    /// If there is no finger.
-    pub fn site(&self, site: Site) -> &ContactSummary {
+    /// Panics if there is no finger.
+    pub fn finger_contact(&self, site: FingerContact) -> &ContactSummary {
         &self.contacts[site as usize]
     }
 }

@@ -1,8 +1,8 @@
-//! How a scene is run otherwise than it says: what `phalanx run` takes as flags. What would do nothing is refused.
+//! Settings that override those of a scene, such as the flags of `phalanx run`. Settings without effect are rejected.
 
 use super::Model;
-use crate::scene::table::{self, Table};
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
+use crate::scene::table::{self, SettingsSection};
 use crate::scene::{Construction, Engine, Integrator, LogRates, Preset, Scene};
 use crate::units::{self, Dimension};
 
@@ -13,58 +13,59 @@ const NUMERIC_RATE: &str = "a rate must be more than 0; expected a frequency suc
 const PICTURE_RATE: &str = "a rate must be at least 0; expected a frequency such as \"5 kHz\", or \"0 Hz\" for none";
 const DURATION: &str = "a run must be longer than 0; expected a time such as \"30 ms\"";
 
-/// Settings of a run in place of those of its scene. Texts are as in a scene file.
+/// Settings of a run that replace those of its scene. Texts have the format of a scene file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     /// Method and tolerances of the analytic model.
     pub preset: Option<Preset>,
-    /// Relative tolerance of the analytic model; absolute ones are scaled along.
+    /// Relative tolerance of the analytic model; absolute tolerances are scaled with it.
     pub rtol: Option<String>,
     /// Coordinates of the engine model.
     pub construction: Option<Construction>,
     /// Fixed step of the engine model.
     pub step: Option<String>,
-    /// Adaptive steps of the engine model: how far a joint may open in one.
+    /// Adaptive steps of the engine model: largest joint opening per step.
     pub tolerance: Option<String>,
     /// Length of the run.
     pub duration_s: Option<f64>,
-    /// Samples a second of simulated time.
+    /// Samples per second of simulated time.
     pub numeric_rate: Option<String>,
-    /// Pictures a second of simulated time.
+    /// Pictures per second of simulated time.
     pub picture_rate: Option<String>,
 }
 
 impl Overrides {
-    /// Puts the settings into a scene.
+    /// Applies the settings to a scene.
     ///
     /// # Errors
-    /// A setting of the model that does not run or of another kind of scene, or one that asks for more samples than a run may have.
+    /// Returns an error if a setting belongs to the other model or to another kind of scene, or requests more samples
+    /// than a run may have.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), String> {
         if self.construction == Some(Construction::Reduced) {
-            let why = match scene.kind() {
+            let reason = match scene.kind() {
                 SceneKind::Finger => None,
                 SceneKind::Bodies => {
-                    Some("a scene of discs has none; leave it out: every disc moves freely in the engine")
+                    Some("a scene of discs has no joints; leave the flag out: every disc moves freely in the engine")
                 }
-                SceneKind::Gripper => {
-                    Some("those of one finger only; leave it out: every body moves freely in the engine")
-                }
+                SceneKind::Gripper => Some(
+                    "they are available for one finger only; leave the flag out: every body moves freely in the engine",
+                ),
             };
-            if let Some(why) = why {
-                return Err(format!("--construction reduced makes coordinates of joints, and {why}"));
+            if let Some(reason) = reason {
+                return Err(format!("--construction reduced uses joint coordinates, and {reason}"));
             }
         }
-        self.refuse_idle(model)?;
+        self.reject_unused(model)?;
         if let Some(preset) = self.preset {
-            scene.integrate_by(preset);
+            scene.apply_preset(preset);
         }
         let Scene { duration_s: scene_duration_s, log, integrator, engine, .. } = scene;
         if let Some(construction) = self.construction {
             engine.construction = construction;
         }
-        put(integrator, "integrator", [("rtol", &self.rtol)])?;
-        put(engine, "engine", [("step", &self.step), ("tolerance", &self.tolerance)])?;
-        put(log, "log", [("numeric_rate", &self.numeric_rate), ("picture_rate", &self.picture_rate)])?;
+        set_fields(integrator, "integrator", [("rtol", &self.rtol)])?;
+        set_fields(engine, "engine", [("step", &self.step), ("tolerance", &self.tolerance)])?;
+        set_fields(log, "log", [("numeric_rate", &self.numeric_rate), ("picture_rate", &self.picture_rate)])?;
         if let Some(duration_s) = self.duration_s {
             *scene_duration_s = duration_s;
         }
@@ -72,17 +73,15 @@ impl Overrides {
             None => Ok(()),
             Some(excess) => {
                 let flag = if excess.pictures { "--picture-rate" } else { "--numeric-rate" };
-                Err(format!("{excess}; give {flag} \"{}\" or a shorter --duration", excess.remedy_rate()))
+                Err(format!("{excess}; use {flag} \"{}\" or a shorter --duration", excess.suggested_rate()))
             }
         }
     }
 
-    /// Refuses settings that the model would not look at.
-    fn refuse_idle(&self, model: Model) -> Result<(), String> {
+    /// Rejects settings that the model does not use.
+    fn reject_unused(&self, model: Model) -> Result<(), String> {
         if self.step.is_some() && self.tolerance.is_some() {
-            return Err(
-                "--step makes steps of one length and --tolerance chooses them: leave one of them out".to_string()
-            );
+            return Err("--step sets a fixed step and --tolerance adapts the step: leave one of them out".to_string());
         }
         let (flags, other) = match model {
             Model::Analytic => (
@@ -97,10 +96,10 @@ impl Overrides {
                 ([("--preset", self.preset.is_some()), ("--rtol", self.rtol.is_some()), ("", false)], Model::Analytic)
             }
         };
-        match flags.iter().find(|(_, given)| *given) {
+        match flags.iter().find(|(_, is_given)| *is_given) {
             Some((flag, _)) => Err(format!(
-                "{flag} is a setting of the {} model and would do nothing here, where the {} model runs; leave {flag} out or \
-                 say --model {}",
+                "{flag} is a setting of the {} model and has no effect here, because the {} model runs; leave {flag} out or \
+                 use --model {}",
                 other.name(),
                 model.name(),
                 other.name()
@@ -110,69 +109,69 @@ impl Overrides {
     }
 }
 
-/// Checks a relative tolerance; gives back its text.
+/// Checks a relative tolerance and returns its text.
 ///
 /// # Errors
-/// What is allowed.
+/// Returns an error if the text is not an allowed value; the message says what is allowed.
 pub fn rtol(text: &str) -> Result<String, String> {
-    field::<Integrator>("integrator", "rtol", RTOL, text)
+    check_field::<Integrator>("integrator", "rtol", RTOL, text)
 }
 
-/// Checks a step of the engine, see [`rtol`].
+/// Checks a fixed step of the engine, see [`rtol`].
 ///
 /// # Errors
-/// What is allowed.
+/// Returns an error if the text is not an allowed value; the message says what is allowed.
 pub fn step(text: &str) -> Result<String, String> {
-    field::<Engine>("engine", "step", STEP, text)
+    check_field::<Engine>("engine", "step", STEP, text)
 }
 
 /// Checks a tolerance of the engine, see [`rtol`].
 ///
 /// # Errors
-/// What is allowed.
+/// Returns an error if the text is not an allowed value; the message says what is allowed.
 pub fn tolerance(text: &str) -> Result<String, String> {
-    field::<Engine>("engine", "tolerance", TOLERANCE, text)
+    check_field::<Engine>("engine", "tolerance", TOLERANCE, text)
 }
 
-/// Checks a rate of samples, see [`rtol`].
+/// Checks a sampling rate, see [`rtol`].
 ///
 /// # Errors
-/// What is allowed.
+/// Returns an error if the text is not an allowed value; the message says what is allowed.
 pub fn numeric_rate(text: &str) -> Result<String, String> {
-    field::<LogRates>("log", "numeric_rate", NUMERIC_RATE, text)
+    check_field::<LogRates>("log", "numeric_rate", NUMERIC_RATE, text)
 }
 
-/// Checks a rate of pictures, see [`rtol`].
+/// Checks a picture rate, see [`rtol`].
 ///
 /// # Errors
-/// What is allowed.
+/// Returns an error if the text is not an allowed value; the message says what is allowed.
 pub fn picture_rate(text: &str) -> Result<String, String> {
-    field::<LogRates>("log", "picture_rate", PICTURE_RATE, text)
+    check_field::<LogRates>("log", "picture_rate", PICTURE_RATE, text)
 }
 
-/// The length of a run, in s.
+/// Parses the duration of a run, in s.
 ///
 /// # Errors
-/// What is allowed.
+/// Returns an error if the text is not an allowed value; the message says what is allowed.
 pub fn duration(text: &str) -> Result<f64, String> {
-    units::positive(text, Dimension::Time, DURATION)
+    units::parse_positive(text, Dimension::Time, DURATION)
 }
 
-/// A value of a field, read as a scene reads it; `wanted` says what is allowed.
-fn field<T: Table>(path: &str, key: &str, wanted: &str, text: &str) -> Result<String, String> {
-    match table::set(&mut T::usual(), path, key, text) {
+/// Checks a field value as in a scene file; `expected` describes the allowed values.
+fn check_field<T: SettingsSection>(path: &str, key: &str, expected: &str, text: &str) -> Result<String, String> {
+    match table::set(&mut T::defaults(), path, key, text) {
         Ok(true) => Ok(text.to_string()),
-        Ok(false) => Err(wanted.to_string()),
-        Err(error) => Err(format!("{error}; {wanted}")),
+        Ok(false) => Err(expected.to_string()),
+        Err(error) => Err(format!("{error}; {expected}")),
     }
 }
 
-/// Puts what is given in place of what the scene says.
-fn put<T: Table, const N: usize>(
+/// Replaces the fields of a section by the given values.
+fn set_fields<T: SettingsSection, const N: usize>(
     section: &mut T,
     path: &str,
-    given: [(&str, &Option<String>); N],
+    values: [(&str, &Option<String>); N],
 ) -> Result<(), String> {
-    let mut given = given.into_iter().filter_map(|(key, text)| Some((key, text.as_ref()?)));
-    given.try_for_each(|(key, text)| table::set(section, path, key, text).map(drop))
+    let mut values = values.into_iter().filter_map(|(key, text)| Some((key, text.as_ref()?)));
+    values.try_for_each(|(key, text)| table::set(section, path, key, text).map(drop))
 }

@@ -1,44 +1,49 @@
-//! Turns the steps of the analytic model into samples, events and summary figures.
+//! Converts the steps of the analytic model into samples, events and summary figures.
 
 use super::grid::{Grid, Span};
+use super::peak_search::{BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, StepPeaks, bisect, parabola_peak};
 use super::reading::Reader;
-use super::search::{BISECTIONS, Marks, SEARCH_FROM, bisect, parabola_peak};
-use super::slipping::Slipping;
-use super::{ContactSummary, Energy, Event, EventKind, Outcome, Reach, Sample, Sink, SinkError, Wants, Work};
-use crate::analytic::SiteState;
+use super::slip_events::SlipEvents;
+use super::{ContactSummary, Energy, Event, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
+use crate::analytic::ContactState;
 use crate::integrator::{Observer, State, Step, StepTools};
 
-/// One place of contact through time.
+/// Record of one contact through time.
 #[derive(Clone, Copy, Debug, Default)]
-struct Place {
+struct ContactRecord {
     summary: ContactSummary,
     /// Impulse at the last touch-down.
     impulse_before: f64,
-    slipping: Slipping,
+    slip_events: SlipEvents,
 }
 
+/// Observer that records a run of the analytic model.
 pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> {
     reader: &'a R,
     sink: &'a mut dyn Sink,
-    wants: Wants,
+    required_data: RequiredData,
     grid: Grid,
     end_s: f64,
-    /// The region whose boundary ends the run, and when the object left it.
+    /// Region whose boundary ends the run.
     reach: Option<Reach>,
+    /// Time at which the object left the region.
     ejected_s: Option<f64>,
     mode: R::Mode,
     start_energy: Energy,
-    places: Vec<Place>,
-    /// What is wanted at the end of the last step, and the state and mode it is read of.
+    contact_records: Vec<ContactRecord>,
+    /// Sample at the end of the last step.
     last: Sample,
+    /// State from which `last` was read.
     last_state: State<N, Z>,
+    /// Mode from which `last` was read.
     last_mode: R::Mode,
-    /// Room for the end of the step at hand, and for a sample within it.
+    /// Buffer for the sample at the end of the current step.
     end: Sample,
+    /// Buffer for a sample within the step.
     within: Sample,
-    /// Time up to which the sink has samples.
+    /// Time up to which samples have been emitted.
     emitted_s: f64,
-    marks: Marks,
+    peaks: StepPeaks,
     error: Option<SinkError>,
 }
 
@@ -51,12 +56,12 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         sink: &'a mut dyn Sink,
     ) -> Self {
         let mut last = Sample::default();
-        reader.read(0.0, start, &mode, &Energy::default(), Wants::ALL, &mut last);
+        reader.read(0.0, start, &mode, &Energy::default(), RequiredData::ALL, &mut last);
         let start_energy = last.energy;
-        reader.read(0.0, start, &mode, &start_energy, Wants::ALL, &mut last);
+        reader.read(0.0, start, &mode, &start_energy, RequiredData::ALL, &mut last);
         Self {
             reader,
-            wants: sink.wants(),
+            required_data: sink.required_data(),
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
@@ -64,29 +69,29 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             ejected_s: None,
             mode,
             start_energy,
-            places: vec![Place::default(); last.contacts.len()],
+            contact_records: vec![ContactRecord::default(); last.contacts.len()],
             last,
             last_state: *start,
             last_mode: mode,
             end: Sample::default(),
             within: Sample::default(),
             emitted_s: 0.0,
-            marks: Marks::default(),
+            peaks: StepPeaks::default(),
             error: None,
         }
     }
 
-    /// Contacts that are there from the start, and the first sample.
+    /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self) -> Result<(), SinkError> {
-        for (index, place) in self.places.iter_mut().enumerate() {
-            // An overlap is a contact whether there is a force or not; a gap of zero is one only where it closes.
-            if self.mode[index] == SiteState::Free {
+        for (index, record) in self.contact_records.iter_mut().enumerate() {
+            // An overlap is a contact with or without a force; a zero gap is a contact only if it closes.
+            if self.mode[index] == ContactState::Free {
                 continue;
             }
             let contact = &self.last.contacts[index];
-            (place.summary.first_s, place.summary.touchdowns) = (Some(0.0), 1);
-            if self.mode[index] == SiteState::Released {
-                place.summary.take(contact.pressed());
+            (record.summary.first_s, record.summary.touchdowns) = (Some(0.0), 1);
+            if self.mode[index] == ContactState::Released {
+                record.summary.update(contact.force_and_penetration());
             }
             self.sink.event(&Event {
                 time_s: 0.0,
@@ -96,11 +101,11 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                 impulse: 0.0,
             })?;
         }
-        // A start beyond the reach of a loop has no passive angles; the run then ends before its first step.
+        // A start outside the workspace of a loop has no passive angles; the run then ends before its first step.
         if self.last.energy.kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.last) }
     }
 
-    /// The last sample, if the run broke off between grid points, and the summary.
+    /// Emits the last sample if the run ended between grid points, and returns the summary.
     pub fn finish(mut self, end: &State<N, Z>, work: Work) -> Result<Outcome, SinkError> {
         if let Some(error) = self.error.take() {
             return Err(error);
@@ -108,19 +113,20 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         if self.emitted_s < self.last.time_s {
             self.sink.sample(&self.last)?;
         }
-        if self.wants != Wants::ALL {
+        if self.required_data != RequiredData::ALL {
             let (state, mode) = (&self.last_state, &self.last_mode);
-            self.reader.read(self.last.time_s, state, mode, &self.start_energy, Wants::ALL, &mut self.last);
+            self.reader.read(self.last.time_s, state, mode, &self.start_energy, RequiredData::ALL, &mut self.last);
         }
-        // The integrator ends a step behind the exit.
+        // The integrator ends one step after the exit.
         let end = if self.ejected_s.is_some() { &self.last_state } else { end };
-        let summary = |(index, place): (usize, &Place)| ContactSummary { impulse_n_s: end.z[index], ..place.summary };
-        let contacts = self.places.iter().enumerate().map(summary).collect();
+        let summary =
+            |(index, record): (usize, &ContactRecord)| ContactSummary { impulse_n_s: end.z[index], ..record.summary };
+        let contacts = self.contact_records.iter().enumerate().map(summary).collect();
         Ok(Outcome { last: self.last, contacts, work, loop_gap_m: 0.0, ejected_s: self.ejected_s })
     }
 
-    /// Samples of one step: the grid points and extremes inside it, and its end where steps are short, extremes lie there, or
-    /// the run is over.
+    /// Emits the samples of one step: grid points and extrema inside it, and its end if the step is short, an extremum
+    /// lies there, or the run is over.
     fn emit_step(
         &mut self,
         step: &Step<N, Z>,
@@ -128,43 +134,43 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         tools: &mut dyn StepTools<N, Z>,
     ) -> Result<(), SinkError> {
         let end = self.last.time_s;
-        // A damper's force cannot be read off the dense output.
-        let pressing = (0..self.places.len()).any(|index| mode[index].presses());
+        // Damper forces cannot be evaluated on the dense output.
+        let has_active_contact = (0..self.contact_records.len()).any(|index| mode[index].has_force());
         let mut impulses = step.start.z;
         self.grid.begin_step(end.min(self.end_s));
-        while let Some(t) = self.grid.before(end.min(self.end_s)) {
-            // A grid can be so fine that one step holds millions of its points.
-            if !self.sink.proceed() {
+        while let Some(t) = self.grid.next_before(end.min(self.end_s)) {
+            // A fine grid can have millions of points within one step.
+            if !self.sink.should_continue() {
                 break;
             }
             let theta = (t - step.t0) / step.h;
-            self.emit_marks(step, mode, tools, theta, &mut impulses)?;
+            self.emit_peaks(step, mode, tools, theta, &mut impulses)?;
             if theta > 0.0 {
-                let state = match pressing {
-                    true => self.resolved(step, tools, theta, &mut impulses),
+                let state = match has_active_contact {
+                    true => self.resolve_state(step, tools, theta, &mut impulses),
                     false => tools.interpolate(theta),
                 };
                 self.read_within(t, &state, mode);
-                if pressing {
-                    self.take_within();
+                if has_active_contact {
+                    self.update_from_within();
                 }
                 self.emitted_s = t;
                 self.sink.sample(&self.within)?;
             }
         }
-        self.emit_marks(step, mode, tools, 1.0, &mut impulses)?;
-        if self.grid.takes_end(end, step.h) || end >= self.end_s {
+        self.emit_peaks(step, mode, tools, 1.0, &mut impulses)?;
+        if self.grid.includes_end(end, step.h) || end >= self.end_s {
             self.emitted_s = end;
             self.sink.sample(&self.last)
-        } else if self.marks.at_end {
+        } else if self.peaks.at_end {
             self.sink.extreme(&self.last)
         } else {
             Ok(())
         }
     }
 
-    /// Samples at the extremes of the step that come before `theta`.
-    fn emit_marks(
+    /// Emits samples at the extrema of the step before `theta`.
+    fn emit_peaks(
         &mut self,
         step: &Step<N, Z>,
         mode: &R::Mode,
@@ -172,21 +178,22 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         theta: f64,
         impulses: &mut [f64; Z],
     ) -> Result<(), SinkError> {
-        while let Some(mark) = self.marks.before(theta) {
-            let t = step.t0 + mark * step.h;
+        while let Some(theta_peak) = self.peaks.next_before(theta) {
+            let t = step.t0 + theta_peak * step.h;
             if t > self.emitted_s && t < step.t1 {
-                let state = self.resolved(step, tools, mark, impulses);
+                let state = self.resolve_state(step, tools, theta_peak, impulses);
                 self.read_within(t, &state, mode);
-                self.take_within();
+                self.update_from_within();
                 self.sink.extreme(&self.within)?;
             }
         }
         Ok(())
     }
 
-    /// A state within the step, as a step of its own ends on it. What that sums up of forces has errors of its own, and no normal
-    /// impulse falls: it lies between that of the sample before, which is in `impulses`, and that of the step's end.
-    fn resolved(
+    /// Returns a state within the step, computed by a separate step that ends there. Its integrals differ slightly from
+    /// those of the step. Normal impulses must not decrease, so they are clamped between the previous sample, in
+    /// `impulses`, and the end of the step.
+    fn resolve_state(
         &self,
         step: &Step<N, Z>,
         tools: &mut dyn StepTools<N, Z>,
@@ -194,7 +201,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         impulses: &mut [f64; Z],
     ) -> State<N, Z> {
         let mut state = tools.resolve(theta);
-        for (index, before) in impulses.iter_mut().enumerate().take(self.places.len()) {
+        for (index, before) in impulses.iter_mut().enumerate().take(self.contact_records.len()) {
             *before = state.z[index].min(step.end.z[index]).max(*before);
             state.z[index] = *before;
         }
@@ -202,37 +209,39 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     }
 
     fn read_within(&mut self, t: f64, state: &State<N, Z>, mode: &R::Mode) {
-        self.reader.read(t, state, mode, &self.start_energy, self.wants, &mut self.within);
+        self.reader.read(t, state, mode, &self.start_energy, self.required_data, &mut self.within);
     }
 
-    /// By rounding, a sample can be above the peaks that were searched for.
-    fn take_within(&mut self) {
-        let places = self.places.iter_mut().zip(&self.within.contacts);
-        places.for_each(|(place, contact)| place.summary.take(contact.pressed()));
+    /// Updates the maxima with the sample within the step: by rounding, it can exceed the peaks found by the search.
+    fn update_from_within(&mut self) {
+        let contact_records = self.contact_records.iter_mut().zip(&self.within.contacts);
+        contact_records.for_each(|(record, contact)| record.summary.update(contact.force_and_penetration()));
     }
 
-    /// The forces and depths at the end of a step that nobody wants the peaks of.
-    fn take_end(&mut self) {
-        let places = self.places.iter_mut().zip(&self.end.contacts);
-        places.for_each(|(place, contact)| place.summary.take(contact.pressed()));
+    /// Updates the maxima with the end of a step whose peaks are not searched.
+    fn update_from_end(&mut self) {
+        let contact_records = self.contact_records.iter_mut().zip(&self.end.contacts);
+        contact_records.for_each(|(record, contact)| record.summary.update(contact.force_and_penetration()));
     }
 
-    /// Where friction that holds begins to slip or to stick: steps end there, and the next one is in another mode.
-    fn note_slips(&mut self, time_s: f64, mode: &R::Mode) -> Result<(), SinkError> {
-        for (contact, place) in self.places.iter_mut().enumerate() {
-            let slips = self.reader.slips(contact, mode);
-            if let Some(kind) = place.slipping.change(slips, &mut place.summary) {
+    /// Emits slip and stick events of bristle friction: steps end at these events, and the next step has another mode.
+    fn record_slip_events(&mut self, time_s: f64, mode: &R::Mode) -> Result<(), SinkError> {
+        for (contact, record) in self.contact_records.iter_mut().enumerate() {
+            let is_slipping = self.reader.is_slipping(contact, mode);
+            if let Some(kind) = record.slip_events.update(is_slipping, &mut record.summary) {
                 self.sink.event(&Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 })?;
             }
         }
         Ok(())
     }
 
-    /// Shortens the step at hand to where the object leaves the reach of the fingers, if something has touched it. Whether it does.
+    /// Shortens the current step to where the object leaves the reach of the fingers, if something has touched the
+    /// object; returns whether it does.
     fn end_at_exit(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
         let Some(reach) = self.reach.filter(|reach| reach.leaves(&self.last, &self.end)) else { return false };
-        let touched = |(index, place): (usize, &Place)| place.summary.touchdowns > 0 && !self.end.is_stop(index);
-        if !self.places.iter().enumerate().any(touched) {
+        let has_touched =
+            |(index, record): (usize, &ContactRecord)| record.summary.touchdowns > 0 && !self.end.is_stop(index);
+        if !self.contact_records.iter().enumerate().any(has_touched) {
             return false;
         }
         let (mut inside, mut outside) = (0.0, 1.0);
@@ -243,51 +252,51 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         }
         let (exit_s, mut impulses) = (step.t0 + outside * step.h, step.start.z);
         if outside < 1.0 {
-            self.last_state = self.resolved(step, tools, outside, &mut impulses);
-            self.reader.read(exit_s, &self.last_state, mode, &self.start_energy, self.wants, &mut self.end);
+            self.last_state = self.resolve_state(step, tools, outside, &mut impulses);
+            self.reader.read(exit_s, &self.last_state, mode, &self.start_energy, self.required_data, &mut self.end);
         }
         self.end_s = self.end.time_s;
         self.ejected_s = Some(self.end_s);
         true
     }
 
-    /// Largest force and penetration within the step from the last sample to its end, and where.
+    /// Searches the largest force and penetration within the step from the last sample to its end.
     fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
-        self.marks.clear();
+        self.peaks.clear();
         let length_s = self.end.time_s - self.last.time_s;
-        for (index, place) in self.places.iter_mut().enumerate() {
-            // A released contact can still get deeper, without a force.
-            let presses = mode[index].presses();
-            if !presses && mode[index] != SiteState::Released {
+        for (index, record) in self.contact_records.iter_mut().enumerate() {
+            // A released contact can still get deeper without a force.
+            let is_active = mode[index].has_force();
+            if !is_active && mode[index] != ContactState::Released {
                 continue;
             }
             let (start, end) = (&self.last.contacts[index], &self.end.contacts[index]);
             let read = |state: &State<N, Z>| self.reader.contact(state, index, mode);
-            let summary = &mut place.summary;
-            summary.deepen(-start.gap_m);
-            if summary.deepen(-end.gap_m) {
-                self.marks.push(1.0);
+            let summary = &mut record.summary;
+            summary.update_max_penetration(-start.gap_m);
+            if summary.update_max_penetration(-end.gap_m) {
+                self.peaks.push(1.0);
             }
             if start.gap_rate_m_s < 0.0 && end.gap_rate_m_s > 0.0 {
                 let deepest = bisect(&mut |theta| -read(&tools.interpolate(theta)).gap_rate_m_s);
-                if summary.deepen(-read(&tools.resolve(deepest)).gap_m) {
-                    self.marks.push(deepest);
+                if summary.update_max_penetration(-read(&tools.resolve(deepest)).gap_m) {
+                    self.peaks.push(deepest);
                 }
             }
             let mut highest = start.normal_n.max(end.normal_n);
             if highest == 0.0 {
-                // A force that comes and goes within the step has a mean.
+                // A force that starts and ends within the step still has a mean.
                 highest = (end.impulse_n_s - start.impulse_n_s) / length_s;
             }
-            if presses && highest > SEARCH_FROM * summary.peak_normal_n {
+            if is_active && highest > MIN_SEARCHED_FORCE_FRACTION * summary.peak_normal_n {
                 let mut force = |theta: f64| read(&tools.resolve(theta)).normal_n;
                 let (theta, peak) = parabola_peak(start.normal_n, end.normal_n, &mut force);
-                if summary.press(peak) {
-                    self.marks.push(theta);
+                if summary.update_peak_force(peak) {
+                    self.peaks.push(theta);
                 }
             }
         }
-        self.marks.sort();
+        self.peaks.sort();
     }
 }
 
@@ -295,50 +304,51 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
     fn step(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
         self.mode = *mode;
         (self.last_state, self.last_mode) = (*step.end, *mode);
-        if let Err(error) = self.note_slips(step.t0, mode) {
+        if let Err(error) = self.record_slip_events(step.t0, mode) {
             self.error = Some(error);
             return false;
         }
-        self.reader.read(step.t1, step.end, mode, &self.start_energy, self.wants, &mut self.end);
+        self.reader.read(step.t1, step.end, mode, &self.start_energy, self.required_data, &mut self.end);
         let exits = self.end_at_exit(step, mode, tools);
-        if self.wants.peaks && !exits {
+        if self.required_data.peaks && !exits {
             self.search_peaks(mode, tools);
         } else {
-            self.marks.clear();
-            self.take_end();
+            self.peaks.clear();
+            self.update_from_end();
         }
         std::mem::swap(&mut self.last, &mut self.end);
         if let Err(error) = self.emit_step(step, mode, tools) {
             self.error = Some(error);
         }
-        self.error.is_none() && self.ejected_s.is_none() && self.sink.proceed()
+        self.error.is_none() && self.ejected_s.is_none() && self.sink.should_continue()
     }
 
     fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &R::Mode) {
-        let parted = self.last.contacts[index].gap_m > 0.0 || !matches!(self.mode[index], SiteState::Released);
+        let was_separated =
+            self.last.contacts[index].gap_m > 0.0 || !matches!(self.mode[index], ContactState::Released);
         let kind = match mode[index] {
-            SiteState::Active if parted => EventKind::TouchDown,
-            SiteState::Active => EventKind::Reload,
+            ContactState::Active if was_separated => EventKind::TouchDown,
+            ContactState::Active => EventKind::Reload,
             _ => EventKind::LiftOff,
         };
-        let place = &mut self.places[index];
+        let record = &mut self.contact_records[index];
         let (mut approach_speed, mut impulse) = (0.0, 0.0);
         match kind {
             EventKind::TouchDown => {
                 approach_speed = -self.reader.contact(state, index, mode).gap_rate_m_s;
-                place.summary.first_s.get_or_insert(t);
-                place.summary.touchdowns += 1;
-                place.impulse_before = state.z[index];
+                record.summary.first_s.get_or_insert(t);
+                record.summary.touchdowns += 1;
+                record.impulse_before = state.z[index];
             }
-            EventKind::LiftOff => impulse = state.z[index] - place.impulse_before,
+            EventKind::LiftOff => impulse = state.z[index] - record.impulse_before,
             EventKind::Reload | EventKind::Slips | EventKind::Sticks => {}
         }
         self.mode = *mode;
-        // Rates jump soon after an event: whoever interpolates needs the sample just before it.
-        let before = if self.emitted_s < self.last.time_s { self.sink.sample(&self.last) } else { Ok(()) };
+        // Rates jump after an event: interpolation needs the sample just before it.
+        let emitted = if self.emitted_s < self.last.time_s { self.sink.sample(&self.last) } else { Ok(()) };
         self.emitted_s = self.last.time_s;
         let event = Event { time_s: t, contact: index, kind, approach_speed, impulse };
-        if let Err(error) = before.and_then(|()| self.sink.event(&event)) {
+        if let Err(error) = emitted.and_then(|()| self.sink.event(&event)) {
             self.error.get_or_insert(error);
         }
     }

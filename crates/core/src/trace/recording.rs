@@ -1,15 +1,15 @@
-//! A run as arrays: one for each figure, by the name it has in the table of `replay --csv`.
+//! A run as arrays, one per column of the table written by `replay --csv`.
 
 use super::columns::{Column, columns};
-use super::{Event, Layout, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
+use super::{Decimated, Event, Layout, Model, Outcome, RunError, Sample, Sink, SinkError, run};
 use crate::scene::Scene;
 
-/// A sink that keeps samples in columns, and events beside them.
+/// A sink that stores samples in columns, and events.
 ///
-/// [`record`] fills one with what a log would hold. By itself it takes every step of the model. The sink of a log takes one
-/// too: `log::read_file`.
+/// [`record`] fills it with the samples that a log contains. Used directly as a sink it stores every step of the model;
+/// `log::read_file` fills it from a log.
 ///
-/// Where there is nothing to touch (no object, no joint limit) a column holds NaN.
+/// Columns of contacts that do not exist (no object, no joint limit) contain NaN.
 #[derive(Clone, Debug)]
 pub struct Recording {
     columns: Vec<Column>,
@@ -17,49 +17,50 @@ pub struct Recording {
     events: Vec<Event>,
 }
 
-/// The same columns with the same values, and the same events.
+/// Two recordings are equal if columns, values and events are equal.
 impl PartialEq for Recording {
     fn eq(&self, other: &Self) -> bool {
-        let names = |of: &'_ Self| of.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
+        let names =
+            |recording: &'_ Self| recording.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
         names(self) == names(other) && self.values == other.values && self.events == other.events
     }
 }
 
 impl Recording {
-    /// Of samples of this layout.
+    /// Creates an empty recording for samples of this layout.
     pub fn new(layout: &Layout) -> Self {
         let columns = columns(layout);
         Recording { values: vec![Vec::new(); columns.len()], columns, events: Vec::new() }
     }
 
-    /// Of the samples of a scene.
-    pub fn of(scene: &Scene) -> Self {
-        Recording::new(&Layout::of(&scene.system))
+    /// Creates an empty recording for the samples of a scene.
+    pub fn for_scene(scene: &Scene) -> Self {
+        Recording::new(&Layout::from_system(&scene.system))
     }
 
-    /// All columns: `time_s` first, the energies last.
+    /// Returns all columns: `time_s` first, the energies last.
     pub fn columns(&self) -> &[Column] {
         &self.columns
     }
 
-    /// A column by its name, such as `q21_rad` or `distal_normal_n`.
+    /// Returns a column by its name, such as `q21_rad` or `distal_normal_n`.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let index = self.columns.iter().position(|column| column.name == name)?;
         Some(&self.values[index])
     }
 
-    /// All columns by their names, and the events: for whoever keeps them without a copy.
+    /// Returns all columns with their names, and the events, without copying.
     pub fn into_parts(self) -> (Vec<(String, Vec<f64>)>, Vec<Event>) {
         let names = self.columns.into_iter().map(|column| column.name);
         (names.zip(self.values).collect(), self.events)
     }
 
-    /// The times of the samples, in s; two may share one, before and after an event.
+    /// Returns the times of the samples, in s; two samples can share a time, before and after an event.
     pub fn time(&self) -> &[f64] {
         &self.values[0]
     }
 
-    /// The events, in order of time.
+    /// Returns the events, in order of time.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
@@ -83,13 +84,13 @@ impl Sink for Recording {
     }
 }
 
-/// Runs a scene and keeps the samples that its log would hold.
+/// Runs a scene and stores the samples that its log would contain.
 ///
 /// # Errors
-/// Why the run did not get to its end.
+/// Returns an error if the run did not complete.
 pub fn record(model: Model, scene: &Scene) -> Result<(Outcome, Recording), RunError> {
-    let mut thinned = Thinned::new(scene.log.numeric_hz, Recording::of(scene));
-    let outcome = run(model, scene, &mut thinned)?;
-    thinned.end()?;
-    Ok((outcome, thinned.sink))
+    let mut decimated = Decimated::new(scene.log.numeric_hz, Recording::for_scene(scene));
+    let outcome = run(model, scene, &mut decimated)?;
+    decimated.end()?;
+    Ok((outcome, decimated.sink))
 }

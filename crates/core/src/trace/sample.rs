@@ -1,23 +1,23 @@
-//! One instant of a run, and the events between instants.
+//! State of a run at one instant, and events between instants.
 
 use serde::Serialize;
 
-pub use crate::gripper::Site;
+pub use crate::gripper::FingerContact;
 
-/// One place of contact: a phalanx against the object, a disc against another, the joint limit. Where there is nothing to
-/// touch every field is zero and `gap_m` infinite.
+/// One contact: a phalanx against the object, a disc against another, or the joint limit. For a contact that does not
+/// exist, every field is zero and `gap_m` is infinite.
 ///
-/// The joint limit is a contact whose gap is an angle, δ = −φ22 − q22, and whose force is a torque on q22: for it read rad for
-/// m and N·m for N. It has no slip, no friction, no point and no normal.
+/// The gap of the joint limit is an angle, δ = −φ22 − q22, and its force is a torque on q22: read rad for m and N·m for
+/// N. It has no slip, friction, contact point or normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSample {
     /// Distance between the surfaces, negative in penetration (−δ).
     pub gap_m: f64,
     /// Rate of the gap (−δ̇).
     pub gap_rate_m_s: f64,
-    /// Tangential velocity of the phalanx surface over the object (errata 5).
+    /// Tangential velocity of the phalanx surface relative to the object (errata 5).
     pub slip_m_s: f64,
-    /// Normal force on the phalanx (palm, table), along `normal`; never negative.
+    /// Normal force on the phalanx (palm, table) along `normal`; never negative.
     pub normal_n: f64,
     /// Friction force on the phalanx along [`ContactSample::tangent`]; it opposes `slip_m_s`.
     pub tangential_n: f64,
@@ -29,32 +29,32 @@ pub struct ContactSample {
     pub normal: [f64; 2],
 }
 
-/// An overlap below this is rounding of the places of two surfaces that touch exactly, m (limit: rad).
+/// Largest overlap that counts as rounding error in the positions of two surfaces that just touch, m (limit: rad).
 pub(super) const OVERLAP_ROUNDING: f64 = 1e-12;
 
 impl ContactSample {
-    /// Unit tangent: the normal turned counter-clockwise by 90°. On the face of a phalanx of a finger that closes
-    /// counter-clockwise it points along the phalanx to its end.
+    /// Returns the unit tangent: the normal rotated counter-clockwise by 90°. On the face of a phalanx of a finger that
+    /// closes counter-clockwise it points along the phalanx to its end.
     pub fn tangent(&self) -> [f64; 2] {
         [-self.normal[1], self.normal[0]]
     }
 
-    /// Force (N; limit: N·m) and penetration (m; rad).
-    pub fn pressed(&self) -> (f64, f64) {
+    /// Returns the normal force (N; limit: N·m) and the penetration (m; limit: rad).
+    pub fn force_and_penetration(&self) -> (f64, f64) {
         (self.normal_n, -self.gap_m)
     }
 
-    /// Closing speed of the touch-down of a contact that is there when the run starts, m/s (limit: rad/s). Where the surfaces overlap
-    /// by more than [`OVERLAP_ROUNDING`] they met before the start, and that speed is unknown: 0.
+    /// Returns the closing speed of a touch-down at the start of the run, m/s (limit: rad/s). Surfaces that overlap by
+    /// more than [`OVERLAP_ROUNDING`] touched before the start at an unknown speed: 0.
     pub(super) fn approach_at_start(&self) -> f64 {
-        // The sum has no negative zero.
+        // Adding zero removes a negative zero.
         if self.gap_m < -OVERLAP_ROUNDING { 0.0 } else { (-self.gap_rate_m_s).max(0.0) + 0.0 }
     }
 
-    /// At a touch elsewhere within a step: forces and rates are those before it, for the touch has changed nothing yet. With a
-    /// force goes the gap that made it.
+    /// Sets the values at a touch-down of another contact within a step: forces and rates are those before it. An
+    /// active contact also keeps the gap that belongs to its force.
     #[cfg(feature = "engine")]
-    pub(super) fn press_on(&mut self, before: &Self) {
+    pub(super) fn set_before_touch_down_elsewhere(&mut self, before: &Self) {
         if before.normal_n > 0.0 {
             self.gap_m = before.gap_m;
         }
@@ -62,16 +62,17 @@ impl ContactSample {
         (self.slip_m_s, self.gap_rate_m_s) = (before.slip_m_s, before.gap_rate_m_s);
     }
 
-    /// At its own touch within a step: the surfaces meet, and nothing has pressed so far, whatever does at the step's end.
+    /// Sets the values at a touch-down of this contact within a step: the gap is zero, and there is no force or impulse
+    /// yet.
     #[cfg(feature = "engine")]
-    pub(super) fn not_yet_pressed(&mut self, before: &Self, closing: f64) {
+    pub(super) fn set_touch_down(&mut self, before: &Self, closing: f64) {
         (self.gap_m, self.gap_rate_m_s) = (0.0, -closing);
         (self.normal_n, self.tangential_n, self.impulse_n_s) = (0.0, 0.0, before.impulse_n_s);
     }
 }
 
 impl ContactSample {
-    /// Where there is nothing to touch.
+    /// A contact that does not exist.
     pub const NONE: Self = Self {
         gap_m: f64::INFINITY,
         gap_rate_m_s: 0.0,
@@ -84,25 +85,26 @@ impl ContactSample {
     };
 }
 
-/// Energies and works since the start, in joules.
+/// Energies, and work since the start of the run, in joules.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     pub kinetic_j: f64,
     pub gravity_j: f64,
     pub spring_j: f64,
-    /// Stored in the Hertz springs of contacts and limit.
+    /// Energy stored in the Hertz springs of contacts and joint limit.
     pub elastic_j: f64,
-    /// Lost in dampers, in the clamp and in friction.
+    /// Energy dissipated in dampers, in the clamp and in friction.
     pub dissipated_j: f64,
     /// Work of the motor.
     pub motor_work_j: f64,
-    /// kinetic + gravity + spring + elastic + dissipated − motor work − (the same at the start): zero if nothing is lost.
+    /// kinetic + gravity + spring + elastic + dissipated − motor work − (the same at the start): zero if energy is
+    /// conserved.
     pub balance_j: f64,
 }
 
 impl Energy {
-    /// These stored energies, with the works since the start of the run and what was lost on the way.
-    pub(super) fn since(self, start: &Energy, contact_work_j: f64, motor_work_j: f64) -> Self {
+    /// Returns these stored energies with work, dissipation and balance since the start of the run.
+    pub(super) fn relative_to(self, start: &Energy, contact_work_j: f64, motor_work_j: f64) -> Self {
         let gained_j =
             (self.kinetic_j - start.kinetic_j) + (self.gravity_j - start.gravity_j) + (self.spring_j - start.spring_j);
         Energy {
@@ -113,7 +115,7 @@ impl Energy {
         }
     }
 
-    /// All of them, in the order of the fields.
+    /// Returns all energies, in the order of the fields.
     pub fn values_j(&self) -> [f64; 7] {
         [
             self.kinetic_j,
@@ -127,7 +129,8 @@ impl Energy {
     }
 }
 
-/// A finger at one instant. Its document has the angles, and the rates of those that move by themselves.
+/// State of a finger at one instant. Its serialised form contains the angles, and the rates of the independent
+/// coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FingerState {
     pub q11_rad: f64,
@@ -135,7 +138,7 @@ pub struct FingerState {
     pub q22_rad: f64,
     pub qd11_rad_s: f64,
     pub qd21_rad_s: f64,
-    /// q12 and q22 are passive angles, each relative to the link before it; q13 is the absolute orientation of l22.
+    /// q12 and q22 are passive angles, each relative to the preceding link; q13 is the absolute orientation of l22.
     pub q12_rad: f64,
     pub q13_rad: f64,
     #[serde(skip)]
@@ -146,7 +149,8 @@ pub struct FingerState {
     pub motor_torque_n_m: f64,
 }
 
-/// A rigid body by itself, such as a disc, at one instant. The angle is counter-clockwise, and not brought back by whole turns.
+/// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise and not reduced by whole
+/// turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyState {
     pub centre_m: [f64; 2],
@@ -156,14 +160,14 @@ pub struct BodyState {
 }
 
 impl BodyState {
-    /// Where it is after a time under these accelerations (x, y, angle).
+    /// Returns the state after a time at constant accelerations (x, y, angle).
     #[cfg(feature = "engine")]
-    pub(super) fn flown(&self, time_s: f64, a: &[f64; 3]) -> Self {
-        let free = |axis: usize| {
+    pub(super) fn extrapolate(&self, time_s: f64, a: &[f64; 3]) -> Self {
+        let translate = |axis: usize| {
             let rate = self.velocity_m_s[axis];
             [self.centre_m[axis] + time_s * (rate + 0.5 * time_s * a[axis]), rate + time_s * a[axis]]
         };
-        let [[x, vx], [y, vy]] = [free(0), free(1)];
+        let [[x, vx], [y, vy]] = [translate(0), translate(1)];
         BodyState {
             centre_m: [x, y],
             angle_rad: self.angle_rad + time_s * (self.spin_rad_s + 0.5 * time_s * a[2]),
@@ -173,24 +177,24 @@ impl BodyState {
     }
 }
 
-/// The state of a run at one instant. What there is of each kind stays the same through a run: a [`Layout`](super::Layout)
-/// names it.
+/// State of a run at one instant. The number of fingers, bodies and contacts is constant during a run; a
+/// [`Layout`](super::Layout) names them.
 #[derive(Debug, Default, PartialEq)]
 pub struct Sample {
     pub time_s: f64,
     pub fingers: Vec<FingerState>,
-    /// Bodies that are no part of a finger; of a scene of discs all of its discs, fixed ones too.
+    /// Bodies that are not part of a finger; in a scene of discs all discs, including fixed ones.
     pub bodies: Vec<BodyState>,
-    /// Of every finger in the order of [`Site::ALL`], the limit in rad, rad/s, N·m and N·m·s; behind them, of discs, one for
-    /// each of [`System::pairs`](crate::scene::System::pairs): forces on the pair's disc, normal from its partner to
-    /// it.
+    /// Contacts of every finger in the order of [`FingerContact::ALL`], with the limit in rad, rad/s, N·m and N·m·s;
+    /// then one contact for each pair of discs ([`System::pairs`](crate::scene::System::pairs)): forces on the first
+    /// disc of the pair, normal from the other disc to it.
     pub contacts: Vec<ContactSample>,
-    /// Where discs are driven, `motor_work_j` is the work of whatever drives them; these have no kinetic energy here.
+    /// With driven discs, `motor_work_j` is the work of their drives; their kinetic energy is not included.
     pub energy: Energy,
 }
 
-/// Samples are reused, so that a run allocates nothing from step to step: `clone_from` keeps what is there, which a derived one
-/// would not.
+/// Samples are reused so that steps do not allocate: unlike a derived one, this `clone_from` keeps existing
+/// allocations.
 impl Clone for Sample {
     fn clone(&self) -> Self {
         let Sample { time_s, fingers, bodies, contacts, energy } = self;
@@ -213,61 +217,62 @@ impl Clone for Sample {
 }
 
 impl Sample {
-    /// One finger and its contacts, all figures zero.
-    pub fn of_finger() -> Self {
+    /// Returns a sample of one finger and its contacts, with all values zero.
+    pub fn with_one_finger() -> Self {
         Sample {
             fingers: vec![FingerState::default()],
-            contacts: vec![ContactSample::default(); Site::ALL.len()],
+            contacts: vec![ContactSample::default(); FingerContact::ALL.len()],
             ..Sample::default()
         }
     }
 
-    /// The finger of a scene that has one, or its first.
+    /// Returns the first finger.
     ///
     /// # Panics
-    /// If there is none.
+    /// Panics if there is no finger.
     pub fn finger(&self) -> &FingerState {
         &self.fingers[0]
     }
 
-    /// The same, to be changed.
+    /// Returns the first finger for modification.
     ///
     /// # Panics
-    /// If there is none.
+    /// Panics if there is no finger.
     pub fn finger_mut(&mut self) -> &mut FingerState {
         &mut self.fingers[0]
     }
 
-    /// A contact of the first finger.
+    /// Returns a contact of the first finger.
     ///
     /// # Panics
-    /// If there is no finger.
-    pub fn contact(&self, site: Site) -> &ContactSample {
+    /// Panics if there is no finger.
+    pub fn contact(&self, site: FingerContact) -> &ContactSample {
         &self.contacts[site as usize]
     }
 
-    /// The same, to be changed.
+    /// Returns a contact of the first finger for modification.
     ///
     /// # Panics
-    /// If there is no finger.
-    pub fn contact_mut(&mut self, site: Site) -> &mut ContactSample {
+    /// Panics if there is no finger.
+    pub fn contact_mut(&mut self, site: FingerContact) -> &mut ContactSample {
         &mut self.contacts[site as usize]
     }
 
-    /// Whether a contact is the stop of a joint, whose gap is an angle.
+    /// Whether a contact is a joint limit, whose gap is an angle.
     pub fn is_stop(&self, contact: usize) -> bool {
-        contact / Site::ALL.len() < self.fingers.len() && contact % Site::ALL.len() == Site::Limit as usize
+        contact / FingerContact::ALL.len() < self.fingers.len()
+            && contact % FingerContact::ALL.len() == FingerContact::Limit as usize
     }
 
-    /// The contacts between surfaces: all but the stops of joints.
+    /// Contacts between surfaces, that is all except joint limits.
     pub fn surfaces(&self) -> impl Iterator<Item = &ContactSample> {
         self.contacts.iter().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
     }
 
-    /// Takes over the rates of another sample of the same run.
+    /// Copies the rates of another sample of the same run.
     #[cfg(feature = "engine")]
-    pub(super) fn take_rates(&mut self, from: &Self) {
-        for (finger, from) in self.fingers.iter_mut().zip(&from.fingers) {
+    pub(super) fn copy_rates(&mut self, source: &Self) {
+        for (finger, from) in self.fingers.iter_mut().zip(&source.fingers) {
             *finger = FingerState {
                 qd11_rad_s: from.qd11_rad_s,
                 qd21_rad_s: from.qd21_rad_s,
@@ -276,28 +281,29 @@ impl Sample {
                 ..*finger
             };
         }
-        for (body, from) in self.bodies.iter_mut().zip(&from.bodies) {
+        for (body, from) in self.bodies.iter_mut().zip(&source.bodies) {
             (body.velocity_m_s, body.spin_rad_s) = (from.velocity_m_s, from.spin_rad_s);
         }
     }
 }
 
+/// Kind of a contact event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// Surfaces meet: the gap closes.
+    /// The gap closes.
     TouchDown,
-    /// The force ends: the contact lets go, though the surfaces may still overlap by less than a micrometre.
+    /// The contact force ends, although the surfaces may still overlap by less than a micrometre.
     LiftOff,
-    /// The force returns before the surfaces have parted.
+    /// The contact force returns before the surfaces have separated.
     Reload,
-    /// Friction that holds has come to the end of its cone: the slider of its bristle begins to slip.
+    /// Bristle friction reaches the edge of its cone and begins to slip.
     Slips,
-    /// It is within its cone again.
+    /// Bristle friction is within its cone again.
     Sticks,
 }
 
 impl EventKind {
-    /// In tables and on pages.
+    /// Name in tables and on pages.
     pub fn name(self) -> &'static str {
         match self {
             EventKind::TouchDown => "touch-down",
@@ -308,8 +314,8 @@ impl EventKind {
         }
     }
 
-    /// Whether it is one of friction: such contacts press on as before.
-    pub fn is_of_friction(self) -> bool {
+    /// Whether the event is a friction event, which leaves the contact active.
+    pub fn is_friction_event(self) -> bool {
         matches!(self, EventKind::Slips | EventKind::Sticks)
     }
 }
@@ -321,18 +327,18 @@ pub struct Event {
     /// Index among the contacts of a sample.
     pub contact: usize,
     pub kind: EventKind,
-    /// Closing speed −gap rate at a touch-down (m/s; limit: rad/s); 0 otherwise.
+    /// Closing speed (−gap rate) at a touch-down, m/s (limit: rad/s); 0 otherwise.
     pub approach_speed: f64,
-    /// Normal impulse since the last touch-down of this contact, at a lift-off (N·s; limit: N·m·s); 0 otherwise.
+    /// Normal impulse since the last touch-down of this contact at a lift-off, N·s (limit: N·m·s); 0 otherwise.
     pub impulse: f64,
 }
 
 impl Event {
-    /// Where the finger of a scene that has one touches.
+    /// Returns the contact of a scene with one finger.
     ///
     /// # Panics
-    /// If it is not the contact of one finger.
-    pub fn site(&self) -> Site {
-        Site::ALL[self.contact]
+    /// Panics if the contact does not belong to the first finger.
+    pub fn finger_contact(&self) -> FingerContact {
+        FingerContact::ALL[self.contact]
     }
 }

@@ -1,58 +1,60 @@
-//! Consumers of a run. Samples are streamed: nothing keeps a whole run in memory unless its sink does.
+//! Consumers of a run. Samples are streamed: a run is kept in memory only if its sink stores it.
 
 use super::{Event, Sample};
 
-/// Why a sink could not take a sample.
+/// Error reported by a sink that could not process a sample.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write {what}: {source}")]
+#[error("cannot write {target}: {source}")]
 pub struct SinkError {
-    pub what: String,
+    /// Name of the output for messages.
+    pub target: String,
     #[source]
     pub source: std::io::Error,
 }
 
-/// What a sink looks at. A run of the analytic model leaves out what nobody does: of 384 simulations of a sweep that is a tenth of the
-/// time. The last sample of an outcome has everything, and the engine leaves out nothing.
+/// Data that a sink uses. The analytic model skips unused data: in a sweep of 384 simulations this saves a tenth of the
+/// time. The last sample of an outcome is always complete, and the engine skips nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wants {
-    /// Energies of samples, 0 otherwise.
+pub struct RequiredData {
+    /// Whether samples need energies, which are 0 otherwise.
     pub energies: bool,
-    /// Passive joints of fingers and the torques of their motors, 0 otherwise.
+    /// Whether samples need passive joint angles and motor torques, which are 0 otherwise.
     pub passive: bool,
-    /// Largest forces and depths within steps, in the outcome and as [`Sink::extreme`] samples; otherwise those at the ends of steps.
+    /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps;
+    /// otherwise only the ends of steps are used.
     pub peaks: bool,
 }
 
-impl Wants {
+impl RequiredData {
     pub const ALL: Self = Self { energies: true, passive: true, peaks: true };
 }
 
-/// Takes the samples and events of a run in order of time.
+/// Receives the samples and events of a run in order of time.
 pub trait Sink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError>;
     fn event(&mut self, event: &Event) -> Result<(), SinkError>;
 
-    /// A sample within a step, or at the end of a long one, at which a force or a penetration is larger than ever before.
+    /// Receives a sample within a step, or at the end of a long step, at which a force or a penetration exceeds all
+    /// earlier values.
     ///
-    /// For those who keep a run: with it the largest values among the samples are those of the run. Everyone else has
-    /// a run step by step, and no use for it.
+    /// A sink that stores these samples has the same extrema as the run; other sinks can ignore them.
     fn extreme(&mut self, _sample: &Sample) -> Result<(), SinkError> {
         Ok(())
     }
 
-    /// What it looks at, asked once before a run.
-    fn wants(&self) -> Wants {
-        Wants::ALL
+    /// Returns the data that the sink uses; called once before a run.
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
     }
 
-    /// Whether the run may go on: asked at least once a step of either model, because samples can be far apart. After a
-    /// `false` the run ends as [`Reason::Stopped`](crate::integrator::Reason::Stopped).
-    fn proceed(&self) -> bool {
+    /// Whether the run may continue; called at least once per step of either model, because samples can be far apart.
+    /// After `false` the run ends with [`Reason::Stopped`](crate::integrator::Reason::Stopped).
+    fn should_continue(&self) -> bool {
         true
     }
 }
 
-/// Takes everything and keeps nothing.
+/// A sink that discards everything.
 impl Sink for () {
     fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
         Ok(())
@@ -63,7 +65,7 @@ impl Sink for () {
     }
 }
 
-/// One that may not be there.
+/// An optional sink; `None` discards everything.
 impl<T: Sink> Sink for Option<T> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.as_mut().map_or(Ok(()), |sink| sink.sample(sample))
@@ -77,11 +79,11 @@ impl<T: Sink> Sink for Option<T> {
         self.as_mut().map_or(Ok(()), |sink| sink.extreme(sample))
     }
 
-    fn wants(&self) -> Wants {
-        self.as_ref().map_or(Wants::ALL, Sink::wants)
+    fn required_data(&self) -> RequiredData {
+        self.as_ref().map_or(RequiredData::ALL, Sink::required_data)
     }
 
-    fn proceed(&self) -> bool {
-        self.as_ref().is_none_or(|sink| sink.proceed())
+    fn should_continue(&self) -> bool {
+        self.as_ref().is_none_or(|sink| sink.should_continue())
     }
 }

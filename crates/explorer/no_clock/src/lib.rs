@@ -1,8 +1,8 @@
-//! A clock that stands still, for who only wants to know how long something took.
+//! A clock that always shows the same time, for code that only measures durations.
 
 pub use core::time::Duration;
 
-/// Always the same.
+/// An instant; all instants are equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Instant;
 
@@ -17,7 +17,7 @@ impl Instant {
         Duration::ZERO
     }
 
-    /// No deadline: a clock that stands still would be at every one, or never.
+    /// Returns `None`, no deadline: on this clock a deadline would be reached immediately or never.
     #[must_use]
     pub fn checked_add(&self, _: Duration) -> Option<Self> {
         None

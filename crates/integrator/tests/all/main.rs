@@ -1,8 +1,9 @@
-//! Tests of the integrator on systems of their own. They stand here because what they integrate is compiled with them, and is to be fast.
+//! Tests of the integrator on its own test systems. They belong to this crate because the test systems are compiled
+//! with it, optimised.
 //!
-//! One program: linking is most of what a test program costs.
+//! A single test program, because linking dominates its build time.
 
-#![allow(clippy::disallowed_methods, reason = "tests hold what is computed to other libraries")]
+#![allow(clippy::disallowed_methods, reason = "tests compare results with other libraries")]
 
 mod events;
 mod impact;

@@ -1,11 +1,11 @@
-//! Fixed steps with either method, for tests of the methods alone.
+//! Integration with fixed steps, for tests of the methods alone.
 
-use phalanx_integrator::{Dense, Method, Origin, State, System, Tolerances};
+use phalanx_integrator::{Dense, Method, State, StepStart, System, Tolerances};
 
 /// Tight enough for Radau's Newton iteration to go down to rounding.
 pub const TIGHT: Tolerances = Tolerances { atol_q: 1e-15, atol_v: 1e-15, rtol_v: 1e-15 };
 
-/// Takes `count` steps of size `h` and shows every step's dense output.
+/// Takes `count` steps of size `h` and passes the dense output of every step to `visit`.
 pub fn march<K: Method<N, Z>, Y: System<N, Z>, const N: usize, const Z: usize>(
     system: &Y,
     mode: &Y::Mode,
@@ -19,25 +19,25 @@ pub fn march<K: Method<N, Z>, Y: System<N, Z>, const N: usize, const Z: usize>(
     for i in 0..count {
         let t = t0 + i as f64 * h;
         let linearised = system.linearise(t, &state.q, &state.v, mode);
-        let origin = Origin {
+        let start_point = StepStart {
             system,
             mode,
             linearised: &linearised,
             tolerances: &TIGHT,
             t,
-            latest: f64::INFINITY,
+            latest_time: f64::INFINITY,
             state: &state,
         };
-        let attempt = method.attempt(&origin, h);
+        let attempt = method.attempt(&start_point, h);
         assert!(!attempt.error.is_nan(), "a step of {h} failed at {t}");
-        method.keep();
+        method.accept_step();
         visit(&method.dense());
         state = attempt.end;
     }
     state
 }
 
-/// Slopes of log error over log step between successive halvings.
+/// Slopes of log error over log step size between successive halvings.
 pub fn slopes(errors: &[f64]) -> Vec<f64> {
     errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
 }

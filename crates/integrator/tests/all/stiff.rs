@@ -1,14 +1,15 @@
-//! Stiffness: both methods damp what is fast and keep what is slow, at steps far beyond the fast scale.
+//! Stiffness: both methods damp fast components and preserve slow ones, at steps far beyond the fast time scale.
 
 use crate::stepping::march;
 use phalanx_integrator::{
-    Guard, Hybrid, Linearised, Method, Options, Radau5, Rates, Rodas5p, State, System, Tolerances, Watch, integrate,
+    EventFunction, EventSet, Hybrid, Linearised, Method, Options, Radau5, Rates, Rodas5p, State, System, Tolerances,
+    integrate,
 };
 
-/// q̈ = f(t, q, v) with its derivatives (f, f_t, f_q, f_v), as a hybrid system without sites.
-struct Scalar<F: Fn(f64, f64, f64) -> [f64; 4]>(F);
+/// q̈ = f(t, q, v) with its derivatives (f, f_t, f_q, f_v), as a hybrid system without events.
+struct ScalarSystem<F: Fn(f64, f64, f64) -> [f64; 4]>(F);
 
-impl<F: Fn(f64, f64, f64) -> [f64; 4]> System<1, 0> for Scalar<F> {
+impl<F: Fn(f64, f64, f64) -> [f64; 4]> System<1, 0> for ScalarSystem<F> {
     type Mode = ();
 
     fn rates(&self, t: f64, q: &[f64; 1], v: &[f64; 1], _: &()) -> Rates<1, 0> {
@@ -22,34 +23,34 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4]> System<1, 0> for Scalar<F> {
     }
 }
 
-impl<F: Fn(f64, f64, f64) -> [f64; 4]> Hybrid<1, 0, 0> for Scalar<F> {
-    fn next_corner(&self, _: f64) -> f64 {
+impl<F: Fn(f64, f64, f64) -> [f64; 4]> Hybrid<1, 0, 0> for ScalarSystem<F> {
+    fn next_discontinuity(&self, _: f64) -> f64 {
         f64::INFINITY
     }
 
-    fn watch(&self, _: &[f64; 1], _: &[f64; 1], _: &()) -> Watch<1, 0> {
-        Watch { guards: [], clearance: 1.0, clearance_rate: 0.0 }
+    fn eval_events(&self, _: &[f64; 1], _: &[f64; 1], _: &()) -> EventSet<1, 0> {
+        EventSet { functions: [], clearance: 1.0, clearance_rate: 0.0 }
     }
 
-    fn landing_tolerance(&self, _: usize, _: &()) -> f64 {
+    fn event_tolerance(&self, _: usize, _: &()) -> f64 {
         0.0
     }
 
-    fn switch(&self, _: usize, _: &[f64; 1], _: &[f64; 1], _: &()) {}
+    fn mode_after_event(&self, _: usize, _: &[f64; 1], _: &[f64; 1], _: &()) {}
 
-    fn relax(&self, _: &[Guard<1>; 0], _: &()) -> Option<()> {
+    fn mode_after_step(&self, _: &[EventFunction<1>; 0], _: &()) -> Option<()> {
         None
     }
 
-    fn with_natural(&self, _: usize, _: &()) {}
+    fn with_clamped_law(&self, _: usize, _: &()) {}
 
-    fn read_mode(&self, _: f64, _: &[f64; 1], _: &[f64; 1]) {}
+    fn mode_at(&self, _: f64, _: &[f64; 1], _: &[f64; 1]) {}
 
     fn restart_step(&self, _: usize, _: &[f64; 1], _: &[f64; 1], _: &()) -> Option<f64> {
         None
     }
 
-    fn obstacle(&self, _: &[f64; 1]) -> String {
+    fn describe_obstacle(&self, _: &[f64; 1]) -> String {
         String::new()
     }
 }
@@ -58,27 +59,30 @@ fn state(q: f64, v: f64) -> State<1, 0> {
     State { q: [q], v: [v], z: [] }
 }
 
-/// |R(z)| on v̇ = λ v for z = hλ: what one step leaves of a rate of 1.
-fn left_over<K: Method<1, 0>>(z: f64) -> f64 {
-    march::<K, _, 1, 0>(&Scalar(|_, _, v| [z * v, 0.0, 0.0, z]), &(), (0.0, state(0.0, 1.0)), 1.0, 1, |_| ()).v[0].abs()
+/// |R(z)| on v̇ = λ v for z = hλ: the rate after one step from a rate of 1.
+fn remaining_rate<K: Method<1, 0>>(z: f64) -> f64 {
+    march::<K, _, 1, 0>(&ScalarSystem(|_, _, v| [z * v, 0.0, 0.0, z]), &(), (0.0, state(0.0, 1.0)), 1.0, 1, |_| ()).v[0]
+        .abs()
 }
 
-/// L-stability: R(z) → 0 as z → −∞, like 1/z: the numerator of both stability functions is one degree below the denominator.
-/// For Radau IIA, the (2, 3) Padé approximant (1 + 2z/5 + z²/20)/(1 − 3z/5 + 3z²/20 − z³/60), |z R| tends to 3.
+/// L-stability: R(z) → 0 like 1/z as z → −∞, since the numerator of both stability functions is one degree below the
+/// denominator. For Radau IIA, the (2, 3) Padé approximant (1 + 2z/5 + z²/20)/(1 − 3z/5 + 3z²/20 − z³/60), |z R| tends
+/// to 3.
 #[test]
-fn fast_decay_is_damped_at_once() {
+fn fast_decay_is_damped_in_one_step() {
     fn check<K: Method<1, 0>>(name: &str) {
-        let left = [-1e2, -1e4, -1e6, -1e8, -1e10].map(|z| (z, left_over::<K>(z)));
-        println!("{name}: what is left of a fast rate {left:?}");
-        for (z, left) in left {
-            assert!(left < 20.0 / f64::abs(z), "{name}: {left:e} at {z:e}");
+        let remaining = [-1e2, -1e4, -1e6, -1e8, -1e10].map(|z| (z, remaining_rate::<K>(z)));
+        println!("{name}: remaining fast rate {remaining:?}");
+        for (z, remaining) in remaining {
+            assert!(remaining < 20.0 / f64::abs(z), "{name}: {remaining:e} at {z:e}");
         }
     }
     check::<Rodas5p<1, 0>>("Rodas5P");
     check::<Radau5<1, 0>>("Radau IIA");
 }
 
-/// A-stability: no oscillation grows, however fast. q̈ = −ω² q over one step of 1: the energy never rises.
+/// A-stability: no oscillation grows, whatever its frequency. q̈ = −ω² q over one step of 1: the energy never
+/// increases.
 #[test]
 fn oscillations_never_grow() {
     fn check<K: Method<1, 0>>(name: &str) {
@@ -86,10 +90,10 @@ fn oscillations_never_grow() {
         for i in 0..400 {
             let omega = 1e-2 * 1e8f64.powf(f64::from(i) / 399.0);
             let stiff = omega * omega;
-            // Both phases span all others, as the step is linear.
+            // The step is linear, so two phases span all others.
             let step = |q: f64, v: f64| {
                 let end = march::<K, _, 1, 0>(
-                    &Scalar(|_, q, _| [-stiff * q, 0.0, -stiff, 0.0]),
+                    &ScalarSystem(|_, q, _| [-stiff * q, 0.0, -stiff, 0.0]),
                     &(),
                     (0.0, state(q, v * omega)),
                     1.0,
@@ -111,13 +115,14 @@ fn oscillations_never_grow() {
     check::<Radau5<1, 0>>("Radau IIA");
 }
 
-/// Prothero and Robinson's problem for rates: v̇ = −λ (v − cos t) − sin t, whose solution v = cos t, q = sin t does not know λ.
+/// The Prothero–Robinson problem for rates: v̇ = −λ (v − cos t) − sin t. Its solution v = cos t, q = sin t is
+/// independent of λ.
 #[test]
-fn slow_motion_under_a_stiff_damper_is_followed_at_large_steps() {
+fn slow_motion_under_a_stiff_damper_is_accurate_at_large_steps() {
     fn worst<K: Method<1, 0>>(n: usize) -> f64 {
         let mut worst = 0.0f64;
         for lambda in [1e3, 1e5, 1e7, 1e9] {
-            let system = Scalar(move |t: f64, _, v| {
+            let system = ScalarSystem(move |t: f64, _, v| {
                 [-lambda * (v - t.cos()) - t.sin(), -lambda * t.sin() - t.cos(), 0.0, -lambda]
             });
             let end = march::<K, _, 1, 0>(&system, &(), (0.0, state(0.0, 1.0)), 2.0 / n as f64, n, |_| ());
@@ -125,7 +130,7 @@ fn slow_motion_under_a_stiff_damper_is_followed_at_large_steps() {
         }
         worst
     }
-    // Order falls under stiffness (to 3 at least, for these methods); what matters is that errors are small and fall.
+    // Stiffness reduces the order (to at least 3 for these methods); the errors must be small and decrease.
     for (name, coarse, fine) in [
         ("Rodas5P", worst::<Rodas5p<1, 0>>(20), worst::<Rodas5p<1, 0>>(80)),
         ("Radau IIA", worst::<Radau5<1, 0>>(20), worst::<Radau5<1, 0>>(80)),
@@ -135,14 +140,14 @@ fn slow_motion_under_a_stiff_damper_is_followed_at_large_steps() {
     }
 }
 
-/// Van der Pol's oscillator, ε = 1e-6, from (2, 0) to t = 2: y = 1.706167732170483, ẏ = −0.8928097010247975 (problem VDPOL of
-/// the Bari test set for initial value problems, where it serves as the reference solution).
+/// Van der Pol oscillator, ε = 1e-6, from (2, 0) to t = 2: y = 1.706167732170483, ẏ = −0.8928097010247975 (reference
+/// solution of problem VDPOL of the Bari test set for initial value problems).
 #[test]
-fn van_der_pol_ends_where_the_test_set_says() {
+fn van_der_pol_matches_the_reference_solution() {
     let epsilon = 1e-6;
-    let system = Scalar(|_, y: f64, v: f64| {
-        let one_minus = 1.0 - y * y;
-        [(one_minus * v - y) / epsilon, 0.0, (-2.0 * y * v - 1.0) / epsilon, one_minus / epsilon]
+    let system = ScalarSystem(|_, y: f64, v: f64| {
+        let linear_coefficient = 1.0 - y * y;
+        [(linear_coefficient * v - y) / epsilon, 0.0, (-2.0 * y * v - 1.0) / epsilon, linear_coefficient / epsilon]
     });
     let options = Options { tolerances: Tolerances { atol_q: 1e-11, atol_v: 1e-9, rtol_v: 1e-9 }, max_steps: 100_000 };
     let rodas = integrate::<1, 0, 0, _, Rodas5p<1, 0>, _>(&system, &options, 0.0, state(2.0, 0.0), 2.0, &mut ());

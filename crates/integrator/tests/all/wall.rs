@@ -1,8 +1,8 @@
-//! A mass on a line among walls, under the contact laws of the library: the smallest system with every kind of event.
+//! A mass on a line between walls, with the contact laws of the library: the smallest system with every kind of event.
 
 use phalanx_integrator::{
-    Guard, Hybrid, Linearised, Look, Observer, Options, Rates, State, Step, StepTools, Strain, System, Tolerances,
-    Watch,
+    ErrorWeight, EventFunction, EventSet, Hybrid, Linearised, Observer, Options, Rates, RootSearch, State, Step,
+    StepTools, System, Tolerances,
 };
 use phalanx_mechanics::law::{NormalLaw, damping, spring_force, unclamped_normal_force};
 
@@ -10,21 +10,21 @@ use phalanx_mechanics::law::{NormalLaw, damping, spring_force, unclamped_normal_
 pub const OBJECT: NormalLaw =
     NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
 
-/// Where a mass meets something.
+/// Geometry of an obstacle.
 #[derive(Clone, Copy, Debug)]
-pub enum Place {
-    /// A half line: free is where side · (x − at) > 0.
-    Plate { at: f64, side: f64 },
-    /// A thin obstacle: free is where |x − at| > half.
-    Window { at: f64, half: f64 },
+pub enum Obstacle {
+    /// A half line: the mass is free where side · (x − position) > 0.
+    Plate { position: f64, side: f64 },
+    /// A thin obstacle: the mass is free where |x − position| > half.
+    Window { position: f64, half: f64 },
 }
 
 #[derive(Clone, Copy, Debug)]
 pub struct Wall {
-    pub place: Place,
+    pub obstacle: Obstacle,
     pub law: NormalLaw,
-    /// How near the landing must be, m.
-    pub landing_m: f64,
+    /// Tolerance of event location, m.
+    pub location_tolerance_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,54 +32,56 @@ pub enum Branch {
     Free,
     Active,
     Released,
-    Natural,
+    Clamped,
 }
 
-use Branch::{Active, Free, Natural, Released};
+use Branch::{Active, Clamped, Free, Released};
 
 /// q̈ and its derivatives in (t, x, v) away from the walls.
 pub type Field = fn(f64, f64, f64) -> [f64; 4];
 
-pub struct Line<const S: usize> {
+pub struct PointMass<const S: usize> {
     pub mass: f64,
     pub field: Field,
-    pub corners: Vec<f64>,
+    pub discontinuities: Vec<f64>,
     pub walls: [Wall; S],
 }
 
-/// Force below which lift-off and reload are located.
+/// Force tolerance for locating lift-off and reloading, N.
 const FORCE_TOLERANCE: f64 = 1e-9;
 
-/// Rates below which a contact creeps rather than rebounds, m/s.
+/// Rate below which a contact creeps instead of rebounding, m/s.
 const SLOWEST_REBOUND: f64 = 1e-2;
 
-impl<const S: usize> Line<S> {
-    /// Gap, and its derivative in x.
-    pub fn gap(&self, site: usize, x: f64) -> (f64, f64) {
-        match self.walls[site].place {
-            Place::Plate { at, side } => (side * (x - at), side),
-            Place::Window { at, half } => ((x - at).abs() - half, if x >= at { 1.0 } else { -1.0 }),
+impl<const S: usize> PointMass<S> {
+    /// Gap and its derivative with respect to x.
+    pub fn gap(&self, wall_index: usize, x: f64) -> (f64, f64) {
+        match self.walls[wall_index].obstacle {
+            Obstacle::Plate { position, side } => (side * (x - position), side),
+            Obstacle::Window { position, half } => {
+                ((x - position).abs() - half, if x >= position { 1.0 } else { -1.0 })
+            }
         }
     }
 
-    /// Acceleration by, impulse on and power of the walls, with the derivatives in (x, v).
+    /// Force and power of the walls, with derivatives with respect to x and v.
     fn contact(&self, x: f64, v: f64, mode: &[Branch; S]) -> [[f64; 3]; 2] {
         let (mut force, mut power) = ([0.0; 3], [0.0; 3]);
-        for (site, branch) in mode.iter().enumerate() {
-            if !matches!(branch, Active | Natural) {
+        for (wall_index, branch) in mode.iter().enumerate() {
+            if !matches!(branch, Active | Clamped) {
                 continue;
             }
-            let (gap, n) = self.gap(site, x);
-            let f = unclamped_normal_force(&self.walls[site].law, -gap, -n * v);
-            if *branch == Natural && f.force < 0.0 {
+            let (gap, n) = self.gap(wall_index, x);
+            let f = unclamped_normal_force(&self.walls[wall_index].law, -gap, -n * v);
+            if *branch == Clamped && f.force < 0.0 {
                 continue;
             }
             let [f0, fx, fv] = [n * f.force, -f.d_delta, -f.d_rate];
-            for (sum, part) in force.iter_mut().zip([f0, fx, fv]) {
-                *sum += part;
+            for (sum, term) in force.iter_mut().zip([f0, fx, fv]) {
+                *sum += term;
             }
-            for (sum, part) in power.iter_mut().zip([f0 * v, fx * v, fv * v + f0]) {
-                *sum += part;
+            for (sum, term) in power.iter_mut().zip([f0 * v, fx * v, fv * v + f0]) {
+                *sum += term;
             }
         }
         [force, power]
@@ -87,7 +89,7 @@ impl<const S: usize> Line<S> {
 }
 
 /// Quadratures: impulse and work of the walls.
-impl<const S: usize> System<1, 2> for Line<S> {
+impl<const S: usize> System<1, 2> for PointMass<S> {
     type Mode = [Branch; S];
 
     fn rates(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Rates<1, 2> {
@@ -110,77 +112,91 @@ impl<const S: usize> System<1, 2> for Line<S> {
     }
 }
 
-impl<const S: usize> Hybrid<1, 2, S> for Line<S> {
-    fn next_corner(&self, t: f64) -> f64 {
-        self.corners.iter().copied().find(|c| *c > t).unwrap_or(f64::INFINITY)
+impl<const S: usize> Hybrid<1, 2, S> for PointMass<S> {
+    fn next_discontinuity(&self, t: f64) -> f64 {
+        self.discontinuities.iter().copied().find(|c| *c > t).unwrap_or(f64::INFINITY)
     }
 
-    fn watch(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Watch<1, S> {
-        let guards = std::array::from_fn(|site| {
-            let (gap, n) = self.gap(site, q[0]);
-            let (delta, rate, law) = (-gap, -n * v[0], &self.walls[site].law);
+    fn eval_events(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> EventSet<1, S> {
+        let functions = std::array::from_fn(|wall_index| {
+            let (gap, n) = self.gap(wall_index, q[0]);
+            let (delta, rate, law) = (-gap, -n * v[0], &self.walls[wall_index].law);
             let force = unclamped_normal_force(law, delta, rate).force;
-            let strain = if delta > 0.0 {
-                let springy = spring_force(law, delta) > damping(law, delta).0 * rate.abs();
-                let rebounds = springy && rate.abs() > SLOWEST_REBOUND;
-                Strain::Depth { row: [n], depth: delta, rebounds, springy }
+            let error_weight = if delta > 0.0 {
+                let is_spring_dominated = spring_force(law, delta) > damping(law, delta).0 * rate.abs();
+                let is_rebounding = is_spring_dominated && rate.abs() > SLOWEST_REBOUND;
+                ErrorWeight::Depth { row: [n], depth: delta, is_rebounding, is_spring_dominated }
             } else {
-                Strain::None
+                ErrorWeight::None
             };
-            let parted = if delta > 0.0 { delta } else { delta.min(-1e-290) };
-            let quiet = Guard::QUIET;
-            match mode[site] {
-                Natural => quiet,
-                Free => Guard { value: gap, rate: -rate, look: Look::Gap, ..quiet },
-                Active if delta <= 0.0 && rate >= 0.0 => Guard { apart: false, ..quiet },
-                Active if law.damping_max_n_s_per_m == 0.0 => {
-                    Guard { value: parted, rate, look: Look::Gap, apart: false, strain }
-                }
+            let separated_depth = if delta > 0.0 { delta } else { delta.min(-1e-290) };
+            let inactive = EventFunction::INACTIVE;
+            match mode[wall_index] {
+                Clamped => inactive,
+                Free => EventFunction { value: gap, rate: -rate, root_search: RootSearch::Gap, ..inactive },
+                Active if delta <= 0.0 && rate >= 0.0 => EventFunction { is_separated: false, ..inactive },
+                Active if law.damping_max_n_s_per_m == 0.0 => EventFunction {
+                    value: separated_depth,
+                    rate,
+                    root_search: RootSearch::Gap,
+                    is_separated: false,
+                    error_weight,
+                },
                 Active => {
-                    let value = if delta > 0.0 { force } else { parted };
-                    Guard { value, look: Look::End, apart: false, strain, ..quiet }
+                    let value = if delta > 0.0 { force } else { separated_depth };
+                    EventFunction {
+                        value,
+                        root_search: RootSearch::EndOnly,
+                        is_separated: false,
+                        error_weight,
+                        ..inactive
+                    }
                 }
-                Released => {
-                    Guard { value: 3.0 * FORCE_TOLERANCE - force, look: Look::Inside, apart: delta < 0.0, ..quiet }
-                }
+                Released => EventFunction {
+                    value: 3.0 * FORCE_TOLERANCE - force,
+                    root_search: RootSearch::Interior,
+                    is_separated: delta < 0.0,
+                    ..inactive
+                },
             }
         });
-        Watch { guards, clearance: 1.0, clearance_rate: 0.0 }
+        EventSet { functions, clearance: 1.0, clearance_rate: 0.0 }
     }
 
-    fn landing_tolerance(&self, site: usize, mode: &[Branch; S]) -> f64 {
-        match mode[site] {
-            Active if self.walls[site].law.damping_max_n_s_per_m > 0.0 => FORCE_TOLERANCE,
-            Released | Natural => FORCE_TOLERANCE,
-            Free | Active => self.walls[site].landing_m,
+    fn event_tolerance(&self, wall_index: usize, mode: &[Branch; S]) -> f64 {
+        match mode[wall_index] {
+            Active if self.walls[wall_index].law.damping_max_n_s_per_m > 0.0 => FORCE_TOLERANCE,
+            Released | Clamped => FORCE_TOLERANCE,
+            Free | Active => self.walls[wall_index].location_tolerance_m,
         }
     }
 
-    fn switch(&self, site: usize, _: &[f64; 1], _: &[f64; 1], mode: &[Branch; S]) -> [Branch; S] {
+    fn mode_after_event(&self, wall_index: usize, _: &[f64; 1], _: &[f64; 1], mode: &[Branch; S]) -> [Branch; S] {
         let mut next = *mode;
-        next[site] = match mode[site] {
+        next[wall_index] = match mode[wall_index] {
             Free | Released => Active,
             Active => Released,
-            Natural => Natural,
+            Clamped => Clamped,
         };
         next
     }
 
-    fn relax(&self, guards: &[Guard<1>; S], mode: &[Branch; S]) -> Option<[Branch; S]> {
-        let next = std::array::from_fn(|i| if mode[i] == Released && guards[i].apart { Free } else { mode[i] });
+    fn mode_after_step(&self, functions: &[EventFunction<1>; S], mode: &[Branch; S]) -> Option<[Branch; S]> {
+        let next =
+            std::array::from_fn(|i| if mode[i] == Released && functions[i].is_separated { Free } else { mode[i] });
         (next != *mode).then_some(next)
     }
 
-    fn with_natural(&self, site: usize, mode: &[Branch; S]) -> [Branch; S] {
+    fn with_clamped_law(&self, wall_index: usize, mode: &[Branch; S]) -> [Branch; S] {
         let mut next = *mode;
-        next[site] = Natural;
+        next[wall_index] = Clamped;
         next
     }
 
-    fn read_mode(&self, _: f64, q: &[f64; 1], v: &[f64; 1]) -> [Branch; S] {
-        std::array::from_fn(|site| {
-            let (gap, n) = self.gap(site, q[0]);
-            let force = unclamped_normal_force(&self.walls[site].law, -gap, -n * v[0]).force;
+    fn mode_at(&self, _: f64, q: &[f64; 1], v: &[f64; 1]) -> [Branch; S] {
+        std::array::from_fn(|wall_index| {
+            let (gap, n) = self.gap(wall_index, q[0]);
+            let force = unclamped_normal_force(&self.walls[wall_index].law, -gap, -n * v[0]).force;
             match (gap < 0.0 || (gap == 0.0 && n * v[0] < 0.0), force >= 0.0) {
                 (true, true) => Active,
                 (true, false) => Released,
@@ -189,16 +205,16 @@ impl<const S: usize> Hybrid<1, 2, S> for Line<S> {
         })
     }
 
-    fn restart_step(&self, site: usize, _: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Option<f64> {
-        (mode[site] == Active).then_some(1e-9 / (1.0 + v[0].abs()))
+    fn restart_step(&self, wall_index: usize, _: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Option<f64> {
+        (mode[wall_index] == Active).then_some(1e-9 / (1.0 + v[0].abs()))
     }
 
-    fn obstacle(&self, _: &[f64; 1]) -> String {
+    fn describe_obstacle(&self, _: &[f64; 1]) -> String {
         "none".to_string()
     }
 }
 
-/// Keeps the ends of all steps and all events.
+/// Stores the ends of all steps and all events.
 #[derive(Default)]
 pub struct Log {
     pub steps: Vec<(f64, f64, f64)>,
@@ -211,32 +227,32 @@ impl<const S: usize> Observer<1, 2, [Branch; S]> for Log {
         true
     }
 
-    fn event(&mut self, t: f64, _: &State<1, 2>, site: usize, mode: &[Branch; S]) {
-        self.events.push((t, site, mode[site]));
+    fn event(&mut self, t: f64, _: &State<1, 2>, wall_index: usize, mode: &[Branch; S]) {
+        self.events.push((t, wall_index, mode[wall_index]));
     }
 }
 
 impl Log {
-    /// Times of the touch-downs (and reloads) at a site.
-    pub fn touchdowns(&self, site: usize) -> Vec<f64> {
-        self.events.iter().filter(|e| e.1 == site && e.2 == Active).map(|e| e.0).collect()
+    /// Times of all contacts (including reloads) at a wall.
+    pub fn contact_times(&self, wall_index: usize) -> Vec<f64> {
+        self.events.iter().filter(|e| e.1 == wall_index && e.2 == Active).map(|e| e.0).collect()
     }
 }
 
-/// As tight as numbers of size 0.01 m and 1 m/s allow.
+/// The tightest tolerances that numbers of size 0.01 m and 1 m/s allow.
 pub fn tight() -> Options {
     Options { tolerances: Tolerances { atol_q: 1e-14, atol_v: 1e-12, rtol_v: 1e-12 }, max_steps: 1_000_000 }
 }
 
-/// A mass at x with rate v.
-pub fn at(x: f64, v: f64) -> State<1, 2> {
+/// The state of a mass at x with rate v.
+pub fn mass_at(x: f64, v: f64) -> State<1, 2> {
     State { q: [x], v: [v], z: [0.0; 2] }
 }
 
-/// The same experiment with both methods: (name, end, log) of each.
-macro_rules! with_both {
+/// Runs the same experiment with both methods; (name, end, log) of each.
+macro_rules! with_both_methods {
     ($system:expr, $options:expr, $start:expr, $end:expr) => {
-        $crate::wall::with_both!($system, $options, $start, 0.0, $end)
+        $crate::wall::with_both_methods!($system, $options, $start, 0.0, $end)
     };
     ($system:expr, $options:expr, $start:expr, $begin:expr, $end:expr) => {{
         use phalanx_integrator::{Radau5, Rodas5p, integrate};
@@ -248,4 +264,4 @@ macro_rules! with_both {
         [("Rodas5P", rodas, a), ("Radau IIA", radau, b)]
     }};
 }
-pub(crate) use with_both;
+pub(crate) use with_both_methods;

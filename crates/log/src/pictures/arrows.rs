@@ -1,27 +1,34 @@
-//! Contact points and forces as foxglove primitives, one entity a contact.
+//! Contact points and forces as foxglove primitives, one entity per contact.
 
 use foxglove::messages::{ArrowPrimitive, Color, Pose, SceneEntity, SceneUpdate, SpherePrimitive, Timestamp, Vector3};
 
-use super::frame::{WORLD, about_z};
+use super::frame::{WORLD, rotation_about_z};
 use phalanx_core::drawing::Drawing;
 use phalanx_core::numeric::elementary::atan2;
 use phalanx_core::trace::ContactSample;
 
-/// Over everything else, and thickness of arrows and points, as parts of the longest arrow.
-const HEIGHT: f64 = 0.05;
-const SHAFT: f64 = 0.02;
-const HEAD: f64 = 0.05;
+/// Elevation of arrows and points above all bodies, relative to the longest arrow.
+const ARROW_ELEVATION: f64 = 0.05;
+/// Diameter of an arrow shaft, relative to the longest arrow.
+const SHAFT_DIAMETER: f64 = 0.02;
+/// Diameter of an arrow head, relative to the longest arrow.
+const HEAD_DIAMETER: f64 = 0.05;
+/// Length of an arrow head, relative to the longest arrow.
 const HEAD_LENGTH: f64 = 0.08;
-const POINT: f64 = 0.05;
+/// Diameter of a contact point, relative to the longest arrow.
+const POINT_DIAMETER: f64 = 0.05;
 
+/// Colour of normal forces.
 const NORMAL: Color = Color { r: 0.85, g: 0.1, b: 0.1, a: 1.0 };
+/// Colour of friction forces.
 const TANGENTIAL: Color = Color { r: 0.5, g: 0.2, b: 0.8, a: 1.0 };
-const TOUCH: Color = Color { r: 0.1, g: 0.1, b: 0.1, a: 1.0 };
+/// Colour of contact points.
+const CONTACT_POINT: Color = Color { r: 0.1, g: 0.1, b: 0.1, a: 1.0 };
 
-/// The arrows as they were drawn last.
+/// Force arrows as last drawn.
 pub struct Arrows {
     drawing: Drawing,
-    /// Lengths of normal and tangential arrow of each contact.
+    /// Lengths of the normal and tangential arrow of each contact.
     lengths_m: Vec<[f64; 2]>,
     update: SceneUpdate,
 }
@@ -37,16 +44,16 @@ impl Arrows {
         }
     }
 
-    /// Whether an arrow was drawn last.
-    pub fn any(&self) -> bool {
+    /// Whether the last picture has an arrow.
+    pub fn any_visible(&self) -> bool {
         self.lengths_m.iter().any(|lengths| lengths[0] > 0.0)
     }
 
-    /// Largest change of an arrow since it was drawn, as a part of the longest one.
-    pub fn change<'a>(&self, contacts: impl Iterator<Item = &'a ContactSample>) -> f64 {
-        let change = |(contact, shown): (&ContactSample, &[f64; 2])| {
+    /// Largest change of an arrow since it was drawn, relative to the longest arrow.
+    pub fn largest_change<'a>(&self, contacts: impl Iterator<Item = &'a ContactSample>) -> f64 {
+        let change = |(contact, drawn): (&ContactSample, &[f64; 2])| {
             let [normal, tangential] = self.lengths(contact);
-            (normal - shown[0]).abs().max((tangential - shown[1]).abs())
+            (normal - drawn[0]).abs().max((tangential - drawn[1]).abs())
         };
         contacts.zip(&self.lengths_m).map(change).fold(0.0, f64::max) / self.drawing.longest_arrow_m
     }
@@ -55,8 +62,8 @@ impl Arrows {
         [contact.normal_n, contact.tangential_n].map(|force| self.drawing.arrow_m(force))
     }
 
-    /// The arrows of forces on the phalanges (on the disc of a pair): from the contact point along the normal and along the
-    /// surface. A contact without force has none, which takes away what it had.
+    /// Draws the forces on the phalanges (on the first disc of a pair) from the contact point along the normal and the
+    /// tangent. A contact without force gets an empty entity, which removes its earlier arrows.
     pub fn draw<'a>(&mut self, contacts: impl Iterator<Item = &'a ContactSample>, stamp: Timestamp) -> &SceneUpdate {
         let longest_m = self.drawing.longest_arrow_m;
         for (index, contact) in contacts.enumerate() {
@@ -69,35 +76,38 @@ impl Arrows {
             if contact.normal_n <= 0.0 {
                 continue;
             }
-            let at = contact.point_m;
-            entity.arrows.push(arrow(at, contact.normal, normal, longest_m, NORMAL));
+            let point_m = contact.point_m;
+            entity.arrows.push(arrow(point_m, contact.normal, normal, longest_m, NORMAL));
             if contact.tangential_n != 0.0 {
-                entity.arrows.push(arrow(at, contact.tangent(), tangential, longest_m, TANGENTIAL));
+                entity.arrows.push(arrow(point_m, contact.tangent(), tangential, longest_m, TANGENTIAL));
             }
-            let size = POINT * longest_m;
+            let size = POINT_DIAMETER * longest_m;
             entity.spheres.push(SpherePrimitive {
-                pose: Some(pose(at, 0.0, longest_m)),
+                pose: Some(pose(point_m, 0.0, longest_m)),
                 size: Some(Vector3 { x: size, y: size, z: size }),
-                color: Some(TOUCH),
+                color: Some(CONTACT_POINT),
             });
         }
         &self.update
     }
 }
 
-fn arrow(at: [f64; 2], [x, y]: [f64; 2], length_m: f64, longest_m: f64, colour: Color) -> ArrowPrimitive {
+fn arrow(point_m: [f64; 2], [x, y]: [f64; 2], length_m: f64, longest_m: f64, colour: Color) -> ArrowPrimitive {
     let sign = length_m.signum();
     let head = (HEAD_LENGTH * longest_m).min(length_m.abs());
     ArrowPrimitive {
-        pose: Some(pose(at, atan2(sign * y, sign * x), longest_m)),
+        pose: Some(pose(point_m, atan2(sign * y, sign * x), longest_m)),
         shaft_length: length_m.abs() - head,
-        shaft_diameter: SHAFT * longest_m,
+        shaft_diameter: SHAFT_DIAMETER * longest_m,
         head_length: head,
-        head_diameter: HEAD * longest_m,
+        head_diameter: HEAD_DIAMETER * longest_m,
         color: Some(colour),
     }
 }
 
 fn pose([x, y]: [f64; 2], angle_rad: f64, longest_m: f64) -> Pose {
-    Pose { position: Some(Vector3 { x, y, z: HEIGHT * longest_m }), orientation: Some(about_z(angle_rad)) }
+    Pose {
+        position: Some(Vector3 { x, y, z: ARROW_ELEVATION * longest_m }),
+        orientation: Some(rotation_about_z(angle_rad)),
+    }
 }

@@ -1,4 +1,4 @@
-//! Bodies as foxglove primitives: filled outlines in the plane, one entity a body, each in its own frame.
+//! Bodies as foxglove primitives: filled outlines in the plane, one entity per body, each in its own frame.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,16 +7,17 @@ use foxglove::messages::{
     Color, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, TriangleListPrimitive, Vector3,
 };
 
-use phalanx_core::drawing::{Body, Drawing, Part, Shape};
+use phalanx_core::drawing::{Body, BodyRole, Drawing, Shape};
 use phalanx_core::numeric::elementary::{atan2, sin_cos};
 
-/// Corners of a full circle.
-const CORNERS: usize = 64;
-/// Distance between the layers in which bodies lie, and thickness of their outlines, as parts of the view.
-const LAYER: f64 = 2e-3;
-const OUTLINE: f64 = 2e-3;
+/// Number of corners of a full circle.
+const CIRCLE_CORNERS: usize = 64;
+/// Distance between the layers of bodies, relative to the size of the view.
+const LAYER_SPACING: f64 = 2e-3;
+/// Thickness of outlines, relative to the size of the view.
+const OUTLINE_THICKNESS: f64 = 2e-3;
 
-/// All bodies, without a time.
+/// Returns all bodies without a timestamp.
 pub fn scene(drawing: &Drawing) -> SceneUpdate {
     let view_m = drawing.view_m();
     let entities = drawing.bodies.iter().map(|body| entity(body, drawing, view_m)).collect();
@@ -24,12 +25,12 @@ pub fn scene(drawing: &Drawing) -> SceneUpdate {
 }
 
 fn entity(body: &Body, drawing: &Drawing, view_m: f64) -> SceneEntity {
-    let colour = colour(body.part);
-    let z = layer(body.part) * LAYER * view_m;
+    let colour = colour(body.role);
+    let z = layer(body.role) * LAYER_SPACING * view_m;
     let (mut triangles, mut lines) = (Vec::new(), Vec::new());
     for (index, shape) in body.shapes.iter().enumerate() {
-        // The surface that touches lies upon the outline of the body's mass.
-        let z = z + 0.25 * index as f64 * LAYER * view_m;
+        // The contact surface is drawn above the outline of the body's mass.
+        let z = z + 0.25 * index as f64 * LAYER_SPACING * view_m;
         let corners = outline(shape, drawing.extent_m);
         let points: Vec<Point3> = corners.iter().map(|&[x, y]| Point3 { x, y, z }).collect();
         let alpha = if index == 0 { 0.55 } else { 0.9 };
@@ -44,7 +45,7 @@ fn entity(body: &Body, drawing: &Drawing, view_m: f64) -> SceneEntity {
         lines.push(LinePrimitive {
             r#type: LineType::LineLoop as i32,
             pose: Some(identity()),
-            thickness: OUTLINE * view_m,
+            thickness: OUTLINE_THICKNESS * view_m,
             scale_invariant: false,
             points,
             color: Some(Color { a: 1.0, ..colour }),
@@ -63,15 +64,22 @@ fn entity(body: &Body, drawing: &Drawing, view_m: f64) -> SceneEntity {
     }
 }
 
-/// Corners of a convex shape, counter-clockwise; a half plane ends with the view.
+/// Returns the corners of a convex shape, counter-clockwise; a half plane is clipped to the view.
 fn outline(shape: &Shape, [low, high]: [[f64; 2]; 2]) -> Vec<[f64; 2]> {
     match shape {
         Shape::Polygon { corners_m } => corners_m.clone(),
-        Shape::Disc { radius_m } => arc([0.0; 2], *radius_m, 0.0, TAU, CORNERS),
+        Shape::Disc { radius_m } => arc([0.0; 2], *radius_m, 0.0, TAU, CIRCLE_CORNERS),
         Shape::Capsule { from_m, to_m, radius_m } => {
-            let along = atan2(to_m[1] - from_m[1], to_m[0] - from_m[0]);
-            let mut corners = arc(*to_m, *radius_m, along - 0.5 * PI, along + 0.5 * PI, CORNERS / 2);
-            corners.extend(arc(*from_m, *radius_m, along + 0.5 * PI, along + 1.5 * PI, CORNERS / 2));
+            let direction_rad = atan2(to_m[1] - from_m[1], to_m[0] - from_m[0]);
+            let mut corners =
+                arc(*to_m, *radius_m, direction_rad - 0.5 * PI, direction_rad + 0.5 * PI, CIRCLE_CORNERS / 2);
+            corners.extend(arc(
+                *from_m,
+                *radius_m,
+                direction_rad + 0.5 * PI,
+                direction_rad + 1.5 * PI,
+                CIRCLE_CORNERS / 2,
+            ));
             corners
         }
         Shape::HalfPlane { level_m } => {
@@ -81,41 +89,41 @@ fn outline(shape: &Shape, [low, high]: [[f64; 2]; 2]) -> Vec<[f64; 2]> {
     }
 }
 
-/// Points of an arc; the last one is left out of a full circle, where it would be the first.
+/// Returns points on an arc. A full circle omits the last one, which would repeat the first.
 fn arc([x, y]: [f64; 2], radius: f64, from: f64, to: f64, corners: usize) -> Vec<[f64; 2]> {
-    let pieces = if to - from >= TAU { corners } else { corners - 1 };
+    let segments = if to - from >= TAU { corners } else { corners - 1 };
     (0..corners)
         .map(|k| {
-            let (sin, cos) = sin_cos(from + (to - from) * k as f64 / pieces as f64);
+            let (sin, cos) = sin_cos(from + (to - from) * k as f64 / segments as f64);
             [x + radius * cos, y + radius * sin]
         })
         .collect()
 }
 
-/// The colours of the page and of all other pictures, strong enough for a dark view.
-fn colour(part: Part) -> Color {
-    let of = |r: u8, g: u8, b: u8| Color { r: r.into(), g: g.into(), b: b.into(), a: 255.0 };
+/// Returns the colour of a part: the same as in all other pictures, saturated enough for a dark background.
+fn colour(part: BodyRole) -> Color {
+    let rgb = |r: u8, g: u8, b: u8| Color { r: r.into(), g: g.into(), b: b.into(), a: 255.0 };
     let Color { r, g, b, a } = match part {
-        Part::Driver => of(122, 134, 150),
-        Part::Coupler => of(160, 170, 184),
-        Part::Proximal => of(0, 114, 178),
-        Part::Distal => of(213, 94, 0),
-        Part::Object => of(190, 170, 120),
-        Part::Palm => of(120, 120, 120),
-        Part::Disc => of(86, 180, 233),
+        BodyRole::Driver => rgb(122, 134, 150),
+        BodyRole::Coupler => rgb(160, 170, 184),
+        BodyRole::Proximal => rgb(0, 114, 178),
+        BodyRole::Distal => rgb(213, 94, 0),
+        BodyRole::Object => rgb(190, 170, 120),
+        BodyRole::Palm => rgb(120, 120, 120),
+        BodyRole::Disc => rgb(86, 180, 233),
     };
     Color { r: r / 255.0, g: g / 255.0, b: b / 255.0, a: a / 255.0 }
 }
 
-/// Height of a part over the plane, in layers; the driver and the coupler lie behind the phalanges.
-fn layer(part: Part) -> f64 {
+/// Returns the layer of a part; driver and coupler are behind the phalanges.
+fn layer(part: BodyRole) -> f64 {
     match part {
-        Part::Palm => -2.0,
-        Part::Object | Part::Disc => -1.0,
-        Part::Driver => 0.0,
-        Part::Coupler => 1.0,
-        Part::Proximal => 2.0,
-        Part::Distal => 3.0,
+        BodyRole::Palm => -2.0,
+        BodyRole::Object | BodyRole::Disc => -1.0,
+        BodyRole::Driver => 0.0,
+        BodyRole::Coupler => 1.0,
+        BodyRole::Proximal => 2.0,
+        BodyRole::Distal => 3.0,
     }
 }
 

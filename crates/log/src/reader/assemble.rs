@@ -1,116 +1,126 @@
-//! From messages back to samples and events.
+//! Assembles messages into samples and events.
 
 use std::collections::{BTreeMap, HashSet};
 
 use foxglove::Decode;
 use foxglove::messages::Log;
 
-use super::bytes::Malformed;
-use super::channels::{Carries, Channels, part};
-use super::group::{Habits, Held, Item, Kind, in_order, put_in_order, written};
-use super::missing::{Lacking, missing};
-use super::reading::{Ended, Missing, Reading};
+use super::bytes::MalformedData;
+use super::channels::{ChannelContent, Channels, component_index};
+use super::grouping::{
+    GroupedMessage, Item, MessageRole, TieOrder, count_in_write_order, items_in_write_order, reconstruct_order,
+};
+use super::missing::{MissingTracker, missing};
 use super::record::MessageRecord;
-use super::survey::Numbers;
-use super::wire::numbers;
-use crate::lines::is_of_friction;
+use super::summary::{LogSummary, MissingData, RunEnd};
+use super::survey::SequenceStats;
+use super::wire::decode_doubles;
+use crate::lines::is_friction_line;
 use phalanx_core::trace::{self, BodyState, ContactSample, Event, EventKind, FingerState, Layout, Sample, SinkError};
 
-const UNTIMED: Malformed = Malformed("the time of a message is not a number");
-const BACK: Malformed = Malformed("the time of a sample goes back although its log time does not");
+const NON_FINITE_TIME: MalformedData = MalformedData("the time of a message is not a number");
+const DECREASING_TIME: MalformedData = MalformedData("the time of a sample decreases although its log time does not");
 
-/// Messages of one log time that are put in order at once.
-const MOST_HELD: usize = 200_000;
+/// Maximum number of messages of one log time that are grouped at once.
+const MAX_GROUPED_MESSAGES: usize = 200_000;
 
-/// What messages come to.
-pub enum Found<'a> {
-    /// A message of a channel that phalanx does not know.
-    Unknown,
+/// Decoded content of one or more messages.
+pub enum Decoded<'a> {
+    /// Message of an unknown channel.
+    UnknownMessage,
     Sample(&'a Sample),
     Event(Event),
-    Ended(Ended),
+    RunEnd(RunEnd),
 }
 
-/// Takes what is found; an error of its own ends the reading.
-pub trait Take: FnMut(Found<'_>) -> Result<(), SinkError> {}
+/// Callback for decoded content; its error ends reading.
+pub trait OnDecoded: FnMut(Decoded<'_>) -> Result<(), SinkError> {}
 
-impl<F: FnMut(Found<'_>) -> Result<(), SinkError>> Take for F {}
+impl<F: FnMut(Decoded<'_>) -> Result<(), SinkError>> OnDecoded for F {}
 
-/// Puts messages together. They come in the order of their log times.
+/// Assembles messages, which arrive in order of log time.
 pub struct Assembler {
     channels: Channels,
-    of_engine: bool,
-    /// The parts of a sample of which the log has messages, in the order in which they are written.
-    parts: Vec<usize>,
-    /// A sample of which nothing has come: what must come is no number.
-    blank: Sample,
+    is_engine: bool,
+    /// Components of a sample that the log has, in write order.
+    components: Vec<usize>,
+    /// A sample without any message: all required values are NaN.
+    missing_sample: Sample,
     sample: Sample,
-    /// The messages of the log time at hand.
+    /// Log time of `messages`.
     log_time_ns: u64,
-    held: Vec<Held>,
+    messages: Vec<GroupedMessage>,
     data: Vec<u8>,
-    /// Of a log in which messages come more than once: those of the log time at hand, by channel, number and payload.
+    /// Channel, sequence number and payload of the messages of this log time; only for logs with duplicates.
     seen: Option<HashSet<(u16, u32, Vec<u8>)>>,
     latest_s: f64,
-    lacking: Lacking,
+    tracker: MissingTracker,
 }
 
 impl Assembler {
-    /// Of the log of a model. `parts` are those of a sample of which the log has messages, in their order; `wanted` those that it should
-    /// have besides; `repeats`: some messages come more than once.
-    pub fn new(channels: Channels, of_engine: bool, parts: Vec<usize>, wanted: &[usize], repeats: bool) -> Self {
+    /// Creates an assembler. `components`: components of a sample that the log has, in order; `required`: components
+    /// that it should have; `has_duplicates`: some messages are repeated.
+    pub fn new(
+        channels: Channels,
+        is_engine: bool,
+        components: Vec<usize>,
+        required: &[usize],
+        has_duplicates: bool,
+    ) -> Self {
         let Layout { fingers, bodies, contacts } = channels.layout();
         let first = fingers.len() + bodies.len();
-        let nothing = |index: usize| parts.contains(&(first + index)) || wanted.contains(&(first + index));
-        let blank = Sample {
+        let is_in_log = |index: usize| components.contains(&(first + index)) || required.contains(&(first + index));
+        let missing_sample = Sample {
             time_s: f64::NAN,
-            fingers: vec![NO_FINGER; fingers.len()],
-            bodies: vec![NO_BODY; bodies.len()],
-            contacts: (0..contacts.len()).map(|k| if nothing(k) { NO_CONTACT } else { ContactSample::NONE }).collect(),
-            energy: NO_ENERGY,
+            fingers: vec![MISSING_FINGER; fingers.len()],
+            bodies: vec![MISSING_BODY; bodies.len()],
+            contacts: (0..contacts.len())
+                .map(|k| if is_in_log(k) { MISSING_CONTACT } else { ContactSample::NONE })
+                .collect(),
+            energy: MISSING_ENERGY,
         };
-        let lacking = Lacking::new(first + contacts.len() + 1, contacts.len());
+        let tracker = MissingTracker::new(first + contacts.len() + 1, contacts.len());
         Assembler {
             channels,
-            of_engine,
-            parts,
-            sample: blank.clone(),
-            blank,
+            is_engine,
+            components,
+            sample: missing_sample.clone(),
+            missing_sample,
             log_time_ns: 0,
-            held: Vec::new(),
+            messages: Vec::new(),
             data: Vec::new(),
-            seen: repeats.then(HashSet::new),
+            seen: has_duplicates.then(HashSet::new),
             latest_s: 0.0,
-            lacking,
+            tracker,
         }
     }
 
-    /// What the samples consist of.
+    /// Layout of the samples.
     pub fn layout(&self) -> &Layout {
         self.channels.layout()
     }
 
-    /// What the log lacks, once it was gone through.
+    /// Returns the data missing in the log; called after the last message.
     pub fn missing(
         &mut self,
-        reading: &Reading,
-        expected: &[(String, Carries)],
-        numbers: &BTreeMap<u16, Numbers>,
-    ) -> Vec<Missing> {
-        missing(reading, expected, &self.channels, numbers, &mut self.lacking)
+        summary: &LogSummary,
+        expected_topics: &[(String, ChannelContent)],
+        sequence_stats: &BTreeMap<u16, SequenceStats>,
+    ) -> Vec<MissingData> {
+        missing(summary, expected_topics, &self.channels, sequence_stats, &mut self.tracker)
     }
 
-    /// Takes a message; what is whole now goes to `take`.
+    /// Adds a message and passes completed samples and events to `on_decoded`.
     pub fn message(
         &mut self,
         message: &MessageRecord<'_>,
-        take: &mut impl Take,
-    ) -> Result<Result<(), Malformed>, SinkError> {
-        let Some(carries) = self.channels.carries(message.channel) else {
-            return take(Found::Unknown).map(Ok);
+        on_decoded: &mut impl OnDecoded,
+    ) -> Result<Result<(), MalformedData>, SinkError> {
+        let Some(content) = self.channels.content(message.channel) else {
+            return on_decoded(Decoded::UnknownMessage).map(Ok);
         };
-        if message.log_time_ns != self.log_time_ns || self.held.len() >= MOST_HELD {
-            if let Err(malformed) = self.release(message.log_time_ns != self.log_time_ns, take)? {
+        if message.log_time_ns != self.log_time_ns || self.messages.len() >= MAX_GROUPED_MESSAGES {
+            if let Err(malformed) = self.flush_group(message.log_time_ns != self.log_time_ns, on_decoded)? {
                 return Ok(Err(malformed));
             }
             if message.log_time_ns != self.log_time_ns {
@@ -119,72 +129,87 @@ impl Assembler {
             self.log_time_ns = message.log_time_ns;
         }
         if let Some(seen) = &mut self.seen
-            && carries != Carries::Picture
+            && content != ChannelContent::Picture
             && !seen.insert((message.channel, message.sequence, message.data.to_vec()))
         {
-            self.lacking.again(message.channel);
+            self.tracker.duplicate(message.channel);
             return Ok(Ok(()));
         }
-        let kind = match carries {
-            Carries::Picture => return Ok(Ok(())),
-            Carries::Lines => match Log::decode(message.data) {
-                Err(_) => return Ok(Err(Malformed("a line of the log is not protobuf"))),
+        let role = match content {
+            ChannelContent::Picture => return Ok(Ok(())),
+            ChannelContent::Lines => match Log::decode(message.data) {
+                Err(_) => return Ok(Err(MalformedData("a line of the log is not protobuf"))),
                 Ok(line) if line.name == "run" => {
-                    return take(Found::Ended(Ended::new(message.log_time_ns as f64 * 1e-9, line.message))).map(Ok);
+                    return on_decoded(Decoded::RunEnd(RunEnd::new(message.log_time_ns as f64 * 1e-9, line.message)))
+                        .map(Ok);
                 }
                 Ok(line) => {
-                    let place = self.layout().contacts.iter().position(|place| place.name == line.name);
-                    let Some(contact) = place else { return Ok(Ok(())) };
-                    let of_friction = is_of_friction(&line.message);
-                    self.lacking.line(contact, of_friction);
-                    Ok(Kind::Line { contact, of_friction })
+                    let contact = self.layout().contacts.iter().position(|channel| channel.name == line.name);
+                    let Some(contact) = contact else { return Ok(Ok(())) };
+                    let is_friction = is_friction_line(&line.message);
+                    self.tracker.line(contact, is_friction);
+                    Ok(MessageRole::Line { contact, is_friction })
                 }
             },
-            Carries::Impact(contact) => change_kind(message.data).map(|kind| Kind::Event { contact, kind }),
-            Carries::Slip(contact) => slip_kind(message.data).map(|kind| Kind::Event { contact, kind }),
-            other => Ok(Kind::Part(part(self.layout(), other).unwrap_or(usize::MAX))),
+            ChannelContent::Impact(contact) => {
+                decode_impact_kind(message.data).map(|kind| MessageRole::Event { contact, kind })
+            }
+            ChannelContent::Slip(contact) => {
+                decode_slip_kind(message.data).map(|kind| MessageRole::Event { contact, kind })
+            }
+            other => Ok(MessageRole::Component(component_index(self.layout(), other).unwrap_or(usize::MAX))),
         };
-        let time_s = match kind {
-            Ok(Kind::Line { .. }) => Ok([0.0]),
-            _ => numbers::<1>(message.data),
+        let time_s = match role {
+            Ok(MessageRole::Line { .. }) => Ok([0.0]),
+            _ => decode_doubles::<1>(message.data),
         };
-        match kind.and_then(|kind| time_s.map(|[time_s]| (kind, time_s))) {
-            Ok((_, time_s)) if !time_s.is_finite() => Ok(Err(UNTIMED)),
-            Ok((kind, time_s)) => {
+        match role.and_then(|role| time_s.map(|[time_s]| (role, time_s))) {
+            Ok((_, time_s)) if !time_s.is_finite() => Ok(Err(NON_FINITE_TIME)),
+            Ok((role, time_s)) => {
                 let start = self.data.len();
                 self.data.extend_from_slice(message.data);
-                self.held.push(Held { kind, sequence: message.sequence, time_s, data: start..self.data.len() });
+                self.messages.push(GroupedMessage {
+                    role,
+                    sequence: message.sequence,
+                    time_s,
+                    data: start..self.data.len(),
+                });
                 Ok(Ok(()))
             }
             Err(malformed) => Ok(Err(malformed)),
         }
     }
 
-    /// Once all messages have come.
-    pub fn end(&mut self, take: &mut impl Take) -> Result<Result<(), Malformed>, SinkError> {
-        self.release(true, take)
+    /// Called after the last message.
+    pub fn end(&mut self, on_decoded: &mut impl OnDecoded) -> Result<Result<(), MalformedData>, SinkError> {
+        self.flush_group(true, on_decoded)
     }
 
-    /// Hands on what the messages at hand come to; those of a sample that may become whole yet stay, unless that was `all` of their log time.
-    fn release(&mut self, all: bool, take: &mut impl Take) -> Result<Result<(), Malformed>, SinkError> {
-        let whole =
-            written(&self.held, &self.parts).filter(|whole| if all { *whole == self.held.len() } else { *whole > 0 });
-        let habits = Habits { of_engine: self.of_engine, at_start: self.lacking.samples() == 0 };
-        let (items, used) = match whole {
-            Some(whole) => (in_order(&self.held[..whole]), whole),
-            None => (put_in_order(&self.held, habits), self.held.len()),
+    /// Passes on the samples and events of the current group. Messages of an incomplete sample remain unless `all`
+    /// messages of the log time have arrived.
+    fn flush_group(
+        &mut self,
+        all: bool,
+        on_decoded: &mut impl OnDecoded,
+    ) -> Result<Result<(), MalformedData>, SinkError> {
+        let ordered_count = count_in_write_order(&self.messages, &self.components)
+            .filter(|count| if all { *count == self.messages.len() } else { *count > 0 });
+        let tie_order = TieOrder { is_engine: self.is_engine, is_at_start: self.tracker.samples() == 0 };
+        let (items, used) = match ordered_count {
+            Some(count) => (items_in_write_order(&self.messages[..count]), count),
+            None => (reconstruct_order(&self.messages, tie_order), self.messages.len()),
         };
-        let held = std::mem::take(&mut self.held);
+        let messages = std::mem::take(&mut self.messages);
         for item in items {
             let outcome = match item {
-                Item::Sample(of) => match self.put_together(&held, &of) {
-                    Ok(()) => take(Found::Sample(&self.sample)).map(Ok)?,
+                Item::Sample(indices) => match self.assemble_sample(&messages, &indices) {
+                    Ok(()) => on_decoded(Decoded::Sample(&self.sample)).map(Ok)?,
                     Err(malformed) => Err(malformed),
                 },
-                Item::Event(index) => match self.event(&held[index]) {
+                Item::Event(index) => match self.event(&messages[index]) {
                     Ok(event) => {
-                        self.lacking.event(event.contact, event.kind.is_of_friction());
-                        take(Found::Event(event)).map(Ok)?
+                        self.tracker.event(event.contact, event.kind.is_friction_event());
+                        on_decoded(Decoded::Event(event)).map(Ok)?
                     }
                     Err(malformed) => Err(malformed),
                 },
@@ -193,56 +218,57 @@ impl Assembler {
                 return Ok(outcome);
             }
         }
-        self.held = held;
-        self.held.drain(..used);
-        let gone = self.held.first().map_or(self.data.len(), |first| first.data.start);
-        self.data.drain(..gone);
-        for message in &mut self.held {
-            message.data = message.data.start - gone..message.data.end - gone;
+        self.messages = messages;
+        self.messages.drain(..used);
+        let consumed_bytes = self.messages.first().map_or(self.data.len(), |first| first.data.start);
+        self.data.drain(..consumed_bytes);
+        for message in &mut self.messages {
+            message.data = message.data.start - consumed_bytes..message.data.end - consumed_bytes;
         }
         Ok(Ok(()))
     }
 
-    fn put_together(&mut self, held: &[Held], of: &[usize]) -> Result<(), Malformed> {
+    fn assemble_sample(&mut self, messages: &[GroupedMessage], indices: &[usize]) -> Result<(), MalformedData> {
         let layout = self.channels.layout();
         let (fingers, bodies) = (layout.fingers.len(), layout.bodies.len());
-        self.sample.clone_from(&self.blank);
-        let Some(first) = of.first() else { return Ok(()) };
-        self.sample.time_s = held[*first].time_s;
+        self.sample.clone_from(&self.missing_sample);
+        let Some(first) = indices.first() else { return Ok(()) };
+        self.sample.time_s = messages[*first].time_s;
         if self.sample.time_s < self.latest_s {
-            return Err(BACK);
+            return Err(DECREASING_TIME);
         }
         self.latest_s = self.sample.time_s;
-        self.lacking.sample(self.sample.time_s);
-        for &index in of {
-            let Kind::Part(part) = held[index].kind else { continue };
-            let data = &self.data[held[index].data.clone()];
-            self.lacking.part(part);
-            if part < fingers {
-                self.sample.fingers[part] = finger(data)?;
-            } else if part < fingers + bodies {
-                self.sample.bodies[part - fingers] = body(data)?;
-            } else if let Some(place) = layout.contacts.get(part - fingers - bodies) {
-                self.sample.contacts[part - fingers - bodies] = if place.angular { stop(data) } else { contact(data) }?;
+        self.tracker.sample(self.sample.time_s);
+        for &index in indices {
+            let MessageRole::Component(component) = messages[index].role else { continue };
+            let data = &self.data[messages[index].data.clone()];
+            self.tracker.component(component);
+            if component < fingers {
+                self.sample.fingers[component] = decode_finger(data)?;
+            } else if component < fingers + bodies {
+                self.sample.bodies[component - fingers] = decode_body(data)?;
+            } else if let Some(channel) = layout.contacts.get(component - fingers - bodies) {
+                self.sample.contacts[component - fingers - bodies] =
+                    if channel.is_angular { decode_limit(data) } else { decode_contact(data) }?;
             } else {
-                self.sample.energy = energy(data)?;
+                self.sample.energy = decode_energy(data)?;
             }
         }
         Ok(())
     }
 
-    fn event(&self, held: &Held) -> Result<Event, Malformed> {
-        let Kind::Event { contact, kind } = held.kind else { return Err(UNTIMED) };
-        let time_s = held.time_s;
-        if kind.is_of_friction() {
+    fn event(&self, message: &GroupedMessage) -> Result<Event, MalformedData> {
+        let MessageRole::Event { contact, kind } = message.role else { return Err(NON_FINITE_TIME) };
+        let time_s = message.time_s;
+        if kind.is_friction_event() {
             return Ok(Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 });
         }
-        let [.., approach_speed, impulse] = numbers::<5>(&self.data[held.data.clone()])?;
+        let [.., approach_speed, impulse] = decode_doubles::<5>(&self.data[message.data.clone()])?;
         Ok(Event { time_s, contact, kind, approach_speed, impulse })
     }
 }
 
-const NO_FINGER: FingerState = FingerState {
+const MISSING_FINGER: FingerState = FingerState {
     q11_rad: f64::NAN,
     q21_rad: f64::NAN,
     q12_rad: f64::NAN,
@@ -254,9 +280,9 @@ const NO_FINGER: FingerState = FingerState {
     qd22_rad_s: f64::NAN,
     motor_torque_n_m: f64::NAN,
 };
-const NO_BODY: BodyState =
+const MISSING_BODY: BodyState =
     BodyState { centre_m: [f64::NAN; 2], angle_rad: f64::NAN, velocity_m_s: [f64::NAN; 2], spin_rad_s: f64::NAN };
-const NO_CONTACT: ContactSample = ContactSample {
+const MISSING_CONTACT: ContactSample = ContactSample {
     gap_m: f64::NAN,
     gap_rate_m_s: f64::NAN,
     slip_m_s: f64::NAN,
@@ -266,7 +292,7 @@ const NO_CONTACT: ContactSample = ContactSample {
     point_m: [f64::NAN; 2],
     normal: [f64::NAN; 2],
 };
-const NO_ENERGY: trace::Energy = trace::Energy {
+const MISSING_ENERGY: trace::Energy = trace::Energy {
     kinetic_j: f64::NAN,
     gravity_j: f64::NAN,
     spring_j: f64::NAN,
@@ -276,7 +302,7 @@ const NO_ENERGY: trace::Energy = trace::Energy {
     balance_j: f64::NAN,
 };
 
-fn finger(data: &[u8]) -> Result<FingerState, Malformed> {
+fn decode_finger(data: &[u8]) -> Result<FingerState, MalformedData> {
     let [
         _,
         q11_rad,
@@ -289,7 +315,7 @@ fn finger(data: &[u8]) -> Result<FingerState, Malformed> {
         qd12_rad_s,
         qd22_rad_s,
         motor_torque_n_m,
-    ] = numbers(data)?;
+    ] = decode_doubles(data)?;
     Ok(FingerState {
         q11_rad,
         q21_rad,
@@ -304,14 +330,14 @@ fn finger(data: &[u8]) -> Result<FingerState, Malformed> {
     })
 }
 
-fn body(data: &[u8]) -> Result<BodyState, Malformed> {
-    let [_, x, y, angle_rad, vx, vy, spin_rad_s] = numbers(data)?;
+fn decode_body(data: &[u8]) -> Result<BodyState, MalformedData> {
+    let [_, x, y, angle_rad, vx, vy, spin_rad_s] = decode_doubles(data)?;
     Ok(BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s })
 }
 
-fn contact(data: &[u8]) -> Result<ContactSample, Malformed> {
+fn decode_contact(data: &[u8]) -> Result<ContactSample, MalformedData> {
     let [_, gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, x, y, normal_x, normal_y, impulse_n_s] =
-        numbers(data)?;
+        decode_doubles(data)?;
     Ok(ContactSample {
         gap_m,
         gap_rate_m_s,
@@ -324,18 +350,18 @@ fn contact(data: &[u8]) -> Result<ContactSample, Malformed> {
     })
 }
 
-fn stop(data: &[u8]) -> Result<ContactSample, Malformed> {
-    let [_, gap_m, gap_rate_m_s, normal_n, impulse_n_s] = numbers(data)?;
+fn decode_limit(data: &[u8]) -> Result<ContactSample, MalformedData> {
+    let [_, gap_m, gap_rate_m_s, normal_n, impulse_n_s] = decode_doubles(data)?;
     Ok(ContactSample { gap_m, gap_rate_m_s, normal_n, impulse_n_s, ..ContactSample::default() })
 }
 
-fn energy(data: &[u8]) -> Result<trace::Energy, Malformed> {
-    let [_, kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = numbers(data)?;
+fn decode_energy(data: &[u8]) -> Result<trace::Energy, MalformedData> {
+    let [_, kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = decode_doubles(data)?;
     Ok(trace::Energy { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j })
 }
 
-fn change_kind(data: &[u8]) -> Result<EventKind, Malformed> {
-    let [_, pressed, touch_down] = numbers(data)?;
+fn decode_impact_kind(data: &[u8]) -> Result<EventKind, MalformedData> {
+    let [_, pressed, touch_down] = decode_doubles(data)?;
     Ok(match (pressed != 0.0, touch_down != 0.0) {
         (false, _) => EventKind::LiftOff,
         (true, true) => EventKind::TouchDown,
@@ -343,7 +369,7 @@ fn change_kind(data: &[u8]) -> Result<EventKind, Malformed> {
     })
 }
 
-fn slip_kind(data: &[u8]) -> Result<EventKind, Malformed> {
-    let [_, slips] = numbers(data)?;
+fn decode_slip_kind(data: &[u8]) -> Result<EventKind, MalformedData> {
+    let [_, slips] = decode_doubles(data)?;
     Ok(if slips != 0.0 { EventKind::Slips } else { EventKind::Sticks })
 }

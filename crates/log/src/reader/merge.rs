@@ -1,5 +1,5 @@
-//! The messages of a log in order of their log time; those of one log time in the order of the file. Held is what overlaps in time: of
-//! a log in order a chunk or two, of one that is sorted by topic one for each topic.
+//! Merges the messages of a log by log time; messages of one log time stay in file order. Only segments that overlap in
+//! time are in memory: one or two chunks of a log in order, one per topic of a log sorted by topic.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -7,109 +7,112 @@ use std::io::{Read, Seek};
 
 use mcap::records::op;
 
-use super::bytes::{self, Cursor, Malformed};
-use super::reading::ReadError;
+use super::bytes::{self, Cursor, MalformedData};
+use super::summary::ReadError;
 use super::survey::Segment;
 
-/// Bytes of segments that are held at once.
-const MOST_HELD: usize = 1 << 29;
+/// Maximum bytes of segments in memory.
+const MAX_OPEN_BYTES: usize = 1 << 29;
 
-/// A segment that is being read.
+/// A segment in memory.
 #[derive(Default)]
-struct Open {
+struct OpenSegment {
     segment: usize,
     records: Vec<u8>,
-    /// Log time and place of every message, in order.
-    places: Vec<(u64, usize, usize)>,
+    /// Log time, start and end of every message, in order.
+    messages: Vec<(u64, usize, usize)>,
     next: usize,
 }
 
-/// What became of a message.
-pub enum Taken {
-    Next,
-    /// It, and what follows in its segment, is of no use.
-    LeaveSegment,
+/// How to continue after a message.
+pub enum MergeControl {
+    Continue,
+    /// The rest of the segment is not usable.
+    SkipSegment,
     Stop,
 }
 
-/// Hands the body of every message to `take`.
+/// Calls `handle` with the body of every message, in order of log time.
+///
+/// # Errors
+/// Returns [`ReadError::OutOfOrder`] if too many segments overlap in time, or an error of `handle`.
 pub fn merge(
     source: &mut (impl Read + Seek),
     segments: &[Segment],
-    mut take: impl FnMut(&Segment, &[u8]) -> Result<Taken, ReadError>,
+    mut handle: impl FnMut(&Segment, &[u8]) -> Result<MergeControl, ReadError>,
 ) -> Result<(), ReadError> {
     let mut order: Vec<usize> = (0..segments.len()).collect();
-    order.sort_by_key(|&index| (segments[index].start_ns, segments[index].at));
-    let mut waiting = order.into_iter().peekable();
-    let (mut open, mut free, mut held): (Vec<Open>, Vec<usize>, usize) = (Vec::new(), Vec::new(), 0);
-    let mut raw = Vec::new();
-    // By log time, then by place in the file.
-    let mut due: BinaryHeap<Reverse<(u64, u64, usize)>> = BinaryHeap::new();
+    order.sort_by_key(|&index| (segments[index].start_ns, segments[index].offset));
+    let mut pending = order.into_iter().peekable();
+    let (mut open, mut free_slots, mut open_bytes): (Vec<OpenSegment>, Vec<usize>, usize) = (Vec::new(), Vec::new(), 0);
+    let mut file_bytes = Vec::new();
+    // Ordered by log time, then by position in the file.
+    let mut queue: BinaryHeap<Reverse<(u64, u64, usize)>> = BinaryHeap::new();
     loop {
-        let now_ns = due.peek().map(|Reverse((time_ns, ..))| *time_ns);
-        if let Some(index) = waiting.next_if(|&index| now_ns.is_none_or(|now_ns| segments[index].start_ns <= now_ns)) {
-            let slot = free.pop().unwrap_or_else(|| {
-                open.push(Open::default());
+        let now_ns = queue.peek().map(|Reverse((time_ns, ..))| *time_ns);
+        if let Some(index) = pending.next_if(|&index| now_ns.is_none_or(|now_ns| segments[index].start_ns <= now_ns)) {
+            let slot = free_slots.pop().unwrap_or_else(|| {
+                open.push(OpenSegment::default());
                 open.len() - 1
             });
-            let begun = &mut open[slot];
-            begun.load(source, segments, index, &mut raw)?;
-            held += begun.records.len();
-            if held > MOST_HELD {
-                return Err(ReadError::OutOfOrder { most_mib: MOST_HELD >> 20 });
+            let open_segment = &mut open[slot];
+            open_segment.load(source, segments, index, &mut file_bytes)?;
+            open_bytes += open_segment.records.len();
+            if open_bytes > MAX_OPEN_BYTES {
+                return Err(ReadError::OutOfOrder { limit_mib: MAX_OPEN_BYTES >> 20 });
             }
-            due.push(Reverse((begun.places[0].0, segments[index].at, slot)));
+            queue.push(Reverse((open_segment.messages[0].0, segments[index].offset, slot)));
             continue;
         }
-        let Some(Reverse((_, at, slot))) = due.pop() else { return Ok(()) };
-        let reading = &mut open[slot];
-        let (_, from, to) = reading.places[reading.next];
-        match take(&segments[reading.segment], &reading.records[from..to])? {
-            Taken::Next => reading.next += 1,
-            Taken::LeaveSegment => reading.next = reading.places.len(),
-            Taken::Stop => return Ok(()),
+        let Some(Reverse((_, offset, slot))) = queue.pop() else { return Ok(()) };
+        let current = &mut open[slot];
+        let (_, from, to) = current.messages[current.next];
+        match handle(&segments[current.segment], &current.records[from..to])? {
+            MergeControl::Continue => current.next += 1,
+            MergeControl::SkipSegment => current.next = current.messages.len(),
+            MergeControl::Stop => return Ok(()),
         }
-        match reading.places.get(reading.next) {
-            Some(place) => due.push(Reverse((place.0, at, slot))),
+        match current.messages.get(current.next) {
+            Some(message) => queue.push(Reverse((message.0, offset, slot))),
             None => {
-                held -= reading.records.len();
-                free.push(slot);
+                open_bytes -= current.records.len();
+                free_slots.push(slot);
             }
         }
     }
 }
 
-impl Open {
+impl OpenSegment {
     fn load(
         &mut self,
         source: &mut (impl Read + Seek),
         segments: &[Segment],
         index: usize,
-        raw: &mut Vec<u8>,
+        file_bytes: &mut Vec<u8>,
     ) -> Result<(), ReadError> {
-        segments[index].load(source, raw, &mut self.records)?;
+        segments[index].load(source, file_bytes, &mut self.records)?;
         (self.segment, self.next) = (index, 0);
-        self.places.clear();
+        self.messages.clear();
         let mut cursor = Cursor::new(&self.records);
         while !cursor.is_empty() {
-            let (opcode, data) = cursor.record().map_err(changed)?;
+            let (opcode, data) = cursor.record().map_err(file_changed_error)?;
             if opcode == op::MESSAGE {
-                let end = self.records.len() - cursor.rest().len();
-                let log_time_ns = bytes::message(data).map_err(changed)?.log_time_ns;
-                self.places.push((log_time_ns, end - data.len(), end));
+                let end = self.records.len() - cursor.remaining().len();
+                let log_time_ns = bytes::message(data).map_err(file_changed_error)?.log_time_ns;
+                self.messages.push((log_time_ns, end - data.len(), end));
             }
         }
-        if !self.places.is_sorted_by_key(|place| place.0) {
-            self.places.sort_by_key(|place| place.0);
+        if !self.messages.is_sorted_by_key(|message| message.0) {
+            self.messages.sort_by_key(|message| message.0);
         }
-        match self.places.is_empty() {
-            true => Err(changed(Malformed("no message"))),
+        match self.messages.is_empty() {
+            true => Err(file_changed_error(MalformedData("no message"))),
             false => Ok(()),
         }
     }
 }
 
-/// The first pass has found no fault with it.
-fn changed(_: Malformed) -> ReadError {
+/// Error for data that was valid in the first pass.
+fn file_changed_error(_: MalformedData) -> ReadError {
     ReadError::Io(std::io::Error::other("the log changes while it is read"))
 }

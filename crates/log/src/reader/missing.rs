@@ -1,54 +1,56 @@
-//! What a log lacks that the log of such a run has.
+//! Finds data missing in a log.
 //!
-//! A log whose topics were filtered is a whole MCAP file, and its samples are as good as what is left of them. What should be there
-//! follows from the scene in the log, and from the log itself: every sample has a message on each of its topics, numbers of messages have no
-//! holes, every event stands on the topic of its contact and as a line on `/events`, and the last of these says how the run ended.
+//! A log with filtered topics is a valid MCAP file. Its expected contents follow from the attached scene and from the
+//! log itself: every sample has a message on each of its topics, sequence numbers are contiguous, every event is on the
+//! topic of its contact and is a line on `/events`, and the last line tells how the run ended.
 
 use std::collections::BTreeMap;
 
-use super::channels::{Carries, Channels, part};
-use super::reading::{Concerns, Missing, Reading};
-use super::survey::Numbers;
+use super::channels::{ChannelContent, Channels, component_index};
+use super::summary::{LogSummary, MissingData, TopicSubject};
+use super::survey::SequenceStats;
 use crate::channels::Topics;
-use phalanx_core::scene::words::SceneKind;
+use phalanx_core::scene::keywords::SceneKind;
 use phalanx_core::trace::Layout;
 
-impl From<Carries> for Concerns {
-    fn from(carries: Carries) -> Self {
-        match carries {
-            Carries::Finger(index) => Concerns::Finger(index),
-            Carries::Body(index) => Concerns::Body(index),
-            Carries::Contact(index) | Carries::Stop(index) | Carries::Impact(index) | Carries::Slip(index) => {
-                Concerns::Contact(index)
-            }
-            Carries::Energy => Concerns::Energy,
-            Carries::Lines | Carries::Picture => Concerns::Run,
+impl From<ChannelContent> for TopicSubject {
+    fn from(content: ChannelContent) -> Self {
+        match content {
+            ChannelContent::Finger(index) => TopicSubject::Finger(index),
+            ChannelContent::Body(index) => TopicSubject::Body(index),
+            ChannelContent::Contact(index)
+            | ChannelContent::Limit(index)
+            | ChannelContent::Impact(index)
+            | ChannelContent::Slip(index) => TopicSubject::Contact(index),
+            ChannelContent::Energy => TopicSubject::Energy,
+            ChannelContent::Lines | ChannelContent::Picture => TopicSubject::Run,
         }
     }
 }
 
-/// What has come of every part of the samples, and of events and their lines.
-pub struct Lacking {
+/// Counts the received components of samples, events and event lines.
+pub struct MissingTracker {
     samples: u64,
     latest_s: f64,
-    /// Of each part: in how many samples it came, and the first one in which it did not.
-    came: Vec<(u64, Option<f64>)>,
-    /// Of each contact: events and lines that tell of one, of its force and of its friction.
+    /// For each component: number of samples with it, and time of the first sample without it.
+    received: Vec<(u64, Option<f64>)>,
+    /// Number of events of each contact, for impacts and for friction.
     events: Vec<[u64; 2]>,
+    /// Number of event lines of each contact, for impacts and for friction.
     lines: Vec<[u64; 2]>,
-    /// Of each channel: messages that came before, number and all.
-    repeated: BTreeMap<u16, u64>,
+    /// Number of duplicate messages of each channel.
+    duplicates: BTreeMap<u16, u64>,
 }
 
-impl Lacking {
-    pub fn new(parts: usize, contacts: usize) -> Self {
-        Lacking {
+impl MissingTracker {
+    pub fn new(components: usize, contacts: usize) -> Self {
+        MissingTracker {
             samples: 0,
             latest_s: 0.0,
-            came: vec![(0, None); parts],
+            received: vec![(0, None); components],
             events: vec![[0; 2]; contacts],
             lines: vec![[0; 2]; contacts],
-            repeated: BTreeMap::new(),
+            duplicates: BTreeMap::new(),
         }
     }
 
@@ -56,34 +58,34 @@ impl Lacking {
         self.samples
     }
 
-    /// A sample begins.
+    /// Starts a sample.
     pub fn sample(&mut self, time_s: f64) {
         self.close();
         self.samples += 1;
         self.latest_s = time_s;
     }
 
-    /// A part of it has come.
-    pub fn part(&mut self, part: usize) {
-        self.came[part].0 += 1;
+    /// Counts a component of the current sample.
+    pub fn component(&mut self, component: usize) {
+        self.received[component].0 += 1;
     }
 
-    pub fn event(&mut self, contact: usize, of_friction: bool) {
-        self.events[contact][usize::from(of_friction)] += 1;
+    pub fn event(&mut self, contact: usize, is_friction: bool) {
+        self.events[contact][usize::from(is_friction)] += 1;
     }
 
-    pub fn line(&mut self, contact: usize, of_friction: bool) {
-        self.lines[contact][usize::from(of_friction)] += 1;
+    pub fn line(&mut self, contact: usize, is_friction: bool) {
+        self.lines[contact][usize::from(is_friction)] += 1;
     }
 
-    /// A message of this channel comes again.
-    pub fn again(&mut self, channel: u16) {
-        *self.repeated.entry(channel).or_default() += 1;
+    /// Counts a duplicate message.
+    pub fn duplicate(&mut self, channel: u16) {
+        *self.duplicates.entry(channel).or_default() += 1;
     }
 
-    /// The latest sample is over.
+    /// Ends the current sample.
     pub fn close(&mut self) {
-        for (count, first_s) in &mut self.came {
+        for (count, first_s) in &mut self.received {
             if *count < self.samples && first_s.is_none() {
                 *first_s = Some(self.latest_s);
             }
@@ -91,189 +93,208 @@ impl Lacking {
     }
 }
 
-/// The topics that a log of this kind should have, with what they carry; of a scene all of them, without one those that every such log has.
-pub fn expected(kind: SceneKind, topics: Option<&Topics>) -> Vec<(String, Carries)> {
+/// Returns the expected topics of a log and their content. Without `topics` of a scene, these are the topics that every
+/// log of this kind has.
+pub fn expected_topics(kind: SceneKind, topics: Option<&Topics>) -> Vec<(String, ChannelContent)> {
     let mut all = Vec::new();
     match topics {
         Some(Topics { fingers, bodies, contacts }) => {
-            all.extend(fingers.iter().enumerate().map(|(index, topic)| (topic.clone(), Carries::Finger(index))));
-            all.extend(bodies.iter().enumerate().map(|(index, topic)| (topic.clone(), Carries::Body(index))));
-            for (index, of) in contacts.iter().enumerate() {
-                all.extend(of.iter().map(|of| (of.samples.clone(), Carries::Contact(index))));
+            all.extend(fingers.iter().enumerate().map(|(index, topic)| (topic.clone(), ChannelContent::Finger(index))));
+            all.extend(bodies.iter().enumerate().map(|(index, topic)| (topic.clone(), ChannelContent::Body(index))));
+            for (index, contact) in contacts.iter().enumerate() {
+                all.extend(contact.iter().map(|contact| (contact.samples.clone(), ChannelContent::Contact(index))));
             }
-            for (index, of) in contacts.iter().enumerate() {
-                all.extend(of.iter().map(|of| (of.impact.clone(), Carries::Impact(index))));
-                all.extend(of.iter().filter_map(|of| Some((of.slip.clone()?, Carries::Slip(index)))));
+            for (index, contact) in contacts.iter().enumerate() {
+                all.extend(contact.iter().map(|contact| (contact.impact.clone(), ChannelContent::Impact(index))));
+                all.extend(
+                    contact.iter().filter_map(|contact| Some((contact.slip.clone()?, ChannelContent::Slip(index)))),
+                );
             }
         }
         None => match kind {
-            SceneKind::Finger => all.push(("/state".to_string(), Carries::Finger(0))),
+            SceneKind::Finger => all.push(("/state".to_string(), ChannelContent::Finger(0))),
             SceneKind::Gripper => {
-                all.push(("/state/right".to_string(), Carries::Finger(0)));
-                all.push(("/state/left".to_string(), Carries::Finger(1)));
-                all.push(("/object".to_string(), Carries::Body(0)));
+                all.push(("/state/right".to_string(), ChannelContent::Finger(0)));
+                all.push(("/state/left".to_string(), ChannelContent::Finger(1)));
+                all.push(("/object".to_string(), ChannelContent::Body(0)));
             }
             SceneKind::Bodies => {}
         },
     }
-    all.push(("/energy".to_string(), Carries::Energy));
-    all.push(("/events".to_string(), Carries::Lines));
+    all.push(("/energy".to_string(), ChannelContent::Energy));
+    all.push(("/events".to_string(), ChannelContent::Lines));
     all
 }
 
-/// What is missing in a log that was gone through to its end.
+/// Returns the data missing in a log, after it was read to its end.
 pub fn missing(
-    reading: &Reading,
-    expected: &[(String, Carries)],
+    summary: &LogSummary,
+    expected_topics: &[(String, ChannelContent)],
     channels: &Channels,
-    numbers: &BTreeMap<u16, Numbers>,
-    lacking: &mut Lacking,
-) -> Vec<Missing> {
-    lacking.close();
-    let lacking = &*lacking;
+    sequence_stats: &BTreeMap<u16, SequenceStats>,
+    tracker: &mut MissingTracker,
+) -> Vec<MissingData> {
+    tracker.close();
+    let tracker = &*tracker;
     let layout = channels.layout();
-    let mut topics = expected.to_vec();
-    for (_, topic, carries) in channels.topics() {
+    let mut topics = expected_topics.to_vec();
+    for (_, topic, content) in channels.topics() {
         if !topics.iter().any(|(known, _)| known == topic) {
-            topics.push((topic.clone(), *carries));
+            topics.push((topic.clone(), *content));
         }
     }
-    // Messages that are the same to the last byte are one.
-    let once = |id: &u16| {
-        let numbers = numbers.get(id)?;
-        let repeated = lacking.repeated.get(id).copied().unwrap_or(0);
-        Some(Numbers { messages: numbers.messages - repeated, ..*numbers })
+    // Identical messages count once.
+    let without_duplicates = |id: &u16| {
+        let stats = sequence_stats.get(id)?;
+        let duplicates = tracker.duplicates.get(id).copied().unwrap_or(0);
+        Some(SequenceStats { messages: stats.messages - duplicates, ..*stats })
     };
-    let messages = |topic: &str| -> Vec<Numbers> {
-        channels.topics().iter().filter(|(_, known, _)| known == topic).filter_map(|(id, ..)| once(id)).collect()
+    let messages = |topic: &str| -> Vec<SequenceStats> {
+        channels
+            .topics()
+            .iter()
+            .filter(|(_, known, _)| known == topic)
+            .filter_map(|(id, ..)| without_duplicates(id))
+            .collect()
     };
-    let are_numbered = are_numbered(channels, numbers) && reading.recovered.is_none();
-    // A run that stopped before its first sample has none, and of one that is cut off there may be none.
-    let stopped = reading.ended.as_ref().is_some_and(|ended| ended.stopped.is_some());
-    let may_be_empty = reading.samples == 0 && (stopped || !reading.is_whole());
+    let are_sequences_numbered = are_sequences_numbered(channels, sequence_stats) && summary.recovered.is_none();
+    // A run that stopped before its first sample has no samples; a truncated log may have none.
+    let stopped = summary.run_end.as_ref().is_some_and(|run_end| run_end.stopped.is_some());
+    let may_be_empty = summary.samples == 0 && (stopped || !summary.is_complete());
     let mut found = Vec::new();
-    for (topic, carries) in &topics {
-        let of = messages(topic);
-        let what = match carries {
-            Carries::Picture => None,
-            _ if part(layout, *carries).is_some() => {
-                let (came, first_s) = part(layout, *carries).map_or((0, None), |part| lacking.came[part]);
-                sample_part(came, lacking.samples, first_s, of.is_empty(), may_be_empty)
+    for (topic, content) in &topics {
+        let stats = messages(topic);
+        let defect = match content {
+            ChannelContent::Picture => None,
+            _ if component_index(layout, *content).is_some() => {
+                let (received, first_s) =
+                    component_index(layout, *content).map_or((0, None), |component| tracker.received[component]);
+                describe_missing_components(received, tracker.samples, first_s, stats.is_empty(), may_be_empty)
             }
-            Carries::Impact(index) => events(lacking, *index, false),
-            Carries::Slip(index) => events(lacking, *index, true),
-            _ => lines(reading, lacking, of.is_empty()),
+            ChannelContent::Impact(index) => describe_missing_events(tracker, *index, false),
+            ChannelContent::Slip(index) => describe_missing_events(tracker, *index, true),
+            _ => describe_missing_lines(summary, tracker, stats.is_empty()),
         };
-        let is_counted = are_numbered && *carries != Carries::Picture;
-        let what = what.or_else(|| of.iter().filter(|_| is_counted).find_map(by_number));
-        found.extend(what.map(|what| Missing {
+        let has_sequence_numbers = are_sequences_numbered && *content != ChannelContent::Picture;
+        let defect = defect.or_else(|| stats.iter().filter(|_| has_sequence_numbers).find_map(describe_sequence_gaps));
+        found.extend(defect.map(|defect| MissingData {
             topic: topic.clone(),
-            what,
-            concerns: (*carries).into(),
-            is_judged_by: is_judged_by(layout, *carries),
+            defect,
+            subject: (*content).into(),
+            is_required_for_verdict: is_required_for_verdict(layout, *content),
         }));
     }
-    found.extend(ends(reading).into_iter().map(|what| Missing {
+    found.extend(describe_time_gaps(summary).into_iter().map(|defect| MissingData {
         topic: "every topic".to_string(),
-        what,
-        concerns: Concerns::Run,
-        is_judged_by: true,
+        defect,
+        subject: TopicSubject::Run,
+        is_required_for_verdict: true,
     }));
     found
 }
 
-/// No class, and nothing of a grasp, follows from energies or from how friction slips; the class of a finger does not follow from its joint
-/// limit either.
-fn is_judged_by(layout: &Layout, carries: Carries) -> bool {
-    let is_limit =
-        |index: usize| layout.fingers.len() == 1 && layout.contacts.get(index).is_some_and(|place| place.angular);
-    match carries {
-        Carries::Energy | Carries::Slip(_) | Carries::Picture => false,
-        Carries::Contact(index) | Carries::Stop(index) | Carries::Impact(index) => !is_limit(index),
-        Carries::Finger(_) | Carries::Body(_) | Carries::Lines => true,
+/// Whether class and fate depend on a channel. They do not depend on energies or slip events, nor for a single finger
+/// on the joint limit.
+fn is_required_for_verdict(layout: &Layout, content: ChannelContent) -> bool {
+    let is_limit = |index: usize| {
+        layout.fingers.len() == 1 && layout.contacts.get(index).is_some_and(|contact| contact.is_angular)
+    };
+    match content {
+        ChannelContent::Energy | ChannelContent::Slip(_) | ChannelContent::Picture => false,
+        ChannelContent::Contact(index) | ChannelContent::Limit(index) | ChannelContent::Impact(index) => {
+            !is_limit(index)
+        }
+        ChannelContent::Finger(_) | ChannelContent::Body(_) | ChannelContent::Lines => true,
     }
 }
 
-/// Of a topic that every sample has a message on.
-fn sample_part(came: u64, samples: u64, first_s: Option<f64>, is_empty: bool, may_be_empty: bool) -> Option<String> {
+/// Describes messages missing on a topic that has one per sample.
+fn describe_missing_components(
+    received: u64,
+    samples: u64,
+    first_s: Option<f64>,
+    is_empty: bool,
+    may_be_empty: bool,
+) -> Option<String> {
     match first_s {
         _ if is_empty && !may_be_empty => Some("has no message".to_string()),
-        Some(first_s) if came < samples => {
+        Some(first_s) if received < samples => {
             let from = format!("the first at {:.6} ms", first_s * 1e3);
-            Some(format!("lacks {} of {samples} messages, {from}", samples - came))
+            Some(format!("lacks {} of {samples} messages, {from}", samples - received))
         }
         _ => None,
     }
 }
 
-/// Events of which a line tells, but no message.
-fn events(lacking: &Lacking, contact: usize, of_friction: bool) -> Option<String> {
-    let [lines, events] = [&lacking.lines, &lacking.events].map(|all| all[contact][usize::from(of_friction)]);
+/// Describes events that have a line but no message.
+fn describe_missing_events(tracker: &MissingTracker, contact: usize, is_friction: bool) -> Option<String> {
+    let [lines, events] = [&tracker.lines, &tracker.events].map(|all| all[contact][usize::from(is_friction)]);
     let missing = lines.saturating_sub(events);
-    (missing > 0).then(|| format!("lacks {missing} of {lines} events that /events names"))
+    (missing > 0).then(|| format!("lacks {missing} of {lines} events that are on /events"))
 }
 
-/// The lines of events, and the one that says how the run ended.
-fn lines(reading: &Reading, lacking: &Lacking, is_empty: bool) -> Option<String> {
+/// Describes missing event lines, or a missing line about the end of the run.
+fn describe_missing_lines(summary: &LogSummary, tracker: &MissingTracker, is_empty: bool) -> Option<String> {
     if is_empty {
-        return reading.is_whole().then(|| "has no message".to_string());
+        return summary.is_complete().then(|| "has no message".to_string());
     }
     let sum = |all: &[[u64; 2]]| all.iter().flatten().sum::<u64>();
-    let untold: u64 = lacking
+    let without_line: u64 = tracker
         .events
         .iter()
         .flatten()
-        .zip(lacking.lines.iter().flatten())
+        .zip(tracker.lines.iter().flatten())
         .map(|(events, lines)| events.saturating_sub(*lines))
         .sum();
-    if untold > 0 {
-        return Some(format!("lacks {untold} of {} events that have messages of their own", sum(&lacking.events)));
+    if without_line > 0 {
+        return Some(format!("lacks {without_line} of {} events that are on other topics", sum(&tracker.events)));
     }
-    let should_end = reading.is_whole() && reading.recovered.is_none();
-    (should_end && reading.ended.is_none()).then(|| "does not say how the run ended".to_string())
+    let should_end = summary.is_complete() && summary.recovered.is_none();
+    (should_end && summary.run_end.is_none()).then(|| "does not say how the run ended".to_string())
 }
 
-/// Whether some messages must come more than once.
-pub fn repeats(numbers: &BTreeMap<u16, Numbers>) -> bool {
-    numbers.values().any(|numbers| numbers.messages > u64::from(numbers.largest) + 1 && numbers.largest > 0)
+/// Whether a channel has more messages than sequence numbers.
+pub fn has_duplicates(sequence_stats: &BTreeMap<u16, SequenceStats>) -> bool {
+    sequence_stats.values().any(|stats| stats.messages > u64::from(stats.max_sequence) + 1 && stats.max_sequence > 0)
 }
 
-/// Whether the messages of every channel are numbered by themselves, from 0: who writes a log anew may number otherwise, or not at all.
-fn are_numbered(channels: &Channels, numbers: &BTreeMap<u16, Numbers>) -> bool {
-    let known = || channels.topics().iter().filter_map(|(id, ..)| numbers.get(id));
-    known().filter(|numbers| numbers.least == 0).count() > 1 && known().any(|numbers| numbers.largest > 0)
+/// Whether sequence numbers start at 0 on every channel. Tools that rewrite a log may number differently, or not at
+/// all.
+fn are_sequences_numbered(channels: &Channels, sequence_stats: &BTreeMap<u16, SequenceStats>) -> bool {
+    let known = || channels.topics().iter().filter_map(|(id, ..)| sequence_stats.get(id));
+    known().filter(|stats| stats.min_sequence == 0).count() > 1 && known().any(|stats| stats.max_sequence > 0)
 }
 
-/// Messages that are missing, or come more than once, by the numbers of those that are there.
-fn by_number(numbers: &Numbers) -> Option<String> {
-    let expected = u64::from(numbers.largest) + 1;
-    match numbers.messages {
-        // Not numbered.
-        _ if numbers.largest == 0 && numbers.messages > 1 => None,
+/// Describes missing or surplus messages of a channel by its sequence numbers.
+fn describe_sequence_gaps(stats: &SequenceStats) -> Option<String> {
+    let expected = u64::from(stats.max_sequence) + 1;
+    match stats.messages {
+        // The messages are not numbered.
+        _ if stats.max_sequence == 0 && stats.messages > 1 => None,
         count if count < expected => {
-            Some(format!("lacks {} of {expected} messages, by their numbers", expected - count))
+            Some(format!("lacks {} of {expected} messages according to their sequence numbers", expected - count))
         }
         count if count > expected => Some(format!(
-            "has {} messages more than their numbers say: other messages were merged into it",
+            "has {} more messages than sequence numbers: other messages were merged into it",
             count - expected
         )),
         _ => None,
     }
 }
 
-/// A log that was cut out of a longer one begins late or ends early.
-fn ends(reading: &Reading) -> Vec<String> {
+/// Describes a late start or early end, as in an excerpt of a longer log.
+fn describe_time_gaps(summary: &LogSummary) -> Vec<String> {
     let mut found = Vec::new();
     let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
-    if let Some(first_s) = reading.first_s.filter(|first_s| *first_s > 0.0 && reading.recovered.is_none()) {
+    if let Some(first_s) = summary.first_s.filter(|first_s| *first_s > 0.0 && summary.recovered.is_none()) {
         found.push(format!("has no message before {}", ms(first_s)));
     }
-    let completed = reading.ended.as_ref().filter(|ended| ended.stopped.is_none());
+    let completed = summary.run_end.as_ref().filter(|run_end| run_end.stopped.is_none());
     // Log times are whole nanoseconds.
-    if let Some((ended, last_s)) = completed.zip(reading.last_s)
-        && ended.time_s - last_s > 1e-9 + 1e-12 * last_s
+    if let Some((run_end, last_s)) = completed.zip(summary.last_s)
+        && run_end.time_s - last_s > 1e-9 + 1e-12 * last_s
     {
-        found.push(format!("has no message between {} and the end of the run at {}", ms(last_s), ms(ended.time_s)));
+        found.push(format!("has no message between {} and the end of the run at {}", ms(last_s), ms(run_end.time_s)));
     }
     found
 }

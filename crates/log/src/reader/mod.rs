@@ -1,42 +1,42 @@
-//! Reading a log back, as far as it goes, whatever has happened to it.
+//! Reader of intact and damaged logs.
 //!
-//! A [`Sink`] gets the samples and events of the log in order of time, up to the first byte that is missing or wrong: of a log in the
-//! order in which it was written, that is always a prefix of what was written. What was lost is said, and what lies behind the damage is
-//! counted; so is what the log of such a run has besides ([`Missing`]).
+//! A [`Sink`] receives the samples and events of the log in order of time, up to the first missing or invalid byte. If
+//! the log is in write order, this is a prefix of what was written. The summary reports what was lost, counts what is
+//! intact after the damage, and lists data that a log of such a run should contain but does not ([`MissingData`]).
 //!
-//! The order of messages in the file says nothing (the specification of MCAP leaves it open): a first pass finds where messages are, the
-//! second takes them in order of log time, and puts together those of one log time whatever their order.
+//! The order of messages in the file has no meaning (the MCAP specification leaves it open): the first pass locates
+//! messages, the second reads them in order of log time and reconstructs the order within one log time.
 //!
-//! Nothing in the file is trusted: chunks and attachments must match their checksums before anything of them is used,
-//! lengths are compared with what is there, and nothing larger than [`LARGEST_RECORD`] is held at once, unless chunks overlap in
-//! time. So a log of any length needs no more memory than a chunk, and a few bytes for each chunk.
+//! The file is not trusted: chunks and attachments must match their checksums before use, lengths are compared with the
+//! available data, and at most [`MAX_RECORD_BYTES`] are loaded at once unless chunks overlap in time. The reader
+//! therefore needs memory for one chunk plus a few bytes per chunk, for a log of any length.
 //!
 //! | file | job |
 //! |---|---|
 //! | `bytes` | records of an MCAP file |
-//! | `reading` | what was found, what is lost |
-//! | `record` | those records, and who takes them |
-//! | `wire` | messages of protobuf |
-//! | `survey` | the first pass: what is announced, where messages are |
+//! | `summary` | contents and losses of a log, errors |
+//! | `record` | records of a log, and sinks for them |
+//! | `wire` | protobuf messages |
+//! | `survey` | first pass: schemas, channels and positions of messages |
 //! | `merge` | messages in order of log time |
-//! | `channels` | what a channel carries |
-//! | `group` | samples and events of the messages of one log time |
+//! | `channels` | content of a channel |
+//! | `grouping` | samples and events of the messages of one log time |
 //! | `assemble` | messages → samples and events |
-//! | `missing` | what the log lacks |
-//! | `behind` | chunks that can still be read behind a damage |
+//! | `missing` | data missing in the log |
+//! | `chunk_search` | intact chunks after damage |
 //!
-//! The framing of the file, its end, and the checksums of its sections are left to the `mcap` crate; its parser of single
-//! records is not used, because it panics on attachments shorter than their checksum.
+//! The `mcap` crate handles the framing and end of the file and the checksums of its sections. Its record parser is not
+//! used because it panics on attachments shorter than their checksum.
 
 mod assemble;
-mod behind;
 mod bytes;
 mod channels;
-mod group;
+mod chunk_search;
+mod grouping;
 mod merge;
 mod missing;
-mod reading;
 mod record;
+mod summary;
 mod survey;
 mod wire;
 
@@ -46,42 +46,42 @@ use std::path::Path;
 
 use mcap::records::op;
 
-use self::assemble::{Assembler, Found};
-pub use self::behind::Behind;
-pub use self::bytes::LARGEST_RECORD;
-use self::bytes::Malformed;
+use self::assemble::{Assembler, Decoded};
+pub use self::bytes::MAX_RECORD_BYTES;
+use self::bytes::MalformedData;
 pub(super) use self::bytes::{channel, message, metadata, schema};
-use self::channels::{Channels, part};
-use self::merge::{Taken, merge};
-use self::missing::{expected, repeats};
-use self::reading::kind;
-pub use self::reading::{Concerns, Ended, Loss, Missing, ReadError, Reading};
-use self::record::Fingers;
+use self::channels::{Channels, component_index};
+pub use self::chunk_search::IntactChunks;
+use self::merge::{MergeControl, merge};
+use self::missing::{expected_topics, has_duplicates};
+use self::record::SingleFingerSink;
 pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Record, SchemaRecord};
-use self::survey::{End, Segment, Survey, listed};
+use self::summary::kind;
+pub use self::summary::{LogSummary, Loss, MissingData, ReadError, RunEnd, TopicSubject};
+use self::survey::{ScanEnd, Segment, Survey, indexed_chunk_offsets};
 use super::channels::{Topics, topics};
 use super::file::partial_name;
-use phalanx_core::scene::words::SceneKind;
+use phalanx_core::scene::keywords::SceneKind;
 use phalanx_core::scene::{System, parse_any};
 use phalanx_core::trace::{Layout, Sink, SinkError};
 
 /// Reads the log file of a finger into a sink.
 ///
 /// # Errors
-/// [`ReadError`] if it is not a log of phalanx or cannot be read, or if the sink refuses. A log that is cut short or
-/// damaged is no error: [`Reading::losses`] says so.
-pub fn read_file(path: &Path, sink: &mut impl Sink) -> Result<Reading, ReadError> {
+/// Returns [`ReadError`] if the file is not a log of phalanx or cannot be read, or if the sink fails. A truncated or
+/// damaged log is not an error: see [`LogSummary::losses`].
+pub fn read_file(path: &Path, sink: &mut impl Sink) -> Result<LogSummary, ReadError> {
     read(open_log(path)?, sink)
 }
 
 /// Reads a log file of any kind, see [`read_file`].
-pub fn read_any_file(path: &Path, sink: &mut impl LogSink) -> Result<Reading, ReadError> {
+pub fn read_any_file(path: &Path, sink: &mut impl LogSink) -> Result<LogSummary, ReadError> {
     read_any(open_log(path)?, sink)
 }
 
 /// Opens a log file for reading.
 pub fn open_log(path: &Path) -> Result<BufReader<File>, ReadError> {
-    let not_a_file = |what| ReadError::NotAFile { path: path.to_path_buf(), what };
+    let not_a_file = |description| ReadError::NotAFile { path: path.to_path_buf(), description };
     match std::fs::metadata(path) {
         Ok(found) if found.is_dir() => return Err(not_a_file("a directory")),
         Ok(found) if !found.is_file() => return Err(not_a_file("not a regular file")),
@@ -90,53 +90,57 @@ pub fn open_log(path: &Path) -> Result<BufReader<File>, ReadError> {
             let partial = partial_name(path);
             let hint = match partial.exists() {
                 true => {
-                    format!(", but there is {}, the log of a run that has not finished: name that", partial.display())
+                    format!(", but there is {}, the log of an unfinished run; give that path", partial.display())
                 }
                 false => "; check the path".to_string(),
             };
-            return Err(ReadError::Missing { path: path.to_path_buf(), hint });
+            return Err(ReadError::NotFound { path: path.to_path_buf(), hint });
         }
         Err(error) => return Err(error.into()),
     }
     Ok(BufReader::with_capacity(1 << 16, File::open(path)?))
 }
 
-/// Reads of a log file only metadata and scene. Nothing is said of losses.
+/// Reads only metadata and scene of a log file. Losses are not reported.
 ///
 /// # Errors
-/// As [`read_file`].
-pub fn read_head(path: &Path) -> Result<Reading, ReadError> {
-    go_through(open_log(path)?, &mut (), Extent::Head)
+/// See [`read_file`].
+pub fn read_head(path: &Path) -> Result<LogSummary, ReadError> {
+    read_log(open_log(path)?, &mut (), ReadExtent::Head)
 }
 
 /// Reads the log of one finger into a sink, see [`read_file`].
-pub fn read(source: impl Read + Seek, sink: &mut impl Sink) -> Result<Reading, ReadError> {
-    read_any(source, &mut Fingers { sink, are_there: true })
+pub fn read(source: impl Read + Seek, sink: &mut impl Sink) -> Result<LogSummary, ReadError> {
+    read_any(source, &mut SingleFingerSink { sink, is_single_finger: true })
 }
 
 /// Reads a log of any kind into a sink, see [`read_file`].
-pub fn read_any(source: impl Read + Seek, sink: &mut impl LogSink) -> Result<Reading, ReadError> {
-    go_through(source, sink, Extent::Prefix)
+pub fn read_any(source: impl Read + Seek, sink: &mut impl LogSink) -> Result<LogSummary, ReadError> {
+    read_log(source, sink, ReadExtent::UpToDamage)
 }
 
-/// Reads a log as [`read_any`] does, and goes on with the whole chunks behind a damage: what is missing in between is for
-/// the sink to see, from times and sequence numbers.
-pub fn read_pieces(source: impl Read + Seek, sink: &mut impl LogSink) -> Result<Reading, ReadError> {
-    go_through(source, sink, Extent::Pieces)
+/// Reads a log like [`read_any`], and continues with the intact chunks after damage. The sink can detect what is
+/// missing in between from times and sequence numbers.
+pub fn read_past_damage(source: impl Read + Seek, sink: &mut impl LogSink) -> Result<LogSummary, ReadError> {
+    read_log(source, sink, ReadExtent::PastDamage)
 }
 
-/// How much of a log is read.
+/// Part of a log to read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Extent {
-    /// Metadata and scene.
+enum ReadExtent {
+    /// The metadata and the scene.
     Head,
-    /// Up to the first thing that is missing or wrong.
-    Prefix,
-    /// And whole chunks behind that.
-    Pieces,
+    /// The log up to the first missing or invalid byte.
+    UpToDamage,
+    /// The whole log, including intact chunks after damage.
+    PastDamage,
 }
 
-fn go_through(mut source: impl Read + Seek, sink: &mut impl LogSink, extent: Extent) -> Result<Reading, ReadError> {
+fn read_log(
+    mut source: impl Read + Seek,
+    sink: &mut impl LogSink,
+    extent: ReadExtent,
+) -> Result<LogSummary, ReadError> {
     let bytes = source.seek(SeekFrom::End(0))?;
     source.rewind()?;
     let mut head = Vec::with_capacity(mcap::MAGIC.len());
@@ -146,198 +150,209 @@ fn go_through(mut source: impl Read + Seek, sink: &mut impl LogSink, extent: Ext
     }
     source.rewind()?;
     let mut survey = Survey::new(bytes);
-    let (at_byte, end) = survey.records(&mut source, sink, extent == Extent::Head)?;
-    if !survey.identified {
-        return Err(if matches!(end, End::Cut) { ReadError::Empty { bytes } } else { ReadError::NotPhalanx });
+    let (at_byte, end) = survey.records(&mut source, sink, extent == ReadExtent::Head)?;
+    if !survey.is_phalanx_log {
+        return Err(if matches!(end, ScanEnd::Truncated) { ReadError::Empty { bytes } } else { ReadError::NotPhalanx });
     }
-    if extent == Extent::Head {
-        return Ok(survey.reading);
+    if extent == ReadExtent::Head {
+        return Ok(survey.summary);
     }
-    let mut lost = match end {
-        End::Whole => None,
-        end => Some((at_byte, end, pieces(&mut source, &mut survey, at_byte, extent)?)),
+    let mut damage = match end {
+        ScanEnd::Complete => None,
+        end => Some((at_byte, end, find_chunks_after_damage(&mut source, &mut survey, at_byte, extent)?)),
     };
     let mut reader = Reader::new(sink, &mut survey)?;
-    let mut left = None;
+    let mut invalid_message = None;
     merge(&mut source, &survey.segments, |segment, body| {
-        reader.enter(segment)?;
+        reader.enter_segment(segment)?;
         Ok(match reader.message(body)? {
-            Ok(()) => Taken::Next,
+            Ok(()) => MergeControl::Continue,
             Err(malformed) => {
-                left.get_or_insert((segment.at, malformed));
-                reader.piece_of = None;
-                if extent == Extent::Pieces { Taken::LeaveSegment } else { Taken::Stop }
+                invalid_message.get_or_insert((segment.offset, malformed));
+                reader.contiguous_from = None;
+                if extent == ReadExtent::PastDamage { MergeControl::SkipSegment } else { MergeControl::Stop }
             }
         })
     })?;
-    if left.is_none()
+    if invalid_message.is_none()
         && let Err(malformed) = reader.end()?
     {
-        left = survey.segments.last().map(|segment| (segment.at, malformed));
+        invalid_message = survey.segments.last().map(|segment| (segment.offset, malformed));
     }
-    if let Some((at_byte, malformed)) = left {
-        let behind = behind::search(&mut source, at_byte + 1, bytes, |_, _, _| Ok::<_, ReadError>(true))?;
-        let used = extent == Extent::Pieces && behind.chunks > 0;
-        lost = Some((at_byte, End::Wrong(malformed.to_string()), Behind { used, ..behind }));
+    if let Some((at_byte, malformed)) = invalid_message {
+        let intact =
+            chunk_search::find_intact_chunks(&mut source, at_byte + 1, bytes, |_, _, _| Ok::<_, ReadError>(true))?;
+        let used = extent == ReadExtent::PastDamage && intact.chunks > 0;
+        damage = Some((at_byte, ScanEnd::Damaged(malformed.to_string()), IntactChunks { used, ..intact }));
     }
-    let last_s = reader.reading.last_s;
-    let loss = lost.and_then(|(at_byte, end, behind)| {
+    let last_s = reader.summary.last_s;
+    let loss = damage.and_then(|(at_byte, end, intact)| {
         Some(match end {
-            // A record that reaches beyond the end is a cut, unless there is more behind its beginning.
-            End::Cut if behind.chunks == 0 => Loss::Truncated { at_byte, bytes, last_s },
-            End::Cut => {
+            // A record that extends beyond the end of the file is a truncation, unless intact chunks follow its start.
+            ScanEnd::Truncated if intact.chunks == 0 => Loss::Truncated { at_byte, bytes, last_s },
+            ScanEnd::Truncated => {
                 let reason = "a record claims more bytes than the file has".to_string();
-                Loss::Damaged { at_byte, bytes, reason, last_s, behind }
+                Loss::Damaged { at_byte, bytes, reason, last_s, intact }
             }
-            End::Wrong(reason) => Loss::Damaged { at_byte, bytes, reason, last_s, behind },
-            End::Compressed(compression) => Loss::Compressed { at_byte, bytes, compression, last_s, behind },
-            End::Whole => return None,
+            ScanEnd::Damaged(reason) => Loss::Damaged { at_byte, bytes, reason, last_s, intact },
+            ScanEnd::UnsupportedCompression(compression) => {
+                Loss::UnsupportedCompression { at_byte, bytes, compression, last_s, intact }
+            }
+            ScanEnd::Complete => return None,
         })
     });
-    reader.reading.losses.extend(loss);
+    reader.summary.losses.extend(loss);
     Ok(reader.finish(&survey))
 }
 
-/// What lies behind a damage; where pieces are read, the survey takes them up.
-fn pieces(
+/// Finds intact chunks after damage; with [`ReadExtent::PastDamage`] they are added to the survey.
+fn find_chunks_after_damage(
     source: &mut (impl Read + Seek),
     survey: &mut Survey,
     at_byte: u64,
-    extent: Extent,
-) -> Result<Behind, ReadError> {
-    let bytes = survey.reading.bytes;
-    if extent != Extent::Pieces {
-        return behind::search(source, at_byte + 1, bytes, |_, _, _| Ok(true));
+    extent: ReadExtent,
+) -> Result<IntactChunks, ReadError> {
+    let bytes = survey.summary.bytes;
+    if extent != ReadExtent::PastDamage {
+        return chunk_search::find_intact_chunks(source, at_byte + 1, bytes, |_, _, _| Ok(true));
     }
-    if survey.reading.chunks == 0 {
-        survey.names_from_index(source)?;
+    if survey.summary.chunks == 0 {
+        survey.read_definitions_from_index(source)?;
     }
-    let listed = listed(source, bytes)?;
-    let behind = behind::search(source, at_byte + 1, bytes, |at, chunk, records| {
-        Ok::<_, ReadError>(survey.piece(at, chunk, records, &listed))
+    let indexed_offsets = indexed_chunk_offsets(source, bytes)?;
+    let intact = chunk_search::find_intact_chunks(source, at_byte + 1, bytes, |offset, chunk, records| {
+        Ok::<_, ReadError>(survey.add_chunk_after_damage(offset, chunk, records, &indexed_offsets))
     })?;
-    Ok(Behind { used: behind.chunks > 0, ..behind })
+    Ok(IntactChunks { used: intact.chunks > 0, ..intact })
 }
 
-/// The second pass.
+/// Second pass over a log.
 struct Reader<'a, S> {
     sink: &'a mut S,
     assembler: Assembler,
-    expected: Vec<(String, channels::Carries)>,
-    /// The sink knows what samples consist of.
-    named: bool,
-    /// Where the segment begins whose messages follow those before without a gap, as far as is known.
-    piece_of: Option<u64>,
-    reading: Reading,
+    expected_topics: Vec<(String, channels::ChannelContent)>,
+    /// Whether the sink has received the layout.
+    is_layout_sent: bool,
+    /// Start of the latest segment; `None` after an invalid message.
+    contiguous_from: Option<u64>,
+    summary: LogSummary,
 }
 
 impl<'a, S: LogSink> Reader<'a, S> {
-    /// Takes what the survey has read, and announces schemas and channels to the sink.
+    /// Takes over the results of the survey and passes schemas and channels to the sink.
     fn new(sink: &'a mut S, survey: &mut Survey) -> Result<Self, ReadError> {
-        let mut reading = std::mem::take(&mut survey.reading);
-        let kind = kind(&reading.metadata);
-        let scene = reading.scene.as_ref().filter(|(_, text)| text.len() < LARGEST_RECORD);
+        let mut summary = std::mem::take(&mut survey.summary);
+        let kind = kind(&summary.metadata);
+        let scene = summary.scene.as_ref().filter(|(_, text)| text.len() < MAX_RECORD_BYTES);
         let scene = scene.and_then(|(name, text)| parse_any(text, name).ok()).filter(|scene| scene.kind() == kind);
         let system = scene.as_ref().map(|scene| &scene.system);
-        let mut channels = Channels::new(kind, layout(kind, system));
-        for (opcode, data) in &survey.announced {
+        let mut channels = Channels::new(kind, log_layout(kind, system));
+        for (opcode, data) in &survey.definitions {
             if *opcode == op::SCHEMA
                 && let Ok(schema) = bytes::schema(data)
             {
                 channels.schema(&schema);
                 sink.record(&Record::Schema(schema))?;
             } else if let Ok(channel) = bytes::channel(data) {
-                reading.unknown_channels += u64::from(channels.channel(&channel));
+                summary.unknown_channels += u64::from(channels.channel(&channel));
                 sink.record(&Record::Channel(channel))?;
             }
         }
-        let topics = system.map(|system| in_layout(topics(system), kind, channels.layout()));
-        let expected = expected(kind, topics.as_ref());
-        let has_messages = |(id, ..): &&(u16, String, channels::Carries)| survey.numbers.contains_key(id);
-        let with_messages = channels.topics().iter().filter(has_messages);
-        let mut parts: Vec<usize> =
-            with_messages.filter_map(|(.., carries)| part(channels.layout(), *carries)).collect();
-        parts.sort_unstable();
-        parts.dedup();
-        let wanted: Vec<usize> = expected.iter().filter_map(|(_, carries)| part(channels.layout(), *carries)).collect();
-        let of_engine = reading.metadata.get("model").is_some_and(|model| model == "engine");
-        let assembler = Assembler::new(channels, of_engine, parts, &wanted, repeats(&survey.numbers));
-        Ok(Reader { sink, assembler, expected, named: false, piece_of: Some(0), reading })
+        let topics = system.map(|system| restrict_topics(topics(system), kind, channels.layout()));
+        let expected_topics = expected_topics(kind, topics.as_ref());
+        let has_messages = |(id, ..): &&(u16, String, channels::ChannelContent)| survey.sequence_stats.contains_key(id);
+        let channels_with_messages = channels.topics().iter().filter(has_messages);
+        let mut components: Vec<usize> =
+            channels_with_messages.filter_map(|(.., content)| component_index(channels.layout(), *content)).collect();
+        components.sort_unstable();
+        components.dedup();
+        let required: Vec<usize> =
+            expected_topics.iter().filter_map(|(_, content)| component_index(channels.layout(), *content)).collect();
+        let is_engine = summary.metadata.get("model").is_some_and(|model| model == "engine");
+        let assembler =
+            Assembler::new(channels, is_engine, components, &required, has_duplicates(&survey.sequence_stats));
+        Ok(Reader { sink, assembler, expected_topics, is_layout_sent: false, contiguous_from: Some(0), summary })
     }
 
-    /// A message of this segment follows: behind a damage something may be missing before it.
-    fn enter(&mut self, segment: &Segment) -> Result<(), SinkError> {
-        let goes_on = self.piece_of.is_some_and(|at| at == segment.at || !segment.behind);
-        self.piece_of = Some(segment.at);
-        if goes_on { Ok(()) } else { self.sink.piece() }
+    /// Called before a message of this segment. After damage, messages before it may be missing.
+    fn enter_segment(&mut self, segment: &Segment) -> Result<(), SinkError> {
+        let is_contiguous =
+            self.contiguous_from.is_some_and(|offset| offset == segment.offset || !segment.is_after_damage);
+        self.contiguous_from = Some(segment.offset);
+        if is_contiguous { Ok(()) } else { self.sink.mark_discontinuity() }
     }
 
-    /// The body of a message.
-    fn message(&mut self, body: &[u8]) -> Result<Result<(), Malformed>, ReadError> {
+    /// Decodes the body of a message record.
+    fn message(&mut self, body: &[u8]) -> Result<Result<(), MalformedData>, ReadError> {
         let message = match bytes::message(body) {
             Ok(message) => message,
             Err(malformed) => return Ok(Err(malformed)),
         };
-        self.reading.messages += 1;
+        self.summary.messages += 1;
         self.sink.record(&Record::Message(message))?;
-        self.name()?;
-        let Reader { sink, assembler, reading, .. } = self;
-        Ok(assembler.message(&message, &mut |found: Found<'_>| take(*sink, reading, found))?)
+        self.send_layout()?;
+        let Reader { sink, assembler, summary, .. } = self;
+        Ok(assembler.message(&message, &mut |found: Decoded<'_>| deliver(*sink, summary, found))?)
     }
 
-    /// Once all messages have come.
-    fn end(&mut self) -> Result<Result<(), Malformed>, ReadError> {
-        let Reader { sink, assembler, reading, .. } = self;
-        Ok(assembler.end(&mut |found: Found<'_>| take(*sink, reading, found))?)
+    /// Called after the last message.
+    fn end(&mut self) -> Result<Result<(), MalformedData>, ReadError> {
+        let Reader { sink, assembler, summary, .. } = self;
+        Ok(assembler.end(&mut |found: Decoded<'_>| deliver(*sink, summary, found))?)
     }
 
-    /// The sink hears what samples consist of, once.
-    fn name(&mut self) -> Result<(), SinkError> {
-        match std::mem::replace(&mut self.named, true) {
+    /// Passes the layout to the sink, once.
+    fn send_layout(&mut self) -> Result<(), SinkError> {
+        match std::mem::replace(&mut self.is_layout_sent, true) {
             true => Ok(()),
             false => self.sink.layout(self.assembler.layout()),
         }
     }
 
-    /// What was read, with what is missing in it.
-    fn finish(self, survey: &Survey) -> Reading {
-        let Reader { mut assembler, expected, mut reading, .. } = self;
-        reading.missing = assembler.missing(&reading, &expected, &survey.numbers);
-        reading
+    /// Returns the summary, including missing data.
+    fn finish(self, survey: &Survey) -> LogSummary {
+        let Reader { mut assembler, expected_topics, mut summary, .. } = self;
+        summary.missing = assembler.missing(&summary, &expected_topics, &survey.sequence_stats);
+        summary
     }
 }
 
-/// What is found goes to the sink, and is counted.
-fn take(sink: &mut impl LogSink, reading: &mut Reading, found: Found<'_>) -> Result<(), SinkError> {
+/// Passes a decoded item to the sink and counts it.
+fn deliver(sink: &mut impl LogSink, summary: &mut LogSummary, found: Decoded<'_>) -> Result<(), SinkError> {
     match found {
-        Found::Unknown => reading.unknown_messages += 1,
-        Found::Ended(ended) => reading.ended = Some(ended),
-        Found::Event(event) => {
-            reading.events += 1;
+        Decoded::UnknownMessage => summary.unknown_messages += 1,
+        Decoded::RunEnd(run_end) => summary.run_end = Some(run_end),
+        Decoded::Event(event) => {
+            summary.events += 1;
             sink.event(&event)?;
         }
-        Found::Sample(sample) => {
+        Decoded::Sample(sample) => {
             sink.sample(sample)?;
-            reading.samples += 1;
-            reading.first_s.get_or_insert(sample.time_s);
-            reading.last_s = Some(sample.time_s);
+            summary.samples += 1;
+            summary.first_s.get_or_insert(sample.time_s);
+            summary.last_s = Some(sample.time_s);
         }
     }
     Ok(())
 }
 
-/// What the samples of a scene consist of in its log, which names no contact that nothing can touch. What discs there are only a scene
-/// says, or else the channels.
-fn layout(kind: SceneKind, system: Option<&System>) -> Layout {
-    let Some(system) = system.filter(|_| kind == SceneKind::Bodies) else { return Layout::of_kind(kind) };
-    let all = Layout::of(system);
-    let touched = topics(system).contacts.into_iter().map(|of| of.is_some());
-    let contacts = all.contacts.into_iter().zip(touched).filter(|(_, touched)| *touched).map(|(place, _)| place);
-    Layout { contacts: contacts.collect(), ..all }
+/// Returns the layout of the samples in a log. It omits contacts that the scene does not have. The discs come from the
+/// scene or, without one, from the channels.
+fn log_layout(kind: SceneKind, system: Option<&System>) -> Layout {
+    let Some(system) = system.filter(|_| kind == SceneKind::Bodies) else { return Layout::from_kind(kind) };
+    let full_layout = Layout::from_system(system);
+    let is_present = topics(system).contacts.into_iter().map(|contact| contact.is_some());
+    let contacts = full_layout
+        .contacts
+        .into_iter()
+        .zip(is_present)
+        .filter(|(_, is_present)| *is_present)
+        .map(|(contact, _)| contact);
+    Layout { contacts: contacts.collect(), ..full_layout }
 }
 
-/// The topics of a scene in the order of that layout.
-fn in_layout(mut topics: Topics, kind: SceneKind, layout: &Layout) -> Topics {
+/// Restricts the topics of a scene to a layout.
+fn restrict_topics(mut topics: Topics, kind: SceneKind, layout: &Layout) -> Topics {
     if kind == SceneKind::Bodies {
         topics.contacts.retain(Option::is_some);
     }

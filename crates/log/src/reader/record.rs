@@ -1,10 +1,10 @@
-//! What a log consists of, as it stands in the file, and who takes it.
+//! Records of a log and sinks for its contents.
 
 use std::collections::BTreeMap;
 
 use phalanx_core::trace::{Event, Layout, Recording, Sample, Sink, SinkError};
 
-/// One record of a log. The bytes are those of the file.
+/// A record of a log, borrowed from the bytes of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Record<'a> {
     Metadata { name: &'a str, entries: &'a BTreeMap<String, String> },
@@ -49,9 +49,9 @@ pub struct MessageRecord<'a> {
     pub data: &'a [u8],
 }
 
-/// Takes what a log says, of whichever kind of scene it is, in the order of the log.
+/// Receiver of the contents of a log of any kind of scene, in the order of the log.
 pub trait LogSink {
-    /// What the samples consist of: once, before the first sample or event.
+    /// Receives the layout of the samples; called once, before the first sample or event.
     fn layout(&mut self, _: &Layout) -> Result<(), SinkError> {
         Ok(())
     }
@@ -60,18 +60,18 @@ pub trait LogSink {
         Ok(())
     }
 
-    /// An event; its contact is one of the layout.
+    /// Receives an event; its contact is an index into the layout.
     fn event(&mut self, _: &Event) -> Result<(), SinkError> {
         Ok(())
     }
 
-    /// What follows was found behind a damage: something may be missing in between. Only
-    /// [`read_pieces`](super::read_pieces) says so.
-    fn piece(&mut self) -> Result<(), SinkError> {
+    /// Marks a gap: the data that follows was found after damage, so data may be missing before it. Called only by
+    /// [`read_past_damage`](super::read_past_damage).
+    fn mark_discontinuity(&mut self) -> Result<(), SinkError> {
         Ok(())
     }
 
-    /// Every record that was understood, before what it comes to.
+    /// Receives every valid record, before its samples and events.
     fn record(&mut self, _: &Record<'_>) -> Result<(), SinkError> {
         Ok(())
     }
@@ -79,7 +79,7 @@ pub trait LogSink {
 
 impl LogSink for () {}
 
-/// Keeps what a log says, in the place of what was there.
+/// Replaces the recording by the contents of the log.
 impl LogSink for Recording {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
         *self = Recording::new(layout);
@@ -95,23 +95,23 @@ impl LogSink for Recording {
     }
 }
 
-/// A sink of samples that have a finger; nothing else is passed on.
-pub(super) struct Fingers<'a, S> {
+/// Passes on samples and events only if the layout has exactly one finger.
+pub(super) struct SingleFingerSink<'a, S> {
     pub sink: &'a mut S,
-    pub are_there: bool,
+    pub is_single_finger: bool,
 }
 
-impl<S: Sink> LogSink for Fingers<'_, S> {
+impl<S: Sink> LogSink for SingleFingerSink<'_, S> {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.are_there = layout.fingers.len() == 1;
+        self.is_single_finger = layout.fingers.len() == 1;
         Ok(())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        if self.are_there { self.sink.sample(sample) } else { Ok(()) }
+        if self.is_single_finger { self.sink.sample(sample) } else { Ok(()) }
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if self.are_there { self.sink.event(event) } else { Ok(()) }
+        if self.is_single_finger { self.sink.event(event) } else { Ok(()) }
     }
 }

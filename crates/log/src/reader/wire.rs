@@ -1,9 +1,9 @@
-//! The protobuf wire format, as far as phalanx's own messages use it: doubles and booleans, by number.
+//! Decoder of the protobuf wire format for phalanx' own messages: doubles and booleans by field number.
 
-use super::bytes::{Cursor, Malformed};
+use super::bytes::{Cursor, MalformedData};
 
-/// The fields 1…N of a flat message of doubles and booleans; what is not there is 0, what is further is skipped.
-pub fn numbers<const N: usize>(message: &[u8]) -> Result<[f64; N], Malformed> {
+/// Decodes fields 1…N of a flat message of doubles and booleans. Missing fields are 0; other fields are skipped.
+pub fn decode_doubles<const N: usize>(message: &[u8]) -> Result<[f64; N], MalformedData> {
     let (mut values, mut cursor) = ([0.0; N], Cursor::new(message));
     while !cursor.is_empty() {
         let key = varint(&mut cursor)?;
@@ -16,7 +16,7 @@ pub fn numbers<const N: usize>(message: &[u8]) -> Result<[f64; N], Malformed> {
                 continue;
             }
             5 => f64::from(f32::from_bits(cursor.u32()?)),
-            _ => return Err(Malformed("a message is not protobuf")),
+            _ => return Err(MalformedData("a message is not protobuf")),
         };
         if let Some(slot) = usize::try_from(key >> 3).ok().and_then(|number| values.get_mut(number.checked_sub(1)?)) {
             *slot = value;
@@ -25,7 +25,7 @@ pub fn numbers<const N: usize>(message: &[u8]) -> Result<[f64; N], Malformed> {
     Ok(values)
 }
 
-fn varint(cursor: &mut Cursor<'_>) -> Result<u64, Malformed> {
+fn varint(cursor: &mut Cursor<'_>) -> Result<u64, MalformedData> {
     let mut value = 0u64;
     for shift in (0..64).step_by(7) {
         let byte = cursor.u8()?;
@@ -34,7 +34,7 @@ fn varint(cursor: &mut Cursor<'_>) -> Result<u64, Malformed> {
             return Ok(value);
         }
     }
-    Err(Malformed("a number in a message has no end"))
+    Err(MalformedData("a varint in a message is too long"))
 }
 
 #[cfg(test)]
@@ -42,17 +42,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fields_by_number_in_any_order() {
+    fn decodes_fields_by_number_in_any_order() {
         let mut message = vec![(2 << 3) | 1];
         message.extend(2.5f64.to_le_bytes());
         message.extend([(1 << 3), 1, (9 << 3) | 2, 3, b'a', b'b', b'c']);
-        assert_eq!(numbers::<3>(&message), Ok([1.0, 2.5, 0.0]));
+        assert_eq!(decode_doubles::<3>(&message), Ok([1.0, 2.5, 0.0]));
         for cut in [1, 5, 8, 12, 13, 15] {
-            assert!(numbers::<3>(&message[..cut]).is_err() || cut == 9 || cut == 11, "cut at {cut}");
+            assert!(decode_doubles::<3>(&message[..cut]).is_err() || cut == 9 || cut == 11, "cut at {cut}");
         }
-        assert!(numbers::<3>(&[0xff; 11]).is_err());
-        assert!(numbers::<3>(&[3]).is_err());
-        // A field number of 0 and one beyond any list.
-        assert_eq!(numbers::<1>(&[0, 7, 0xf8, 0xff, 0xff, 0xff, 0xff, 0x01, 7]), Ok([0.0]));
+        assert!(decode_doubles::<3>(&[0xff; 11]).is_err());
+        assert!(decode_doubles::<3>(&[3]).is_err());
+        // Field number 0 and a field number beyond N.
+        assert_eq!(decode_doubles::<1>(&[0, 7, 0xf8, 0xff, 0xff, 0xff, 0xff, 0x01, 7]), Ok([0.0]));
     }
 }

@@ -1,96 +1,97 @@
-//! Two messages field by field, by the descriptor that a log embeds.
+//! Compares two messages by field, using the descriptor embedded in the log.
 
 use prost_reflect::{DescriptorPool, DynamicMessage, MapKey, MessageDescriptor, ReflectMessage, Value};
 
-/// What a field holds.
+/// Value of a field.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Leaf {
+pub enum FieldValue {
     Number(f64),
-    Whole(i128),
-    Flag(bool),
+    Integer(i128),
+    Bool(bool),
     Text(String),
     Bytes(Vec<u8>),
-    /// Not there at all.
-    Absent,
+    Missing,
 }
 
-impl Leaf {
-    /// As a number, if it is one.
+impl FieldValue {
+    /// Returns the value as a number, if it is one.
     pub fn number(&self) -> Option<f64> {
         match self {
-            Leaf::Number(value) => Some(*value),
-            Leaf::Whole(value) => Some(*value as f64),
+            FieldValue::Number(value) => Some(*value),
+            FieldValue::Integer(value) => Some(*value as f64),
             _ => None,
         }
     }
 
-    /// Whether it is the same to the last bit.
+    /// Whether two values are identical, bit for bit.
     fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
-            (Leaf::Number(a), Leaf::Number(b)) => a.to_bits() == b.to_bits(),
+            (FieldValue::Number(a), FieldValue::Number(b)) => a.to_bits() == b.to_bits(),
             _ => self == other,
         }
     }
 }
 
-/// A field in which two messages differ; nested ones are named as in `transforms[2].rotation.z`.
+/// A field that differs between two messages; nested fields have names such as `transforms[2].rotation.z`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldDifference {
     pub field: String,
-    pub ours: Leaf,
-    pub theirs: Leaf,
+    pub log_value: FieldValue,
+    pub rerun_value: FieldValue,
 }
 
-/// The descriptor of a message by its schema; `None` if the data is no set of descriptors that has it.
+/// Returns the descriptor of a message from its schema; `None` if the descriptor set is invalid or does not contain it.
 pub fn descriptor(name: &str, data: &[u8]) -> Option<MessageDescriptor> {
     DescriptorPool::decode(data).ok()?.get_message_by_name(name)
 }
 
-/// The fields in which two messages differ, in the order of the first descriptor; `None` if one of them cannot be decoded.
+/// Returns the differing fields of two messages in the order of the first descriptor; `None` if a message cannot be
+/// decoded.
 pub fn differences(
-    ours: (&MessageDescriptor, &[u8]),
-    theirs: (&MessageDescriptor, &[u8]),
+    log_message: (&MessageDescriptor, &[u8]),
+    rerun_message: (&MessageDescriptor, &[u8]),
 ) -> Option<Vec<FieldDifference>> {
-    let (ours, theirs) = (leaves(ours)?, leaves(theirs)?);
+    let (log_fields, rerun_fields) = (flatten(log_message)?, flatten(rerun_message)?);
     let mut found = Vec::new();
-    let same_shape = ours.len() == theirs.len() && ours.iter().zip(&theirs).all(|(a, b)| a.0 == b.0);
-    if same_shape {
-        for ((field, ours), (_, theirs)) in ours.into_iter().zip(theirs) {
-            if !ours.is_same(&theirs) {
-                found.push(FieldDifference { field, ours, theirs });
+    let have_same_fields =
+        log_fields.len() == rerun_fields.len() && log_fields.iter().zip(&rerun_fields).all(|(a, b)| a.0 == b.0);
+    if have_same_fields {
+        for ((field, log_value), (_, rerun_value)) in log_fields.into_iter().zip(rerun_fields) {
+            if !log_value.is_same(&rerun_value) {
+                found.push(FieldDifference { field, log_value, rerun_value });
             }
         }
         return Some(found);
     }
-    let mut rest: std::collections::HashMap<String, Leaf> = theirs.iter().cloned().collect();
-    for (field, ours) in ours {
-        let theirs = rest.remove(&field).unwrap_or(Leaf::Absent);
-        if !ours.is_same(&theirs) {
-            found.push(FieldDifference { field, ours, theirs });
+    let mut unmatched_fields: std::collections::HashMap<String, FieldValue> = rerun_fields.iter().cloned().collect();
+    for (field, log_value) in log_fields {
+        let rerun_value = unmatched_fields.remove(&field).unwrap_or(FieldValue::Missing);
+        if !log_value.is_same(&rerun_value) {
+            found.push(FieldDifference { field, log_value, rerun_value });
         }
     }
-    for (field, theirs) in theirs {
-        if rest.remove(&field).is_some() {
-            found.push(FieldDifference { field, ours: Leaf::Absent, theirs });
+    for (field, rerun_value) in rerun_fields {
+        if unmatched_fields.remove(&field).is_some() {
+            found.push(FieldDifference { field, log_value: FieldValue::Missing, rerun_value });
         }
     }
     Some(found)
 }
 
-/// Time of a message in its own words: its field `timestamp`, if that is a double.
+/// Returns the field `timestamp` of a message, if it is a double.
 pub fn timestamp_s(descriptor: &MessageDescriptor, data: &[u8]) -> Option<f64> {
     let message = DynamicMessage::decode(descriptor.clone(), data).ok()?;
     message.get_field_by_name("timestamp")?.as_f64().filter(|time_s| time_s.is_finite())
 }
 
-fn leaves((descriptor, data): (&MessageDescriptor, &[u8])) -> Option<Vec<(String, Leaf)>> {
+fn flatten((descriptor, data): (&MessageDescriptor, &[u8])) -> Option<Vec<(String, FieldValue)>> {
     let message = DynamicMessage::decode(descriptor.clone(), data).ok()?;
     let mut found = Vec::new();
-    of_message(&message, "", &mut found);
+    flatten_message(&message, "", &mut found);
     Some(found)
 }
 
-fn of_message(message: &DynamicMessage, path: &str, found: &mut Vec<(String, Leaf)>) {
+fn flatten_message(message: &DynamicMessage, path: &str, found: &mut Vec<(String, FieldValue)>) {
     let descriptor = message.descriptor();
     let mut fields: Vec<_> = descriptor.fields().collect();
     fields.sort_by_key(|field| field.number());
@@ -100,27 +101,27 @@ fn of_message(message: &DynamicMessage, path: &str, found: &mut Vec<(String, Lea
             path => format!("{path}.{}", field.name()),
         };
         match field.supports_presence() && !message.has_field(&field) {
-            true => found.push((name, Leaf::Absent)),
-            false => of_value(message.get_field(&field).as_ref(), name, found),
+            true => found.push((name, FieldValue::Missing)),
+            false => flatten_value(message.get_field(&field).as_ref(), name, found),
         }
     }
 }
 
-fn of_value(value: &Value, name: String, found: &mut Vec<(String, Leaf)>) {
-    let leaf = match value {
-        Value::F64(value) => Leaf::Number(*value),
-        Value::F32(value) => Leaf::Number(f64::from(*value)),
-        Value::I32(value) | Value::EnumNumber(value) => Leaf::Whole(i128::from(*value)),
-        Value::I64(value) => Leaf::Whole(i128::from(*value)),
-        Value::U32(value) => Leaf::Whole(i128::from(*value)),
-        Value::U64(value) => Leaf::Whole(i128::from(*value)),
-        Value::Bool(value) => Leaf::Flag(*value),
-        Value::String(text) => Leaf::Text(text.clone()),
-        Value::Bytes(bytes) => Leaf::Bytes(bytes.to_vec()),
-        Value::Message(message) => return of_message(message, &name, found),
+fn flatten_value(value: &Value, name: String, found: &mut Vec<(String, FieldValue)>) {
+    let field_value = match value {
+        Value::F64(value) => FieldValue::Number(*value),
+        Value::F32(value) => FieldValue::Number(f64::from(*value)),
+        Value::I32(value) | Value::EnumNumber(value) => FieldValue::Integer(i128::from(*value)),
+        Value::I64(value) => FieldValue::Integer(i128::from(*value)),
+        Value::U32(value) => FieldValue::Integer(i128::from(*value)),
+        Value::U64(value) => FieldValue::Integer(i128::from(*value)),
+        Value::Bool(value) => FieldValue::Bool(*value),
+        Value::String(text) => FieldValue::Text(text.clone()),
+        Value::Bytes(bytes) => FieldValue::Bytes(bytes.to_vec()),
+        Value::Message(message) => return flatten_message(message, &name, found),
         Value::List(values) => {
             for (index, value) in values.iter().enumerate() {
-                of_value(value, format!("{name}[{index}]"), found);
+                flatten_value(value, format!("{name}[{index}]"), found);
             }
             return;
         }
@@ -128,12 +129,12 @@ fn of_value(value: &Value, name: String, found: &mut Vec<(String, Leaf)>) {
             let mut entries: Vec<(String, &Value)> = values.iter().map(|(k, v)| (key(k), v)).collect();
             entries.sort_by(|a, b| a.0.cmp(&b.0));
             for (key, value) in entries {
-                of_value(value, format!("{name}[{key}]"), found);
+                flatten_value(value, format!("{name}[{key}]"), found);
             }
             return;
         }
     };
-    found.push((name, leaf));
+    found.push((name, field_value));
 }
 
 fn key(key: &MapKey) -> String {

@@ -1,346 +1,353 @@
-//! Whether a log is what simulating again gives: both message by message, as they come, so that memory does not grow with
+//! Compares a log with the log of a new simulation, message by message while streaming, so memory does not grow with
 //! the log.
 //!
-//! Messages of one log time are compared channel by channel, whatever their order: times, sequence number, every byte. What finds no
-//! partner is counted. A log without sequence numbers (they are all 0, as tools write that do not number) is compared without them, and
-//! channels without messages do not count.
+//! Messages of one log time are compared per channel in any order: times, sequence number, every byte. Unmatched
+//! messages are counted. A log without sequence numbers (all 0, as some tools write) is compared without them, and
+//! channels without messages are ignored.
 //!
 //! | file | job |
 //! |---|---|
-//! | `again` | the log of the new run, message by message |
-//! | `fields` | two messages field by field |
-//! | `tally` | differences in sum |
+//! | `rerun` | the log of the new run, message by message |
+//! | `fields` | differences of two messages by field |
+//! | `tally` | total differences |
 
-mod again;
 mod fields;
+mod rerun;
 mod tally;
 
 use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::io::{self, Read};
 
-use self::again::{Again, Announced, Channel, Message};
-pub use self::fields::Leaf;
+pub use self::fields::FieldValue;
+use self::rerun::{Channel, Definitions, Message, RerunLog};
 use self::tally::Tally;
 pub use self::tally::{Difference, FieldTally};
 use super::reader::{LogSink, Record};
-use super::recovered::{Check, Gap};
+use super::recovered::{Gap, ProgressCheck};
 use phalanx_core::trace::SinkError;
 
-/// Messages of one log time that are paired at once: steps of an impact can share one.
-const GROUP: usize = 10_000;
+/// Maximum number of messages of one log time that are matched at once; steps of an impact can share a log time.
+const MAX_GROUP_MESSAGES: usize = 10_000;
 
-/// Differences between schemas and channels that are told one by one.
-const MOST_NOTES: usize = 100;
+/// Maximum number of reported differences of schemas and channels.
+const MAX_SCHEMA_DIFFERENCES: usize = 100;
 
-/// What is known of a log before it is compared.
+/// Range and properties of the log to compare.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Expected {
-    /// Messages from this log time on are not compared: they are what an interrupt left.
+pub struct ComparisonOptions {
+    /// Messages from this log time on are not compared, because an interrupt ended the run there.
     pub before_ns: Option<u64>,
-    /// Whether the log says how its run ended: the new run must end there too.
-    pub ends: bool,
-    /// Where messages are missing in a log that was recovered.
+    /// Whether the log contains the end of its run: the new run must end there too.
+    pub has_run_end: bool,
+    /// Gaps of a recovered log.
     pub gaps: Vec<Gap>,
 }
 
-/// How the comparison came out.
+/// Result of a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verification {
-    /// Pairs of messages that were compared, and those of them that are not the same.
+    /// Number of compared pairs of messages.
     pub compared: u64,
+    /// Number of differing pairs.
     pub differing: u64,
-    /// Messages without a partner.
+    /// Unmatched messages.
     pub only_in_log: u64,
-    pub only_again: u64,
-    /// Messages that the log has in another order, and those to which it gives no number.
+    pub only_in_rerun: u64,
+    /// Messages in a different order in the log.
     pub reordered: u64,
+    /// Messages without a sequence number in the log.
     pub unnumbered: u64,
-    /// Messages at the end of the log that were not compared: an interrupt left them.
+    /// Messages at the end of the log that were not compared because of an interrupt.
     pub not_compared: u64,
     /// Messages of the new run in the gaps of a recovered log.
     pub in_gaps: u64,
     pub channels: u64,
     /// Log time of the last message that was compared.
-    pub up_to_s: Option<f64>,
+    pub last_compared_s: Option<f64>,
     pub first: Option<Difference>,
-    /// By channel and field.
+    /// Tallies of the fields, by channel and field.
     pub fields: BTreeMap<(String, String), FieldTally>,
-    /// What differs in schemas and channels, in words.
-    pub structure: Vec<String>,
+    /// Differences of schemas and channels, as sentences.
+    pub schema_differences: Vec<String>,
     /// Entries of the metadata that differ: key, log, new run.
     pub metadata: Vec<(String, Option<String>, Option<String>)>,
 }
 
-/// Entries that say which program wrote a log: they may differ.
+/// Entries that identify the program that wrote a log; they may differ.
 const VERSIONS: [&str; 4] = ["phalanx_version", "mcap_version", "libm_version", "rapier_version"];
 
 impl Verification {
-    /// Whether everything that was compared is the same, bit for bit.
+    /// Whether all compared data is identical, bit for bit.
     pub fn is_same(&self) -> bool {
         let settings = self.metadata.iter().filter(|(key, ..)| !VERSIONS.contains(&key.as_str())).count();
-        self.differing + self.only_in_log + self.only_again == 0 && self.structure.is_empty() && settings == 0
+        self.differing + self.only_in_log + self.only_in_rerun == 0
+            && self.schema_differences.is_empty()
+            && settings == 0
     }
 }
 
-/// A [`LogSink`] that compares a log with the one of a new run.
-pub struct Lockstep<'a, R> {
-    again: Again<R>,
-    announced: Announced,
-    expected: Expected,
+/// A [`LogSink`] that compares a log with the log of a new run.
+pub struct LogComparison<'a, R> {
+    rerun: RerunLog<R>,
+    definitions: Definitions,
+    options: ComparisonOptions,
     tally: Tally,
-    found: Verification,
-    /// Messages of the log so far.
-    index: u64,
-    /// Messages of the log at the log time at hand that have found no partner yet.
+    result: Verification,
+    /// Number of messages of the log so far.
+    message_count: u64,
+    /// Unmatched messages of the log at the current log time.
     group: Vec<Message>,
-    /// The same of the new run, by topic.
-    waiting: BTreeMap<String, VecDeque<(usize, Message)>>,
+    /// Unmatched messages of the new run at that time, by topic, with their rank.
+    unmatched: BTreeMap<String, VecDeque<(usize, Message)>>,
     log_time_ns: u64,
     /// Channels of the log that have messages.
-    spoken: HashSet<u16>,
-    check: Check<'a>,
+    active_channels: HashSet<u16>,
+    check: ProgressCheck<'a>,
 }
 
-impl<'a, R: Read> Lockstep<'a, R> {
-    /// Compares with the log in `source`; an error of `check` ends it.
-    pub fn new(source: R, expected: Expected, check: Check<'a>) -> io::Result<Self> {
-        Ok(Lockstep {
-            again: Again::new(source)?,
-            announced: Announced::default(),
-            expected,
+impl<'a, R: Read> LogComparison<'a, R> {
+    /// Compares with the log of the new run in `source`; an error of `check` ends the comparison.
+    pub fn new(source: R, options: ComparisonOptions, check: ProgressCheck<'a>) -> io::Result<Self> {
+        Ok(LogComparison {
+            rerun: RerunLog::new(source)?,
+            definitions: Definitions::default(),
+            options,
             tally: Tally::default(),
-            found: Verification::default(),
-            index: 0,
+            result: Verification::default(),
+            message_count: 0,
             group: Vec::new(),
-            waiting: BTreeMap::new(),
+            unmatched: BTreeMap::new(),
             log_time_ns: 0,
-            spoken: HashSet::new(),
+            active_channels: HashSet::new(),
             check,
         })
     }
 
-    /// How it came out, once the log has been gone through.
+    /// Returns the result, after the log was read.
     pub fn finish(mut self) -> io::Result<Verification> {
-        let ends = self.expected.ends && self.expected.before_ns.is_none();
-        // Of a log that is cut off there may be more of its last time.
-        if ends || !self.group.is_empty() {
-            self.pair(ends)?;
+        let has_run_end = self.options.has_run_end && self.options.before_ns.is_none();
+        // A truncated log may lack messages of its last log time.
+        if has_run_end || !self.group.is_empty() {
+            self.match_group(has_run_end)?;
         }
-        if ends {
-            while let Some(message) = self.again.take()? {
-                self.extra(&message);
+        if has_run_end {
+            while let Some(message) = self.rerun.next_message()? {
+                self.count_extra(&message);
             }
         }
-        // Channels that come later in the new run than in the log: a recovered one has them from its index.
-        while self.again.take()?.is_some() {}
-        self.structure();
-        self.found.channels = self.announced.channels.len() as u64;
-        self.found.fields = self.tally.fields;
-        Ok(self.found)
+        // Read the remaining channels of the new run: a recovered log may have them earlier, from its index.
+        while self.rerun.next_message()?.is_some() {}
+        self.compare_channels();
+        self.result.channels = self.definitions.channels.len() as u64;
+        self.result.fields = self.tally.fields;
+        Ok(self.result)
     }
 
     fn metadata(&mut self, entries: &BTreeMap<String, String>) {
-        let again = &self.again.metadata;
-        let keys = entries.keys().chain(again.keys().filter(|key| !entries.contains_key(*key)));
+        let rerun = &self.rerun.metadata;
+        let keys = entries.keys().chain(rerun.keys().filter(|key| !entries.contains_key(*key)));
         for key in keys {
-            if entries.get(key) != again.get(key) {
-                self.found.metadata.push((key.clone(), entries.get(key).cloned(), again.get(key).cloned()));
+            if entries.get(key) != rerun.get(key) {
+                self.result.metadata.push((key.clone(), entries.get(key).cloned(), rerun.get(key).cloned()));
             }
         }
     }
 
     fn message(&mut self, message: Message) -> io::Result<()> {
-        if self.expected.before_ns.is_some_and(|before_ns| message.log_time_ns >= before_ns) {
-            self.found.not_compared += 1;
+        if self.options.before_ns.is_some_and(|before_ns| message.log_time_ns >= before_ns) {
+            self.result.not_compared += 1;
             return Ok(());
         }
-        if self.expected.gaps.iter().any(|gap| gap.after_messages == self.index) {
+        if self.options.gaps.iter().any(|gap| gap.after_messages == self.message_count) {
             if !self.group.is_empty() {
-                self.pair(false)?;
+                self.match_group(false)?;
             }
-            self.found.in_gaps +=
-                std::mem::take(&mut self.waiting).into_values().map(|queue| queue.len() as u64).sum::<u64>();
+            self.result.in_gaps +=
+                std::mem::take(&mut self.unmatched).into_values().map(|queue| queue.len() as u64).sum::<u64>();
             self.skip_to(&message)?;
         } else if message.log_time_ns != self.log_time_ns {
-            self.pair(true)?;
-        } else if self.group.len() >= GROUP {
-            self.pair(false)?;
+            self.match_group(true)?;
+        } else if self.group.len() >= MAX_GROUP_MESSAGES {
+            self.match_group(false)?;
         }
         self.log_time_ns = message.log_time_ns;
-        self.index += 1;
-        self.spoken.insert(message.channel);
-        let in_step = self.group.is_empty() && self.waiting.is_empty();
-        if in_step && self.again.peek().is_some_and(|again| self.is_same(&message, again)) {
-            self.again.take()?;
-            self.compared(&message);
+        self.message_count += 1;
+        self.active_channels.insert(message.channel);
+        let is_in_lockstep = self.group.is_empty() && self.unmatched.is_empty();
+        if is_in_lockstep && self.rerun.peek().is_some_and(|rerun| self.is_same(&message, rerun)) {
+            self.rerun.next_message()?;
+            self.count_compared(&message);
         } else {
             self.group.push(message);
         }
         Ok(())
     }
 
-    fn is_same(&self, log: &Message, again: &Message) -> bool {
-        self.announced.topic(log.channel) == self.again.announced.topic(again.channel)
-            && log.log_time_ns == again.log_time_ns
-            && log.publish_time_ns == again.publish_time_ns
-            && log.sequence == again.sequence
-            && log.data == again.data
+    fn is_same(&self, log: &Message, rerun: &Message) -> bool {
+        self.definitions.topic(log.channel) == self.rerun.definitions.topic(rerun.channel)
+            && log.log_time_ns == rerun.log_time_ns
+            && log.publish_time_ns == rerun.publish_time_ns
+            && log.sequence == rerun.sequence
+            && log.data == rerun.data
     }
 
-    fn compared(&mut self, message: &Message) {
-        self.found.compared += 1;
+    fn count_compared(&mut self, message: &Message) {
+        self.result.compared += 1;
         let time_s = message.log_time_ns as f64 * 1e-9;
-        self.found.up_to_s = Some(self.found.up_to_s.map_or(time_s, |latest| latest.max(time_s)));
+        self.result.last_compared_s = Some(self.result.last_compared_s.map_or(time_s, |latest| latest.max(time_s)));
     }
 
-    /// A message that only the new run has.
-    fn extra(&mut self, message: &Message) {
-        self.found.only_again += 1;
-        let topic = self.again.announced.topic(message.channel).to_string();
-        self.alone(topic, message.log_time_ns, false);
+    /// Counts a message that only the new run has.
+    fn count_extra(&mut self, message: &Message) {
+        self.result.only_in_rerun += 1;
+        let topic = self.rerun.definitions.topic(message.channel).to_string();
+        self.record_unmatched(topic, message.log_time_ns, false);
     }
 
-    /// A message of `topic` without a partner, in the log or in the new run.
-    fn alone(&mut self, topic: String, log_time_ns: u64, in_log: bool) {
+    /// Records an unmatched message of the log or the new run as the first difference, if there is none yet.
+    fn record_unmatched(&mut self, topic: String, log_time_ns: u64, in_log: bool) {
         let time_s = log_time_ns as f64 * 1e-9;
-        let [log, again] = [in_log, !in_log].map(|is_there| match is_there {
-            true => Leaf::Text(format!("{topic} at {time_s:.9} s")),
-            false => Leaf::Absent,
+        let [log, rerun] = [in_log, !in_log].map(|exists| match exists {
+            true => FieldValue::Text(format!("{topic} at {time_s:.9} s")),
+            false => FieldValue::Missing,
         });
         let field = "(which message comes next)".to_string();
-        self.found.first.get_or_insert(Difference { time_s, channel: topic, field, log, again });
+        self.result.first.get_or_insert(Difference { time_s, channel: topic, field, log, rerun });
     }
 
-    /// In the gap of a recovered log: goes on in the new run to the same message of the same channel.
+    /// After a gap of a recovered log: skips to the same message of the same channel in the new run.
     fn skip_to(&mut self, message: &Message) -> io::Result<()> {
-        let topic = self.announced.topic(message.channel).to_string();
-        while let Some(again) = self.again.peek() {
-            let there = self.again.announced.topic(again.channel) == topic && again.sequence >= message.sequence;
-            if there || again.log_time_ns > message.log_time_ns {
+        let topic = self.definitions.topic(message.channel).to_string();
+        while let Some(rerun) = self.rerun.peek() {
+            let is_match = self.rerun.definitions.topic(rerun.channel) == topic && rerun.sequence >= message.sequence;
+            if is_match || rerun.log_time_ns > message.log_time_ns {
                 break;
             }
-            self.again.take()?;
-            self.found.in_gaps += 1;
+            self.rerun.next_message()?;
+            self.result.in_gaps += 1;
         }
         Ok(())
     }
 
-    /// Pairs the messages of the log of one log time with those of the new run. `all`: the log has no more of this time.
-    fn pair(&mut self, all: bool) -> io::Result<()> {
+    /// Matches the messages of the current log time with the new run. `all`: the log has no more messages of this time.
+    fn match_group(&mut self, all: bool) -> io::Result<()> {
         let time_ns = self.log_time_ns;
         let mut count = 0;
-        while let Some(again) = self.again.peek() {
-            if again.log_time_ns > time_ns || count >= GROUP {
+        while let Some(rerun) = self.rerun.peek() {
+            if rerun.log_time_ns > time_ns || count >= MAX_GROUP_MESSAGES {
                 break;
             }
-            let Some(again) = self.again.take()? else { break };
-            if again.log_time_ns < time_ns {
-                self.extra(&again);
+            let Some(rerun) = self.rerun.next_message()? else { break };
+            if rerun.log_time_ns < time_ns {
+                self.count_extra(&rerun);
                 continue;
             }
             count += 1;
-            let topic = self.again.announced.topic(again.channel).to_string();
-            self.waiting.entry(topic).or_default().push_back((count, again));
+            let topic = self.rerun.definitions.topic(rerun.channel).to_string();
+            self.unmatched.entry(topic).or_default().push_back((count, rerun));
         }
-        let mut latest = 0;
+        let mut max_rank = 0;
         for message in std::mem::take(&mut self.group) {
-            let topic = self.announced.topic(message.channel);
-            match self.waiting.get_mut(topic).and_then(|queue| partner(queue, &message)) {
+            let topic = self.definitions.topic(message.channel);
+            match self.unmatched.get_mut(topic).and_then(|queue| take_match(queue, &message)) {
                 None => {
-                    self.found.only_in_log += 1;
-                    self.alone(topic.to_string(), time_ns, true);
+                    self.result.only_in_log += 1;
+                    self.record_unmatched(topic.to_string(), time_ns, true);
                 }
-                Some((place, again)) => {
-                    // The new run has it before one that came earlier in the log.
-                    self.found.reordered += u64::from(place < latest);
-                    latest = latest.max(place);
-                    self.weigh(&message, &again);
+                Some((rank, rerun)) => {
+                    // In the new run it precedes a message that is earlier in the log.
+                    self.result.reordered += u64::from(rank < max_rank);
+                    max_rank = max_rank.max(rank);
+                    self.compare(&message, &rerun);
                 }
             }
         }
-        self.waiting.retain(|_, queue| !queue.is_empty());
+        self.unmatched.retain(|_, queue| !queue.is_empty());
         if all {
-            for (_, again) in std::mem::take(&mut self.waiting).into_values().flatten() {
-                self.extra(&again);
+            for (_, rerun) in std::mem::take(&mut self.unmatched).into_values().flatten() {
+                self.count_extra(&rerun);
             }
         }
         Ok(())
     }
 
     /// Compares two messages of one channel and one log time.
-    fn weigh(&mut self, log: &Message, again: &Message) {
-        self.compared(log);
-        let unnumbered = log.sequence == 0 && again.sequence != 0;
-        self.found.unnumbered += u64::from(unnumbered);
-        // Once a message is missing, all sequence numbers behind it differ: that is no difference of theirs.
-        let numbered = unnumbered || self.found.first.is_some() || log.sequence == again.sequence;
-        if log.data == again.data && log.publish_time_ns == again.publish_time_ns && numbered {
+    fn compare(&mut self, log: &Message, rerun: &Message) {
+        self.count_compared(log);
+        let unnumbered = log.sequence == 0 && rerun.sequence != 0;
+        self.result.unnumbered += u64::from(unnumbered);
+        // After a missing message all later sequence numbers differ; these differences are not counted.
+        let has_same_number = unnumbered || self.result.first.is_some() || log.sequence == rerun.sequence;
+        if log.data == rerun.data && log.publish_time_ns == rerun.publish_time_ns && has_same_number {
             return;
         }
-        let channels = [self.announced.channels.get(&log.channel), self.again.announced.channels.get(&again.channel)];
-        let [Some(ours), Some(theirs)] = channels else { return };
-        self.found.differing += 1;
-        let first = self.tally.take([log, again], [ours, theirs]);
-        self.found.first.get_or_insert(first);
+        let channels =
+            [self.definitions.channels.get(&log.channel), self.rerun.definitions.channels.get(&rerun.channel)];
+        let [Some(log_channel), Some(rerun_channel)] = channels else { return };
+        self.result.differing += 1;
+        let first = self.tally.compare([log, rerun], [log_channel, rerun_channel]);
+        self.result.first.get_or_insert(first);
     }
 
     /// Compares schemas and channels.
-    fn structure(&mut self) {
-        let mut notes = Vec::new();
-        for (id, found) in &self.announced.channels {
-            match self.again.announced.by_topic(&found.topic) {
-                Some(again) => notes.extend(apart(found, again)),
-                None if self.spoken.contains(id) => notes.push(format!("only the log has the channel {}", found.topic)),
+    fn compare_channels(&mut self) {
+        let mut differences = Vec::new();
+        for (id, found) in &self.definitions.channels {
+            match self.rerun.definitions.by_topic(&found.topic) {
+                Some(rerun) => differences.extend(describe_channel_differences(found, rerun)),
+                None if self.active_channels.contains(id) => {
+                    differences.push(format!("only the log has the channel {}", found.topic))
+                }
                 None => {}
             }
         }
-        // Of a log without messages the part that names the channels may be lost.
-        if self.index > 0 {
-            for (id, channel) in &self.again.announced.channels {
-                if self.announced.by_topic(&channel.topic).is_none() && self.again.spoken.contains(id) {
-                    notes.push(format!("only the new run has the channel {}", channel.topic));
+        // A log without messages may have lost its channel records.
+        if self.message_count > 0 {
+            for (id, channel) in &self.rerun.definitions.channels {
+                if self.definitions.by_topic(&channel.topic).is_none() && self.rerun.active_channels.contains(id) {
+                    differences.push(format!("only the new run has the channel {}", channel.topic));
                 }
             }
         }
-        notes.sort();
-        notes.truncate(MOST_NOTES);
-        self.found.structure = notes;
+        differences.sort();
+        differences.truncate(MAX_SCHEMA_DIFFERENCES);
+        self.result.schema_differences = differences;
     }
 }
 
-/// The one among the messages of a channel that goes with this one: of the same bytes, or of the same number, or else the next.
-fn partner(queue: &mut VecDeque<(usize, Message)>, log: &Message) -> Option<(usize, Message)> {
-    let same = queue.iter().position(|(_, again)| again.data == log.data && again.sequence == log.sequence);
-    let same = same.or_else(|| queue.iter().position(|(_, again)| again.data == log.data));
-    let same = same.or_else(|| queue.iter().position(|(_, again)| again.sequence == log.sequence));
+/// Removes and returns the matching message of a channel: same bytes, or same sequence number, or else the first.
+fn take_match(queue: &mut VecDeque<(usize, Message)>, log: &Message) -> Option<(usize, Message)> {
+    let same = queue.iter().position(|(_, rerun)| rerun.data == log.data && rerun.sequence == log.sequence);
+    let same = same.or_else(|| queue.iter().position(|(_, rerun)| rerun.data == log.data));
+    let same = same.or_else(|| queue.iter().position(|(_, rerun)| rerun.sequence == log.sequence));
     queue.remove(same.unwrap_or(0))
 }
 
-/// In what a channel is another one in the new run.
-fn apart(log: &Channel, again: &Channel) -> Vec<String> {
-    let parts = [
-        ("name of the schema", log.schema.name == again.schema.name),
-        ("encoding of the schema", log.schema.encoding == again.schema.encoding),
-        ("schema", log.schema.data == again.schema.data),
-        ("encoding of the messages", log.encoding == again.encoding),
-        ("metadata", log.metadata == again.metadata),
+/// Describes the differences of a channel between the log and the new run.
+fn describe_channel_differences(log: &Channel, rerun: &Channel) -> Vec<String> {
+    let aspects = [
+        ("name of the schema", log.schema.name == rerun.schema.name),
+        ("encoding of the schema", log.schema.encoding == rerun.schema.encoding),
+        ("schema", log.schema.data == rerun.schema.data),
+        ("encoding of the messages", log.encoding == rerun.encoding),
+        ("metadata", log.metadata == rerun.metadata),
     ];
-    let differing = parts.into_iter().filter(|(_, same)| !same);
-    differing.map(|(what, _)| format!("the {what} of the channel {} is another one", log.topic)).collect()
+    let differing = aspects.into_iter().filter(|(_, same)| !same);
+    differing.map(|(aspect, _)| format!("the {aspect} of the channel {} differs", log.topic)).collect()
 }
 
-impl<R: Read> LogSink for Lockstep<'_, R> {
+impl<R: Read> LogSink for LogComparison<'_, R> {
     fn record(&mut self, record: &Record<'_>) -> Result<(), SinkError> {
         match record {
             Record::Metadata { name: super::METADATA_NAME, entries } => self.metadata(entries),
-            Record::Schema(schema) => self.announced.schema(schema),
+            Record::Schema(schema) => self.definitions.schema(schema),
             Record::Channel(channel) => {
-                self.announced.channel(channel);
+                self.definitions.channel(channel);
             }
             Record::Message(message) => {
                 (self.check)(message.log_time_ns)?;
-                let what = "the comparison".to_string();
-                self.message(Message::from(message)).map_err(|source| SinkError { what, source })?;
+                let sink_name = "the comparison".to_string();
+                self.message(Message::from(message)).map_err(|source| SinkError { target: sink_name, source })?;
             }
             Record::Metadata { .. } | Record::Attachment(_) => {}
         }

@@ -1,45 +1,45 @@
-//! What two runs differ in, in sum: how often, and by how much at most, field by field.
+//! Total differences of two runs by field: number of messages and largest difference.
 
 use std::collections::BTreeMap;
 
 use prost_reflect::MessageDescriptor;
 
-use super::again::{Channel, Message};
-use super::fields::{FieldDifference, Leaf, descriptor, differences, timestamp_s};
+use super::fields::{FieldDifference, FieldValue, descriptor, differences, timestamp_s};
+use super::rerun::{Channel, Message};
 
-/// Fields that are told apart; what differs beyond is counted as messages only.
-const MOST_FIELDS: usize = 10_000;
+/// Maximum number of fields reported separately; differences in further fields count only as differing messages.
+const MAX_FIELDS: usize = 10_000;
 
 /// A difference of one field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Time of the message, unrounded where it says so itself.
+    /// Time of the message; unrounded if it has a field `timestamp`.
     pub time_s: f64,
     pub channel: String,
     pub field: String,
-    pub log: Leaf,
-    pub again: Leaf,
+    pub log: FieldValue,
+    pub rerun: FieldValue,
 }
 
 impl Difference {
     /// |log − again|, if both are numbers.
     pub fn absolute(&self) -> Option<f64> {
-        Some((self.log.number()? - self.again.number()?).abs())
+        Some((self.log.number()? - self.rerun.number()?).abs())
     }
 
-    /// The same relative to the larger of the two.
+    /// Returns the absolute difference relative to the larger of the two.
     pub fn relative(&self) -> Option<f64> {
-        let scale = self.log.number()?.abs().max(self.again.number()?.abs());
+        let scale = self.log.number()?.abs().max(self.rerun.number()?.abs());
         self.absolute().filter(|_| scale > 0.0).map(|absolute| absolute / scale)
     }
 }
 
-/// The differences of one field of a channel, of all list entries together.
+/// Differences of one field of a channel, over all list entries.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldTally {
-    /// Messages that differ in it.
+    /// Number of messages that differ in this field.
     pub messages: u64,
-    /// The one that is largest, as far as they are numbers.
+    /// Largest difference, if the values are numbers.
     pub largest: Difference,
 }
 
@@ -51,44 +51,43 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Takes two messages of a channel that are not the same; the first field in which they differ.
-    pub fn take(&mut self, [log, again]: [&Message; 2], [ours, theirs]: [&Channel; 2]) -> Difference {
-        let topic = &ours.topic;
-        let descriptors = self
-            .descriptors
-            .entry(topic.clone())
-            .or_insert_with(|| [ours, theirs].map(|channel| descriptor(&channel.schema.name, &channel.schema.data)));
+    /// Counts the differences of two differing messages of a channel and returns the first one.
+    pub fn compare(&mut self, [log, rerun]: [&Message; 2], [log_channel, rerun_channel]: [&Channel; 2]) -> Difference {
+        let topic = &log_channel.topic;
+        let descriptors = self.descriptors.entry(topic.clone()).or_insert_with(|| {
+            [log_channel, rerun_channel].map(|channel| descriptor(&channel.schema.name, &channel.schema.data))
+        });
         let mut time_s = log.log_time_ns as f64 * 1e-9;
         let mut found = Vec::new();
-        if log.data != again.data {
+        if log.data != rerun.data {
             found = match descriptors {
                 [Some(a), Some(b)] => {
                     time_s = timestamp_s(a, &log.data).unwrap_or(time_s);
-                    differences((a, &log.data), (b, &again.data)).unwrap_or_default()
+                    differences((a, &log.data), (b, &rerun.data)).unwrap_or_default()
                 }
                 _ => Vec::new(),
             };
             if found.is_empty() {
-                let [ours, theirs] = [log, again].map(|message| Leaf::Bytes(message.data.clone()));
-                found.push(FieldDifference { field: "(bytes of the message)".to_string(), ours, theirs });
+                let [log_value, rerun_value] = [log, rerun].map(|message| FieldValue::Bytes(message.data.clone()));
+                found.push(FieldDifference { field: "(bytes of the message)".to_string(), log_value, rerun_value });
             }
         }
         for (field, a, b) in [
-            ("(publish time, ns)", log.publish_time_ns, again.publish_time_ns),
-            ("(sequence number)", log.sequence.into(), again.sequence.into()),
+            ("(publish time, ns)", log.publish_time_ns, rerun.publish_time_ns),
+            ("(sequence number)", log.sequence.into(), rerun.sequence.into()),
         ] {
-            // A number of messages too many shifts all that follow: that says nothing about these.
+            // A surplus message shifts all later sequence numbers; this is not a difference of the fields.
             if a != b && found.is_empty() {
-                let [ours, theirs] = [a, b].map(|value| Leaf::Whole(value.into()));
-                found.push(FieldDifference { field: field.to_string(), ours, theirs });
+                let [log_value, rerun_value] = [a, b].map(|value| FieldValue::Integer(value.into()));
+                found.push(FieldDifference { field: field.to_string(), log_value, rerun_value });
             }
         }
-        let all = found.into_iter().map(|FieldDifference { field, ours, theirs }| Difference {
+        let all = found.into_iter().map(|FieldDifference { field, log_value, rerun_value }| Difference {
             time_s,
             channel: topic.clone(),
             field,
-            log: ours,
-            again: theirs,
+            log: log_value,
+            rerun: rerun_value,
         });
         let all: Vec<Difference> = all.collect();
         self.count(&all);
@@ -96,17 +95,17 @@ impl Tally {
             time_s,
             channel: topic.clone(),
             field: String::new(),
-            log: Leaf::Absent,
-            again: Leaf::Absent,
+            log: FieldValue::Missing,
+            rerun: FieldValue::Missing,
         })
     }
 
     fn count(&mut self, all: &[Difference]) {
-        let mut counted: Vec<String> = Vec::new();
+        let mut counted_names: Vec<String> = Vec::new();
         for difference in all {
             let name = without_indices(&difference.field);
             let key = (difference.channel.clone(), name.clone());
-            if self.fields.len() >= MOST_FIELDS && !self.fields.contains_key(&key) {
+            if self.fields.len() >= MAX_FIELDS && !self.fields.contains_key(&key) {
                 continue;
             }
             let tally =
@@ -114,25 +113,25 @@ impl Tally {
             if difference.absolute() > tally.largest.absolute() {
                 tally.largest = difference.clone();
             }
-            // Entries of one list in one message count once.
-            if !counted.contains(&name) {
+            // Entries of one list in a message count once.
+            if !counted_names.contains(&name) {
                 tally.messages += 1;
-                counted.push(name);
+                counted_names.push(name);
             }
         }
     }
 }
 
-/// `transforms[3].rotation.z` as `transforms[].rotation.z`.
+/// Removes list indices: `transforms[3].rotation.z` becomes `transforms[].rotation.z`.
 fn without_indices(field: &str) -> String {
     let mut name = String::with_capacity(field.len());
-    let mut inside = false;
+    let mut is_inside_brackets = false;
     for letter in field.chars() {
-        inside &= letter != ']';
-        if !inside {
+        is_inside_brackets &= letter != ']';
+        if !is_inside_brackets {
             name.push(letter);
         }
-        inside |= letter == '[';
+        is_inside_brackets |= letter == '[';
     }
     name
 }

@@ -1,4 +1,4 @@
-//! Equations of motion (thesis (2.17)–(2.24)): two open trees, closed again by the passive rates.
+//! Equations of motion (thesis (2.17)–(2.24)): two open trees, closed by the passive rates.
 
 use super::kinematics::{Directions, PassiveBias, PassiveRates, passive_bias, passive_rates};
 use crate::gripper::{Body, Finger, Lengths};
@@ -8,13 +8,13 @@ use crate::numeric::plane::{Vector, cross, dot, perp, rotate};
 /// The constants of one tree l_i1–l_i2 (2.19)–(2.22).
 #[derive(Clone, Copy, Debug)]
 pub struct Tree {
-    /// I_i1 + m_i1 d_i1² + m_i2 l_i1², the part of M_ti[1,1] that stays (errata 1: inertias outside the bracket).
+    /// I_i1 + m_i1 d_i1² + m_i2 l_i1², the constant part of M_ti[1,1] (errata 1: inertias outside the bracket).
     inertia_first: f64,
     /// I_i2 + m_i2 d_i2².
     inertia_second: f64,
     /// m_i2 l_i1 (a_i2, b_i2).
     coupling: [f64; 2],
-    /// m_i1 (a_i1, b_i1) + m_i2 (l_i1, 0): mass moment that turns with the first link.
+    /// m_i1 (a_i1, b_i1) + m_i2 (l_i1, 0): mass moment that rotates with the first link.
     moment_first: [f64; 2],
     /// m_i2 (a_i2, b_i2).
     moment_second: [f64; 2],
@@ -47,7 +47,7 @@ pub struct TreeTerms<T> {
     pub gravity: [T; 2],
 }
 
-/// The matrices of one tree, from the directions of its two links.
+/// Returns the matrices of one tree, from the directions of its two links.
 #[inline(always)]
 pub fn tree_terms<T: Real>(tree: &Tree, first: Vector<T>, second: Vector<T>, gravity: [f64; 2]) -> TreeTerms<T> {
     let (cos, sin) = (dot(first, second), cross(first, second));
@@ -55,15 +55,15 @@ pub fn tree_terms<T: Real>(tree: &Tree, first: Vector<T>, second: Vector<T>, gra
     let x = cos * ca - sin * cb;
     let h = sin * ca + cos * cb;
     let m12 = x + tree.inertia_second;
-    // −g · ∂(Σ m s)/∂q: a vector u turning with the link moves along u⊥.
-    let pull = |u: Vector<T>| perp(u)[0] * -gravity[0] - perp(u)[1] * gravity[1];
-    let second_pull = pull(rotate(second, tree.moment_second));
+    // −g · ∂(Σ m s)/∂q: a vector u that rotates with the link moves along u⊥.
+    let gravity_torque = |u: Vector<T>| perp(u)[0] * -gravity[0] - perp(u)[1] * gravity[1];
+    let second_gravity_torque = gravity_torque(rotate(second, tree.moment_second));
     TreeTerms {
         m11: x * 2.0 + (tree.inertia_first + tree.inertia_second),
         m12,
         m22: tree.inertia_second,
         h,
-        gravity: [pull(rotate(first, tree.moment_first)) + second_pull, second_pull],
+        gravity: [gravity_torque(rotate(first, tree.moment_first)) + second_gravity_torque, second_gravity_torque],
     }
 }
 
@@ -74,7 +74,7 @@ pub struct Terms<T> {
     pub rates: PassiveRates<T>,
     /// M₁₁, M₁₂ = M₂₁ and M₂₂.
     pub mass: [T; 3],
-    /// c = quadratic · (θ̇1², θ̇2², θ̇3², θ̇4²) + gravity: in squares of absolute rates there are no cross terms.
+    /// c = quadratic · (θ̇1², θ̇2², θ̇3², θ̇4²) + gravity: with squares of absolute rates there are no cross terms.
     pub quadratic: [[T; 4]; 2],
     pub gravity: [T; 2],
 }
@@ -180,7 +180,7 @@ pub fn inverse_dynamics(dynamics: &Dynamics, q: [f64; 2], v: [f64; 2], qdd: [f64
     [a * qdd[0] + b * qdd[1] + c[0], b * qdd[0] + d * qdd[1] + c[1]]
 }
 
-/// ½ q̇ᵀ M q̇, in J.
+/// Kinetic energy ½ q̇ᵀ M q̇, in J.
 pub fn kinetic_energy(mass: &[f64; 3], v: [f64; 2]) -> f64 {
     0.5 * (mass[0] * v[0] * v[0] + mass[2] * v[1] * v[1]) + mass[1] * v[0] * v[1]
 }

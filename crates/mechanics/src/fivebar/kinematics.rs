@@ -1,6 +1,6 @@
 //! Direct geometric and kinematic models of the five-bar (thesis (2.1)–(2.16)).
 //!
-//! Directions of the links are carried as unit vectors, so that only q11 and q21 need a sine and a cosine.
+//! Directions of the links are stored as unit vectors, so that only q11 and q21 need a sine and a cosine.
 //! Index 1 is l11, 2 is l21, 3 is l12 (absolute angle q11 + q12), 4 is l22 (absolute angle q21 + q22 = q13).
 
 use crate::gripper::Lengths;
@@ -8,24 +8,26 @@ use crate::numeric::Real;
 use crate::numeric::elementary::{cos, powi, sin, sin_cos};
 use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, scale_by, sub};
 
-/// Where the closed form of the loop breaks down.
+/// Singularity of the closed form of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Singularity {
     #[error(
-        "l12 and l22 are in line, stretched: A12 and A22 are {distance_m:.6e} m apart, l12 + l22 = {reach_m:.6e} m"
+        "l12 and l22 are in line, stretched: the distance of A12 and A22 is {distance_m:.6e} m, l12 + l22 = {reach_m:.6e} m"
     )]
     Stretched { distance_m: f64, reach_m: f64 },
-    #[error("l12 and l22 are in line, folded: A12 and A22 are {distance_m:.6e} m apart, |l12 − l22| = {reach_m:.6e} m")]
+    #[error(
+        "l12 and l22 are in line, folded: the distance of A12 and A22 is {distance_m:.6e} m, |l12 − l22| = {reach_m:.6e} m"
+    )]
     Folded { distance_m: f64, reach_m: f64 },
-    #[error("A12 and A22 coincide: the loop leaves the direction of l12 undetermined")]
+    #[error("A12 and A22 coincide: the direction of l12 is undetermined")]
     Coincident,
 }
 
-/// |sin| of the angle between l12 and l22 below which a configuration counts as singular: 0.06° from the fold, where passive
-/// rates are a thousand times the driven ones. The finger does not come back from there in its assembly mode.
+/// Smallest |sin| of the angle between l12 and l22 in a regular configuration: 0.06° from the fold, where passive rates
+/// are a thousand times the driven ones. The finger cannot return from there in its assembly mode.
 pub const SINGULAR_SINE: f64 = 1e-3;
 
-/// Directions of the four links and what the closure needs of them.
+/// Unit vectors along the four links.
 #[derive(Clone, Copy, Debug)]
 pub struct Directions<T> {
     pub e1: Vector<T>,
@@ -36,7 +38,7 @@ pub struct Directions<T> {
 
 /// Direct geometric model (2.1), (2.2): link directions at q_a = (q11, q21) in assembly mode γ = ±1.
 ///
-/// Beyond the reach of the loop the result is not a number; [`nearest_singularity`] says which way it failed.
+/// If the loop cannot close, the result is NaN; [`nearest_singularity`] reports the cause.
 #[inline(always)]
 pub fn directions<T: Real>(lengths: &Lengths, gamma: f64, q: Vector<T>) -> Directions<T> {
     let (s1, c1) = q[0].sin_cos();
@@ -56,7 +58,7 @@ pub fn directions<T: Real>(lengths: &Lengths, gamma: f64, q: Vector<T>) -> Direc
     Directions { e1, e2, e3, e4 }
 }
 
-/// Names the singularity that is nearest to `q`: where the loop is in trouble, this is which.
+/// Returns the singularity that is nearest to `q`.
 pub fn nearest_singularity(lengths: &Lengths, q: [f64; 2]) -> Singularity {
     let e = |angle: f64| [cos(angle), sin(angle)];
     let d = sub(scale_by(e(q[1]), lengths.l21_m), scale_by(e(q[0]), lengths.l11_m));
@@ -72,24 +74,24 @@ pub fn nearest_singularity(lengths: &Lengths, q: [f64; 2]) -> Singularity {
     }
 }
 
-/// The straight configuration with l21 at 90°: l22 at 90° − φ22, and l12, l11 as the loop has them.
+/// Returns the straight configuration with l21 at 90°: l22 at 90° − φ22, and l12, l11 from the loop closure.
 ///
 /// For l12 by (B.7) this is the reference configuration, with l11 on the palm.
-pub fn straight(lengths: &Lengths) -> Directions<f64> {
+pub fn straight_directions(lengths: &Lengths) -> Directions<f64> {
     let (sin, cos) = sin_cos(lengths.phi22_rad);
     let (e2, e4) = ([0.0, 1.0], [sin, cos]);
     let a13 = add(scale_by(e2, lengths.l21_m), scale_by(e4, lengths.l22_m));
-    // A12 is to the right of the line O–A13: α, β along and across it.
-    let reach2 = dot(a13, a13);
-    let alpha = (reach2 + powi(lengths.l11_m, 2) - powi(lengths.l12_m, 2)) / (2.0 * reach2);
-    let beta = (powi(lengths.l11_m, 2) / reach2 - alpha * alpha).max(0.0).sqrt();
+    // A12 is to the right of the line O–A13: α along the line, β across it.
+    let distance_squared = dot(a13, a13);
+    let alpha = (distance_squared + powi(lengths.l11_m, 2) - powi(lengths.l12_m, 2)) / (2.0 * distance_squared);
+    let beta = (powi(lengths.l11_m, 2) / distance_squared - alpha * alpha).max(0.0).sqrt();
     let a12 = sub(scale_by(a13, alpha), scale_by(perp(a13), beta));
     Directions { e1: scale_by(a12, 1.0 / lengths.l11_m), e2, e3: scale_by(sub(a13, a12), 1.0 / lengths.l12_m), e4 }
 }
 
-/// γ of (2.1) in the straight configuration: which side of the line A12→A22 the joint A13 lies on.
+/// γ of (2.1) in the straight configuration: the side of the line A12→A22 on which the joint A13 lies.
 pub fn reference_gamma(lengths: &Lengths) -> f64 {
-    let pose = straight(lengths);
+    let pose = straight_directions(lengths);
     let d = sub(scale_by(pose.e2, lengths.l21_m), scale_by(pose.e1, lengths.l11_m));
     cross(d, pose.e3).signum()
 }
@@ -126,6 +128,7 @@ pub struct PassiveBias<T> {
     pub b4: [T; 4],
 }
 
+/// Coefficients of the second-order kinematics.
 #[inline(always)]
 pub fn passive_bias<T: Real>(lengths: &Lengths, pose: &Directions<T>, rates: &PassiveRates<T>) -> PassiveBias<T> {
     let Directions { e1, e2, e3, e4 } = *pose;

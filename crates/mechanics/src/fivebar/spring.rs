@@ -1,29 +1,30 @@
-//! The spring that pulls the finger straight (thesis (2.30), §3.3.2.3, errata 4).
+//! The return spring of a finger (thesis (2.30), §3.3.2.3, errata 4).
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::kinematics::{Directions, PassiveRates, passive_rates, reference_gamma, straight};
+use super::kinematics::{Directions, PassiveRates, passive_rates, reference_gamma, straight_directions};
 use crate::gripper::{Lengths, Placement, Spring, SpringKind};
 use crate::numeric::Real;
 use crate::numeric::elementary::{cos, sin};
-use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
+use crate::numeric::plane::{angle_between, nearest_equivalent_angle, opening_angle, rotate};
 
-/// A spring with what its placement needs of the straight configuration.
+/// A spring with its reference angle in the straight configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct SpringModel {
     kind: SpringKind,
     placement: Placement,
-    /// +1 where q_s grows as the tip closes, −1 where it shrinks: the torque −s k_s always pulls back to straight.
+    /// s: +1 if q_s increases as the tip closes, −1 if it decreases. The torque −s k_s always acts towards the straight
+    /// configuration.
     closing_sign: f64,
     /// (cos, sin) of −q_s in the straight configuration.
     straight: [f64; 2],
-    /// Extension half a turn from the seam of angles, where no run comes by.
+    /// Extension opposite to the branch cut of the angle; the cut lies where no run passes.
     centre_rad: f64,
 }
 
-/// The two directions q_s is the angle between.
+/// Returns the two directions that enclose the angle q_s.
 #[inline(always)]
-fn ends<T: Real>(placement: Placement, pose: &Directions<T>) -> [[T; 2]; 2] {
+fn directions_of<T: Real>(placement: Placement, pose: &Directions<T>) -> [[T; 2]; 2] {
     match placement {
         Placement::GroundLinks => [pose.e1, pose.e2],
         Placement::DrivenCoupler => [pose.e1, pose.e3],
@@ -32,7 +33,7 @@ fn ends<T: Real>(placement: Placement, pose: &Directions<T>) -> [[T; 2]; 2] {
     }
 }
 
-/// ∂q_s/∂q_a.
+/// Gradient ∂q_s/∂q_a of the spring angle.
 #[inline(always)]
 pub fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2] {
     let (a3, a4) = (rates.a3, rates.a4);
@@ -45,11 +46,11 @@ pub fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2
 }
 
 impl SpringModel {
-    /// The spring of a finger in assembly mode γ, stretched least in its straight configuration, for a run that starts in
-    /// the pose `start`.
+    /// Returns the spring of a finger in assembly mode γ, with zero extension in the straight configuration, for a run
+    /// that starts in the pose `start`.
     pub fn new(spring: &Spring, lengths: &Lengths, gamma: f64, start: &Directions<f64>) -> Self {
-        let pose = straight(lengths);
-        let [from, to] = ends(spring.placement, &pose);
+        let pose = straight_directions(lengths);
+        let [from, to] = directions_of(spring.placement, &pose);
         let q_s: f64 = angle_between(from, to);
         let closing = gradient(spring.placement, &passive_rates(lengths, &pose))[0];
         let model = Self {
@@ -59,40 +60,41 @@ impl SpringModel {
             straight: [cos(q_s), -sin(q_s)],
             centre_rad: 0.0,
         };
-        let first = model.counted(start);
+        let first = model.principal_extension(start);
         let first = if first.is_finite() { first } else { FRAC_PI_2 };
         let centre = match spring.placement {
-            // A12 is always behind A22 as seen along l21, and l22 always to the same side of it by less than half a turn:
-            // all that a mode can reach is less than a turn about this.
+            // A12 is always behind A22 along l21, and l22 is always on the same side of l21 by less than half a turn:
+            // the extensions that a mode can reach span less than one turn about this value.
             Placement::Phalanges if lengths.l21_m > lengths.l11_m => {
                 let q22_rad = -gamma * reference_gamma(lengths) * FRAC_PI_2;
                 model.closing_sign * (q22_rad + lengths.phi22_rad)
             }
-            // Nor do l12 and l22 ever come into line within a mode.
+            // l12 and l22 are never in line within a mode.
             Placement::CouplerDistal => {
-                let turned: f64 = angle_between(start.e4, start.e3);
-                first + model.closing_sign * (FRAC_PI_2.copysign(turned) - turned)
+                let initial_angle: f64 = angle_between(start.e4, start.e3);
+                first + model.closing_sign * (FRAC_PI_2.copysign(initial_angle) - initial_angle)
             }
-            // A crank may go round and round: the seam is a quarter of a turn behind straight.
+            // A crank may rotate fully: the branch cut is a quarter of a turn before the straight configuration.
             _ => FRAC_PI_2,
         };
-        Self { centre_rad: near_turn(centre, first), ..model }
+        Self { centre_rad: nearest_equivalent_angle(centre, first), ..model }
     }
 
-    /// Extension with the seam a quarter of a turn behind straight.
+    /// Extension with the branch cut a quarter of a turn before the straight configuration.
     #[inline(always)]
-    fn counted<T: Real>(&self, pose: &Directions<T>) -> T {
-        let [from, to] = ends(self.placement, pose);
+    fn principal_extension<T: Real>(&self, pose: &Directions<T>) -> T {
+        let [from, to] = directions_of(self.placement, pose);
         let to = rotate(to, self.straight);
         if self.closing_sign > 0.0 { opening_angle(from, to) } else { opening_angle(to, from) }
     }
 
-    /// Δq_s ≥ 0 in closing: how far the spring coordinate is from straight, in rad; without jumps wherever the run goes.
+    /// Δq_s ≥ 0 in closing: deviation of the spring coordinate from the straight configuration, in rad; continuous
+    /// along a run.
     #[inline(always)]
     pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
-        let counted = self.counted(pose);
-        let off = counted.value() - self.centre_rad;
-        if off.abs() <= PI { counted } else { counted + -TAU * (off / TAU).round() }
+        let principal_extension = self.principal_extension(pose);
+        let off = principal_extension.value() - self.centre_rad;
+        if off.abs() <= PI { principal_extension } else { principal_extension + -TAU * (off / TAU).round() }
     }
 
     /// Generalised force τ_s (2.30): −(∂q_s/∂q_a)ᵀ s T with T = k_s, or c_s (q_p + Δq_s).

@@ -1,34 +1,34 @@
-//! From the free numbers of a design to link lengths (thesis appendix B.2.2, (B.3)–(B.7)).
+//! Link lengths from the free parameters of a design (thesis appendix B.2.2, (B.3)–(B.7)).
 //!
-//! A design fixes how far the finger stands from the disc (`base`), where the proximal phalanx lies within the range
-//! that base allows, the angle of the distal body and its arm. Everything else follows.
+//! A design fixes the distance of the finger from the disc (`base`), the length of the proximal phalanx within the
+//! range that this base allows, the angle of the distal body, and its arm. All other lengths follow.
 
 use super::grasp::{GraspError, contact_proximal};
 use super::posture::{PostureError, gamma};
 use super::{Assembly, Lengths};
 use crate::numeric::elementary::{cos, hypot, sin, sin_cos, tan};
-use crate::shape::Placed;
+use crate::shape::PlacedShape;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Height of the finger over the diameter of the disc: h = 0.9375 · 2 r_c (thesis Table 3.2).
 pub const HEIGHT_RATIO: f64 = 0.9375;
 
-/// Smallest contact angle φ_c22,min of the distal phalanx on the disc, 5°: it sets l21,min.
+/// Smallest contact angle φ_c22,min of the distal phalanx on the disc, 5°; it determines l21,min.
 pub const TIP_CONTACT_MIN_RAD: f64 = PI / 36.0;
 
-/// Relative slack when a length given in rounded digits is compared with a bound.
+/// Relative tolerance when a rounded length is compared with a bound.
 const SLACK: f64 = 1e-9;
 
-/// The proximal phalanx l21, as a length or as its place in the range a base allows.
+/// Length of the proximal phalanx l21, absolute or as a fraction of the range that a base allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProximalLength {
     /// l21 in metres.
     Length(f64),
-    /// 0 … 1 of [l21,min, l21,max].
+    /// Fraction 0 … 1 of [l21,min, l21,max].
     Fraction(f64),
 }
 
-/// The free numbers of a design.
+/// The free parameters of a design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
     /// Distance along the palm from the ground joints to the centre of the disc, which lies at (−base, r_c).
@@ -50,7 +50,8 @@ pub struct Design {
 }
 
 impl Design {
-    /// The designs of the thesis: l11 = 15 mm, w = 2.5 mm, r_c = 20 mm (Table 3.2), and four numbers that vary (§4.2).
+    /// Returns the designs of the thesis: l11 = 15 mm, w = 2.5 mm, r_c = 20 mm (Table 3.2), and four numbers that vary
+    /// (§4.2).
     pub const fn thesis(base_m: f64, l21: ProximalLength, phi22_rad: f64, arm_ratio: f64) -> Self {
         Self {
             base_m,
@@ -66,7 +67,7 @@ impl Design {
     }
 }
 
-/// Why a design has no finger.
+/// Error for a design without a valid finger.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     #[error("{name} is {value}, but must be a finite number above 0: give another value")]
@@ -81,13 +82,13 @@ pub enum DesignError {
     #[error("the fraction of l21 is {value}, but must lie within 0 and 1: or give l21 as a length")]
     Fraction { value: f64 },
     #[error(
-        "base is {:.4} mm, but must be above {:.4} mm: any nearer and the finger starts inside the object, so move it \
+        "base is {:.4} mm, but must be above {:.4} mm: below that the finger starts inside the object, so move it \
          away, or make the object or the links narrower",
         .base_m * 1e3, .min_m * 1e3
     )]
     BaseTooSmall { base_m: f64, min_m: f64 },
     #[error(
-        "base is {:.4} mm, but must be below {:.4} mm: any further and t22 meets the object at less than its \
+        "base is {:.4} mm, but must be below {:.4} mm: above that t22 touches the object at less than its \
          smallest contact angle, so move the finger nearer, or lower tip_contact_min",
         .base_m * 1e3, .max_m * 1e3
     )]
@@ -104,7 +105,7 @@ pub enum DesignError {
     )]
     ProximalOutOfRange { l21_m: f64, min_m: f64, max_m: f64 },
     #[error(
-        "the distal phalanx t22 comes out as {:.4} mm, but must be above 0: raise height_ratio, or change l21",
+        "the length of the distal phalanx t22 is {:.4} mm, but must be above 0: raise height_ratio, or change l21",
         .t22_m * 1e3
     )]
     TipNotPositive { t22_m: f64 },
@@ -114,9 +115,9 @@ pub enum DesignError {
     Loop(#[from] PostureError),
 }
 
-/// The disc a design is made for: radius r_c, centre (−base, r_c).
-pub fn disc(design: &Design) -> Placed {
-    Placed::disc(design.object_radius_m, [-design.base_m, design.object_radius_m])
+/// Returns the disc of a design: radius r_c, centre (−base, r_c).
+pub fn disc(design: &Design) -> PlacedShape {
+    PlacedShape::disc(design.object_radius_m, [-design.base_m, design.object_radius_m])
 }
 
 /// l22 = r_l l11.
@@ -124,7 +125,7 @@ pub fn arm_length(design: &Design) -> f64 {
     design.arm_ratio * design.l11_m
 }
 
-/// (l21,min, l21,max) in metres, thesis (B.3) and (B.4) in closed form.
+/// Returns (l21,min, l21,max) in metres, thesis (B.3) and (B.4) in closed form.
 ///
 /// With R = r_c + w and tangent length l_c21 at angle q_c21 of the proximal phalanx:
 /// * l21,min is where the l21 line meets the line tangent to the virtual circle at contact angle φ_c22,min. Both are
@@ -196,7 +197,7 @@ fn height(design: &Design) -> f64 {
 }
 
 fn check(design: &Design) -> Result<(), DesignError> {
-    let positive = [
+    let positive_values = [
         ("base_m", design.base_m),
         ("arm_ratio", design.arm_ratio),
         ("l11_m", design.l11_m),
@@ -204,7 +205,7 @@ fn check(design: &Design) -> Result<(), DesignError> {
         ("object_radius_m", design.object_radius_m),
         ("height_ratio", design.height_ratio),
     ];
-    if let Some(&(name, value)) = positive.iter().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
+    if let Some(&(name, value)) = positive_values.iter().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
         return Err(DesignError::NotPositive { name, value });
     }
     if !(design.phi22_rad > 0.0 && design.phi22_rad < PI) {

@@ -1,4 +1,4 @@
-//! Mass, centre of mass and inertia of each body: its outline, homogeneous, of one depth.
+//! Mass, centre of mass and inertia of each body: a homogeneous outline of constant depth.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -33,7 +33,7 @@ pub fn bodies(lengths: &Lengths, density_kg_m3: f64, depth_m: f64) -> Result<Bod
     })
 }
 
-/// Mass properties that are given for one body, in place of those of its outline.
+/// Mass properties specified for one body, instead of those computed from its outline.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyOverride {
     pub mass_kg: Option<f64>,
@@ -46,7 +46,7 @@ impl BodyOverride {
         self.mass_kg.is_some() && self.com_m.is_some() && self.inertia_kg_m2.is_some()
     }
 
-    /// A mass without inertia keeps the outline's radius of gyration.
+    /// Applies the override. A mass without an inertia preserves the radius of gyration of the outline.
     pub fn apply(&self, outline: Body) -> Body {
         let mass_kg = self.mass_kg.unwrap_or(outline.mass_kg);
         let scale = self.mass_kg.map_or(1.0, |m| m / outline.mass_kg);
@@ -58,14 +58,14 @@ impl BodyOverride {
     }
 }
 
-/// [`bodies`] with what is given of l11, l12, l21 and l22 in place of what their outlines say.
-pub fn bodies_with(
+/// [`bodies`] with overrides for l11, l12, l21 and l22.
+pub fn bodies_with_overrides(
     lengths: &Lengths,
     density_kg_m3: f64,
     depth_m: f64,
     overrides: &[BodyOverride; 4],
 ) -> Result<Bodies, MassError> {
-    // The outline of a distal body that is given completely does not matter, not even if there is none.
+    // The outline of a completely overridden distal body is irrelevant, even if it is degenerate.
     let phi22_rad = if overrides[3].is_complete() { FRAC_PI_2 } else { lengths.phi22_rad };
     let outline = bodies(&Lengths { phi22_rad, ..*lengths }, density_kg_m3, depth_m)?;
     let [l11, l12, l21, l22] = overrides;
@@ -85,8 +85,8 @@ pub fn total_mass(bodies: &Bodies) -> f64 {
 fn body(name: &'static str, outline: &[[f64; 2]], areal_kg_m2: f64) -> Result<Body, MassError> {
     let moments = polygon_moments(outline);
     let (mass_kg, inertia_kg_m2) = (areal_kg_m2 * moments.area_m2, areal_kg_m2 * moments.second_moment_m4);
-    let good = |v: f64| v.is_finite() && v > 0.0;
-    if !(good(mass_kg) && good(inertia_kg_m2)) {
+    let is_positive = |v: f64| v.is_finite() && v > 0.0;
+    if !(is_positive(mass_kg) && is_positive(inertia_kg_m2)) {
         return Err(MassError::OutOfRange { name, mass_kg, inertia_kg_m2 });
     }
     Ok(Body { mass_kg, com_m: moments.centroid_m, inertia_kg_m2 })

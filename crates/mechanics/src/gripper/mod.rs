@@ -1,37 +1,39 @@
 //! The finger as plain data: link lengths, mass properties, assembly mode.
 //!
 //! Notation of the thesis (Fig. 2.2): ground links `l11` (driven) and `l21` (proximal phalanx) turn about the origin,
-//! `l12` is the coupler, `l22` the arm of the distal body and `t22` its phalanx, at `+φ22` from the arm.
+//! `l12` is the coupler, `l22` the arm of the distal body and `t22` its phalanx, at an angle of `+φ22` from the arm.
 //!
 //! | file | job |
 //! |---|---|
-//! | `design` | the few free numbers of a design → link lengths (thesis B.2.2) |
+//! | `design` | link lengths from the free parameters of a design (thesis B.2.2) |
 //! | `posture` | loop closure and assembly mode (thesis (2.1)) |
-//! | `grasp` | postures against an object: contact, start, final |
+//! | `grasp` | postures at an object: contact, start, final |
 //! | `outline` | polygon outline of each body, and polygon moments |
 //! | `mass` | mass, centre of mass and inertia of each body |
-//! | `site`, `spring` | where a finger can meet something, what pulls it straight |
+//! | `finger_contact`, `spring` | the contacts of a finger, and its return spring |
 
 mod design;
+mod finger_contact;
 mod grasp;
 mod mass;
 mod mass_error;
 mod outline;
 mod posture;
-mod site;
 mod spring;
 
 pub use design::{
     Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, arm_length, disc, lengths, proximal_range,
 };
+pub use finger_contact::FingerContact;
 pub use grasp::{
     FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture, start_posture,
 };
-pub use mass::{BodyOverride, bodies, bodies_with, total_mass};
+pub use mass::{BodyOverride, bodies, bodies_with_overrides, total_mass};
 pub use mass_error::MassError;
 pub use outline::{Outlines, PolygonMoments, link_outline, outlines, polygon_moments, tip_outline};
-pub use posture::{Joints, Posture, PostureError, close, gamma, joint_a13, joints, posture_at, straight};
-pub use site::Site;
+pub use posture::{
+    Joints, Posture, PostureError, close_loop, gamma, joint_a13, joint_positions, posture_at, straight_posture,
+};
 pub use spring::{Placement, Spring, SpringKind};
 
 /// Link lengths of one finger, in metres and radians.
@@ -57,7 +59,7 @@ pub struct Lengths {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     pub mass_kg: f64,
-    /// Centre of mass (a, b): along the link, and to its left.
+    /// Centre of mass (a, b): along the link and to its left.
     pub com_m: [f64; 2],
     /// Moment of inertia about the centre of mass.
     pub inertia_kg_m2: f64,
@@ -72,7 +74,7 @@ pub struct Bodies {
     pub l22: Body,
 }
 
-/// Which of the two ways the loop is put together (γ of thesis (2.1)).
+/// Assembly mode of the loop (γ of thesis (2.1)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Assembly {
     /// The mode that contains the straight reference configuration.
@@ -81,7 +83,7 @@ pub enum Assembly {
     Other,
 }
 
-/// One finger: everything about it that does not move.
+/// The constant data of one finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finger {
     pub lengths: Lengths,

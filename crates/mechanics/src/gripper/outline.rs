@@ -7,8 +7,8 @@ use super::Lengths;
 use super::MassError;
 use crate::numeric::elementary::{hypot, sin_cos};
 
-/// Inradius of the distal triangle over its longest side below which it counts as no triangle.
-const DEGENERATE: f64 = 1e-6;
+/// Smallest ratio of the inradius of the distal triangle to its longest side; below it the triangle is degenerate.
+const MIN_INRADIUS_RATIO: f64 = 1e-6;
 
 /// The outlines of the four moving bodies, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub fn link_outline(length_m: f64, half_width_m: f64) -> [[f64; 2]; 4] {
     [[x0, -w], [x1, -w], [x1, w], [x0, w]]
 }
 
-/// The triangle A22–A13–tip end, every side moved outwards by w, with sharp (mitred) corners.
+/// Returns the triangle A22–A13–tip end, every side moved outwards by w, with sharp (mitred) corners.
 ///
 /// The result is similar to the inner triangle about their common incentre, with ratio (r_in + w)/r_in, where the
 /// inradius is r_in = 2 area / perimeter. The flatter the triangle, the longer the mitred corners grow.
@@ -45,13 +45,13 @@ pub fn tip_outline(lengths: &Lengths) -> Result<[[f64; 2]; 3], MassError> {
     let (s, c) = sin_cos(phi);
     let inner = [[0.0, 0.0], [l22, 0.0], [t22 * c, t22 * s]];
 
-    // Sides opposite each corner weigh the corners into the incentre.
+    // The incentre is the mean of the corners weighted by the lengths of their opposite sides.
     let (a, b) = (t22, l22);
     let opposite = [hypot(l22 - t22 * c, t22 * s), a, b];
     let perimeter: f64 = opposite.iter().sum();
     let r_in = (l22 * t22 * s).abs() / perimeter;
     let longest = opposite.iter().copied().fold(0.0, f64::max);
-    if r_in.is_nan() || r_in <= DEGENERATE * longest {
+    if r_in.is_nan() || r_in <= MIN_INRADIUS_RATIO * longest {
         return Err(MassError::DegenerateTriangle { phi22_rad: phi, l22_m: l22, t22_m: t22 });
     }
     let incentre = [0, 1].map(|k| (0..3).map(|i| opposite[i] * inner[i][k]).sum::<f64>() / perimeter);
@@ -78,8 +78,8 @@ pub fn outlines(lengths: &Lengths) -> Result<Outlines, MassError> {
 ///
 /// With c_i = x_i y_{i+1} − x_{i+1} y_i: A = ½ Σ c_i, centroid = Σ c_i (p_i + p_{i+1}) / (6 A), and with corners taken
 /// from the centroid J = (1/12) Σ c_i (p_i·p_i + p_i·p_{i+1} + p_{i+1}·p_{i+1}). The sums start from the first corner
-/// and from the centroid, so a polygon far from the origin loses no digits. Fewer than three corners, or corners on a
-/// line, have area 0, the first corner (or the origin) as centroid, and no second moment.
+/// and from the centroid, so a polygon far from the origin loses no accuracy. Fewer than three corners, or collinear
+/// corners, have area 0, the first corner (or the origin) as centroid, and no second moment.
 pub fn polygon_moments(corners: &[[f64; 2]]) -> PolygonMoments {
     let first = corners.first().copied().unwrap_or([0.0, 0.0]);
     let (mut twice_area, mut sum) = (0.0, [0.0, 0.0]);

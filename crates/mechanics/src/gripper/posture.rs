@@ -1,4 +1,4 @@
-//! Loop closure: which joint angles go together, and in which assembly mode.
+//! Loop closure: consistent joint angles in a given assembly mode.
 //!
 //! A12 = l11 e(q11), A22 = l21 e(q21), A13 = A12 + l12 e(q11 + q12) = A22 + l22 e(q21 + q22) (thesis (2.4)). The
 //! assembly sign γ of thesis (2.1) is the side of the line A12 → A22 on which A13 lies: +1 left, −1 right.
@@ -7,13 +7,14 @@ use super::{Assembly, Lengths};
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// sin of the angle between two links below which they count as in line: above √ε, as a height from rounded sides has.
-const IN_LINE: f64 = 1e-7;
+/// Smallest |sin| of the angle between two links that are not in line: above √ε, the accuracy of a triangle height from
+/// rounded sides.
+const MIN_SINE: f64 = 1e-7;
 
 /// All joint angles of one posture.
 ///
 /// `q11`, `q21` are absolute; `q12` is relative to l11 and within ±π; `q22` is relative to l21 and within −φ22 ± π, so
-/// that q22 + φ22, the angle past the straight line, is continuous across the joint limit.
+/// that q22 + φ22, the angle beyond the straight line, is continuous across the joint limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Posture {
     pub q11_rad: f64,
@@ -22,7 +23,7 @@ pub struct Posture {
     pub q22_rad: f64,
 }
 
-/// Where the joints of a posture are.
+/// Joint positions of a posture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joints {
     pub a12_m: [f64; 2],
@@ -32,13 +33,13 @@ pub struct Joints {
     pub tip_m: [f64; 2],
 }
 
-/// Why lengths have no such posture.
+/// Error for link lengths without a valid posture.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PostureError {
     #[error("{name} is {value}, but {allowed}: give another value")]
     Number { name: &'static str, value: f64, allowed: &'static str },
     #[error(
-        "the loop cannot close: {links} ({:.4} and {:.4} mm) must span {:.4} mm, but reach only {:.4} to {:.4} mm: \
+        "the loop cannot close: {links} ({:.4} and {:.4} mm) must span {:.4} mm, but can span only {:.4} to {:.4} mm: \
          change their lengths, or the angles of the ground links",
         .lengths_m[0] * 1e3, .lengths_m[1] * 1e3, .span_m * 1e3,
         (.lengths_m[0] - .lengths_m[1]).abs() * 1e3, (.lengths_m[0] + .lengths_m[1]) * 1e3
@@ -46,25 +47,25 @@ pub enum PostureError {
     CannotClose { links: &'static str, lengths_m: [f64; 2], span_m: f64 },
     #[error(
         "l11 and l12 ({:.4} and {:.4} mm) are fully stretched (or folded) in the straight configuration, a dead point \
-         of the driven link: change l12 (thesis (B.7) gives one that fits)",
+         of the driven link: change l12 (thesis (B.7) gives a valid length)",
         .l11_m * 1e3, .l12_m * 1e3
     )]
     Stretched { l11_m: f64, l12_m: f64 },
     #[error(
-        "l12 and l22 are in line at q11 = {:.4} deg, q21 = {:.4} deg, where the two assembly modes meet: the sine of \
-         their angle is {sine:e}, but must be at least 1e-7 in size, so change phi22, l12 or l22, or the angles",
+        "l12 and l22 are in line at q11 = {:.4} deg, q21 = {:.4} deg, where the two assembly modes coincide: the sine of \
+         their angle is {sine:e}, but must be at least 1e-7 in magnitude, so change phi22, l12 or l22, or the angles",
         .q11_rad.to_degrees(), .q21_rad.to_degrees()
     )]
     InLine { q11_rad: f64, q21_rad: f64, sine: f64 },
     #[error(
-        "q21 = {:.4} deg with q22 = {:.4} deg is only reached in the other assembly mode: ask for that one, or bend \
+        "q21 = {:.4} deg with q22 = {:.4} deg is only reached in the other assembly mode: select that mode, or bend \
          the distal phalanx less",
         .q21_rad.to_degrees(), .q22_rad.to_degrees()
     )]
     WrongAssembly { q21_rad: f64, q22_rad: f64 },
 }
 
-/// The assembly sign γ = ±1 of thesis (2.1).
+/// Returns the assembly sign γ = ±1 of thesis (2.1).
 ///
 /// `Reference` is the sign in the straight configuration at q21 = 90°, q22 = −φ22; `Other` its negative.
 pub fn gamma(lengths: &Lengths, assembly: Assembly) -> Result<f64, PostureError> {
@@ -77,11 +78,11 @@ pub fn gamma(lengths: &Lengths, assembly: Assembly) -> Result<f64, PostureError>
     })
 }
 
-/// The straight posture at `q21_rad`: q22 = −φ22, in the reference assembly mode.
+/// Returns the straight posture at `q21_rad`: q22 = −φ22, in the reference assembly mode.
 ///
-/// With l12 from thesis (B.7) this is q11 = q21 − 90°. For any other l12 it is the posture in which A12 lies on the
-/// palm's side of the line O–A13, which is the one whose q11 is nearest to q21 − 90°.
-pub fn straight(lengths: &Lengths, q21_rad: f64) -> Result<Posture, PostureError> {
+/// With l12 from thesis (B.7), q11 = q21 − 90°. For any other l12, A12 lies on the palm's side of the line O–A13, so
+/// that q11 is as close as possible to q21 − 90°.
+pub fn straight_posture(lengths: &Lengths, q21_rad: f64) -> Result<Posture, PostureError> {
     finite("q21_rad", q21_rad)?;
     let (a12, a13) = reference(lengths)?;
     let q11_at_90 = angle(a12);
@@ -93,8 +94,8 @@ pub fn straight(lengths: &Lengths, q21_rad: f64) -> Result<Posture, PostureError
     })
 }
 
-/// The posture at given ground-link angles in the wanted assembly mode (thesis (2.1), (2.2)).
-pub fn close(lengths: &Lengths, assembly: Assembly, q11_rad: f64, q21_rad: f64) -> Result<Posture, PostureError> {
+/// Returns the posture at given ground-link angles in the given assembly mode (thesis (2.1), (2.2)).
+pub fn close_loop(lengths: &Lengths, assembly: Assembly, q11_rad: f64, q21_rad: f64) -> Result<Posture, PostureError> {
     let gamma = gamma(lengths, assembly)?;
     let a13 = joint_a13(lengths, gamma, q11_rad, q21_rad)?;
     let (a12, a22) = (polar(lengths.l11_m, q11_rad), polar(lengths.l21_m, q21_rad));
@@ -116,10 +117,10 @@ pub fn joint_a13(lengths: &Lengths, gamma: f64, q11_rad: f64, q21_rad: f64) -> R
     apex("l12 and l22", a12, a22, [lengths.l12_m, lengths.l22_m], gamma)
 }
 
-/// The posture at given angles of the proximal and the distal body, in the wanted assembly mode.
+/// Returns the posture at given angles of the proximal and the distal body, in the given assembly mode.
 ///
-/// Up to two q11 close the loop. Of those in the wanted mode, the one reached from the straight configuration without
-/// passing through a stretched l11–l12 is preferred.
+/// Up to two values of q11 close the loop. Among those in the given mode, the one reached from the straight
+/// configuration without passing through a stretched l11–l12 is preferred.
 pub fn posture_at(lengths: &Lengths, assembly: Assembly, q21_rad: f64, q22_rad: f64) -> Result<Posture, PostureError> {
     finite("q21_rad", q21_rad)?;
     finite("q22_rad", q22_rad)?;
@@ -140,8 +141,8 @@ pub fn posture_at(lengths: &Lengths, assembly: Assembly, q21_rad: f64, q22_rad: 
     Err(PostureError::WrongAssembly { q21_rad, q22_rad })
 }
 
-/// Joint positions of a posture; A13 by way of l21 and l22.
-pub fn joints(lengths: &Lengths, posture: &Posture) -> Joints {
+/// Joint positions of a posture; A13 is computed along l21 and l22.
+pub fn joint_positions(lengths: &Lengths, posture: &Posture) -> Joints {
     let a22_m = polar(lengths.l21_m, posture.q21_rad);
     let arm = posture.q21_rad + posture.q22_rad;
     let (l22, t22) = (polar(lengths.l22_m, arm), polar(lengths.t22_m, arm + lengths.phi22_rad));
@@ -159,7 +160,7 @@ fn reference(lengths: &Lengths) -> Result<([f64; 2], [f64; 2]), PostureError> {
     let (l11, l12) = (lengths.l11_m, lengths.l12_m);
     let a13 = reference_a13(lengths);
     let a12 = apex("l11 and l12", [0.0, 0.0], a13, [l11, l12], elbow(a13))?;
-    if cross(a12, minus(a13, a12)).abs() < IN_LINE * l11 * l12 {
+    if cross(a12, minus(a13, a12)).abs() < MIN_SINE * l11 * l12 {
         return Err(PostureError::Stretched { l11_m: l11, l12_m: l12 });
     }
     Ok((a12, a13))
@@ -170,21 +171,22 @@ fn reference_a13(lengths: &Lengths) -> [f64; 2] {
     [lengths.l22_m * s, lengths.l21_m + lengths.l22_m * c]
 }
 
-/// Side of the line O → A13 on which A12 lies in the straight configuration: the palm's.
+/// Side of the line O → A13 on which A12 lies in the straight configuration: the side of the palm.
 fn elbow(reference_a13: [f64; 2]) -> f64 {
     if reference_a13[1] >= 0.0 { -1.0 } else { 1.0 }
 }
 
-/// Side of A12 → A22 on which A13 lies; an error where l12 and l22 are in line and there is none.
+/// Side of A12 → A22 on which A13 lies; an error if l12 and l22 are in line.
 fn side(lengths: &Lengths, a12: [f64; 2], a22: [f64; 2], a13: [f64; 2]) -> Result<f64, PostureError> {
     let sine = cross(minus(a12, a13), minus(a22, a13)) / (lengths.l12_m * lengths.l22_m);
-    if sine.abs() < IN_LINE || sine.is_nan() {
+    if sine.abs() < MIN_SINE || sine.is_nan() {
         return Err(PostureError::InLine { q11_rad: angle(a12), q21_rad: angle(a22), sine });
     }
     Ok(sine.signum()) // the triangle A13, A12, A22 has the orientation of A12, A22, A13
 }
 
-/// Apex of the triangle over the segment `from` → `to` with the given sides at `from` and `to`, on its left (+1) or right.
+/// Apex of the triangle over the segment `from` → `to` with the given sides at `from` and `to`, on its left (+1) or
+/// right.
 fn apex(
     links: &'static str,
     from: [f64; 2],
@@ -247,7 +249,7 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// The same angle within ±π.
+/// Wraps an angle to ±π.
 fn wrap(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }

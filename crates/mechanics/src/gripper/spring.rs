@@ -1,39 +1,40 @@
-//! The spring that pulls the finger straight, and the joint it sits in.
+//! The return spring of a finger and its placement.
 
-/// The spring that pulls the finger back to the straight configuration.
+/// The spring that returns the finger to the straight configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring {
     pub kind: SpringKind,
     pub placement: Placement,
 }
 
+/// Characteristic of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpringKind {
     /// Constant torque k_s.
     Constant { torque_n_m: f64 },
-    /// Torque c_s (q_p + Δq_s): stiffness and preload angle, Δq_s from the straight configuration.
+    /// Torque c_s (q_p + Δq_s), with stiffness c_s, preload angle q_p, and Δq_s relative to the straight configuration.
     Torsional { stiffness_n_m_per_rad: f64, preload_rad: f64 },
 }
 
-/// The coordinate q_s the spring acts on (thesis §3.3.2.3).
+/// Links between which the spring acts; each variant names the spring angle q_s (thesis §3.3.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placement {
-    /// q21 − q11.
+    /// q_s = q21 − q11.
     GroundLinks,
-    /// q12.
+    /// q_s = q12.
     DrivenCoupler,
-    /// q22 (default).
+    /// q_s = q22 (default).
     Phalanges,
-    /// q11 + q12 − (q21 + q22).
+    /// q_s = q11 + q12 − (q21 + q22).
     CouplerDistal,
 }
 
 impl Placement {
-    /// In the order of the thesis, §3.3.2.3.
+    /// All placements in the order of the thesis, §3.3.2.3.
     pub const ALL: [Placement; 4] =
         [Placement::GroundLinks, Placement::DrivenCoupler, Placement::Phalanges, Placement::CouplerDistal];
 
-    /// The coordinate it acts on, as scenes and reports write it.
+    /// Name of the coordinate in scenes and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Placement::GroundLinks => "q21-q11",

@@ -1,42 +1,44 @@
-//! Friction that holds: a bristle (spring and damper side by side) in series with a Coulomb slider (cf. Haessig & Friedland 1991, Dupont
-//! et al. 2002).
+//! Friction with stiction: a bristle (spring and damper in parallel) in series with a Coulomb slider (cf. Haessig &
+//! Friedland 1991, Dupont et al. 2002).
 //!
-//! With s the stretch of the bristle, L = μ(v) F_n and T = min(max(k s + c v, −L), L) the friction is −T and ṡ = (T − k s)/c. What a
-//! model carries along is σ = k s/c, a speed, so that T = c (σ + v) within the cone and σ̇ = (k/c) (T/c − σ).
+//! With the stretch s of the bristle, L = μ(v) F_n and T = min(max(k s + c v, −L), L), the friction is −T and ṡ = (T −
+//! k s)/c. The internal state of a model is σ = k s/c, a speed, so that T = c (σ + v) within the cone and σ̇ = (k/c)
+//! (T/c − σ).
 
 use super::{FrictionLaw, friction_coefficient, friction_force};
 use crate::numeric::Real;
 
-/// A bristle, by its damping c and the time c/k in which it relaxes when it is let go; of a brake, in rad for m.
+/// A bristle with damping c and, when unloaded, relaxation time c/k. For a brake, angles replace lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bristle {
-    /// N·s/m (N·m·s/rad).
+    /// c, in N·s/m (brake: N·m·s/rad).
     pub damping_n_s_per_m: f64,
     pub relaxation_s: f64,
 }
 
 impl Bristle {
-    /// Rate at which a bristle that is let go relaxes, k/c, 1/s.
+    /// Relaxation rate of an unloaded bristle, k/c, 1/s.
     #[inline(always)]
     pub fn rate(&self) -> f64 {
         1.0 / self.relaxation_s
     }
 
-    /// ½ k s², J.
-    pub fn energy(&self, memory: f64) -> f64 {
-        0.5 * self.damping_n_s_per_m * self.relaxation_s * memory * memory
+    /// Stored energy ½ k s², J.
+    pub fn energy(&self, state: f64) -> f64 {
+        0.5 * self.damping_n_s_per_m * self.relaxation_s * state * state
     }
 
-    /// What σ̇ has of T: k/c².
+    /// Gain from T to σ̇: k/c².
     #[inline(always)]
-    pub fn driven(&self) -> f64 {
+    pub fn stretch_gain(&self) -> f64 {
         1.0 / (self.relaxation_s * self.damping_n_s_per_m)
     }
 }
 
-/// μ(v) ≥ 0, even in v: μ_s up to v_s, beyond |μ| of the regularised law; and its slope.
+/// Friction coefficient of the cone and its slope: μ(v) ≥ 0, even in v; μ_s up to v_s, |μ| of the regularised law
+/// beyond.
 #[inline(always)]
-pub fn cone(law: &FrictionLaw, v: f64) -> (f64, f64) {
+pub fn friction_cone(law: &FrictionLaw, v: f64) -> (f64, f64) {
     if v.abs() < law.v_static_m_s {
         return (law.mu_static, 0.0);
     }
@@ -44,68 +46,74 @@ pub fn cone(law: &FrictionLaw, v: f64) -> (f64, f64) {
     (mu.abs(), slope * v.signum())
 }
 
-/// T for a slip (m/s), a memory σ (m/s) and a normal force (N).
+/// T for a slip (m/s), an internal state σ (m/s) and a normal force (N).
 #[inline(always)]
-pub fn bristle_pull<T: Real>(law: &FrictionLaw, bristle: &Bristle, slip: T, memory: T, normal: T) -> T {
-    let (mu, slope) = cone(law, slip.value());
-    let most = slip.chain(mu, slope) * normal;
-    let held = (memory + slip) * bristle.damping_n_s_per_m;
-    if held.value() > most.value() {
-        most
-    } else if held.value() < -most.value() {
-        -most
+pub fn bristle_force<T: Real>(law: &FrictionLaw, bristle: &Bristle, slip: T, state: T, normal: T) -> T {
+    let (mu, slope) = friction_cone(law, slip.value());
+    let limit = slip.chain(mu, slope) * normal;
+    let sticking_force = (state + slip) * bristle.damping_n_s_per_m;
+    if sticking_force.value() > limit.value() {
+        limit
+    } else if sticking_force.value() < -limit.value() {
+        -limit
     } else {
-        held
+        sticking_force
     }
 }
 
-/// Friction on the sliding surface by whichever law there is: that of a bristle where it has a memory, the regularised one otherwise.
+/// Friction on the sliding surface: by the bristle law if there is an internal state, by the regularised law otherwise.
 #[inline(always)]
-pub fn friction_with_memory<T: Real>(law: &FrictionLaw, slip: T, memory: Option<T>, normal: T) -> T {
-    match law.bristle.as_ref().zip(memory) {
-        Some((bristle, memory)) => -bristle_pull(law, bristle, slip, memory, normal),
+pub fn friction_with_state<T: Real>(law: &FrictionLaw, slip: T, state: Option<T>, normal: T) -> T {
+    match law.bristle.as_ref().zip(state) {
+        Some((bristle, state)) => -bristle_force(law, bristle, slip, state, normal),
         None => friction_force(law, slip, normal),
     }
 }
 
-/// What an implicit step of length h makes of a bristle: T at a slip, its derivatives by slip and normal force, and the memory after it.
+/// Result of an implicit step of a bristle: T, its derivatives with respect to slip and normal force, and the internal
+/// state at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stepped {
-    pub pull: f64,
-    pub by_slip: f64,
-    pub by_normal: f64,
-    pub memory: f64,
+pub struct BristleStep {
+    pub force: f64,
+    pub d_slip: f64,
+    pub d_normal: f64,
+    pub state: f64,
 }
 
-/// One implicit Euler step from a memory: what sticks stretches by the slip at its end; `one_way` pulls back only against slip that is
-/// negative.
+/// One implicit Euler step of length h. A sticking bristle stretches by the slip at the end of the step; with `one_way`
+/// it only resists negative slip.
 #[inline(always)]
-pub fn stepped(
+pub fn implicit_bristle_step(
     law: &FrictionLaw,
     bristle: &Bristle,
-    [slip, memory, normal]: [f64; 3],
+    [slip, state, normal]: [f64; 3],
     h: f64,
     one_way: bool,
-) -> Stepped {
-    let (c, part) = (bristle.damping_n_s_per_m, h / bristle.relaxation_s);
-    let (mu, slope) = cone(law, slip);
-    let most = mu * normal;
-    let held = c * (memory + (1.0 + part) * slip);
-    let upper = if one_way { 0.0 } else { most };
-    if held <= upper && held >= -most {
-        // Nothing holds where nothing presses, however little there is to hold: a slope there is one that no slip finds again.
-        if most == 0.0 {
-            return Stepped { pull: 0.0, by_slip: 0.0, by_normal: 0.0, memory: memory / (1.0 + part) };
+) -> BristleStep {
+    let (c, step_ratio) = (bristle.damping_n_s_per_m, h / bristle.relaxation_s);
+    let (mu, slope) = friction_cone(law, slip);
+    let limit = mu * normal;
+    let sticking_force = c * (state + (1.0 + step_ratio) * slip);
+    let upper = if one_way { 0.0 } else { limit };
+    if sticking_force <= upper && sticking_force >= -limit {
+        // Without a normal force there is no friction, and a nonzero slope would have no consistent slip.
+        if limit == 0.0 {
+            return BristleStep { force: 0.0, d_slip: 0.0, d_normal: 0.0, state: state / (1.0 + step_ratio) };
         }
-        return Stepped { pull: held, by_slip: c * (1.0 + part), by_normal: 0.0, memory: memory + part * slip };
+        return BristleStep {
+            force: sticking_force,
+            d_slip: c * (1.0 + step_ratio),
+            d_normal: 0.0,
+            state: state + step_ratio * slip,
+        };
     }
-    let sign = if held > upper { if one_way { 0.0 } else { 1.0 } } else { -1.0 };
-    let pull = sign * most;
-    Stepped {
-        pull,
-        by_slip: sign * slope * normal,
-        by_normal: sign * mu,
-        memory: (memory + part * pull / c) / (1.0 + part),
+    let sign = if sticking_force > upper { if one_way { 0.0 } else { 1.0 } } else { -1.0 };
+    let force = sign * limit;
+    BristleStep {
+        force,
+        d_slip: sign * slope * normal,
+        d_normal: sign * mu,
+        state: (state + step_ratio * force / c) / (1.0 + step_ratio),
     }
 }
 
@@ -119,78 +127,84 @@ mod tests {
         FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: Some(BRISTLE) };
 
     #[test]
-    fn nothing_is_held_where_nothing_presses() {
+    fn there_is_no_friction_without_a_normal_force() {
         for slip in [-1e-12, 0.0, 1e-12] {
-            let found = stepped(&LAW, &BRISTLE, [slip, 0.0, 0.0], 1e-7, false);
-            assert_eq!((found.pull, found.by_slip, found.memory), (0.0, 0.0, 0.0), "{slip}");
+            let found = implicit_bristle_step(&LAW, &BRISTLE, [slip, 0.0, 0.0], 1e-7, false);
+            assert_eq!((found.force, found.d_slip, found.state), (0.0, 0.0, 0.0), "{slip}");
         }
-        assert!(stepped(&LAW, &BRISTLE, [0.0, 0.0, 1e-9], 1e-7, false).by_slip > 0.0);
+        assert!(implicit_bristle_step(&LAW, &BRISTLE, [0.0, 0.0, 1e-9], 1e-7, false).d_slip > 0.0);
     }
 
     #[test]
-    fn the_cone_is_even_and_holds_what_sticks() {
+    fn the_cone_is_even_and_bounds_the_bristle_force() {
         for (v, mu) in [(0.0, 0.8), (0.05, 0.8), (0.1, 0.8), (0.15, 0.68), (0.2, 0.56), (7.0, 0.56)] {
-            assert!((cone(&LAW, v).0 - mu).abs() < 1e-14 && cone(&LAW, -v).0 == cone(&LAW, v).0);
-            assert_eq!(cone(&LAW, v).1, -cone(&LAW, -v).1);
+            assert!(
+                (friction_cone(&LAW, v).0 - mu).abs() < 1e-14 && friction_cone(&LAW, -v).0 == friction_cone(&LAW, v).0
+            );
+            assert_eq!(friction_cone(&LAW, v).1, -friction_cone(&LAW, -v).1);
         }
-        for (slip, memory, normal) in [(1e-6, 3e-6, 10.0), (0.3, 0.0, 10.0), (-0.3, 0.0, 10.0), (0.0, -1.0, 2.0)] {
-            let pull = bristle_pull(&LAW, &BRISTLE, slip, memory, normal);
-            assert!(pull.abs() <= 0.8 * normal && pull * (slip + memory) > 0.0);
+        for (slip, state, normal) in [(1e-6, 3e-6, 10.0), (0.3, 0.0, 10.0), (-0.3, 0.0, 10.0), (0.0, -1.0, 2.0)] {
+            let force = bristle_force(&LAW, &BRISTLE, slip, state, normal);
+            assert!(force.abs() <= 0.8 * normal && force * (slip + state) > 0.0);
         }
-        assert_eq!(bristle_pull(&LAW, &BRISTLE, 1e-6, 3e-6, 10.0), 4.0);
-        assert_eq!(bristle_pull(&LAW, &BRISTLE, 0.1, 0.0, 0.0), 0.0);
+        assert_eq!(bristle_force(&LAW, &BRISTLE, 1e-6, 3e-6, 10.0), 4.0);
+        assert_eq!(bristle_force(&LAW, &BRISTLE, 0.1, 0.0, 0.0), 0.0);
     }
 
     #[test]
-    fn pulls_carry_their_derivatives_within_the_cone_and_beyond() {
+    fn bristle_force_has_exact_derivatives_within_the_cone_and_beyond() {
         for at in [[1e-6, 3e-6, 10.0], [0.15, 1e-6, 10.0], [-0.17, 1e-6, 3.0], [0.4, 0.0, 3.0]] {
             let dual = [0, 1, 2].map(|i| Dual::<3>::variable(at[i], i));
-            let found = bristle_pull(&LAW, &BRISTLE, dual[0], dual[1], dual[2]);
+            let found = bristle_force(&LAW, &BRISTLE, dual[0], dual[1], dual[2]);
             for i in 0..3 {
                 let h = [1e-8, 1e-8, 1e-4][i];
-                let moved = |by: f64| {
+                let force_at = |by: f64| {
                     let at: [f64; 3] = std::array::from_fn(|k| if k == i { at[k] + by } else { at[k] });
-                    bristle_pull(&LAW, &BRISTLE, at[0], at[1], at[2])
+                    bristle_force(&LAW, &BRISTLE, at[0], at[1], at[2])
                 };
-                let slope = (moved(h) - moved(-h)) / (2.0 * h);
+                let slope = (force_at(h) - force_at(-h)) / (2.0 * h);
                 assert!((found.grad[i] - slope).abs() < 1e-6 * slope.abs().max(1.0), "{at:?} {i}");
             }
         }
     }
 
     #[test]
-    fn an_implicit_step_ends_on_the_law() {
-        for (slip, memory, h) in [(1e-6, 2e-6, 1e-4), (3e-5, 2e-6, 1e-4), (-0.2, 1e-6, 1e-5), (0.0, 9e-6, 1e-3)] {
-            let found = stepped(&LAW, &BRISTLE, [slip, memory, 10.0], h, false);
-            let there = bristle_pull(&LAW, &BRISTLE, slip, found.memory, 10.0);
-            assert!((found.pull - there).abs() < 1e-9, "{found:?} {there}");
-            let rate = (found.pull / BRISTLE.damping_n_s_per_m - found.memory) / BRISTLE.relaxation_s;
-            assert!((found.memory - memory - h * rate).abs() < 1e-18);
+    fn an_implicit_step_satisfies_the_law_at_its_end() {
+        for (slip, state, h) in [(1e-6, 2e-6, 1e-4), (3e-5, 2e-6, 1e-4), (-0.2, 1e-6, 1e-5), (0.0, 9e-6, 1e-3)] {
+            let found = implicit_bristle_step(&LAW, &BRISTLE, [slip, state, 10.0], h, false);
+            let exact = bristle_force(&LAW, &BRISTLE, slip, found.state, 10.0);
+            assert!((found.force - exact).abs() < 1e-9, "{found:?} {exact}");
+            let rate = (found.force / BRISTLE.damping_n_s_per_m - found.state) / BRISTLE.relaxation_s;
+            assert!((found.state - state - h * rate).abs() < 1e-18);
             let d = 1e-9;
-            let at = |slip: f64, normal: f64| stepped(&LAW, &BRISTLE, [slip, memory, normal], h, false).pull;
+            let force_at =
+                |slip: f64, normal: f64| implicit_bristle_step(&LAW, &BRISTLE, [slip, state, normal], h, false).force;
             assert!(
-                ((at(slip + d, 10.0) - at(slip - d, 10.0)) / (2.0 * d) - found.by_slip).abs()
-                    < 1e-3 * (1.0 + found.by_slip.abs())
+                ((force_at(slip + d, 10.0) - force_at(slip - d, 10.0)) / (2.0 * d) - found.d_slip).abs()
+                    < 1e-3 * (1.0 + found.d_slip.abs())
             );
-            assert!(((at(slip, 10.0 + d) - at(slip, 10.0 - d)) / (2.0 * d) - found.by_normal).abs() < 1e-5);
+            assert!(((force_at(slip, 10.0 + d) - force_at(slip, 10.0 - d)) / (2.0 * d) - found.d_normal).abs() < 1e-5);
         }
-        // Slip that a ratchet lets pass leaves it without a pull.
-        assert_eq!(stepped(&LAW, &BRISTLE, [1e-5, 0.0, 10.0], 1e-4, true).pull, 0.0);
-        assert!(stepped(&LAW, &BRISTLE, [-1e-5, 0.0, 10.0], 1e-4, true).pull < 0.0);
+        // Slip in the free direction of a one-way bristle causes no force.
+        assert_eq!(implicit_bristle_step(&LAW, &BRISTLE, [1e-5, 0.0, 10.0], 1e-4, true).force, 0.0);
+        assert!(implicit_bristle_step(&LAW, &BRISTLE, [-1e-5, 0.0, 10.0], 1e-4, true).force < 0.0);
     }
 
     /// T v = d/dt ½ k s² + c ṡ² + T u with T u ≥ 0, u = v − ṡ.
     #[test]
     fn a_bristle_is_passive() {
         for slip in [-0.5, -1e-5, 0.0, 2e-6, 0.12, 3.0] {
-            for memory in [-8e-6, -1e-7, 0.0, 5e-6] {
-                let pull = bristle_pull(&LAW, &BRISTLE, slip, memory, 10.0);
+            for state in [-8e-6, -1e-7, 0.0, 5e-6] {
+                let force = bristle_force(&LAW, &BRISTLE, slip, state, 10.0);
                 let (k, c) = (1e9, BRISTLE.damping_n_s_per_m);
-                let (stretch, stretching) = (c * memory / k, pull / c - memory);
-                let slider = slip - stretching;
-                let lost = pull * slip - k * stretch * stretching;
-                assert!((lost - c * stretching * stretching - pull * slider).abs() < 1e-9 * (1.0 + lost.abs()));
-                assert!(pull * slider >= -1e-20, "{slip} {memory}: {}", pull * slider);
+                let (stretch, stretch_rate) = (c * state / k, force / c - state);
+                let slider_rate = slip - stretch_rate;
+                let dissipated_power = force * slip - k * stretch * stretch_rate;
+                assert!(
+                    (dissipated_power - c * stretch_rate * stretch_rate - force * slider_rate).abs()
+                        < 1e-9 * (1.0 + dissipated_power.abs())
+                );
+                assert!(force * slider_rate >= -1e-20, "{slip} {state}: {}", force * slider_rate);
             }
         }
     }

@@ -1,11 +1,11 @@
-//! Normal law × friction law, over any [`Real`]: one formula gives the force and its exact Jacobian.
+//! Normal law × friction law over any [`Real`]: one formula gives the force and its exact Jacobian.
 
 use super::{FrictionLaw, NormalForce, friction_coefficient};
 use crate::numeric::Real;
 
-/// A normal force as a function of the gap (−δ) and its rate (−δ̇), from the law's value and derivatives there.
+/// Returns a normal force as a function of the gap (−δ) and its rate (−δ̇), from the law's value and derivatives there.
 ///
-/// `law` maps (δ, δ̇) to the force on the branch that holds: [`normal_force`](super::normal_force) or
+/// `law` maps (δ, δ̇) to the force on the active branch: [`normal_force`](super::normal_force) or
 /// [`unclamped_normal_force`](super::unclamped_normal_force).
 #[inline(always)]
 pub fn normal_over_gap<T: Real>(law: impl Fn(f64, f64) -> NormalForce, gap: T, gap_rate: T) -> T {
@@ -31,22 +31,22 @@ mod tests {
     const FRICTION: FrictionLaw =
         FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
 
-    fn composed<T: Real>(gap: T, rate: T, slip: T) -> [T; 2] {
+    fn contact_forces<T: Real>(gap: T, rate: T, slip: T) -> [T; 2] {
         let normal = normal_over_gap(|delta, rate| normal_force(&NORMAL, delta, rate), gap, rate);
         [normal, friction_force(&FRICTION, slip, normal)]
     }
 
-    /// The Jacobian of the composition against central differences of the composition itself.
+    /// The Jacobian of the composed law against its central differences.
     #[test]
-    fn composition_carries_exact_derivatives() {
+    fn composed_law_has_exact_derivatives() {
         let at = [-3e-6, -0.5, 0.07];
         let step = [1e-11, 1e-6, 1e-7];
-        let dual = composed(Dual::<3>::variable(at[0], 0), Dual::variable(at[1], 1), Dual::variable(at[2], 2));
+        let dual = contact_forces(Dual::<3>::variable(at[0], 0), Dual::variable(at[1], 1), Dual::variable(at[2], 2));
         for i in 0..3 {
             let shifted = |sign: f64| {
                 let mut x = at;
                 x[i] += sign * step[i];
-                composed(x[0], x[1], x[2])
+                contact_forces(x[0], x[1], x[2])
             };
             let (up, down) = (shifted(1.0), shifted(-1.0));
             for (k, force) in dual.iter().enumerate() {
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn friction_opposes_slip_within_the_cone() {
         for slip in [-1.0, -0.15, -0.01, 0.0, 0.05, 0.3] {
-            let [normal, tangential] = composed(-2e-6, -0.3, slip);
+            let [normal, tangential] = contact_forces(-2e-6, -0.3, slip);
             assert!(normal > 0.0 && tangential * slip <= 0.0 && tangential.abs() <= 0.8 * normal);
         }
     }

@@ -14,75 +14,75 @@ pub fn friction_coefficient(law: &FrictionLaw, v: f64) -> (f64, f64) {
         (law.mu_static * (2.0 * sigma - 1.0), law.mu_static * slope / law.v_static_m_s)
     } else {
         let width = law.v_dynamic_m_s - law.v_static_m_s;
-        let drop = law.mu_dynamic - law.mu_static;
+        let mu_change = law.mu_dynamic - law.mu_static;
         let (sigma, slope) = smoothstep((speed - law.v_static_m_s) / width);
-        ((law.mu_static + drop * sigma).copysign(v), drop * slope / width)
+        ((law.mu_static + mu_change * sigma).copysign(v), mu_change * slope / width)
     }
 }
 
-/// The ranges of slip within which the law is one polynomial.
+/// Ranges of slip within which the law is a single polynomial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrictionRange {
     /// |v| ≤ v_s.
-    Sticks,
-    /// v_s < v ≤ v_d, the way of `forward`.
-    Yields { forward: bool },
-    /// v_d < v.
-    Slides { forward: bool },
-    /// Not looked at.
+    Sticking,
+    /// v_s < |v| ≤ v_d, with the sign of v given by `forward`.
+    Transition { forward: bool },
+    /// v_d < |v|.
+    Sliding { forward: bool },
+    /// Any slip: the range is not monitored.
     Any,
 }
 
-/// The range a slip velocity is in.
+/// Returns the range of a slip velocity.
 #[inline(always)]
 pub fn friction_range(law: &FrictionLaw, v: f64) -> FrictionRange {
     let (speed, forward) = (v.abs(), v > 0.0);
     if speed <= law.v_static_m_s {
-        FrictionRange::Sticks
+        FrictionRange::Sticking
     } else if speed <= law.v_dynamic_m_s {
-        FrictionRange::Yields { forward }
+        FrictionRange::Transition { forward }
     } else {
-        FrictionRange::Slides { forward }
+        FrictionRange::Sliding { forward }
     }
 }
 
 impl FrictionRange {
-    /// How far `v` is from the nearest end of the range, in m/s; negative outside of it.
+    /// Distance of `v` from the nearest end of the range, in m/s; negative outside the range.
     #[inline(always)]
-    pub fn room(self, law: &FrictionLaw, v: f64) -> f64 {
-        let along = |forward: bool| if forward { v } else { -v };
+    pub fn margin(self, law: &FrictionLaw, v: f64) -> f64 {
+        let signed_speed = |forward: bool| if forward { v } else { -v };
         match self {
-            FrictionRange::Sticks => law.v_static_m_s - v.abs(),
-            FrictionRange::Yields { forward } => {
-                (along(forward) - law.v_static_m_s).min(law.v_dynamic_m_s - along(forward))
+            FrictionRange::Sticking => law.v_static_m_s - v.abs(),
+            FrictionRange::Transition { forward } => {
+                (signed_speed(forward) - law.v_static_m_s).min(law.v_dynamic_m_s - signed_speed(forward))
             }
-            FrictionRange::Slides { forward } => along(forward) - law.v_dynamic_m_s,
+            FrictionRange::Sliding { forward } => signed_speed(forward) - law.v_dynamic_m_s,
             FrictionRange::Any => f64::INFINITY,
         }
     }
 
-    /// The range on the other side of the end that `v` is nearest to.
+    /// Returns the adjacent range at the end nearest to `v`.
     pub fn neighbour(self, law: &FrictionLaw, v: f64) -> Self {
         let forward = v > 0.0;
         match self {
-            FrictionRange::Sticks => FrictionRange::Yields { forward },
-            FrictionRange::Yields { .. } => {
+            FrictionRange::Sticking => FrictionRange::Transition { forward },
+            FrictionRange::Transition { .. } => {
                 if v.abs() - law.v_static_m_s < law.v_dynamic_m_s - v.abs() {
-                    FrictionRange::Sticks
+                    FrictionRange::Sticking
                 } else {
-                    FrictionRange::Slides { forward }
+                    FrictionRange::Sliding { forward }
                 }
             }
-            FrictionRange::Slides { .. } => FrictionRange::Yields { forward },
+            FrictionRange::Sliding { .. } => FrictionRange::Transition { forward },
             FrictionRange::Any => FrictionRange::Any,
         }
     }
 }
 
 impl FrictionLaw {
-    /// The narrowest range of the law, in m/s.
+    /// Width of the narrowest range of the law, in m/s.
     #[inline(always)]
-    pub fn finest_m_s(&self) -> f64 {
+    pub fn min_slip_scale_m_s(&self) -> f64 {
         self.v_static_m_s.min(self.v_dynamic_m_s - self.v_static_m_s)
     }
 }
@@ -95,7 +95,7 @@ mod tests {
         FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
 
     #[test]
-    fn errata_08_branches_meet_and_the_law_is_odd() {
+    fn errata_08_branches_are_continuous_and_the_law_is_odd() {
         assert_eq!(friction_coefficient(&LAW, 0.0).0, 0.0);
         for (v, mu) in [(0.1, 0.8), (0.2, 0.56), (5.0, 0.56), (0.15, 0.68)] {
             assert!((friction_coefficient(&LAW, v).0 - mu).abs() < 1e-14, "{v}");
@@ -109,23 +109,23 @@ mod tests {
     }
 
     #[test]
-    fn ranges_are_where_the_law_is_one_polynomial() {
-        use FrictionRange::{Slides, Sticks, Yields};
+    fn ranges_match_the_polynomial_pieces_of_the_law() {
+        use FrictionRange::{Sliding, Sticking, Transition};
         for (v, range) in [
-            (0.0, Sticks),
-            (-0.1, Sticks),
-            (0.15, Yields { forward: true }),
-            (-0.15, Yields { forward: false }),
-            (0.3, Slides { forward: true }),
-            (-7.0, Slides { forward: false }),
+            (0.0, Sticking),
+            (-0.1, Sticking),
+            (0.15, Transition { forward: true }),
+            (-0.15, Transition { forward: false }),
+            (0.3, Sliding { forward: true }),
+            (-7.0, Sliding { forward: false }),
         ] {
             assert_eq!(friction_range(&LAW, v), range);
-            assert!(range.room(&LAW, v) >= 0.0, "{v}");
-            assert!(range.room(&LAW, 0.1001) < 0.0 || v > 0.1 && v < 0.2);
+            assert!(range.margin(&LAW, v) >= 0.0, "{v}");
+            assert!(range.margin(&LAW, 0.1001) < 0.0 || v > 0.1 && v < 0.2);
         }
-        assert_eq!(Yields { forward: false }.neighbour(&LAW, -0.101), Sticks);
-        assert_eq!(Yields { forward: true }.neighbour(&LAW, 0.199), Slides { forward: true });
-        assert_eq!(Sticks.neighbour(&LAW, -0.0999), Yields { forward: false });
+        assert_eq!(Transition { forward: false }.neighbour(&LAW, -0.101), Sticking);
+        assert_eq!(Transition { forward: true }.neighbour(&LAW, 0.199), Sliding { forward: true });
+        assert_eq!(Sticking.neighbour(&LAW, -0.0999), Transition { forward: false });
     }
 
     #[test]
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn coefficient_stays_within_the_static_one() {
+    fn coefficient_never_exceeds_the_static_one() {
         for i in -400..=400 {
             let v = i as f64 * 1e-3;
             let mu = friction_coefficient(&LAW, v).0;

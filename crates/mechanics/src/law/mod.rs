@@ -1,6 +1,6 @@
 //! Scalar contact laws: pure functions of penetration, rate and slip, each with exact derivatives.
 //!
-//! A contact is a normal law times a friction law; the joint limit is a normal law that acts on an angle.
+//! A contact combines a normal law and a friction law; the joint limit is a normal law that acts on an angle.
 
 mod bristle;
 mod contact;
@@ -9,7 +9,7 @@ mod hertz;
 mod normal;
 mod smoothstep;
 
-pub use bristle::{Bristle, Stepped, bristle_pull, cone, friction_with_memory, stepped};
+pub use bristle::{Bristle, BristleStep, bristle_force, friction_cone, friction_with_state, implicit_bristle_step};
 pub use contact::{friction_force, normal_over_gap};
 pub use friction::{FrictionRange, friction_coefficient, friction_range};
 pub use hertz::{Material, hertz_stiffness};
@@ -25,7 +25,7 @@ pub use smoothstep::smoothstep;
 pub struct NormalLaw {
     /// k, in N/mᵉ (limit: N·m/radᵉ).
     pub stiffness_n_per_m_e: f64,
-    /// e, at least 1.
+    /// Exponent e, at least 1.
     pub exponent: f64,
     /// c_max, in N·s/m (limit: N·m·s/rad).
     pub damping_max_n_s_per_m: f64,
@@ -34,13 +34,13 @@ pub struct NormalLaw {
 }
 
 impl NormalLaw {
-    /// The law of what is pressed with a given force, however it moves: at a depth of 1, as a brake's is.
-    pub const fn pressed_with(force: f64) -> Self {
+    /// Returns a law with a constant normal force, evaluated at a depth of 1; used for brakes.
+    pub const fn constant_force(force: f64) -> Self {
         Self { stiffness_n_per_m_e: force, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1.0 }
     }
 }
 
-/// Parameters of the regularised Coulomb law (thesis (2.35), errata 8), or of friction that holds.
+/// Parameters of the regularised Coulomb law (thesis (2.35), errata 8), or of friction with stiction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionLaw {
     pub mu_static: f64,
@@ -49,11 +49,11 @@ pub struct FrictionLaw {
     pub v_static_m_s: f64,
     /// v_d: slip speed from which μ = μ_d.
     pub v_dynamic_m_s: f64,
-    /// What holds below the cone; `None` is the regularised law.
+    /// Bristle of the stiction law; `None` selects the regularised law.
     pub bristle: Option<Bristle>,
 }
 
-/// Law of one contact: normal law times friction law; `None` is frictionless.
+/// Law of one contact: normal law and friction law; without a friction law the contact is frictionless.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLaw {
     pub normal: NormalLaw,
@@ -61,7 +61,7 @@ pub struct ContactLaw {
 }
 
 impl ContactLaw {
-    /// What holds below the cone; `None` where nothing does.
+    /// Bristle of the stiction law; `None` for the regularised law and without friction.
     pub fn bristle(&self) -> Option<Bristle> {
         self.friction.and_then(|friction| friction.bristle)
     }

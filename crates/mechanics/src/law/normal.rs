@@ -3,7 +3,7 @@
 use super::{NormalLaw, smoothstep};
 use crate::numeric::elementary::{cbrt, pow};
 
-/// A force with its derivatives in penetration and penetration rate.
+/// A force with its derivatives with respect to penetration and penetration rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NormalForce {
     /// F, in N (limit: N·m).
@@ -14,26 +14,27 @@ pub struct NormalForce {
     pub d_rate: f64,
 }
 
-/// c(δ) = c_max σ(δ/δ_max) and dc/dδ: the damper, engaged over the first δ_max of penetration.
+/// c(δ) = c_max σ(δ/δ_max) and dc/dδ: the damper engages over the first δ_max of penetration.
 #[inline(always)]
 pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
     let (sigma, slope) = smoothstep(delta / law.transition_m);
     (law.damping_max_n_s_per_m * sigma, law.damping_max_n_s_per_m * slope / law.transition_m)
 }
 
-/// Whether the force depends on the rate: then surfaces can let go before they part.
+/// Whether the force depends on the rate, so that a contact may release before the surfaces separate.
 #[inline(always)]
 pub fn is_damped(law: &NormalLaw) -> bool {
     law.damping_max_n_s_per_m > 0.0
 }
 
-/// k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
+/// Force of the spring k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
 #[inline(always)]
 pub fn spring_force(law: &NormalLaw, delta: f64) -> f64 {
     law.stiffness_n_per_m_e * pow(delta.max(0.0), law.exponent)
 }
 
-/// k δᵉ + c(δ) δ̇ for δ > 0, without the clamp: negative where a real contact would let go. Zero for δ ≤ 0.
+/// Normal force k δᵉ + c(δ) δ̇ for δ > 0, without the clamp: negative where a real contact would release. Zero for δ ≤
+/// 0.
 ///
 /// `delta` in m (limit: rad), `rate` in m/s (rad/s).
 #[inline(always)]
@@ -41,13 +42,13 @@ pub fn unclamped_normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalF
     if delta <= 0.0 {
         return NormalForce::default();
     }
-    // One power only; its derivative is e times it, which stays finite at δ → 0 because e ≥ 1.
+    // This power is also the derivative divided by e; it stays finite at δ → 0 because e ≥ 1.
     let power = law.stiffness_n_per_m_e * pow(delta, law.exponent - 1.0);
     let (c, dc) = damping(law, delta);
     NormalForce { force: power * delta + c * rate, d_delta: law.exponent * power + dc * rate, d_rate: c }
 }
 
-/// F = max(0, k δᵉ + c(δ) δ̇), 0 for δ ≤ 0: contact cannot pull (thesis (2.38)).
+/// F = max(0, k δᵉ + c(δ) δ̇), 0 for δ ≤ 0: a contact cannot pull (thesis (2.38)).
 #[inline(always)]
 pub fn normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalForce {
     let unclamped = unclamped_normal_force(law, delta, rate);
@@ -62,15 +63,15 @@ pub fn elastic_energy(law: &NormalLaw, delta: f64) -> f64 {
     law.stiffness_n_per_m_e * pow(delta, law.exponent + 1.0) / (law.exponent + 1.0)
 }
 
-/// About how deep a surface gets that hits with `speed` and nothing behind it: spring or damper alone, whichever stops it
-/// sooner.
+/// Approximate penetration of an impact at `speed` without external force: the smaller of the depths at which the
+/// spring alone or the damper alone stops the mass.
 pub fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
     let NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m } = *law;
     let spring = pow((e + 1.0) * speed * speed / (2.0 * k * inverse_mass), (e + 1.0).recip());
     // v(δ) = v₀ − (c/m)(δ³/δ_max² − …), linear beyond the transition.
-    let beyond = speed / (c * inverse_mass) - 0.5 * transition_m;
-    let damper = match beyond > 0.0 {
-        true => transition_m + beyond,
+    let excess_depth = speed / (c * inverse_mass) - 0.5 * transition_m;
+    let damper = match excess_depth > 0.0 {
+        true => transition_m + excess_depth,
         false => cbrt(speed * transition_m * transition_m / (c * inverse_mass)),
     };
     spring.min(damper)
@@ -89,8 +90,8 @@ mod tests {
         assert_eq!(damping(&OBJECT, 3e-5).0, 1e6);
         assert!((damping(&OBJECT, 5e-6).0 - 0.5e6).abs() < 1e-9);
         // As printed, a = +2 c_max/δ_max³ would give 5 c_max at δ_max.
-        let printed = 2e6 + 3e6;
-        assert!(damping(&OBJECT, 1e-5).0 < printed / 4.0);
+        let thesis_damping = 2e6 + 3e6;
+        assert!(damping(&OBJECT, 1e-5).0 < thesis_damping / 4.0);
     }
 
     #[test]
@@ -98,8 +99,11 @@ mod tests {
         for (delta, rate) in [(1e-7, 2.0), (3e-6, 0.5), (9.9e-6, -1e-3), (2e-5, 1e-4)] {
             let s: f64 = (delta / 1e-5f64).min(1.0);
             let expected = 1e8 * f64::powf(delta, 2.2) + 1e6 * (3.0 * s * s - 2.0 * s * s * s) * rate;
-            let got = unclamped_normal_force(&OBJECT, delta, rate).force;
-            assert!((got - expected).abs() <= 1e-12 * expected.abs().max(1e-3), "{delta} {rate}: {got} {expected}");
+            let found = unclamped_normal_force(&OBJECT, delta, rate).force;
+            assert!(
+                (found - expected).abs() <= 1e-12 * expected.abs().max(1e-3),
+                "depth {delta}, rate {rate}: {found}, expected {expected}"
+            );
         }
     }
 
@@ -107,17 +111,17 @@ mod tests {
     fn derivatives_match_central_differences() {
         for (delta, rate) in [(1e-7, 2.0), (3e-6, 0.5), (9.0e-6, -1e-3), (2e-5, 1e-4)] {
             let f = |d, r| unclamped_normal_force(&OBJECT, d, r).force;
-            let at = unclamped_normal_force(&OBJECT, delta, rate);
+            let law_at = unclamped_normal_force(&OBJECT, delta, rate);
             let (hd, hr) = (1e-5 * delta, 1e-5);
             let d_delta = (f(delta + hd, rate) - f(delta - hd, rate)) / (2.0 * hd);
             let d_rate = (f(delta, rate + hr) - f(delta, rate - hr)) / (2.0 * hr);
-            assert!((at.d_delta - d_delta).abs() < 1e-7 * d_delta.abs(), "{delta} {rate}");
-            assert!((at.d_rate - d_rate).abs() < 1e-7 * d_rate.abs().max(1.0), "{delta} {rate}");
+            assert!((law_at.d_delta - d_delta).abs() < 1e-7 * d_delta.abs(), "{delta} {rate}");
+            assert!((law_at.d_rate - d_rate).abs() < 1e-7 * d_rate.abs().max(1.0), "{delta} {rate}");
         }
     }
 
     #[test]
-    fn contact_never_pulls_and_is_silent_outside() {
+    fn contact_never_pulls_and_vanishes_without_penetration() {
         assert_eq!(normal_force(&OBJECT, -1e-6, 5.0), NormalForce::default());
         assert_eq!(normal_force(&OBJECT, 0.0, 5.0), NormalForce::default());
         assert_eq!(normal_force(&OBJECT, 5e-6, -1.0), NormalForce::default());
@@ -127,8 +131,8 @@ mod tests {
     #[test]
     fn exponent_one_is_linear_with_finite_slope_at_zero() {
         let linear = NormalLaw { exponent: 1.0, ..OBJECT };
-        let at = unclamped_normal_force(&linear, 1e-12, 0.0);
-        assert!((at.d_delta - 1e8).abs() < 1e-6);
+        let law_at = unclamped_normal_force(&linear, 1e-12, 0.0);
+        assert!((law_at.d_delta - 1e8).abs() < 1e-6);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The cubic STEP function both laws are built from.
+//! The cubic STEP function used by both laws.
 
 /// σ(s) = 3 s² − 2 s³ and dσ/ds, for s in 0…1; 0 below, 1 above (thesis (2.39), errata 7).
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
-use super::{Real, changed, each};
+use super::{Real, array_from, map_same_type};
 
 /// A value and its derivatives with respect to `N` variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +19,7 @@ impl<const N: usize> Default for Dual<N> {
 }
 
 impl<const N: usize> Dual<N> {
-    /// The `index`-th independent variable.
+    /// Returns the `index`-th independent variable.
     #[inline(always)]
     pub fn variable(value: f64, index: usize) -> Self {
         let mut grad = [0.0; N];
@@ -27,9 +27,9 @@ impl<const N: usize> Dual<N> {
         Self { value, grad }
     }
 
-    /// The same number seen from M variables, of which its own come first.
+    /// Returns the same number with derivatives with respect to M variables; its own variables come first.
     #[inline(always)]
-    pub fn among<const M: usize>(self) -> Dual<M> {
+    pub fn widen<const M: usize>(self) -> Dual<M> {
         let mut grad = [0.0; M];
         grad[..N].copy_from_slice(&self.grad);
         Dual { value: self.value, grad }
@@ -37,12 +37,12 @@ impl<const N: usize> Dual<N> {
 
     #[inline(always)]
     fn combine(self, other: Self, value: f64, a: f64, b: f64) -> Self {
-        Self { value, grad: each(|i| a * self.grad[i] + b * other.grad[i]) }
+        Self { value, grad: array_from(|i| a * self.grad[i] + b * other.grad[i]) }
     }
 
     #[inline(always)]
     fn map(self, value: f64, f: impl Fn(f64) -> f64) -> Self {
-        Self { value, grad: changed(self.grad, f) }
+        Self { value, grad: map_same_type(self.grad, f) }
     }
 }
 
@@ -72,7 +72,7 @@ impl<const N: usize> Add for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, grad: each(|i| self.grad[i] + other.grad[i]) }
+        Self { value: self.value + other.value, grad: array_from(|i| self.grad[i] + other.grad[i]) }
     }
 }
 
@@ -80,7 +80,7 @@ impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, grad: each(|i| self.grad[i] - other.grad[i]) }
+        Self { value: self.value - other.value, grad: array_from(|i| self.grad[i] - other.grad[i]) }
     }
 }
 

@@ -1,7 +1,8 @@
-//! Elementary functions of one library for every platform.
+//! Elementary functions from a single library on every platform.
 //!
-//! Sums, products, quotients and square roots are rounded the same everywhere; sines and powers of a system's C library are not, and
-//! impacts multiply last digits. The core calls none but these, and clippy refuses it all others.
+//! Sums, products, quotients and square roots are rounded identically everywhere; sines and powers of a system's C
+//! library are not, and impacts amplify rounding differences. The core uses only these functions; clippy rejects all
+//! others.
 
 use std::f64::consts::LOG2_E;
 
@@ -15,7 +16,7 @@ pub fn cos(x: f64) -> f64 {
     libm::cos(x)
 }
 
-/// (sin x, cos x), for less than the two.
+/// Returns (sin x, cos x), cheaper than two calls.
 #[inline(always)]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     libm::sincos(x)
@@ -37,7 +38,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
-/// √(x² + y²), without overflow between.
+/// Returns √(x² + y²) without intermediate overflow.
 #[inline(always)]
 pub fn hypot(x: f64, y: f64) -> f64 {
     libm::hypot(x, y)
@@ -68,32 +69,33 @@ pub fn cbrt(x: f64) -> f64 {
     libm::cbrt(x)
 }
 
-/// Exponents, doubled, up to which xⁿ is products and a square root: those of the laws that are Hertz's, or linear.
-const MOST_HALVES: i32 = 8;
+/// Largest doubled exponent for which xⁿ is computed by products and a square root: covers Hertz and linear laws.
+const MAX_HALF_POWERS: i32 = 8;
 
-/// xⁿ for x ≥ 0, to (1.1 + 3.5 |n log₂ x|) 2⁻⁵³ of it: five roundings of the logarithm, one of its power. For the 2.2nd power of a depth of
-/// 1e-7 m that is 2e-14; the depth is a difference of lengths, and known to 1e-10. A power to the last digit would take three times as
-/// long. Whole and half n, as far as 4, are products and cost less.
+/// xⁿ for x ≥ 0, with a relative error of at most (1.1 + 3.5 |n log₂ x|) 2⁻⁵³: five roundings of the logarithm and one
+/// of the power. For the 2.2nd power of a depth of 1e-7 m the error is 2e-14; the depth is a difference of lengths with
+/// a relative error of 1e-10. A correctly rounded power would take three times as long. Integer and half-integer n up
+/// to 4 use products and cost less.
 #[inline]
 pub fn pow(x: f64, n: f64) -> f64 {
-    let halves = (2.0 * n) as i32;
-    if f64::from(halves) == 2.0 * n && (0..=MOST_HALVES).contains(&halves) {
-        let whole = powi(x, halves / 2);
-        return if halves % 2 == 0 { whole } else { whole * x.sqrt() };
+    let half_powers = (2.0 * n) as i32;
+    if f64::from(half_powers) == 2.0 * n && (0..=MAX_HALF_POWERS).contains(&half_powers) {
+        let integer_power = powi(x, half_powers / 2);
+        return if half_powers % 2 == 0 { integer_power } else { integer_power * x.sqrt() };
     }
     libm::exp2(n * LOG2_E * libm::log(x))
 }
 
-/// xⁿ by products: what the standard library makes of it is not said to be the same everywhere.
+/// xⁿ by products: the standard library does not guarantee the same result on every platform.
 #[inline]
 pub fn powi(x: f64, n: i32) -> f64 {
-    let (mut product, mut square, mut left) = (1.0, x, n.unsigned_abs());
-    while left > 0 {
-        if left % 2 == 1 {
+    let (mut product, mut square, mut remaining) = (1.0, x, n.unsigned_abs());
+    while remaining > 0 {
+        if remaining % 2 == 1 {
             product *= square;
         }
         square *= square;
-        left /= 2;
+        remaining /= 2;
     }
     if n < 0 { 1.0 / product } else { product }
 }
@@ -102,8 +104,8 @@ pub fn powi(x: f64, n: i32) -> f64 {
 mod tests {
     use super::*;
 
-    /// Numbers in [0, 1), the same on every platform: products and sums of 64-bit integers.
-    fn evenly(count: usize) -> impl Iterator<Item = f64> {
+    /// Pseudo-random numbers in [0, 1) of a linear congruential generator, identical on every platform.
+    fn uniform(count: usize) -> impl Iterator<Item = f64> {
         let next =
             |state: &u64| Some(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407));
         std::iter::successors(Some(1), next)
@@ -112,73 +114,73 @@ mod tests {
             .map(|state| (state >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    /// Numbers between 2^−30 and 2^30, as many in each octave.
+    /// Numbers between 2^−30 and 2^30, uniform over octaves.
     fn octaves(count: usize) -> impl Iterator<Item = f64> {
-        evenly(count).zip(evenly(2 * count).skip(count)).map(|(x, y)| (1.0 + x) * powi(2.0, (60.0 * y) as i32 - 30))
+        uniform(count).zip(uniform(2 * count).skip(count)).map(|(x, y)| (1.0 + x) * powi(2.0, (60.0 * y) as i32 - 30))
     }
 
-    /// The largest difference, in last digits of `exact`.
-    fn most_ulp(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
-        pairs.fold(0.0, |most, (got, exact)| {
-            assert!(got.is_finite() && exact.is_finite());
+    /// Returns the largest difference in units in the last place of `exact`.
+    fn max_ulp_error(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+        pairs.fold(0.0, |worst, (computed, exact)| {
+            assert!(computed.is_finite() && exact.is_finite());
             let ulp = f64::from_bits(exact.abs().to_bits() + 1) - exact.abs();
-            most.max((got - exact).abs() / ulp)
+            worst.max((computed - exact).abs() / ulp)
         })
     }
 
-    /// Both are within one last digit of the truth.
+    /// Both libraries are within one unit in the last place of the exact value.
     #[test]
-    fn all_are_the_standard_library_s_to_two_last_digits() {
-        let angles = || evenly(100_000).map(|x| 20.0 * x - 10.0);
-        let unit = || evenly(100_000).map(|x| 2.0 * x - 1.0);
+    fn functions_agree_with_the_standard_library_to_two_units_in_the_last_place() {
+        let angles = || uniform(100_000).map(|x| 20.0 * x - 10.0);
+        let unit = || uniform(100_000).map(|x| 2.0 * x - 1.0);
         let both = || octaves(100_000).zip(octaves(150_000).skip(50_000));
-        for (name, most) in [
-            ("sin", most_ulp(angles().map(|x| (sin(x), x.sin())))),
-            ("cos", most_ulp(angles().map(|x| (cos(x), x.cos())))),
-            ("sine of both", most_ulp(angles().map(|x| (sin_cos(x).0, x.sin())))),
-            ("cosine of both", most_ulp(angles().map(|x| (sin_cos(x).1, x.cos())))),
-            ("tan", most_ulp(angles().map(|x| (tan(x), x.tan())))),
-            ("asin", most_ulp(unit().map(|x| (asin(x), x.asin())))),
-            ("atan2", most_ulp(both().map(|(y, x)| (atan2(y, x), y.atan2(x))))),
-            ("hypot", most_ulp(both().map(|(x, y)| (hypot(x, y), x.hypot(y))))),
-            ("exp", most_ulp(angles().map(|x| (exp(x), x.exp())))),
-            ("ln", most_ulp(octaves(100_000).map(|x| (ln(x), x.ln())))),
-            ("log2", most_ulp(octaves(100_000).map(|x| (log2(x), x.log2())))),
-            ("log10", most_ulp(octaves(100_000).map(|x| (log10(x), x.log10())))),
-            ("cbrt", most_ulp(octaves(100_000).map(|x| (cbrt(x), x.cbrt())))),
+        for (name, worst) in [
+            ("sin", max_ulp_error(angles().map(|x| (sin(x), x.sin())))),
+            ("cos", max_ulp_error(angles().map(|x| (cos(x), x.cos())))),
+            ("sine of both", max_ulp_error(angles().map(|x| (sin_cos(x).0, x.sin())))),
+            ("cosine of both", max_ulp_error(angles().map(|x| (sin_cos(x).1, x.cos())))),
+            ("tan", max_ulp_error(angles().map(|x| (tan(x), x.tan())))),
+            ("asin", max_ulp_error(unit().map(|x| (asin(x), x.asin())))),
+            ("atan2", max_ulp_error(both().map(|(y, x)| (atan2(y, x), y.atan2(x))))),
+            ("hypot", max_ulp_error(both().map(|(x, y)| (hypot(x, y), x.hypot(y))))),
+            ("exp", max_ulp_error(angles().map(|x| (exp(x), x.exp())))),
+            ("ln", max_ulp_error(octaves(100_000).map(|x| (ln(x), x.ln())))),
+            ("log2", max_ulp_error(octaves(100_000).map(|x| (log2(x), x.log2())))),
+            ("log10", max_ulp_error(octaves(100_000).map(|x| (log10(x), x.log10())))),
+            ("cbrt", max_ulp_error(octaves(100_000).map(|x| (cbrt(x), x.cbrt())))),
         ] {
-            assert!(most <= 2.0, "{name}: {most} last digits");
+            assert!(worst <= 2.0, "{name}: {worst} ulp");
         }
     }
 
     #[test]
-    fn powers_are_as_exact_as_they_are_said_to_be() {
-        let mut most: f64 = 0.0;
+    fn powers_satisfy_their_error_bound() {
+        let mut worst: f64 = 0.0;
         for n in [-0.2, 0.2, 1.0 / 3.2, 1.1, 1.2, 2.2, 3.2, 5.7] {
             for x in octaves(20_000) {
                 let bound = (1.1 + 3.5 * (n * x.log2()).abs()) * 0.5 * f64::EPSILON;
-                // The quotient and the standard library's power have errors of their own.
+                // The quotient and the standard library's power add their own rounding errors.
                 let off = ((pow(x, n) / x.powf(n) - 1.0).abs() - f64::EPSILON).max(0.0);
-                most = most.max(off / bound);
+                worst = worst.max(off / bound);
             }
         }
-        assert!(most <= 1.0, "{most} of what is said");
-        let depths = || evenly(10_000).map(|x| 1e-7 * (1.0 + x));
+        assert!(worst <= 1.0, "{worst} of the error bound");
+        let depths = || uniform(10_000).map(|x| 1e-7 * (1.0 + x));
         assert!(depths().all(|x| (pow(x, 2.2) / x.powf(2.2) - 1.0).abs() < 2e-14));
     }
 
     #[test]
-    fn whole_and_half_powers_are_products() {
+    fn integer_and_half_integer_powers_are_products() {
         for x in octaves(1000) {
             assert_eq!([0.0, 1.0, 2.0, 3.0].map(|n| pow(x, n)), [1.0, x, x * x, x * x * x]);
             assert_eq!([0.5, 1.5, 2.5].map(|n| pow(x, n)), [x.sqrt(), x * x.sqrt(), x * x * x.sqrt()]);
-            assert!(most_ulp([4.0, 3.5].map(|n| (pow(x, n), x.powf(n))).into_iter()) <= 2.0);
+            assert!(max_ulp_error([4.0, 3.5].map(|n| (pow(x, n), x.powf(n))).into_iter()) <= 2.0);
         }
         assert_eq!([2, -2, 0, 11].map(|n| powi(10.0, n)), [100.0, 0.01, 1.0, 1e11]);
     }
 
     #[test]
-    fn powers_have_the_limits_of_a_power() {
+    fn powers_have_the_correct_limits() {
         assert_eq!([0.0, 0.5, 1.0, 2.2].map(|n| pow(0.0, n)), [1.0, 0.0, 0.0, 0.0]);
         assert_eq!(
             (pow(0.0, -0.2), pow(f64::INFINITY, -0.2), pow(f64::INFINITY, 2.2)),
@@ -188,10 +190,10 @@ mod tests {
         assert!(pow(f64::NAN, 2.2).is_nan() && pow(f64::NAN, 1.5).is_nan() && pow(-1.0, 2.2).is_nan());
     }
 
-    /// Mirror images stay mirror images.
+    /// Mirrored scenes stay exact mirror images.
     #[test]
-    fn sines_are_odd_and_cosines_even_to_the_last_digit() {
-        for x in evenly(10_000).map(|x| 20.0 * x) {
+    fn sines_are_exactly_odd_and_cosines_exactly_even() {
+        for x in uniform(10_000).map(|x| 20.0 * x) {
             let ((s, c), (mirrored_s, mirrored_c)) = (sin_cos(x), sin_cos(-x));
             assert_eq!((mirrored_s, mirrored_c), (-s, c));
             assert_eq!((sin(-x), cos(-x), tan(-x), atan2(-x, 0.3)), (-s, c, -tan(x), -atan2(x, 0.3)));
@@ -199,18 +201,18 @@ mod tests {
         }
     }
 
-    /// All bits of many values: one that is another on some platform makes another sum (Fowler–Noll–Vo).
+    /// Hashes all bits of many values (Fowler–Noll–Vo): any difference between platforms changes the hash.
     #[test]
-    fn every_platform_has_the_same_bits() {
+    fn results_are_bitwise_identical_on_every_platform() {
         let mut sum: u64 = 0xcbf2_9ce4_8422_2325;
-        let mut take = |value: f64| sum = (sum ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3).rotate_left(23);
-        for (x, y) in evenly(20_000).zip(octaves(20_000)) {
+        let mut hash = |value: f64| sum = (sum ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3).rotate_left(23);
+        for (x, y) in uniform(20_000).zip(octaves(20_000)) {
             let angle = 20.0 * x - 10.0;
             let (sine, cosine) = sin_cos(angle);
-            let of_angle = [sine, cosine, sin(angle), cos(angle), tan(angle), exp(angle), asin(2.0 * x - 1.0)];
-            let of_size = [atan2(y, angle), hypot(y, angle), ln(y), log2(y), log10(y), cbrt(y), powi(y, 7)];
+            let angle_functions = [sine, cosine, sin(angle), cos(angle), tan(angle), exp(angle), asin(2.0 * x - 1.0)];
+            let magnitude_functions = [atan2(y, angle), hypot(y, angle), ln(y), log2(y), log10(y), cbrt(y), powi(y, 7)];
             let powers = [-0.2, 1.2, 1.5, 2.2, 3.0].map(|n| pow(y, n));
-            of_angle.into_iter().chain(of_size).chain(powers).for_each(&mut take);
+            angle_functions.into_iter().chain(magnitude_functions).chain(powers).for_each(&mut hash);
         }
         assert_eq!(sum, 0x6ec9_e56f_5776_342f, "{sum:#x}");
     }

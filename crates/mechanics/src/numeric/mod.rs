@@ -1,11 +1,11 @@
-//! Numbers that carry derivatives: one formula serves the value and its exact Jacobian. And the elementary functions that all use.
+//! Numbers with derivatives, for which one formula gives the value and its exact Jacobian, and elementary functions.
 
+mod arrays;
 mod dual;
-mod each;
 pub mod elementary;
 pub mod plane;
 mod real;
 
+pub use arrays::{array_from, map_array, map_same_type};
 pub use dual::Dual;
-pub use each::{changed, each, from_each};
 pub use real::Real;

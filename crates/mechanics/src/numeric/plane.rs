@@ -1,4 +1,4 @@
-//! Vectors of the plane over any [`Real`].
+//! Plane vectors over any [`Real`].
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -19,7 +19,7 @@ pub fn cross<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// The vector turned counter-clockwise by 90°.
+/// Returns the vector rotated counter-clockwise by 90°.
 #[inline(always)]
 pub fn perp<T: Real>(a: Vector<T>) -> Vector<T> {
     [-a[1], a[0]]
@@ -45,7 +45,7 @@ pub fn scale_by<T: Real>(a: Vector<T>, s: f64) -> Vector<T> {
     [a[0] * s, a[1] * s]
 }
 
-/// The vector turned by an angle given as (cos, sin).
+/// Returns the vector rotated by an angle given as (cos, sin).
 #[inline(always)]
 pub fn rotate<T: Real>(a: Vector<T>, rotation: [f64; 2]) -> Vector<T> {
     let [c, s] = rotation;
@@ -54,7 +54,8 @@ pub fn rotate<T: Real>(a: Vector<T>, rotation: [f64; 2]) -> Vector<T> {
 
 /// Angle from unit vector a to unit vector b, in (−π, π].
 ///
-/// Near zero the series of arcsin replaces atan2: a joint limit lives at 1e-8 rad, where it is exact and much cheaper.
+/// Near zero the series of arcsin replaces atan2: a joint limit operates at 1e-8 rad, where the series is exact and
+/// much cheaper.
 #[inline(always)]
 pub fn angle_between<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     let sin = cross(a, b);
@@ -64,22 +65,22 @@ pub fn angle_between<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     sin.chain2(cos, angle, c, -s)
 }
 
-/// The same angle with its seam moved to −90°, where a tip that bends backwards past its stop would long be broken:
-/// in (−π/2, 3π/2].
+/// Angle from one unit vector to another in (−π/2, 3π/2]. The branch cut is at −90°, which a tip cannot reach beyond
+/// its stop.
 #[inline(always)]
 pub fn opening_angle<T: Real>(from: Vector<T>, to: Vector<T>) -> T {
     let angle = angle_between(from, to);
     if angle.value() <= -FRAC_PI_2 { angle + TAU } else { angle }
 }
 
-/// `angle` by whole turns as near to `other` as it comes, rad.
+/// `angle` plus the multiple of a full turn that brings it closest to `other`, rad.
 #[inline(always)]
-pub fn near_turn(angle: f64, other: f64) -> f64 {
+pub fn nearest_equivalent_angle(angle: f64, other: f64) -> f64 {
     angle + TAU * ((other - angle) / TAU).round()
 }
 
-/// An angle without its whole turns, from −π to π.
-pub fn turned(angle_rad: f64) -> f64 {
+/// Returns the angle wrapped to −π … π.
+pub fn wrap_angle(angle_rad: f64) -> f64 {
     angle_rad - TAU * (angle_rad / TAU).round()
 }
 
@@ -88,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angle_between_agrees_with_atan2_across_the_switch() {
+    fn angle_between_agrees_with_atan2_on_both_sides_of_the_switch() {
         for angle in [-3.0, -0.5, -2.1e-3, -1.9e-3, -1e-9, 0.0, 3e-8, 1.999e-3, 2.001e-3, 1.2, 3.1f64] {
             let a: [f64; 2] = [0.3f64.cos(), 0.3f64.sin()];
             let b = [(0.3 + angle).cos(), (0.3 + angle).sin()];

@@ -1,4 +1,4 @@
-//! The operations a kernel may use, for plain numbers and for dual numbers alike.
+//! The operations available to kernels, for plain and dual numbers.
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
@@ -17,15 +17,15 @@ pub trait Real:
     + AddAssign
     + SubAssign
 {
-    /// A constant: no derivatives.
+    /// Returns a constant, whose derivatives are zero.
     fn constant(value: f64) -> Self;
 
     fn value(self) -> f64;
 
-    /// A function of this number, given by its value and its derivative here (chain rule).
+    /// Returns a function of this number, given by its value and its derivative here (chain rule).
     fn chain(self, value: f64, derivative: f64) -> Self;
 
-    /// A function of two numbers, given by its value and its two partial derivatives here.
+    /// Returns a function of two numbers, given by its value and its two partial derivatives here.
     fn chain2(self, other: Self, value: f64, d_self: f64, d_other: f64) -> Self;
 
     #[inline(always)]
@@ -50,7 +50,7 @@ pub trait Real:
         self * self
     }
 
-    /// (sin, cos).
+    /// Returns (sin, cos).
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = sin_cos(self.value());

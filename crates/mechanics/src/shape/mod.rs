@@ -1,11 +1,11 @@
-//! What a shape is: all that anything asks of the outline of a body. Another shape is another arm of the functions here.
+//! Shapes: every query about the outline of a body. A new shape is a new arm of the functions in this module.
 //!
-//! A shape is convex, and its own mirror image about the x axis of its body: what a left finger sees in its mirror is the same shape,
-//! turned the other way.
+//! A shape is convex and symmetric about the x axis of its body: in the mirrored frame of a left finger it is the same
+//! shape with the opposite angle.
 //!
 //! | file | job |
 //! |---|---|
-//! | `placed` | a shape somewhere in the plane, its support function there, and a line that touches it |
+//! | `placed` | a shape at a position and angle, its support function, and tangent lines |
 
 mod placed;
 
@@ -15,95 +15,102 @@ use crate::numeric::Real;
 use crate::numeric::elementary::{asin, atan2, hypot};
 use crate::numeric::plane::{Vector, dot, scale, sub};
 
-pub use placed::{Placed, Support, Tangent};
+pub use placed::{PlacedShape, Support, Tangent};
 
-/// An outline about the centre of its body.
+/// Outline of a body, relative to its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     Disc { radius_m: f64 },
 }
 
-/// What says how large it is, one or two lengths: the name of each, and that in m. A study asks by the million, so it is no list.
-pub fn sizes(shape: &Shape) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+/// Dimensions of a shape, one or two lengths: name and value in m. Called millions of times in a study, hence no
+/// allocation.
+pub fn dimensions(shape: &Shape) -> impl Iterator<Item = (&'static str, f64)> + use<> {
     let sizes = match shape {
         Shape::Disc { radius_m } => [Some(("radius", *radius_m)), None],
     };
     sizes.into_iter().flatten()
 }
 
-/// The radius of one that is a circle about its centre, m: how it is turned shows nowhere.
+/// Radius of a circular shape, m; its orientation has no effect.
 #[inline(always)]
-pub fn round(shape: &Shape) -> Option<f64> {
+pub fn circle_radius(shape: &Shape) -> Option<f64> {
     match shape {
         Shape::Disc { radius_m } => Some(*radius_m),
     }
 }
 
-/// How far from its centre any of it is, m: the length by which the others of a scene are measured.
-pub fn reach(shape: &Shape) -> f64 {
+/// Largest distance of the outline from the centre, m: the reference length of a scene.
+pub fn max_radius(shape: &Shape) -> f64 {
     match shape {
         Shape::Disc { radius_m } => *radius_m,
     }
 }
 
-/// Radius of curvature by which Hertz's law counts it, m.
-pub fn curvature(shape: &Shape) -> f64 {
+/// Radius of curvature for Hertz's law, m.
+pub fn curvature_radius(shape: &Shape) -> f64 {
     match shape {
         Shape::Disc { radius_m } => *radius_m,
     }
 }
 
-/// Mass of one of a density (kg/m³), so deep out of the plane (m), kg.
+/// Mass of a homogeneous body of this density (kg/m³) and depth out of the plane (m), kg.
 pub fn mass(shape: &Shape, density_kg_m3: f64, depth_m: f64) -> f64 {
     match shape {
         Shape::Disc { radius_m } => density_kg_m3 * PI * radius_m * radius_m * depth_m,
     }
 }
 
-/// Moment of inertia of a homogeneous one about its centre, kg·m².
+/// Moment of inertia of a homogeneous body about its centre, kg·m².
 pub fn inertia(shape: &Shape, mass_kg: f64) -> f64 {
     match shape {
         Shape::Disc { radius_m } => mass_kg * radius_m * radius_m / 2.0,
     }
 }
 
-/// How far the surface is from the centre in a direction (a unit vector of the frame that the shape is placed in).
+/// Support function of a shape in a direction (a unit vector of the frame in which the shape is placed).
 #[inline(always)]
-pub fn support<T: Real>(placed: &Placed<T>, _direction: Vector<T>) -> Support<T> {
+pub fn support<T: Real>(placed: &PlacedShape<T>, _direction: Vector<T>) -> Support<T> {
     match placed.shape {
         Shape::Disc { radius_m } => Support { distance: T::constant(radius_m), slope: T::zero() },
     }
 }
 
-/// The outward normal where the surface is nearest to a point beyond it, and how far along that the point is from the centre.
+/// Outward normal at the surface point nearest to an exterior point, and the distance of that point from the centre
+/// along the normal.
 #[inline(always)]
-pub fn seen_from<T: Real>(placed: &Placed<T>, point: Vector<T>) -> (Vector<T>, T) {
-    let away = sub(point, placed.centre_m);
+pub fn normal_towards<T: Real>(placed: &PlacedShape<T>, point: Vector<T>) -> (Vector<T>, T) {
+    let offset = sub(point, placed.centre_m);
     match placed.shape {
-        Shape::Disc { .. } => along(away),
+        Shape::Disc { .. } => unit_and_length(offset),
     }
 }
 
-/// The normal where two surfaces are nearest to each other, from the second to the first, and how far apart the centres are along it.
+/// Normal at the closest points of two surfaces, from the second to the first, and the distance of the centres along
+/// it.
 #[inline(always)]
-pub fn facing<T: Real>([first, second]: [&Placed<T>; 2]) -> (Vector<T>, T) {
-    let away = sub(first.centre_m, second.centre_m);
+pub fn normal_between<T: Real>([first, second]: [&PlacedShape<T>; 2]) -> (Vector<T>, T) {
+    let offset = sub(first.centre_m, second.centre_m);
     match (first.shape, second.shape) {
-        (Shape::Disc { .. }, Shape::Disc { .. }) => along(away),
+        (Shape::Disc { .. }, Shape::Disc { .. }) => unit_and_length(offset),
     }
 }
 
-/// Of round ones every normal goes through the centre.
+/// Direction and length of a vector. Every normal of a circular shape passes through its centre.
 #[inline(always)]
-fn along<T: Real>(away: Vector<T>) -> (Vector<T>, T) {
-    let distance = dot(away, away).sqrt();
-    (scale(away, distance.recip()), distance)
+fn unit_and_length<T: Real>(offset: Vector<T>) -> (Vector<T>, T) {
+    let distance = dot(offset, offset).sqrt();
+    (scale(offset, distance.recip()), distance)
 }
 
-/// The line from the origin that has a shape to its left, at this distance; how near the origin may be to the centre, m, where it is nearer.
+/// Returns the line through the origin that passes a shape on its left at this distance.
 ///
-/// With D² = x_c² + y_c² and R = r_c + w of a disc: q_c21 = atan2(y_c, x_c) − asin(R/D), l_c21 = √(D² − R²) (thesis (B.3)).
-pub fn tangent(placed: &Placed, distance_m: f64) -> Result<Tangent, f64> {
+/// For a disc with D² = x_c² + y_c² and R = r_c + w: q_c21 = atan2(y_c, x_c) − asin(R/D), l_c21 = √(D² − R²) (thesis
+/// (B.3)).
+///
+/// # Errors
+/// Returns the smallest allowed distance of the centre from the origin, m, if the centre is nearer.
+pub fn tangent(placed: &PlacedShape, distance_m: f64) -> Result<Tangent, f64> {
     let [x, y] = placed.centre_m;
     match placed.shape {
         Shape::Disc { radius_m } => {
@@ -116,10 +123,11 @@ pub fn tangent(placed: &Placed, distance_m: f64) -> Result<Tangent, f64> {
     }
 }
 
-/// The other line at that distance from a point of the first one, so far beyond where that touches; its angle counts from the first one's.
+/// Returns the second line at that distance, through the point of the first line `beyond_m` behind its contact. Its
+/// angle is relative to the first line.
 ///
-/// Of a disc both are equally long: t = l21 − l_c21 (errata 14), and the angle is 2β with tan β = t/R.
-pub fn other_tangent(placed: &Placed, distance_m: f64, _first: &Tangent, beyond_m: f64) -> Tangent {
+/// For a disc both tangents have the same length t = l21 − l_c21 (errata 14), and the angle is 2β with tan β = t/R.
+pub fn second_tangent(placed: &PlacedShape, distance_m: f64, _first: &Tangent, beyond_m: f64) -> Tangent {
     match placed.shape {
         Shape::Disc { radius_m } => {
             Tangent { angle_rad: 2.0 * atan2(beyond_m, radius_m + distance_m), length_m: beyond_m }

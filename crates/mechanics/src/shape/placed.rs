@@ -1,4 +1,4 @@
-//! A shape somewhere in the plane.
+//! A shape at a position and angle in the plane.
 
 use std::f64::consts::TAU;
 
@@ -7,74 +7,75 @@ use crate::numeric::Real;
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, perp, scale};
 
-/// Corners of a polygon that stands for a shape: of a disc's radius it leaves out 1 − cos(π/96), 0.05 %, at most.
+/// Corners of the polygon that approximates a shape: its error is at most 1 − cos(π/96), 0.05 %, of a disc's radius.
 const CORNERS: usize = 96;
 
-/// A shape and where it is.
+/// A shape with its position and angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placed<T = f64> {
+pub struct PlacedShape<T = f64> {
     pub shape: Shape,
     pub centre_m: Vector<T>,
-    /// Of its x axis.
+    /// Angle of the x axis of the shape.
     pub angle_rad: T,
 }
 
-/// The support function h of a shape, with its derivative by the angle of the direction: the surface's tangent across direction n
-/// touches it at h n + h' n⊥ from the centre.
+/// The support function h of a shape and its derivative with respect to the angle of the direction n. The tangent line
+/// normal to n touches the surface at h n + h' n⊥ from the centre.
 ///
-/// As the body turns counter-clockwise, the distance grows by −h'.
+/// When the body turns counter-clockwise, the distance changes at the rate −h' per rad.
 #[derive(Clone, Copy, Debug)]
 pub struct Support<T> {
     pub distance: T,
     pub slope: T,
 }
 
-/// A line from a point that touches a shape: the centre line of a phalanx, as far from the surface as it is half wide.
+/// A line tangent to a shape at a distance: the centre line of a phalanx, half a width from the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent {
     pub angle_rad: f64,
-    /// From the point to where it touches.
+    /// Distance from the start of the line to the contact.
     pub length_m: f64,
 }
 
 impl Shape {
-    /// Somewhere, its x axis along that of the frame.
-    pub const fn at(self, centre_m: [f64; 2]) -> Placed {
-        Placed { shape: self, centre_m, angle_rad: 0.0 }
+    /// Returns the shape at a position, aligned with the frame.
+    pub const fn at(self, centre_m: [f64; 2]) -> PlacedShape {
+        PlacedShape { shape: self, centre_m, angle_rad: 0.0 }
     }
 }
 
-impl Placed {
-    /// A disc, whose angle shows nowhere.
+impl PlacedShape {
+    /// Creates a disc; its angle has no effect.
     pub const fn disc(radius_m: f64, centre_m: [f64; 2]) -> Self {
         Shape::Disc { radius_m }.at(centre_m)
     }
 
-    /// Its point that is furthest in a direction.
-    pub fn furthest_m(&self, direction: [f64; 2]) -> [f64; 2] {
+    /// Returns the point furthest in a direction.
+    pub fn furthest_point_m(&self, direction: [f64; 2]) -> [f64; 2] {
         add(self.centre_m, support(self, direction).point(direction))
     }
 
-    /// Its point nearest to a palm.
-    pub fn lowest_m(&self) -> [f64; 2] {
-        self.furthest_m([0.0, -1.0])
+    /// Returns the point nearest to the palm.
+    pub fn lowest_point_m(&self) -> [f64; 2] {
+        self.furthest_point_m([0.0, -1.0])
     }
 
-    /// Corners of a polygon in it, counter-clockwise.
+    /// Corners of the inscribed polygon, counter-clockwise.
     pub fn outline_m(&self) -> Vec<[f64; 2]> {
         let direction = |k: usize| sin_cos(self.angle_rad + TAU * k as f64 / CORNERS as f64);
-        (0..CORNERS).map(direction).map(|(sin, cos)| self.furthest_m([cos, sin])).collect()
+        (0..CORNERS).map(direction).map(|(sin, cos)| self.furthest_point_m([cos, sin])).collect()
     }
 
-    /// As the frame of a finger has it, whose ground joint is half a palm from the middle: of a left one (mirror −1) in a mirror.
+    /// Returns the shape in the frame of a finger, whose ground joint is half a palm width from the centre; mirrored
+    /// for a left finger (mirror −1).
     #[must_use]
     #[inline(always)]
-    pub fn in_finger(self, mirror: f64, half_palm_m: f64) -> Self {
+    pub fn in_finger_frame(self, mirror: f64, half_palm_m: f64) -> Self {
         let Self { shape, centre_m: [x, y], angle_rad } = self;
         Self { shape, centre_m: [mirror * x - half_palm_m, y], angle_rad: mirror * angle_rad }
     }
 
-    /// The same shape elsewhere.
+    /// Returns the same shape at another position.
     #[must_use]
     pub const fn at(self, centre_m: [f64; 2]) -> Self {
         Self { centre_m, ..self }
@@ -82,12 +83,12 @@ impl Placed {
 }
 
 impl<T: Real> Support<T> {
-    /// Of what has no surface.
+    /// Zero support values, for contacts without a surface, such as a joint limit.
     pub fn none() -> Self {
         Self { distance: T::zero(), slope: T::zero() }
     }
 
-    /// From the centre to the point of the surface that it is of.
+    /// Vector from the centre to the surface point of this support value.
     #[inline(always)]
     pub fn point(&self, direction: Vector<T>) -> Vector<T> {
         add(scale(direction, self.distance), scale(perp(direction), self.slope))

@@ -12,7 +12,7 @@ pub(super) struct Simpson {
 
 impl Simpson {
     /// `intervals` is rounded up to an even number, at least 2.
-    pub fn over(from: f64, to: f64, intervals: usize) -> Self {
+    pub fn on_interval(from: f64, to: f64, intervals: usize) -> Self {
         Self { from, width: to - from, intervals: intervals.max(2).next_multiple_of(2) }
     }
 
@@ -35,20 +35,20 @@ impl Simpson {
 
 /// Largest value of a function over the nodes, refined by the parabola through the largest and its two neighbours.
 #[inline]
-pub(super) fn largest(nodes: &Simpson, value: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn find_maximum(nodes: &Simpson, value: impl Fn(f64) -> f64) -> f64 {
     let (mut best, mut at) = (f64::NEG_INFINITY, 0);
     for i in 0..=nodes.intervals {
-        let here = value(nodes.node(i));
-        if here > best || here.is_nan() {
-            (best, at) = (here, i);
+        let sample = value(nodes.node(i));
+        if sample > best || sample.is_nan() {
+            (best, at) = (sample, i);
         }
     }
     if at == 0 || at == nodes.intervals {
         return best;
     }
     let (before, after) = (value(nodes.node(at - 1)), value(nodes.node(at + 1)));
-    let bend = before - 2.0 * best + after;
-    if bend < 0.0 { best - powi(after - before, 2) / (8.0 * bend) } else { best }
+    let curvature = before - 2.0 * best + after;
+    if curvature < 0.0 { best - powi(after - before, 2) / (8.0 * curvature) } else { best }
 }
 
 #[cfg(test)]
@@ -57,16 +57,16 @@ mod tests {
 
     #[test]
     fn simpson_is_exact_for_cubics() {
-        let nodes = Simpson::over(-1.0, 3.0, 3);
+        let nodes = Simpson::on_interval(-1.0, 3.0, 3);
         assert!((nodes.mean(|x| x * x * x + 2.0 * x) - (20.0 + 8.0) / 4.0).abs() < 1e-14);
     }
 
     #[test]
     fn the_maximum_between_nodes_is_found() {
-        let nodes = Simpson::over(0.0, 1.0, 400);
-        assert!((largest(&nodes, |x| 1.0 - (x - 0.3333).powi(2)) - 1.0).abs() < 1e-15);
-        assert!((largest(&nodes, |x| (7.0 * x).sin()) - 1.0).abs() < 1e-8);
-        assert_eq!(largest(&nodes, |x| x), 1.0);
-        assert_eq!(largest(&nodes, |x| -x), 0.0);
+        let nodes = Simpson::on_interval(0.0, 1.0, 400);
+        assert!((find_maximum(&nodes, |x| 1.0 - (x - 0.3333).powi(2)) - 1.0).abs() < 1e-15);
+        assert!((find_maximum(&nodes, |x| (7.0 * x).sin()) - 1.0).abs() < 1e-8);
+        assert_eq!(find_maximum(&nodes, |x| x), 1.0);
+        assert_eq!(find_maximum(&nodes, |x| -x), 0.0);
     }
 }

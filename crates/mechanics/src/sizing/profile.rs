@@ -1,20 +1,21 @@
-//! Everything along the test trajectory, sample by sample (thesis Figs. 3.1–3.3).
+//! All quantities along the test trajectory, sample by sample (thesis Figs. 3.1–3.3).
 
-use super::bent::Bent;
-use super::rigid::Rigid;
+use super::bending_phase::BendingPhase;
+use super::rigid_phase::RigidPhase;
 use super::{Closing, INTERVALS, Rule, Sizing, SizingError, Task, closing, size_with};
 use crate::gripper::{Finger, Placement};
 
-/// The test trajectory with the torques it asks for, and what comes of them.
+/// The test trajectory with its required torques and the resulting sizing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     pub closing: Closing,
-    /// By [`Rule::Rigid`] and [`Rule::Whole`], spring at q22.
+    /// Sizing by [`Rule::Rigid`] with the spring at q22.
     pub rigid: Sizing,
+    /// Sizing by [`Rule::Whole`] with the spring at q22.
     pub whole: Sizing,
-    /// Largest relative change of any of these torques when the samples are doubled.
+    /// Largest relative change of these torques when the number of samples is doubled.
     pub convergence: f64,
-    /// k_s by place of the spring, in the order of [`Placement::ALL`].
+    /// k_s for each placement of the spring, in the order of [`Placement::ALL`].
     pub placements_n_m: [f64; 4],
     /// Torque of the torsional spring over its extension: k_s/q_p.
     pub torsional_n_m_per_rad: f64,
@@ -30,33 +31,33 @@ pub struct ProfilePoint {
     pub q22_rad: f64,
     pub qd11_rad_s: f64,
     pub qdd11_rad_s2: f64,
-    /// k_s(t) by place of the spring, in the order of [`Placement::ALL`]; `None` after the proximal contact.
+    /// k_s(t) for each placement of the spring, in the order of [`Placement::ALL`]; `None` after the proximal contact.
     pub springs_n_m: Option<[f64; 4]>,
     /// Net motor torque r1 + r2; `None` after the proximal contact.
     pub net_n_m: Option<f64>,
     /// Motor torque against the constant spring k_s.
     pub constant_n_m: f64,
-    /// Motor torque against the torsional spring that has k_s where the finger is straight.
+    /// Motor torque against the torsional spring whose torque is k_s when the finger is straight.
     pub torsional_n_m: f64,
 }
 
-/// Follows the test trajectory over `samples` even steps of time (the contact is one more point, on both its sides).
+/// Evaluates the test trajectory at `samples` equal time steps; the contact is an additional point, once on each side.
 ///
-/// `preload_rad` is q_p, by how much the torsional spring is turned where the finger is straight: c_s = k_s/q_p (2.30).
+/// `preload_rad` is q_p, the deflection of the torsional spring when the finger is straight: c_s = k_s/q_p (2.30).
 ///
 /// # Errors
-/// As [`super::size`]; and a preload that is not above 0.
+/// See [`super::size`]; also returns an error if the preload is not above 0.
 pub fn profile(finger: &Finger, task: &Task, preload_rad: f64, samples: usize) -> Result<Profile, SizingError> {
     if !(preload_rad.is_finite() && preload_rad > 0.0) {
         return Err(SizingError::NotPositive { name: "preload_rad", value: preload_rad });
     }
     let closing = closing(finger, task)?;
-    let sized = |intervals| -> Result<[Sizing; 2], SizingError> {
-        let by = |rule| size_with(finger, task, rule, Placement::Phalanges, intervals);
-        Ok([by(Rule::Rigid)?, by(Rule::Whole)?])
+    let size_both = |intervals| -> Result<[Sizing; 2], SizingError> {
+        let size_by = |rule| size_with(finger, task, rule, Placement::Phalanges, intervals);
+        Ok([size_by(Rule::Rigid)?, size_by(Rule::Whole)?])
     };
-    let [rigid, whole] = sized(INTERVALS)?;
-    let finer = sized(2 * INTERVALS)?;
+    let [rigid, whole] = size_both(INTERVALS)?;
+    let finer = size_both(2 * INTERVALS)?;
     let change = |a: f64, b: f64| if b == 0.0 { a.abs() } else { (a / b - 1.0).abs() };
     let convergence = [rigid, whole]
         .iter()
@@ -69,8 +70,8 @@ pub fn profile(finger: &Finger, task: &Task, preload_rad: f64, samples: usize) -
     }
     let torsional_n_m_per_rad = rigid.spring_n_m / preload_rad;
 
-    let swinging = Rigid::new(finger, &closing, task.gravity_m_s2);
-    let bending = Bent::new(finger, &closing, task.gravity_m_s2);
+    let rigid_phase = RigidPhase::new(finger, &closing, task.gravity_m_s2);
+    let bending_phase = BendingPhase::new(finger, &closing, task.gravity_m_s2);
     let k_s = rigid.spring_n_m;
     let point = |x: f64, straight: bool| {
         let motion = closing.trajectory.at(x);
@@ -87,19 +88,19 @@ pub fn profile(finger: &Finger, task: &Task, preload_rad: f64, samples: usize) -
             torsional_n_m: 0.0,
         };
         if straight {
-            let r2 = swinging.torques(&motion)[1];
-            let motor = swinging.motor_with_spring(&motion, k_s);
+            let r2 = rigid_phase.torques(&motion)[1];
+            let motor = rigid_phase.motor_with_spring(&motion, k_s);
             return ProfilePoint {
                 q21_rad: motion.angle_rad - closing.start.q11_rad + closing.start.q21_rad,
-                springs_n_m: Some(Placement::ALL.map(|placement| r2 / swinging.spring_lever(placement).abs())),
-                net_n_m: Some(swinging.net_torque(&motion)),
+                springs_n_m: Some(Placement::ALL.map(|placement| r2 / rigid_phase.spring_lever(placement).abs())),
+                net_n_m: Some(rigid_phase.net_torque(&motion)),
                 constant_n_m: motor,
                 torsional_n_m: motor,
                 ..common
             };
         }
-        let q22_rad = bending.q22(&motion);
-        let [r1, lever] = bending.row(&motion);
+        let q22_rad = bending_phase.q22(&motion);
+        let [r1, lever] = bending_phase.row(&motion);
         let extension = q22_rad - closing.start.q22_rad;
         ProfilePoint {
             q22_rad,

@@ -10,36 +10,36 @@ pub fn position(x: f64) -> f64 {
 /// ds/dx.
 #[inline]
 pub fn rate(x: f64) -> f64 {
-    let bell = x * (1.0 - x);
-    140.0 * bell * bell * bell
+    let product = x * (1.0 - x);
+    140.0 * product * product * product
 }
 
 /// d²s/dx².
 #[inline]
 pub fn acceleration(x: f64) -> f64 {
-    let bell = x * (1.0 - x);
-    420.0 * bell * bell * (1.0 - 2.0 * x)
+    let product = x * (1.0 - x);
+    420.0 * product * product * (1.0 - 2.0 * x)
 }
 
-/// x at which s(x) is `part`, for a part within 0 … 1.
+/// Inverse of [`position`]: the x in 0 … 1 at which s(x) = `fraction`, clamped outside 0 … 1.
 ///
-/// Newton's steps, kept within what bisection knows: s is flat at both ends.
-pub fn when(part: f64) -> f64 {
-    if part <= 0.0 {
+/// Newton iteration, safeguarded by bisection because s is flat at both ends.
+pub fn inverse_position(fraction: f64) -> f64 {
+    if fraction <= 0.0 {
         return 0.0;
     }
-    if part >= 1.0 {
+    if fraction >= 1.0 {
         return 1.0;
     }
     let (mut low, mut high, mut x) = (0.0, 1.0, 0.5);
     for _ in 0..100 {
-        let miss = position(x) - part;
-        if miss < 0.0 {
+        let residual = position(x) - fraction;
+        if residual < 0.0 {
             low = x
         } else {
             high = x
         }
-        let newton = x - miss / rate(x);
+        let newton = x - residual / rate(x);
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         if (next - x).abs() <= 2.0 * f64::EPSILON {
             return next;
@@ -49,7 +49,7 @@ pub fn when(part: f64) -> f64 {
     x
 }
 
-/// The motor link along the trajectory: from `from_rad` over `stroke_rad` in `length_s`.
+/// Trajectory of the motor link: from `from_rad` over `stroke_rad` in `length_s`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trajectory {
     pub from_rad: f64,
@@ -66,7 +66,7 @@ pub struct Motion {
 }
 
 impl Trajectory {
-    /// Where the motor link is at x = t/T.
+    /// Motion of the motor link at x = t/T.
     #[inline]
     pub fn at(&self, x: f64) -> Motion {
         Motion {
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_polynomial_goes_from_rest_to_rest_and_its_derivatives_are_its_own() {
+    fn the_polynomial_starts_and_ends_at_rest_and_has_consistent_derivatives() {
         assert_eq!([position(0.0), position(0.5), position(1.0)], [0.0, 0.5, 1.0]);
         assert_eq!([rate(0.0), rate(1.0), acceleration(0.0), acceleration(1.0)], [0.0; 4]);
         let h = 1e-5;
@@ -93,9 +93,9 @@ mod tests {
     }
 
     #[test]
-    fn when_inverts_the_position() {
-        for part in [0.0, 1e-12, 1e-3, 0.3, 0.5, 0.9, 1.0 - 1e-9, 1.0] {
-            assert!((position(when(part)) - part).abs() < 1e-13, "{part}");
+    fn inverse_position_inverts_position() {
+        for fraction in [0.0, 1e-12, 1e-3, 0.3, 0.5, 0.9, 1.0 - 1e-9, 1.0] {
+            assert!((position(inverse_position(fraction)) - fraction).abs() < 1e-13, "{fraction}");
         }
     }
 }

@@ -1,92 +1,97 @@
-//! How fast a gripper may be accelerated before its contacts can no longer hold the object at rest in the hand.
+//! Largest palm acceleration at which the contacts can still keep the object at rest in the hand.
 //!
-//! At rest in the palm's frame all forces balance: on the object, and on both coordinates of either finger. Contacts press within their
-//! friction cones, motors give their torque, and what blocks them whatever it takes, up to what it holds. The accelerations that some such
-//! forces balance are a convex set; its edge in a direction is a linear programme, with a motion that proves it. That forces exist does
-//! not say that these come about: where friction leaves forces open, it depends on how the hand was closed, so that this is the most
-//! that a grasp can bear without slipping.
+//! At rest in the frame of the palm, all forces on the object and on both coordinates of each finger balance. Contact
+//! forces lie within their friction cones, motors exert their torque, and brakes any torque up to their limit. The
+//! accelerations that such forces can balance form a convex set; its boundary in a direction is the solution of a
+//! linear programme, certified by a motion. Existence of these forces does not imply that they occur: if friction makes
+//! the forces indeterminate, they depend on how the hand was closed. The result is therefore an upper bound on the
+//! acceleration that a grasp withstands without slipping.
 
 use std::f64::consts::TAU;
 
 use super::StaticsError;
 use super::balance_exact as exact;
-use super::balance_program::{Bound, Forces, Largest, Program, weigh};
-use super::loads::{HandAtRest, Load, Loads, Pressing, ROWS, Spot, loads};
+use super::balance_program::{Bound, Forces, Optimum, Program, power};
+use super::loads::{ActiveContact, ContactLocation, HandAtRest, Load, Loads, ROWS, loads};
 use crate::numeric::elementary::{hypot, sin_cos};
 
-/// What forces and motion may differ by in what they say of the largest acceleration, relative to it or to what the fixed loads give.
+/// Largest difference between the accelerations from forces and from motion, relative to the acceleration or to the
+/// scale of the fixed loads.
 const GAP: f64 = 1e-6;
 
-/// Rates below this part of the largest are rounding.
+/// Rates below this fraction of the largest are rounding.
 const ROUNDING: f64 = 1e-7;
 
 /// The largest acceleration of the palm in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Balance {
-    /// Of length 1, in the palm's frame.
+    /// Unit vector in the frame of the palm.
     pub direction: [f64; 2],
-    pub largest: Balanced,
+    pub largest: AccelerationLimit,
 }
 
-/// How large an acceleration can be balanced.
+/// Range of accelerations that can be balanced.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Balanced {
+pub enum AccelerationLimit {
     /// Not even a palm at rest: no forces within the cones balance weight, springs and motors.
-    Nothing,
-    UpTo(Limit),
-    /// However large: forces that balance acceleration grow with it.
-    Any,
+    Infeasible,
+    /// Any acceleration up to a limit.
+    Limited(Limit),
+    /// Any acceleration: the balancing forces can grow with it.
+    Unlimited,
 }
 
-impl Balanced {
-    /// m/s²; `None` where there is no limit, and where nothing is balanced.
+impl AccelerationLimit {
+    /// Returns the limit, m/s²; `None` if there is no limit and if the balance is infeasible.
     pub fn acceleration_m_s2(&self) -> Option<f64> {
         match self {
-            Balanced::UpTo(limit) => Some(limit.acceleration_m_s2),
-            Balanced::Nothing | Balanced::Any => None,
+            AccelerationLimit::Limited(limit) => Some(limit.acceleration_m_s2),
+            AccelerationLimit::Infeasible | AccelerationLimit::Unlimited => None,
         }
     }
 }
 
-/// The largest acceleration with what proves it.
+/// The largest acceleration with its certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
     pub acceleration_m_s2: f64,
-    /// Forces that balance it; where they are not the only ones, some.
-    pub contacts: Vec<Held>,
-    /// What each brake gives, N·m, and whether it slips.
-    pub brakes: Vec<BrakeHeld>,
-    /// The motion that a larger acceleration drives and no force within the cones hinders: the object at 1 mm/s (or, if it stays, the
-    /// fastest joint at 1 rad/s).
+    /// Forces that balance the acceleration; not necessarily unique.
+    pub contacts: Vec<ContactLoad>,
+    /// Torque of each brake, N·m, and whether it slips.
+    pub brakes: Vec<BrakeLoad>,
+    /// The motion that a larger acceleration causes and no force within the cones prevents, normalised to an object
+    /// speed of 1 mm/s (if the object is at rest, to 1 rad/s of the fastest joint).
     pub motion: HandMotion,
-    /// How far apart forces and motion see the limit, relative to it or to what the fixed loads give.
+    /// Difference between the limits from forces and from motion, relative to the limit or to the scale of the fixed
+    /// loads.
     pub gap: f64,
 }
 
-/// A contact, or a joint limit, at the largest acceleration.
+/// Force of a contact or joint limit at the largest acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
-    pub spot: Spot,
-    /// N; of a joint limit a torque, N·m.
+pub struct ContactLoad {
+    pub location: ContactLocation,
+    /// Normal force, N; for a joint limit a torque, N·m.
     pub normal_n: f64,
-    /// On phalanx or palm along t = (n_y, −n_x), N; mirrored on the left.
+    /// Friction on phalanx or palm along t = (n_y, −n_x), N; mirrored on the left.
     pub tangential_n: f64,
-    pub yields: Yields,
+    pub contact_motion: ContactMotion,
 }
 
-/// What a contact does in the motion, and so in all forces that balance the largest acceleration.
+/// State of a contact in the motion, and hence in every set of forces that balances the largest acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Yields {
-    /// Its force is wherever in its cone.
-    Holds,
-    /// It is on one edge of the cone.
+pub enum ContactMotion {
+    /// The force may be anywhere in the friction cone.
+    Sticks,
+    /// The force is on an edge of the cone.
     Slips,
-    /// There is none.
-    Leaves,
+    /// The force is zero.
+    Separates,
 }
 
+/// Torque of a brake at the largest acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BrakeHeld {
+pub struct BrakeLoad {
     pub torque_n_m: f64,
     pub slips: bool,
 }
@@ -96,63 +101,67 @@ pub struct BrakeHeld {
 pub struct HandMotion {
     pub object_m_s: [f64; 2],
     pub spin_rad_s: f64,
-    /// (q̇11, q̇21) of right and left; of the left one those of its mirror image.
+    /// (q̇11, q̇21) of the right and the left finger; for the left finger, of its mirror image.
     pub fingers_rad_s: [[f64; 2]; 2],
 }
 
-/// The largest acceleration of the palm, which does not turn, along a direction that contact forces within their cones can balance.
+/// Returns the largest acceleration of a translating palm along a direction that contact forces within their cones can
+/// balance.
 ///
 /// # Errors
-/// A direction without a length; a posture in which a loop does not close, or is singular; numbers out of range; a programme whose
-/// forces and motion do not prove each other.
+/// Returns an error if the direction has zero length, a loop does not close, the posture is singular, a number is out
+/// of range, or the forces and the motion of the linear programme give different limits.
 pub fn balanced_acceleration(hand: &HandAtRest<'_>, direction: [f64; 2]) -> Result<Balance, StaticsError> {
-    largest(&loads(hand)?, direction)
+    largest_acceleration(&loads(hand)?, direction)
 }
 
-/// The same in `count` directions, evenly around from x towards y of the palm's frame.
+/// [`balanced_acceleration`] in `count` equally spaced directions, from x towards y of the frame of the palm.
 ///
 /// # Errors
-/// Those of [`balanced_acceleration`].
+/// See [`balanced_acceleration`].
 pub fn balance_polar(hand: &HandAtRest<'_>, count: usize) -> Result<Vec<Balance>, StaticsError> {
     let loads = loads(hand)?;
-    (0..count).map(|index| largest(&loads, heading(TAU * index as f64 / count as f64))).collect()
+    (0..count).map(|index| largest_acceleration(&loads, direction_at(TAU * index as f64 / count as f64))).collect()
 }
 
-/// The unit vector at an angle; along an axis exactly.
-fn heading(angle_rad: f64) -> [f64; 2] {
+/// Returns the unit vector at an angle; exact along the axes.
+fn direction_at(angle_rad: f64) -> [f64; 2] {
     let (sin, cos) = sin_cos(angle_rad);
-    [cos, sin].map(|part| if part.abs() < f64::EPSILON { 0.0 } else { part })
+    [cos, sin].map(|component| if component.abs() < f64::EPSILON { 0.0 } else { component })
 }
 
-/// Columns with rows in N, what is fixed about 1, and so every other one; `unit` is what of it each is.
+/// The linear programme in normalised units: rows in N, columns and fixed load of size about 1.
 struct Scaled {
     program: Program,
-    /// N, m/s², and of each column.
+    /// Unit of force, N.
     force: f64,
+    /// Unit of acceleration, m/s².
     acceleration: f64,
-    pressing: Vec<f64>,
-    bounded: Vec<f64>,
+    /// Size of each column of contact edges before normalisation.
+    contact_edges: Vec<f64>,
+    /// Size of each column of bounded torques before normalisation.
+    bounded_torques: Vec<f64>,
     lengths: Load,
 }
 
 fn size(column: &Load) -> f64 {
-    column.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()))
+    column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()))
 }
 
-/// A column of size 1, and what it was.
+/// Returns a column normalised to size 1, and its original size.
 fn unit(column: &Load) -> (Load, f64) {
     let size = Some(size(column)).filter(|size| *size > 0.0).unwrap_or(1.0);
     (column.map(|entry| entry / size), size)
 }
 
-/// Forces on the edges of a cone; without friction it has one.
-fn edges(pressing: &Pressing) -> impl Iterator<Item = Load> {
-    let ([normal, tangential], mu) = (pressing.columns, pressing.mu);
+/// Columns of unit forces along the edges of a friction cone; without friction there is one edge.
+fn edges(contact: &ActiveContact) -> impl Iterator<Item = Load> {
+    let ([normal, tangential], mu) = (contact.columns, contact.mu);
     let edge = move |mu: f64| std::array::from_fn(|row| normal[row] + mu * tangential[row]);
     [mu, -mu].into_iter().take(if mu > 0.0 { 2 } else { 1 }).map(edge)
 }
 
-fn scaled(loads: &Loads, [x, y]: [f64; 2]) -> Scaled {
+fn scale_programme(loads: &Loads, [x, y]: [f64; 2]) -> Scaled {
     let r = loads.length_m;
     let lengths = [r, r, r, r, 1.0, 1.0, r];
     let in_newtons = |column: &Load| -> Load { std::array::from_fn(|row| column[row] / lengths[row]) };
@@ -165,100 +174,106 @@ fn scaled(loads: &Loads, [x, y]: [f64; 2]) -> Scaled {
             (column, size, *bounds)
         })
         .collect();
-    let held = drives.iter().flat_map(|(_, size, bounds)| bounds.map(|bound| bound.abs() * size));
-    let largest_held = held.filter(|bound| bound.is_finite()).fold(0.0, f64::max);
-    let force = [size(&fixed), largest_held].into_iter().find(|force| *force > 0.0).unwrap_or(1.0);
+    let brake_bounds = drives.iter().flat_map(|(_, size, bounds)| bounds.map(|bound| bound.abs() * size));
+    let largest_brake = brake_bounds.filter(|bound| bound.is_finite()).fold(0.0, f64::max);
+    let force = [size(&fixed), largest_brake].into_iter().find(|force| *force > 0.0).unwrap_or(1.0);
     let driving: Load = std::array::from_fn(|row| x * loads.inertia[0][row] + y * loads.inertia[1][row]);
     let (driving, inertia) = unit(&in_newtons(&driving));
-    let (pressing, sizes): (Vec<Load>, Vec<f64>) =
-        loads.pressing.iter().flat_map(edges).map(|edge| unit(&in_newtons(&edge))).unzip();
-    let bounded = drives.iter().map(|(column, size, bounds)| (*column, bounds.map(|bound| bound * size / force)));
+    let (contact_edges, sizes): (Vec<Load>, Vec<f64>) =
+        loads.contacts.iter().flat_map(edges).map(|edge| unit(&in_newtons(&edge))).unzip();
+    let bounded_torques =
+        drives.iter().map(|(column, size, bounds)| (*column, bounds.map(|bound| bound * size / force)));
     Scaled {
-        program: Program { pressing, bounded: bounded.collect(), driving, fixed: fixed.map(|entry| entry / force) },
+        program: Program {
+            contact_edges,
+            bounded_torques: bounded_torques.collect(),
+            driving,
+            fixed: fixed.map(|entry| entry / force),
+        },
         force,
         acceleration: force / inertia,
-        pressing: sizes,
-        bounded: drives.iter().map(|(_, size, _)| *size).collect(),
+        contact_edges: sizes,
+        bounded_torques: drives.iter().map(|(_, size, _)| *size).collect(),
         lengths,
     }
 }
 
-fn largest(loads: &Loads, direction: [f64; 2]) -> Result<Balance, StaticsError> {
+fn largest_acceleration(loads: &Loads, direction: [f64; 2]) -> Result<Balance, StaticsError> {
     let length = hypot(direction[0], direction[1]);
     if !length.is_finite() || length <= 0.0 {
         let allowed = "must be finite, more than 0";
-        return Err(StaticsError::Number { name: "the length of the direction", value: length, allowed });
+        return Err(StaticsError::Number { name: "the norm of the direction", value: length, allowed });
     }
-    let direction = direction.map(|part| part / length);
-    let scaled = scaled(loads, direction);
+    let direction = direction.map(|component| component / length);
+    let scaled = scale_programme(loads, direction);
     let largest = match scaled.program.largest()? {
-        Largest::Nothing => Balanced::Nothing,
-        Largest::Any => Balanced::Any,
-        Largest::Finite(forces) => Balanced::UpTo(limit(loads, &scaled, forces)?),
+        Optimum::Infeasible => AccelerationLimit::Infeasible,
+        Optimum::Unbounded => AccelerationLimit::Unlimited,
+        Optimum::Finite(forces) => AccelerationLimit::Limited(limit_with_certificate(loads, &scaled, forces)?),
     };
     Ok(Balance { direction, largest })
 }
 
-fn limit(loads: &Loads, scaled: &Scaled, forces: Forces) -> Result<Limit, StaticsError> {
+fn limit_with_certificate(loads: &Loads, scaled: &Scaled, forces: Forces) -> Result<Limit, StaticsError> {
     let Some(found) = scaled.program.bound()? else {
-        return Err(StaticsError::Balance { reason: "no motion proves the limit".to_string() });
+        return Err(StaticsError::Balance { reason: "no motion certifies the limit".to_string() });
     };
     let forces = exact::forces(&scaled.program, forces);
     let Bound { bound, motion } = exact::motion(&scaled.program, &forces, found);
     let gap = (bound - forces.multiple).abs() / forces.multiple.max(1.0);
     if gap.is_nan() || gap > GAP {
-        let reason = format!("forces reach {} of what motion says is {bound}", forces.multiple);
+        let reason = format!("the limit is {} from forces, but {bound} from motion", forces.multiple);
         return Err(StaticsError::Balance { reason });
     }
-    let nothing = ROUNDING * size(&motion);
-    let rate = |column: &Load| weigh(&motion, column);
-    if let Some(taken) = scaled.program.pressing.iter().map(rate).find(|rate| *rate < -nothing) {
-        return Err(StaticsError::Balance { reason: format!("a force takes power away, {taken}") });
+    let rounding = ROUNDING * size(&motion);
+    let rate = |column: &Load| power(&motion, column);
+    if let Some(power) = scaled.program.contact_edges.iter().map(rate).find(|rate| *rate < -rounding) {
+        return Err(StaticsError::Balance { reason: format!("a contact force has negative power, {power}") });
     }
     let mut edges = scaled
         .program
-        .pressing
+        .contact_edges
         .iter()
-        .zip(&scaled.pressing)
-        .zip(&forces.pressing)
-        .map(|((column, size), force)| (force * scaled.force / size, rate(column) > nothing));
-    let mut held = |pressing: &Pressing| {
+        .zip(&scaled.contact_edges)
+        .zip(&forces.contact_edges)
+        .map(|((column, size), force)| (force * scaled.force / size, rate(column) > rounding));
+    let mut contact_load = |contact: &ActiveContact| {
         let mut next = || edges.next().unwrap_or((0.0, true));
-        let (first, gone) = next();
-        let Pressing { spot, mu, .. } = *pressing;
+        let (first, separates) = next();
+        let ActiveContact { location, mu, .. } = *contact;
         if mu <= 0.0 {
-            let yields = if gone { Yields::Leaves } else { Yields::Holds };
-            return Held { spot, normal_n: first, tangential_n: 0.0, yields };
+            let contact_motion = if separates { ContactMotion::Separates } else { ContactMotion::Sticks };
+            return ContactLoad { location, normal_n: first, tangential_n: 0.0, contact_motion };
         }
-        let (second, other_gone) = next();
-        let yields = match (gone, other_gone) {
-            (false, false) => Yields::Holds,
-            (true, true) => Yields::Leaves,
-            _ => Yields::Slips,
+        let (second, other_separates) = next();
+        let contact_motion = match (separates, other_separates) {
+            (false, false) => ContactMotion::Sticks,
+            (true, true) => ContactMotion::Separates,
+            _ => ContactMotion::Slips,
         };
-        Held { spot, normal_n: first + second, tangential_n: mu * (first - second), yields }
+        ContactLoad { location, normal_n: first + second, tangential_n: mu * (first - second), contact_motion }
     };
-    let contacts = loads.pressing.iter().map(&mut held).collect();
-    let brakes = scaled.program.bounded.iter().zip(&scaled.bounded).zip(&forces.bounded).map(
-        |(((column, bounds), size), torque)| BrakeHeld {
+    let contacts = loads.contacts.iter().map(&mut contact_load).collect();
+    let brakes = scaled.program.bounded_torques.iter().zip(&scaled.bounded_torques).zip(&forces.bounded_torques).map(
+        |(((column, bounds), size), torque)| BrakeLoad {
             torque_n_m: torque * scaled.force / size,
-            slips: bounds[0] < bounds[1] && rate(column).abs() > nothing,
+            slips: bounds[0] < bounds[1] && rate(column).abs() > rounding,
         },
     );
     Ok(Limit {
         acceleration_m_s2: forces.multiple * scaled.acceleration,
         contacts,
         brakes: brakes.collect(),
-        motion: told(&motion, &scaled.lengths),
+        motion: normalised_motion(&motion, &scaled.lengths),
         gap,
     })
 }
 
-/// A motion of scaled rows in units that can be read.
-fn told(motion: &Load, lengths: &Load) -> HandMotion {
-    let nothing = ROUNDING * size(motion);
-    let clean = |rate: f64| if rate.abs() <= nothing { 0.0 } else { rate };
-    let rates: [f64; ROWS] = std::array::from_fn(|row| clean(motion[row]) / lengths[row]);
+/// Converts a motion to SI units and normalises it.
+fn normalised_motion(motion: &Load, lengths: &Load) -> HandMotion {
+    let rounding = ROUNDING * size(motion);
+    let clear_rounding = |rate: f64| if rate.abs() <= rounding { 0.0 } else { rate };
+    let rates: [f64; ROWS] = std::array::from_fn(|row| clear_rounding(motion[row]) / lengths[row]);
     let [q11_r, q21_r, q11_l, q21_l, x, y, spin] = rates;
     let speed = hypot(x, y);
     let fastest = [q11_r, q21_r, q11_l, q21_l, spin].into_iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
@@ -273,7 +288,7 @@ fn told(motion: &Load, lengths: &Load) -> HandMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gripper::Site;
+    use crate::gripper::FingerContact;
     use crate::statics::Side;
 
     const R: f64 = 0.02;
@@ -281,15 +296,16 @@ mod tests {
     const M: f64 = 0.05;
     const G: f64 = 9.81;
 
-    /// A disc between two contacts on x, each pressed by N and by what a brake adds; finger rows are nothing but that.
+    /// Returns a disc between two contacts on the x axis, each loaded by N and by the torque of a brake; finger rows
+    /// contain nothing else.
     fn antipodal(mu: f64, brake_n_m: [f64; 2]) -> Loads {
         let contact = |side: Side| {
             let mirror = side.mirror();
             let mut columns = [[0.0; ROWS]; 2];
             (columns[0][2 * side as usize], columns[0][4]) = (-R, -mirror);
             (columns[1][5], columns[1][6]) = (-1.0, -mirror * R);
-            let (spot, point_m) = (Spot::Finger(side, Site::Proximal), Some([mirror * R, 0.0]));
-            Pressing { spot, point_m, normal: [-mirror, 0.0], mu, columns }
+            let (location, point_m) = (ContactLocation::Finger(side, FingerContact::Proximal), Some([mirror * R, 0.0]));
+            ActiveContact { location, point_m, normal: [-mirror, 0.0], mu, columns }
         };
         let drive = |row: usize| {
             let mut column = [0.0; ROWS];
@@ -297,7 +313,7 @@ mod tests {
             (column, brake_n_m)
         };
         Loads {
-            pressing: Side::BOTH.map(contact).to_vec(),
+            contacts: Side::BOTH.map(contact).to_vec(),
             drives: vec![drive(0), drive(2)],
             fixed: [N * R, 0.0, N * R, 0.0, 0.0, M * G, 0.0],
             inertia: [[0.0, 0.0, 0.0, 0.0, -M, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, -M, 0.0]],
@@ -307,73 +323,87 @@ mod tests {
 
     #[track_caller]
     fn limit(loads: &Loads, degrees: f64) -> Limit {
-        match largest(loads, heading(degrees.to_radians())).expect("an answer").largest {
-            Balanced::UpTo(limit) => limit,
+        match largest_acceleration(loads, direction_at(degrees.to_radians())).expect("a solution").largest {
+            AccelerationLimit::Limited(limit) => limit,
             other => panic!("{other:?}"),
         }
     }
 
     #[test]
-    fn a_disc_between_two_fixed_forces_bears_what_their_friction_leaves() {
+    fn a_disc_between_two_fixed_forces_is_limited_by_their_friction() {
         for mu in [0.1, 0.3, 0.8] {
             let loads = antipodal(mu, [0.0; 2]);
-            let most = 2.0 * mu * N / M;
-            for (degrees, expected) in [(-90.0, most - G), (90.0, most + G), (0.0, 0.0), (180.0, 0.0), (40.0, 0.0)] {
+            let largest = 2.0 * mu * N / M;
+            for (degrees, expected) in
+                [(-90.0, largest - G), (90.0, largest + G), (0.0, 0.0), (180.0, 0.0), (40.0, 0.0)]
+            {
                 let found = limit(&loads, degrees);
-                assert!((found.acceleration_m_s2 - expected).abs() < 1e-9 * most, "{mu} {degrees}: {found:?}");
-                assert!(found.gap < 1e-12 && found.contacts.iter().all(|held| (held.normal_n - N).abs() < 1e-9));
+                assert!((found.acceleration_m_s2 - expected).abs() < 1e-9 * largest, "{mu} {degrees}: {found:?}");
+                assert!(
+                    found.gap < 1e-12
+                        && found.contacts.iter().all(|contact_load| (contact_load.normal_n - N).abs() < 1e-9)
+                );
             }
-            // Upwards both contacts slip, and the object with them; the friction on the fingers points up.
+            // For upward acceleration both contacts slip and the object moves; friction on the fingers points up.
             let up = limit(&loads, -90.0);
-            assert!(up.contacts.iter().all(|held| held.yields == Yields::Slips), "{up:?}");
-            assert!(up.contacts.iter().all(|held| (held.tangential_n - mu * N).abs() < 1e-9), "{up:?}");
+            assert!(
+                up.contacts.iter().all(|contact_load| contact_load.contact_motion == ContactMotion::Slips),
+                "{up:?}"
+            );
+            assert!(up.contacts.iter().all(|contact_load| (contact_load.tangential_n - mu * N).abs() < 1e-9), "{up:?}");
             assert!((up.motion.object_m_s[1] - 1e-3).abs() < 1e-12 && up.motion.object_m_s[0].abs() < 1e-9, "{up:?}");
         }
-        // Not even its weight: 2 μ N = 0.4 N of 0.49 N.
-        let found = largest(&antipodal(0.04, [0.0; 2]), [0.0, -1.0]).expect("an answer");
-        assert_eq!(found.largest, Balanced::Nothing);
-        // The same without weight.
+        // Friction cannot balance the weight: 2 μ N = 0.4 N of 0.49 N.
+        let found = largest_acceleration(&antipodal(0.04, [0.0; 2]), [0.0, -1.0]).expect("a solution");
+        assert_eq!(found.largest, AccelerationLimit::Infeasible);
+        // Without weight, friction balances the inertia alone.
         let mut weightless = antipodal(0.04, [0.0; 2]);
         weightless.fixed[5] = 0.0;
         assert!((limit(&weightless, -90.0).acceleration_m_s2 - 2.0 * 0.04 * N / M).abs() < 1e-9);
     }
 
-    /// With brakes that add up to T/r: m |a_x| ≤ T/r, and on the contact that is unloaded m |g − a_y|/2 ≤ μ (N + T/r − m |a_x|).
+    /// With brakes up to T/r: m |a_x| ≤ T/r, and at the unloaded contact m |g − a_y|/2 ≤ μ (N + T/r − m |a_x|).
     #[test]
-    fn brakes_that_only_press_on_have_their_polygon() {
+    fn one_way_brakes_match_the_analytic_polygon() {
         let (mu, torque) = (0.4, 0.06);
         let loads = antipodal(mu, [0.0, torque]);
         for degrees in (0..360).step_by(7).map(f64::from) {
-            let [x, y] = heading(degrees.to_radians());
+            let [x, y] = direction_at(degrees.to_radians());
             let x = x.abs();
-            let pressed = N + torque / R;
-            // m (g − a y)/2 ≤ μ (pressed − m a x), either sign of the left side.
-            let sinks = (mu * pressed - 0.5 * M * G) / (M * (mu * x - 0.5 * y));
-            let rises = (mu * pressed + 0.5 * M * G) / (M * (mu * x + 0.5 * y));
-            let moved = torque / R / (M * x);
-            let most = [sinks, rises, moved].into_iter().filter(|a| *a > 0.0).fold(f64::INFINITY, f64::min);
+            let loaded = N + torque / R;
+            // m (g − a y)/2 ≤ μ (loaded − m a x), for either sign of the left side.
+            let sinking_limit = (mu * loaded - 0.5 * M * G) / (M * (mu * x - 0.5 * y));
+            let rising_limit = (mu * loaded + 0.5 * M * G) / (M * (mu * x + 0.5 * y));
+            let sliding_limit = torque / R / (M * x);
+            let expected = [sinking_limit, rising_limit, sliding_limit]
+                .into_iter()
+                .filter(|a| *a > 0.0)
+                .fold(f64::INFINITY, f64::min);
             let found = limit(&loads, degrees);
             assert!(
-                (found.acceleration_m_s2 - most).abs() < 1e-8 * most,
-                "{degrees}: {} {most}",
+                (found.acceleration_m_s2 - expected).abs() < 1e-8 * expected,
+                "{degrees}: {} {expected}",
                 found.acceleration_m_s2
             );
         }
-        // Blocked whatever it takes, nothing but friction's share limits: what presses on is free.
-        let free = antipodal(mu, [0.0, f64::INFINITY]);
-        assert_eq!(largest(&free, [0.3, -0.7]).expect("an answer").largest, Balanced::Any);
-        // Brakes beyond what they hold slip, and motors do not.
-        let sideways = limit(&loads, 0.0);
-        assert!(sideways.brakes.iter().any(|brake| brake.slips), "{sideways:?}");
+        // Unlimited brakes: the normal forces can grow without bound, and so can the acceleration.
+        let independent = antipodal(mu, [0.0, f64::INFINITY]);
+        assert_eq!(
+            largest_acceleration(&independent, [0.3, -0.7]).expect("a solution").largest,
+            AccelerationLimit::Unlimited
+        );
+        // Overloaded brakes slip; motors without brakes do not.
+        let lateral_limit = limit(&loads, 0.0);
+        assert!(lateral_limit.brakes.iter().any(|brake| brake.slips), "{lateral_limit:?}");
         assert!(limit(&antipodal(mu, [0.0; 2]), -90.0).brakes.iter().all(|brake| !brake.slips));
     }
 
     #[test]
-    fn a_direction_has_a_length() {
+    fn rejects_directions_of_zero_or_undefined_length() {
         let loads = antipodal(0.4, [0.0; 2]);
         for direction in [[0.0, 0.0], [f64::NAN, 1.0]] {
-            let error = largest(&loads, direction).expect_err("no direction");
-            assert!(error.to_string().contains("length of the direction"), "{error}");
+            let error = largest_acceleration(&loads, direction).expect_err("no direction");
+            assert!(error.to_string().contains("norm of the direction"), "{error}");
         }
     }
 }

@@ -1,37 +1,40 @@
-//! How well contacts with friction hold an object: the largest wrench that they balance in every direction (Ferrari & Canny 1992).
+//! Force closure: the largest wrench that contacts with friction balance in every direction (Ferrari & Canny 1992).
 //!
-//! In the plane a wrench is a force and a moment over the object's radius. A contact gives those of its friction cone, spanned by two
-//! edges; with normal forces that add up to at most 1 ("L1") contacts together give the convex hull of all edges and 0, with each of at
-//! most 1 ("L∞") the sum of their triangles. Q1 is the radius of the largest ball about 0 in it: 0 where some wrench cannot be balanced.
+//! In the plane a wrench is a force and a moment divided by the object's radius. The wrenches of a contact form its
+//! friction cone, spanned by two edges. If the normal forces sum to at most 1 ("L1"), the wrenches of all contacts form
+//! the convex hull of all edges and 0; if each normal force is at most 1 ("L∞"), they form the Minkowski sum of the
+//! triangles. Q1 is the radius of the largest ball about 0 in this set; it is 0 if some wrench cannot be balanced.
 //!
-//! A ball fits as far as the support function h(u) of the set reaches in its least direction; that is normal to a face of the set, and
-//! the normals of all faces are among the cross products of its edges. So all of these are looked at.
+//! Q1 is the minimum of the support function h(u) of the set over unit vectors u. The minimum is attained at the normal
+//! of a face, and the normals of all faces are among the cross products of the edges. Hence all of these are evaluated.
 
-/// A contact with the object: where, which way its normal force pushes the object (of length 1), and its friction.
+/// A contact with the object: its point, the direction of its normal force on the object (unit vector), and its
+/// friction coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Holding {
+pub struct FrictionContact {
     pub point_m: [f64; 2],
     pub push: [f64; 2],
     pub mu: f64,
 }
 
-/// What contacts hold.
+/// Force closure of a set of contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceClosure {
-    /// Whether any wrench can be balanced.
+    /// Whether every wrench can be balanced.
     pub closed: bool,
-    /// Q1 where normal forces add up to 1, and where each is at most 1.
+    /// Q1 for normal forces that sum to 1.
     pub q1_l1: f64,
+    /// Q1 for normal forces of at most 1 each.
     pub q1_linf: f64,
-    /// The certificate, a wrench (force, moment over radius) of length 1: the direction in which least can be given. Where the contacts do
-    /// not close, they give nothing at all along it.
+    /// The certificate, a unit wrench (force, moment over radius): the direction of the smallest balanced wrench.
+    /// Without force closure the contacts balance no wrench in this direction.
     pub weakest: [f64; 3],
 }
 
 type Wrench = [f64; 3];
 
-/// Below this Q1 is rounding.
-const NOTHING: f64 = 1e-12;
+/// Q1 below this is rounding.
+const ZERO_TOLERANCE: f64 = 1e-12;
 
 fn dot(a: &Wrench, b: &Wrench) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -41,12 +44,12 @@ fn cross(a: &Wrench, b: &Wrench) -> Wrench {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn minus(a: &Wrench, b: &Wrench) -> Wrench {
+fn sub(a: &Wrench, b: &Wrench) -> Wrench {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// Edges of a contact's friction cone, of normal force 1.
-fn edges(contact: &Holding, centre_m: [f64; 2], radius_m: f64) -> [Wrench; 2] {
+/// Edges of a contact's friction cone for a normal force of 1.
+fn edges(contact: &FrictionContact, centre_m: [f64; 2], radius_m: f64) -> [Wrench; 2] {
     let [nx, ny] = contact.push;
     let lever = [contact.point_m[0] - centre_m[0], contact.point_m[1] - centre_m[1]];
     [contact.mu, -contact.mu].map(|mu| {
@@ -55,41 +58,41 @@ fn edges(contact: &Holding, centre_m: [f64; 2], radius_m: f64) -> [Wrench; 2] {
     })
 }
 
-/// How contacts hold an object about its centre.
-pub fn force_closure(contacts: &[Holding], centre_m: [f64; 2], radius_m: f64) -> ForceClosure {
+/// Computes the force closure of contacts with an object, with moments about its centre.
+pub fn force_closure(contacts: &[FrictionContact], centre_m: [f64; 2], radius_m: f64) -> ForceClosure {
     let cones: Vec<[Wrench; 2]> = contacts.iter().map(|contact| edges(contact, centre_m, radius_m)).collect();
     let points: Vec<Wrench> = cones.iter().flatten().copied().collect();
-    let most = |u: &Wrench, of: &[Wrench]| of.iter().map(|point| dot(u, point)).fold(0.0, f64::max);
-    let of_one = |u: &Wrench| most(u, &points);
-    let of_each = |u: &Wrench| cones.iter().map(|cone| most(u, cone)).sum::<f64>();
+    let support = |u: &Wrench, edges: &[Wrench]| edges.iter().map(|point| dot(u, point)).fold(0.0, f64::max);
+    let l1_support = |u: &Wrench| support(u, &points);
+    let linf_support = |u: &Wrench| cones.iter().map(|cone| support(u, cone)).sum::<f64>();
 
-    // Directions of edges of both sets: from 0 to every point, and between points.
-    let mut along: Vec<Wrench> = points.clone();
+    // Edge directions of both sets: from 0 to every point, and between points.
+    let mut edge_directions: Vec<Wrench> = points.clone();
     for (i, a) in points.iter().enumerate() {
-        along.extend(points[i + 1..].iter().map(|b| minus(a, b)));
+        edge_directions.extend(points[i + 1..].iter().map(|b| sub(a, b)));
     }
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    along.extend(axes);
+    edge_directions.extend(axes);
     let mut found = ForceClosure { closed: false, q1_l1: f64::INFINITY, q1_linf: f64::INFINITY, weakest: axes[0] };
-    let mut look = |u: Wrench| {
-        let (one, each) = (of_one(&u), of_each(&u));
-        found.q1_linf = found.q1_linf.min(each);
-        if one < found.q1_l1 {
-            (found.q1_l1, found.weakest) = (one, u);
+    let mut evaluate = |u: Wrench| {
+        let (l1, linf) = (l1_support(&u), linf_support(&u));
+        found.q1_linf = found.q1_linf.min(linf);
+        if l1 < found.q1_l1 {
+            (found.q1_l1, found.weakest) = (l1, u);
         }
     };
-    for (i, a) in along.iter().enumerate() {
-        for b in &along[i + 1..] {
+    for (i, a) in edge_directions.iter().enumerate() {
+        for b in &edge_directions[i + 1..] {
             let normal = cross(a, b);
             let length = dot(&normal, &normal).sqrt();
-            if length > NOTHING {
-                let u = normal.map(|part| part / length);
-                look(u);
-                look(u.map(|part| -part));
+            if length > ZERO_TOLERANCE {
+                let u = normal.map(|component| component / length);
+                evaluate(u);
+                evaluate(u.map(|component| -component));
             }
         }
     }
-    found.closed = found.q1_l1 > NOTHING;
+    found.closed = found.q1_l1 > ZERO_TOLERANCE;
     if !found.closed {
         (found.q1_l1, found.q1_linf) = (0.0, 0.0);
     }
@@ -102,21 +105,21 @@ mod tests {
 
     const RADIUS: f64 = 0.02;
 
-    /// A contact at an angle of the disc, pushing to its centre.
-    fn at(degrees: f64, mu: f64) -> Holding {
+    /// Returns a contact at an angle on the disc, directed towards its centre.
+    fn contact_at(degrees: f64, mu: f64) -> FrictionContact {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        Holding { point_m: [RADIUS * cos, RADIUS * sin], push: [-cos, -sin], mu }
+        FrictionContact { point_m: [RADIUS * cos, RADIUS * sin], push: [-cos, -sin], mu }
     }
 
-    fn of(contacts: &[Holding]) -> ForceClosure {
+    fn closure_of(contacts: &[FrictionContact]) -> ForceClosure {
         force_closure(contacts, [0.0; 2], RADIUS)
     }
 
     #[test]
-    fn two_antipodal_contacts_have_their_closed_form() {
+    fn two_antipodal_contacts_match_the_closed_form() {
         for mu in [0.05, 0.3, 0.8, 2.0f64] {
             for turn in [0.0, 33.0, 90.0] {
-                let found = of(&[at(turn, mu), at(turn + 180.0, mu)]);
+                let found = closure_of(&[contact_at(turn, mu), contact_at(turn + 180.0, mu)]);
                 let expected = mu / (2.0 + mu * mu).sqrt();
                 assert!(found.closed && (found.q1_l1 - expected).abs() < 1e-12, "{mu}: {found:?}");
                 assert!(found.q1_linf >= found.q1_l1);
@@ -125,42 +128,43 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_closed_has_a_certificate() {
-        // Without friction nothing turns a disc; with friction on one side alone it can be lifted off.
+    fn grasps_without_force_closure_have_a_certificate() {
+        // Without friction no contact exerts a moment on a disc; with friction on one side only, the disc can be lifted
+        // off.
         for contacts in [
-            vec![at(0.0, 0.0), at(120.0, 0.0), at(240.0, 0.0)],
-            vec![at(0.0, 0.5)],
-            vec![at(10.0, 0.1), at(-10.0, 0.1)],
+            vec![contact_at(0.0, 0.0), contact_at(120.0, 0.0), contact_at(240.0, 0.0)],
+            vec![contact_at(0.0, 0.5)],
+            vec![contact_at(10.0, 0.1), contact_at(-10.0, 0.1)],
             vec![],
         ] {
-            let found = of(&contacts);
+            let found = closure_of(&contacts);
             assert!(!found.closed && found.q1_l1 == 0.0 && found.q1_linf == 0.0, "{found:?}");
-            let given = contacts.iter().flat_map(|contact| edges(contact, [0.0; 2], RADIUS));
-            let most = given.map(|wrench| dot(&found.weakest, &wrench)).fold(0.0, f64::max);
-            assert!(most <= NOTHING && (dot(&found.weakest, &found.weakest) - 1.0).abs() < 1e-12);
+            let contact_wrenches = contacts.iter().flat_map(|contact| edges(contact, [0.0; 2], RADIUS));
+            let support = contact_wrenches.map(|wrench| dot(&found.weakest, &wrench)).fold(0.0, f64::max);
+            assert!(support <= ZERO_TOLERANCE && (dot(&found.weakest, &found.weakest) - 1.0).abs() < 1e-12);
         }
     }
 
-    /// Three contacts at 120°: the least direction against a dense search.
+    /// Compares the direction of the minimum with a dense search.
     #[test]
-    fn the_least_direction_is_found() {
-        let contacts = [at(5.0, 0.4), at(131.0, 0.7), at(246.0, 0.2), at(300.0, 0.9)];
-        let found = of(&contacts);
+    fn finds_the_direction_of_the_minimum() {
+        let contacts = [contact_at(5.0, 0.4), contact_at(131.0, 0.7), contact_at(246.0, 0.2), contact_at(300.0, 0.9)];
+        let found = closure_of(&contacts);
         let cones: Vec<[Wrench; 2]> = contacts.iter().map(|contact| edges(contact, [0.0; 2], RADIUS)).collect();
-        let (mut one, mut each) = (f64::INFINITY, f64::INFINITY);
+        let (mut l1, mut linf) = (f64::INFINITY, f64::INFINITY);
         for i in 0..400 {
             for j in 0..400 {
                 let z: f64 = -1.0 + 2.0 * (f64::from(i) + 0.5) / 400.0;
                 let (sin, cos) = (std::f64::consts::TAU * f64::from(j) / 400.0).sin_cos();
                 let around = (1.0 - z * z).sqrt();
                 let u = [around * cos, around * sin, z];
-                let most: Vec<f64> =
+                let support: Vec<f64> =
                     cones.iter().map(|cone| cone.iter().map(|w| dot(&u, w)).fold(0.0, f64::max)).collect();
-                one = one.min(most.iter().copied().fold(0.0, f64::max));
-                each = each.min(most.iter().sum());
+                l1 = l1.min(support.iter().copied().fold(0.0, f64::max));
+                linf = linf.min(support.iter().sum());
             }
         }
-        assert!(found.q1_l1 <= one && found.q1_l1 > one - 0.01, "{found:?} {one}");
-        assert!(found.q1_linf <= each && found.q1_linf > each - 0.02, "{found:?} {each}");
+        assert!(found.q1_l1 <= l1 && found.q1_l1 > l1 - 0.01, "{found:?} {l1}");
+        assert!(found.q1_linf <= linf && found.q1_linf > linf - 0.02, "{found:?} {linf}");
     }
 }

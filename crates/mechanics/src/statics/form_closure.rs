@@ -1,102 +1,108 @@
 //! Form closure of an underactuated grasp (thesis §1.2.4.2, errata 12): U ω ≥ 0 only for ω = 0.
 //!
-//! Closed ⇔ U has full column rank and there are multipliers λ > 0 with Uᵀ λ = 0 (Stiemke's lemma). Both answers come with what
-//! proves them, and the proof is checked by numbers after it was found:
+//! Closed ⇔ U has full column rank and there are multipliers λ > 0 with Uᵀ λ = 0 (Stiemke's lemma). Either result has a
+//! certificate, which is verified numerically:
 //! * not closed: a motion ω ≠ 0 with U ω ≥ 0;
-//! * closed: the rank and the multipliers. They are forces in balance: of a gripper of two fingers, contact forces, palm force
-//!   and motor torques of the grasp without springs and without friction.
+//! * closed: the rank and the multipliers, which are balanced forces: for a gripper with two fingers, the contact
+//!   forces, palm force and motor torques of the grasp without springs and without friction.
 //!
-//! Two linear programmes decide in general. They cost 60 to 190 µs for two fingers; a system of full rank with one row more
-//! than unknowns, which that is, has a single vector of multipliers up to a factor, so their signs decide in 3 µs, U and
-//! certificate included. A test holds one to the other.
+//! In general, two linear programmes decide between them; this takes 60 to 190 µs for two fingers. If U has full rank
+//! and one row more than unknowns, as for two fingers with a palm, the multipliers are unique up to a factor, and their
+//! signs decide; this takes 3 µs, including U and the certificate. A test compares both methods.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::linear::{Scaled, basis, beside, orthogonal, scaled, solve};
-use super::{Hand, Kind, NecessaryCount, Row, StaticsError, Unilateral, Unknown, program, unilateral};
+use super::linear::{Scaled, basis, orthogonal, orthogonal_component, scale_constraints, solve};
+use super::{Hand, NecessaryCount, Row, RowKind, StaticsError, Unilateral, Unknown, program, unilateral};
 use crate::gripper::{FinalPosture, Finger};
 
-/// Smallest over largest multiplier (rows and unknowns scaled alike) from which on a grasp counts as closed. Nearer to the
-/// boundary than this, rounding decides, and a motion violates no constraint by more than it: that grasp is not closed.
+/// Ratio of the smallest to the largest multiplier (of normalised rows and unknowns) above which a grasp counts as
+/// closed. At smaller ratios rounding dominates, and there is a motion that violates no constraint by more than this
+/// value; such a grasp counts as not closed.
 pub const BOUNDARY: f64 = 1e-9;
 
-/// The programme of the motion opens some row by 1 if any can open: below this, none can.
-const NOTHING: f64 = 1e-6;
+/// The programme of the motion separates some row at rate 1 if any can separate; rates below this mean that none can.
+const MIN_RATE: f64 = 1e-6;
 
-/// What a certificate may be off by, relative to what it weighs.
-const RESIDUAL: f64 = 1e-9;
+/// Largest relative residual of a certificate.
+const MAX_RESIDUAL: f64 = 1e-9;
 
-/// Speeds below this part of the largest are rounding, and reported as 0.
-const ROUNDING: f64 = 1e-13;
+/// Speeds below this fraction of the largest are rounding and reported as 0.
+const ROUNDING_RATIO: f64 = 1e-13;
 
-/// Whether a grasp is form-closed, and why.
+/// Result of a form-closure analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormClosure<R = Row> {
     pub closed: bool,
     pub certificate: Certificate,
-    /// What the rows and columns of U are.
+    /// Meaning of the rows of U.
     pub rows: Vec<R>,
+    /// Meaning of the columns of U.
     pub unknowns: Vec<Unknown>,
     /// Rank of U; full if it is the number of unknowns.
     pub rank: usize,
     pub necessary: NecessaryCount,
-    /// Smallest over largest multiplier where these are unique: how far within (or, negative, outside) the boundary.
+    /// Ratio of the smallest to the largest multiplier if they are unique: distance from the boundary, negative
+    /// outside.
     pub margin: Option<f64>,
     pub decision: Decision,
 }
 
 impl<R> FormClosure<R> {
-    /// The same with its constraints by other names.
-    pub fn named<S>(self, name: impl Fn(R) -> S) -> FormClosure<S> {
+    /// Returns the same result with other row names.
+    pub fn with_row_names<S>(self, name: impl Fn(R) -> S) -> FormClosure<S> {
         let FormClosure { closed, certificate, rows, unknowns, rank, necessary, margin, decision } = self;
         let rows = rows.into_iter().map(name).collect();
         FormClosure { closed, certificate, rows, unknowns, rank, necessary, margin, decision }
     }
 }
 
-/// How it was decided.
+/// Method of the decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
-    /// U does not determine the motion.
+    /// Rank of U: U does not determine the motion.
     Rank,
-    /// By the signs of the only multipliers.
+    /// Signs of the unique multipliers.
     Signs,
-    /// By linear programmes.
+    /// Linear programmes.
     Programme,
 }
 
-/// What proves the answer. Values are in SI, one for each row or unknown.
+/// Certificate of the result. Values are in SI units, one for each row or unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Certificate {
-    /// Closed: λ > 0 with Uᵀ λ = 0. In N for contacts and palm and in N·m for motors, of which the first has 1 N·m (without
-    /// motors the largest is 1 N). `residual` is |Uᵀ λ| relative to λ, rows and unknowns scaled alike.
+    /// Closed: λ > 0 with Uᵀ λ = 0, in N for contacts and palm and in N·m for motors, normalised to 1 N·m of the first
+    /// motor (without motors, to a largest value of 1 N). `residual` is |Uᵀ λ| relative to λ, for normalised rows and
+    /// unknowns.
     Multipliers { values: Vec<f64>, residual: f64 },
-    /// Not closed: ω with U ω ≥ 0, the object at 1 mm/s (or, if it stays, the fastest joint at 1 rad/s), and the rates U ω.
-    /// `residual` is the worst violation of a row, rows and unknowns scaled alike, relative to ω.
+    /// Not closed: ω with U ω ≥ 0, normalised to an object speed of 1 mm/s (if the object is at rest, to 1 rad/s of the
+    /// fastest joint), and the rates U ω. `residual` is the largest violation of a row relative to ω, for normalised
+    /// rows and unknowns.
     Motion { values: Vec<f64>, rates: Vec<f64>, residual: f64 },
 }
 
-/// Form closure of a finger, its mirror image and the palm, both motors not to be turned back.
+/// Form closure of a finger, its mirror image and the palm, with both motors not back-drivable.
 ///
 /// # Errors
-/// The singular postures of [`at_rest`](super::at_rest); a grasp so near to the boundary that nothing can be proven.
+/// Returns an error for the singular postures of [`static_kinematics`](super::static_kinematics), and if the grasp is
+/// so close to the boundary that no certificate exists.
 pub fn form_closure(finger: &Finger, end: &FinalPosture) -> Result<FormClosure, StaticsError> {
-    decide(&unilateral(&Hand::symmetric(finger, end))?)
+    decide_form_closure(&unilateral(&Hand::symmetric(finger, end))?)
 }
 
 /// Form closure of any set of constraints.
 ///
 /// # Errors
-/// A set so near to the boundary that nothing can be proven.
-pub fn decide<R: Copy + Into<Kind>>(u: &Unilateral<R>) -> Result<FormClosure<R>, StaticsError> {
-    let scaled = scaled(u);
+/// Returns an error if the set is so close to the boundary that no certificate exists.
+pub fn decide_form_closure<R: Copy + Into<RowKind>>(u: &Unilateral<R>) -> Result<FormClosure<R>, StaticsError> {
+    let scaled = scale_constraints(u);
     let (m, n) = scaled.matrix.shape();
     let columns = basis(&scaled.matrix);
     if columns.ncols() < n {
-        return unhindered(u, &scaled, columns.ncols());
+        return report_undetermined_motion(u, &scaled, columns.ncols());
     }
     if m != n + 1 {
-        return by_program(u, &scaled, &columns);
+        return solve_linear_program(u, &scaled, &columns);
     }
     let mut lambda = orthogonal(&columns);
     if lambda.sum() < 0.0 {
@@ -104,75 +110,77 @@ pub fn decide<R: Copy + Into<Kind>>(u: &Unilateral<R>) -> Result<FormClosure<R>,
     }
     let margin = lambda.min() / lambda.amax();
     if margin > BOUNDARY {
-        return closed(u, &scaled, &lambda, Decision::Signs);
+        return report_multipliers(u, &scaled, &lambda, Decision::Signs);
     }
     let separations = separations(&lambda, &u.rows);
     let motion = solve(&scaled.matrix, &separations).unwrap_or_else(|| DVector::zeros(n));
-    free(u, &scaled, n, &motion, Decision::Signs, Some(margin))
+    report_motion(u, &scaled, n, &motion, Decision::Signs, Some(margin))
 }
 
-/// The same, always by linear programmes.
+/// [`decide_form_closure`], always by linear programmes.
 ///
 /// # Errors
-/// See [`decide`]; and a programme without an answer.
-pub fn decide_by_program<R: Copy + Into<Kind>>(u: &Unilateral<R>) -> Result<FormClosure<R>, StaticsError> {
-    let scaled = scaled(u);
+/// See [`decide_form_closure`]; also returns an error if the linear programme has no solution.
+pub fn decide_by_linear_program<R: Copy + Into<RowKind>>(u: &Unilateral<R>) -> Result<FormClosure<R>, StaticsError> {
+    let scaled = scale_constraints(u);
     let columns = basis(&scaled.matrix);
     match columns.ncols() < u.unknowns.len() {
-        true => unhindered(u, &scaled, columns.ncols()),
-        false => by_program(u, &scaled, &columns),
+        true => report_undetermined_motion(u, &scaled, columns.ncols()),
+        false => solve_linear_program(u, &scaled, &columns),
     }
 }
 
-/// A motion that no row notices.
-fn unhindered<R: Copy + Into<Kind>>(
+/// Reports a motion that leaves all rows at zero.
+fn report_undetermined_motion<R: Copy + Into<RowKind>>(
     u: &Unilateral<R>,
     scaled: &Scaled,
     rank: usize,
 ) -> Result<FormClosure<R>, StaticsError> {
     let motion = orthogonal(&basis(&scaled.matrix.transpose()));
-    free(u, scaled, rank, &motion, Decision::Rank, None)
+    report_motion(u, scaled, rank, &motion, Decision::Rank, None)
 }
 
-/// The motion first: a programme without a solution, as that of the multipliers mostly is, costs several times as much.
-fn by_program<R: Copy + Into<Kind>>(
+/// Solves the programme of the motion first: an infeasible programme, as the programme of the multipliers mostly is,
+/// costs several times as much.
+fn solve_linear_program<R: Copy + Into<RowKind>>(
     u: &Unilateral<R>,
     scaled: &Scaled,
     columns: &DMatrix<f64>,
 ) -> Result<FormClosure<R>, StaticsError> {
     let rank = columns.ncols();
     let Some(found) = program::motion(&scaled.matrix)? else {
-        return Err(StaticsError::Program { reason: "no motion, not even rest, is allowed".to_string() });
+        return Err(StaticsError::Program { reason: "no motion is feasible, not even rest".to_string() });
     };
     let rates = &scaled.matrix * &found;
-    if rates.amax() < NOTHING
+    if rates.amax() < MIN_RATE
         && let Some(lambda) = program::multipliers(&scaled.matrix)?
     {
-        // What the programme left over is taken off.
-        let lambda = beside(columns, &lambda);
+        // Remove the residual of the programme.
+        let lambda = orthogonal_component(columns, &lambda);
         if lambda.min() > BOUNDARY * lambda.amax() {
-            return closed(u, scaled, &lambda, Decision::Programme);
+            return report_multipliers(u, scaled, &lambda, Decision::Programme);
         }
     }
-    // Rows that hardly move are held exactly.
-    let held: Vec<usize> = (0..rates.len()).filter(|&i| rates[i] < 1e-6 * rates.amax()).collect();
-    let motion = beside(&basis(&scaled.matrix.select_rows(&held).transpose()), &found);
-    free(u, scaled, rank, &motion, Decision::Programme, None)
+    // Rows with negligible rates are set to exactly zero.
+    let resting_rows: Vec<usize> = (0..rates.len()).filter(|&i| rates[i] < 1e-6 * rates.amax()).collect();
+    let motion = orthogonal_component(&basis(&scaled.matrix.select_rows(&resting_rows).transpose()), &found);
+    report_motion(u, scaled, rank, &motion, Decision::Programme, None)
 }
 
-/// s ≥ 0 with λ·s = 0 for multipliers that are not all positive. Rows of one kind move alike, so that a symmetric gripper moves
-/// symmetrically, and motors that advance are preferred: what the motors do by themselves is the motion to fear most.
-fn separations<R: Copy + Into<Kind>>(lambda: &DVector<f64>, rows: &[R]) -> DVector<f64> {
-    let order = [Kind::Motor, Kind::Palm, Kind::Distal, Kind::Proximal];
+/// s ≥ 0 with λ·s = 0 for multipliers that are not all positive. Rows of one kind get equal rates, so that a symmetric
+/// gripper moves symmetrically. Motions with advancing motors are preferred: these occur without external disturbance.
+fn separations<R: Copy + Into<RowKind>>(lambda: &DVector<f64>, rows: &[R]) -> DVector<f64> {
+    let order = [RowKind::Motor, RowKind::Palm, RowKind::Distal, RowKind::Proximal];
     let none = BOUNDARY * lambda.amax();
-    let first = |wanted: &dyn Fn(f64) -> bool| -> Vec<usize> {
-        let of = |kind| (0..rows.len()).filter(|&i| rows[i].into() == kind && wanted(lambda[i])).collect::<Vec<_>>();
-        order.into_iter().map(of).find(|found| !found.is_empty()).unwrap_or_default()
+    let first = |selects: &dyn Fn(f64) -> bool| -> Vec<usize> {
+        let rows_of =
+            |kind| (0..rows.len()).filter(|&i| rows[i].into() == kind && selects(lambda[i])).collect::<Vec<_>>();
+        order.into_iter().map(rows_of).find(|found| !found.is_empty()).unwrap_or_default()
     };
     let (up, down, idle) = (first(&|l| l > none), first(&|l| l < -none), first(&|l| l.abs() <= none));
     let mut s = DVector::zeros(rows.len());
     if down.is_empty() || up.is_empty() {
-        // On the boundary: rows without a multiplier may move by themselves.
+        // On the boundary: rows with a zero multiplier may move independently.
         idle.into_iter().for_each(|i| s[i] = 1.0);
         return s;
     }
@@ -182,24 +190,24 @@ fn separations<R: Copy + Into<Kind>>(lambda: &DVector<f64>, rows: &[R]) -> DVect
     s
 }
 
-/// Checks and reports multipliers.
-fn closed<R: Copy + Into<Kind>>(
+/// Checks the multipliers that exclude a free motion, and returns them as form closure.
+fn report_multipliers<R: Copy + Into<RowKind>>(
     u: &Unilateral<R>,
     scaled: &Scaled,
     lambda: &DVector<f64>,
     decision: Decision,
 ) -> Result<FormClosure<R>, StaticsError> {
     let residual = scaled.matrix.tr_mul(lambda).amax() / lambda.amax();
-    if residual.is_nan() || residual > RESIDUAL {
+    if residual.is_nan() || residual > MAX_RESIDUAL {
         return Err(StaticsError::Undecided { motion_residual: f64::NAN, multiplier_residual: residual });
     }
-    // Rows were divided by their lengths, so multipliers are too.
-    let physical: Vec<f64> = lambda.iter().zip(&scaled.norms).map(|(l, norm)| l / norm).collect();
-    let motor = u.rows.iter().position(|&row| row.into() == Kind::Motor);
-    let unit = motor.map_or(physical.iter().copied().fold(0.0, f64::max), |i| physical[i]);
+    // Rows were divided by their lengths, so the multipliers are, too.
+    let unscaled: Vec<f64> = lambda.iter().zip(&scaled.norms).map(|(l, norm)| l / norm).collect();
+    let motor = u.rows.iter().position(|&row| row.into() == RowKind::Motor);
+    let unit = motor.map_or(unscaled.iter().copied().fold(0.0, f64::max), |i| unscaled[i]);
     Ok(FormClosure {
         closed: true,
-        certificate: Certificate::Multipliers { values: physical.iter().map(|l| l / unit).collect(), residual },
+        certificate: Certificate::Multipliers { values: unscaled.iter().map(|l| l / unit).collect(), residual },
         rows: u.rows.clone(),
         unknowns: u.unknowns.clone(),
         rank: u.unknowns.len(),
@@ -210,7 +218,7 @@ fn closed<R: Copy + Into<Kind>>(
 }
 
 /// Checks and reports a motion.
-fn free<R: Copy + Into<Kind>>(
+fn report_motion<R: Copy + Into<RowKind>>(
     u: &Unilateral<R>,
     scaled: &Scaled,
     rank: usize,
@@ -219,19 +227,19 @@ fn free<R: Copy + Into<Kind>>(
     margin: Option<f64>,
 ) -> Result<FormClosure<R>, StaticsError> {
     let size = motion.amax();
-    let clean = |v: f64| if v.abs() <= ROUNDING * size { 0.0 } else { v };
-    let motion = motion.map(clean);
+    let clear_rounding = |v: f64| if v.abs() <= ROUNDING_RATIO * size { 0.0 } else { v };
+    let motion = motion.map(clear_rounding);
     let rates = &scaled.matrix * &motion;
-    // A system without rows has no rate that could be too low.
+    // Without rows there is no violation.
     let residual = rates.iter().fold(0.0, |worst: f64, rate| worst.max(-rate)) / size;
-    if !(residual <= RESIDUAL && size > 0.0) {
+    if !(residual <= MAX_RESIDUAL && size > 0.0) {
         return Err(StaticsError::Undecided { motion_residual: residual, multiplier_residual: f64::NAN });
     }
-    let rates: Vec<f64> = rates.iter().zip(&scaled.norms).map(|(&rate, norm)| clean(rate) * norm).collect();
+    let rates: Vec<f64> = rates.iter().zip(&scaled.norms).map(|(&rate, norm)| clear_rounding(rate) * norm).collect();
     let values: Vec<f64> = motion.iter().zip(&u.scale).map(|(w, scale)| w / scale).collect();
     let object = u.unknowns.iter().zip(&values).filter(|(k, _)| matches!(k, Unknown::ObjectX | Unknown::ObjectY));
     let speed = object.map(|(_, v)| v * v).sum::<f64>().sqrt();
-    let unit = match speed > RESIDUAL * size {
+    let unit = match speed > MAX_RESIDUAL * size {
         true => speed * 1e3,
         false => values.iter().fold(0.0, |most: f64, v| most.max(v.abs())),
     };

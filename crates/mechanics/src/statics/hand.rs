@@ -1,10 +1,10 @@
-//! What holds the object: fingers in any posture with the phalanges that touch, and the palm.
+//! The hand: fingers in any posture with their active contacts, and the palm.
 
 use crate::gripper::{FinalPosture, Finger, Posture};
 use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::{Vector, add, cross, perp, scale, sub};
 
-/// Which way a finger stands: the modelled one is to the right of the object, its mirror image to the left.
+/// Side of a finger: the modelled finger is to the right of the object, its mirror image to the left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     Right,
@@ -14,56 +14,57 @@ pub enum Side {
 impl Side {
     pub const BOTH: [Self; 2] = [Side::Right, Side::Left];
 
-    /// +1 where x of the finger's frame is that of the palm, −1 where it is its mirror image.
+    /// Returns +1 if the x axis of the finger frame is the x axis of the palm, −1 if it is mirrored.
     #[inline]
     pub fn mirror(self) -> f64 {
         if self == Side::Right { 1.0 } else { -1.0 }
     }
 
-    pub fn word(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         if self == Side::Right { "right" } else { "left" }
     }
 }
 
-/// How a phalanx touches the object, as of the finger on the right.
+/// Contact of a phalanx with the object, in the frame of a right finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
+pub struct PhalanxContact {
     /// Unit normal, from the phalanx into the object.
     pub normal: [f64; 2],
-    /// Speed of the phalanx along the normal for each rad/s of θ̇1 and θ̇2: its row of the J of (1.8) without friction.
+    /// Speed of the phalanx along the normal per rad/s of θ̇1 and θ̇2: the row of J of (1.8) without friction.
     pub levers_m: [f64; 2],
 }
 
-impl Touch {
-    /// Of the proximal phalanx, which turns about the origin. `foot` is the point of its centre line nearest to the object's centre: all
-    /// that is on the normal has the same lever, so that the half width does not matter.
+impl PhalanxContact {
+    /// Contact of the proximal phalanx, which rotates about the origin. `foot` is the point of its centre line nearest
+    /// to the object: all points on the normal have the same lever, so that the half width is irrelevant.
     pub fn proximal(foot: Vector<f64>, normal: Vector<f64>) -> Self {
-        Touch { normal, levers_m: [cross(foot, normal), 0.0] }
+        PhalanxContact { normal, levers_m: [cross(foot, normal), 0.0] }
     }
 
-    /// The same of the distal phalanx, which turns with the proximal one, and about A22.
+    /// Contact of the distal phalanx, which rotates with the proximal phalanx and about A22.
     pub fn distal(foot: Vector<f64>, normal: Vector<f64>, a22: Vector<f64>) -> Self {
-        Touch { normal, levers_m: [cross(foot, normal), cross(sub(foot, a22), normal)] }
+        PhalanxContact { normal, levers_m: [cross(foot, normal), cross(sub(foot, a22), normal)] }
     }
 }
 
-/// One finger on the object.
+/// One finger and its contacts with the object.
 #[derive(Clone, Copy, Debug)]
-pub struct Grip<'a> {
+pub struct FingerGrip<'a> {
     pub finger: &'a Finger,
-    /// As of the finger on the right; a finger on the left is its mirror image.
+    /// Posture in the frame of a right finger; a left finger is its mirror image.
     pub posture: Posture,
     pub side: Side,
-    /// The phalanges that touch (S of (1.17)).
-    pub proximal: Option<Touch>,
-    pub distal: Option<Touch>,
-    /// Whether the motor can be turned back from the finger; if not, θ̇_a ≥ 0.
+    /// Contact of the proximal phalanx, if active (S of (1.17)).
+    pub proximal: Option<PhalanxContact>,
+    /// Contact of the distal phalanx, if active.
+    pub distal: Option<PhalanxContact>,
+    /// Whether the finger can back-drive the motor; if not, θ̇_a ≥ 0.
     pub backdrivable: bool,
 }
 
-impl<'a> Grip<'a> {
-    /// Both phalanges touch, and the motor cannot be turned back.
-    pub fn firm(finger: &'a Finger, end: &FinalPosture, side: Side) -> Self {
+impl<'a> FingerGrip<'a> {
+    /// Both phalanges are in contact, and the motor cannot be back-driven.
+    pub fn with_both_contacts(finger: &'a Finger, end: &FinalPosture, side: Side) -> Self {
         let FinalPosture { posture, l_c21_m, l_c22_m, .. } = *end;
         let direction = |angle: f64| [cos(angle), sin(angle)];
         let along = direction(posture.q21_rad);
@@ -73,24 +74,24 @@ impl<'a> Grip<'a> {
             finger,
             posture,
             side,
-            proximal: Some(Touch::proximal(scale(along, l_c21_m), perp(along))),
-            distal: Some(Touch::distal(add(a22, scale(tip, l_c22_m)), perp(tip), a22)),
+            proximal: Some(PhalanxContact::proximal(scale(along, l_c21_m), perp(along))),
+            distal: Some(PhalanxContact::distal(add(a22, scale(tip, l_c22_m)), perp(tip), a22)),
             backdrivable: false,
         }
     }
 }
 
-/// All that holds the object.
+/// All fingers and the palm.
 #[derive(Clone, Debug)]
 pub struct Hand<'a> {
-    pub fingers: Vec<Grip<'a>>,
-    /// Whether the object rests on the palm.
+    pub fingers: Vec<FingerGrip<'a>>,
+    /// Whether the object is in contact with the palm.
     pub palm: bool,
 }
 
 impl<'a> Hand<'a> {
-    /// The gripper of the thesis: a finger, its mirror image and the palm.
+    /// Returns the gripper of the thesis: a finger, its mirror image and the palm.
     pub fn symmetric(finger: &'a Finger, end: &FinalPosture) -> Self {
-        Self { fingers: Side::BOTH.map(|side| Grip::firm(finger, end, side)).to_vec(), palm: true }
+        Self { fingers: Side::BOTH.map(|side| FingerGrip::with_both_contacts(finger, end, side)).to_vec(), palm: true }
     }
 }

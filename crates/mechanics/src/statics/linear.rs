@@ -1,22 +1,22 @@
-//! Ranks, null vectors and projections of U, whose rows and columns are scaled to weigh alike.
+//! Ranks, null vectors and projections of U, with normalised rows and columns.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Kind, Unilateral};
+use super::{RowKind, Unilateral};
 
-/// Relative size of a pivot below which a row adds nothing to the others.
+/// Relative size of a pivot below which a column is linearly dependent.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// U with unknowns as speeds in m/s and rows of length 1.
+/// U with unknowns scaled to speeds in m/s and rows of length 1.
 #[derive(Clone, Debug)]
 pub struct Scaled {
     pub matrix: DMatrix<f64>,
-    /// Length of each row before; 1 for a row of zeros.
+    /// Length of each row before scaling; 1 for a row of zeros.
     pub norms: Vec<f64>,
 }
 
 /// Scales U: column j by 1/scale_j, row i by 1/norm_i.
-pub fn scaled<R: Copy + Into<Kind>>(u: &Unilateral<R>) -> Scaled {
+pub fn scale_constraints<R: Copy + Into<RowKind>>(u: &Unilateral<R>) -> Scaled {
     let (m, n) = (u.rows.len(), u.unknowns.len());
     let mut matrix = DMatrix::from_fn(m, n, |i, j| u.row(i)[j] / u.scale[j]);
     let norms: Vec<f64> =
@@ -39,22 +39,22 @@ pub fn basis(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     qr.q().columns(0, rank).into_owned()
 }
 
-/// What of a vector is orthogonal to a basis; projected twice, which is orthogonal to rounding.
-pub fn beside(basis: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
-    let once = vector - basis * basis.tr_mul(vector);
-    &once - basis * basis.tr_mul(&once)
+/// Component of a vector orthogonal to a basis; projected twice, so that it is orthogonal up to rounding.
+pub fn orthogonal_component(basis: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
+    let projected = vector - basis * basis.tr_mul(vector);
+    &projected - basis * basis.tr_mul(&projected)
 }
 
-/// A vector of length 1 orthogonal to a basis that leaves room for one.
+/// Returns a unit vector orthogonal to a basis that does not span the whole space.
 pub fn orthogonal(basis: &DMatrix<f64>) -> DVector<f64> {
     let n = basis.nrows();
-    // The axis that the basis covers least.
-    let covered = |i: usize| basis.row(i).norm_squared();
-    let axis = (0..n).min_by(|&a, &b| covered(a).total_cmp(&covered(b))).unwrap_or(0);
-    beside(basis, &DVector::from_fn(n, |i, _| if i == axis { 1.0 } else { 0.0 })).normalize()
+    // The axis with the smallest projection onto the basis.
+    let coverage = |i: usize| basis.row(i).norm_squared();
+    let axis = (0..n).min_by(|&a, &b| coverage(a).total_cmp(&coverage(b))).unwrap_or(0);
+    orthogonal_component(basis, &DVector::from_fn(n, |i, _| if i == axis { 1.0 } else { 0.0 })).normalize()
 }
 
-/// ω with A ω = s for a matrix of full column rank and an s among its columns' combinations.
+/// ω with A ω = s for a matrix of full column rank and an s in its column space.
 pub fn solve(matrix: &DMatrix<f64>, s: &DVector<f64>) -> Option<DVector<f64>> {
     let qr = matrix.clone().qr();
     qr.r().solve_upper_triangular(&qr.q().tr_mul(s))

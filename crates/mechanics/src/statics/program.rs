@@ -1,13 +1,13 @@
-//! The two linear programmes of form closure, as [`microlp`] solves them.
+//! The two linear programmes of form closure, solved by [`microlp`].
 
 use microlp::{ComparisonOp, Error, OptimizationDirection, Problem, Solution, SolveOutcome, Variable};
 use nalgebra::{DMatrix, DVector};
 
 use super::StaticsError;
 
-/// Multipliers λ ≥ 1 with Aᵀ λ = 0 and the smallest sum, if there are any.
+/// Multipliers λ ≥ 1 with Aᵀ λ = 0 and the smallest sum, if they exist.
 ///
-/// Where there are, A ω ≥ 0 leaves only A ω = 0, for λ·A ω = 0 has no negative term.
+/// If they exist, A ω ≥ 0 implies A ω = 0, since λ·A ω = 0 has no negative terms.
 pub fn multipliers(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>, StaticsError> {
     let mut problem = Problem::new(OptimizationDirection::Minimize);
     let lambda: Vec<Variable> = matrix.row_iter().map(|_| problem.add_var(1.0, (1.0, f64::INFINITY))).collect();
@@ -17,7 +17,7 @@ pub fn multipliers(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>, Static
     values(&problem, &lambda)
 }
 
-/// The motion ω of the largest sum of separations A ω with 0 ≤ A ω ≤ 1.
+/// Returns the motion ω of the largest sum of separations A ω with 0 ≤ A ω ≤ 1.
 pub fn motion(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>, StaticsError> {
     let mut problem = Problem::new(OptimizationDirection::Maximize);
     let free = (f64::NEG_INFINITY, f64::INFINITY);
@@ -38,7 +38,7 @@ fn values(problem: &Problem, of: &[Variable]) -> Result<Option<DVector<f64>>, St
     let read = |solution: &Solution| DVector::from_iterator(of.len(), of.iter().map(|&v| solution.var_value(v)));
     match problem.solve() {
         Ok(SolveOutcome::Solution(solution)) => Ok(Some(read(&solution))),
-        Ok(SolveOutcome::Interrupted(_)) => Err(StaticsError::Program { reason: "it was interrupted".to_string() }),
+        Ok(SolveOutcome::Interrupted(_)) => Err(StaticsError::Program { reason: "interrupted".to_string() }),
         Err(Error::Infeasible) => Ok(None),
         Err(error) => Err(StaticsError::Program { reason: error.to_string() }),
     }

@@ -1,42 +1,43 @@
-//! What a motion of the grasp may not do: U of (1.18), row by row.
+//! Unilateral constraints on a motion of the grasp: U of (1.18), row by row.
 
-use super::posture::at_posture;
-use super::{AtRest, Hand, StaticsError, Touch};
-use crate::gripper::Site;
+use super::posture::static_kinematics_at;
+use super::{Hand, PhalanxContact, StaticKinematics, StaticsError};
+use crate::gripper::FingerContact;
 
 /// One constraint; fingers are counted from 0 as in [`Hand::fingers`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Row {
-    /// Rate at which a phalanx and the object part, in m/s.
-    Contact { finger: usize, site: Site },
-    /// Rate at which the object leaves the palm, in m/s.
+    /// Separation rate of a phalanx and the object, in m/s.
+    Contact { finger: usize, site: FingerContact },
+    /// Separation rate of the object and the palm, in m/s.
     Palm,
-    /// Rate θ̇_a of a motor that cannot be turned back, in rad/s.
+    /// Rate θ̇_a of a motor that cannot be back-driven, in rad/s.
     Motor { finger: usize },
 }
 
-/// What a constraint is, as far as a decision asks.
+/// Kind of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Its rate is in rad/s and its multiplier a torque; of all others they are a speed and a force.
+pub enum RowKind {
+    /// A motor: its rate is in rad/s and its multiplier is a torque. All other kinds have a speed and a force.
     Motor,
     Palm,
     Distal,
     Proximal,
 }
 
-impl From<Row> for Kind {
+impl From<Row> for RowKind {
     fn from(row: Row) -> Self {
         match row {
-            Row::Motor { .. } => Kind::Motor,
-            Row::Palm => Kind::Palm,
-            Row::Contact { site: Site::Distal, .. } => Kind::Distal,
-            Row::Contact { .. } => Kind::Proximal,
+            Row::Motor { .. } => RowKind::Motor,
+            Row::Palm => RowKind::Palm,
+            Row::Contact { site: FingerContact::Distal, .. } => RowKind::Distal,
+            Row::Contact { .. } => RowKind::Proximal,
         }
     }
 }
 
-/// One coordinate of a motion of the grasp. The object is a disc under central forces: its rotation is none of them (d = 2).
+/// One coordinate of a motion of the grasp. The object is a disc under central forces, so its rotation is not included
+/// (d = 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
     /// Velocity of the object, in m/s.
@@ -57,22 +58,23 @@ pub enum Unknown {
 pub struct Unilateral<R = Row> {
     pub rows: Vec<R>,
     pub unknowns: Vec<Unknown>,
-    /// U by rows, in the units of [`Row`] for each unit of [`Unknown`].
+    /// U by rows, in units of [`Row`] per unit of [`Unknown`].
     pub matrix: Vec<f64>,
-    /// For each unknown, the speed in m/s that one unit of it stands for, so that rates of any kind can be weighed together.
+    /// For each unknown, the speed in m/s that corresponds to one unit, so that rates of different kinds are
+    /// comparable.
     pub scale: Vec<f64>,
 }
 
-/// (1.19): n_c + n_u ≥ n_h + d + 1, without which no grasp is form-closed.
+/// Necessary condition (1.19) of form closure: n_c + n_u ≥ n_h + d + 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NecessaryCount {
     /// n_c: contacts with phalanges and palm.
     pub contacts: usize,
-    /// n_u: motors that cannot be turned back.
+    /// n_u: motors that cannot be back-driven.
     pub motors: usize,
-    /// n_h: freedoms of the fingers.
+    /// n_h: degrees of freedom of the fingers.
     pub hand: usize,
-    /// d: freedoms of the object.
+    /// d: degrees of freedom of the object.
     pub object: usize,
 }
 
@@ -82,26 +84,26 @@ impl NecessaryCount {
     }
 }
 
-impl<R: Copy + Into<Kind>> Unilateral<R> {
-    /// No constraints yet on these unknowns.
+impl<R: Copy + Into<RowKind>> Unilateral<R> {
+    /// Returns an empty set of constraints on these unknowns.
     pub fn new(unknowns: Vec<Unknown>, scale: Vec<f64>) -> Self {
         Self { rows: Vec::new(), unknowns, matrix: Vec::new(), scale }
     }
 
-    /// Adds a row: its entry for each unknown.
+    /// Appends a row, given its entry for each unknown.
     pub fn push(&mut self, row: R, entry: impl Fn(Unknown) -> f64) {
         self.rows.push(row);
         self.matrix.extend(self.unknowns.iter().map(|&unknown| entry(unknown)));
     }
 
-    /// Adds a row whose entries are known, in the order of the unknowns.
+    /// Appends a row with these entries, in the order of the unknowns.
     pub fn append(&mut self, row: R, entries: &[f64]) {
         self.rows.push(row);
         self.matrix.extend(entries);
     }
 
-    /// The same constraints by other names.
-    pub fn named<S>(self, name: impl Fn(R) -> S) -> Unilateral<S> {
+    /// Returns the same constraints with other row names.
+    pub fn with_row_names<S>(self, name: impl Fn(R) -> S) -> Unilateral<S> {
         let Self { rows, unknowns, matrix, scale } = self;
         Unilateral { rows: rows.into_iter().map(name).collect(), unknowns, matrix, scale }
     }
@@ -112,9 +114,9 @@ impl<R: Copy + Into<Kind>> Unilateral<R> {
         &self.matrix[index * width..(index + 1) * width]
     }
 
-    /// The count of (1.19).
+    /// Returns the numbers of contacts, motors and unknowns in (1.19).
     pub fn necessary_count(&self) -> NecessaryCount {
-        let motors = self.rows.iter().filter(|&&row| row.into() == Kind::Motor).count();
+        let motors = self.rows.iter().filter(|&&row| row.into() == RowKind::Motor).count();
         let object = self.unknowns.iter().filter(|u| matches!(u, Unknown::ObjectX | Unknown::ObjectY)).count();
         NecessaryCount { contacts: self.rows.len() - motors, motors, hand: self.unknowns.len() - object, object }
     }
@@ -122,13 +124,13 @@ impl<R: Copy + Into<Kind>> Unilateral<R> {
 
 /// U of a hand (1.15)–(1.18): contacts of each finger, then motors, then the palm.
 ///
-/// * Contact: (velocity of the object − that of the phalanx) · n ≥ 0, n from the phalanx into the object; the phalanx moves
-///   along n at (J θ̇) with the J of (1.8) without friction.
-/// * Motor that cannot be turned back: θ̇_a = θ̇1 + θ̇2/(∂q22/∂q11) ≥ 0, the actuator's row of T⁻¹ (errata 12).
-/// * Palm: the object does not go into it.
+/// * Contact: (velocity of the object − velocity of the phalanx) · n ≥ 0, n from the phalanx into the object; the speed
+///   of the phalanx along n is J θ̇ with J of (1.8) without friction.
+/// * Motor that cannot be back-driven: θ̇_a = θ̇1 + θ̇2/(∂q22/∂q11) ≥ 0, the actuator's row of T⁻¹ (errata 12).
+/// * Palm: the object does not penetrate it.
 ///
 /// # Errors
-/// The singular postures of [`at_rest`](super::at_rest).
+/// Returns an error for the singular postures of [`static_kinematics`](super::static_kinematics).
 pub fn unilateral(hand: &Hand<'_>) -> Result<Unilateral, StaticsError> {
     let mut unknowns = vec![Unknown::ObjectX, Unknown::ObjectY];
     let mut scale = vec![1.0, 1.0];
@@ -139,16 +141,17 @@ pub fn unilateral(hand: &Hand<'_>) -> Result<Unilateral, StaticsError> {
     let mut u = Unilateral::new(unknowns, scale);
     let mut motors = Vec::with_capacity(hand.fingers.len());
     for (finger, grip) in hand.fingers.iter().enumerate() {
-        let AtRest { tip_slope: [alpha, _], .. } = at_posture(grip.finger, &grip.posture)?;
-        // The object is to the left of the phalanges of a finger on the right.
+        let StaticKinematics { tip_slope: [alpha, _], .. } = static_kinematics_at(grip.finger, &grip.posture)?;
+        // The object is to the left of the phalanges of a right finger.
         let mirror = grip.side.mirror();
-        for (site, touch) in [(Site::Proximal, grip.proximal), (Site::Distal, grip.distal)] {
-            let Some(Touch { normal: [x, y], levers_m: levers }) = touch else { continue };
+        for (site, phalanx_contact) in [(FingerContact::Proximal, grip.proximal), (FingerContact::Distal, grip.distal)]
+        {
+            let Some(PhalanxContact { normal: [x, y], levers_m: levers }) = phalanx_contact else { continue };
             u.push(Row::Contact { finger, site }, |unknown| match unknown {
                 Unknown::ObjectX => mirror * x,
                 Unknown::ObjectY => y,
-                Unknown::Proximal { finger: of } if of == finger => -levers[0],
-                Unknown::Distal { finger: of } if of == finger => -levers[1],
+                Unknown::Proximal { finger: index } if index == finger => -levers[0],
+                Unknown::Distal { finger: index } if index == finger => -levers[1],
                 _ => 0.0,
             });
         }
@@ -158,8 +161,8 @@ pub fn unilateral(hand: &Hand<'_>) -> Result<Unilateral, StaticsError> {
     }
     for (finger, alpha) in motors {
         u.push(Row::Motor { finger }, |unknown| match unknown {
-            Unknown::Proximal { finger: of } if of == finger => 1.0,
-            Unknown::Distal { finger: of } if of == finger => 1.0 / alpha,
+            Unknown::Proximal { finger: index } if index == finger => 1.0,
+            Unknown::Distal { finger: index } if index == finger => 1.0 / alpha,
             _ => 0.0,
         });
     }

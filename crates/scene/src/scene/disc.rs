@@ -1,30 +1,30 @@
-//! Discs, or whatever shape they have, and half planes.
+//! Free, driven and fixed bodies ("discs" of any shape), and half planes.
 
 use crate::law::ContactLaw;
-use crate::shape::{Placed, Shape};
+use crate::shape::{PlacedShape, Shape};
 
-/// A disc, or a body of another shape, and how it moves.
+/// A body with its shape and motion; called a disc whatever its shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disc {
     pub name: String,
     pub shape: Shape,
-    /// Where its centre starts.
+    /// Initial position of the centre.
     pub centre_m: [f64; 2],
     pub angle_rad: f64,
     pub motion: DiscMotion,
 }
 
-/// What moves a disc.
+/// Motion of a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DiscMotion {
     Fixed,
-    /// Moves as told, whatever it meets: x(t) = centre + velocity t + ½ acceleration t², angle = spin t.
+    /// Prescribed motion, not affected by contacts: x(t) = centre + velocity t + ½ acceleration t², angle = spin t.
     Driven {
         velocity_m_s: [f64; 2],
         acceleration_m_s2: [f64; 2],
         spin_rad_s: f64,
     },
-    /// Moves under gravity and contact. `inertia_kg_m2` is `None` for a disc that does not turn.
+    /// Moves under gravity and contact forces. `inertia_kg_m2` is `None` for a disc that does not rotate.
     Free {
         mass_kg: f64,
         inertia_kg_m2: Option<f64>,
@@ -33,11 +33,11 @@ pub enum DiscMotion {
     },
 }
 
-/// A surface along x at some height. That of a palm or of the ground is solid below it, that of a table above.
+/// A half plane bounded by a horizontal line: solid below it for a palm or the ground, above it for a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
     pub level_m: f64,
-    /// Law by which discs touch it; `None` where nothing can reach it.
+    /// Law of its contacts with discs; `None` if no moving disc can reach it.
     pub contact: Option<ContactLaw>,
 }
 
@@ -48,17 +48,17 @@ impl DiscMotion {
 }
 
 impl Disc {
-    /// Name of the one that fingers grasp.
+    /// Name of the grasped object.
     pub const OBJECT: &str = "object";
 
-    /// What fingers grasp, of a shape at a place: it does not move.
-    pub fn object(placed: Placed) -> Self {
-        let Placed { shape, centre_m, angle_rad } = placed;
+    /// Creates a fixed object.
+    pub fn fixed_object(placed: PlacedShape) -> Self {
+        let PlacedShape { shape, centre_m, angle_rad } = placed;
         Self { name: Self::OBJECT.to_string(), shape, centre_m, angle_rad, motion: DiscMotion::Fixed }
     }
 
-    /// Where it starts, as postures and grasps know it.
-    pub fn placed(&self) -> Placed {
-        Placed { shape: self.shape, centre_m: self.centre_m, angle_rad: self.angle_rad }
+    /// Shape and initial pose.
+    pub fn placed(&self) -> PlacedShape {
+        PlacedShape { shape: self.shape, centre_m: self.centre_m, angle_rad: self.angle_rad }
     }
 }

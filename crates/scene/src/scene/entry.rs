@@ -1,4 +1,5 @@
-//! Values as they stand in the file: read leniently with their place, judged later, so that every mistake is reported.
+//! Values as written in the file with their positions: accepted in any form here and checked later, so that all
+//! problems are reported.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -9,57 +10,57 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use super::any::Any;
-use super::kinds::Kind;
+use super::toml_value::TomlValue;
+use super::value_kinds::InputKind;
 
-/// Place of one item of a list; of the whole value where there is no such item.
-pub fn item_span(value: &Spanned<Any>, index: usize) -> Range<usize> {
+/// Position of one item of a list, or of the whole value if there is no such item.
+pub fn item_span(value: &Spanned<TomlValue>, index: usize) -> Range<usize> {
     match value.get_ref() {
-        Any::List(items) => items.get(index).map_or(value.span(), Spanned::span),
+        TomlValue::List(items) => items.get(index).map_or(value.span(), Spanned::span),
         _ => value.span(),
     }
 }
 
-/// A key that may be left out; its value will be read as `K`.
+/// An optional key; its value is read as `K` later.
 pub struct Entry<K> {
-    pub given: Option<Spanned<Any>>,
+    pub value: Option<Spanned<TomlValue>>,
     kind: PhantomData<K>,
 }
 
 impl<K> Entry<K> {
-    pub fn is_given(&self) -> bool {
-        self.given.is_some()
+    pub fn is_present(&self) -> bool {
+        self.value.is_some()
     }
 
     pub fn span(&self) -> Option<Range<usize>> {
-        self.given.as_ref().map(Spanned::span)
+        self.value.as_ref().map(Spanned::span)
     }
 
-    /// Place of one item of a list; of the whole value where there is no such item.
+    /// Position of one item of a list, or of the whole value if there is no such item.
     pub fn item_span(&self, index: usize) -> Option<Range<usize>> {
-        self.given.as_ref().map(|given| item_span(given, index))
+        self.value.as_ref().map(|value| item_span(value, index))
     }
 }
 
 impl<K> Default for Entry<K> {
     fn default() -> Self {
-        Entry { given: None, kind: PhantomData }
+        Entry { value: None, kind: PhantomData }
     }
 }
 
 impl<K> fmt::Debug for Entry<K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.given.fmt(f)
+        self.value.fmt(f)
     }
 }
 
 impl<'de, K> Deserialize<'de> for Entry<K> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(Entry { given: Some(Spanned::deserialize(deserializer)?), kind: PhantomData })
+        Ok(Entry { value: Some(Spanned::deserialize(deserializer)?), kind: PhantomData })
     }
 }
 
-impl<K: Kind> JsonSchema for Entry<K> {
+impl<K: InputKind> JsonSchema for Entry<K> {
     fn schema_name() -> Cow<'static, str> {
         K::NAME.into()
     }
@@ -73,7 +74,7 @@ impl<K: Kind> JsonSchema for Entry<K> {
     }
 }
 
-/// A table that may be left out, with the place of its header.
+/// An optional table with the position of its header.
 #[derive(Debug, Default)]
 pub struct Section<T> {
     pub span: Option<Range<usize>>,
@@ -81,16 +82,16 @@ pub struct Section<T> {
 }
 
 impl<T> Section<T> {
-    pub fn of(span: Range<usize>, body: T) -> Self {
+    pub fn new(span: Range<usize>, body: T) -> Self {
         Section { span: Some(span), body }
     }
 
-    /// What stands before all sections has no header.
-    pub fn whole(body: T) -> Self {
+    /// Returns the top level, which has no header.
+    pub fn top_level(body: T) -> Self {
         Section { span: None, body }
     }
 
-    pub fn is_given(&self) -> bool {
+    pub fn is_present(&self) -> bool {
         self.span.is_some()
     }
 }

@@ -1,24 +1,24 @@
-//! What is wrong with a scene file, and how that is shown.
+//! Problems of scene files and their messages.
 
 use std::fmt::{self, Write};
 use std::ops::Range;
 
-use crate::limits::{MOST_PROBLEMS, SHOWN_PROBLEMS};
+use crate::limits::{MAX_PROBLEMS, MAX_SHOWN_PROBLEMS};
 
-/// One thing wrong with a scene.
+/// A problem of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// Bytes of the file it is about; `None` where something is missing altogether.
+    /// Position in the file, in bytes; `None` for something that is missing.
     pub span: Option<Range<usize>>,
-    /// What was found, and why it is wrong.
+    /// Description of the problem.
     pub message: String,
-    /// Short remark under the offending text; may be empty.
+    /// Short remark under the marked text; may be empty.
     pub label: String,
-    /// What is allowed, or what to do about it.
+    /// What is allowed, or how to fix the problem.
     pub help: String,
 }
 
-/// Why there is no scene.
+/// Error while reading a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SceneError {
     /// The file cannot be read.
@@ -27,14 +27,14 @@ pub enum SceneError {
     Log { file: String },
     /// The file is not text.
     NotUtf8 { file: String, line: usize, column: usize },
-    /// The file was read, but is no scene. Problems are in the order of the file.
+    /// The text is not a valid scene. Problems are in the order of the file.
     Invalid { file: String, text: String, problems: Vec<Problem> },
-    /// Several of the texts that make up a scene are wrong.
+    /// Several texts of a merged scene have problems.
     Layers(Vec<SceneError>),
 }
 
 impl SceneError {
-    /// The problems found in the text; empty when it could not be read, or is several.
+    /// Returns the problems of a single text; empty if it cannot be read, or for several texts.
     pub fn problems(&self) -> &[Problem] {
         match self {
             SceneError::Invalid { problems, .. } => problems,
@@ -51,8 +51,8 @@ impl fmt::Display for SceneError {
             SceneError::Read { file, reason } => write!(f, "error: cannot read scene `{file}`: {reason}"),
             SceneError::Log { file } => write!(
                 f,
-                "error: {file} is the log of a run (MCAP), not a scene\n  = help: phalanx replay {file} shows what is in it; \
-                 the scene it was made from is a TOML file"
+                "error: {file} is the log of a run (MCAP), not a scene\n  = help: `phalanx replay {file}` shows its contents; \
+                 a scene is a TOML file"
             ),
             SceneError::NotUtf8 { file, line, column } => write!(
                 f,
@@ -60,24 +60,21 @@ impl fmt::Display for SceneError {
                  is a TOML file"
             ),
             SceneError::Layers(errors) => {
-                let said: Vec<String> = errors.iter().map(ToString::to_string).collect();
-                f.write_str(&said.join("\n\n"))
+                let messages: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                f.write_str(&messages.join("\n\n"))
             }
             SceneError::Invalid { file, text, problems } => {
-                for (index, problem) in problems.iter().take(SHOWN_PROBLEMS).enumerate() {
+                for (index, problem) in problems.iter().take(MAX_SHOWN_PROBLEMS).enumerate() {
                     if index > 0 {
                         f.write_str("\n\n")?;
                     }
                     f.write_str(&shortened(&render(file, text, problem)))?;
                 }
-                let or_more = if problems.len() < MOST_PROBLEMS { "" } else { " or more" };
+                let or_more = if problems.len() < MAX_PROBLEMS { "" } else { " or more" };
                 match problems.len() {
                     0 | 1 => Ok(()),
-                    count if count > SHOWN_PROBLEMS => {
-                        write!(
-                            f,
-                            "\n\n{file}: {count} problems{or_more}, of which these are the first {SHOWN_PROBLEMS}"
-                        )
+                    count if count > MAX_SHOWN_PROBLEMS => {
+                        write!(f, "\n\n{file}: {count} problems{or_more}; the first {MAX_SHOWN_PROBLEMS} are shown")
                     }
                     count => write!(f, "\n\n{file}: {count} problems"),
                 }
@@ -86,23 +83,25 @@ impl fmt::Display for SceneError {
     }
 }
 
-/// The text with words and lines of a length that somebody reads: keys and values of others may have a million letters.
+/// Shortens long words and lines of a message: a file may contain keys and values of a million characters.
 pub fn shortened(text: &str) -> String {
-    let cut = |part: &str, most: usize| match part.char_indices().nth(most) {
+    let shorten = |part: &str, max_length: usize| match part.char_indices().nth(max_length) {
         None => part.to_string(),
         Some(_) => {
-            let (head, tail) = (floor_boundary(part, most / 2), floor_boundary(part, part.len() - most / 4));
+            let (head, tail) =
+                (floor_boundary(part, max_length / 2), floor_boundary(part, part.len() - max_length / 4));
             format!("{} … {}", &part[..head], &part[tail..])
         }
     };
-    let line = |line: &str| cut(&line.split(' ').map(|word| cut(word, 200)).collect::<Vec<_>>().join(" "), 2000);
+    let line =
+        |line: &str| shorten(&line.split(' ').map(|word| shorten(word, 200)).collect::<Vec<_>>().join(" "), 2000);
     text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Longest part of a source line that is shown, in characters.
+/// Maximum number of characters of a source line that are shown.
 const WIDTH: usize = 120;
 
-/// One problem in the manner of rustc: message, place, source line with carets, help. Without a final newline.
+/// Formats a problem like rustc: message, position, source line with carets, help; without a final newline.
 fn render(file: &str, text: &str, problem: &Problem) -> String {
     let mut out = format!("error: {}", problem.message);
     let Some(span) = &problem.span else {
@@ -121,7 +120,7 @@ fn render(file: &str, text: &str, problem: &Problem) -> String {
     let source: Vec<char> = text[line_start..line_end].trim_end_matches('\r').chars().collect();
     let marked = text[start..end.min(line_end)].trim_end().chars().count().max(1);
 
-    // A long line is cut so that the mark stays in sight.
+    // A long line is cut such that the marked text remains visible.
     let from = (column - 1 + marked.min(WIDTH / 2)).saturating_sub(WIDTH);
     let shown: String = source.iter().skip(from).take(WIDTH).map(|c| printable(*c)).collect();
     let carets = marked.min(WIDTH.saturating_sub(column - 1 - from)).max(1);
@@ -139,7 +138,7 @@ fn render(file: &str, text: &str, problem: &Problem) -> String {
     out
 }
 
-/// Line and column from 1, the column in characters.
+/// Returns line and column of a byte offset, both from 1, the column in characters.
 pub fn line_column(text: &str, offset: usize) -> (usize, usize) {
     let before = &text[..floor_boundary(text, offset)];
     let line = before.matches('\n').count() + 1;
@@ -148,14 +147,14 @@ pub fn line_column(text: &str, offset: usize) -> (usize, usize) {
 }
 
 fn floor_boundary(text: &str, offset: usize) -> usize {
-    let mut at = offset.min(text.len());
-    while !text.is_char_boundary(at) {
-        at -= 1;
+    let mut boundary = offset.min(text.len());
+    while !text.is_char_boundary(boundary) {
+        boundary -= 1;
     }
-    at
+    boundary
 }
 
-/// Every character takes one column, so that carets stay below what they mark.
+/// Replaces characters that do not take one column, so that carets are below the marked text.
 fn printable(c: char) -> char {
     match c {
         '\t' => ' ',
@@ -169,22 +168,22 @@ mod tests {
     use super::*;
 
     fn problem(span: Option<Range<usize>>) -> Problem {
-        Problem { span, message: "wrong".into(), label: "here".into(), help: "mend it".into() }
+        Problem { span, message: "wrong".into(), label: "here".into(), help: "fix it".into() }
     }
 
     #[test]
-    fn carets_stand_below_the_marked_characters() {
+    fn carets_are_below_the_marked_characters() {
         let text = "a = 1\n\tµ = \"2 mm\"\r\n";
         let at = text.find('"').unwrap_or(0);
         assert_eq!(
             render("f.toml", text, &problem(Some(at..at + 6))),
-            "error: wrong\n --> f.toml:2:6\n  |\n2 |  µ = \"2 mm\"\n  |      ^^^^^^ here\n  = help: mend it"
+            "error: wrong\n --> f.toml:2:6\n  |\n2 |  µ = \"2 mm\"\n  |      ^^^^^^ here\n  = help: fix it"
         );
-        assert_eq!(render("f.toml", text, &problem(None)), "error: wrong\n --> f.toml\n  = help: mend it");
+        assert_eq!(render("f.toml", text, &problem(None)), "error: wrong\n --> f.toml\n  = help: fix it");
     }
 
     #[test]
-    fn any_span_of_any_text_is_rendered() {
+    fn renders_any_span_of_any_text() {
         let long = format!("x = \"{}\"\n", "é".repeat(500));
         for text in ["", "\n", "é", "a\nb", &long] {
             for start in 0..text.len().min(40) + 2 {

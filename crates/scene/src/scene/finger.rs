@@ -1,52 +1,53 @@
-//! A finger with what drives it and what it touches by.
+//! A finger with its drive and contact laws.
 
 use super::{Actuation, Brake};
-use crate::gripper::{Finger, Site, Spring};
+use crate::gripper::{Finger, FingerContact, Spring};
 use crate::law::{ContactLaw, NormalLaw};
 
-/// A finger in its own frame: ground joint at the origin, what it grasps to its left.
+/// A finger in its own frame: ground joint at the origin, object to its left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrivenFinger {
-    /// Its five-bar: lengths, masses, and how it is put together.
+    /// The five-bar linkage: lengths, masses and assembly mode.
     pub linkage: Finger,
     pub motor: Motor,
     pub spring: Option<Spring>,
-    /// Joint limit q22 ≥ −φ22; `None` switches it off.
+    /// Law of the joint limit q22 ≥ −φ22; `None` without a limit.
     pub limit: Option<NormalLaw>,
-    /// Laws of its contacts with what it grasps.
-    pub contact: Contacts,
+    /// Laws of the contacts with the object.
+    pub contact: FingerContactLaws,
     pub initial: Initial,
 }
 
-/// A motor as bought.
+/// A motor with gear and brake.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motor {
     pub actuation: Actuation,
-    /// Of rotor and gear, as the driven link feels it.
+    /// Inertia of rotor and gear, reflected to the driven link.
     pub inertia_kg_m2: f64,
-    /// Rate at which nothing is left of the torque.
+    /// Rate at which the torque has fallen to 0; `None` if the torque does not depend on the rate.
     pub no_load_speed_rad_s: Option<f64>,
     pub brake: Option<Brake>,
 }
 
-/// One input, a seesaw and two outputs: both fingers get half of its torque, and it turns by the mean of both.
+/// A seesaw with one input and two outputs: each finger gets half of the torque; the input rotates by the mean of both
+/// outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Differential {
-    /// Of the input; its inertia is J_in.
+    /// Motor at the input; its inertia is J_in.
     pub motor: Motor,
-    /// J_s, which turns by half the difference of both outputs.
+    /// J_s; the seesaw rotates by half the difference of both outputs.
     pub seesaw_inertia_kg_m2: f64,
 }
 
 /// Laws of the proximal (l21) and the distal (t22) contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contacts {
+pub struct FingerContactLaws {
     pub proximal: ContactLaw,
     pub distal: ContactLaw,
 }
 
-impl Contacts {
-    /// Both laws, to be changed.
+impl FingerContactLaws {
+    /// Mutable access to both laws.
     pub fn both_mut(&mut self) -> [&mut ContactLaw; 2] {
         [&mut self.proximal, &mut self.distal]
     }
@@ -67,19 +68,19 @@ pub struct Initial {
 }
 
 impl DrivenFinger {
-    /// The law of a contact of it; the joint limit is none of two surfaces.
+    /// Law of a contact; `None` for the joint limit, which is not a contact of two surfaces.
     #[inline]
-    pub fn law(&self, site: Site) -> Option<ContactLaw> {
+    pub fn law(&self, site: FingerContact) -> Option<ContactLaw> {
         match site {
-            Site::Proximal => Some(self.contact.proximal),
-            Site::Distal => Some(self.contact.distal),
-            Site::Limit => None,
+            FingerContact::Proximal => Some(self.contact.proximal),
+            FingerContact::Distal => Some(self.contact.distal),
+            FingerContact::Limit => None,
         }
     }
 }
 
 impl Motor {
-    /// None at all: that of a finger which a differential drives.
+    /// No motor: for fingers driven by a differential.
     pub const NONE: Self = Motor {
         actuation: Actuation::Constant { torque_n_m: 0.0 },
         inertia_kg_m2: 0.0,
@@ -87,8 +88,8 @@ impl Motor {
         brake: None,
     };
 
-    /// One that does nothing but turn, as told, the link it drives.
-    pub fn of(actuation: Actuation) -> Self {
+    /// Creates an ideal torque source without inertia, speed limit or brake.
+    pub fn from_actuation(actuation: Actuation) -> Self {
         Self { actuation, ..Self::NONE }
     }
 }

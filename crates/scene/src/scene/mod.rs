@@ -1,73 +1,75 @@
-//! Scene files: what a user writes, checked and resolved to SI with every default filled in.
+//! Scene files: parsed, checked and resolved to SI with every default filled in.
 //!
-//! | file | job |
+//! | file | contents |
 //! |---|---|
-//! | `raw` | the file as it is written |
-//! | `sections`, `schema` | which sections a scene has; its JSON Schema |
-//! | `entry`, `kinds`, `words` | single values: read with their place, quantities and words |
-//! | `compose` | several texts → one: what a scene extends, and fields that are set besides |
-//! | `setting` | a field that is set besides, as a line of a scene |
-//! | `over` | what gives way where one part goes over another |
-//! | `text`, `keys` | text → raw, unknown keys |
-//! | `check`, `error`, `suggest`, `locate` | collecting and showing what is wrong, and where |
-//! | `table` | settings: every key with its kind, default, range and use |
-//! | `resolve`, `defaults` | raw → [`Scene`], physics checked |
+//! | `scene_input` | the file as written |
+//! | `sections`, `schema` | the sections of a scene; its JSON Schema |
+//! | `entry`, `toml_value`, `value_kinds`, `keywords` | single values with their positions, quantities and keywords |
+//! | `compose` | merging of a scene with those it extends and with single settings |
+//! | `setting` | a single setting `FIELD=VALUE` as a line of a scene |
+//! | `precedence` | keys replaced when one part of a scene overrides another |
+//! | `parse`, `keys` | text → scene input; unknown keys |
+//! | `check`, `error`, `suggest`, `locate` | collecting, showing and locating problems |
+//! | `table` | settings: every key with its kind, default, range and description |
+//! | `resolve`, `defaults` | scene input → [`Scene`], physics checked |
 //! | `show` | a scene → a complete scene file |
-//! | `template` | what all designs of a study have in common |
-//! | `torque` | the motor torque of an actuation over time |
-//! | `system` | what is simulated: [`System`], the description that both models read |
-//! | `finger`, `disc` | its parts: fingers, discs and planes |
-//! | `place`, `pairs`, `touching` | where they touch |
-//! | `sound`, `wrong_kind` | which systems neither model takes; a scene of another kind than is wanted |
-//! | `palm_motion`, `cycle` | how a gripper's palm moves, and brakes; when it carries |
+//! | `template` | the common part of all designs of a study |
+//! | `torque` | motor torque over time |
+//! | `system` | [`System`], the description of the simulated system that both models read |
+//! | `finger`, `disc` | components of a system: fingers, discs and planes |
+//! | `gripper_contact`, `pairs`, `contact_id` | possible contacts |
+//! | `unsupported`, `wrong_kind` | systems that neither model supports; scenes of the wrong kind |
+//! | `palm_motion`, `cycle` | motion of a gripper's palm; brakes; times of a grasp cycle |
 
-pub mod any;
 pub mod check;
 mod compose;
+mod contact_id;
 mod cycle;
 mod defaults;
 mod disc;
 pub mod entry;
 pub mod error;
 mod finger;
+mod gripper_contact;
 pub mod keys;
-pub mod kinds;
+pub mod keywords;
 mod locate;
-pub mod over;
 mod pairs;
 mod palm_motion;
-mod place;
-mod raw;
+pub mod parse;
+pub mod precedence;
 mod resolve;
+mod scene_input;
 pub mod schema;
 mod sections;
 mod setting;
 mod show;
-mod sound;
 mod suggest;
 mod system;
 pub mod table;
 mod template;
-pub mod text;
+pub mod toml_value;
 mod torque;
-mod touching;
-pub mod words;
+mod unsupported;
+pub mod value_kinds;
 mod wrong_kind;
 
 pub use compose::{Layer, extended, parse_layers};
+pub use contact_id::ContactId;
 pub use cycle::Cycle;
 pub use disc::{Disc, DiscMotion, HalfPlane};
 pub use error::{Problem, SceneError};
-pub use finger::{Contacts, Differential, DrivenFinger, Initial, Motor};
-pub use kinds::Words;
-pub use locate::{Located, located};
+pub use finger::{Differential, DrivenFinger, FingerContactLaws, Initial, Motor};
+pub use gripper_contact::{GripperContact, Side};
+use keywords::SceneKind;
+pub use locate::{LocatedProblem, locate_problems};
 pub use pairs::{Pair, Partner};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
-pub use place::{Place, Side};
+pub use parse::{parse, parse_any, parse_template};
 pub use schema::schema;
-pub use setting::{setting, setting_of};
+pub use setting::{parse_setting, setting_from_parts};
 pub use show::{show, show_written};
-pub use suggest::nearest;
+pub use suggest::closest_match;
 pub use system::System;
 pub use table::bounds::Bounds;
 pub use table::criteria::Thresholds;
@@ -75,78 +77,75 @@ pub use table::engine::{Construction, ENGINE_MAX_STEP_S, Engine, Response, Stepp
 pub use table::integrator::{Integrator, Method, Preset};
 pub use table::log::{LogExcess, LogRates};
 pub use template::Template;
-pub use text::{parse, parse_any, parse_template};
-pub use torque::{Actuation, Interpolation, next_corner, scaled, torque};
-pub use touching::Touching;
-use words::SceneKind;
+pub use torque::{Actuation, Interpolation, next_discontinuity, scaled, torque};
+pub use value_kinds::Keyword;
 pub use wrong_kind::WrongKind;
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
 
-/// A resolved scene: everything a model needs, in SI.
+/// A resolved scene: everything a model needs, in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub name: String,
-    /// What the scene is for, in the user's words; empty if nothing was said.
+    /// Description by the user; empty if there is none.
     pub description: String,
-    /// The exact text of the file, kept for the log's attachment.
+    /// The exact text of the file, for the attachment of the log.
     pub source: String,
-    /// What is simulated.
     pub system: System,
     pub duration_s: f64,
     pub integrator: Integrator,
     pub engine: Engine,
     pub bounds: Bounds,
-    /// Thresholds of the grasp criteria of a gripper; without meaning in other kinds of scene.
+    /// Thresholds of the grasp criteria of a gripper; unused in other kinds of scene.
     pub thresholds: Thresholds,
     pub log: LogRates,
 }
 
 impl Scene {
-    /// Of which kind it is.
     pub fn kind(&self) -> SceneKind {
         self.system.kind()
     }
 
-    /// The finger that is alone, or the right one.
+    /// Returns the single finger, or the right finger of a gripper.
     ///
     /// # Panics
-    /// Where there is none: where its kind is not known, look at that first.
+    /// Panics if there are no fingers: check [`Scene::kind`] first.
     #[inline]
     pub fn finger(&self) -> &DrivenFinger {
         &self.system.fingers[0]
     }
 
-    /// The same, to be changed.
+    /// Mutable access to [`Scene::finger`].
     ///
     /// # Panics
-    /// Where there is none.
+    /// Panics if there are no fingers.
     pub fn finger_mut(&mut self) -> &mut DrivenFinger {
         &mut self.system.fingers[0]
     }
 
-    /// What fingers grasp.
+    /// Returns the object that fingers grasp.
     #[inline]
     pub fn object(&self) -> Option<&Disc> {
         self.system.object()
     }
 
-    /// The same for so long in a palm that moves so.
-    pub fn moved_by(&self, palm_motion: Option<PalmMotion>, duration_s: f64) -> Self {
+    /// Returns a copy with another palm motion and duration.
+    pub fn with_palm_motion(&self, palm_motion: Option<PalmMotion>, duration_s: f64) -> Self {
         let mut moved = self.clone();
         (moved.system.palm_motion, moved.duration_s) = (palm_motion, duration_s);
         moved
     }
 
-    /// Integrates as a preset says for this kind of scene, within the same step budget. A reference resolves slip to a hundred thousandth of
-    /// the narrowest range of a friction law: under one that sticks up to 1 µm/s, with rates to 1e-9 m/s, two methods were 1.2e-7 m apart.
-    pub fn integrate_by(&mut self, preset: Preset) {
+    /// Applies a preset of the integrator for this kind of scene and keeps the step budget. The reference preset
+    /// resolves slip rates to 1e-5 of the narrowest slip range of a friction law: with a sticking range of 1 µm/s and a
+    /// tolerance of 1e-9 m/s, two methods differed by 1.2e-7 m.
+    pub fn apply_preset(&mut self, preset: Preset) {
         let max_steps = self.integrator.max_steps;
         self.integrator = match preset {
-            Preset::Engineering => Integrator { max_steps, ..Integrator::everyday(self.kind()) },
+            Preset::Engineering => Integrator { max_steps, ..Integrator::engineering_for(self.kind()) },
             Preset::Reference => {
                 let reference = self.integrator.with_preset(preset);
-                let resolved = 1e-5 * self.system.narrowest_friction_m_s();
+                let resolved = 1e-5 * self.system.narrowest_slip_range_m_s();
                 Integrator { atol_rate_rad_s: reference.atol_rate_rad_s.min(resolved), ..reference }
             }
         };

@@ -1,8 +1,8 @@
-//! Discs that may meet one another, or the ground.
+//! Pairs of discs, and of a disc and the ground, that may come into contact.
 
 use super::System;
 
-/// Two surfaces that may meet; the first is a disc that moves.
+/// Two surfaces that may come into contact; the first is a moving disc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pair {
     /// Index of a disc.
@@ -12,14 +12,14 @@ pub struct Pair {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partner {
-    /// Another disc, by its index.
+    /// Another disc, by index.
     Disc(usize),
     HalfPlane,
 }
 
 impl System {
-    /// Every pair of surfaces of which at least one moves, in the order both models count their contacts: by the index of
-    /// the first disc, then of the second, the half plane last.
+    /// All pairs of surfaces with at least one that moves, in the order of both models: by the index of the first disc,
+    /// then of the second, with the half plane last.
     pub fn pairs(&self) -> Vec<Pair> {
         let mut pairs = Vec::new();
         for (i, first) in self.discs.iter().enumerate() {

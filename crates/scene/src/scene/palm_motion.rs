@@ -1,17 +1,17 @@
-//! How the palm moves in the world, and brakes that hold a drive meanwhile.
+//! Motion of the palm in the world, and brakes that block a drive during it.
 
 use std::f64::consts::TAU;
 
 use crate::law::{Bristle, smoothstep};
 use crate::numeric::elementary::{hypot, powi, sin_cos};
 
-/// Pose (X, Y, Φ) of the palm over time: the sum of all that moves it, at rest at the origin before.
+/// Pose (X, Y, Φ) of the palm over time: the sum of moves, vibrations and path; initially at rest at the origin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PalmMotion {
     pub moves: Vec<Move>,
     pub vibrations: Vec<Vibration>,
     pub path: Option<Path>,
-    /// Names of moves and of vibrations, as far as a scene has given them.
+    /// Names of moves and of vibrations in the scene file; may be shorter than the lists.
     pub names: [Vec<String>; 2],
 }
 
@@ -23,11 +23,11 @@ pub enum Axis {
     Angle,
 }
 
-/// From rest to rest, on the polynomial whose rate, acceleration and jerk vanish at both ends.
+/// A move from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
     pub axis: Axis,
-    /// m or rad.
+    /// Change of the coordinate, m or rad.
     pub distance: f64,
     pub start_s: f64,
     pub length_s: f64,
@@ -37,20 +37,20 @@ pub struct Move {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vibration {
     pub axis: Axis,
-    /// m or rad.
+    /// Amplitude of the coordinate, m or rad.
     pub amplitude: f64,
     pub frequency_hz: f64,
     pub phase_rad: f64,
     pub start_s: f64,
-    /// Periods in which it grows.
+    /// Duration of the ramp in periods.
     pub ramp_periods: f64,
     pub ramp: Ramp,
 }
 
-/// How a vibration grows.
+/// Ramp of the amplitude of a vibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ramp {
-    /// 10 s³ − 15 s⁴ + 6 s⁵: accelerations do not jump.
+    /// 10 s³ − 15 s⁴ + 6 s⁵, with continuous acceleration.
     Quintic,
     /// 3 s² − 2 s³.
     Cubic,
@@ -59,42 +59,43 @@ pub enum Ramp {
 /// A cubic spline through poses, at rest at both ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// Time and (X, Y, Φ), m and rad.
+    /// Time and (X, Y, Φ), in s, m and rad.
     points: Vec<(f64, [f64; 3])>,
-    /// Second derivatives there.
-    bends: Vec<[f64; 3]>,
+    /// Second derivatives at the points.
+    second_derivatives: Vec<[f64; 3]>,
 }
 
-/// (X, Y, Φ) and three derivatives, m and rad.
+/// (X, Y, Φ) and its first three derivatives, in m, rad and s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
-    pub place: [f64; 3],
+    pub position: [f64; 3],
     pub rate: [f64; 3],
     pub acceleration: [f64; 3],
     pub jerk: [f64; 3],
 }
 
-/// What holds a drive, like an electromagnet: torque −T s(t) β(q̇).
+/// An electromagnetic brake of a drive: torque −T s(t) β(q̇).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brake {
-    /// Most that it holds, N·m.
+    /// Maximum torque, N·m.
     pub torque_n_m: f64,
     pub start_s: f64,
-    /// Time in which it grips, and in which it lets go.
+    /// Duration of engagement and of release.
     pub rise_s: f64,
+    /// Time at which the release starts; `None` if the brake is never released.
     pub release_s: Option<f64>,
-    /// Holds against opening only.
+    /// Whether the brake resists opening only.
     pub one_way: bool,
-    /// Half width of its sticking range.
+    /// Half width of the sticking range of the regularised law.
     pub v_static_rad_s: f64,
-    /// What holds below its torque instead, in rad; `None` creeps.
+    /// Bristle that holds without creep below the maximum torque, in rad; `None` for the regularised law, which creeps.
     pub bristle: Option<Bristle>,
 }
 
 impl Pose {
     #[inline]
     fn add(&mut self, axis: Axis, derivatives: [f64; 4]) {
-        let all = [&mut self.place, &mut self.rate, &mut self.acceleration, &mut self.jerk];
+        let all = [&mut self.position, &mut self.rate, &mut self.acceleration, &mut self.jerk];
         for (part, derivative) in all.into_iter().zip(derivatives) {
             part[axis as usize] += derivative;
         }
@@ -106,77 +107,80 @@ impl PalmMotion {
     #[inline]
     pub fn pose(&self, t: f64) -> Pose {
         let mut pose = Pose::default();
-        for one in &self.moves {
-            pose.add(one.axis, one.at(t));
+        for item in &self.moves {
+            pose.add(item.axis, item.derivatives(t));
         }
-        for one in &self.vibrations {
-            pose.add(one.axis, one.at(t));
+        for item in &self.vibrations {
+            pose.add(item.axis, item.derivatives(t));
         }
         for (path, axis) in self.path.iter().flat_map(|path| [Axis::X, Axis::Y, Axis::Angle].map(|axis| (path, axis))) {
-            pose.add(axis, path.at(t, axis));
+            pose.add(axis, path.derivatives(t, axis));
         }
         pose
     }
 
-    /// The next time after `t` at which some derivative jumps; infinite if there is none.
+    /// Returns the next time after `t` at which some derivative jumps; infinite if there is none.
     #[inline]
-    pub fn next_corner(&self, t: f64) -> f64 {
-        let moves = self.moves.iter().flat_map(|one| [one.start_s, one.start_s + one.length_s]);
-        let vibrations = self.vibrations.iter().flat_map(|one| [one.start_s, one.start_s + one.ramp_s()]);
+    pub fn next_discontinuity(&self, t: f64) -> f64 {
+        let moves = self.moves.iter().flat_map(|item| [item.start_s, item.start_s + item.length_s]);
+        let vibrations = self.vibrations.iter().flat_map(|item| [item.start_s, item.start_s + item.ramp_s()]);
         let path = self.path.iter().flat_map(|path| path.points.iter().map(|point| point.0));
         first_after(t, moves.chain(vibrations).chain(path))
     }
 
-    /// When it begins to move, s.
-    pub fn starts_s(&self) -> f64 {
+    /// Time at which the palm begins to move, s.
+    pub fn start_s(&self) -> f64 {
         let (moves, vibrations) =
-            (self.moves.iter().map(|one| one.start_s), self.vibrations.iter().map(|one| one.start_s));
+            (self.moves.iter().map(|item| item.start_s), self.vibrations.iter().map(|item| item.start_s));
         let path = self.path.iter().filter_map(|path| path.points.first()).map(|point| point.0);
         moves.chain(vibrations).chain(path).fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest acceleration of a point of the palm in the world up to a time, m/s².
-    pub fn peak_m_s2(&self, [x, y]: [f64; 2], until_s: f64) -> f64 {
-        let at = |time_s: f64| {
+    /// Largest acceleration of a point of the palm in the world up to a time, m/s².
+    pub fn peak_acceleration_m_s2(&self, [x, y]: [f64; 2], until_s: f64) -> f64 {
+        let acceleration = |time_s: f64| {
             let pose = self.pose(time_s);
             let ([ax, ay, alpha], omega) = (pose.acceleration, pose.rate[2]);
-            let (sin, cos) = sin_cos(pose.place[2]);
+            let (sin, cos) = sin_cos(pose.position[2]);
             let (rx, ry) = (cos * x - sin * y, sin * x + cos * y);
             hypot(ax - alpha * ry - omega * omega * rx, ay + alpha * rx - omega * omega * ry)
         };
         let mut corners = vec![0.0];
-        while let Some(next) = corners.last().map(|last| self.next_corner(*last)).filter(|next| *next < until_s) {
+        while let Some(next) = corners.last().map(|last| self.next_discontinuity(*last)).filter(|next| *next < until_s)
+        {
             corners.push(next);
         }
         corners.push(until_s);
-        // Near its top it is a parabola: with so many places it is right to 4e-8 of itself, a hundred times worse with a tenth of them.
-        const PLACES: f64 = 10_000.0;
-        let most = (100.0 * PLACES / corners.len() as f64).max(10.0);
-        let fastest_hz = self.vibrations.iter().map(|one| one.frequency_hz).fold(0.0, f64::max);
-        let pieces = corners.windows(2).flat_map(|pair| {
+        // Near its maximum the acceleration is a parabola: with this number of points the relative error is 4e-8; with
+        // a tenth of them it is a hundred times larger.
+        const POINTS: f64 = 10_000.0;
+        let max_points = (100.0 * POINTS / corners.len() as f64).max(10.0);
+        let max_frequency_hz = self.vibrations.iter().map(|item| item.frequency_hz).fold(0.0, f64::max);
+        let times = corners.windows(2).flat_map(|pair| {
             let (from, to) = (pair[0], pair[1]);
-            // A hundred in a period, as far as all of them are not too many.
-            let places = (100.0 * fastest_hz * (to - from)).clamp(PLACES.min(most), most);
-            (0..=places as usize).map(move |index| from + (to - from) * index as f64 / places)
+            // A hundred points per period, within the limit.
+            let points = (100.0 * max_frequency_hz * (to - from)).clamp(POINTS.min(max_points), max_points);
+            (0..=points as usize).map(move |index| from + (to - from) * index as f64 / points)
         });
-        pieces.map(at).fold(0.0, f64::max)
+        times.map(acceleration).fold(0.0, f64::max)
     }
 
-    /// When all moves are over, s; vibrations go on.
-    pub fn arrives_s(&self) -> f64 {
-        let moves = self.moves.iter().map(|one| one.start_s + one.length_s);
+    /// End of all moves and of the path, s; vibrations continue.
+    pub fn moves_end_s(&self) -> f64 {
+        let moves = self.moves.iter().map(|item| item.start_s + item.length_s);
         moves.chain(self.path.iter().filter_map(|path| path.points.last()).map(|point| point.0)).fold(0.0, f64::max)
     }
 }
 
 impl Move {
-    /// The peak acceleration of a move over a unit of length in a unit of time: of 420 u² (1 − u)² (1 − 2u), where 1 − 2u = 1/√5.
-    pub fn unit_peak() -> f64 {
+    /// Peak acceleration of a move over unit length in unit time: the maximum of 420 u² (1 − u)² (1 − 2u), at 1 − 2u =
+    /// 1/√5.
+    pub fn unit_peak_acceleration() -> f64 {
         3.36 * 5f64.sqrt()
     }
 
     #[inline]
-    fn at(&self, t: f64) -> [f64; 4] {
+    fn derivatives(&self, t: f64) -> [f64; 4] {
         let u = (t - self.start_s) / self.length_s;
         if u <= 0.0 {
             return [0.0; 4];
@@ -202,21 +206,21 @@ impl Vibration {
     }
 
     #[inline]
-    fn at(&self, t: f64) -> [f64; 4] {
+    fn derivatives(&self, t: f64) -> [f64; 4] {
         let since = t - self.start_s;
         if since <= 0.0 {
             return [0.0; 4];
         }
         let omega = TAU * self.frequency_hz;
         let (sin, cos) = sin_cos(omega * since + self.phase_rad);
-        let wave = [sin, omega * cos, -omega * omega * sin, -powi(omega, 3) * cos];
-        let [r0, r1, r2, r3] = self.ramp.at(since, self.ramp_s());
-        // Leibniz.
+        let oscillation = [sin, omega * cos, -omega * omega * sin, -powi(omega, 3) * cos];
+        let [r0, r1, r2, r3] = self.ramp.derivatives(since, self.ramp_s());
+        // Derivatives of the product by Leibniz' rule.
         [
-            r0 * wave[0],
-            r1 * wave[0] + r0 * wave[1],
-            r2 * wave[0] + 2.0 * r1 * wave[1] + r0 * wave[2],
-            r3 * wave[0] + 3.0 * r2 * wave[1] + 3.0 * r1 * wave[2] + r0 * wave[3],
+            r0 * oscillation[0],
+            r1 * oscillation[0] + r0 * oscillation[1],
+            r2 * oscillation[0] + 2.0 * r1 * oscillation[1] + r0 * oscillation[2],
+            r3 * oscillation[0] + 3.0 * r2 * oscillation[1] + 3.0 * r1 * oscillation[2] + r0 * oscillation[3],
         ]
         .map(|part| self.amplitude * part)
     }
@@ -224,7 +228,7 @@ impl Vibration {
 
 impl Ramp {
     #[inline]
-    fn at(self, t: f64, length: f64) -> [f64; 4] {
+    fn derivatives(self, t: f64, length: f64) -> [f64; 4] {
         if t >= length {
             return [1.0, 0.0, 0.0, 0.0];
         }
@@ -243,7 +247,7 @@ impl Ramp {
 }
 
 impl Path {
-    /// The spline through points of increasing times; `None` of fewer than two.
+    /// Creates the spline through points with increasing times; `None` for fewer than two points.
     pub fn new(points: Vec<(f64, [f64; 3])>) -> Option<Self> {
         if points.len() < 2 {
             return None;
@@ -251,10 +255,10 @@ impl Path {
         let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| {
             let times: Vec<f64> = points.iter().map(|point| point.0).collect();
             let values: Vec<f64> = points.iter().map(|point| point.1[axis]).collect();
-            bends(&times, &values)
+            second_derivatives(&times, &values)
         });
-        let bends = (0..points.len()).map(|i| std::array::from_fn(|axis| axes[axis][i])).collect();
-        Some(Self { points, bends })
+        let second_derivatives = (0..points.len()).map(|i| std::array::from_fn(|axis| axes[axis][i])).collect();
+        Some(Self { points, second_derivatives })
     }
 
     pub fn points(&self) -> &[(f64, [f64; 3])] {
@@ -262,7 +266,7 @@ impl Path {
     }
 
     #[inline]
-    fn at(&self, t: f64, axis: Axis) -> [f64; 4] {
+    fn derivatives(&self, t: f64, axis: Axis) -> [f64; 4] {
         let axis = axis as usize;
         let after = self.points.partition_point(|point| point.0 <= t);
         if after == 0 || after == self.points.len() {
@@ -270,7 +274,7 @@ impl Path {
             return [end.1[axis], 0.0, 0.0, 0.0];
         }
         let ((t0, y0), (t1, y1)) = (self.points[after - 1], self.points[after]);
-        let (m0, m1, h) = (self.bends[after - 1][axis], self.bends[after][axis], t1 - t0);
+        let (m0, m1, h) = (self.second_derivatives[after - 1][axis], self.second_derivatives[after][axis], t1 - t0);
         let (a, b) = ((t1 - t) / h, (t - t0) / h);
         let chord = (y1[axis] - y0[axis]) / h;
         [
@@ -282,30 +286,30 @@ impl Path {
     }
 }
 
-/// Second derivatives of the cubic spline that is level at both ends (Thomas' algorithm).
-fn bends(t: &[f64], y: &[f64]) -> Vec<f64> {
+/// Second derivatives of the cubic spline with zero slope at both ends (Thomas algorithm).
+fn second_derivatives(t: &[f64], y: &[f64]) -> Vec<f64> {
     let last = t.len() - 1;
     let chord = |i: usize| (y[i + 1] - y[i]) / (t[i + 1] - t[i]);
-    let (mut upper, mut bends) = (vec![0.0; t.len()], vec![0.0; t.len()]);
+    let (mut upper, mut second_derivatives) = (vec![0.0; t.len()], vec![0.0; t.len()]);
     for i in 0..=last {
         let before = if i > 0 { t[i] - t[i - 1] } else { 0.0 };
         let after = if i < last { t[i + 1] - t[i] } else { 0.0 };
         let (into, out) = (if i > 0 { chord(i - 1) } else { 0.0 }, if i < last { chord(i) } else { 0.0 });
-        let (was_upper, was) = if i > 0 { (upper[i - 1], bends[i - 1]) } else { (0.0, 0.0) };
+        let (was_upper, was) = if i > 0 { (upper[i - 1], second_derivatives[i - 1]) } else { (0.0, 0.0) };
         let pivot = 2.0 * (before + after) - before * was_upper;
         upper[i] = after / pivot;
-        bends[i] = (6.0 * (out - into) - before * was) / pivot;
+        second_derivatives[i] = (6.0 * (out - into) - before * was) / pivot;
     }
     for i in (0..last).rev() {
-        bends[i] -= upper[i] * bends[i + 1];
+        second_derivatives[i] -= upper[i] * second_derivatives[i + 1];
     }
-    bends
+    second_derivatives
 }
 
 impl Brake {
-    /// How far it grips, 0…1, and the rate of that.
+    /// Engagement, 0…1, and its rate.
     #[inline]
-    pub fn grip(&self, t: f64) -> (f64, f64) {
+    pub fn engagement(&self, t: f64) -> (f64, f64) {
         let step = |from: f64| {
             let (value, slope) = smoothstep((t - from) / self.rise_s);
             (value, slope / self.rise_s)
@@ -315,35 +319,35 @@ impl Brake {
         (on * (1.0 - off), on_rate * (1.0 - off) - on * off_rate)
     }
 
-    /// The next time after `t` at which its grip bends.
+    /// Returns the next time after `t` at which the engagement has a kink; infinite if there is none.
     #[inline]
-    pub fn next_corner(&self, t: f64) -> f64 {
+    pub fn next_discontinuity(&self, t: f64) -> f64 {
         let from = [Some(self.start_s), self.release_s].into_iter().flatten();
         first_after(t, from.flat_map(|from| [from, from + self.rise_s]))
     }
 
-    /// Torque of its bristle, N·m, where the shaft's rate and the bristle's memory add up to `held`, and its derivatives by that and by
-    /// time.
+    /// Torque of the bristle, N·m, and its derivatives with respect to `rate` and time; `rate` is the sum of the rate
+    /// of the shaft and the internal state of the bristle.
     #[inline]
-    pub fn held(&self, t: f64, held: f64, bristle: &Bristle) -> [f64; 3] {
-        let (grip, grip_rate) = self.grip(t);
-        let (most, growing) = (self.torque_n_m * grip, self.torque_n_m * grip_rate);
-        let pull = bristle.damping_n_s_per_m * held;
-        if pull < -most {
-            [most, 0.0, growing]
-        } else if self.one_way && pull > 0.0 {
+    pub fn bristle_torque(&self, t: f64, rate: f64, bristle: &Bristle) -> [f64; 3] {
+        let (engagement, engagement_rate) = self.engagement(t);
+        let (limit, limit_rate) = (self.torque_n_m * engagement, self.torque_n_m * engagement_rate);
+        let torque = bristle.damping_n_s_per_m * rate;
+        if torque < -limit {
+            [limit, 0.0, limit_rate]
+        } else if self.one_way && torque > 0.0 {
             [0.0; 3]
-        } else if pull > most {
-            [-most, 0.0, -growing]
+        } else if torque > limit {
+            [-limit, 0.0, -limit_rate]
         } else {
-            [-pull, -bristle.damping_n_s_per_m, 0.0]
+            [-torque, -bristle.damping_n_s_per_m, 0.0]
         }
     }
 
-    /// Torque at a rate of its shaft, N·m, and its derivatives by rate and time.
+    /// Torque at a rate of the shaft, N·m, and its derivatives with respect to rate and time.
     #[inline]
     pub fn torque(&self, t: f64, rate: f64) -> [f64; 3] {
-        let (grip, grip_rate) = self.grip(t);
+        let (grip, grip_rate) = self.engagement(t);
         if grip == 0.0 && grip_rate == 0.0 || self.one_way && rate >= 0.0 {
             return [0.0; 3];
         }
@@ -394,18 +398,19 @@ mod tests {
     }
 
     #[test]
-    fn every_derivative_is_that_of_the_one_before() {
+    fn derivatives_match_finite_differences() {
         let (motion, h) = (motion(), 1e-5);
         for t in [0.02, 0.07, 0.13, 0.28, 0.33, 0.47, 0.61, 0.69, 0.97] {
-            let [before, at, after] = [t - h, t, t + h].map(|t| motion.pose(t));
+            let [before, middle, after] = [t - h, t, t + h].map(|t| motion.pose(t));
             for axis in 0..3 {
-                let slope = |of: fn(&Pose) -> [f64; 3]| (of(&after)[axis] - of(&before)[axis]) / (2.0 * h);
-                for (found, of) in [
-                    (at.rate, (|pose| pose.place) as fn(&Pose) -> [f64; 3]),
-                    (at.acceleration, |pose| pose.rate),
-                    (at.jerk, |pose| pose.acceleration),
+                let slope =
+                    |quantity: fn(&Pose) -> [f64; 3]| (quantity(&after)[axis] - quantity(&before)[axis]) / (2.0 * h);
+                for (found, quantity) in [
+                    (middle.rate, (|pose| pose.position) as fn(&Pose) -> [f64; 3]),
+                    (middle.acceleration, |pose| pose.rate),
+                    (middle.jerk, |pose| pose.acceleration),
                 ] {
-                    let expected = slope(of);
+                    let expected = slope(quantity);
                     assert!(
                         (found[axis] - expected).abs() < 1e-6 * (10.0 + expected.abs()),
                         "{t} {axis}: {found:?} {expected}"
@@ -416,26 +421,27 @@ mod tests {
     }
 
     #[test]
-    fn moves_begin_and_end_at_rest_and_paths_go_through_their_points() {
+    fn moves_start_and_end_at_rest_and_paths_interpolate_points() {
         let motion = motion();
-        let only = |moves: Vec<Move>| PalmMotion { moves, ..PalmMotion::default() };
-        let moved = only(motion.moves.clone());
+        let with_moves = |moves: Vec<Move>| PalmMotion { moves, ..PalmMotion::default() };
+        let moved = with_moves(motion.moves.clone());
         assert_eq!(moved.pose(0.05), Pose::default());
-        assert_eq!(moved.pose(0.71).place, [0.3, 0.0, -1.2]);
-        assert!((moved.pose(0.35).place[0] - 0.15).abs() < 1e-15, "half way at half time");
+        assert_eq!(moved.pose(0.71).position, [0.3, 0.0, -1.2]);
+        assert!((moved.pose(0.35).position[0] - 0.15).abs() < 1e-15, "half of the distance at half of the time");
         let path = PalmMotion { path: motion.path.clone(), ..PalmMotion::default() };
-        for (t, place) in motion.path.iter().flat_map(Path::points) {
+        for (t, position) in motion.path.iter().flat_map(Path::points) {
             let found = path.pose(*t);
-            assert!((0..3).all(|axis| (found.place[axis] - place[axis]).abs() < 1e-15), "{t}: {found:?}");
+            assert!((0..3).all(|axis| (found.position[axis] - position[axis]).abs() < 1e-15), "{t}: {found:?}");
         }
         assert!(path.pose(1e-9).rate.iter().chain(&path.pose(1.0 - 1e-9).rate).all(|rate| rate.abs() < 1e-6));
-        let corners: Vec<f64> = std::iter::successors(Some(0.0), |t| Some(motion.next_corner(*t))).take(4).collect();
+        let corners: Vec<f64> =
+            std::iter::successors(Some(0.0), |t| Some(motion.next_discontinuity(*t))).take(4).collect();
         assert_eq!(corners, [0.0, 0.05, 0.1, 0.2]);
-        assert_eq!(motion.arrives_s(), 1.0);
+        assert_eq!(motion.moves_end_s(), 1.0);
     }
 
     #[test]
-    fn brakes_hold_what_they_are_said_to() {
+    fn brake_torque_follows_engagement_and_rate() {
         let brake = Brake {
             torque_n_m: 2.0,
             start_s: 0.01,

@@ -1,50 +1,51 @@
-//! Which sections scenes have: one list, from which come JSON Schemas, unknown keys and what is suggested in their place.
+//! The list of all sections, the source of the JSON Schemas and thereby of the detection of unknown keys and the
+//! suggestions.
 
 use serde_json::{Value, json};
 
-use super::table::Table;
+use super::keywords::{ANY, FINGERS, NO_FINGER, SceneKind, TWO_FINGERS};
+use super::table::SettingsSection;
 use super::table::bounds::Bounds;
 use super::table::criteria::Thresholds;
-use super::table::differential::Seesaw;
-use super::table::disc::DiscKeys;
-use super::table::drive::{Motor, Shaft, Springs};
-use super::table::finger::{Bodies, LengthKeys, Links, Material, Start};
-use super::table::keys::schema;
-use super::table::law::{Contact, Limit};
-use super::table::motion::{MoveKeys, PathKeys, VibrationKeys};
-use super::table::object::Object;
-use super::table::plane::{Ground, Support};
-use super::table::top::Top;
-use super::words::{ANY, FINGERS, NO_FINGER, SceneKind, TWO_FINGERS};
+use super::table::differential::DifferentialSettings;
+use super::table::disc::DiscSettings;
+use super::table::drive::{MotorSettings, ShaftSettings, SpringSettings};
+use super::table::finger::{BodySettings, FingerSettings, InitialSettings, LengthSettings, MaterialSettings};
+use super::table::input::schema;
+use super::table::law::{ContactSettings, LimitSettings};
+use super::table::motion::{MoveSettings, PathSettings, VibrationSettings};
+use super::table::object::ObjectSettings;
+use super::table::plane::{HalfPlaneSettings, TableSettings};
+use super::table::scene::SceneSettings;
 use super::{Engine, Integrator, LogRates};
 use crate::gripper::Design;
 use crate::shape::Shape;
 
-/// A section, or some of its keys: its name (none before all sections), in which kinds of scene it is, and what is in it.
-type Listed = (&'static str, &'static [SceneKind], fn(SceneKind) -> Value);
+/// A section or some of its keys: name (empty for the top level), kinds of scene that have it, and schema.
+type SectionEntry = (&'static str, &'static [SceneKind], fn(SceneKind) -> Value);
 
-const LIST: &[Listed] = &[
-    ("", ANY, schema::<Top>),
-    ("", FINGERS, schema::<Links>),
+const LIST: &[SectionEntry] = &[
+    ("", ANY, schema::<SceneSettings>),
+    ("", FINGERS, schema::<FingerSettings>),
     ("design", FINGERS, schema::<Design>),
-    ("lengths", FINGERS, schema::<LengthKeys>),
-    ("material", FINGERS, schema::<Material>),
-    ("bodies", FINGERS, schema::<Bodies>),
-    ("object", FINGERS, schema::<Object>),
+    ("lengths", FINGERS, schema::<LengthSettings>),
+    ("material", FINGERS, schema::<MaterialSettings>),
+    ("bodies", FINGERS, schema::<BodySettings>),
+    ("object", FINGERS, schema::<ObjectSettings>),
     ("object", FINGERS, schema::<Shape>),
     ("discs", NO_FINGER, discs),
-    ("half_plane", NO_FINGER, schema::<Ground>),
-    ("table", TWO_FINGERS, schema::<Support>),
-    ("differential", TWO_FINGERS, schema::<Seesaw>),
-    ("motor", FINGERS, schema::<Motor>),
-    ("motor", TWO_FINGERS, schema::<Shaft>),
-    ("spring", FINGERS, schema::<Springs>),
-    ("limit", FINGERS, schema::<Limit>),
-    ("contact", ANY, schema::<Contact>),
-    ("initial", FINGERS, schema::<Start>),
-    ("moves", TWO_FINGERS, named::<MoveKeys>),
-    ("vibrations", TWO_FINGERS, named::<VibrationKeys>),
-    ("path", TWO_FINGERS, schema::<PathKeys>),
+    ("half_plane", NO_FINGER, schema::<HalfPlaneSettings>),
+    ("table", TWO_FINGERS, schema::<TableSettings>),
+    ("differential", TWO_FINGERS, schema::<DifferentialSettings>),
+    ("motor", FINGERS, schema::<MotorSettings>),
+    ("motor", TWO_FINGERS, schema::<ShaftSettings>),
+    ("spring", FINGERS, schema::<SpringSettings>),
+    ("limit", FINGERS, schema::<LimitSettings>),
+    ("contact", ANY, schema::<ContactSettings>),
+    ("initial", FINGERS, schema::<InitialSettings>),
+    ("moves", TWO_FINGERS, named_sections::<MoveSettings>),
+    ("vibrations", TWO_FINGERS, named_sections::<VibrationSettings>),
+    ("path", TWO_FINGERS, schema::<PathSettings>),
     ("integrator", ANY, schema::<Integrator>),
     ("engine", ANY, schema::<Engine>),
     ("validate", ANY, schema::<Bounds>),
@@ -52,8 +53,8 @@ const LIST: &[Listed] = &[
     ("log", ANY, schema::<LogRates>),
 ];
 
-/// Keys and sections of a finger: of two, those of both, and of either.
-pub const OF_FINGER: [&str; 13] = [
+/// Keys and sections of a finger; in a gripper they apply to both fingers, or to one within `[right]` and `[left]`.
+pub const FINGER_SECTIONS: [&str; 13] = [
     "half_width",
     "assembly",
     "sizing",
@@ -69,32 +70,32 @@ pub const OF_FINGER: [&str; 13] = [
     "contact",
 ];
 
-/// JSON Schema of all that the scenes of a kind say of no single finger.
-pub fn listed(kind: SceneKind) -> Value {
-    let mut whole = json!({});
+/// Returns the JSON Schema of a kind of scene without the sections of single fingers.
+pub fn section_schemas(kind: SceneKind) -> Value {
+    let mut combined = json!({});
     for (name, _, schema) in LIST.iter().filter(|(_, kinds, _)| kinds.contains(&kind)) {
-        let section = if name.is_empty() { &mut whole } else { &mut whole["properties"][name] };
-        put(section, schema(kind));
+        let section = if name.is_empty() { &mut combined } else { &mut combined["properties"][name] };
+        add_section(section, schema(kind));
     }
-    whole
+    combined
 }
 
-/// A section, or more keys of it.
-fn put(section: &mut Value, mut made: Value) {
-    let keys = made.get_mut("properties").map(Value::take);
+/// Inserts a section, or adds keys to it.
+fn add_section(section: &mut Value, mut added: Value) {
+    let keys = added.get_mut("properties").map(Value::take);
     match (section.get_mut("properties"), keys) {
         (Some(Value::Object(known)), Some(Value::Object(more))) => known.extend(more),
         (_, keys) => {
-            *section = made;
+            *section = added;
             keys.into_iter().for_each(|keys| section["properties"] = keys);
         }
     }
 }
 
-/// Sections of one kind, each under a name of its own.
-fn named<T: Table>(kind: SceneKind) -> Value {
+/// Returns the schema of a table of sections with names chosen by the user.
+fn named_sections<T: SettingsSection>(kind: SceneKind) -> Value {
     json!({
-        "description": format!("Each under a name of its own. {}", T::doc(kind)),
+        "description": format!("One section per name, chosen freely. {}", T::doc(kind)),
         "type": "object",
         "propertyNames": { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" },
         "additionalProperties": schema::<T>(kind),
@@ -102,10 +103,10 @@ fn named<T: Table>(kind: SceneKind) -> Value {
 }
 
 fn discs(kind: SceneKind) -> Value {
-    let mut disc = schema::<DiscKeys>(kind);
-    put(&mut disc, schema::<Shape>(kind));
+    let mut disc = schema::<DiscSettings>(kind);
+    add_section(&mut disc, schema::<Shape>(kind));
     json!({
-        "description": "Discs, each under a name of its own: [discs.hammer]. At least one must move.",
+        "description": "Discs, one section per name, chosen freely: [discs.hammer]. At least one disc must move.",
         "type": "object",
         "minProperties": 1,
         "propertyNames": { "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "not": { "const": "plane" } },

@@ -1,33 +1,33 @@
-//! What all designs of a study have in common: a scene without its four free numbers.
+//! The common part of all designs of a study: a scene without the four design variables.
 
 use super::defaults;
 use crate::gripper::{Assembly, BodyOverride, Design, ProximalLength, disc};
 use crate::sizing::{CLOSING_S, Rule, Task};
 
-/// A gripper of which base, l21, φ22 and r_l are still free, and what it is sized for.
+/// A gripper with the design variables base, l21, φ22 and r_l left open, and the task it is sized for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
     pub name: String,
-    /// Base, l21, φ22 and r_l are those of the scene; a study puts others in their place.
+    /// The design of the scene; a study replaces its base, l21, φ22 and r_l.
     pub design: Design,
     pub density_kg_m3: f64,
     pub depth_m: f64,
-    /// What is given of the bodies l11, l12, l21 and l22; it stays the same whatever the design.
+    /// Overrides of the mass properties of l11, l12, l21 and l22, common to all designs.
     pub overrides: [BodyOverride; 4],
     pub assembly: Assembly,
-    /// q_0, how far before the proximal contact the finger starts.
+    /// q_0, the initial angle before the proximal contact.
     pub opening_rad: f64,
     pub gravity_m_s2: [f64; 2],
-    /// Length T of the test trajectory that motor and spring are sized for.
+    /// Duration T of the test trajectory for the sizing of motor and spring.
     pub closing_s: f64,
-    /// The rule of the scene's own sizing, if it has one.
+    /// Sizing rule of the scene, if it has one.
     pub rule: Option<Rule>,
-    /// μ_s of the proximal and of the distal contact.
+    /// μ_s of the proximal and the distal contact.
     pub mu_static: [f64; 2],
 }
 
 impl Template {
-    /// The gripper of the thesis (Table 3.2), without friction; its free numbers are those of design 95.
+    /// Returns the gripper of the thesis (Table 3.2), without friction, with the design variables of design 95.
     pub fn thesis() -> Self {
         Self {
             name: "thesis".to_string(),
@@ -44,7 +44,7 @@ impl Template {
         }
     }
 
-    /// The task a design is sized for.
+    /// Returns the sizing task of a design.
     pub fn task(&self, design: &Design) -> Task {
         let Self { opening_rad, gravity_m_s2, closing_s, .. } = *self;
         Task { object: disc(design), opening_rad, gravity_m_s2, closing_s }

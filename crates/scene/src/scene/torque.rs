@@ -11,7 +11,7 @@ pub enum Actuation {
     Constant {
         torque_n_m: f64,
     },
-    /// Torque over time; the first value holds before the first time, the last one after the last.
+    /// Torque over time; constant before the first time and after the last.
     Table {
         points: Vec<(f64, f64)>,
         interpolation: Interpolation,
@@ -40,12 +40,12 @@ pub enum Interpolation {
     Step,
 }
 
-/// τ11 and dτ11/dt at time t, in N·m and N·m/s. At a jump the later branch holds (t in [tᵢ, tᵢ₊₁)).
+/// τ11 and dτ11/dt at time t, in N·m and N·m/s. At a jump the value is that after it (t in [tᵢ, tᵢ₊₁)).
 #[inline(always)]
 pub fn torque(actuation: &Actuation, t: f64) -> (f64, f64) {
     match actuation {
         Actuation::Constant { torque_n_m } => (*torque_n_m, 0.0),
-        Actuation::Table { points, interpolation } => table(points, *interpolation, t),
+        Actuation::Table { points, interpolation } => table_torque(points, *interpolation, t),
         Actuation::Ramp { torque_n_m, rise_s } => {
             let (sigma, slope) = smoothstep(t / rise_s);
             (torque_n_m * sigma, torque_n_m * slope / rise_s)
@@ -62,7 +62,7 @@ pub fn torque(actuation: &Actuation, t: f64) -> (f64, f64) {
     }
 }
 
-/// Largest size of the torque over all times, N·m.
+/// Largest magnitude of the torque over all times, N·m.
 pub fn largest_torque(actuation: &Actuation) -> f64 {
     match actuation {
         Actuation::Constant { torque_n_m }
@@ -74,7 +74,7 @@ pub fn largest_torque(actuation: &Actuation) -> f64 {
 }
 
 #[inline]
-fn table(points: &[(f64, f64)], interpolation: Interpolation, t: f64) -> (f64, f64) {
+fn table_torque(points: &[(f64, f64)], interpolation: Interpolation, t: f64) -> (f64, f64) {
     let after = points.partition_point(|p| p.0 <= t);
     let Some(&(t0, y0)) = after.checked_sub(1).and_then(|i| points.get(i)) else {
         return (points.first().map_or(0.0, |p| p.1), 0.0);
@@ -88,24 +88,24 @@ fn table(points: &[(f64, f64)], interpolation: Interpolation, t: f64) -> (f64, f
     }
 }
 
-/// The next time after `t` at which the torque or its slope jumps; infinite if there is none.
+/// Returns the next time after `t` at which the torque or its slope jumps; infinite if there is none.
 ///
-/// The integrator lands on it, so that no step straddles a corner.
+/// The integrator ends a step there, so that no step contains a discontinuity.
 #[inline]
-pub fn next_corner(actuation: &Actuation, t: f64) -> f64 {
-    let later = |corner: f64| if corner > t { corner } else { f64::INFINITY };
+pub fn next_discontinuity(actuation: &Actuation, t: f64) -> f64 {
+    let if_later = |corner: f64| if corner > t { corner } else { f64::INFINITY };
     match actuation {
         Actuation::Constant { .. } => f64::INFINITY,
         Actuation::Table { points, .. } => {
             points.get(points.partition_point(|p| p.0 <= t)).map_or(f64::INFINITY, |p| p.0)
         }
-        Actuation::Ramp { rise_s, .. } => later(*rise_s),
-        Actuation::HalfSine { length_s, .. } => later(*length_s),
-        Actuation::Reversal { at_s, .. } => later(*at_s),
+        Actuation::Ramp { rise_s, .. } => if_later(*rise_s),
+        Actuation::HalfSine { length_s, .. } => if_later(*length_s),
+        Actuation::Reversal { at_s, .. } => if_later(*at_s),
     }
 }
 
-/// A torque `factor` times as large at every time.
+/// Returns the actuation with its torque multiplied by `factor`.
 pub fn scaled(actuation: &Actuation, factor: f64) -> Actuation {
     let mut scaled = actuation.clone();
     match &mut scaled {
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tables_interpolate_hold_and_announce_their_corners() {
+    fn tables_interpolate_and_report_their_corners() {
         let points = vec![(0.0, 1.0), (1.0, 3.0), (2.0, -1.0)];
         let linear = Actuation::Table { points: points.clone(), interpolation: Interpolation::Linear };
         let step = Actuation::Table { points, interpolation: Interpolation::Step };
@@ -133,13 +133,13 @@ mod tests {
         assert_eq!(torque(&linear, 9.0), (-1.0, 0.0));
         assert_eq!(torque(&step, 0.999), (1.0, 0.0));
         assert_eq!(torque(&step, 1.0), (3.0, 0.0));
-        assert_eq!(next_corner(&step, 0.0), 1.0);
-        assert_eq!(next_corner(&step, 1.0), 2.0);
-        assert_eq!(next_corner(&step, 2.0), f64::INFINITY);
+        assert_eq!(next_discontinuity(&step, 0.0), 1.0);
+        assert_eq!(next_discontinuity(&step, 1.0), 2.0);
+        assert_eq!(next_discontinuity(&step, 2.0), f64::INFINITY);
     }
 
     #[test]
-    fn named_profiles_have_the_slopes_they_say() {
+    fn profile_derivatives_match_finite_differences() {
         let profiles = [
             Actuation::Ramp { torque_n_m: 0.4, rise_s: 2e-3 },
             Actuation::HalfSine { torque_n_m: 0.4, length_s: 5e-3 },
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_torque_is_scaled_at_every_time() {
+    fn scaling_applies_to_every_profile() {
         let points = vec![(0.0, 0.1), (1e-3, 0.4), (5e-3, -0.2)];
         for actuation in [
             Actuation::Constant { torque_n_m: 0.48 },
@@ -166,9 +166,9 @@ mod tests {
             Actuation::Table { points: points.clone(), interpolation: Interpolation::Linear },
             Actuation::Table { points, interpolation: Interpolation::Step },
         ] {
-            let twice = scaled(&actuation, 2.0);
+            let doubled = scaled(&actuation, 2.0);
             for t in [0.0, 0.7e-3, 2.1e-3, 6e-3] {
-                assert_eq!(torque(&twice, t).0, 2.0 * torque(&actuation, t).0, "{actuation:?} at {t}");
+                assert_eq!(torque(&doubled, t).0, 2.0 * torque(&actuation, t).0, "{actuation:?} at {t}");
             }
         }
     }

@@ -1,29 +1,29 @@
-//! A sound scene of a kind that will not do.
+//! Error for a valid scene of the wrong kind.
 
-use super::words::SceneKind;
-use super::{Scene, Words};
+use super::keywords::SceneKind;
+use super::{Keyword, Scene};
 
-/// What was asked of a scene is for those of another kind.
+/// A scene of one kind where another kind is required.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "\"{scene}\" is a scene of kind \"{}\", but only one of kind \"{}\" will do here: give another scene",
-    .found.word(), .wanted.word()
+    "\"{scene}\" is a scene of kind \"{}\", but a scene of kind \"{}\" is required: give another scene",
+    .found.keyword(), .required.keyword()
 )]
 pub struct WrongKind {
     pub scene: String,
     pub found: SceneKind,
-    pub wanted: SceneKind,
+    pub required: SceneKind,
 }
 
 impl Scene {
-    /// The scene, if it is of this kind.
+    /// Returns the scene if it is of the required kind.
     ///
     /// # Errors
-    /// Of which kind it is instead.
-    pub fn only(&self, wanted: SceneKind) -> Result<&Self, WrongKind> {
+    /// Returns an error if the scene is of another kind.
+    pub fn require_kind(&self, required: SceneKind) -> Result<&Self, WrongKind> {
         match self.kind() {
-            found if found == wanted => Ok(self),
-            found => Err(WrongKind { scene: self.name.clone(), found, wanted }),
+            found if found == required => Ok(self),
+            found => Err(WrongKind { scene: self.name.clone(), found, required }),
         }
     }
 }

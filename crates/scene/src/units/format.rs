@@ -1,30 +1,31 @@
-//! SI to text that parses back to the same bits.
+//! Formats values in SI units as text that parses back to the same bits.
 
 use super::parse::parse;
 use super::{Dimension, Unit, number};
 
-/// Units in the last place tried around the quotient before a unit is given up.
+/// Neighbours of the quotient, in units in the last place, tried before a unit is rejected.
 const NEIGHBOURS: i64 = 4;
 
-/// A text of a finite value that [`parse`] turns into the same bits again.
+/// Formats a finite value such that [`parse`] returns the same bits.
 ///
-/// Of the shown units, one that gives a number from 1 to 1000 is preferred, then the shortest text, then the unit later
+/// Among the shown units it prefers one that gives a number from 1 to 1000, then the shortest text, then the unit later
 /// in the list.
 pub fn format(value_si: f64, dimension: Dimension) -> String {
     let candidates = dimension.units().iter().filter(|u| u.shown);
     candidates
         .filter_map(|unit| exact(value_si, unit, dimension))
         .rev()
-        .min_by_key(|(text, handy)| (!handy, text.len()))
+        .min_by_key(|(text, is_handy)| (!is_handy, text.len()))
         .map(|(text, _)| text)
         .unwrap_or_else(|| format!("{} {}", number(value_si), dimension.units()[0].name))
 }
 
-/// Text of `value_si` in `unit`, if some decimal there gives back its bits, and whether that is a handy number.
+/// Formats `value_si` in `unit`, with whether the number is from 1 to 1000; `None` if no decimal in `unit` parses back
+/// to the same bits.
 fn exact(value_si: f64, unit: &Unit, dimension: Dimension) -> Option<(String, bool)> {
     let factor = unit.factor;
     let quotient = if factor == 1.0 { value_si } else { value_si / factor };
-    let handy = (1.0..1000.0).contains(&quotient.abs());
+    let is_handy = (1.0..1000.0).contains(&quotient.abs());
     let mut best: Option<String> = None;
     for step in -NEIGHBOURS..=NEIGHBOURS {
         let neighbour = f64::from_bits(quotient.to_bits().wrapping_add_signed(step));
@@ -34,7 +35,7 @@ fn exact(value_si: f64, unit: &Unit, dimension: Dimension) -> Option<(String, bo
             best = Some(text);
         }
     }
-    best.map(|text| (text, handy))
+    best.map(|text| (text, is_handy))
 }
 
 #[cfg(test)]
@@ -44,7 +45,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn usual_values_are_shown_in_usual_units() {
+    fn formats_values_in_common_units() {
         for (value, dimension, text) in [
             (0.015, Length, "15 mm"),
             (1e-5, Length, "10 um"),
@@ -63,17 +64,17 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_finite_value_comes_back_bit_for_bit(value in proptest::num::f64::NORMAL, index in 0usize..16) {
+        fn formatted_values_parse_back_to_the_same_bits(value in proptest::num::f64::NORMAL, index in 0usize..16) {
             let dimension = Dimension::ALL[index];
-            // Everything that may be written in a scene, over all sizes.
-            let value = if value.abs() > dimension.largest_si() { value.recip() } else { value };
-            prop_assume!(value.abs() <= dimension.largest_si());
+            // The allowed range in SI units, over all orders of magnitude.
+            let value = if value.abs() > dimension.max_si() { value.recip() } else { value };
+            prop_assume!(value.abs() <= dimension.max_si());
             let text = format(value, dimension);
             prop_assert_eq!(parse(&text, dimension).map(f64::to_bits), Ok(value.to_bits()), "{}", text);
         }
 
         #[test]
-        fn any_text_is_read_or_refused_without_panic(text in "\\PC{0,24}", index in 0usize..16) {
+        fn parsing_never_panics(text in "\\PC{0,24}", index in 0usize..16) {
             let _ = parse(&text, Dimension::ALL[index]);
         }
     }

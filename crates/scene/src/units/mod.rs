@@ -1,10 +1,11 @@
-//! Quantities as text: a number and its unit, to and from plain `f64` in SI.
+//! Quantities as text, a number with its unit, to and from plain `f64` in SI units.
 //!
-//! | file | job |
+//! | file | contents |
 //! |---|---|
-//! | `table` | the closed list of accepted units of every dimension, conversion factors as `uom` has them |
+//! | `table` | accepted units of every dimension, with the conversion factors of `uom` |
 //! | `parse` | `"480 N*mm"` → 0.48 |
 //! | `format` | 0.48 → `"480 N*mm"`, such that it parses back to the same bits |
+//! | `number` | shortest text of a number |
 
 mod format;
 mod number;
@@ -13,6 +14,6 @@ mod table;
 
 pub use format::format;
 pub use number::number;
-pub use parse::split;
-pub use parse::{QuantityError, parse, positive};
-pub use table::{Dimension, G_M_S2, LONGEST_S, Unit};
+pub use parse::split_quantity;
+pub use parse::{QuantityError, parse, parse_positive};
+pub use table::{Dimension, G_M_S2, MAX_TIME_S, Unit};

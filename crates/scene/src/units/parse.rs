@@ -1,53 +1,53 @@
-//! Text to SI: `"480 N*mm"` → 0.48.
+//! Parses quantities to SI: `"480 N*mm"` → 0.48.
 
 use super::{Dimension, number};
 use crate::numeric::elementary::{log10, powi};
 
-/// Why a text is not the wanted quantity. Messages name what was wrong, what is allowed and the way out.
+/// Error for a text that is not the expected quantity. Messages name the problem and the allowed values.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum QuantityError {
-    #[error("`{text}` does not begin with a number; {} is wanted, such as \"{}\"", .wanted.name(), .wanted.example())]
-    NotANumber { text: String, wanted: Dimension },
+    #[error("`{text}` does not begin with a number; expected {}, such as \"{}\"", .expected.name(), .expected.example())]
+    NotANumber { text: String, expected: Dimension },
     #[error("`{text}` has a decimal comma; write a decimal point, as in \"{}\"", .text.replacen(',', ".", 1))]
     DecimalComma { text: String },
     #[error("`{text}` is not a finite number")]
     NotFinite { text: String },
-    #[error("`{text}` is too large: {} may be {} {} at most", .wanted.name(), number(.wanted.largest_si()), .wanted.units()[0].name)]
-    TooLarge { text: String, wanted: Dimension },
-    #[error("`{text}` has no unit; {} is wanted: {}", .wanted.name(), .wanted.unit_list())]
-    MissingUnit { text: String, wanted: Dimension },
-    #[error("unknown unit `{unit}`;{} {} is wanted: {}", did_you_mean(.meant), .wanted.name(), .wanted.unit_list())]
-    UnknownUnit { unit: String, meant: Option<&'static str>, wanted: Dimension },
-    #[error("{text} is {}; {} is wanted: {}", .found.name(), .wanted.name(), .wanted.unit_list())]
-    WrongDimension { text: String, found: Dimension, wanted: Dimension },
+    #[error("`{text}` is too large: {} may be {} {} at most", .expected.name(), number(.expected.max_si()), .expected.units()[0].name)]
+    TooLarge { text: String, expected: Dimension },
+    #[error("`{text}` has no unit; expected {}: {}", .expected.name(), .expected.unit_list())]
+    MissingUnit { text: String, expected: Dimension },
+    #[error("unknown unit `{unit}`{}; expected {}: {}", did_you_mean(.suggestion), .expected.name(), .expected.unit_list())]
+    UnknownUnit { unit: String, suggestion: Option<&'static str>, expected: Dimension },
+    #[error("{text} is {}; expected {}: {}", .found.name(), .expected.name(), .expected.unit_list())]
+    WrongDimension { text: String, found: Dimension, expected: Dimension },
 }
 
-/// Reads a quantity that must be more than 0, and returns it in SI; `otherwise` is said of one that is not.
+/// Parses a quantity that must be above 0 and returns it in SI units.
 ///
 /// # Errors
-/// What is wrong with the text, or `otherwise`.
-pub fn positive(text: &str, wanted: Dimension, otherwise: &str) -> Result<f64, String> {
-    match parse(text, wanted) {
+/// Returns a message about the text, or `otherwise` if the value is not above 0.
+pub fn parse_positive(text: &str, expected: Dimension, otherwise: &str) -> Result<f64, String> {
+    match parse(text, expected) {
         Ok(value) if value > 0.0 => Ok(value),
         Ok(_) => Err(otherwise.to_string()),
         Err(error) => Err(error.to_string()),
     }
 }
 
-/// Reads a quantity of dimension `wanted` and returns it in SI.
+/// Parses a quantity of dimension `expected` and returns it in SI units.
 ///
-/// The number is a decimal with optional exponent. Units are those of [`Dimension::units`], case-sensitive; a product
+/// The number is a decimal with optional exponent. Units are listed in [`Dimension::units`], case-sensitive; a product
 /// may be written with `*`, `·` or a space, a square as `^2` or `²`, micro as `u` or `µ`, degrees as `deg` or `°`.
-pub fn parse(text: &str, wanted: Dimension) -> Result<f64, QuantityError> {
+pub fn parse(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
     let text = text.trim();
     let (number, rest) = text.split_at(number_length(text));
     if number.is_empty() {
-        let bare = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-        return Err(if bare.starts_with("inf") || bare.starts_with("nan") {
+        let unsigned = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+        return Err(if unsigned.starts_with("inf") || unsigned.starts_with("nan") {
             QuantityError::NotFinite { text: text.into() }
         } else {
             let text = text.into();
-            QuantityError::NotANumber { text, wanted }
+            QuantityError::NotANumber { text, expected }
         });
     }
     if rest.starts_with(',') && rest[1..].starts_with(|c: char| c.is_ascii_digit()) {
@@ -56,40 +56,44 @@ pub fn parse(text: &str, wanted: Dimension) -> Result<f64, QuantityError> {
     let name = canonical(rest);
     if name.is_empty() {
         let text = text.into();
-        return Err(QuantityError::MissingUnit { text, wanted });
+        return Err(QuantityError::MissingUnit { text, expected });
     }
-    let Some(unit) = wanted.units().iter().find(|u| u.name == name) else {
+    let Some(unit) = expected.units().iter().find(|u| u.name == name) else {
         let found = Dimension::ALL.into_iter().find(|d| d.units().iter().any(|u| u.name == name));
         return Err(match found {
-            Some(found) => QuantityError::WrongDimension { text: text.into(), found, wanted },
-            None => QuantityError::UnknownUnit { unit: rest.trim().into(), meant: meant(&name, wanted), wanted },
+            Some(found) => QuantityError::WrongDimension { text: text.into(), found, expected },
+            None => QuantityError::UnknownUnit {
+                unit: rest.trim().into(),
+                suggestion: similar_unit(&name, expected),
+                expected,
+            },
         });
     };
     match to_si(number, unit.factor) {
-        Some(si) if si.abs() <= wanted.largest_si() => Ok(si),
-        Some(si) if si.is_finite() => Err(QuantityError::TooLarge { text: text.into(), wanted }),
+        Some(si) if si.abs() <= expected.max_si() => Ok(si),
+        Some(si) if si.is_finite() => Err(QuantityError::TooLarge { text: text.into(), expected }),
         Some(_) => Err(QuantityError::NotFinite { text: text.into() }),
         None => {
             let text = text.into();
-            Err(QuantityError::NotANumber { text, wanted })
+            Err(QuantityError::NotANumber { text, expected })
         }
     }
 }
 
-/// The unit of the wanted dimension that is spelt alike but for its signs: `Nmm` for `N*mm`, `kg/m3` for `kg/m^3`.
-fn meant(name: &str, wanted: Dimension) -> Option<&'static str> {
+/// Returns the unit of the expected dimension with the same letters and digits: `N*mm` for `Nmm`, `kg/m^3` for `kg/m3`.
+fn similar_unit(name: &str, expected: Dimension) -> Option<&'static str> {
     let letters = |unit: &str| unit.chars().filter(|c| c.is_alphanumeric()).collect::<String>();
     let name = letters(name);
-    wanted.units().iter().map(|unit| unit.name).find(|unit| letters(unit) == name)
+    expected.units().iter().map(|unit| unit.name).find(|unit| letters(unit) == name)
 }
 
 fn did_you_mean(unit: &Option<&str>) -> String {
-    unit.map_or(String::new(), |unit| format!(" did you mean {unit}?"))
+    unit.map_or(String::new(), |unit| format!(" (did you mean {unit}?)"))
 }
 
-/// The decimal `number`, in units of `factor` SI units each, in SI; `None` if it is no number after all.
+/// Converts the decimal `number` in a unit of `factor` SI units to SI; `None` if it is not a number.
 ///
-/// Powers of ten move the decimal point, so that 4.73 g is the double nearest to 0.00473.
+/// A power of ten shifts the decimal point, so that 4.73 g becomes the double nearest to 0.00473.
 fn to_si(number: &str, factor: f64) -> Option<f64> {
     let shift = log10(factor).round();
     if (factor / powi(10.0, shift as i32) - 1.0).abs() < 1e-14 {
@@ -101,41 +105,41 @@ fn to_si(number: &str, factor: f64) -> Option<f64> {
     number.parse::<f64>().ok().map(|value| value * factor)
 }
 
-/// The number a text begins with, and what follows it: its unit.
-pub fn split(text: &str) -> (&str, &str) {
+/// Splits a text into its leading number and the rest, its unit.
+pub fn split_quantity(text: &str) -> (&str, &str) {
     let text = text.trim();
     let (number, unit) = text.split_at(number_length(text));
     (number, unit.trim_start())
 }
 
-/// Length in bytes of the number `text` begins with; 0 if it begins with none.
+/// Length in bytes of the number at the beginning of `text`; 0 if there is none.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
-    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
-    let sign = |at: usize| usize::from(matches!(bytes.get(at), Some(b'+' | b'-')));
+    let count_digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+    let sign_length = |position: usize| usize::from(matches!(bytes.get(position), Some(b'+' | b'-')));
 
-    let start = sign(0);
-    let whole = digits(start);
-    let mut end = start + whole;
-    let mut fraction = 0;
+    let start = sign_length(0);
+    let integer_digits = count_digits(start);
+    let mut end = start + integer_digits;
+    let mut fraction_digits = 0;
     if bytes.get(end) == Some(&b'.') {
-        fraction = digits(end + 1);
-        end += 1 + fraction;
+        fraction_digits = count_digits(end + 1);
+        end += 1 + fraction_digits;
     }
-    if whole + fraction == 0 {
+    if integer_digits + fraction_digits == 0 {
         return 0;
     }
     if matches!(bytes.get(end), Some(b'e' | b'E')) {
-        let exponent = end + 1 + sign(end + 1);
-        let count = digits(exponent.min(bytes.len()));
-        if count > 0 {
-            end = exponent + count;
+        let exponent_start = end + 1 + sign_length(end + 1);
+        let exponent_digits = count_digits(exponent_start.min(bytes.len()));
+        if exponent_digits > 0 {
+            end = exponent_start + exponent_digits;
         }
     }
     end
 }
 
-/// The spelling used in the unit table.
+/// Returns the spelling used in the unit table.
 fn canonical(unit: &str) -> String {
     let mut name = String::with_capacity(unit.len());
     for c in unit.chars() {
@@ -148,7 +152,7 @@ fn canonical(unit: &str) -> String {
             c => name.push(c),
         }
     }
-    // A space is a product, unless it only sets off an operator.
+    // A space is a product, except next to an operator.
     let words: Vec<&str> = name.split_whitespace().collect();
     let mut joined = String::with_capacity(name.len());
     for word in words {
@@ -175,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn quantities_of_every_dimension_convert_to_si() {
+    fn converts_every_dimension_to_si() {
         assert_eq!(ok("15 mm", Length), 0.015);
         assert_eq!(ok("24.4324mm", Length), 0.0244324);
         assert_eq!(ok("-3.5e-2 um", Length), -3.5e-8);
@@ -199,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn spellings_of_one_unit_agree() {
+    fn accepts_equivalent_spellings_of_units() {
         for text in ["480 N*mm", "480 N·mm", "480 N mm", "480N*mm", " 480  N * mm ", "480 N⋅mm"] {
             assert_eq!(ok(text, Torque), 0.48, "{text}");
         }
@@ -213,37 +217,37 @@ mod tests {
     }
 
     #[test]
-    fn every_listed_unit_is_accepted_and_every_example_parses() {
+    fn accepts_every_listed_unit_and_example() {
         for dimension in Dimension::ALL {
             ok(dimension.example(), dimension);
             for unit in dimension.units() {
-                let one = ok(&format!("1 {}", unit.name), dimension);
-                assert!((one / unit.factor - 1.0).abs() < 1e-15, "{}", unit.name);
+                let reparsed = ok(&format!("1 {}", unit.name), dimension);
+                assert!((reparsed / unit.factor - 1.0).abs() < 1e-15, "{}", unit.name);
             }
         }
     }
 
     #[test]
-    fn refusals_name_the_value_what_is_allowed_and_the_way_out() {
-        assert_eq!(message("30 ms", Length), "30 ms is a time; a length is wanted: m, cm, mm, um");
-        assert_eq!(message("15", Length), "`15` has no unit; a length is wanted: m, cm, mm, um");
-        assert_eq!(message("15 inch", Length), "unknown unit `inch`; a length is wanted: m, cm, mm, um");
-        assert_eq!(message("15 MM", Length), "unknown unit `MM`; a length is wanted: m, cm, mm, um");
+    fn error_messages_name_value_and_allowed_units() {
+        assert_eq!(message("30 ms", Length), "30 ms is a time; expected a length: m, cm, mm, um");
+        assert_eq!(message("15", Length), "`15` has no unit; expected a length: m, cm, mm, um");
+        assert_eq!(message("15 inch", Length), "unknown unit `inch`; expected a length: m, cm, mm, um");
+        assert_eq!(message("15 MM", Length), "unknown unit `MM`; expected a length: m, cm, mm, um");
         assert_eq!(
             message("wide", Length),
-            "`wide` does not begin with a number; a length is wanted, such as \"15 mm\""
+            "`wide` does not begin with a number; expected a length, such as \"15 mm\""
         );
         assert_eq!(message("1,5 mm", Length), "`1,5 mm` has a decimal comma; write a decimal point, as in \"1.5 mm\"");
-        let torques = format!("a torque is wanted: {}", Torque.unit_list());
-        assert_eq!(message("480 Nmm", Torque), format!("unknown unit `Nmm`; did you mean N*mm? {torques}"));
-        assert_eq!(message("0.48 Nm", Torque), format!("unknown unit `Nm`; did you mean N*m? {torques}"));
+        let torques = format!("expected a torque: {}", Torque.unit_list());
+        assert_eq!(message("480 Nmm", Torque), format!("unknown unit `Nmm` (did you mean N*mm?); {torques}"));
+        assert_eq!(message("0.48 Nm", Torque), format!("unknown unit `Nm` (did you mean N*m?); {torques}"));
         for (text, dimension, unit) in
             [("1 kg/m3", Density, "kg/m^3"), ("2 N.s/m", LinearDamping, "N*s/m"), ("3 gmm2", Inertia, "g*mm^2")]
         {
-            assert!(message(text, dimension).contains(&format!("did you mean {unit}? ")), "{text}");
+            assert!(message(text, dimension).contains(&format!("did you mean {unit}?")), "{text}");
         }
         assert_eq!(message("1e300 mm", Length), "`1e300 mm` is too large: a length may be 1000 m at most");
-        assert_eq!(message("-2 h", Time), "unknown unit `h`; a time is wanted: s, ms, us");
+        assert_eq!(message("-2 h", Time), "unknown unit `h`; expected a time: s, ms, us");
         assert_eq!(message("3601 s", Time), "`3601 s` is too large: a time may be 3600 s at most");
         for text in ["inf mm", "NaN mm", "-infinity m", "1e999 m", "1e308 GPa"] {
             let dimension = if text.ends_with("Pa") { Pressure } else { Length };
@@ -252,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_texts_are_refused_without_panic() {
+    fn rejects_malformed_texts() {
         for text in
             ["", " ", "+", "-", ".", "e", "1e", "1e+", ".e5 mm", "--1 mm", "1 m m", "1 *", "1 /", "𝟙 mm", "1 °°", "1e5"]
         {

@@ -1,7 +1,7 @@
-//! The closed list of units a quantity may be written in.
+//! Units accepted in quantities.
 //!
-//! Factors are those of the crate `uom`, bit for bit, which the test of this file holds them to. That crate has every unit there is, and
-//! would take a twenty-fifth of the time in which the program is built.
+//! Conversion factors agree with the crate `uom` bit for bit, which a test verifies. The program does not depend on
+//! `uom` itself: it would add 4 % to the build time.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,19 +9,19 @@ use std::f64::consts::{PI, TAU};
 #[derive(Clone, Copy, Debug)]
 pub struct Unit {
     pub name: &'static str,
-    /// How many SI units it is.
+    /// The unit in SI units.
     pub factor: f64,
     /// Whether [`super::format`] may choose it.
     pub shown: bool,
 }
 
-/// The longest time, of a run as of anything else: an hour, for a closing takes 10 ms.
-pub const LONGEST_S: f64 = 3600.0;
+/// Longest time accepted, of a run or in any setting: one hour, whereas a closing motion takes 10 ms.
+pub const MAX_TIME_S: f64 = 3600.0;
 
-/// One g, in which people count accelerations, m/s²: the gravity of a scene that says none.
+/// The acceleration unit g, m/s², and the default gravity.
 pub const G_M_S2: f64 = 9.81;
 
-/// What a quantity measures.
+/// Physical dimension of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     Length,
@@ -62,7 +62,7 @@ impl Dimension {
         Dimension::AngularDamping,
     ];
 
-    /// Name with its article, for messages.
+    /// Name with article, for messages.
     pub const fn name(self) -> &'static str {
         match self {
             Dimension::Length => "a length",
@@ -84,7 +84,7 @@ impl Dimension {
         }
     }
 
-    /// A typical value, for messages and the schema.
+    /// Returns a typical value, for messages and the schema.
     pub const fn example(self) -> &'static str {
         match self {
             Dimension::Length => "15 mm",
@@ -106,10 +106,10 @@ impl Dimension {
         }
     }
 
-    /// The largest size of a value, in SI: far beyond any gripper, and small enough to be computed with and shown.
-    pub const fn largest_si(self) -> f64 {
+    /// Largest magnitude accepted, in SI units: far beyond any gripper, and small enough to compute with and to show.
+    pub const fn max_si(self) -> f64 {
         match self {
-            Dimension::Time => LONGEST_S,
+            Dimension::Time => MAX_TIME_S,
             Dimension::Length => 1e3,
             Dimension::Speed | Dimension::Mass | Dimension::Density | Dimension::Angle => 1e6,
             Dimension::Force
@@ -118,7 +118,7 @@ impl Dimension {
             | Dimension::Acceleration
             | Dimension::Inertia
             | Dimension::Frequency => 1e12,
-            // What is meant to be rigid is given a modulus of 1e21 Pa.
+            // Rigid bodies are modelled with a modulus of 1e21 Pa.
             Dimension::Pressure
             | Dimension::AngularStiffness
             | Dimension::LinearDamping
@@ -126,8 +126,8 @@ impl Dimension {
         }
     }
 
-    /// Results of a smaller size are rounding, in SI: places and angles are computed to some 1e-16 of themselves, forces are those times
-    /// a stiffness. 0 of what is given rather than found.
+    /// Magnitude below which results are rounding errors, in SI units: positions and angles have a relative error of
+    /// about 1e-16, and contact forces multiply it by a stiffness. 0 for dimensions of inputs only.
     pub const fn resolution_si(self) -> f64 {
         match self {
             Dimension::Force => 1e-9,
@@ -138,7 +138,7 @@ impl Dimension {
         }
     }
 
-    /// The SI unit at the end of a name.
+    /// Suffix of names for the SI unit.
     pub const fn suffix(self) -> &'static str {
         match self {
             Dimension::Length => "m",
@@ -160,7 +160,7 @@ impl Dimension {
         }
     }
 
-    /// Accepted units; the first is the SI one.
+    /// Accepted units; the first is the SI unit.
     pub const fn units(self) -> &'static [Unit] {
         match self {
             Dimension::Length => LENGTH,
@@ -194,7 +194,7 @@ const fn unit(name: &'static str, factor: f64) -> Unit {
     Unit { name, factor, shown }
 }
 
-/// A unit that is read but never chosen for output.
+/// Creates a unit that is accepted but not used in output.
 const fn read_only(name: &'static str, factor: f64) -> Unit {
     let shown = false;
     Unit { name, factor, shown }
@@ -221,7 +221,7 @@ const SPEED: &[Unit] = &[unit("m/s", 1.0), read_only("cm/s", CENTI), read_only("
 const ANGULAR_RATE: &[Unit] =
     &[unit("rad/s", 1.0), read_only("deg/s", DEGREE), read_only("rpm", TAU / 60.0), read_only("rev/s", TAU)];
 
-/// `g` is a mass as well: the wanted dimension decides.
+/// `g` is also a mass: the expected dimension decides.
 const ACCELERATION: &[Unit] = &[
     unit("m/s^2", 1.0),
     read_only("cm/s^2", CENTI),
@@ -297,9 +297,9 @@ mod tests {
     use uom::si::torque::{millinewton_meter, newton_centimeter, newton_meter, newton_millimeter};
     use uom::si::velocity::{centimeter_per_second, meter_per_second, micrometer_per_second, millimeter_per_second};
 
-    /// Of every dimension its units as `uom` has them, in the order of the table.
-    fn of_uom(dimension: Dimension) -> Vec<f64> {
-        macro_rules! of {
+    /// Conversion factors of `uom` in the order of the table.
+    fn uom_factors(dimension: Dimension) -> Vec<f64> {
+        macro_rules! quantities {
             ($quantity:ident: $($unit:ident),+) => { vec![$($quantity::new::<$unit>(1.0).value),+] };
         }
         let (force, time) = (Force::new::<newton>(1.0), Time::new::<second>(1.0));
@@ -308,34 +308,36 @@ mod tests {
         let [long, short] = [Torque::new::<newton_meter>(1.0), Torque::new::<newton_millimeter>(1.0)];
         let [middle, weak] = [Torque::new::<newton_centimeter>(1.0), Torque::new::<millinewton_meter>(1.0)];
         match dimension {
-            Dimension::Length => of!(Length: meter, centimeter, millimeter, micrometer),
-            Dimension::Angle => of!(Angle: radian, degree, revolution),
-            Dimension::Time => of!(Time: second, millisecond, microsecond),
-            Dimension::Mass => of!(Mass: kilogram, gram, milligram),
-            Dimension::Force => of!(Force: newton, millinewton, kilonewton, micronewton),
-            Dimension::Torque => of!(Torque: newton_meter, newton_centimeter, newton_millimeter, millinewton_meter),
+            Dimension::Length => quantities!(Length: meter, centimeter, millimeter, micrometer),
+            Dimension::Angle => quantities!(Angle: radian, degree, revolution),
+            Dimension::Time => quantities!(Time: second, millisecond, microsecond),
+            Dimension::Mass => quantities!(Mass: kilogram, gram, milligram),
+            Dimension::Force => quantities!(Force: newton, millinewton, kilonewton, micronewton),
+            Dimension::Torque => {
+                quantities!(Torque: newton_meter, newton_centimeter, newton_millimeter, millinewton_meter)
+            }
             Dimension::Speed => {
-                of!(Velocity: meter_per_second, centimeter_per_second, millimeter_per_second, micrometer_per_second)
+                quantities!(Velocity: meter_per_second, centimeter_per_second, millimeter_per_second, micrometer_per_second)
             }
             Dimension::AngularRate => {
-                of!(AngularVelocity: radian_per_second, degree_per_second, revolution_per_minute, revolution_per_second)
+                quantities!(AngularVelocity: radian_per_second, degree_per_second, revolution_per_minute, revolution_per_second)
             }
             Dimension::Acceleration => {
-                let mut all = of!(
+                let mut all = quantities!(
                     Acceleration: meter_per_second_squared, centimeter_per_second_squared, millimeter_per_second_squared,
                     micrometer_per_second_squared
                 );
-                // That of the scenes; the standard one has more digits.
+                // Scenes use 9.81 m/s²; standard gravity has more digits.
                 all.push(G_M_S2);
                 all
             }
-            Dimension::Density => of!(MassDensity: kilogram_per_cubic_meter, gram_per_cubic_centimeter),
+            Dimension::Density => quantities!(MassDensity: kilogram_per_cubic_meter, gram_per_cubic_centimeter),
             Dimension::Inertia => [(heavy, m), (heavy, cm), (heavy, mm), (light, cm), (light, mm)]
                 .map(|(mass, radius)| (mass * radius * radius).value)
                 .to_vec(),
-            Dimension::Frequency => of!(Frequency: hertz, kilohertz, megahertz),
+            Dimension::Frequency => quantities!(Frequency: hertz, kilohertz, megahertz),
             Dimension::Pressure => {
-                let mut all = of!(Pressure: pascal, kilopascal, megapascal, gigapascal);
+                let mut all = quantities!(Pressure: pascal, kilopascal, megapascal, gigapascal);
                 all.extend([mm, m].map(|side| (force / (side * side)).value));
                 all
             }
@@ -358,10 +360,10 @@ mod tests {
     }
 
     #[test]
-    fn factors_are_those_of_uom() {
+    fn factors_agree_with_uom() {
         for dimension in Dimension::ALL {
-            let ours: Vec<f64> = dimension.units().iter().map(|unit| unit.factor).collect();
-            assert_eq!(ours, of_uom(dimension), "{dimension:?}");
+            let found: Vec<f64> = dimension.units().iter().map(|unit| unit.factor).collect();
+            assert_eq!(found, uom_factors(dimension), "{dimension:?}");
         }
     }
 

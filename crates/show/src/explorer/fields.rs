@@ -1,34 +1,35 @@
-//! Every field of a scene: what it is, what it may be, and what it holds.
+//! Every field of a scene: its type, allowed values and current value.
 
 use serde_json::{Map, Value, json};
 
-use crate::scene::schema::schema_of;
-use crate::scene::{Scene, Words, show_written};
-use crate::units::{Dimension, parse, split};
+use crate::scene::schema::schema_for;
+use crate::scene::{Keyword, Scene, show_written};
+use crate::units::{Dimension, parse, split_quantity};
 
-/// Sections of design variables, in the order in which a designer turns to them.
+/// Sections of design variables, in the order in which a designer usually needs them.
 const DESIGN: [&str; 5] = ["design", "motor", "spring", "object", "contact.friction"];
 
-/// Sections that the page has no use for: its runs are the analytic model's, and it writes no log.
+/// Sections without effect on the page, which runs the analytic model only and writes no log.
 const UNUSED: [&str; 3] = ["engine", "validate", "log"];
 
-/// All fields: those that hold something, and those that could.
+/// Describes all fields, with and without a value.
 pub fn fields(scene: &Scene) -> Value {
     let text = show_written(scene);
-    let shown: toml::Table = text.parse().unwrap_or_default();
+    let resolved: toml::Table = text.parse().unwrap_or_default();
     let written: toml::Table = scene.source.parse().unwrap_or_default();
-    let order = order(&text);
+    let field_order = field_order(&text);
     let mut found = Vec::new();
-    collect(schema_of(scene.kind()), "", Some(&shown), Some(&written), &mut found);
-    let place = |field: &Value| order.iter().position(|path| field["path"] == **path).unwrap_or(order.len());
-    found.sort_by_cached_key(place);
+    collect(schema_for(scene.kind()), "", Some(&resolved), Some(&written), &mut found);
+    let position_in_text =
+        |field: &Value| field_order.iter().position(|path| field["path"] == **path).unwrap_or(field_order.len());
+    found.sort_by_cached_key(position_in_text);
     let design: Vec<&Value> = DESIGN
         .iter()
-        .flat_map(|section| found.iter().filter(move |field| field["section"] == *section && is_dial(field)))
+        .flat_map(|section| found.iter().filter(move |field| field["section"] == *section && is_adjustable(field)))
         .map(|field| &field["path"])
         .collect();
     json!({
-        "kind": scene.kind().word(),
+        "kind": scene.kind().keyword(),
         "name": &scene.name,
         "description": &scene.description,
         "design": design,
@@ -36,8 +37,8 @@ pub fn fields(scene: &Scene) -> Value {
     })
 }
 
-/// Paths of fields in the order of a text that names each on a line of its own.
-fn order(text: &str) -> Vec<String> {
+/// Paths of the fields in the order of a TOML text with one field per line.
+fn field_order(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut section = String::new();
     for line in text.lines() {
@@ -50,91 +51,102 @@ fn order(text: &str) -> Vec<String> {
     found
 }
 
-/// Whether it is something to turn.
-fn is_dial(field: &Value) -> bool {
+/// Whether the field has a numerical value that can be adjusted.
+fn is_adjustable(field: &Value) -> bool {
     matches!(field["kind"].as_str(), Some("quantity" | "number" | "integer")) && !field["value"].is_null()
 }
 
-/// The fields below a part of the schema, beside what the scene and its text hold there.
+/// Collects the fields of a part of the schema, with their values in the resolved scene (`resolved`) and in its text
+/// (`written`).
 fn collect(
     schema: &Value,
     path: &str,
-    shown: Option<&toml::Table>,
+    resolved: Option<&toml::Table>,
     written: Option<&toml::Table>,
     found: &mut Vec<Value>,
 ) {
     let join = |key: &str| if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
-    let inner = |table: Option<&toml::Table>, key: &str| table.and_then(|table| table.get(key).cloned());
+    let child_table = |table: Option<&toml::Table>, key: &str| table.and_then(|table| table.get(key).cloned());
     let mut names = keys(schema);
-    // Tables named by the user, such as discs: whatever the scene has.
-    let free = schema.get("additionalProperties").filter(|of| of.is_object());
-    if let (Some(of), Some(shown)) = (free, shown) {
-        names.extend(shown.keys().map(|key| (key.clone(), of.clone())));
+    // Tables named by the user, such as discs: one for each name in the scene.
+    let free_schema = schema.get("additionalProperties").filter(|schema_value| schema_value.is_object());
+    if let (Some(item_schema), Some(resolved)) = (free_schema, resolved) {
+        names.extend(resolved.keys().map(|key| (key.clone(), item_schema.clone())));
     }
-    for (key, part) in &names {
-        let (holds, says) = (inner(shown, key), inner(written, key));
+    for (key, property) in &names {
+        let (value, written_value) = (child_table(resolved, key), child_table(written, key));
         if path.is_empty() && UNUSED.contains(&key.as_str()) {
             continue;
         }
-        if is_table(part) {
-            let (holds, says) =
-                (holds.as_ref().and_then(toml::Value::as_table), says.as_ref().and_then(toml::Value::as_table));
-            collect(part, &join(key), holds, says, found);
+        if is_table(property) {
+            let (value, written_value) = (
+                value.as_ref().and_then(toml::Value::as_table),
+                written_value.as_ref().and_then(toml::Value::as_table),
+            );
+            collect(property, &join(key), value, written_value, found);
         } else if !(path.is_empty() && ["name", "description", "kind", "extends"].contains(&key.as_str())) {
-            found.push(field(path, key, &join(key), part, holds.as_ref(), says.is_some()));
+            found.push(field(path, key, &join(key), property, value.as_ref(), written_value.is_some()));
         }
     }
 }
 
 fn keys(schema: &Value) -> Vec<(String, Value)> {
     let keys: Option<&Map<String, Value>> = schema.get("properties").and_then(Value::as_object);
-    keys.into_iter().flatten().map(|(key, part)| (key.clone(), part.clone())).collect()
+    keys.into_iter().flatten().map(|(key, property)| (key.clone(), property.clone())).collect()
 }
 
-fn is_table(part: &Value) -> bool {
-    part.get("properties").is_some() || part.get("additionalProperties").is_some_and(Value::is_object)
+fn is_table(property: &Value) -> bool {
+    property.get("properties").is_some() || property.get("additionalProperties").is_some_and(Value::is_object)
 }
 
-fn field(section: &str, key: &str, path: &str, part: &Value, holds: Option<&toml::Value>, given: bool) -> Value {
-    let (value, unit) = held(holds);
-    let [first, last] = ends(part, &unit);
-    let units = part.get("x-units").cloned().unwrap_or(Value::Null);
+fn field(
+    section: &str,
+    key: &str,
+    path: &str,
+    property: &Value,
+    value_in_file: Option<&toml::Value>,
+    given: bool,
+) -> Value {
+    let (value, unit) = number_and_unit(value_in_file);
+    let [first, last] = bounds(property, &unit);
+    let units = property.get("x-units").cloned().unwrap_or(Value::Null);
     json!({
         "path": path,
         "section": section,
         "key": key,
-        "kind": kind(part),
+        "kind": kind(property),
         "value": value,
         "unit": unit,
         "units": units,
-        "text": holds.map(text_of).unwrap_or_default(),
-        "words": part.get("enum").cloned().unwrap_or(Value::Null),
+        "text": value_in_file.map(unquoted).unwrap_or_default(),
+        "words": property.get("enum").cloned().unwrap_or(Value::Null),
         "low": first,
         "high": last,
-        "about": part.get("description").cloned().unwrap_or(Value::Null),
+        "about": property.get("description").cloned().unwrap_or(Value::Null),
         "given": given,
     })
 }
 
-/// Where what is allowed begins and ends, in a unit; a number that is an end itself and not allowed is as good for a slider.
-fn ends(part: &Value, unit: &str) -> [Option<f64>; 2] {
-    let bound = |name: &str| part.get(name).and_then(Value::as_f64);
-    let first = part.pointer("/x-units/0").and_then(Value::as_str);
-    let dimension = Dimension::ALL.into_iter().find(|of| Some(of.units()[0].name) == first);
-    let unit_si = dimension.and_then(|of| parse(&format!("1 {unit}"), of).ok());
-    [["minimum", "exclusiveMinimum"], ["maximum", "exclusiveMaximum"]].map(|[at, before]| {
-        let plain = bound(at).or(bound(before));
-        // In SI.
-        let own = bound(&format!("x-{at}")).or(bound(&format!("x-{before}")));
-        plain.or(own.zip(unit_si).map(|(end, unit_si)| end / unit_si))
+/// Lower and upper bound of the allowed range, in `unit`. Exclusive bounds are treated as inclusive, which suffices for
+/// a slider.
+fn bounds(property: &Value, unit: &str) -> [Option<f64>; 2] {
+    let bound = |name: &str| property.get(name).and_then(Value::as_f64);
+    let first = property.pointer("/x-units/0").and_then(Value::as_str);
+    let dimension = Dimension::ALL.into_iter().find(|candidate| Some(candidate.units()[0].name) == first);
+    let unit_si = dimension.and_then(|dimension| parse(&format!("1 {unit}"), dimension).ok());
+    [["minimum", "exclusiveMinimum"], ["maximum", "exclusiveMaximum"]].map(|[inclusive, exclusive]| {
+        let display_bound = bound(inclusive).or(bound(exclusive));
+        // Bounds of quantities are in SI units.
+        let bound_si = bound(&format!("x-{inclusive}")).or(bound(&format!("x-{exclusive}")));
+        display_bound.or(bound_si.zip(unit_si).map(|(end, unit_si)| end / unit_si))
     })
 }
 
-/// A number and its unit, as they are written.
-fn held(value: Option<&toml::Value>) -> (Option<f64>, String) {
+/// Returns a number and its unit as written.
+fn number_and_unit(value: Option<&toml::Value>) -> (Option<f64>, String) {
     match value {
         Some(toml::Value::String(text)) => {
-            let (number, unit) = split(text);
+            let (number, unit) = split_quantity(text);
             match number.parse::<f64>() {
                 Ok(number) => (Some(number), unit.to_string()),
                 Err(_) => (None, String::new()),
@@ -146,22 +158,22 @@ fn held(value: Option<&toml::Value>) -> (Option<f64>, String) {
     }
 }
 
-/// As it is set: a text without its quotes.
-fn text_of(value: &toml::Value) -> String {
+/// Returns the value as entered in the page: a string without its quotes.
+fn unquoted(value: &toml::Value) -> String {
     match value {
         toml::Value::String(text) => text.clone(),
         other => other.to_string(),
     }
 }
 
-fn kind(part: &Value) -> &'static str {
-    if part.get("x-units").is_some() {
+fn kind(property: &Value) -> &'static str {
+    if property.get("x-units").is_some() {
         return "quantity";
     }
-    if part.get("enum").is_some() {
+    if property.get("enum").is_some() {
         return "word";
     }
-    match part.get("type").and_then(Value::as_str) {
+    match property.get("type").and_then(Value::as_str) {
         Some("array") => "list",
         Some("number") => "number",
         Some("integer") => "integer",

@@ -1,20 +1,20 @@
-//! The figures of a run, by the keys of its JSON document.
+//! The figures of a run by the keys of its JSON document.
 
 use serde_json::{Value, json};
 
-use super::labels::{label, text, unit};
+use super::labels::{format_value, label, unit};
 use crate::report::document::RunReport;
 
-/// A leaf of the document.
+/// Value of a leaf of the document.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Flat {
+pub enum Leaf {
     Number(f64),
-    Word(String),
+    Text(String),
     None,
 }
 
-/// What is first looked at, by what keys begin and end with; the others follow by their keys.
-const FIRST: [(&str, &str); 15] = [
+/// Beginning and end of the keys listed first; the others follow in the order of the document.
+const LEADING_KEYS: [(&str, &str); 15] = [
     ("criteria.", "class"),
     ("grasp.", "fate"),
     ("criteria.", "tts_s"),
@@ -31,8 +31,8 @@ const FIRST: [(&str, &str); 15] = [
     ("contacts.", "first_s"),
     ("contacts.", "peak_normal_n"),
 ];
-/// Parts of the document that are no results, or are asked for by themselves.
-const NO_FIGURES: [&str; 13] = [
+/// Parts of the document that are not results, or that have their own request.
+const EXCLUDED_KEYS: [&str; 13] = [
     "scene",
     "kind",
     "model",
@@ -47,61 +47,63 @@ const NO_FIGURES: [&str; 13] = [
     "warnings",
     "no_criteria",
 ];
-/// Sentences, which are no figures; the page has that of the class or the fate in a line of its own: [`verdict`].
-const REASON: &str = "_reason";
+/// Suffix of keys with sentences, which are not figures. The page shows the sentence on the class or the fate
+/// separately: [`verdict`].
+const REASON_SUFFIX: &str = "_reason";
 
-/// All figures with labels and texts, the most wanted first.
+/// All figures with labels and texts, the most important first.
 pub fn figures(report: &RunReport) -> Vec<Value> {
-    let mut all = flat(report);
+    let mut all = leaves(report);
     let rank = |key: &str| {
-        let found = FIRST.iter().position(|(begin, end)| key.starts_with(begin) && key.ends_with(end));
-        found.unwrap_or(FIRST.len())
+        let found = LEADING_KEYS.iter().position(|(begin, end)| key.starts_with(begin) && key.ends_with(end));
+        found.unwrap_or(LEADING_KEYS.len())
     };
     all.sort_by_key(|(key, _)| rank(key));
-    let one = |(key, value): &(String, Flat)| {
-        let (number, said) = match value {
-            Flat::Number(number) => (Some(*number), text(key, *number)),
-            Flat::Word(word) => (None, word.clone()),
-            Flat::None => (None, "–".to_string()),
+    let entry = |(key, value): &(String, Leaf)| {
+        let (number, formatted) = match value {
+            Leaf::Number(number) => (Some(*number), format_value(key, *number)),
+            Leaf::Text(word) => (None, word.clone()),
+            Leaf::None => (None, "–".to_string()),
         };
-        json!({ "key": key, "label": label(key), "value": number, "text": said, "unit": unit(key) })
+        json!({ "key": key, "label": label(key), "value": number, "text": formatted, "unit": unit(key) })
     };
-    all.iter().map(one).collect()
+    all.iter().map(entry).collect()
 }
 
-/// The class of a finger with what decides it, or why it has none; of a gripper what decides the fate of its object.
+/// Returns the class of a finger with its reason, or the reason why it has none; for a gripper, the reason for the fate
+/// of its object.
 pub fn verdict(report: &RunReport) -> Option<String> {
     let class = report.criteria.flatten().map(|criteria| criteria.verdict());
     let fate = || report.grasp.iter().flatten().find_map(|grasp| grasp.fate_reason.clone());
     class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}"))).or_else(fate)
 }
 
-/// The leaves of the document that are figures or words.
-pub fn flat(report: &RunReport) -> Vec<(String, Flat)> {
+/// Returns the results in the report's JSON document, with their keys.
+pub fn leaves(report: &RunReport) -> Vec<(String, Leaf)> {
     let document = serde_json::to_value(report).expect("a report is plain data with string keys");
     let mut found = Vec::new();
     let parts = document.as_object().into_iter().flatten();
-    for (key, part) in parts.filter(|(key, _)| !NO_FIGURES.contains(&key.as_str())) {
-        leaves(key, part, &mut found);
+    for (key, part) in parts.filter(|(key, _)| !EXCLUDED_KEYS.contains(&key.as_str())) {
+        collect_leaves(key, part, &mut found);
     }
     found
 }
 
-fn leaves(key: &str, value: &Value, found: &mut Vec<(String, Flat)>) {
+fn collect_leaves(key: &str, value: &Value, found: &mut Vec<(String, Leaf)>) {
     let leaf = match value {
         Value::Object(parts) => {
-            parts.iter().for_each(|(name, part)| leaves(&format!("{key}.{name}"), part, found));
+            parts.iter().for_each(|(name, part)| collect_leaves(&format!("{key}.{name}"), part, found));
             return;
         }
         Value::Array(parts) => {
-            parts.iter().enumerate().for_each(|(index, part)| leaves(&format!("{key}.{index}"), part, found));
+            parts.iter().enumerate().for_each(|(index, part)| collect_leaves(&format!("{key}.{index}"), part, found));
             return;
         }
-        _ if key.ends_with(REASON) => return,
-        Value::Number(number) => number.as_f64().map_or(Flat::None, Flat::Number),
-        Value::String(word) => Flat::Word(word.clone()),
-        Value::Bool(flag) => Flat::Word(if *flag { "yes" } else { "no" }.to_string()),
-        Value::Null => Flat::None,
+        _ if key.ends_with(REASON_SUFFIX) => return,
+        Value::Number(number) => number.as_f64().map_or(Leaf::None, Leaf::Number),
+        Value::String(word) => Leaf::Text(word.clone()),
+        Value::Bool(flag) => Leaf::Text(if *flag { "yes" } else { "no" }.to_string()),
+        Value::Null => Leaf::None,
     };
     found.push((key.to_string(), leaf));
 }

@@ -1,10 +1,10 @@
-//! Keys of figures in words, and their values with units of everyday size.
+//! Labels for the keys of figures, and their values in common units.
 
+use crate::format::format_duration;
+use crate::format::numbers::{format_number, zero_below_resolution};
 use crate::units::Dimension;
-use crate::wording::duration;
-use crate::wording::figures::{figure, resolved};
 
-/// Endings of keys and the units they stand for; the longest first, where one ends another.
+/// Suffixes of keys and their units; a suffix that ends with another one comes before it.
 const UNITS: [(&str, &str); 13] = [
     ("_n_m_s", "N·m·s"),
     ("_rad_s", "rad/s"),
@@ -20,12 +20,12 @@ const UNITS: [(&str, &str); 13] = [
     ("_m", "m"),
     ("_j", "J"),
 ];
-/// What some figures are called.
+/// Labels of some figures.
 const NAMES: [(&str, &str); 17] = [
     ("tts", "time to stability"),
     ("t_geo", "in position"),
     ("lost", "lost to rebounds"),
-    ("first", "first touch"),
+    ("first", "first contact"),
     ("touchdowns", "touch-downs"),
     ("final_normal", "end force"),
     ("final_tangential", "end friction"),
@@ -40,27 +40,27 @@ const NAMES: [(&str, &str); 17] = [
     ("force_closure", "force closure"),
     ("form_closed", "form-closed"),
 ];
-/// Prefixes of units, largest first.
+/// SI prefixes, largest first.
 const PREFIXES: [(f64, &str); 5] = [(1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
-/// Units that take them.
+/// Units with SI prefixes.
 const PREFIXED: [&str; 6] = ["N", "m", "J", "N·m", "N·s", "N·m·s"];
-/// Digits of a figure.
+/// Significant digits of a figure.
 const DIGITS: usize = 4;
 
-/// The unit that a key ends with; none of a plain number or word.
+/// Returns the unit that the suffix of a key stands for; empty for a key without a unit.
 pub fn unit(key: &str) -> &'static str {
     UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("", |(_, unit)| unit)
 }
 
-/// A key in words: `contacts.distal.peak_normal_n` is `distal: peak force`.
+/// Label of a key: `contacts.distal.peak_normal_n` becomes `distal: peak force`.
 pub fn label(key: &str) -> String {
     let ending = UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("", |(ending, _)| ending);
-    let bare = key.strip_suffix(ending).unwrap_or(key);
-    let parts: Vec<String> = bare
+    let stem = key.strip_suffix(ending).unwrap_or(key);
+    let parts: Vec<String> = stem
         .split('.')
         .filter(|part| !["contacts", "criteria", "grasp", "fingers"].contains(part))
         .map(|part| {
-            NAMES.iter().find(|(name, _)| *name == part).map_or(part.replace('_', " "), |(_, said)| said.to_string())
+            NAMES.iter().find(|(name, _)| *name == part).map_or(part.replace('_', " "), |(_, label)| label.to_string())
         })
         .collect();
     match parts.split_last() {
@@ -69,22 +69,23 @@ pub fn label(key: &str) -> String {
     }
 }
 
-/// A figure for people.
-pub fn text(key: &str, value: f64) -> String {
-    let dimension = Dimension::ALL.into_iter().find(|of| of.units()[0].name.replace('*', "·") == unit(key));
-    let value = dimension.map_or(value, |of| resolved(value, of));
+/// Formats a value with its unit.
+pub fn format_value(key: &str, value: f64) -> String {
+    let dimension =
+        Dimension::ALL.into_iter().find(|candidate| candidate.units()[0].name.replace('*', "·") == unit(key));
+    let value = dimension.map_or(value, |dimension| zero_below_resolution(value, dimension));
     match unit(key) {
         "" if value.fract() == 0.0 && value.abs() < 1e6 => format!("{value:.0}"),
-        "" => figure(value, DIGITS),
-        "s" if value >= 0.0 => duration(value),
-        "rad" => format!("{}°", figure(value.to_degrees(), DIGITS)),
+        "" => format_number(value, DIGITS),
+        "s" if value >= 0.0 => format_duration(value),
+        "rad" => format!("{}°", format_number(value.to_degrees(), DIGITS)),
         unit if PREFIXED.contains(&unit) => {
             let size = value.abs();
             let fits = PREFIXES.iter().find(|(factor, _)| size >= *factor);
             let (factor, prefix) = fits.copied().unwrap_or(if size == 0.0 { (1.0, "") } else { (1e-9, "n") });
-            format!("{} {prefix}{unit}", figure(value / factor, DIGITS))
+            format!("{} {prefix}{unit}", format_number(value / factor, DIGITS))
         }
-        unit => format!("{} {unit}", figure(value, DIGITS)),
+        unit => format!("{} {unit}", format_number(value, DIGITS)),
     }
 }
 
@@ -93,8 +94,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_in_words_and_values_with_their_units() {
-        for (key, value, said, shown) in [
+    fn labels_keys_and_formats_values_with_units() {
+        for (key, value, expected_label, expected_text) in [
             ("contacts.distal.peak_normal_n", 170_075.2, "distal: peak force", "170.1 kN"),
             ("criteria.tts_s", 0.006_883_746, "time to stability", "6.88375 ms"),
             ("contacts.limit.impulse_n_m_s", 0.000_244_1, "limit: impulse", "244.1 µN·m·s"),
@@ -104,7 +105,11 @@ mod tests {
             ("contacts.palm.final_tangential_n", 8.2036e-11, "palm: end friction", "0 N"),
             ("contacts.distal.touchdowns", 2.0, "distal: touch-downs", "2"),
         ] {
-            assert_eq!((label(key).as_str(), text(key, value).as_str()), (said, shown), "{key}");
+            assert_eq!(
+                (label(key).as_str(), format_value(key, value).as_str()),
+                (expected_label, expected_text),
+                "{key}"
+            );
         }
     }
 }

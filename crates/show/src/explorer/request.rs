@@ -1,16 +1,17 @@
-//! What can be asked.
+//! Requests of the explorer page, in JSON.
 
 use serde::Deserialize;
 
-/// A question about a scene.
+/// A request about a scene.
 #[derive(Debug, Deserialize)]
 pub struct Request {
-    pub ask: Ask,
-    pub scene: Text,
-    /// Fields and what they are set to, as `--set FIELD=VALUE` takes them.
+    #[serde(rename = "ask")]
+    pub kind: RequestKind,
+    pub scene: SceneFile,
+    /// Fields and their values, as in `--set FIELD=VALUE`.
     #[serde(default)]
     pub set: Vec<(String, String)>,
-    /// The fields that a map varies, and their values: one row a run.
+    /// The fields that a map varies, and their values: one row per run.
     #[serde(default)]
     pub fields: Vec<String>,
     #[serde(default)]
@@ -19,14 +20,14 @@ pub struct Request {
 
 /// A scene file.
 #[derive(Debug, Deserialize)]
-pub struct Text {
+pub struct SceneFile {
     pub file: String,
     pub text: String,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Ask {
+pub enum RequestKind {
     Fields,
     Run,
     Check,

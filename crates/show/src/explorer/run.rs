@@ -1,30 +1,34 @@
-//! A run as film and figures, and what a check finds of it.
+//! A run as playback and figures, and the result of its check.
 
 use serde_json::{Value, json};
 
 use super::figures::{figures, verdict};
 use crate::check;
-use crate::criteria::{Judge, Judged, LinkOverlap};
-use crate::film::{Reel, data};
+use crate::criteria::{LinkOverlap, RunCriteria, RunCriteriaTracker};
 use crate::invariants::EnergyAudit;
-use crate::report::check::{self as words, RunCheckReport};
-use crate::report::document::{Came, Failure, RunReport};
+use crate::playback::{PlaybackRecorder, json};
+use crate::report::check::{self as check_report, RunCheckReport};
+use crate::report::document::{Failure, RunData, RunReport};
 use crate::scene::Scene;
-use crate::scene::words::SceneKind;
-use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run_analytic};
+use crate::scene::keywords::SceneKind;
+use crate::trace::{Decimated, Event, Model, Outcome, RunError, Sample, Sink, SinkError, run_analytic};
 
-/// A run with whoever else listens to it; criteria are found on what a log would keep, as the program does it.
-pub fn simulated(scene: &Scene, also: &mut impl Sink) -> RunReport {
+/// Runs a scene; `sink` also receives the samples. As on the command line, criteria are evaluated on the samples that a
+/// log would contain.
+pub fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
     let audit = EnergyAudit::new(Model::Analytic, scene);
-    let mut listeners = Thinned::new(scene.log.numeric_hz, Both { judge: Judge::of(scene), audit, also });
-    let result = run_analytic(scene, &mut listeners);
-    // Nobody here refuses a sample.
-    let _ = listeners.end();
-    let energy = listeners.sink.audit.breach().map(|breach| breach.to_string());
-    let Judged { criteria, grasp, rebounds, overlaps } = listeners.sink.judge.judged(result.is_ok());
-    let (outcome, error) = came(result);
+    let mut decimated = Decimated::new(
+        scene.log.numeric_hz,
+        Listeners { criteria_tracker: RunCriteriaTracker::for_scene(scene), audit, sink },
+    );
+    let result = run_analytic(scene, &mut decimated);
+    // No sink here returns an error.
+    let _ = decimated.end();
+    let energy = decimated.sink.audit.violation().map(|breach| breach.to_string());
+    let RunCriteria { criteria, grasp, rebounds, overlaps } = decimated.sink.criteria_tracker.finish(result.is_ok());
+    let (outcome, error) = outcome_and_failure(result);
     let warnings: Vec<String> = energy.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
-    let came = Came {
+    let data = RunData {
         wall_s: 0.0,
         outcome: outcome.as_ref(),
         criteria,
@@ -32,26 +36,26 @@ pub fn simulated(scene: &Scene, also: &mut impl Sink) -> RunReport {
         rebounds: &rebounds,
         warnings: &warnings,
     };
-    RunReport::new(scene, Model::Analytic, &came, error)
+    RunReport::new(scene, Model::Analytic, &data, error)
 }
 
-fn came(result: Result<Outcome, RunError>) -> (Option<Outcome>, Option<Failure>) {
+fn outcome_and_failure(result: Result<Outcome, RunError>) -> (Option<Outcome>, Option<Failure>) {
     match result {
         Ok(outcome) => (Some(outcome), None),
-        Err(RunError::Simulation { failure, so_far }) => {
-            (Some(*so_far), Some(Failure { time_s: failure.time_s, reason: failure.reason.to_string() }))
+        Err(RunError::Simulation { failure, partial_outcome }) => {
+            (Some(*partial_outcome), Some(Failure { time_s: failure.time_s, reason: failure.reason.to_string() }))
         }
         Err(RunError::Sink(error)) => (None, Some(Failure { time_s: 0.0, reason: error.to_string() })),
     }
 }
 
-/// Film and figures.
+/// Returns the playback and the figures of a run.
 pub fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
-    let mut reel = Reel::default();
-    let report = simulated(scene, &mut reel);
-    let film = reel.film(Model::Analytic.name(), scene, "");
+    let mut recorder = PlaybackRecorder::default();
+    let report = simulate(scene, &mut recorder);
+    let playback = recorder.into_playback(Model::Analytic.name(), scene, "");
     json!({
-        "film": data::beside(&film, numbers),
+        "film": json::append_run(&playback, numbers),
         "figures": figures(&report),
         "verdict": verdict(&report),
         "failed": report.error.as_ref().map(|error| &error.reason),
@@ -60,35 +64,35 @@ pub fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
     })
 }
 
-/// What a check finds of the run.
+/// Returns the result of the check of a run.
 pub fn check(scene: &Scene) -> Value {
     let found = check::check(Model::Analytic, scene, &|| true);
     let report = RunCheckReport::new(&found, scene.kind() != SceneKind::Bodies);
     json!({
         "verdict": report.verdict,
-        "text": words::line(Some(&report), None).map(|said| said.to_string()),
+        "text": check_report::summary_line(Some(&report), None).map(|line| line.to_string()),
         "error": found.errors.path,
-        "bar": found.bar,
+        "bar": found.max_path_error,
         "report": report,
     })
 }
 
-/// The judge, the audit of energies, and whoever else.
-struct Both<'a, A> {
-    judge: Judge,
+/// Passes samples and events to the judge, the energy audit and one more sink.
+struct Listeners<'a, A> {
+    criteria_tracker: RunCriteriaTracker,
     audit: EnergyAudit,
-    also: &'a mut A,
+    sink: &'a mut A,
 }
 
-impl<A: Sink> Sink for Both<'_, A> {
+impl<A: Sink> Sink for Listeners<'_, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.judge.sample(sample)?;
+        self.criteria_tracker.sample(sample)?;
         self.audit.sample(sample)?;
-        self.also.sample(sample)
+        self.sink.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.judge.event(event)?;
-        self.also.event(event)
+        self.criteria_tracker.event(event)?;
+        self.sink.event(event)
     }
 }

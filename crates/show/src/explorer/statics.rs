@@ -1,52 +1,53 @@
-//! The grasp at rest, as `phalanx statics` reports it.
+//! The grasp at rest as reported by `phalanx statics`.
 
 use serde_json::{Value, json};
 
-use crate::grasp::finger::{Instead, grasp};
-use crate::grasp::gripper::{Asked, PostureOf, gripper_grasp};
-use crate::plot::{self, Form};
+use crate::format::{Report, ToReport};
+use crate::grasp::finger::{GraspOverrides, grasp};
+use crate::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
+use crate::plot::{self, PictureFormat};
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::Scene;
-use crate::scene::words::SceneKind;
-use crate::wording::{Report, Reported};
+use crate::scene::keywords::SceneKind;
 
-/// Directions of acceleration in a picture.
+/// Number of directions of acceleration in the picture.
 const DIRECTIONS: usize = 72;
-/// One in so many of them is in the table: 15° apart.
+/// Stride of the directions in the table, which are 15° apart.
 const IN_TABLE: usize = 3;
 
-/// Tables and a picture; for a scene of discs neither.
+/// Returns tables and a picture; a scene of discs has neither.
 pub fn statics(scene: &Scene) -> Result<Value, Value> {
     match scene.kind() {
-        SceneKind::Finger => of_finger(scene),
-        SceneKind::Gripper => of_gripper(scene),
+        SceneKind::Finger => finger_statics(scene),
+        SceneKind::Gripper => gripper_statics(scene),
         SceneKind::Bodies => Ok(json!({ "sections": [], "pictures": [] })),
     }
 }
 
-fn of_finger(scene: &Scene) -> Result<Value, Value> {
-    let found = grasp(scene, &Instead { mu_static: Vec::new(), motor_n_m: None }).map_err(|error| refused(&error))?;
-    Ok(shown(
-        &StaticsReport::new(&found).report(),
-        ("The grasp at rest: forces on the object", &plot::grasp(scene, &found, Form::Column)),
+fn finger_statics(scene: &Scene) -> Result<Value, Value> {
+    let result =
+        grasp(scene, &GraspOverrides { mu_static: Vec::new(), motor_n_m: None }).map_err(|error| problem(&error))?;
+    Ok(section_and_picture(
+        &StaticsReport::new(&result).report(),
+        ("The grasp at rest: forces on the object", &plot::grasp(scene, &result, PictureFormat::Column)),
     ))
 }
 
-fn of_gripper(scene: &Scene) -> Result<Value, Value> {
-    let asked = Asked {
-        posture: PostureOf::Run { at_s: None, within_m: None },
+fn gripper_statics(scene: &Scene) -> Result<Value, Value> {
+    let request = GripperGraspRequest {
+        posture: PostureRequest::Run { at_s: None, within_m: None },
         mu_static: Vec::new(),
         motor_n_m: None,
         directions: DIRECTIONS,
     };
-    let found = gripper_grasp(scene, &asked, &|| true).map_err(|error| refused(&error))?;
-    Ok(shown(
-        &GripperStaticsReport::new(&found, IN_TABLE).report(),
-        ("Accelerations of the palm that the grasp bears", &plot::balance(scene, &found, Form::Column)),
+    let result = gripper_grasp(scene, &request, &|| true).map_err(|error| problem(&error))?;
+    Ok(section_and_picture(
+        &GripperStaticsReport::new(&result, IN_TABLE).report(),
+        ("Accelerations of the palm that the grasp withstands", &plot::balance(scene, &result, PictureFormat::Column)),
     ))
 }
 
-fn shown(text: &Report, (caption, picture): (&str, &str)) -> Value {
+fn section_and_picture(text: &Report, (caption, picture): (&str, &str)) -> Value {
     let title = "At rest";
     json!({
         "sections": [{ "title": title, "html": text.html(title) }],
@@ -54,6 +55,6 @@ fn shown(text: &Report, (caption, picture): (&str, &str)) -> Value {
     })
 }
 
-fn refused(error: &dyn std::fmt::Display) -> Value {
-    json!([{ "message": error.to_string(), "help": "the run itself does not need it", "line": null, "field": null }])
+fn problem(error: &dyn std::fmt::Display) -> Value {
+    json!([{ "message": error.to_string(), "help": "the run does not depend on this analysis", "line": null, "field": null }])
 }

@@ -1,90 +1,96 @@
-//! What pictures are made of: titles, frames with axes, lines and marks on them, legends beside them, boxes and words.
+//! Elements of pictures: titles, frames with axes, lines and markers in them, legends, tiles and text.
 
 use super::axis::Axis;
-use super::svg::{Paint, Path, Pixel, Side, Svg, TEXT_SIZE, Words, document};
+use super::svg::{Anchor, Paint, Path, Pixel, Svg, TEXT_SIZE, TextStyle, document};
 use super::theme::{Colour, FAINT, INK, LINE, SOFT};
 
-/// A place on a frame.
-pub type Place = (f64, f64);
+/// Coordinates of a point in a frame.
+pub type PlotPoint = (f64, f64);
 
 pub const WIDTH: f64 = 960.0;
-/// Width of a legend beside a frame.
-pub const LEGEND: f64 = 250.0;
+/// Width of a legend next to a frame.
+pub const LEGEND_WIDTH: f64 = 250.0;
 /// Height of a title.
-pub const HEAD: f64 = 40.0;
-/// Height of the figures and the label below a frame, and of what is there without them.
-pub const FOOT: f64 = 50.0;
-const NO_FOOT: f64 = 12.0;
-/// From the left of an area to its frame, and what is free above and on the right.
-pub const LEFT: f64 = 86.0;
-const ABOVE: f64 = 8.0;
-const RIGHT: f64 = 12.0;
+pub const TITLE_HEIGHT: f64 = 40.0;
+/// Height of the tick labels and the axis label below a frame.
+pub const AXIS_HEIGHT: f64 = 50.0;
+/// Margin below a frame without axis labels.
+const BOTTOM_MARGIN: f64 = 12.0;
+/// Distance from the left of an area to its frame.
+pub const LEFT_MARGIN: f64 = 86.0;
+/// Margin above a frame.
+const TOP_MARGIN: f64 = 8.0;
+/// Margin to the right of a frame.
+const RIGHT_MARGIN: f64 = 12.0;
+/// Text size of the title.
 const TITLE_SIZE: f64 = 19.0;
+/// Height of a legend entry.
 const LINE_HEIGHT: f64 = 24.0;
-/// Texts that are too wide become smaller down to this, then shorter.
-const SMALLEST: f64 = 11.0;
+/// Minimum size of text. Text that is too wide is reduced to this size, then truncated.
+const MIN_TEXT_SIZE: f64 = 11.0;
 
-/// What a picture is for: a sheet of its own, with its legend beside it, or a narrow column of a page, which has the title itself.
+/// Layout of a picture: standalone with title and a legend on the right, or for a narrow column of a page, without the
+/// title.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    Sheet,
+pub enum PictureFormat {
+    Standalone,
     Column,
 }
 
-impl Form {
+impl PictureFormat {
     pub fn width(self) -> f64 {
         match self {
-            Form::Sheet => WIDTH,
-            Form::Column => 420.0,
+            PictureFormat::Standalone => WIDTH,
+            PictureFormat::Column => 420.0,
         }
     }
 
-    /// A picture of a height without its title.
+    /// Draws a picture; `height` does not include the title.
     pub fn picture(self, title: &str, height: f64, draw: impl FnOnce(&mut Svg)) -> String {
         match self {
-            Form::Sheet => picture(title, HEAD + height, draw),
-            Form::Column => document([self.width(), height], title, draw),
+            PictureFormat::Standalone => picture(title, TITLE_HEIGHT + height, draw),
+            PictureFormat::Column => document([self.width(), height], title, draw),
         }
     }
 }
 
-/// The sign of a family of points, and how a line is drawn.
+/// Marker of a series of points, or style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mark {
+pub enum Marker {
     Circle,
     Triangle,
     Square,
     Cross,
     Ring,
-    /// Smaller ones, for hundreds of points, and one for thousands.
+    /// Smaller markers for hundreds of points, and one for thousands.
     SmallTriangle,
     SmallDot,
-    Speck,
+    TinyDot,
     Line {
         width: f64,
     },
-    Pale {
+    FaintLine {
         width: f64,
     },
 }
 
-pub const THIN: Mark = Mark::Line { width: 1.0 };
+pub const THIN_LINE: Marker = Marker::Line { width: 1.0 };
 
-/// One line of a legend.
+/// An entry of a legend.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
-    pub mark: Mark,
+pub struct LegendEntry {
+    pub marker: Marker,
     pub colour: Colour,
     pub text: String,
 }
 
-impl Entry {
-    pub fn new(mark: Mark, colour: Colour, text: &str) -> Entry {
-        Entry { mark, colour, text: text.to_string() }
+impl LegendEntry {
+    pub fn new(marker: Marker, colour: Colour, text: &str) -> LegendEntry {
+        LegendEntry { marker, colour, text: text.to_string() }
     }
 }
 
-/// A part of a picture, in pixels.
+/// A rectangular area of a picture, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     pub left: f64,
@@ -93,173 +99,189 @@ pub struct Area {
     pub height: f64,
 }
 
-/// A part of a picture that has axes.
+/// An area of a picture with axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    pub within: Area,
+    pub area: Area,
     pub x: Axis,
     pub y: Axis,
 }
 
 impl Frame {
-    /// Where a place is; what is beyond an axis lies on its end.
-    pub fn pixel(&self, (x, y): Place) -> Pixel {
-        let part = |axis: &Axis, value: f64| ((value - axis.from) / (axis.to - axis.from)).clamp(0.0, 1.0);
-        let Area { left, top, width, height } = self.within;
-        [left + width * part(&self.x, x), top + height * (1.0 - part(&self.y, y))]
+    /// Pixel of a point; coordinates beyond an axis are clamped to its end.
+    pub fn pixel(&self, (x, y): PlotPoint) -> Pixel {
+        let fraction = |axis: &Axis, value: f64| ((value - axis.from) / (axis.to - axis.from)).clamp(0.0, 1.0);
+        let Area { left, top, width, height } = self.area;
+        [left + width * fraction(&self.x, x), top + height * (1.0 - fraction(&self.y, y))]
     }
 }
 
-/// A picture with its title; what is below the title is drawn from there.
+/// Draws a picture with a title; `draw` draws relative to the lower edge of the title.
 pub fn picture(title: &str, height: f64, draw: impl FnOnce(&mut Svg)) -> String {
     document([WIDTH, height], title, |svg| {
-        fitted(svg, title, [16.0, 24.0], TITLE_SIZE, WIDTH - 32.0);
-        svg.moved([0.0, HEAD], draw);
+        fitted_text(svg, title, [16.0, 24.0], TITLE_SIZE, WIDTH - 32.0);
+        svg.translated([0.0, TITLE_HEIGHT], draw);
     })
 }
 
-/// A picture of one frame with its legend beside it.
+/// Draws a picture of one frame with a legend on its right.
 pub fn chart(
     title: &str,
     height: f64,
     x: &Axis,
     y: &Axis,
-    draw: impl FnOnce(&mut Svg, &Frame) -> Vec<Entry>,
+    draw: impl FnOnce(&mut Svg, &Frame) -> Vec<LegendEntry>,
 ) -> String {
     picture(title, height, |svg| {
-        let on = frame(svg, Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND, height: height - HEAD }, x, y, true);
-        let entries = draw(svg, &on);
-        legend(svg, [WIDTH - LEGEND, 0.0], LEGEND, &entries);
+        let frame = frame(
+            svg,
+            Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND_WIDTH, height: height - TITLE_HEIGHT },
+            x,
+            y,
+            true,
+        );
+        let entries = draw(svg, &frame);
+        legend(svg, [WIDTH - LEGEND_WIDTH, 0.0], LEGEND_WIDTH, &entries);
     })
 }
 
-/// An empty frame with its axes; `foot` says whether the label and the figures of the horizontal axis are there.
-pub fn frame(svg: &mut Svg, area: Area, x: &Axis, y: &Axis, foot: bool) -> Frame {
-    let within = Area {
-        left: area.left + LEFT,
-        top: area.top + ABOVE,
-        width: area.width - LEFT - RIGHT,
-        height: area.height - ABOVE - if foot { FOOT } else { NO_FOOT },
+/// Draws an empty frame with its axes; `has_labels` states whether the horizontal axis has its labels.
+pub fn frame(svg: &mut Svg, area: Area, x: &Axis, y: &Axis, has_labels: bool) -> Frame {
+    let frame_area = Area {
+        left: area.left + LEFT_MARGIN,
+        top: area.top + TOP_MARGIN,
+        width: area.width - LEFT_MARGIN - RIGHT_MARGIN,
+        height: area.height - TOP_MARGIN - if has_labels { AXIS_HEIGHT } else { BOTTOM_MARGIN },
     };
-    let on = Frame { within, x: x.clone(), y: y.clone() };
-    let upright = |at: f64| [on.pixel((at, y.from)), on.pixel((at, y.to))];
-    let level = |at: f64| [on.pixel((x.from, at)), on.pixel((x.to, at))];
-    for (colour, at, above) in [(FAINT, &x.between, &y.between), (LINE, &x.ticks, &y.ticks)] {
-        let lines = at.iter().map(|at| upright(*at)).chain(above.iter().map(|at| level(*at)));
-        svg.path(&lines.fold(Path::default(), |path, ends| path.through(&ends)), Paint::line(colour, 1.0));
+    let frame = Frame { area: frame_area, x: x.clone(), y: y.clone() };
+    let vertical = |coordinate: f64| [frame.pixel((coordinate, y.from)), frame.pixel((coordinate, y.to))];
+    let horizontal = |coordinate: f64| [frame.pixel((x.from, coordinate)), frame.pixel((x.to, coordinate))];
+    for (colour, coordinate, above) in [(FAINT, &x.minor_ticks, &y.minor_ticks), (LINE, &x.ticks, &y.ticks)] {
+        let lines = coordinate
+            .iter()
+            .map(|coordinate| vertical(*coordinate))
+            .chain(above.iter().map(|coordinate| horizontal(*coordinate)));
+        svg.path(&lines.fold(Path::default(), |path, ends| path.with_polyline(&ends)), Paint::line(colour, 1.0));
     }
-    let [corner, top, end] = [on.pixel((x.from, y.from)), on.pixel((x.from, y.to)), on.pixel((x.to, y.from))];
-    let mut axes = Path::default().through(&[top, corner, end]);
-    for [[left, top], _] in y.ticks.iter().map(|tick| level(*tick)) {
-        axes = axes.through(&[[left - 5.0, top], [left, top]]);
+    let [corner, top, end] = [frame.pixel((x.from, y.from)), frame.pixel((x.from, y.to)), frame.pixel((x.to, y.from))];
+    let mut axes = Path::default().with_polyline(&[top, corner, end]);
+    for [[left, top], _] in y.ticks.iter().map(|tick| horizontal(*tick)) {
+        axes = axes.with_polyline(&[[left - 5.0, top], [left, top]]);
     }
-    for [[left, foot], _] in x.ticks.iter().map(|tick| upright(*tick)) {
-        axes = axes.through(&[[left, foot], [left, foot + 5.0]]);
+    for [[left, has_labels], _] in x.ticks.iter().map(|tick| vertical(*tick)) {
+        axes = axes.with_polyline(&[[left, has_labels], [left, has_labels + 5.0]]);
     }
     svg.path(&axes, Paint::line(SOFT, 1.0));
     for tick in &y.ticks {
-        let [left, at] = level(*tick)[0];
-        words_to(svg, &y.text(*tick), [left - 9.0, at], TEXT_SIZE, INK);
+        let [left, coordinate] = horizontal(*tick)[0];
+        text_left_of(svg, &y.tick_label(*tick), [left - 9.0, coordinate], TEXT_SIZE, INK);
     }
-    let middle = within.top + 0.5 * within.height;
-    let size = fitting(&y.label, TEXT_SIZE, area.height - 8.0);
-    svg.words(&y.label, [area.left + 16.0, middle], Words { upright: true, ..around(size, INK) });
-    if foot {
+    let middle = frame_area.top + 0.5 * frame_area.height;
+    let size = fitting_size(&y.label, TEXT_SIZE, area.height - 8.0);
+    svg.text(&y.label, [area.left + 16.0, middle], TextStyle { is_vertical: true, ..centred_style(size, INK) });
+    if has_labels {
         for tick in &x.ticks {
-            let [at, below] = upright(*tick)[0];
-            words(svg, &x.text(*tick), [at, below + 15.0], TEXT_SIZE, INK);
+            let [coordinate, below] = vertical(*tick)[0];
+            text_centred(svg, &x.tick_label(*tick), [coordinate, below + 15.0], TEXT_SIZE, INK);
         }
-        let size = fitting(&x.label, TEXT_SIZE, within.width);
-        words(svg, &x.label, [within.left + 0.5 * within.width, corner[1] + 38.0], size, INK);
+        let size = fitting_size(&x.label, TEXT_SIZE, frame_area.width);
+        text_centred(svg, &x.label, [frame_area.left + 0.5 * frame_area.width, corner[1] + 38.0], size, INK);
     }
-    on
+    frame
 }
 
-/// A line on a frame.
-pub fn line(svg: &mut Svg, on: &Frame, points: impl IntoIterator<Item = Place>, mark: Mark, colour: Colour) {
-    let pixels: Vec<Pixel> = points.into_iter().map(|at| on.pixel(at)).collect();
-    svg.polyline(&pixels, stroke(mark, colour));
+/// Draws a line in a frame.
+pub fn line(svg: &mut Svg, frame: &Frame, points: impl IntoIterator<Item = PlotPoint>, marker: Marker, colour: Colour) {
+    let pixels: Vec<Pixel> = points.into_iter().map(|position| frame.pixel(position)).collect();
+    svg.polyline(&pixels, stroke(marker, colour));
 }
 
-/// A line on a frame from one end of the vertical axis to the other.
-pub fn upright(svg: &mut Svg, on: &Frame, x: f64, colour: Colour) {
-    line(svg, on, [(x, on.y.from), (x, on.y.to)], THIN, colour);
+/// Draws a line over the whole height of a frame.
+pub fn vertical_line(svg: &mut Svg, frame: &Frame, x: f64, colour: Colour) {
+    line(svg, frame, [(x, frame.y.from), (x, frame.y.to)], THIN_LINE, colour);
 }
 
-/// A line on a frame from one end of the horizontal axis to the other.
-pub fn level(svg: &mut Svg, on: &Frame, y: f64, mark: Mark, colour: Colour) {
-    line(svg, on, [(on.x.from, y), (on.x.to, y)], mark, colour);
+/// Draws a line over the whole width of a frame.
+pub fn horizontal_line(svg: &mut Svg, frame: &Frame, y: f64, marker: Marker, colour: Colour) {
+    line(svg, frame, [(frame.x.from, y), (frame.x.to, y)], marker, colour);
 }
 
-/// A mark on a frame.
-pub fn point(svg: &mut Svg, on: &Frame, at: Place, mark: Mark, colour: Colour) {
-    points(svg, on, [at], mark, colour);
+/// Draws a marker in a frame.
+pub fn point(svg: &mut Svg, frame: &Frame, position: PlotPoint, marker: Marker, colour: Colour) {
+    points(svg, frame, [position], marker, colour);
 }
 
-/// Marks of one kind on a frame.
-pub fn points(svg: &mut Svg, on: &Frame, places: impl IntoIterator<Item = Place>, mark: Mark, colour: Colour) {
-    let pixels: Vec<Pixel> = places.into_iter().map(|at| on.pixel(at)).collect();
-    marks(svg, &pixels, mark, colour);
+/// Draws markers of one kind in a frame.
+pub fn points(
+    svg: &mut Svg,
+    frame: &Frame,
+    positions: impl IntoIterator<Item = PlotPoint>,
+    marker: Marker,
+    colour: Colour,
+) {
+    let pixels: Vec<Pixel> = positions.into_iter().map(|position| frame.pixel(position)).collect();
+    markers(svg, &pixels, marker, colour);
 }
 
-/// Marks of one kind, in pixels.
-pub fn marks(svg: &mut Svg, places: &[Pixel], mark: Mark, colour: Colour) {
+/// Draws markers of one kind at pixels.
+pub fn markers(svg: &mut Svg, pixels: &[Pixel], marker: Marker, colour: Colour) {
     let mut path = Path::default();
-    for &[x, y] in places.iter().filter(|at| at.iter().all(|part| part.is_finite())) {
+    for &[x, y] in pixels.iter().filter(|position| position.iter().all(|component| component.is_finite())) {
         let triangle = |r: f64| [[x, y - r], [x + 0.87 * r, y + 0.5 * r], [x - 0.87 * r, y + 0.5 * r]];
-        match mark {
-            Mark::Triangle => path = path.through(&triangle(7.0)).closed(),
-            Mark::SmallTriangle => path = path.through(&triangle(5.0)).closed(),
-            Mark::Cross => {
+        match marker {
+            Marker::Triangle => path = path.with_polyline(&triangle(7.0)).closed(),
+            Marker::SmallTriangle => path = path.with_polyline(&triangle(5.0)).closed(),
+            Marker::Cross => {
                 let bar = |up: f64| [[x - 6.0, y - 6.0 * up], [x + 6.0, y + 6.0 * up]];
-                path = path.through(&bar(1.0)).through(&bar(-1.0));
+                path = path.with_polyline(&bar(1.0)).with_polyline(&bar(-1.0));
             }
-            Mark::Ring => path.ring([x, y], 10.0),
-            Mark::Square => path.tile([[x - 5.0, y - 5.0], [x + 5.0, y + 5.0]]),
-            _ => path.dot([x, y]),
+            Marker::Ring => path.add_circle([x, y], 10.0),
+            Marker::Square => path.add_rectangle([[x - 5.0, y - 5.0], [x + 5.0, y + 5.0]]),
+            _ => path.add_dot([x, y]),
         }
     }
     let round = |width: f64| Paint { cap: "round", ..Paint::line(colour, width) };
-    let paint = match mark {
-        Mark::Triangle | Mark::SmallTriangle | Mark::Square => Paint::fill(colour),
-        Mark::Cross => Paint::line(colour, 3.0),
-        Mark::Ring => Paint::line(colour, 2.0),
-        Mark::Circle => round(10.0),
-        Mark::SmallDot => round(4.0),
-        Mark::Speck => round(2.0),
-        Mark::Line { .. } | Mark::Pale { .. } => return,
+    let paint = match marker {
+        Marker::Triangle | Marker::SmallTriangle | Marker::Square => Paint::fill(colour),
+        Marker::Cross => Paint::line(colour, 3.0),
+        Marker::Ring => Paint::line(colour, 2.0),
+        Marker::Circle => round(10.0),
+        Marker::SmallDot => round(4.0),
+        Marker::TinyDot => round(2.0),
+        Marker::Line { .. } | Marker::FaintLine { .. } => return,
     };
     svg.path(&path, paint);
 }
 
-/// A legend from its upper left corner, as wide as that, all in one size.
-pub fn legend(svg: &mut Svg, [left, top]: Pixel, width: f64, entries: &[Entry]) {
-    let room = width - 48.0;
-    let size = entries.iter().map(|entry| fitting(&entry.text, TEXT_SIZE, room)).fold(TEXT_SIZE, f64::min);
+/// Draws a legend, given its upper left corner and width; all entries have the same text size.
+pub fn legend(svg: &mut Svg, [left, top]: Pixel, width: f64, entries: &[LegendEntry]) {
+    let available_width = width - 48.0;
+    let size =
+        entries.iter().map(|entry| fitting_size(&entry.text, TEXT_SIZE, available_width)).fold(TEXT_SIZE, f64::min);
     for (index, entry) in entries.iter().enumerate() {
         let y = top + 20.0 + LINE_HEIGHT * index as f64;
-        sign(svg, [left + 20.0, y], entry);
-        fitted(svg, &entry.text, [left + 42.0, y], size, room);
+        legend_symbol(svg, [left + 20.0, y], entry);
+        fitted_text(svg, &entry.text, [left + 42.0, y], size, available_width);
     }
 }
 
-/// Height of a legend of so many entries.
+/// Height of a legend with this number of entries.
 pub fn legend_height(entries: usize) -> f64 {
     16.0 + LINE_HEIGHT * entries as f64
 }
 
-/// A legend in one line.
-pub fn legend_across(svg: &mut Svg, entries: &[Entry]) {
+/// Draws a legend in one line.
+pub fn horizontal_legend(svg: &mut Svg, entries: &[LegendEntry]) {
     let mut x = 16.0;
     for entry in entries {
-        sign(svg, [x + 10.0, 16.0], entry);
-        words_from(svg, &entry.text, [x + 26.0, 16.0], TEXT_SIZE, INK);
+        legend_symbol(svg, [x + 10.0, 16.0], entry);
+        text_right_of(svg, &entry.text, [x + 26.0, 16.0], TEXT_SIZE, INK);
         x += 26.0 + text_width(&entry.text, TEXT_SIZE) + 24.0;
     }
 }
 
-/// Colours with their words, side by side from a place, in as many lines as it takes; where the last of them ends.
-pub fn key<'a>(
+/// Draws colours with their labels side by side, wrapped to as many lines as needed. Returns the end of the last entry.
+pub fn colour_key<'a>(
     svg: &mut Svg,
     [left, top]: Pixel,
     entries: impl IntoIterator<Item = (Colour, &'a str)>,
@@ -272,60 +294,60 @@ pub fn key<'a>(
             (x, y) = (left, y + LINE_HEIGHT);
         }
         tile(svg, [[x, y - 8.0], [x + 22.0, y + 8.0]], colour, SOFT);
-        words_from(svg, text, [x + 30.0, y], size, INK);
+        text_right_of(svg, text, [x + 30.0, y], size, INK);
         x += long;
     }
     [x, y]
 }
 
-fn sign(svg: &mut Svg, [x, y]: Pixel, entry: &Entry) {
-    match entry.mark {
-        Mark::Line { .. } | Mark::Pale { .. } => {
-            svg.polyline(&[[x - 14.0, y], [x + 14.0, y]], stroke(entry.mark, entry.colour));
+fn legend_symbol(svg: &mut Svg, [x, y]: Pixel, entry: &LegendEntry) {
+    match entry.marker {
+        Marker::Line { .. } | Marker::FaintLine { .. } => {
+            svg.polyline(&[[x - 14.0, y], [x + 14.0, y]], stroke(entry.marker, entry.colour));
         }
-        mark => marks(svg, &[[x, y]], mark, entry.colour),
+        marker => markers(svg, &[[x, y]], marker, entry.colour),
     }
 }
 
-/// Words around a place, in pixels.
-pub fn words(svg: &mut Svg, text: &str, at: Pixel, size: f64, colour: Colour) {
-    svg.words(text, at, around(size, colour));
+/// Draws text centred at a pixel.
+pub fn text_centred(svg: &mut Svg, text: &str, position: Pixel, size: f64, colour: Colour) {
+    svg.text(text, position, centred_style(size, colour));
 }
 
-/// Words from a place to the right.
-pub fn words_from(svg: &mut Svg, text: &str, at: Pixel, size: f64, colour: Colour) {
-    svg.words(text, at, Words { side: Side::Right, ..around(size, colour) });
+/// Draws text that starts at a pixel.
+pub fn text_right_of(svg: &mut Svg, text: &str, position: Pixel, size: f64, colour: Colour) {
+    svg.text(text, position, TextStyle { anchor: Anchor::Start, ..centred_style(size, colour) });
 }
 
-/// Words up to a place.
-pub fn words_to(svg: &mut Svg, text: &str, at: Pixel, size: f64, colour: Colour) {
-    svg.words(text, at, Words { side: Side::Left, ..around(size, colour) });
+/// Draws text that ends at a pixel.
+pub fn text_left_of(svg: &mut Svg, text: &str, position: Pixel, size: f64, colour: Colour) {
+    svg.text(text, position, TextStyle { anchor: Anchor::End, ..centred_style(size, colour) });
 }
 
-/// How words around a place are written.
-pub fn around(size: f64, colour: Colour) -> Words {
-    Words { size, colour, side: Side::Around, upright: false, rim: false }
+/// Style of centred text.
+pub fn centred_style(size: f64, colour: Colour) -> TextStyle {
+    TextStyle { size, colour, anchor: Anchor::Middle, is_vertical: false, has_halo: false }
 }
 
-/// Words from a place to the right that are no wider than that.
-pub fn fitted(svg: &mut Svg, text: &str, at: Pixel, size: f64, width: f64) {
-    let size = fitting(text, size, width);
-    words_from(svg, &shortened(text, size, width), at, size, INK);
+/// Draws text that starts at a pixel and fits `width`.
+pub fn fitted_text(svg: &mut Svg, text: &str, position: Pixel, size: f64, width: f64) {
+    let size = fitting_size(text, size, width);
+    text_right_of(svg, &truncated(text, size, width), position, size, INK);
 }
 
-/// The size at which a text is no wider than that, if it does not become too small.
-fn fitting(text: &str, size: f64, width: f64) -> f64 {
-    (size * width / text_width(text, size).max(1.0)).floor().clamp(SMALLEST, size)
+/// Text size that fits `width`, but at least [`MIN_TEXT_SIZE`].
+fn fitting_size(text: &str, size: f64, width: f64) -> f64 {
+    (size * width / text_width(text, size).max(1.0)).floor().clamp(MIN_TEXT_SIZE, size)
 }
 
-/// How wide a text is in the widest of the usual fonts (DejaVu Sans), about, in pixels.
+/// Approximate width of a text in pixels, in the widest of the common fonts (DejaVu Sans).
 pub fn text_width(text: &str, size: f64) -> f64 {
-    size * text.chars().map(letter).sum::<f64>()
+    size * text.chars().map(glyph_width).sum::<f64>()
 }
 
-/// Width of a letter of size 1.
-fn letter(of: char) -> f64 {
-    match of {
+/// Width of a character of size 1.
+fn glyph_width(character: char) -> f64 {
+    match character {
         'i' | 'j' | 'l' | 'I' | 'J' | ' ' | '.' | ',' | '·' | '\'' => 0.31,
         'f' | 'r' | 't' | '(' | ')' | '[' | ']' | ':' | '-' | '/' | '²' | '¹' | '⁰' => 0.39,
         'm' | 'w' | 'M' | 'W' | '%' | '+' | '−' | '=' | '<' | '>' | '≤' | '≥' | '×' | '…' => 0.92,
@@ -334,49 +356,49 @@ fn letter(of: char) -> f64 {
     }
 }
 
-/// A text that is no wider than that, with an ellipsis where something is left out.
-pub fn shortened(text: &str, size: f64, width: f64) -> String {
+/// Truncates a text to `width`, with an ellipsis.
+pub fn truncated(text: &str, size: f64, width: f64) -> String {
     if text_width(text, size) <= width {
         return text.to_string();
     }
-    let mut room = width / size - letter('…');
-    let fits = |of: &char| {
-        room -= letter(*of);
-        room >= 0.0
+    let mut available_width = width / size - glyph_width('…');
+    let fits = |character: &char| {
+        available_width -= glyph_width(*character);
+        available_width >= 0.0
     };
     format!("{}…", text.chars().take_while(fits).collect::<String>().trim_end())
 }
 
-/// Boxes side by side, without edges: those of a colour are one element.
+/// Draws adjacent tiles without borders; all tiles of a colour form one element.
 pub fn tiles(svg: &mut Svg, tiles: impl IntoIterator<Item = ([Pixel; 2], Colour)>) {
     let mut paths: Vec<(Colour, Path)> = Vec::new();
     for (corners, colour) in tiles {
-        let known = paths.iter().position(|(of, _)| *of == colour);
+        let known = paths.iter().position(|(other_colour, _)| *other_colour == colour);
         let index = known.unwrap_or_else(|| {
             paths.push((colour, Path::default()));
             paths.len() - 1
         });
-        paths[index].1.tile(corners);
+        paths[index].1.add_rectangle(corners);
     }
     for (colour, path) in &paths {
-        svg.crisp(path, *colour);
+        svg.crisp_path(path, *colour);
     }
 }
 
-/// The edge of a box.
-pub fn outline(svg: &mut Svg, corners: [Pixel; 2], edge: Colour) {
+/// Draws the border of a tile.
+pub fn tile_border(svg: &mut Svg, corners: [Pixel; 2], edge: Colour) {
     svg.rectangle(corners, Paint::line(edge, 1.0));
 }
 
-/// A box with its edge, from one corner to the other.
+/// Draws a tile with a border, given two opposite corners.
 pub fn tile(svg: &mut Svg, corners: [Pixel; 2], fill: Colour, edge: Colour) {
     svg.rectangle(corners, Paint::fill(fill).with_edge(edge));
 }
 
-fn stroke(mark: Mark, colour: Colour) -> Paint {
-    match mark {
-        Mark::Pale { width } => Paint::line(colour, width).faded(0.35),
-        Mark::Line { width } => Paint::line(colour, width),
+fn stroke(marker: Marker, colour: Colour) -> Paint {
+    match marker {
+        Marker::FaintLine { width } => Paint::line(colour, width).faded(0.35),
+        Marker::Line { width } => Paint::line(colour, width),
         _ => Paint::line(colour, 2.0),
     }
 }
@@ -386,38 +408,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_text_that_is_too_wide_becomes_smaller_and_then_shorter() {
-        assert_eq!((fitting("short", 15.0, 200.0), shortened("short", 15.0, 200.0)), (15.0, "short".to_string()));
+    fn text_that_is_too_wide_is_reduced_and_then_truncated() {
+        assert_eq!((fitting_size("short", 15.0, 200.0), truncated("short", 15.0, 200.0)), (15.0, "short".to_string()));
         let long = "a name of thirty-three characters";
-        let small = fitting(long, 15.0, 240.0);
-        assert!((SMALLEST..15.0).contains(&small) && text_width(long, small) <= 240.0, "{small}");
-        assert_eq!(shortened(long, small, 240.0), long);
-        let short = shortened(long, SMALLEST, 100.0);
-        assert!(short.ends_with('…') && short.len() > 12 && text_width(&short, SMALLEST) <= 100.0, "{short}");
+        let small = fitting_size(long, 15.0, 240.0);
+        assert!((MIN_TEXT_SIZE..15.0).contains(&small) && text_width(long, small) <= 240.0, "{small}");
+        assert_eq!(truncated(long, small, 240.0), long);
+        let short = truncated(long, MIN_TEXT_SIZE, 100.0);
+        assert!(short.ends_with('…') && short.len() > 12 && text_width(&short, MIN_TEXT_SIZE) <= 100.0, "{short}");
     }
 
     #[test]
-    fn all_of_a_legend_has_one_size() {
-        let entries =
-            ["short", "a text that is rather too long for its legend"].map(|text| Entry::new(THIN, INK, text));
-        let drawn = document([99.0, 99.0], "", |svg| legend(svg, [0.0; 2], LEGEND, &entries));
-        assert_eq!(drawn.matches("font-size=\"11\"").count(), 2, "{drawn}");
+    fn legend_entries_have_equal_text_size() {
+        let entries = ["short", "a text that is rather too long for its legend"]
+            .map(|text| LegendEntry::new(THIN_LINE, INK, text));
+        let svg_text = document([99.0, 99.0], "", |svg| legend(svg, [0.0; 2], LEGEND_WIDTH, &entries));
+        assert_eq!(svg_text.matches("font-size=\"11\"").count(), 2, "{svg_text}");
     }
 
     #[test]
-    fn what_is_beyond_an_axis_lies_on_its_end() {
-        let within = Area { left: 10.0, top: 20.0, width: 100.0, height: 50.0 };
-        let on = Frame { within, x: Axis::over("", 0.0, 1.0), y: Axis::over("", 0.0, 1.0) };
-        assert_eq!([(0.5, 0.5), (2.0, -1.0)].map(|at| on.pixel(at)), [[60.0, 45.0], [110.0, 70.0]]);
+    fn points_beyond_an_axis_are_clamped_to_its_end() {
+        let frame_area = Area { left: 10.0, top: 20.0, width: 100.0, height: 50.0 };
+        let frame = Frame { area: frame_area, x: Axis::from_range("", 0.0, 1.0), y: Axis::from_range("", 0.0, 1.0) };
+        assert_eq!([(0.5, 0.5), (2.0, -1.0)].map(|position| frame.pixel(position)), [[60.0, 45.0], [110.0, 70.0]]);
     }
 
     #[test]
-    fn boxes_of_a_colour_are_one_element() {
-        let drawn = document([9.0, 9.0], "", |svg| {
-            let at = |x: f64| [[x, 0.0], [x + 1.0, 1.0]];
-            tiles(svg, [(at(0.0), INK), (at(1.0), LINE), (at(2.0), INK)]);
+    fn tiles_of_a_colour_form_one_element() {
+        let svg_text = document([9.0, 9.0], "", |svg| {
+            let position = |x: f64| [[x, 0.0], [x + 1.0, 1.0]];
+            tiles(svg, [(position(0.0), INK), (position(1.0), LINE), (position(2.0), INK)]);
         });
-        assert_eq!(drawn.matches("<path").count(), 2);
-        assert!(drawn.contains("<path d=\"M0 0h1v1h-1zm2 0h1v1h-1z\" fill=\"#1B1F26\""), "{drawn}");
+        assert_eq!(svg_text.matches("<path").count(), 2);
+        assert!(svg_text.contains("<path d=\"M0 0h1v1h-1zm2 0h1v1h-1z\" fill=\"#1B1F26\""), "{svg_text}");
     }
 }

@@ -1,16 +1,16 @@
-//! Pictures as SVG text: the same figures give the same bytes.
+//! Pictures as SVG text; equal figures give equal bytes.
 //!
 //! | file | job |
 //! |---|---|
-//! | `svg` | elements, paths, texts: an SVG as text |
-//! | `theme` | colours, and what stands for them on a dark ground and in a page |
+//! | `svg` | SVG elements, paths and texts |
+//! | `theme` | colours for light and dark backgrounds, and their CSS variables |
 //! | `axis` | ranges and ticks, linear and logarithmic |
-//! | `canvas` | titles, frames, marks, legends beside the frames |
-//! | `colours` | colour scales of a quantity |
-//! | `curve` | lines of as many points as a picture can show |
+//! | `canvas` | titles, frames, markers, legends |
+//! | `colours` | colour scales |
+//! | `curve` | decimation of curves to the resolution of a picture |
 //! | `outline` | bodies as filled outlines, and arrows |
-//! | `balance` | accelerations that a gripper's grasp bears, around all directions |
-//! | `grasp` | a grasp at rest: fingers, forces, the motion that is free |
+//! | `balance` | accelerations that a gripper's grasp withstands in all directions |
+//! | `grasp` | a grasp at rest: fingers, forces, a free motion |
 
 pub mod axis;
 mod balance;
@@ -23,6 +23,6 @@ pub mod svg;
 pub mod theme;
 
 pub use balance::balance;
-pub use canvas::Form;
+pub use canvas::PictureFormat;
 pub use grasp::grasp;
 pub use svg::PICTURE_MARK;

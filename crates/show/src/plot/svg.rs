@@ -1,38 +1,38 @@
-//! An SVG as text: elements out of which no text and no attribute can break, and places in tenths of a pixel.
+//! SVG as text. Texts and attributes are escaped; coordinates have a resolution of a tenth of a pixel.
 
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 
 use super::theme::{Colour, INK, PAPER, style};
-use crate::wording::escaped;
+use crate::format::escape_markup;
 
-/// A place in pixels, y downwards.
+/// Coordinates in pixels, y downwards.
 pub type Pixel = [f64; 2];
 
-/// Every picture has it at its beginning.
+/// Comment at the beginning of every picture, by which the program recognises its own files.
 pub const PICTURE_MARK: &str = "<!-- phalanx -->";
 
-/// Size of letters, where nothing else is said.
+/// Default text size.
 pub const TEXT_SIZE: f64 = 15.0;
 
-/// What has been drawn so far, and the colours in it by the attributes that name them.
+/// Elements drawn so far, and the pairs of attribute and colour in them.
 #[derive(Default)]
 pub struct Svg {
     text: String,
-    used: BTreeSet<(&'static str, Colour)>,
+    used_colours: BTreeSet<(&'static str, Colour)>,
 }
 
-/// How a shape is filled and its line is drawn.
+/// Fill and stroke of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Paint {
     pub fill: Option<Colour>,
-    /// Its colour and its width.
+    /// Colour and width.
     pub stroke: Option<(Colour, f64)>,
-    /// Of the inside, or of the line of what has none.
+    /// Opacity of the fill, or of the stroke of a shape without fill.
     pub opacity: Option<f64>,
     /// Lengths of dashes and gaps.
     pub dash: &'static str,
-    /// How lines end.
+    /// Shape of the ends of lines.
     pub cap: &'static str,
 }
 
@@ -58,262 +58,286 @@ impl Paint {
     }
 }
 
-/// How a text is written.
+/// Style of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Words {
+pub struct TextStyle {
     pub size: f64,
     pub colour: Colour,
-    pub side: Side,
-    /// From below upwards.
-    pub upright: bool,
-    /// With a rim of the ground's colour.
-    pub rim: bool,
+    pub anchor: Anchor,
+    /// Whether the text runs upwards.
+    pub is_vertical: bool,
+    /// Whether the text is outlined in the background colour.
+    pub has_halo: bool,
 }
 
-/// Where a text is from its place.
+/// Point of a text that is placed at its coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    Right,
-    Around,
-    Left,
+pub enum Anchor {
+    Start,
+    Middle,
+    End,
 }
 
-/// A whole picture of a size; `label` says what it is to those who do not see it.
+/// Writes a complete SVG document; `label` is its accessible name.
 pub fn document([width, height]: [f64; 2], label: &str, draw: impl FnOnce(&mut Svg)) -> String {
     let mut svg = Svg::default();
-    svg.used.insert(("fill", INK));
+    svg.used_colours.insert(("fill", INK));
     svg.rectangle([[0.0; 2], [width, height]], Paint::fill(PAPER));
     draw(&mut svg);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
          aria-label=\"{}\" font-family=\"sans-serif\" font-size=\"{TEXT_SIZE}\" fill=\"{INK}\" \
          stroke-linejoin=\"round\">\n{PICTURE_MARK}\n<style>\n{}</style>\n{}</svg>\n",
-        escaped(label),
-        style(&svg.used),
+        escape_markup(label),
+        style(&svg.used_colours),
         svg.text
     )
 }
 
 impl Svg {
-    /// The beginning of an element; attributes follow, and an end.
-    pub fn open(&mut self, name: &str) -> &mut Svg {
+    /// Opens an element; attributes and a closing call must follow.
+    pub fn open_element(&mut self, name: &str) -> &mut Svg {
         self.text.push('<');
         self.text.push_str(name);
         self
     }
 
-    pub fn set(&mut self, name: &str, value: impl Display) -> &mut Svg {
+    pub fn attribute(&mut self, name: &str, value: impl Display) -> &mut Svg {
         // Writing to a string cannot fail.
-        let _ = write!(self.text, " {name}=\"{}\"", escaped(&value.to_string()));
+        let _ = write!(self.text, " {name}=\"{}\"", escape_markup(&value.to_string()));
         self
     }
 
-    fn place(&mut self, name: &str, pixels: f64) -> &mut Svg {
-        self.set(name, short(tenths(pixels)))
+    fn set_pixels(&mut self, name: &str, pixels: f64) -> &mut Svg {
+        self.attribute(name, format_tenths(tenths(pixels)))
     }
 
     fn colour(&mut self, attribute: &'static str, colour: Option<Colour>) -> &mut Svg {
         match colour {
             Some(colour) => {
-                self.used.insert((attribute, colour));
-                self.set(attribute, colour)
+                self.used_colours.insert((attribute, colour));
+                self.attribute(attribute, colour)
             }
-            None => self.set(attribute, "none"),
+            None => self.attribute(attribute, "none"),
         }
     }
 
     fn paint(&mut self, paint: Paint) -> &mut Svg {
         self.colour("fill", paint.fill);
         if let Some((colour, width)) = paint.stroke {
-            self.colour("stroke", Some(colour)).set("stroke-width", width);
+            self.colour("stroke", Some(colour)).attribute("stroke-width", width);
         }
         if let Some(opacity) = paint.opacity {
-            self.set(if paint.fill.is_some() { "fill-opacity" } else { "stroke-opacity" }, opacity);
+            self.attribute(if paint.fill.is_some() { "fill-opacity" } else { "stroke-opacity" }, opacity);
         }
         for (name, value) in [("stroke-dasharray", paint.dash), ("stroke-linecap", paint.cap)] {
             if !value.is_empty() {
-                self.set(name, value);
+                self.attribute(name, value);
             }
         }
         self
     }
 
-    pub fn end(&mut self) {
+    pub fn close(&mut self) {
         self.text.push_str("/>\n");
     }
 
-    /// The end of an element that has others within it.
-    pub fn around(&mut self, name: &str, inside: impl FnOnce(&mut Svg)) {
+    /// Closes an element that has children.
+    pub fn with_children(&mut self, name: &str, inside: impl FnOnce(&mut Svg)) {
         self.text.push('>');
         inside(self);
         let _ = writeln!(self.text, "</{name}>");
     }
 
-    /// The end of an element that has a text.
-    pub fn saying(&mut self, name: &str, text: &str) {
-        self.around(name, |svg| svg.text.push_str(&escaped(text)));
+    /// Closes an element that has a text.
+    pub fn with_text(&mut self, name: &str, text: &str) {
+        self.with_children(name, |svg| svg.text.push_str(&escape_markup(text)));
     }
 
-    /// All that is drawn in it, away from where it would be.
-    pub fn moved(&mut self, [x, y]: Pixel, draw: impl FnOnce(&mut Svg)) {
-        let (x, y) = (short(tenths(x)), short(tenths(y)));
-        self.open("g").set("transform", format_args!("translate({x} {y})")).around("g", |svg| {
+    /// Draws with a translated origin.
+    pub fn translated(&mut self, [x, y]: Pixel, draw: impl FnOnce(&mut Svg)) {
+        let (x, y) = (format_tenths(tenths(x)), format_tenths(tenths(y)));
+        self.open_element("g").attribute("transform", format_args!("translate({x} {y})")).with_children("g", |svg| {
             svg.text.push('\n');
             draw(svg);
         });
     }
 
     pub fn path(&mut self, path: &Path, paint: Paint) {
-        if !path.d.is_empty() {
-            self.open("path").set("d", &path.d).paint(paint).end();
+        if !path.data.is_empty() {
+            self.open_element("path").attribute("d", &path.data).paint(paint).close();
         }
     }
 
-    /// A path whose edges lie side by side: without the faint seams that smooth edges would have.
-    pub fn crisp(&mut self, path: &Path, fill: Colour) {
-        self.open("path").set("d", &path.d).paint(Paint::fill(fill)).set("shape-rendering", "crispEdges").end();
+    /// Draws a path of adjacent tiles without anti-aliasing, which would show seams between them.
+    pub fn crisp_path(&mut self, path: &Path, fill: Colour) {
+        self.open_element("path")
+            .attribute("d", &path.data)
+            .paint(Paint::fill(fill))
+            .attribute("shape-rendering", "crispEdges")
+            .close();
     }
 
     pub fn polyline(&mut self, points: &[Pixel], paint: Paint) {
-        self.path(&Path::default().through(points), paint);
+        self.path(&Path::default().with_polyline(points), paint);
     }
 
     pub fn polygon(&mut self, points: &[Pixel], paint: Paint) {
-        self.path(&Path::default().through(points).closed(), paint);
+        self.path(&Path::default().with_polyline(points).closed(), paint);
     }
 
     pub fn circle(&mut self, [x, y]: Pixel, radius: f64, paint: Paint) {
-        self.open("circle").place("cx", x).place("cy", y).place("r", radius).paint(paint).end();
+        self.open_element("circle")
+            .set_pixels("cx", x)
+            .set_pixels("cy", y)
+            .set_pixels("r", radius)
+            .paint(paint)
+            .close();
     }
 
-    /// A place that leads elsewhere, round and not to be seen.
+    /// Adds an invisible circular link.
     pub fn link(&mut self, to: &str, title: &str, [x, y]: Pixel, radius: f64) {
-        self.open("a").set("href", to).around("a", |svg| {
-            svg.open("circle").place("cx", x).place("cy", y).set("r", radius).set("fill", "transparent");
-            svg.around("circle", |svg| svg.open("title").saying("title", title));
+        self.open_element("a").attribute("href", to).with_children("a", |svg| {
+            svg.open_element("circle")
+                .set_pixels("cx", x)
+                .set_pixels("cy", y)
+                .attribute("r", radius)
+                .attribute("fill", "transparent");
+            svg.with_children("circle", |svg| svg.open_element("title").with_text("title", title));
         });
     }
 
-    /// From one corner to the other.
+    /// Draws a rectangle given by two opposite corners.
     pub fn rectangle(&mut self, [[left, top], [right, bottom]]: [Pixel; 2], paint: Paint) {
-        self.open("rect").place("x", left).place("y", top).place("width", right - left).place("height", bottom - top);
-        self.paint(paint).end();
+        self.open_element("rect")
+            .set_pixels("x", left)
+            .set_pixels("y", top)
+            .set_pixels("width", right - left)
+            .set_pixels("height", bottom - top);
+        self.paint(paint).close();
     }
 
-    /// A text whose middle is at the height of its place.
-    pub fn words(&mut self, text: &str, [x, y]: Pixel, words: Words) {
-        let Words { size, colour, side, upright, rim } = words;
+    /// Draws a text that is vertically centred at its coordinates.
+    pub fn text(&mut self, text: &str, [x, y]: Pixel, style: TextStyle) {
+        let TextStyle { size, colour, anchor, is_vertical, has_halo } = style;
         if text.is_empty() {
             return;
         }
-        self.open("text").place("x", x).place("y", y + 0.35 * size);
-        if upright {
-            self.set("transform", format_args!("rotate(-90 {} {})", short(tenths(x)), short(tenths(y))));
+        self.open_element("text").set_pixels("x", x).set_pixels("y", y + 0.35 * size);
+        if is_vertical {
+            self.attribute(
+                "transform",
+                format_args!("rotate(-90 {} {})", format_tenths(tenths(x)), format_tenths(tenths(y))),
+            );
         }
         if size != TEXT_SIZE {
-            self.set("font-size", size);
+            self.attribute("font-size", size);
         }
-        match side {
-            Side::Right => {}
-            Side::Around => drop(self.set("text-anchor", "middle")),
-            Side::Left => drop(self.set("text-anchor", "end")),
+        match anchor {
+            Anchor::Start => {}
+            Anchor::Middle => drop(self.attribute("text-anchor", "middle")),
+            Anchor::End => drop(self.attribute("text-anchor", "end")),
         }
         if colour != INK {
             self.colour("fill", Some(colour));
         }
-        if rim {
+        if has_halo {
             self.colour("stroke", Some(PAPER))
-                .set("stroke-width", 4)
-                .set("stroke-linejoin", "round")
-                .set("paint-order", "stroke");
+                .attribute("stroke-width", 4)
+                .attribute("stroke-linejoin", "round")
+                .attribute("paint-order", "stroke");
         }
-        self.saying("text", text);
+        self.with_text("text", text);
     }
 }
 
-/// What a pen draws, from tenth to tenth of a pixel, so that no error adds up.
+/// A path. Coordinates are integers in tenths of a pixel, so that relative steps accumulate no rounding error.
 #[derive(Default)]
 pub struct Path {
-    d: String,
-    pen: [i64; 2],
-    /// Where the pen goes back to when the line is closed.
+    data: String,
+    position: [i64; 2],
+    /// Start of the current subpath, to which closing it returns.
     start: [i64; 2],
 }
 
 impl Path {
-    fn number(&mut self, tenths: i64) {
-        if tenths >= 0 && self.d.ends_with(|last: char| last.is_ascii_digit()) {
-            self.d.push(' ');
+    fn push_number(&mut self, tenths: i64) {
+        if tenths >= 0 && self.data.ends_with(|last: char| last.is_ascii_digit()) {
+            self.data.push(' ');
         }
-        self.d.push_str(&short(tenths));
+        self.data.push_str(&format_tenths(tenths));
     }
 
-    fn go(&mut self, [x, y]: [i64; 2]) {
-        let [dx, dy] = [x - self.pen[0], y - self.pen[1]];
-        self.number(dx);
-        self.number(dy);
-        self.pen = [x, y];
+    fn line_to(&mut self, [x, y]: [i64; 2]) {
+        let [dx, dy] = [x - self.position[0], y - self.position[1]];
+        self.push_number(dx);
+        self.push_number(dy);
+        self.position = [x, y];
     }
 
-    fn lift(&mut self, to: [i64; 2]) {
-        self.d.push(if self.d.is_empty() { 'M' } else { 'm' });
-        self.go(to);
+    fn move_to(&mut self, to: [i64; 2]) {
+        self.data.push(if self.data.is_empty() { 'M' } else { 'm' });
+        self.line_to(to);
         self.start = to;
     }
 
-    /// A line through points, without those that a straight line has anyway, and without places that are no numbers.
-    pub fn through(mut self, points: &[Pixel]) -> Path {
-        let mut kept: Vec<[i64; 2]> = Vec::with_capacity(points.len());
-        for at in points.iter().filter(|at| at.iter().all(|part| part.is_finite())).map(|at| at.map(tenths)) {
-            let by = |from: [i64; 2], to: [i64; 2]| [to[0] - from[0], to[1] - from[1]];
-            match kept[..] {
-                [.., last] if last == at => continue,
+    /// Adds a line through points; collinear points and points that are not finite are omitted.
+    pub fn with_polyline(mut self, points: &[Pixel]) -> Path {
+        let mut simplified: Vec<[i64; 2]> = Vec::with_capacity(points.len());
+        for point in points
+            .iter()
+            .filter(|point| point.iter().all(|component| component.is_finite()))
+            .map(|point| point.map(tenths))
+        {
+            let difference = |from: [i64; 2], to: [i64; 2]| [to[0] - from[0], to[1] - from[1]];
+            match simplified[..] {
+                [.., last] if last == point => continue,
                 [.., before, last] => {
-                    let (a, b) = (by(before, last), by(last, at));
+                    let (a, b) = (difference(before, last), difference(last, point));
                     if a[0] * b[1] == a[1] * b[0] && a[0] * b[0] + a[1] * b[1] > 0 {
-                        kept.pop();
+                        simplified.pop();
                     }
                 }
                 _ => {}
             }
-            kept.push(at);
+            simplified.push(point);
         }
-        let [first, rest @ ..] = &kept[..] else { return self };
-        self.lift(*first);
+        let [first, rest @ ..] = &simplified[..] else { return self };
+        self.move_to(*first);
         if !rest.is_empty() {
-            self.d.push('l');
+            self.data.push('l');
         }
-        rest.iter().for_each(|at| self.go(*at));
+        rest.iter().for_each(|position| self.line_to(*position));
         self
     }
 
     pub fn closed(mut self) -> Path {
-        if !self.d.is_empty() {
-            self.d.push('z');
-            self.pen = self.start;
+        if !self.data.is_empty() {
+            self.data.push('z');
+            self.position = self.start;
         }
         self
     }
 
-    /// A point, which ends of lines make round or square.
-    pub fn dot(&mut self, at: Pixel) {
-        self.lift(at.map(tenths));
-        self.d.push_str("h0");
+    /// Adds a point, drawn by the round or square ends of a line of zero length.
+    pub fn add_dot(&mut self, position: Pixel) {
+        self.move_to(position.map(tenths));
+        self.data.push_str("h0");
     }
 
-    /// A circle.
-    pub fn ring(&mut self, [x, y]: Pixel, radius: f64) {
-        self.lift([x - radius, y].map(tenths));
-        let (r, across) = (short(tenths(radius)), short(tenths(2.0 * radius)));
-        let _ = write!(self.d, "a{r} {r} 0 1 0 {across} 0a{r} {r} 0 1 0-{across} 0");
+    /// Adds a circle.
+    pub fn add_circle(&mut self, [x, y]: Pixel, radius: f64) {
+        self.move_to([x - radius, y].map(tenths));
+        let (r, across) = (format_tenths(tenths(radius)), format_tenths(tenths(2.0 * radius)));
+        let _ = write!(self.data, "a{r} {r} 0 1 0 {across} 0a{r} {r} 0 1 0-{across} 0");
     }
 
-    /// A box from one corner to the other.
-    pub fn tile(&mut self, [from, to]: [Pixel; 2]) {
+    /// Adds a rectangle given by its upper left and lower right corner.
+    pub fn add_rectangle(&mut self, [from, to]: [Pixel; 2]) {
         let ([left, top], [right, bottom]) = (from.map(tenths), to.map(tenths));
-        self.lift([left, top]);
-        let (wide, tall) = (short(right - left), short(bottom - top));
-        let _ = write!(self.d, "h{wide}v{tall}h{}z", short(left - right));
+        self.move_to([left, top]);
+        let (wide, tall) = (format_tenths(right - left), format_tenths(bottom - top));
+        let _ = write!(self.data, "h{wide}v{tall}h{}z", format_tenths(left - right));
     }
 }
 
@@ -321,13 +345,13 @@ fn tenths(pixels: f64) -> i64 {
     (10.0 * pixels).round() as i64
 }
 
-/// As short as it can be said.
-fn short(tenths: i64) -> String {
+/// Shortest decimal form of a number of tenths.
+fn format_tenths(tenths: i64) -> String {
     let sign = if tenths < 0 { "-" } else { "" };
     match (tenths.abs() / 10, tenths.abs() % 10) {
         (whole, 0) => format!("{sign}{whole}"),
-        (0, part) => format!("{sign}.{part}"),
-        (whole, part) => format!("{sign}{whole}.{part}"),
+        (0, decimals) => format!("{sign}.{decimals}"),
+        (whole, decimals) => format!("{sign}{whole}.{decimals}"),
     }
 }
 
@@ -336,52 +360,63 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_short_and_paths_come_back_to_where_they_are() {
+    fn formats_numbers_and_relative_paths() {
         assert_eq!(
-            [0.0, -0.04, 0.26, -0.5, 12.0, 3.12].map(|at| short(tenths(at))),
+            [0.0, -0.04, 0.26, -0.5, 12.0, 3.12].map(|value| format_tenths(tenths(value))),
             ["0", "0", ".3", "-.5", "12", "3.1"]
         );
-        let line =
-            Path::default().through(&[[1.0, 1.0], [2.0, 1.04], [3.0, 1.0], [f64::NAN, 9.0], [3.0, 1.0], [3.5, 0.0]]);
-        assert_eq!(line.d, "M1 1l2 0 .5-1");
-        let mut path = Path::default().through(&[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]).closed();
-        path.dot([1.0, 1.0]);
-        path.tile([[2.0, 2.0], [5.0, 3.0]]);
-        assert_eq!(path.d, "M0 0l4 0 0 3zm1 1h0m1 1h3v1h-3z");
-        // A step back is not left out.
-        assert_eq!(Path::default().through(&[[0.0, 0.0], [4.0, 0.0], [2.0, 0.0]]).d, "M0 0l4 0-2 0");
+        let line = Path::default().with_polyline(&[
+            [1.0, 1.0],
+            [2.0, 1.04],
+            [3.0, 1.0],
+            [f64::NAN, 9.0],
+            [3.0, 1.0],
+            [3.5, 0.0],
+        ]);
+        assert_eq!(line.data, "M1 1l2 0 .5-1");
+        let mut path = Path::default().with_polyline(&[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]).closed();
+        path.add_dot([1.0, 1.0]);
+        path.add_rectangle([[2.0, 2.0], [5.0, 3.0]]);
+        assert_eq!(path.data, "M0 0l4 0 0 3zm1 1h0m1 1h3v1h-3z");
+        // A reversal of direction is preserved.
+        assert_eq!(Path::default().with_polyline(&[[0.0, 0.0], [4.0, 0.0], [2.0, 0.0]]).data, "M0 0l4 0-2 0");
     }
 
     #[test]
-    fn nothing_breaks_out_of_a_text_or_an_attribute() {
-        let foreign = "</text><script>\"&\u{1b}'";
-        let words = Words { size: TEXT_SIZE, colour: INK, side: Side::Right, upright: false, rim: false };
-        let made = document([10.0, 20.0], foreign, |svg| svg.words(foreign, [1.0, 2.0], words));
-        assert!(made.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"10\" height=\"20\""));
-        assert!(!made.contains("<script") && !made.contains('\u{1b}'));
-        assert_eq!(made.matches("&lt;/text&gt;&lt;script&gt;&quot;&amp;\u{fffd}&#39;").count(), 2, "{made}");
-        assert!(made.find(PICTURE_MARK).expect("a mark") < made.find("<style>").expect("a style"));
+    fn escapes_texts_and_attributes() {
+        let hostile = "</text><script>\"&\u{1b}'";
+        let style =
+            TextStyle { size: TEXT_SIZE, colour: INK, anchor: Anchor::Start, is_vertical: false, has_halo: false };
+        let svg_text = document([10.0, 20.0], hostile, |svg| svg.text(hostile, [1.0, 2.0], style));
+        assert!(svg_text.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"10\" height=\"20\""));
+        assert!(!svg_text.contains("<script") && !svg_text.contains('\u{1b}'));
+        assert_eq!(svg_text.matches("&lt;/text&gt;&lt;script&gt;&quot;&amp;\u{fffd}&#39;").count(), 2, "{svg_text}");
+        assert!(svg_text.find(PICTURE_MARK).expect("a mark") < svg_text.find("<style>").expect("a style"));
     }
 
     #[test]
-    fn a_picture_is_whole_xml_that_says_what_it_was_told() {
-        let foreign = "a < b && \"c\" > 'd' </svg>]]><!--";
-        let made = document([10.0, 20.0], foreign, |svg| {
-            svg.moved([1.0, 2.0], |svg| {
+    fn document_is_well_formed_and_preserves_texts() {
+        let hostile = "a < b && \"c\" > 'd' </svg>]]><!--";
+        let svg_text = document([10.0, 20.0], hostile, |svg| {
+            svg.translated([1.0, 2.0], |svg| {
                 svg.rectangle([[0.0; 2], [1.0; 2]], Paint::fill(INK).with_edge(PAPER).faded(0.5).dashed("1 2"));
                 svg.circle([0.0; 2], 1.0, Paint { cap: "round", ..Paint::line(INK, 1.0) });
-                svg.link(foreign, foreign, [0.0; 2], 1.0);
+                svg.link(hostile, hostile, [0.0; 2], 1.0);
                 svg.polyline(&[], Paint::default());
-                let words = Words { size: 9.0, colour: PAPER, side: Side::Left, upright: true, rim: true };
-                svg.words(foreign, [0.0; 2], words);
+                let text_style =
+                    TextStyle { size: 9.0, colour: PAPER, anchor: Anchor::End, is_vertical: true, has_halo: true };
+                svg.text(hostile, [0.0; 2], text_style);
             });
         });
-        let xml = roxmltree::Document::parse(&made).expect("well-formed");
-        assert_eq!(xml.root_element().attribute("aria-label"), Some(foreign));
-        let said =
-            |name| xml.descendants().find(|of| of.has_tag_name(("http://www.w3.org/2000/svg", name))).expect(name);
-        assert_eq!([said("text"), said("title")].map(|of| of.text()), [Some(foreign); 2]);
-        assert_eq!(said("a").attribute("href"), Some(foreign));
-        assert!(!made.contains("d=\"\""), "a line through no point is none");
+        let xml = roxmltree::Document::parse(&svg_text).expect("well-formed");
+        assert_eq!(xml.root_element().attribute("aria-label"), Some(hostile));
+        let element = |name| {
+            xml.descendants()
+                .find(|element_node| element_node.has_tag_name(("http://www.w3.org/2000/svg", name)))
+                .expect(name)
+        };
+        assert_eq!([element("text"), element("title")].map(|element_node| element_node.text()), [Some(hostile); 2]);
+        assert_eq!(element("a").attribute("href"), Some(hostile));
+        assert!(!svg_text.contains("d=\"\""), "an empty line is omitted");
     }
 }

@@ -1,10 +1,10 @@
-//! Colours of pictures and pages, on a light and on a dark ground: the one place where each is said. A picture has them as attributes,
-//! which everything that shows pictures reads, and a style sheet by which variables of these names take their place; pages set those.
+//! Colours of pictures and pages for light and dark backgrounds. A picture contains them as attributes, which every
+//! viewer supports, and a style sheet that replaces them by CSS variables, which pages set.
 
 use std::collections::BTreeSet;
 use std::fmt::{Display, Formatter, Result, Write};
 
-/// Red, green and blue, on a light ground.
+/// Red, green and blue, for a light background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Colour(pub u8, pub u8, pub u8);
 
@@ -14,43 +14,62 @@ impl Display for Colour {
     }
 }
 
+/// Background.
 pub const PAPER: Colour = Colour(255, 255, 255);
+/// Primary text and outlines.
 pub const INK: Colour = Colour(27, 31, 38);
-/// Of what is said beside, lines of the grid and those between them.
+/// Secondary text and lines.
 pub const SOFT: Colour = Colour(86, 94, 107);
+/// Major grid lines.
 pub const LINE: Colour = Colour(213, 217, 224);
+/// Minor grid lines.
 pub const FAINT: Colour = Colour(233, 236, 240);
-/// Colours that stay apart for every kind of eye (Okabe and Ito), so dark that words in them can be read.
+/// First curve colour.
 pub const BLUE: Colour = Colour(0, 114, 178);
+/// Second curve colour.
 pub const ORANGE: Colour = Colour(199, 83, 0);
+/// Third curve colour.
 pub const GREEN: Colour = Colour(0, 135, 95);
+/// Fourth curve colour.
 pub const PURPLE: Colour = Colour(156, 69, 132);
+/// Fifth curve colour.
 pub const AMBER: Colour = Colour(143, 100, 0);
+/// Sixth curve colour.
 pub const GREY: Colour = Colour(95, 103, 115);
-/// Of curves, in turn.
+/// Colours of successive curves: distinguishable with colour blindness (Okabe and Ito), and dark enough for text.
 pub const SERIES: [Colour; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];
-/// The parts of a finger and what is around it.
+/// Driven link l11.
 pub const DRIVER: Colour = Colour(185, 194, 207);
+/// Coupler l12.
 pub const COUPLER: Colour = Colour(211, 217, 226);
+/// Proximal phalanx l21.
 pub const PROXIMAL: Colour = Colour(169, 210, 236);
+/// Distal phalanx l22.
 pub const DISTAL: Colour = Colour(245, 199, 161);
+/// Grasped object.
 pub const OBJECT: Colour = Colour(227, 220, 203);
+/// Palm.
 pub const PALM: Colour = Colour(228, 231, 236);
-/// Letters of angles and of forces.
+/// Arcs and symbols of angles.
 pub const ANGLE: Colour = Colour(0, 90, 156);
+/// Arrows and symbols of forces.
 pub const FORCE: Colour = Colour(179, 38, 30);
-/// Cells of a table of colours; words can stand on the first three.
+/// Cell of an accurate run; dark text is legible on it.
 pub const FINE: Colour = Colour(206, 228, 245);
+/// Cell of an inaccurate run or of the third verdict; dark text is legible on it.
 pub const DOUBTFUL: Colour = Colour(230, 159, 0);
+/// Cell of a failed run; light text is legible on it.
 pub const BROKEN: Colour = Colour(94, 24, 74);
+/// Cell of the second-best verdict.
 pub const PALE_BLUE: Colour = Colour(178, 211, 233);
+/// Cell of the worst verdict.
 pub const NEUTRAL: Colour = Colour(216, 216, 216);
-/// Classes and other verdicts, from good to bad.
+/// Classes and other verdicts, from best to worst.
 pub const VERDICTS: [Colour; 4] = [BLUE, PALE_BLUE, DOUBTFUL, NEUTRAL];
-/// Where a grasp is not stable.
+/// Region of unstable grasps.
 pub const UNSTABLE: Colour = Colour(43, 47, 54);
 
-/// Colours that change with the ground: each with its variable and what it is on a dark ground.
+/// Colours with their variables and their values on a dark background.
 const THEME: [(Colour, &str, &str); 25] = [
     (PAPER, "panel", "#1b1f26"),
     (INK, "ink", "#eceff3"),
@@ -76,28 +95,29 @@ const THEME: [(Colour, &str, &str); 25] = [
     (BROKEN, "broken", "#d39cc0"),
     (PALE_BLUE, "pale", "#1f5678"),
     (NEUTRAL, "neutral", "#4a525e"),
-    // What is not stable stays apart from the ground, which is where there is no finger.
+    // Unstable regions must differ from the background, which marks regions without a finger.
     (UNSTABLE, "unstable", "#5d6570"),
 ];
 
-/// The variables of a page, in its light scheme and in its dark one.
+/// CSS variables of a page for its light and dark schemes.
 pub fn variables() -> String {
     let light: String = THEME.iter().map(|(colour, name, _)| format!("--{name}:{colour};")).collect();
     let dark: String = THEME.iter().map(|(_, name, colour)| format!("--{name}:{colour};")).collect();
     format!(":root{{{light}}}\n:root[data-theme=\"dark\"]{{{dark}}}\n")
 }
 
-/// The variable of a colour on a page.
+/// Name of the CSS variable of a colour.
 pub fn variable(colour: Colour) -> &'static str {
     THEME.iter().find(|(known, ..)| *known == colour).map_or("ink", |(_, name, _)| name)
 }
 
-/// The style sheet of a picture that has these attributes. Only a picture that is a document of its own takes the scheme of its reader: one
-/// within a page has that of the page. What knows no variables does not read the first rule, and keeps to the attributes.
+/// Style sheet of a picture with these attributes and colours. Only a standalone picture follows the colour scheme of
+/// the viewer; one in a page follows the page. Viewers without support for variables ignore the first rule and use the
+/// attributes.
 pub fn style(used: &BTreeSet<(&'static str, Colour)>) -> String {
     let (mut rules, mut dark) = (String::new(), BTreeSet::new());
     for (colour, name, on_dark) in THEME {
-        for (attribute, _) in used.iter().filter(|(_, of)| *of == colour) {
+        for (attribute, _) in used.iter().filter(|(_, other_colour)| *other_colour == colour) {
             // Writing to a string cannot fail.
             let _ = writeln!(rules, "[{attribute}=\"{colour}\"]{{{attribute}:var(--{name},{colour})}}");
             dark.insert(format!("--{name}:{on_dark}"));
@@ -115,16 +135,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_colour_that_is_there_has_a_variable_and_one_for_the_dark() {
+    fn style_sheet_contains_exactly_the_themed_colours_in_use() {
         let sheet = style(&BTreeSet::from([("fill", PAPER), ("stroke", BLUE), ("fill", Colour(1, 2, 3))]));
         assert!(sheet.contains("[fill=\"#FFFFFF\"]{fill:var(--panel,#FFFFFF)}"));
         assert!(sheet.contains("[stroke=\"#0072B2\"]{stroke:var(--s0,#0072B2)}"));
         assert!(sheet.contains("dark){svg:root{--panel:#1b1f26;--s0:#56b4e9}}"), "{sheet}");
-        assert!(!sheet.contains(&GREEN.to_string()) && !sheet.contains("#010203"), "only what is there and changes");
+        assert!(!sheet.contains(&GREEN.to_string()) && !sheet.contains("#010203"), "only themed colours in use");
     }
 
     #[test]
-    fn a_colour_has_one_variable_and_a_variable_one_colour() {
+    fn colours_and_variables_correspond_one_to_one() {
         let (colours, names): (BTreeSet<_>, BTreeSet<_>) =
             THEME.iter().map(|(colour, name, _)| (*colour, *name)).unzip();
         assert_eq!([colours.len(), names.len()], [THEME.len(); 2]);

@@ -1,4 +1,4 @@
-//! The contacts of a run, by their names, under the keys of the JSON document.
+//! The contacts of a run in the JSON document, by their names.
 
 use serde::{Serialize, Serializer};
 
@@ -6,15 +6,16 @@ use super::named::Named;
 use crate::criteria::Rebound;
 use crate::trace::{ContactSample, ContactSummary, Layout, Outcome};
 
-/// The contacts of a run: `distal`, of two fingers `right_distal`, of discs `hammer-anvil` in the order of their names.
+/// The contacts of a run by name, such as `distal` for one finger, `right_distal` for two fingers, or `hammer-anvil`
+/// for discs, in the order of their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contacts {
     pub all: Named<ContactReport>,
-    /// Whether there are discs alone, whose names are the scene's own.
-    of_discs: bool,
+    /// Whether the scene consists of discs only, whose names are given by the user.
+    is_discs_only: bool,
 }
 
-/// What touches: two surfaces, or a joint its limit.
+/// A contact between two surfaces, or of a joint with its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum ContactReport {
@@ -22,8 +23,8 @@ pub enum ContactReport {
     Limit(LimitReport),
 }
 
-/// Two surfaces. Of discs, forces are on the first one of the pair's name, along the normal from its partner to it and the tangent to
-/// the left.
+/// A contact between two surfaces. For a pair of discs, forces act on the disc named first, along the normal from the
+/// other disc to it and the tangent to the left of that.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SurfaceReport {
     pub first_s: Option<f64>,
@@ -31,22 +32,23 @@ pub struct SurfaceReport {
     pub final_normal_n: f64,
     pub final_tangential_n: f64,
     pub peak_normal_n: f64,
-    /// Null where the surfaces passed through each other unnoticed.
+    /// Largest penetration; null if the surfaces passed through each other undetected.
     pub max_penetration_m: Option<f64>,
-    /// Whether they did, in steps too long for a fast body; left out where they did not.
+    /// Whether the surfaces passed through each other because the steps were too long for a fast body; omitted if
+    /// false.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub passed_through: bool,
     pub impulse_n_s: f64,
-    /// How often friction that holds began to slip; left out where it never did.
-    #[serde(skip_serializing_if = "is_none")]
+    /// Number of transitions from stiction to slip; omitted if 0.
+    #[serde(skip_serializing_if = "is_zero")]
     pub slips: u32,
-    /// Of discs.
+    /// First impact of a pair of discs.
     #[serde(flatten)]
     pub rebound: Option<ReboundReport>,
 }
 
-/// The first impact of two surfaces: closing speed at the touch-down, parting speed at the lift-off, and their ratio. Null where there was
-/// none; the ratio also where it says nothing of the impact ([`Rebound::restitution`]).
+/// The first impact of two surfaces: approach speed at touch-down, separation speed at lift-off, and their ratio. Null
+/// without an impact; the ratio is also null if it does not characterise the impact ([`Rebound::restitution`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ReboundReport {
     pub approach_m_s: Option<f64>,
@@ -66,47 +68,47 @@ pub struct LimitReport {
 }
 
 impl Contacts {
-    /// Of what samples of this layout came to; of discs with their rebounds, as far as they are there.
+    /// Builds the report of the contacts of this layout; for discs with the available rebounds.
     pub fn new(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) -> Self {
-        let of_discs = layout.fingers.is_empty();
+        let is_discs_only = layout.fingers.is_empty();
         let report = |index: usize| {
             let (summary, last) = (&outcome.contacts[index], &outcome.last.contacts[index]);
-            if layout.contacts[index].angular {
+            if layout.contacts[index].is_angular {
                 return ContactReport::Limit(LimitReport::new(summary, last));
             }
-            let rebound = of_discs.then(|| rebounds.get(index).map(ReboundReport::from).unwrap_or_default());
+            let rebound = is_discs_only.then(|| rebounds.get(index).map(ReboundReport::from).unwrap_or_default());
             ContactReport::Surface(SurfaceReport { rebound, ..SurfaceReport::new(summary, last) })
         };
-        // Of a gripper, only the places that it has: there may be no table.
-        let there = |index: &usize| layout.fingers.len() < 2 || outcome.last.contacts[*index].gap_m.is_finite();
+        // Omit contacts that a gripper does not have, such as that of the object with a table.
+        let is_present = |index: &usize| layout.fingers.len() < 2 || outcome.last.contacts[*index].gap_m.is_finite();
         let count = layout.contacts.len().min(outcome.contacts.len()).min(outcome.last.contacts.len());
         let name = |index: usize| layout.contacts[index].name.clone();
-        let mut all: Named<_> = (0..count).filter(there).map(|index| (name(index), report(index))).collect();
-        if of_discs {
+        let mut all: Named<_> = (0..count).filter(is_present).map(|index| (name(index), report(index))).collect();
+        if is_discs_only {
             all.0.sort_by(|a, b| a.0.cmp(&b.0));
         }
-        Contacts { all, of_discs }
+        Contacts { all, is_discs_only }
     }
 
-    /// Contacts between surfaces, called as they are told.
+    /// Contacts between surfaces with their display names.
     pub fn surfaces(&self) -> impl Iterator<Item = (String, &SurfaceReport)> {
-        self.all.iter().filter_map(|(name, of)| match of {
-            ContactReport::Surface(surface) => Some((self.told(name), surface)),
+        self.all.iter().filter_map(|(name, contact)| match contact {
+            ContactReport::Surface(surface) => Some((self.display_name(name), surface)),
             ContactReport::Limit(_) => None,
         })
     }
 
-    /// Limits of joints, called as they are told.
+    /// Limits of joints with their display names.
     pub fn limits(&self) -> impl Iterator<Item = (String, &LimitReport)> {
-        self.all.iter().filter_map(|(name, of)| match of {
-            ContactReport::Limit(limit) => Some((self.told(name), limit)),
+        self.all.iter().filter_map(|(name, contact)| match contact {
+            ContactReport::Limit(limit) => Some((self.display_name(name), limit)),
             ContactReport::Surface(_) => None,
         })
     }
 
-    fn told(&self, name: &str) -> String {
+    fn display_name(&self, name: &str) -> String {
         match name {
-            _ if self.of_discs => name.to_string(),
+            _ if self.is_discs_only => name.to_string(),
             "limit" => "joint limit".to_string(),
             name => name.replace('_', " "),
         }
@@ -119,7 +121,7 @@ impl Serialize for Contacts {
     }
 }
 
-fn is_none(count: &u32) -> bool {
+fn is_zero(count: &u32) -> bool {
     *count == 0
 }
 

@@ -1,13 +1,13 @@
-//! What became of the object of a gripper, under the keys of the JSON document and in words.
+//! The fate of the object of a gripper in the JSON document.
 
 use serde::Serialize;
 
 use super::named::Named;
 use crate::criteria::{
-    ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, fate_reason, force_closure_of, is_form_closed,
+    ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, fate_reason, is_form_closed, sample_force_closure,
 };
 use crate::scene::Scene;
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
 use crate::statics::ForceClosure;
 use crate::trace::Sample;
 
@@ -16,71 +16,88 @@ use crate::trace::Sample;
 pub struct GraspReport {
     /// `held`, `dropped`, `ejected` or `not grasped`.
     pub fate: &'static str,
-    /// What decided the fate; null without the scene.
+    /// Reason for the fate; null without the scene.
     pub fate_reason: Option<String>,
-    /// When it was first pressed from both sides or force-closed; null if it was never held for long enough.
+    /// Time at which the object was first in contact with both sides or force-closed; null if it was never held for
+    /// long enough.
     pub grasped_s: Option<f64>,
-    /// Since when it is held at the end.
+    /// Time since which the object is held at the end.
     pub held_since_s: Option<f64>,
-    /// Since when all contacts that are active at the end are active; null if the object is not held then.
+    /// Time since which all contacts that are active at the end have been active; null if the object is not held at the
+    /// end.
     pub tts_s: Option<f64>,
-    /// Since when it is no longer held, or when it left the gripper.
+    /// Time since which the object is no longer held, or at which it left the gripper.
     pub until_s: Option<f64>,
-    /// Whether the contacts that press at the end, with what is blocked of the drives, hold it fast; null where it is not held, or where
-    /// that cannot be decided.
+    /// Whether the contacts active at the end, with the blocked drives, form-close the object; null if the object is
+    /// not held or if form closure cannot be decided.
     pub form_closed: Option<bool>,
-    /// How the contacts in the hand that press at the end hold it with friction; null where it is not held, and without its scene.
+    /// Force closure by the contacts in the hand active at the end; null if the object is not held, and without the
+    /// scene.
     pub force_closure: Option<ForceClosureReport>,
-    /// Of the object, along the palm from its middle, at the start and at the end; and |end| / |start|, null for one that started
-    /// centred.
+    /// Position of the object along the palm from its middle, at the start.
     pub x_start_m: f64,
+    /// Position of the object along the palm from its middle, at the end.
     pub x_end_m: f64,
+    /// |end| / |start| of this position; null for an object that started centred.
     pub offset_ratio: Option<f64>,
-    /// Of its centre at the end.
+    /// Speed of the object's centre at the end.
     pub speed_m_s: f64,
-    /// Largest of the object since the start, and in the hand since `tts_s`.
+    /// Largest travel of the object since the start.
     pub travel: Travel,
+    /// Largest slip in the hand since `tts_s`.
     pub slip: Option<Travel>,
-    /// Of a gripper that carries or lets go.
+    /// Criteria of a gripper that transports or releases its object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycle: Option<CycleReport>,
-    /// By their names.
+    /// Contacts by their names.
     pub contacts: Named<ContactCriteria>,
 }
 
-/// What became of a cycle, see [`CycleCriteria`].
+/// Criteria of a cycle, see [`CycleCriteria`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CycleReport {
-    /// When the palm begins to move, and when nothing closes the fingers any more.
-    pub carries_s: Option<f64>,
-    pub releases_s: Option<f64>,
-    /// Slip in the hand between.
-    pub carried: Option<Travel>,
-    /// Since when no phalanx presses after that; and how long that took, the opening time.
+    /// Time at which the palm begins to move.
+    #[serde(rename = "carries_s")]
+    pub motion_start_s: Option<f64>,
+    /// Time at which the drives stop closing the fingers.
+    #[serde(rename = "releases_s")]
+    pub release_s: Option<f64>,
+    /// Slip in the hand from `motion_start_s` to `release_s`.
+    #[serde(rename = "carried")]
+    pub motion_travel: Option<Travel>,
+    /// Time after the release since which no phalanx is in contact.
     pub opened_s: Option<f64>,
+    /// Time from `release_s` to `opened_s`.
     pub opening_s: Option<f64>,
-    /// Largest turn of the driven links under their brakes, right and left.
+    /// Largest rotation of the driven links against their brakes, right and left.
     pub brake_slip_rad: [Option<f64>; 2],
 }
 
 impl CycleReport {
-    /// `None` of a gripper that neither carries nor lets go nor is blocked.
+    /// Returns `None` for a gripper that neither transports, releases nor brakes.
     fn new(found: &CycleCriteria) -> Option<Self> {
-        let CycleCriteria { carries_s, releases_s, carried, opened_s, brake_slip_rad } = *found;
-        let is_one = carries_s.is_some() || releases_s.is_some() || brake_slip_rad.iter().any(Option::is_some);
-        let opening_s = opened_s.zip(releases_s).map(|(opened, released)| opened - released);
-        is_one.then_some(CycleReport { carries_s, releases_s, carried, opened_s, opening_s, brake_slip_rad })
+        let CycleCriteria { motion_start_s, release_s, motion_travel, opened_s, brake_slip_rad } = *found;
+        let is_cycle = motion_start_s.is_some() || release_s.is_some() || brake_slip_rad.iter().any(Option::is_some);
+        let opening_s = opened_s.zip(release_s).map(|(opened, released)| opened - released);
+        is_cycle.then_some(CycleReport {
+            motion_start_s,
+            release_s,
+            motion_travel,
+            opened_s,
+            opening_s,
+            brake_slip_rad,
+        })
     }
 }
 
-/// See [`ForceClosure`]: wrenches are a force and a moment over the object's radius, for normal forces that add up to 1, or of at most 1
-/// each.
+/// See [`ForceClosure`]. A wrench is a force and a moment divided by the object's radius, for normal forces that add up
+/// to 1 (`q1_l1`) or are at most 1 each (`q1_linf`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ForceClosureReport {
     pub closed: bool,
     pub q1_l1: f64,
     pub q1_linf: f64,
-    /// The direction in which least can be balanced.
+    /// Direction of the smallest balanced wrench.
     pub weakest: [f64; 3],
 }
 
@@ -92,23 +109,23 @@ impl From<ForceClosure> for ForceClosureReport {
 }
 
 impl GraspReport {
-    /// Of a run that ended with this sample; without its scene nothing is said of form closure.
+    /// Builds the report of a run that ended with the sample `last`; without the scene there is no form closure.
     pub fn new(found: &GraspCriteria, scene: Option<&Scene>, last: &Sample) -> Self {
         let gripper = scene.filter(|scene| scene.kind() == SceneKind::Gripper);
-        // Fingers that have let go hold nothing.
-        let holding = gripper.filter(|_| found.fate == Fate::Held && found.cycle.releases_s.is_none());
-        let contacts = found.contacts.iter().map(|contact| (contact.place.name(), *contact));
+        // Fingers that have released the object hold nothing.
+        let holding_scene = gripper.filter(|_| found.fate == Fate::Held && found.cycle.release_s.is_none());
+        let contacts = found.contacts.iter().map(|contact| (contact.id.name(), *contact));
         GraspReport {
             fate: found.fate.name(),
             fate_reason: gripper.map(|scene| fate_reason(found, scene.thresholds.held_time_s)),
             grasped_s: found.grasped_s,
             held_since_s: found.held_since_s,
             tts_s: found.tts_s,
-            until_s: found.fate.until_s(),
-            form_closed: holding.and_then(|scene| is_form_closed(scene, last)),
+            until_s: found.fate.lost_at_s(),
+            form_closed: holding_scene.and_then(|scene| is_form_closed(scene, last)),
             force_closure: gripper
-                .filter(|_| found.fate == Fate::Held && found.cycle.releases_s.is_none())
-                .map(|scene| force_closure_of(scene, last).into()),
+                .filter(|_| found.fate == Fate::Held && found.cycle.release_s.is_none())
+                .map(|scene| sample_force_closure(scene, last).into()),
             x_start_m: found.start.centre_m[0],
             x_end_m: found.end.centre_m[0],
             offset_ratio: found.offset_ratio(),

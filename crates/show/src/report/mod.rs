@@ -1,10 +1,10 @@
-//! What a run or a grasp at rest is reported as: one document of plain figures, printed for people or as JSON.
+//! Reports of a run and of a grasp at rest: one document of plain figures, printed as text or as JSON.
 //!
 //! | file | job |
 //! |---|---|
-//! | `document` | figures of a run, with their units in their keys |
+//! | `document` | figures of a run, with units in their keys |
 //! | `states`, `contacts`, `grasp`, `named` | parts of it |
-//! | `check` | what a check found |
+//! | `check` | the result of a check |
 //! | `text`, `tables` | the summary for people |
 //! | `csv`, `samples` | samples as comma-separated values |
 //! | `statics` | the grasp at rest |

@@ -1,18 +1,18 @@
-//! Figures by the names of what they are of, in the order of a sample.
+//! Lists of figures by name, in the order of a sample.
 
 use serde::{Serialize, Serializer};
 
-/// Parts by their names, in order; in JSON an object.
+/// Ordered list of values with names; serialised as an object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Named<T>(pub Vec<(String, T)>);
 
 impl<T> Named<T> {
     pub fn get(&self, name: &str) -> Option<&T> {
-        self.0.iter().find(|(known, _)| known == name).map(|(_, part)| part)
+        self.0.iter().find(|(known, _)| known == name).map(|(_, value)| value)
     }
 
     pub fn first(&self) -> Option<&T> {
-        self.0.first().map(|(_, part)| part)
+        self.0.first().map(|(_, value)| value)
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &(String, T)> {
@@ -28,6 +28,6 @@ impl<T> FromIterator<(String, T)> for Named<T> {
 
 impl<T: Serialize> Serialize for Named<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, part)| (name, part)))
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
     }
 }

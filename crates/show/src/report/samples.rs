@@ -1,4 +1,4 @@
-//! All samples of a log as comma-separated values: one line each, every figure a column with its unit, in SI.
+//! Samples of a log as comma-separated values: one line per sample, one column per figure with its SI unit.
 
 use std::io::{self, Write};
 
@@ -12,12 +12,12 @@ pub fn csv_head(out: &mut dyn Write, columns: &[Column]) -> io::Result<()> {
     writeln!(out, "{}", names.join(","))
 }
 
-/// Whether a line names the columns of a table of samples.
+/// Whether a line is the header of a table of samples.
 pub fn is_samples(head: &str) -> bool {
-    columns::are_of_samples(&head.split(',').collect::<Vec<_>>())
+    columns::are_sample_columns(&head.split(',').collect::<Vec<_>>())
 }
 
-/// Writes a sample. Where there is nothing to touch the cells of a contact are empty.
+/// Writes a sample. The cells of contacts with a missing body are empty.
 pub fn csv_sample(out: &mut dyn Write, columns: &[Column], sample: &Sample) -> io::Result<()> {
     line(out, columns.iter().map(|column| column.value(sample)))
 }

@@ -1,5 +1,5 @@
-//! What moves, as it is at the end of a run, under the keys of the JSON document: a finger that is alone is `final`; two of them
-//! are `fingers`, and what they grasp is the `object`; where there are none, bodies are `discs`.
+//! Final states of fingers and bodies in the JSON document. A single finger has the key `final`; two fingers have the
+//! key `fingers`, and their object the key `object`; without fingers, bodies have the key `discs`.
 
 use serde::{Serialize, Serializer};
 
@@ -23,15 +23,15 @@ pub struct BodyReport {
 /// Fingers and bodies by their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct States {
-    /// A finger that is alone has no name.
+    /// A single finger has an empty name.
     pub fingers: Named<FingerState>,
-    /// In the order of their names where there is no finger.
+    /// Sorted by name if there are no fingers.
     pub bodies: Named<BodyReport>,
-    fingered: usize,
-    told: bool,
+    finger_count: usize,
+    has_outcome: bool,
 }
 
-/// What stands under one key.
+/// Value of one key of [`States`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum State<'a> {
@@ -42,30 +42,34 @@ pub enum State<'a> {
 }
 
 impl States {
-    /// Of samples of this layout; all is null where there is no outcome.
+    /// Builds the report of the final states; all are null without an outcome.
     pub fn new(layout: &Layout, outcome: Option<&Outcome>, scene: Option<&Scene>) -> Self {
         let fingers = outcome.into_iter().flat_map(|outcome| layout.fingers.iter().zip(&outcome.last.fingers));
         let bodies = outcome.into_iter().flat_map(|outcome| layout.bodies.iter().zip(&outcome.last.bodies));
-        let mut bodies: Named<_> = bodies.map(|(name, state)| (name.clone(), body(name, scene, state))).collect();
+        let mut bodies: Named<_> =
+            bodies.map(|(name, state)| (name.clone(), body_report(name, scene, state))).collect();
         if layout.fingers.is_empty() {
             bodies.0.sort_by(|a, b| a.0.cmp(&b.0));
         }
         States {
             fingers: fingers.map(|(name, state)| (name.clone(), *state)).collect(),
             bodies,
-            fingered: layout.fingers.len(),
-            told: outcome.is_some(),
+            finger_count: layout.fingers.len(),
+            has_outcome: outcome.is_some(),
         }
     }
 
-    /// The keys of the document, and what stands there.
+    /// Returns the keys of the document and their values.
     pub fn entries(&self) -> Vec<(&'static str, Option<State<'_>>)> {
-        let told = |state| self.told.then_some(state);
-        match self.fingered {
-            0 => vec![("discs", told(State::Bodies(&self.bodies)))],
+        let present = |state| self.has_outcome.then_some(state);
+        match self.finger_count {
+            0 => vec![("discs", present(State::Bodies(&self.bodies)))],
             1 => vec![("final", self.fingers.first().map(State::Finger))],
             _ => {
-                vec![("fingers", told(State::Fingers(&self.fingers))), ("object", self.bodies.first().map(State::Body))]
+                vec![
+                    ("fingers", present(State::Fingers(&self.fingers))),
+                    ("object", self.bodies.first().map(State::Body)),
+                ]
             }
         }
     }
@@ -77,7 +81,7 @@ impl Serialize for States {
     }
 }
 
-fn body(name: &str, scene: Option<&Scene>, state: &BodyState) -> BodyReport {
+fn body_report(name: &str, scene: Option<&Scene>, state: &BodyState) -> BodyReport {
     let known = scene.and_then(|scene| scene.system.discs.iter().find(|disc| disc.name == name));
     BodyReport {
         motion: match known.map(|disc| &disc.motion) {

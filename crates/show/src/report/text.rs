@@ -1,63 +1,63 @@
-//! The report for people: short tables with units.
+//! The summary of a run as text: short tables with units.
 
 use std::fmt::Write;
 
 use super::check;
-use super::document::{RunReport, Used};
+use super::document::{EffectiveSettings, RunReport};
 use super::grasp::GraspReport;
-use super::tables::{contacts, dynamics, energies, grasp, states};
-use crate::scene::{Engine, Integrator, Response, Stepping, Words};
-use crate::wording::duration;
-use crate::wording::figures::{G_M_S2, figure};
-use crate::wording::{Report, Reported};
+use super::tables::{contacts, criteria_table, energies, grasp, states};
+use crate::format::format_duration;
+use crate::format::numbers::{G_M_S2, format_number};
+use crate::format::{Report, ToReport};
+use crate::scene::{Engine, Integrator, Keyword, Response, Stepping};
 
-/// The whole summary, with a line end.
-impl Reported for RunReport {
+/// The complete summary, with a final line end.
+impl ToReport for RunReport {
     fn report(&self) -> Report {
         let mut sections = vec![heading(self)];
         sections.extend(states(&self.states, self.end_s.unwrap_or_default()));
         sections.extend(self.contacts.as_ref().and_then(contacts));
         sections.extend(self.energy.as_ref().map(|energy| energies(energy, self.has_joints())));
-        sections.extend(self.criteria.flatten().map(|criteria| dynamics(&criteria)));
+        sections.extend(self.criteria.flatten().map(|criteria| criteria_table(&criteria)));
         let no_criteria = self.no_criteria.iter().flatten().filter(|_| self.completed);
         sections.extend(no_criteria.map(|reason| Report::from(format!("no class: {reason}\n"))));
         sections.extend(self.grasp.iter().flatten().map(grasp));
-        sections.extend(check::line(self.check.as_ref(), self.steps));
+        sections.extend(check::summary_line(self.check.as_ref(), self.steps));
         Report::join(sections)
     }
 }
 
 fn heading(report: &RunReport) -> Report {
     let mut text = Report::default();
-    let used = report.integrator.as_ref().map(integrator);
-    let used = used.or_else(|| report.engine.as_ref().map(|used| engine(used, report.has_joints())));
+    let settings = report.integrator.as_ref().map(integrator);
+    let settings = settings.or_else(|| report.engine.as_ref().map(|settings| engine(settings, report.has_joints())));
     // Writing to a report cannot fail.
-    let _ = writeln!(text, "{}: {} model{}", report.scene, report.model, used.unwrap_or_default());
-    let _ = writeln!(text, "{}{} of wall time", cost(report), duration(report.wall_s));
+    let _ = writeln!(text, "{}: {} model{}", report.scene, report.model, settings.unwrap_or_default());
+    let _ = writeln!(text, "{}{} of wall time", effort_line(report), format_duration(report.wall_s));
     if let Some(peak_m_s2) = report.palm_peak_acceleration_m_s2.flatten() {
         let _ = writeln!(
             text,
             "the palm accelerates by up to {} m/s² ({} g)",
-            figure(peak_m_s2, 4),
-            figure(peak_m_s2 / G_M_S2, 4)
+            format_number(peak_m_s2, 4),
+            format_number(peak_m_s2 / G_M_S2, 4)
         );
     }
     if let Some(gap_m) = report.loop_gap_m.flatten() {
-        let _ = writeln!(text, "joints open by at most {} µm", figure(gap_m * 1e6, 3));
+        let _ = writeln!(text, "joints open by at most {} µm", format_number(gap_m * 1e6, 3));
     }
     if let Some(at_s) = report.grasp.iter().flatten().find_map(GraspReport::ejected_s) {
         let _ = writeln!(
             text,
             "EJECTED: the object left the reach of both fingers at {}, which ends the run",
-            duration(at_s)
+            format_duration(at_s)
         );
     }
     if let Some(error) = &report.error {
         let _ = writeln!(
             text,
             "NOT COMPLETED: stopped at {} of {}: {}",
-            duration(error.time_s),
-            duration(report.duration_s),
+            format_duration(error.time_s),
+            format_duration(report.duration_s),
             error.reason
         );
     }
@@ -76,26 +76,34 @@ fn heading(report: &RunReport) -> Report {
     text
 }
 
-pub fn integrator(Used(used): &Used<Integrator>) -> String {
-    format!(", {} (rtol {:e}, {} preset)", used.method.word(), used.rtol, used.preset.word())
+pub fn integrator(EffectiveSettings(settings): &EffectiveSettings<Integrator>) -> String {
+    format!(", {} (rtol {:e}, {} preset)", settings.method.keyword(), settings.rtol, settings.preset.keyword())
 }
 
-pub fn engine(Used(used): &Used<Engine>, joints: bool) -> String {
-    let stepping = match used.stepping {
-        Stepping::Fixed { step_s } => format!("steps of {}", duration(step_s)),
+pub fn engine(EffectiveSettings(settings): &EffectiveSettings<Engine>, has_fingers: bool) -> String {
+    let stepping = match settings.stepping {
+        Stepping::Fixed { step_s } => format!("steps of {}", format_duration(step_s)),
         Stepping::Adaptive { tolerance_m, max_step_s } => {
-            let what = if joints { "joints" } else { "discs" };
-            format!("{what} within {} m a step, steps up to {}", figure(tolerance_m, 3), duration(max_step_s))
+            let what = if has_fingers { "joints" } else { "discs" };
+            format!(
+                "{what} within {} m per step, steps up to {}",
+                format_number(tolerance_m, 3),
+                format_duration(max_step_s)
+            )
         }
     };
-    let law = if matches!(used.response, Response::Rapier { .. }) { ", rapier's own contact" } else { "" };
-    match joints {
-        true => format!(", {} construction ({stepping}, {} sweeps{law})", used.construction.word(), used.iterations),
+    let law = if matches!(settings.response, Response::Rapier { .. }) { ", rapier's own contact" } else { "" };
+    match has_fingers {
+        true => format!(
+            ", {} construction ({stepping}, {} sweeps{law})",
+            settings.construction.keyword(),
+            settings.iterations
+        ),
         false => format!(", {stepping}{law}"),
     }
 }
 
-fn cost(report: &RunReport) -> String {
+fn effort_line(report: &RunReport) -> String {
     let (Some(end_s), Some(steps), Some(work)) = (report.end_s, report.steps, &report.work) else {
         return String::new();
     };
@@ -107,5 +115,5 @@ fn cost(report: &RunReport) -> String {
     };
     let (rejected, events) = (work.rejected, work.events);
     let plural = if events == 1 { "" } else { "s" };
-    format!("{} in {steps} steps ({rejected} rejected), {effort}, {events} event{plural}; ", duration(end_s))
+    format!("{} in {steps} steps ({rejected} rejected), {effort}, {events} event{plural}; ", format_duration(end_s))
 }

@@ -1,18 +1,18 @@
-// Bytes as text: five characters for four bytes, a quarter more than the bytes where base64 takes a third.
+// Base85: five characters per four bytes, an overhead of a quarter instead of the third of base64.
 
-// Of ASCII what needs no escape in JSON or HTML, in its order.
-const CHARACTERS = Array.from({ length: 94 }, (_, k) => String.fromCharCode(33 + k)).filter((each) => !"\"&'<>\\".includes(each)).slice(0, 85).join("");
+// The first 85 printable ASCII characters that need no escape in JSON or HTML.
+const ALPHABET = Array.from({ length: 94 }, (_, k) => String.fromCharCode(33 + k)).filter((character) => !"\"&'<>\\".includes(character)).slice(0, 85).join("");
 
-// Groups are big-endian; the last is filled up with zeros, which `length` leaves out.
-function bytesOf(text, length) {
-  const values = new Uint8Array(128);
-  for (let k = 0; k < CHARACTERS.length; k++) values[CHARACTERS.charCodeAt(k)] = k;
+// Decodes big-endian groups of four bytes. The last group is padded with zeros; `length` is the number of bytes.
+function decodeBase85(text, length) {
+  const digitValues = new Uint8Array(128);
+  for (let k = 0; k < ALPHABET.length; k++) digitValues[ALPHABET.charCodeAt(k)] = k;
   const bytes = new Uint8Array(Math.ceil(length / 4) * 4);
   const view = new DataView(bytes.buffer);
-  for (let at = 0, from = 0; at < bytes.length; at += 4, from += 5) {
-    let group = 0;
-    for (let k = 0; k < 5; k++) group = group * 85 + values[text.charCodeAt(from + k)];
-    view.setUint32(at, group);
+  for (let byteOffset = 0, textOffset = 0; byteOffset < bytes.length; byteOffset += 4, textOffset += 5) {
+    let word = 0;
+    for (let k = 0; k < 5; k++) word = word * 85 + digitValues[text.charCodeAt(textOffset + k)];
+    view.setUint32(byteOffset, word);
   }
   return bytes.subarray(0, length);
 }

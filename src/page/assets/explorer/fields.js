@@ -1,16 +1,17 @@
-// Sliders and texts for everything a scene has: the design variables first, the rest folded by section.
+// Sliders and inputs for all fields of a scene: design variables first, the others in collapsed sections.
 
-// A slider moves by so many of its steps with shift.
-const COARSE = 10;
-// Characters for which an entry beside its name has room.
-const SHORT = 11;
-// Characters of a list for which a line of its own has room.
-const LINE = 30;
+// Steps of a slider per key press with shift.
+const COARSE_STEPS = 10;
+// Maximum length of a value that fits next to its name.
+const MAX_SHORT_TEXT = 11;
+// Characters per line of a list.
+const LIST_LINE_LENGTH = 30;
 
-class Fields {
-  // `put(path, text)` sets a field, `null` as the scene has it; `hint(key)` hears which one is under a hand.
-  constructor(holder, { put, hint }) {
-    Object.assign(this, { holder, put, hint });
+class FieldList {
+  // `setField(path, text)` sets a field; `null` restores the value of the scene. `onHover(key)` receives the field
+  // under the pointer or with focus.
+  constructor(container, { setField, onHover }) {
+    Object.assign(this, { container, setField, onHover });
     this.rows = new Map();
     this.ranges = new Map();
     this.groups = [];
@@ -18,29 +19,29 @@ class Fields {
     this.changedOnly = false;
   }
 
-  // Takes the fields as they are; `base` is those of the scene alone, `set` what is set on top.
+  // Shows the fields; `base` contains the fields of the scene alone, `set` the overrides.
   show({ fields, design }, base, set) {
-    const form = JSON.stringify([design, fields.map(({ path, kind }) => [path, kind])]);
-    if (form !== this.form) this.build(fields, design);
-    this.form = form;
-    this.base = new Map(base.fields.map((field) => [field.path, field]));
+    const layoutKey = JSON.stringify([design, fields.map(({ path, kind }) => [path, kind])]);
+    if (layoutKey !== this.layoutKey) this.build(fields, design);
+    this.layoutKey = layoutKey;
+    this.baseFields = new Map(base.fields.map((field) => [field.path, field]));
     for (const field of fields) this.update(this.rows.get(field.path), field, set);
-    this.sift();
+    this.applyFilter();
   }
 
-  // Another scene: ranges are chosen anew.
-  forget() {
+  // Discards the ranges for a new scene.
+  reset() {
     this.ranges.clear();
-    this.form = null;
+    this.layoutKey = null;
   }
 
   build(fields, design) {
-    const open = new Set(this.groups.filter(({ box }) => box.open).map(({ name }) => name));
+    const openGroups = new Set(this.groups.filter(({ box }) => box.open).map(({ name }) => name));
     this.rows.clear();
-    this.holder.replaceChildren();
-    const known = new Map(fields.map((field) => [field.path, field]));
-    const first = design.map((path) => known.get(path)).filter(Boolean);
-    const sections = new Map(first.length > 0 ? [["Design variables", first]] : []);
+    this.container.replaceChildren();
+    const fieldsByPath = new Map(fields.map((field) => [field.path, field]));
+    const designFields = design.map((path) => fieldsByPath.get(path)).filter(Boolean);
+    const sections = new Map(designFields.length > 0 ? [["Design variables", designFields]] : []);
     for (const field of fields) {
       if (design.includes(field.path)) continue;
       const name = field.section || "scene";
@@ -49,70 +50,70 @@ class Fields {
     }
     this.groups = [...sections].map(([name, members], index) => {
       const count = element("span", { class: "count soft" });
-      const box = element("details", { class: "group" }, element("summary", {}, element("span", {}, titled(name)), count));
-      box.open = index === 0 || open.has(name);
-      // Among design variables there are two torques.
-      const rows = members.map((field) => this.row(field, index === 0 ? calledShort(field.path) : field.key));
+      const box = element("details", { class: "group" }, element("summary", {}, element("span", {}, sectionTitle(name)), count));
+      box.open = index === 0 || openGroups.has(name);
+      // Design variables include two torques, so their names contain the section.
+      const rows = members.map((field) => this.row(field, index === 0 ? shortName(field.path) : field.key));
       box.append(...rows.map((row) => row.box));
-      this.holder.append(box);
+      this.container.append(box);
       return { name, box, count, rows };
     });
   }
 
-  // `called` is how the field is called where it stands.
-  row(field, called) {
+  // Creates the row of a field with the given name.
+  row(field, displayName) {
     const { path, key, about } = field;
     const id = `field-${path}`;
-    const name = element("label", { for: id, title: `${path}${about ? `: ${about}` : ""}` }, ...breakable(called));
-    const what = element("span", { class: "about soft" }, about ?? "");
-    const reset = element("button", { type: "button", class: "reset", "aria-label": `${path} as in the scene`, title: "As in the scene" }, "↺");
+    const name = element("label", { for: id, title: `${path}${about ? `: ${about}` : ""}` }, ...breakAfterUnderscores(displayName));
+    const description = element("span", { class: "about soft" }, about ?? "");
+    const reset = element("button", { type: "button", class: "reset", "aria-label": `Restore ${path}`, title: "Restore the value of the scene" }, "↺");
     const problem = element("p", { class: "problem", id: `${id}-problem`, hidden: "" });
     const row = { path, problem, reset, field };
     row.entry = this.entry(row, field, id);
     row.entry.setAttribute("aria-describedby", problem.id);
-    row.box = element("div", { class: "field", "data-path": path }, name, row.entry, reset, problem, what);
+    row.box = element("div", { class: "field", "data-path": path }, name, row.entry, reset, problem, description);
     reset.addEventListener("click", () => {
       this.ranges.delete(path);
-      this.put(path, null);
+      this.setField(path, null);
     });
-    const hinted = (key) => () => this.hint(key);
-    row.box.addEventListener("pointerenter", hinted(key));
-    row.box.addEventListener("pointerleave", hinted(null));
-    row.box.addEventListener("focusin", hinted(key));
-    row.box.addEventListener("focusout", hinted(null));
+    const notifyHover = (key) => () => this.onHover(key);
+    row.box.addEventListener("pointerenter", notifyHover(key));
+    row.box.addEventListener("pointerleave", notifyHover(null));
+    row.box.addEventListener("focusin", notifyHover(key));
+    row.box.addEventListener("focusout", notifyHover(null));
     this.rows.set(path, row);
     return row;
   }
 
-  // What a value is typed into, or chosen from.
+  // Creates the input element of a field.
   entry(row, field, id) {
     const { path, kind } = field;
-    const put = (text) => this.put(path, text);
+    const setField = (text) => this.setField(path, text);
     if (kind === "word") {
       const words = field.words ?? [];
       const select = element("select", { id }, ...words.map((word) => element("option", { value: word }, word)));
-      select.addEventListener("change", () => put(select.value));
+      select.addEventListener("change", () => setField(select.value));
       return select;
     }
     if (kind === "flag") {
       const box = element("input", { type: "checkbox", id });
-      box.addEventListener("change", () => put(String(box.checked)));
+      box.addEventListener("change", () => setField(String(box.checked)));
       return box;
     }
     const input = element(kind === "list" ? "textarea" : "input", { type: "text", id, autocomplete: "off", spellcheck: "false", enterkeyhint: "go", placeholder: "not set" });
-    // What is being typed is not overwritten by what comes from elsewhere.
-    input.addEventListener("input", () => { row.typed = true; });
+    // An input that is being edited is not overwritten.
+    input.addEventListener("input", () => { row.isEditing = true; });
     const apply = () => {
       const text = input.value.trim();
-      row.typed = false;
+      row.isEditing = false;
       if (text === "" || text === row.text) {
         input.value = row.text;
         return;
       }
-      // A bare number is in the unit that stood there.
-      const bare = row.field.unit && /^[-+−]?[\d.]+(e[-+]?\d+)?$/i.test(text);
-      row.text = bare ? asText(text.replace("−", "-"), row.field.unit) : text;
-      put(row.text);
+      // A number without a unit has the present unit.
+      const isBareNumber = row.field.unit && /^[-+−]?[\d.]+(e[-+]?\d+)?$/i.test(text);
+      row.text = isBareNumber ? formatValue(text.replace("−", "-"), row.field.unit) : text;
+      setField(row.text);
     };
     input.addEventListener("change", apply);
     input.addEventListener("keydown", (event) => {
@@ -122,7 +123,7 @@ class Fields {
       }
       if (event.key !== "Escape") return;
       input.value = row.text;
-      row.typed = false;
+      row.isEditing = false;
     });
     return input;
   }
@@ -130,28 +131,28 @@ class Fields {
   slider(row) {
     const { path } = row;
     const slider = element("input", { type: "range", step: "any", "data-keys": "own", "aria-label": path });
-    const to = (value) => {
+    const applyValue = (value) => {
       const range = this.ranges.get(path);
-      const text = asText(rounded(range, value), range.unit);
+      const text = formatValue(roundToStep(range, value), range.unit);
       slider.setAttribute("aria-valuetext", text);
       row.entry.value = row.text = text;
-      this.put(path, text);
+      this.setField(path, text);
     };
-    slider.addEventListener("input", () => to(Number(slider.value)));
+    slider.addEventListener("input", () => applyValue(Number(slider.value)));
     slider.addEventListener("dblclick", () => row.reset.click());
-    slider.addEventListener("pointerdown", () => { row.held = true; });
-    for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) slider.addEventListener(end, () => { row.held = false; });
+    slider.addEventListener("pointerdown", () => { row.isDragging = true; });
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) slider.addEventListener(end, () => { row.isDragging = false; });
     slider.addEventListener("keydown", (event) => {
-      const way = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -COARSE, PageUp: COARSE }[event.key];
+      const direction = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -COARSE_STEPS, PageUp: COARSE_STEPS }[event.key];
       const range = this.ranges.get(path);
       if (event.ctrlKey || event.metaKey || event.altKey || !range) return;
       const end = { Home: range.from, End: range.to }[event.key];
-      if (way === undefined && end === undefined) return;
+      if (direction === undefined && end === undefined) return;
       event.preventDefault();
-      const by = (way ?? 0) * (event.shiftKey ? COARSE : 1) * range.step;
-      // Next to where the slider stands, as often as a key repeats.
-      slider.value = end ?? Math.min(Math.max(rounded(range, Number(slider.value)) + by, range.from), range.to);
-      to(Number(slider.value));
+      const increment = (direction ?? 0) * (event.shiftKey ? COARSE_STEPS : 1) * range.step;
+      // Relative to the slider, because keys repeat faster than fields are updated.
+      slider.value = end ?? Math.min(Math.max(roundToStep(range, Number(slider.value)) + increment, range.from), range.to);
+      applyValue(Number(slider.value));
     });
     return slider;
   }
@@ -159,18 +160,18 @@ class Fields {
   update(row, field, set) {
     row.field = field;
     const { path, value, unit } = field;
-    const base = this.base.get(path);
-    const changed = set.has(path) && set.get(path) !== base?.text;
-    row.changed = changed;
-    row.box.classList.toggle("changed", changed);
+    const base = this.baseFields.get(path);
+    const isChanged = set.has(path) && set.get(path) !== base?.text;
+    row.isChanged = isChanged;
+    row.box.classList.toggle("changed", isChanged);
     row.reset.disabled = !set.has(path);
     row.text = set.get(path) ?? field.text ?? "";
-    // Nothing moves under a hand.
-    if (!row.held) row.box.classList.toggle("long", field.kind === "list" || row.text.length > SHORT);
-    if (field.kind === "list") row.entry.rows = Math.ceil(row.text.length / LINE);
+    // The layout does not change while the slider is dragged.
+    if (!row.isDragging) row.box.classList.toggle("long", field.kind === "list" || row.text.length > MAX_SHORT_TEXT);
+    if (field.kind === "list") row.entry.rows = Math.ceil(row.text.length / LIST_LINE_LENGTH);
     if (field.kind === "flag") row.entry.checked = value === 1 || value === true || field.text === "true";
-    else if (field.kind === "word") choose(row.entry, field.text);
-    else if (!row.typed) row.entry.value = row.text;
+    else if (field.kind === "word") selectOption(row.entry, field.text);
+    else if (!row.isEditing) row.entry.value = row.text;
     if (row.slider) row.slider.hidden = !isNumeric(field);
     if (!isNumeric(field)) return;
     if (!row.slider) {
@@ -179,41 +180,41 @@ class Fields {
     }
     const range = this.ranges.get(path);
     if (!range || range.unit !== unit || value < range.from || value > range.to) {
-      const about = base && base.unit === unit && Number.isFinite(base.value) ? rangeOf(field, base.value) : null;
-      this.ranges.set(path, about && value >= about.from && value <= about.to ? about : rangeOf(field));
+      const centredRange = base && base.unit === unit && Number.isFinite(base.value) ? sliderRange(field, base.value) : null;
+      this.ranges.set(path, centredRange && value >= centredRange.from && value <= centredRange.to ? centredRange : sliderRange(field));
     }
-    const { from, to } = this.ranges.get(path);
-    Object.assign(row.slider, { min: from, max: to });
-    if (!row.held) row.slider.value = value;
+    const { from, to: applyValue } = this.ranges.get(path);
+    Object.assign(row.slider, { min: from, max: applyValue });
+    if (!row.isDragging) row.slider.value = value;
     row.slider.setAttribute("aria-valuetext", row.text);
   }
 
-  // Whether a field is in sight, or would be if it were scrolled to.
-  isSeen(path) {
+  // Whether a field is visible, possibly after scrolling.
+  isVisible(path) {
     const box = this.rows.get(path)?.box;
     return Boolean(box && box.offsetWidth > 0 && box.parentElement.open);
   }
 
-  // Marks the field that is wrong, if any, and says there why unless that is said elsewhere.
-  wrong(path, problem) {
+  // Marks the invalid field, if any, and shows the problem there unless it is shown elsewhere.
+  markInvalid(path, problem) {
     for (const row of this.rows.values()) {
-      const here = row.path === path;
-      row.problem.hidden = !here || !problem;
-      row.problem.textContent = here && problem ? [problem.message, problem.help].filter(Boolean).join(": ") : "";
-      row.entry.toggleAttribute("aria-invalid", here);
+      const isInvalid = row.path === path;
+      row.problem.hidden = !isInvalid || !problem;
+      row.problem.textContent = isInvalid && problem ? [problem.message, problem.help].filter(Boolean).join(": ") : "";
+      row.entry.toggleAttribute("aria-invalid", isInvalid);
     }
   }
 
-  // Shows what is looked for, and how many there are.
-  sift() {
+  // Shows the fields that match the filter, and their number per section.
+  applyFilter() {
     const words = this.filter.toLowerCase().split(/\s+/).filter(Boolean);
     for (const { box, count, rows } of this.groups) {
       let [shown, changed] = [0, 0];
       for (const row of rows) {
         const text = `${row.path} ${row.field.about ?? ""}`.toLowerCase();
-        row.box.hidden = !words.every((word) => text.includes(word)) || this.changedOnly && !row.changed;
+        row.box.hidden = !words.every((word) => text.includes(word)) || this.changedOnly && !row.isChanged;
         shown += row.box.hidden ? 0 : 1;
-        changed += row.changed ? 1 : 0;
+        changed += row.isChanged ? 1 : 0;
       }
       box.hidden = shown === 0;
       if ((words.length > 0 || this.changedOnly) && shown > 0) box.open = true;
@@ -222,26 +223,26 @@ class Fields {
     }
   }
 
-  // The fields a map may go over: `{ path, range }`, design variables first.
-  numeric() {
+  // The fields available as axes of the map: `{ path, range }`, design variables first.
+  numericFields() {
     return [...this.rows.values()].filter(({ slider, field }) => slider && isNumeric(field)).map(({ path }) => ({ path, range: this.ranges.get(path) }));
   }
 }
 
-// A name that may go on in another line behind each "_".
-const breakable = (name) => name.split(/(?<=_)/).flatMap((part, index) => (index > 0 ? [element("wbr"), part] : [part]));
+// A name that may be wrapped after each "_".
+const breakAfterUnderscores = (name) => name.split(/(?<=_)/).flatMap((part, index) => (index > 0 ? [element("wbr"), part] : [part]));
 
-// Chooses a word; one that is not among those known is added.
-function choose(select, word) {
+// Selects an option; adds it if it does not exist.
+function selectOption(select, word) {
   if (word !== undefined && ![...select.options].some((option) => option.value === word)) select.append(element("option", { value: word }, word));
   select.value = word;
 }
 
 // "design.base" → "base", "motor.torque" → "motor torque", "contact.friction.mu_static" → "friction mu_static".
-const calledShort = (path) => path.replace(/^design\./, "").split(".").slice(-2).join(" ");
+const shortName = (path) => path.replace(/^design\./, "").split(".").slice(-2).join(" ");
 
 // "contact.friction" → "Contact: friction".
-function titled(section) {
+function sectionTitle(section) {
   const text = section.replaceAll("_", " ").replaceAll(".", ": ");
   return text.charAt(0).toUpperCase() + text.slice(1);
 }

@@ -1,94 +1,94 @@
-// The points of a map, computed coarse first and then between them.
+// The points of a map, computed on successively finer grids.
 
-const FINEST = 32;
+const GRID_INTERVALS = 32;
 const STRIDES = [4, 2, 1];
-// Points are asked for in pieces of about this long, so that other questions need not wait.
-const PIECE_MS = 80;
-const MOST_POINTS = 66;
-const FIRST = 2;
+// Target duration of a batch of points, so that other requests are not delayed.
+const BATCH_MS = 80;
+const MAX_BATCH = 66;
+const FIRST_BATCH = 2;
 
 class Grid {
-  // `setting` is what all points share; two fields with their ranges go along the axes.
-  constructor(line, setting, x, y, changed) {
-    Object.assign(this, { line, setting, x, y, changed });
+  // `settings` are common to all points; `x` and `y` are the fields of the axes with their ranges.
+  constructor(queue, settings, x, y, onProgress) {
+    Object.assign(this, { queue, settings, x, y, onProgress });
     this.points = new Map();
-    // Names of numbers and of words, as far as any point has them: where nothing holds there is nothing to tell.
+    // Names of the numeric and textual results that at least one point has.
     this.columns = new Set();
     this.words = new Set();
     this.failed = null;
     this.stopped = false;
     this.done = 0;
-    this.total = (FINEST + 1) ** 2;
+    this.total = (GRID_INTERVALS + 1) ** 2;
   }
 
-  // The text of a field's value at a place of its axis.
+  // The value of a field at a grid index, as text.
   textAt({ range }, k) {
-    const value = range.from + (range.to - range.from) * k / FINEST;
-    return asText(Number(value.toPrecision(10)), range.unit);
+    const value = range.from + (range.to - range.from) * k / GRID_INTERVALS;
+    return formatValue(Number(value.toPrecision(10)), range.unit);
   }
 
   stop() {
     this.stopped = true;
-    this.line.drop("map");
+    this.queue.cancel("map");
   }
 
-  // Computes all points; resolves when they are there or nobody wants them any more.
+  // Computes all points; returns whether all are complete.
   async fill() {
-    let size = FIRST;
+    let size = FIRST_BATCH;
     for (const stride of STRIDES) {
-      const wanted = [];
-      for (let j = 0; j <= FINEST; j += stride) {
-        for (let i = 0; i <= FINEST; i += stride) if (!this.points.has(j * (FINEST + 1) + i)) wanted.push([i, j]);
+      const missing = [];
+      for (let j = 0; j <= GRID_INTERVALS; j += stride) {
+        for (let i = 0; i <= GRID_INTERVALS; i += stride) if (!this.points.has(j * (GRID_INTERVALS + 1) + i)) missing.push([i, j]);
       }
-      while (wanted.length > 0) {
-        const piece = wanted.splice(0, size);
-        const heard = await this.line.ask("map", this.setting.request({
+      while (missing.length > 0) {
+        const batch = missing.splice(0, size);
+        const reply = await this.queue.request("map", this.settings.request({
           fields: [this.x.path, this.y.path],
-          points: piece.map(([i, j]) => [this.textAt(this.x, i), this.textAt(this.y, j)]),
+          points: batch.map(([i, j]) => [this.textAt(this.x, i), this.textAt(this.y, j)]),
         }), 2);
-        if (this.stopped || !heard) return false;
-        if (!this.take(piece, heard)) return false;
-        size = Math.max(1, Math.min(MOST_POINTS, Math.round(size * PIECE_MS / Math.max(heard.ms, 1))));
-        this.changed();
+        if (this.stopped || !reply) return false;
+        if (!this.storeBatch(batch, reply)) return false;
+        size = Math.max(1, Math.min(MAX_BATCH, Math.round(size * BATCH_MS / Math.max(reply.ms, 1))));
+        this.onProgress();
       }
       this.stride = stride;
-      this.changed();
+      this.onProgress();
     }
     return true;
   }
 
-  take(piece, { answer, data }) {
-    if (!answer.columns) {
-      this.failed = answer.problems?.map(({ message }) => message).join(" ") || answer.failed || "No answer.";
-      this.changed();
+  storeBatch(batch, { response, data }) {
+    if (!response.columns) {
+      this.failed = response.problems?.map(({ message }) => message).join(" ") || response.failed || "The simulator has not responded.";
+      this.onProgress();
       return false;
     }
-    const { columns, words = {}, refused = [] } = answer;
+    const { columns, words = {}, refused = [] } = response;
     columns.forEach((name) => this.columns.add(name));
     Object.keys(words).forEach((name) => this.words.add(name));
-    piece.forEach(([i, j], row) => {
-      const found = new Map(columns.map((name, k) => [name, data[row * columns.length + k]]));
-      for (const name of Object.keys(words)) found.set(name, words[name][row]);
-      this.points.set(j * (FINEST + 1) + i, { found, refused: refused[row] ?? null });
+    batch.forEach(([i, j], row) => {
+      const values = new Map(columns.map((name, k) => [name, data[row * columns.length + k]]));
+      for (const name of Object.keys(words)) values.set(name, words[name][row]);
+      this.points.set(j * (GRID_INTERVALS + 1) + i, { values, refused: refused[row] ?? null });
     });
     this.done = this.points.size;
     return true;
   }
 
   point(i, j) {
-    return this.points.get(j * (FINEST + 1) + i);
+    return this.points.get(j * (GRID_INTERVALS + 1) + i);
   }
 
-  // A criterion at a point: a number, a word, `null` where there is none, `undefined` while it is not known.
+  // A criterion at a point: a number or text, `null` if it has no value, `undefined` if not computed yet.
   value(criterion, i, j) {
     const point = this.point(i, j);
     if (!point) return undefined;
-    const value = point.found.get(criterion);
+    const value = point.values.get(criterion);
     return value === undefined || Number.isNaN(value) ? null : value;
   }
 
-  // All values of a criterion.
+  // All values of a criterion computed so far.
   values(criterion) {
-    return [...this.points.values()].map(({ found }) => found.get(criterion)).filter((value) => value !== undefined && value !== null);
+    return [...this.points.values()].map(({ values }) => values.get(criterion)).filter((value) => value !== undefined && value !== null);
   }
 }

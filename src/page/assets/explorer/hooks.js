@@ -1,65 +1,65 @@
-// What a test may look at, and the controls as functions.
+// Interface for tests: the state of the explorer, and the controls as functions.
 
-function explorerForTests(lab) {
-  const { app, setting } = lab;
-  const settled = () => (lab.doneStamp === lab.stamp ? Promise.resolve() : new Promise((resolve) => lab.waiting.push({ resolve })));
-  const after = (action) => async (...args) => {
+function createExplorerTestHooks(explorer) {
+  const { app, settings } = explorer;
+  const untilSettled = () => (explorer.finishedRevision === explorer.revision ? Promise.resolve() : new Promise((resolve) => explorer.waiters.push({ resolve })));
+  const afterUpdate = (action) => async (...args) => {
     if (action(...args) === false) return;
-    await new Promise((resolve) => lab.waiting.push({ resolve }));
+    await new Promise((resolve) => explorer.waiters.push({ resolve }));
   };
-  const { state: filmState, ...film } = forTests(app);
+  const { state: playbackState, ...playbackHooks } = createTestHooks(app);
   return Object.freeze({
-    ...film,
+    ...playbackHooks,
     state: () => ({
-      ...filmState(),
-      file: setting.file,
-      set: [...setting.set],
-      fields: Object.fromEntries((lab.known?.fields ?? []).map(({ path, value, unit, text }) => [path, { value, unit, text }])),
-      figures: lab.figures,
-      kept: lab.kept?.figures ?? null,
-      samples: lab.run.samples,
-      verdict: lab.verdict,
-      cloud: lab.run.cloud?.length ?? 0,
-      trusted_s: lab.run.trusted_s ?? null,
-      problems: lab.wrong,
-      busy: lab.doneStamp !== lab.stamp,
-      ms: lab.ms,
-      firstPicture_ms: lab.firstPicture_ms,
+      ...playbackState(),
+      file: settings.file,
+      set: [...settings.set],
+      fields: Object.fromEntries((explorer.fieldData?.fields ?? []).map(({ path, value, unit, text }) => [path, { value, unit, text }])),
+      figures: explorer.figures,
+      reference: explorer.reference?.figures ?? null,
+      samples: explorer.run.samples,
+      verdict: explorer.verdict,
+      variations: explorer.run.variationRuns?.length ?? 0,
+      trusted_s: explorer.run.trusted_s ?? null,
+      problems: explorer.problems,
+      busy: explorer.finishedRevision !== explorer.revision,
+      ms: explorer.ms,
+      firstPicture_ms: explorer.firstPicture_ms,
     }),
-    settled,
-    set: after(lab.put),
-    preset: after(lab.preset),
-    undo: after(lab.undo),
-    redo: after(lab.redo),
-    keep: () => keep(lab),
-    swap: after(() => swap(lab)),
-    drop: () => drop(lab),
+    settled: untilSettled,
+    set: afterUpdate(explorer.setField),
+    preset: afterUpdate(explorer.loadPreset),
+    undo: afterUpdate(explorer.undo),
+    redo: afterUpdate(explorer.redo),
+    keep: () => keepReference(explorer),
+    swap: afterUpdate(() => swapReference(explorer)),
+    drop: () => dropReference(explorer),
     check: async () => {
-      await settled();
-      // What is wrong is not checked.
-      if (lab.wrong.length > 0) return null;
-      if (!lab.verdict) await new Promise((resolve) => lab.waiting.push({ verdict: true, resolve }));
-      return lab.verdict;
+      await untilSettled();
+      // Invalid settings are not checked.
+      if (explorer.problems.length > 0) return null;
+      if (!explorer.verdict) await new Promise((resolve) => explorer.waiters.push({ verdict: true, resolve }));
+      return explorer.verdict;
     },
-    url: () => addressNow(lab),
+    url: () => currentFragment(explorer),
     map: async (x, y, criterion) => {
-      await settled();
-      lab.tabs.show("panel-map");
-      Object.assign(lab.map.axes, { x, y });
-      lab.map.criterion = criterion;
-      lab.map.renew();
-      await lab.map.ready;
-      const { grid } = lab.map;
+      await untilSettled();
+      explorer.tabs.show("panel-map");
+      Object.assign(explorer.map.axes, { x, y });
+      explorer.map.criterion = criterion;
+      explorer.map.reload();
+      await explorer.map.ready;
+      const { grid } = explorer.map;
       return { failed: grid.failed, columns: [...grid.columns, ...grid.words], points: grid.points.size };
     },
     mapAt: (i, j) => {
-      const { grid, criterion } = lab.map;
+      const { grid, criterion } = explorer.map;
       return { x: grid.textAt(grid.x, i), y: grid.textAt(grid.y, j), value: grid.value(criterion, i, j) };
     },
     mapPlace: (i, j) => {
-      const box = lab.map.canvas.getBoundingClientRect();
-      const place = lab.map.place();
-      return [box.left + place.x(i), box.top + place.y(j)];
+      const box = explorer.map.canvas.getBoundingClientRect();
+      const layout = explorer.map.layout();
+      return [box.left + layout.x(i), box.top + layout.y(j)];
     },
   });
 }

@@ -1,340 +1,340 @@
-// The explorer: a scene, the fields set on top of it, and everything that follows from them as they move.
+// The explorer: simulates a scene with overridden fields, and updates all views when they change.
 
-// A hand that has not moved for so long has settled; a film that was held goes on so much later.
-const SETTLED_MS = 150;
-const RESUMED_MS = 1600;
-const HEADINGS = { finger: "One finger", gripper: "Gripper", discs: "Discs", hard: "Hard cases" };
+// Time without edits until the checks start, and until a paused playback resumes.
+const SETTLE_DELAY_MS = 150;
+const RESUME_DELAY_MS = 1600;
+const PRESET_GROUP_TITLES = { finger: "One finger", gripper: "Gripper", discs: "Discs", hard: "Hard cases" };
 
-async function explorer() {
+async function startExplorer() {
   const page = JSON.parse(byId("explorer").textContent);
   const { presets } = page;
-  for (const [word, ink] of page.inks) inks.set(word, ink);
-  const module = moduleOf(page);
-  // The first answers the slider and nothing else that takes long, the second everything that may wait.
-  const lines = { live: new Line(module), patient: null };
-  module.catch((error) => warn([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
-  const opened = await stateOf(location.hash, page);
-  const setting = new Setting(opened.scene ?? page.start);
-  const lab = { page, presets, lines, setting, opened, app: null, run: null, figures: [], kept: null, verdict: null, wrong: [] };
-  // Every move has a number; these are of the last one, and of those that are shown and that everything has been done for.
-  Object.assign(lab, { stamp: 0, shownStamp: -1, settledStamp: -1, doneStamp: -1, ms: null, pictures: [], waiting: [] });
+  for (const [word, colour] of page.inks) resultColours.set(word, colour);
+  const modulePromise = compileModule(page);
+  // `live` serves the sliders; `background` serves slow requests.
+  const queues = { live: new WorkerQueue(modulePromise), background: null };
+  modulePromise.catch((error) => showWarning([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
+  const initialState = await decodeFragment(location.hash, page);
+  const settings = new SceneSettings(initialState.scene ?? page.start);
+  const explorer = { page, presets, queues, settings, initialState, app: null, run: null, figures: [], reference: null, verdict: null, problems: [] };
+  // Each edit has a revision number. These are the latest, the shown, the committed and the completed revision.
+  Object.assign(explorer, { revision: 0, shownRevision: -1, settledRevision: -1, finishedRevision: -1, ms: null, pictureTimes: [], waiters: [] });
 
-  chooser(lab);
-  openable(lab);
-  lab.put = (path, text) => {
-    if (text === null) setting.set.delete(path);
-    else setting.set.set(path, text);
-    lab.last = path;
-    return moved(lab);
+  connectPresets(explorer);
+  connectFileInputs(explorer);
+  explorer.setField = (path, text) => {
+    if (text === null) settings.set.delete(path);
+    else settings.set.set(path, text);
+    explorer.lastChangedField = path;
+    return simulate(explorer);
   };
-  lab.take = (scene) => {
-    if (scene.text.length > page.largest_scene_bytes) return warn([{ message: tooLong(scene.file, page) }]);
-    const other = scene.file !== setting.file || scene.text !== setting.text;
-    setting.take(scene);
-    lab.last = null;
-    if (other) lab.fields?.forget();
-    lab.fit = other;
-    return moved(lab);
+  explorer.loadScene = (scene) => {
+    if (scene.text.length > page.largest_scene_bytes) return showWarning([{ message: tooLongMessage(scene.file, page) }]);
+    const isOtherScene = scene.file !== settings.file || scene.text !== settings.text;
+    settings.load(scene);
+    explorer.lastChangedField = null;
+    if (isOtherScene) explorer.fields?.reset();
+    explorer.fitsOnUpdate = isOtherScene;
+    return simulate(explorer);
   };
-  lab.preset = (file) => {
-    const preset = presets.find((each) => each.file === file);
-    if (preset) return lab.take({ ...preset, set: [] });
+  explorer.loadPreset = (file) => {
+    const preset = presets.find((candidate) => candidate.file === file);
+    if (preset) return explorer.loadScene({ ...preset, set: [] });
     return undefined;
   };
-  lab.undo = () => setting.go(-1) && lab.take(setting.settled);
-  lab.redo = () => setting.go(1) && lab.take(setting.settled);
-  await moved(lab);
-  if (opened.refused) warn([{ message: opened.refused }]);
+  explorer.undo = () => settings.moveInHistory(-1) && explorer.loadScene(settings.committed);
+  explorer.redo = () => settings.moveInHistory(1) && explorer.loadScene(settings.committed);
+  await simulate(explorer);
+  if (initialState.error) showWarning([{ message: initialState.error }]);
 }
 
-// Something has moved: the run of what is set now is asked for, and when the hand rests, the rest.
-async function moved(lab) {
-  const { lines, setting } = lab;
-  const stamp = ++lab.stamp;
-  clearTimeout(lab.resting);
-  clearTimeout(lab.resuming);
-  if (lab.app?.clock.playing) {
-    lab.app.clock.pause();
-    lab.held = true;
+// Simulates the present settings; after a delay without further edits, `settle` requests the other results.
+async function simulate(explorer) {
+  const { queues, settings } = explorer;
+  const revision = ++explorer.revision;
+  clearTimeout(explorer.settleTimer);
+  clearTimeout(explorer.resumeTimer);
+  if (explorer.app?.clock.playing) {
+    explorer.app.clock.pause();
+    explorer.pausedByEdit = true;
   }
-  lab.map?.drop();
-  for (const kind of ["check", "cloud", "statics"]) lines.patient?.drop(kind);
+  explorer.map?.invalidate();
+  for (const kind of ["check", "cloud", "statics"]) queues.background?.cancel(kind);
   document.body.classList.add("busy");
-  lab.resting = setTimeout(() => rested(lab, stamp), SETTLED_MS);
-  const shot = setting.copy();
-  const heard = await lines.live.ask("run", setting.asks("run"));
-  if (!heard) return;
-  lab.shownStamp = stamp;
-  await shown(lab, heard, shot);
-  if (stamp === lab.stamp) {
+  explorer.settleTimer = setTimeout(() => settle(explorer, revision), SETTLE_DELAY_MS);
+  const scene = settings.copy();
+  const reply = await queues.live.request("run", settings.request("run"));
+  if (!reply) return;
+  explorer.shownRevision = revision;
+  await showRun(explorer, reply, scene);
+  if (revision === explorer.revision) {
     document.body.classList.remove("busy");
-    if (lab.rests === stamp) rested(lab, stamp);
+    if (explorer.pendingRevision === revision) settle(explorer, revision);
   }
 }
 
-// Puts the answer of a run on the page.
-async function shown(lab, { answer, data, ms }, shot) {
-  const { film, figures, problems, failed } = answer;
-  if (!film?.samples) {
-    if (!lab.app) put("waiting", "This scene cannot be simulated here. Choose another one above.");
-    wrong(lab, problems ?? [{ message: failed ?? "There is no answer." }]);
+// Shows the results of a run.
+async function showRun(explorer, { response, data, ms }, scene) {
+  const { film: rawRun, figures, problems, failed } = response;
+  if (!rawRun?.samples) {
+    if (!explorer.app) setText("waiting", "This scene cannot be simulated here. Choose another one above.");
+    showProblems(explorer, problems ?? [{ message: failed ?? "The simulator has not responded." }]);
     return;
   }
-  wrong(lab, []);
-  lab.ms = ms;
-  lab.steps = answer.steps;
-  lab.failed = failed ?? null;
-  const run = runOf(film, 0, film.columns.map(([offset, length]) => data.subarray(offset, offset + length)));
-  run.visible = lab.run?.visible ?? true;
-  lab.run = run;
-  lab.of = shot;
-  lab.figures = figures ?? [];
-  lab.verdict = null;
-  if (lab.app) refilm(lab);
-  else begin(lab);
-  lab.pictures.push(performance.now());
-  if (lab.pictures.length > 30) lab.pictures.shift();
-  lab.strip.show(lab.figures, lab.kept?.figures ?? null);
+  showProblems(explorer, []);
+  explorer.ms = ms;
+  explorer.steps = response.steps;
+  explorer.failed = failed ?? null;
+  const run = decodeRun(rawRun, 0, rawRun.columns.map(([offset, length]) => data.subarray(offset, offset + length)));
+  run.visible = explorer.run?.visible ?? true;
+  explorer.run = run;
+  explorer.runScene = scene;
+  explorer.figures = figures ?? [];
+  explorer.verdict = null;
+  if (explorer.app) updatePlayback(explorer);
+  else startViewer(explorer);
+  explorer.pictureTimes.push(performance.now());
+  if (explorer.pictureTimes.length > 30) explorer.pictureTimes.shift();
+  explorer.strip.show(explorer.figures, explorer.reference?.figures ?? null);
   showVerdict(null);
-  byId("ended").hidden = !lab.failed;
-  put("ended", lab.failed ? `The run has ended early: ${lab.failed}` : "");
-  showWarnings(answer.warnings ?? []);
-  put("class-reason", answer.verdict ?? "");
-  byId("class-reason").title = answer.verdict ?? "";
-  put("speed-of-run", speedWords(lab));
+  byId("ended").hidden = !explorer.failed;
+  setText("ended", explorer.failed ? `The run was aborted: ${explorer.failed}` : "");
+  updateWarnings(response.warnings ?? []);
+  setText("class-reason", response.verdict ?? "");
+  byId("class-reason").title = response.verdict ?? "";
+  setText("speed-of-run", performanceText(explorer));
 }
 
-// How fast the last run was, and how often the picture changes under a moving hand.
-function speedWords({ ms, steps, pictures }) {
-  const recent = pictures.filter((time) => time > performance.now() - 1000);
+// Duration of the last run, and update rate while a slider moves.
+function performanceText({ ms, steps, pictureTimes }) {
+  const recent = pictureTimes.filter((time) => time > performance.now() - 1000);
   const rate = recent.length > 5 ? (recent.length - 1) / (recent.at(-1) - recent[0]) * 1000 : 0;
   return `simulated in ${ms.toFixed(ms < 10 ? 2 : 0)}\u202fms${steps ? `, ${steps} steps` : ""}${rate > 5 ? `, ${Math.round(rate)}\u202fHz` : ""}`;
 }
 
-// The film of the present run and of what was kept.
-function filmNow(lab) {
-  const { run, kept } = lab;
-  run.label = kept ? "B" : "now";
-  run.kept = kept ? false : undefined;
-  const film = filmOf(kept ? [run, kept.run] : [run]);
-  film.unit.decimals = Math.min(film.unit.decimals, 4);
-  return film;
+// The playback of the present run and of the reference run.
+function currentPlayback(explorer) {
+  const { run, reference } = explorer;
+  run.label = reference ? "B" : "now";
+  run.isReference = reference ? false : undefined;
+  const playback = buildPlayback(reference ? [run, reference.run] : [run]);
+  playback.timeFormat.decimals = Math.min(playback.timeFormat.decimals, 4);
+  return playback;
 }
 
-function refilm(lab) {
-  lab.app.replace(filmNow(lab));
-  if (lab.fit) lab.app.fit();
-  lab.fit = false;
+function updatePlayback(explorer) {
+  explorer.app.replacePlayback(currentPlayback(explorer));
+  if (explorer.fitsOnUpdate) explorer.app.fit();
+  explorer.fitsOnUpdate = false;
 }
 
-// The first run has come: there is something to draw.
-function begin(lab) {
-  byId("film").hidden = false;
+// Creates the viewer after the first run.
+function startViewer(explorer) {
+  byId("playback").hidden = false;
   byId("waiting").hidden = true;
-  const find = () => {
-    lab.tabs.show("fields-box");
+  const focusFilter = () => {
+    explorer.tabs.show("fields-box");
     byId("filter").focus();
   };
-  const more = { keys: EXPLORER_KEYS, actions: { k: () => keep(lab), "/": find } };
-  const app = viewer(filmNow(lab), (app) => keyboard(app, more));
-  lab.app = app;
+  const extraKeys = { keys: EXPLORER_KEY_HELP, actions: { k: () => keepReference(explorer), "/": focusFilter } };
+  const app = createViewer(currentPlayback(explorer), (app) => connectKeyboard(app, extraKeys));
+  explorer.app = app;
   app.clock.loops = true;
   app.pause = () => {
-    lab.held = false;
+    explorer.pausedByEdit = false;
     app.clock.pause();
   };
-  const drawn = (canvas) => {
+  const isNearViewport = (canvas) => {
     const { top, bottom, height } = canvas.getBoundingClientRect();
     return height > 0 && bottom > -100 && top < innerHeight + 100;
   };
-  app.plots.wanted = drawn;
-  addEventListener("scroll", app.changed, { passive: true });
-  app.files = filesOf(app, (kind) => lab.lines.live.ask(kind, lab.setting.asks(kind)));
-  if (!app.files.webm) byId("save").querySelector("[value='webm']").remove();
-  lab.strip = new Figures(byId("strip"), byId("table"));
-  lab.tabs = tabs(byId("tabs"), () => {
-    app.changed();
-    seen(lab);
+  app.plots.needsDrawing = isNearViewport;
+  addEventListener("scroll", app.requestRedraw, { passive: true });
+  app.exporters = createExporters(app, (kind) => explorer.queues.live.request(kind, explorer.settings.request(kind)));
+  if (!app.exporters.webm) byId("save").querySelector("[value='webm']").remove();
+  explorer.strip = new Figures(byId("strip"), byId("table"));
+  explorer.tabs = createTabs(byId("tabs"), () => {
+    app.requestRedraw();
+    refreshVisibleTab(explorer);
   });
-  lab.tabs.kept();
-  // What follows the animation on a small page begins below it.
-  const left = document.querySelector(".left");
-  new ResizeObserver(() => document.documentElement.style.setProperty("--left-high", `${left.offsetHeight}px`)).observe(left);
-  app.drawn.push(() => {
-    lab.firstPicture_ms ??= performance.now();
-    if (lab.map?.canvas.clientWidth !== lab.mapWide) {
-      lab.mapWide = lab.map?.canvas.clientWidth;
-      lab.map?.draw();
+  explorer.tabs.ensureVisibleTab();
+  // On a small screen, the content below the animation starts at its lower edge.
+  const leftColumn = document.querySelector(".left");
+  new ResizeObserver(() => document.documentElement.style.setProperty("--left-high", `${leftColumn.offsetHeight}px`)).observe(leftColumn);
+  app.afterRender.push(() => {
+    explorer.firstPicture_ms ??= performance.now();
+    if (explorer.map?.canvas.clientWidth !== explorer.mapWidth) {
+      explorer.mapWidth = explorer.map?.canvas.clientWidth;
+      explorer.map?.draw();
     }
-    linkSoon(lab);
+    scheduleLinkUpdate(explorer);
   });
-  const theme = app.theme;
-  app.theme = (name) => {
-    theme(name);
-    if (lab.map) Object.assign(lab.map, { legendForm: null });
-    lab.map?.draw();
+  const setViewerTheme = app.setTheme;
+  app.setTheme = (name) => {
+    setViewerTheme(name);
+    if (explorer.map) Object.assign(explorer.map, { legendKey: null });
+    explorer.map?.draw();
   };
-  if (lab.opened.time_s !== null) app.seek(lab.opened.time_s);
+  if (explorer.initialState.time_s !== null) app.seek(explorer.initialState.time_s);
   else if (!matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.play();
-  else app.seek(app.film.end);
+  else app.seek(app.playback.end);
   app.render();
-  window.phalanx = explorerForTests(lab);
+  window.phalanx = createExplorerTestHooks(explorer);
 }
 
-// The hand rests: a step that can be undone, and what takes longer.
-async function rested(lab, stamp) {
-  lab.rests = stamp;
-  if (stamp !== lab.stamp || lab.shownStamp !== stamp || lab.settledStamp === stamp) return;
-  lab.settledStamp = stamp;
-  lab.rests = null;
-  const { setting, lines } = lab;
-  setting.settle();
-  if (!lab.app) return done(lab, stamp);
-  lines.patient ??= new Line(lines.live.module);
-  if (!lab.fields) furnish(lab);
-  const still = () => stamp === lab.stamp;
-  const base = await baseOf(lab);
-  const heard = await lines.patient.ask("fields", setting.asks("fields"), -1);
-  if (!still()) return undefined;
-  if (heard?.answer.fields && base) {
-    lab.fields.show(heard.answer, base, setting.set);
-    lab.known = heard.answer;
-    title(lab, heard.answer);
+// After a pause in the edits: commits an undo step and requests the slow results.
+async function settle(explorer, revision) {
+  explorer.pendingRevision = revision;
+  if (revision !== explorer.revision || explorer.shownRevision !== revision || explorer.settledRevision === revision) return;
+  explorer.settledRevision = revision;
+  explorer.pendingRevision = null;
+  const { settings, queues } = explorer;
+  settings.commit();
+  if (!explorer.app) return finishRevision(explorer, revision);
+  queues.background ??= new WorkerQueue(queues.live.module);
+  if (!explorer.fields) buildControls(explorer);
+  const isCurrent = () => revision === explorer.revision;
+  const fieldsOfScene = await loadSceneFields(explorer);
+  const reply = await queues.background.request("fields", settings.request("fields"), -1);
+  if (!isCurrent()) return undefined;
+  if (reply?.response.fields && fieldsOfScene) {
+    explorer.fields.show(reply.response, fieldsOfScene, settings.set);
+    explorer.fieldData = reply.response;
+    showTitle(explorer, reply.response);
   }
-  buttons(lab);
-  if (lab.opened.kept) await keptAgain(lab, lab.opened.kept);
-  done(lab, stamp);
-  if (lab.held) lab.resuming = setTimeout(() => lab.held && lab.app.clock.play(), RESUMED_MS);
-  if (lab.wrong.length > 0) return undefined;
-  seen(lab);
-  const checked = await lines.patient.ask("check", setting.asks("check"), 0);
-  if (checked && still()) {
-    lab.verdict = checked.answer.verdict ? checked.answer : { verdict: "unknown", text: checked.answer.failed ?? checked.answer.problems?.[0]?.message ?? "" };
-    showVerdict(lab.verdict);
-    lab.run.trusted_s = trustedUntil(lab.verdict, lab.app.film.start);
-    lab.app.changed();
-    lab.waiting = lab.waiting.filter(({ verdict, resolve }) => !verdict || resolve());
-    await clouded(lab, still);
+  updateButtons(explorer);
+  if (explorer.initialState.reference) await restoreReference(explorer, explorer.initialState.reference);
+  finishRevision(explorer, revision);
+  if (explorer.pausedByEdit) explorer.resumeTimer = setTimeout(() => explorer.pausedByEdit && explorer.app.clock.play(), RESUME_DELAY_MS);
+  if (explorer.problems.length > 0) return undefined;
+  refreshVisibleTab(explorer);
+  const checkReply = await queues.background.request("check", settings.request("check"), 0);
+  if (checkReply && isCurrent()) {
+    explorer.verdict = checkReply.response.verdict ? checkReply.response : { verdict: "unknown", text: checkReply.response.failed ?? checkReply.response.problems?.[0]?.message ?? "" };
+    showVerdict(explorer.verdict);
+    explorer.run.trusted_s = trustedUntil(explorer.verdict, explorer.app.playback.start);
+    explorer.app.requestRedraw();
+    explorer.waiters = explorer.waiters.filter(({ verdict, resolve }) => !verdict || resolve());
+    await showVariations(explorer, isCurrent);
   }
   return undefined;
 }
 
-// Of a run that cannot be trusted, its neighbours, and from when on they part.
-async function clouded(lab, still) {
-  const { verdict, run, of, lines, known, app } = lab;
-  if (!known || run.trusted_s === undefined) return;
-  const cloud = await cloudOf(lines.patient, of, known.fields, still);
-  if (!cloud || !still()) return;
-  run.cloud = cloud;
-  const parted = verdict.from_s ?? parting(run, cloud, verdict.error_rad ?? verdict.error ?? 0);
-  run.trusted_s = parted ?? app.film.start;
-  if (parted !== null) sayDoubt(verdict, ` from ${timeText(parted, app.film.unit, 2)} on, where its neighbours part`);
-  app.changed();
+// Shows the variations of an unreliable run, and the time from which they diverge.
+async function showVariations(explorer, isCurrent) {
+  const { verdict, run, runScene, queues, fieldData, app } = explorer;
+  if (!fieldData || run.trusted_s === undefined) return;
+  const variationRuns = await runVariations(queues.background, runScene, fieldData.fields, isCurrent);
+  if (!variationRuns || !isCurrent()) return;
+  run.variationRuns = variationRuns;
+  const divergence_s = verdict.from_s ?? divergenceTime(run, variationRuns, verdict.error_rad ?? verdict.error ?? 0);
+  run.trusted_s = divergence_s ?? app.playback.start;
+  if (divergence_s !== null) showDoubt(verdict, ` from ${formatTime(divergence_s, app.playback.timeFormat, 2)} on, where perturbed runs diverge`);
+  app.requestRedraw();
 }
 
-// Whoever waits for the page to be up to date hears that it is.
-function done(lab, stamp) {
-  lab.doneStamp = stamp;
-  lab.waiting = lab.waiting.filter((each) => {
+// Notifies the waiters that the page is up to date.
+function finishRevision(explorer, revision) {
+  explorer.finishedRevision = revision;
+  explorer.waiters = explorer.waiters.filter((each) => {
     if (!each.verdict) each.resolve();
     return each.verdict;
   });
 }
 
-// What of the setting is shown only if it is looked at.
-function seen(lab) {
-  if (lab.settledStamp !== lab.stamp) return;
-  lab.map?.renew();
-  lab.statics?.renew();
-  // A scene may have thousands of events.
-  if (lab.tabs.shown() === "panel-events" && lab.listed !== lab.app.film.events) {
-    lab.listed = lab.app.film.events;
-    lab.app.events.renew();
-    lab.app.changed();
+// Updates the contents of the visible tab.
+function refreshVisibleTab(explorer) {
+  if (explorer.settledRevision !== explorer.revision) return;
+  explorer.map?.reload();
+  explorer.statics?.reload();
+  // A scene may have thousands of events, so the list is built on demand.
+  if (explorer.tabs.shown() === "panel-events" && explorer.listedEvents !== explorer.app.playback.events) {
+    explorer.listedEvents = explorer.app.playback.events;
+    explorer.app.events.reload();
+    explorer.app.requestRedraw();
   }
 }
 
-// The fields of the scene alone, once for each.
-async function baseOf(lab) {
-  const { setting, lines } = lab;
-  const { file, text } = setting;
-  if (lab.base?.file === file && lab.base.text === text) return lab.base.answer;
-  const heard = await lines.patient.ask("base", { ask: "fields", scene: { file, text }, set: [] }, -1);
-  if (!heard?.answer.fields) return null;
-  lab.base = { file, text, answer: heard.answer };
-  return heard.answer;
+// The fields of the scene without overrides, cached per scene.
+async function loadSceneFields(explorer) {
+  const { settings, queues } = explorer;
+  const { file, text } = settings;
+  if (explorer.sceneFields?.file === file && explorer.sceneFields.text === text) return explorer.sceneFields.response;
+  const reply = await queues.background.request("base", { ask: "fields", scene: { file, text }, set: [] }, -1);
+  if (!reply?.response.fields) return null;
+  explorer.sceneFields = { file, text, response: reply.response };
+  return reply.response;
 }
 
-// What is built when the first picture is there.
-function furnish(lab) {
-  const { app, setting, lines } = lab;
-  lab.fields = new Fields(byId("fields"), {
-    put: lab.put,
-    hint: (key) => {
-      app.stage.hinted = LETTERS.get(key) ?? null;
-      app.changed();
+// Creates the controls after the first run is shown.
+function buildControls(explorer) {
+  const { app, settings, queues } = explorer;
+  explorer.fields = new FieldList(byId("fields"), {
+    setField: explorer.setField,
+    onHover: (key) => {
+      app.stage.highlightedSymbol = FIELD_SYMBOLS.get(key) ?? null;
+      app.requestRedraw();
     },
   });
-  lab.map = new DesignMap(lines.patient, {
-    setting: () => setting.copy(),
-    fields: lab.fields,
-    figures: () => lab.figures,
-    go: (pairs) => {
-      for (const [path, text] of pairs) setting.set.set(path, text);
-      lab.last = pairs[0][0];
-      moved(lab);
+  explorer.map = new DesignMap(queues.background, {
+    settings: () => settings.copy(),
+    fields: explorer.fields,
+    figures: () => explorer.figures,
+    onSelect: (pairs) => {
+      for (const [path, text] of pairs) settings.set.set(path, text);
+      explorer.lastChangedField = pairs[0][0];
+      simulate(explorer);
     },
-    changed: () => linkSoon(lab),
-    wanted: () => lab.tabs.shown() === "panel-map",
+    onChange: () => scheduleLinkUpdate(explorer),
+    isVisible: () => explorer.tabs.shown() === "panel-map",
   });
-  const { map } = lab.opened;
+  const { map } = explorer.initialState;
   if (map) {
-    Object.assign(lab.map.axes, { x: map[0], y: map[1] });
-    lab.map.criterion = map[2] ?? "";
+    Object.assign(explorer.map.axes, { x: map[0], y: map[1] });
+    explorer.map.criterion = map[2] ?? "";
   }
-  lab.statics = new Statics(lines.patient, byId("panel-statics"), { setting: () => setting, wanted: () => lab.tabs.shown() === "panel-statics" });
-  controlsOf(lab);
-  // An address that has a map is of one who looked at it.
-  if (map) lab.tabs.show("panel-map");
+  explorer.statics = new Statics(queues.background, byId("panel-statics"), { settings: () => settings, isVisible: () => explorer.tabs.shown() === "panel-statics" });
+  connectExplorerControls(explorer);
+  // An address with a map opens the map.
+  if (map) explorer.tabs.show("panel-map");
 }
 
-// Keeps the present film as the pale one.
-function keep(lab) {
-  if (!lab.run || lab.wrong.length > 0) return;
-  lab.kept = { scene: lab.of, figures: lab.figures, verdict: lab.verdict, run: { ...lab.run, index: 1, label: "A", kept: true, visible: true, trusted_s: lab.run.trusted_s } };
-  compared(lab);
+// Retains the present run as reference run A.
+function keepReference(explorer) {
+  if (!explorer.run || explorer.problems.length > 0) return;
+  explorer.reference = { scene: explorer.runScene, figures: explorer.figures, verdict: explorer.verdict, run: { ...explorer.run, index: 1, label: "A", isReference: true, visible: true, trusted_s: explorer.run.trusted_s } };
+  refreshComparison(explorer);
 }
 
-function drop(lab) {
-  lab.kept = null;
-  compared(lab);
+function dropReference(explorer) {
+  explorer.reference = null;
+  refreshComparison(explorer);
 }
 
-function compared(lab) {
-  refilm(lab);
-  seen(lab);
-  lab.strip.show(lab.figures, lab.kept?.figures ?? null);
-  buttons(lab);
-  linkSoon(lab);
+function refreshComparison(explorer) {
+  updatePlayback(explorer);
+  refreshVisibleTab(explorer);
+  explorer.strip.show(explorer.figures, explorer.reference?.figures ?? null);
+  updateButtons(explorer);
+  scheduleLinkUpdate(explorer);
 }
 
-// A becomes what is changed, and what was changed becomes A.
-function swap(lab) {
-  if (!lab.kept) return;
-  const { scene } = lab.kept;
-  keep(lab);
-  lab.take(scene);
+// Exchanges the reference run and the present run.
+function swapReference(explorer) {
+  if (!explorer.reference) return;
+  const { scene } = explorer.reference;
+  keepReference(explorer);
+  explorer.loadScene(scene);
 }
 
-// What an address keeps as A is simulated once more.
-async function keptAgain(lab, scene) {
-  lab.opened.kept = null;
-  const heard = await lab.lines.live.ask("kept", { ask: "run", scene: { file: scene.file, text: scene.text }, set: scene.set });
-  const { film, figures } = heard?.answer ?? {};
-  if (!film) return;
-  const run = runOf(film, 1, film.columns.map(([offset, length]) => heard.data.subarray(offset, offset + length)));
-  lab.kept = { scene, figures, verdict: null, run: { ...run, index: 1, label: "A", kept: true, visible: true } };
-  compared(lab);
+// Simulates the reference run of an address.
+async function restoreReference(explorer, scene) {
+  explorer.initialState.reference = null;
+  const reply = await explorer.queues.live.request("kept", { ask: "run", scene: { file: scene.file, text: scene.text }, set: scene.set });
+  const { film: rawRun, figures } = reply?.response ?? {};
+  if (!rawRun) return;
+  const run = decodeRun(rawRun, 1, rawRun.columns.map(([offset, length]) => reply.data.subarray(offset, offset + length)));
+  explorer.reference = { scene, figures, verdict: null, run: { ...run, index: 1, label: "A", isReference: true, visible: true } };
+  refreshComparison(explorer);
 }
 
-explorer();
+startExplorer();

@@ -1,11 +1,12 @@
-// The map: a criterion over two variables, which fills in while one waits; a click goes there.
+// The map: a criterion over two fields, computed progressively; a click adopts the values of a point.
 
-const MAP_ROOM = { left: 58, right: 12, top: 10, bottom: 40 };
+const MAP_MARGIN = { left: 58, right: 12, top: 10, bottom: 40 };
 
 class DesignMap {
-  // `setting()` is what is simulated, `fields` its variables, `figures()` the names and units of criteria.
-  constructor(line, { setting, fields, figures, go, changed, wanted }) {
-    Object.assign(this, { line, setting, fields, figures, go, changed, wanted });
+  // `settings()` returns the present settings, `fields` are its fields, `figures()` the names and units of the
+  // criteria.
+  constructor(queue, { settings, fields, figures, onSelect, onChange, isVisible }) {
+    Object.assign(this, { queue, settings, fields, figures, onSelect, onChange, isVisible });
     this.canvas = byId("map");
     this.grid = null;
     this.criterion = "";
@@ -19,45 +20,45 @@ class DesignMap {
     byId("map-criterion").addEventListener("change", ({ target }) => {
       this.criterion = target.value;
       this.draw();
-      this.changed();
+      this.onChange();
     });
-    this.pointers();
+    this.connectPointers();
   }
 
-  // The variables and criteria there are; what was chosen stays where it can.
-  choices() {
-    const variables = this.fields.numeric();
+  // Updates the choice of axes; retains the selection if possible. Returns whether a map is possible.
+  updateAxes() {
+    const variables = this.fields.numericFields();
     if (variables.length < 2) return false;
     const paths = variables.map(({ path }) => path);
     if (!paths.includes(this.axes.x)) this.axes.x = paths.find((path) => path !== this.axes.y);
     if (!paths.includes(this.axes.y) || this.axes.y === this.axes.x) this.axes.y = paths.find((path) => path !== this.axes.x);
-    for (const id of ["x", "y"]) options(byId(`map-${id}`), paths.map((path) => [path, calledShort(path)]), this.axes[id]);
+    for (const id of ["x", "y"]) setOptions(byId(`map-${id}`), paths.map((path) => [path, shortName(path)]), this.axes[id]);
     return true;
   }
 
-  criteria() {
-    // In the order of the figures, which has the most telling first; a point may lack what others have.
+  updateCriteria() {
+    // In the order of the figures, most important first; a criterion may exist at some points only.
     const names = [...new Set([...this.figures().map(({ key }) => key), ...this.grid.words, ...this.grid.columns])];
     if (!names.includes(this.criterion)) this.criterion = names.find((name) => name.endsWith("tts_s")) ?? names[0];
-    options(byId("map-criterion"), names.map((name) => [name, this.figureOf(name)?.label ?? name.replaceAll("_", " ")]), this.criterion);
+    setOptions(byId("map-criterion"), names.map((name) => [name, this.findFigure(name)?.label ?? name.replaceAll("_", " ")]), this.criterion);
   }
 
-  figureOf(name) {
+  findFigure(name) {
     return this.figures().find(({ key }) => key === name);
   }
 
-  // What all points share: all that is set but the two axes.
-  shared() {
-    const { file, text, set } = this.setting();
-    const rest = set.filter(([path]) => path !== this.axes.x && path !== this.axes.y);
-    return { key: JSON.stringify([file, text, rest, this.axes]), request: (more) => ({ ask: "criteria", scene: { file, text }, set: rest, ...more }) };
+  // The settings common to all points: all overrides except those of the axes.
+  sharedSettings() {
+    const { file, text, set } = this.settings();
+    const otherSettings = set.filter(([path]) => path !== this.axes.x && path !== this.axes.y);
+    return { key: JSON.stringify([file, text, otherSettings, this.axes]), request: (extra) => ({ ask: "criteria", scene: { file, text }, set: otherSettings, ...extra }) };
   }
 
-  // Computes the map anew if anything but its two variables has changed.
-  renew() {
-    if (!this.wanted() || !this.choices()) return;
-    const variables = new Map(this.fields.numeric().map((each) => [each.path, each]));
-    const { key, request } = this.shared();
+  // Recomputes the map if anything except the values of its two axes has changed.
+  reload() {
+    if (!this.isVisible() || !this.updateAxes()) return;
+    const variables = new Map(this.fields.numericFields().map((each) => [each.path, each]));
+    const { key, request } = this.sharedSettings();
     const [x, y] = [variables.get(this.axes.x), variables.get(this.axes.y)];
     const ranges = JSON.stringify([x.range, y.range]);
     if (this.grid && !this.grid.stopped && this.grid.key === key && this.grid.ranges === ranges) {
@@ -65,51 +66,51 @@ class DesignMap {
       return;
     }
     this.grid?.stop();
-    const grid = new Grid(this.line, { request }, x, y, () => grid === this.grid && this.filled());
+    const grid = new Grid(this.queue, { request }, x, y, () => grid === this.grid && this.onProgress());
     Object.assign(grid, { key, ranges });
     this.grid = grid;
-    this.cross = null;
-    this.criteria();
+    this.cursor = null;
+    this.updateCriteria();
     this.ready = grid.fill();
     this.draw();
   }
 
   restart() {
-    this.renew();
-    this.changed();
+    this.reload();
+    this.onChange();
   }
 
-  // Another variable moves: what is there is of another scene.
-  drop() {
-    if (!this.grid || this.grid.key === this.shared().key) return;
+  // Stops the computation if a field that is not an axis has changed.
+  invalidate() {
+    if (!this.grid || this.grid.key === this.sharedSettings().key) return;
     this.grid.stop();
     this.draw();
   }
 
-  filled() {
-    this.criteria();
+  onProgress() {
+    this.updateCriteria();
     this.draw();
   }
 
-  // Where the pixels of the map are.
-  place() {
+  // The layout of the map in pixels, and conversions between grid indices and pixels.
+  layout() {
     const { clientWidth, clientHeight } = this.canvas;
-    const inner = { left: MAP_ROOM.left, right: clientWidth - MAP_ROOM.right, top: MAP_ROOM.top, bottom: clientHeight - MAP_ROOM.bottom };
-    const [wide, high] = [inner.right - inner.left, inner.bottom - inner.top];
+    const inner = { left: MAP_MARGIN.left, right: clientWidth - MAP_MARGIN.right, top: MAP_MARGIN.top, bottom: clientHeight - MAP_MARGIN.bottom };
+    const [mapWidth, mapHeight] = [inner.right - inner.left, inner.bottom - inner.top];
     return {
       inner,
-      x: (k) => inner.left + k / FINEST * wide,
-      y: (k) => inner.bottom - k / FINEST * high,
-      node: (px, py) => [(px - inner.left) / wide, (inner.bottom - py) / high].map((part) => Math.min(FINEST, Math.max(0, Math.round(part * FINEST)))),
+      x: (k) => inner.left + k / GRID_INTERVALS * mapWidth,
+      y: (k) => inner.bottom - k / GRID_INTERVALS * mapHeight,
+      nodeAt: (px, py) => [(px - inner.left) / mapWidth, (inner.bottom - py) / mapHeight].map((fraction) => Math.min(GRID_INTERVALS, Math.max(0, Math.round(fraction * GRID_INTERVALS)))),
     };
   }
 
-  // What the values look like: a colour for each, and the legend.
-  paint() {
+  // The colours of the values, and the data of the legend.
+  colouring() {
     const { grid, criterion } = this;
     if (grid.words.has(criterion)) {
-      const seen = new Set(grid.values(criterion));
-      return { colour: (word) => colour(inkOf(word)), words: [...new Set([...inks.keys(), ...seen])].filter((word) => seen.has(word)) };
+      const presentWords = new Set(grid.values(criterion));
+      return { colour: (word) => colour(resultColour(word)), words: [...new Set([...resultColours.keys(), ...presentWords])].filter((word) => presentWords.has(word)) };
     }
     let [low, high] = [Infinity, -Infinity];
     for (const value of grid.values(criterion)) {
@@ -117,37 +118,37 @@ class DesignMap {
     }
     const logarithmic = low > 0 && high > 300 * low;
     const scale = (value) => (high > low ? (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low)) : 0.5);
-    return { colour: (value) => scaleColour(scale(value)), low, high, logarithmic };
+    return { colour: (value) => colourAt(scale(value)), low, high, logarithmic };
   }
 
   draw() {
     const { grid, canvas } = this;
-    if (!this.wanted() || canvas.clientWidth === 0) return;
-    const { ctx } = cleared(canvas);
+    if (!this.isVisible() || canvas.clientWidth === 0) return;
+    const { ctx } = clearCanvas(canvas);
     if (!grid) return;
-    const place = this.place();
-    const paint = this.paint();
+    const layout = this.layout();
+    const colouring = this.colouring();
     ctx.globalAlpha = grid.stopped ? 0.25 : 1;
-    for (const stride of STRIDES) this.cells(ctx, place, paint, stride);
+    for (const stride of STRIDES) this.drawCells(ctx, layout, colouring, stride);
     ctx.globalAlpha = 1;
-    this.frame(ctx, place);
-    this.here(ctx, place);
-    this.legend(paint);
-    const share = Math.floor(100 * grid.done / grid.total);
-    put("map-state", grid.failed ?? (grid.stopped ? "another variable has changed" : share < 100 ? `${share} %` : `${grid.total} closings`));
+    this.drawAxes(ctx, layout);
+    this.drawMarkers(ctx, layout);
+    this.updateLegend(colouring);
+    const percent = Math.floor(100 * grid.done / grid.total);
+    setText("map-state", grid.failed ?? (grid.stopped ? "outdated: another field has changed" : percent < 100 ? `${percent} %` : `${grid.total} closings`));
   }
 
-  // Points as cells as wide as their neighbours are apart; what has no value is hatched.
-  cells(ctx, { x, y }, paint, stride) {
+  // Draws the points as cells of the grid spacing; cells without a value are hatched.
+  drawCells(ctx, { x, y }, colouring, stride) {
     const { grid, criterion } = this;
     const half = stride / 2;
-    for (let j = 0; j <= FINEST; j += stride) {
-      for (let i = 0; i <= FINEST; i += stride) {
+    for (let j = 0; j <= GRID_INTERVALS; j += stride) {
+      for (let i = 0; i <= GRID_INTERVALS; i += stride) {
         const value = grid.value(criterion, i, j);
         if (value === undefined) continue;
-        const [left, right] = [x(Math.max(i - half, 0)), x(Math.min(i + half, FINEST))];
-        const [top, bottom] = [y(Math.min(j + half, FINEST)), y(Math.max(j - half, 0))];
-        ctx.fillStyle = value === null ? colour("panel") : paint.colour(value);
+        const [left, right] = [x(Math.max(i - half, 0)), x(Math.min(i + half, GRID_INTERVALS))];
+        const [top, bottom] = [y(Math.min(j + half, GRID_INTERVALS)), y(Math.max(j - half, 0))];
+        ctx.fillStyle = value === null ? colour("panel") : colouring.colour(value);
         ctx.fillRect(left, top, right - left + 0.5, bottom - top + 0.5);
         if (value !== null) continue;
         ctx.beginPath();
@@ -160,16 +161,16 @@ class DesignMap {
     }
   }
 
-  frame(ctx, { inner, x, y }) {
+  drawAxes(ctx, { inner, x, y }) {
     const { grid } = this;
     ctx.strokeStyle = colour("line");
     ctx.lineWidth = 1;
     ctx.strokeRect(inner.left + 0.5, inner.top + 0.5, inner.right - inner.left, inner.bottom - inner.top);
     ctx.fillStyle = colour("soft");
     const ticks = ({ range }, count) => {
-      const { step, ticks: at } = roundTicks(range.from, range.to, count);
+      const { step, ticks: tickValues } = roundTickValues(range.from, range.to, count);
       const decimals = Math.max(0, Math.min(9, Math.ceil(-Math.log10(step) - 1e-9)));
-      return at.map((value) => ({ k: (value - range.from) / (range.to - range.from) * FINEST, text: minus(value.toFixed(decimals)) }));
+      return tickValues.map((value) => ({ k: (value - range.from) / (range.to - range.from) * GRID_INTERVALS, text: withMinusSign(value.toFixed(decimals)) }));
     };
     ctx.textBaseline = "top";
     ctx.textAlign = "center";
@@ -186,7 +187,7 @@ class DesignMap {
     const name = ({ path, range }) => path + (range.unit ? ` (${range.unit})` : "");
     ctx.textAlign = "right";
     ctx.textBaseline = "bottom";
-    ctx.fillText(name(grid.x), inner.right, inner.bottom + MAP_ROOM.bottom - 2);
+    ctx.fillText(name(grid.x), inner.right, inner.bottom + MAP_MARGIN.bottom - 2);
     ctx.save();
     ctx.translate(12, inner.top);
     ctx.rotate(-Math.PI / 2);
@@ -196,10 +197,10 @@ class DesignMap {
     ctx.restore();
   }
 
-  // Where the design is, and the point a key or a pointer is at.
-  here(ctx, { x, y }) {
-    const ring = (i, j, radius, ink) => {
-      for (const [width, stroke] of [[4, "panel"], [2, ink]]) {
+  // Draws the present design and the cursor.
+  drawMarkers(ctx, { x, y }) {
+    const ring = (i, j, radius, colourName) => {
+      for (const [width, stroke] of [[4, "panel"], [2, colourName]]) {
         ctx.beginPath();
         ctx.arc(x(i), y(j), radius, 0, 2 * Math.PI);
         ctx.lineWidth = width;
@@ -207,84 +208,84 @@ class DesignMap {
         ctx.stroke();
       }
     };
-    const now = [this.grid.x, this.grid.y].map(({ path, range }) => {
+    const current = [this.grid.x, this.grid.y].map(({ path, range }) => {
       const field = this.fields.rows.get(path)?.field;
-      return field?.unit === range.unit ? (field.value - range.from) / (range.to - range.from) * FINEST : NaN;
+      return field?.unit === range.unit ? (field.value - range.from) / (range.to - range.from) * GRID_INTERVALS : NaN;
     });
-    if (now.every(Number.isFinite)) ring(now[0], now[1], 6, "ink");
-    if (this.cross) ring(this.cross[0], this.cross[1], 4, "accent");
+    if (current.every(Number.isFinite)) ring(current[0], current[1], 6, "ink");
+    if (this.cursor) ring(this.cursor[0], this.cursor[1], 4, "accent");
   }
 
-  legend({ colour: of, words, low, high, logarithmic }) {
-    const lacks = this.grid.values(this.criterion).filter((value) => !Number.isNaN(value)).length < this.grid.done;
-    const form = JSON.stringify([words, low, high, lacks, this.criterion, document.documentElement.dataset.theme]);
-    if (form === this.legendForm) return;
-    this.legendForm = form;
+  updateLegend({ colour: colourOf, words, low, high, logarithmic }) {
+    const hasGaps = this.grid.values(this.criterion).filter((value) => !Number.isNaN(value)).length < this.grid.done;
+    const legendKey = JSON.stringify([words, low, high, hasGaps, this.criterion, document.documentElement.dataset.theme]);
+    if (legendKey === this.legendKey) return;
+    this.legendKey = legendKey;
     const holder = byId("map-legend");
-    const entry = (ink, said) => {
-      const mark = element("i", ink ? {} : { class: "none" });
-      if (ink) mark.style.background = ink;
-      return element("span", { class: "entry" }, mark, said);
+    const entry = (ink, text) => {
+      const swatch = element("i", ink ? {} : { class: "none" });
+      if (ink) swatch.style.background = ink;
+      return element("span", { class: "entry" }, swatch, text);
     };
-    const hatched = lacks ? [entry(null, "no valid scene, or the run has no such figure")] : [];
+    const gapEntries = hasGaps ? [entry(null, "invalid scene, or no such result")] : [];
     if (words) {
-      holder.replaceChildren(...words.map((word) => entry(of(word), word)), ...hatched);
+      holder.replaceChildren(...words.map((word) => entry(colourOf(word), word)), ...gapEntries);
       return;
     }
     const bar = element("i", { class: "bar" });
-    bar.style.background = `linear-gradient(to right, ${SCALE.join(", ")})`;
-    const unit = this.figureOf(this.criterion)?.unit ?? "";
-    const ends = low <= high ? [withUnit(low, unit, 3), withUnit(high, unit, 3)] : ["–", "–"];
-    holder.replaceChildren(element("span", {}, ends[0]), bar, element("span", {}, ends[1]), ...(logarithmic ? [element("span", { class: "soft" }, "logarithmic")] : []), ...hatched);
+    bar.style.background = `linear-gradient(to right, ${COLOUR_SCALE.join(", ")})`;
+    const unit = this.findFigure(this.criterion)?.unit ?? "";
+    const endTexts = low <= high ? [formatQuantity(low, unit, 3), formatQuantity(high, unit, 3)] : ["–", "–"];
+    holder.replaceChildren(element("span", {}, endTexts[0]), bar, element("span", {}, endTexts[1]), ...(logarithmic ? [element("span", { class: "soft" }, "logarithmic")] : []), ...gapEntries);
   }
 
-  // What is at a point, in words.
-  said([i, j]) {
+  // Describes a point in words.
+  describe([i, j]) {
     const { grid, criterion } = this;
     const value = grid.value(criterion, i, j);
-    const figure = this.figureOf(criterion);
-    const found = value === undefined ? "not computed yet" : typeof value === "string" ? value : value === null ? `none. ${grid.point(i, j).refused ?? "The run has no such figure."}` : withUnit(value, figure?.unit ?? "", 4);
-    return `${grid.x.path} ${grid.textAt(grid.x, i)}, ${grid.y.path} ${grid.textAt(grid.y, j)}: ${figure?.label ?? criterion} ${found}`;
+    const figure = this.findFigure(criterion);
+    const valueText = value === undefined ? "not computed yet" : typeof value === "string" ? value : value === null ? `none. ${grid.point(i, j).refused ?? "The run has no such result."}` : formatQuantity(value, figure?.unit ?? "", 4);
+    return `${grid.x.path} ${grid.textAt(grid.x, i)}, ${grid.y.path} ${grid.textAt(grid.y, j)}: ${figure?.label ?? criterion} ${valueText}`;
   }
 
-  pointAt(node) {
-    this.cross = node;
-    put("map-said", node ? this.said(node) : "");
+  hoverNode(node) {
+    this.cursor = node;
+    setText("map-description", node ? this.describe(node) : "");
     this.draw();
   }
 
-  take([i, j]) {
+  selectNode([i, j]) {
     const { grid } = this;
     if (!grid || grid.stopped) return;
-    this.go([[grid.x.path, grid.textAt(grid.x, i)], [grid.y.path, grid.textAt(grid.y, j)]]);
+    this.onSelect([[grid.x.path, grid.textAt(grid.x, i)], [grid.y.path, grid.textAt(grid.y, j)]]);
   }
 
-  pointers() {
+  connectPointers() {
     const { canvas } = this;
     const node = (event) => {
       const box = canvas.getBoundingClientRect();
-      return this.place().node(event.clientX - box.left, event.clientY - box.top);
+      return this.layout().nodeAt(event.clientX - box.left, event.clientY - box.top);
     };
-    canvas.addEventListener("pointermove", (event) => this.grid && this.pointAt(node(event)));
-    canvas.addEventListener("pointerleave", () => this.grid && this.pointAt(null));
-    canvas.addEventListener("click", (event) => this.take(node(event)));
+    canvas.addEventListener("pointermove", (event) => this.grid && this.hoverNode(node(event)));
+    canvas.addEventListener("pointerleave", () => this.grid && this.hoverNode(null));
+    canvas.addEventListener("click", (event) => this.selectNode(node(event)));
     canvas.addEventListener("keydown", (event) => {
-      const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-      if (!this.grid || !by && event.key !== "Enter") return;
+      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+      if (!this.grid || !step && event.key !== "Enter") return;
       event.preventDefault();
-      const [i, j] = this.cross ?? [FINEST / 2, FINEST / 2];
-      if (!by) this.take([i, j]);
-      else this.pointAt([i + by[0] * (event.shiftKey ? 4 : 1), j + by[1] * (event.shiftKey ? 4 : 1)].map((k) => Math.min(FINEST, Math.max(0, k))));
+      const [i, j] = this.cursor ?? [GRID_INTERVALS / 2, GRID_INTERVALS / 2];
+      if (!step) this.selectNode([i, j]);
+      else this.hoverNode([i + step[0] * (event.shiftKey ? 4 : 1), j + step[1] * (event.shiftKey ? 4 : 1)].map((k) => Math.min(GRID_INTERVALS, Math.max(0, k))));
     });
   }
 }
 
-// Fills a list of choices; what is there already stays.
-function options(select, pairs, chosen) {
-  const form = JSON.stringify(pairs);
-  if (select.dataset.form !== form) {
-    select.replaceChildren(...pairs.map(([value, words]) => element("option", { value }, words)));
-    select.dataset.form = form;
+// Sets the options of a select element; unchanged options are retained.
+function setOptions(select, pairs, chosen) {
+  const optionsKey = JSON.stringify(pairs);
+  if (select.dataset.form !== optionsKey) {
+    select.replaceChildren(...pairs.map(([value, optionText]) => element("option", { value }, optionText)));
+    select.dataset.form = optionsKey;
   }
   select.value = chosen;
 }

@@ -1,46 +1,46 @@
-// Where a slider goes from and to, and what it stands on.
+// Ranges and steps of sliders.
 
-const STEPS = 200;
-const ANGLES = new Map([["deg", 30], ["rad", Math.PI / 6]]);
-// A slider of what is 0 goes so far, by its unit: to both sides of what has a direction.
-const FROM_ZERO = new Map([["mm", 10], ["m", 0.01], ["ms", 10], ["s", 0.01], ["g", 100], ["kg", 0.1], ["kg*m^2", 1e-5], ["N", 10], ["N*m", 0.5], ["N*mm", 100]]);
-const DIRECTED = new Set(["mm", "m", "m/s", "mm/s", "rad/s", "deg/s", "m/s^2"]);
+const SLIDER_STEPS = 200;
+const ANGLE_HALF_RANGES = new Map([["deg", 30], ["rad", Math.PI / 6]]);
+// Range of a slider for the value 0, by unit; symmetric for signed quantities.
+const ZERO_RANGES = new Map([["mm", 10], ["m", 0.01], ["ms", 10], ["s", 0.01], ["g", 100], ["kg", 0.1], ["kg*m^2", 1e-5], ["N", 10], ["N*m", 0.5], ["N*mm", 100]]);
+const SIGNED_UNITS = new Set(["mm", "m", "m/s", "mm/s", "rad/s", "deg/s", "m/s^2"]);
 
 const isNumeric = (field) => ["quantity", "number", "integer"].includes(field.kind) && Number.isFinite(field.value);
 
-// The span of a field's slider round a value: all that is allowed where that is not much more than the value, else from half
-// of it to twice as much.
-function rangeOf(field, about = field.value) {
+// The range of a slider around a value: the limits of the field if they are not much wider than the value, otherwise
+// from half to twice the value.
+function sliderRange(field, centre = field.value) {
   const low = field.low ?? -Infinity;
   const high = field.high ?? Infinity;
   let [from, to] = [low, high];
-  const natural = Number.isFinite(high - low) && (about === 0 || high - low <= 8 * Math.abs(about));
-  if (!natural) {
-    const angle = ANGLES.get(field.unit);
-    const size = FROM_ZERO.get(field.unit) ?? (field.kind === "integer" ? 10 : 1);
-    if (angle) [from, to] = [about - angle, about + angle];
-    else if (about === 0) [from, to] = [DIRECTED.has(field.unit) ? -size : 0, size];
-    else [from, to] = about > 0 ? [about / 2, about * 2] : [about * 2, about / 2];
+  const usesLimits = Number.isFinite(high - low) && (centre === 0 || high - low <= 8 * Math.abs(centre));
+  if (!usesLimits) {
+    const halfRange = ANGLE_HALF_RANGES.get(field.unit);
+    const size = ZERO_RANGES.get(field.unit) ?? (field.kind === "integer" ? 10 : 1);
+    if (halfRange) [from, to] = [centre - halfRange, centre + halfRange];
+    else if (centre === 0) [from, to] = [SIGNED_UNITS.has(field.unit) ? -size : 0, size];
+    else [from, to] = centre > 0 ? [centre / 2, centre * 2] : [centre * 2, centre / 2];
   }
   [from, to] = [Math.max(from, low), Math.min(to, high)];
-  if (!(from < to)) [from, to] = [about, about + (Math.abs(about) || 1)];
-  let step = niceStep((to - from) / STEPS);
+  if (!(from < to)) [from, to] = [centre, centre + (Math.abs(centre) || 1)];
+  let step = niceStep((to - from) / SLIDER_STEPS);
   if (field.kind === "integer") [from, to, step] = [Math.floor(from), Math.ceil(to), Math.max(1, Math.round(step))];
   return { unit: field.unit, from, to, step };
 }
 
-// The largest round number that is not larger.
+// The largest round number that does not exceed `size`.
 function niceStep(size) {
-  const power = 10 ** Math.floor(Math.log10(size) + 1e-9);
-  return [5, 2, 1].find((each) => each * power <= size * (1 + 1e-9)) * power;
+  const decade = 10 ** Math.floor(Math.log10(size) + 1e-9);
+  return [5, 2, 1].find((multiple) => multiple * decade <= size * (1 + 1e-9)) * decade;
 }
 
-// A place of a slider as a number a person would have written.
-function rounded({ from, to, step }, value) {
+// Rounds a slider value to its step.
+function roundToStep({ from, to, step }, value) {
   const decimals = Math.max(0, Math.min(15, Math.ceil(-Math.log10(step) - 1e-9)));
-  const near = Number((Math.round(value / step) * step).toFixed(decimals));
-  return Math.min(Math.max(near, from), to);
+  const nearest = Number((Math.round(value / step) * step).toFixed(decimals));
+  return Math.min(Math.max(nearest, from), to);
 }
 
-// A number of a field as a scene file has it.
-const asText = (value, unit) => (unit ? `${value} ${unit}` : String(value));
+// Formats a value as in a scene file.
+const formatValue = (value, unit) => (unit ? `${value} ${unit}` : String(value));

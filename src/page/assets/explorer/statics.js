@@ -1,43 +1,43 @@
-// What a grasp can do at rest, as the program says it: texts and pictures.
+// The statics report of the program: texts and pictures.
 
 class Statics {
-  constructor(line, holder, { setting, wanted }) {
-    Object.assign(this, { line, holder, setting, wanted });
+  constructor(queue, container, { settings, isVisible }) {
+    Object.assign(this, { queue, container, settings, isVisible });
     this.key = null;
   }
 
-  // Asks anew if it is to be seen and the setting is another one.
-  async renew() {
-    if (!this.wanted()) return;
-    const setting = this.setting();
-    const key = JSON.stringify(setting.copy());
+  // Requests the report if it is visible and the settings have changed.
+  async reload() {
+    if (!this.isVisible()) return;
+    const settings = this.settings();
+    const key = JSON.stringify(settings.copy());
     if (key === this.key) return;
     this.key = key;
-    this.holder.classList.add("stale");
-    const heard = await this.line.ask("statics", setting.asks("statics"), 1);
+    this.container.classList.add("stale");
+    const reply = await this.queue.request("statics", settings.request("statics"), 1);
     if (key !== this.key) return;
-    if (!heard) {
+    if (!reply) {
       this.key = null;
       return;
     }
-    this.holder.classList.remove("stale");
-    const { answer } = heard;
-    const trouble = answer.problems?.map(({ message, help }) => [message, help].filter(Boolean).join(": ")).join(" ") ?? answer.failed;
-    if (trouble) {
-      this.holder.replaceChildren(element("p", { class: "soft" }, trouble));
+    this.container.classList.remove("stale");
+    const { response } = reply;
+    const problemText = response.problems?.map(({ message, help }) => [message, help].filter(Boolean).join(": ")).join(" ") ?? response.failed;
+    if (problemText) {
+      this.container.replaceChildren(element("p", { class: "soft" }, problemText));
       return;
     }
-    // The module escapes what is foreign.
-    const sections = (answer.sections ?? []).map(({ title, html }) => {
-      const made = element("section", { class: "text" }, element("h2", {}, title));
-      made.insertAdjacentHTML("beforeend", html);
-      return made;
+    // The module has escaped all input.
+    const sections = (response.sections ?? []).map(({ title, html }) => {
+      const section = element("section", { class: "text" }, element("h2", {}, title));
+      section.insertAdjacentHTML("beforeend", html);
+      return section;
     });
-    const pictures = (answer.pictures ?? []).map(({ title, svg }) => {
+    const pictures = (response.pictures ?? []).map(({ title, svg }) => {
       const sheet = element("div", { class: "sheet", tabindex: "0", role: "img", "aria-label": title });
       sheet.innerHTML = svg;
       return element("section", { class: "picture" }, element("h2", {}, title), sheet);
     });
-    this.holder.replaceChildren(...pictures, ...sections);
+    this.container.replaceChildren(...pictures, ...sections);
   }
 }

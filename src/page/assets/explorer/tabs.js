@@ -1,37 +1,37 @@
-// Panels, one shown at a time: plots, figures, map, …; the variables too where there is no column for them.
+// Tabs of panels; the fields are a tab on screens without a column for them.
 
-function tabs(list, changed) {
+function createTabs(list, onChange) {
   const buttons = [...list.querySelectorAll("[role='tab']")];
-  const there = () => buttons.filter((each) => each.offsetWidth > 0);
-  let chosen = null;
+  const visibleButtons = () => buttons.filter((tab) => tab.offsetWidth > 0);
+  let selected = null;
   const show = (button, focus) => {
-    if (!there().includes(button)) return;
-    chosen = button;
-    for (const each of buttons) {
-      each.setAttribute("aria-selected", each === chosen);
-      each.tabIndex = each === chosen ? 0 : -1;
-      byId(each.getAttribute("aria-controls")).hidden = each !== chosen;
+    if (!visibleButtons().includes(button)) return;
+    selected = button;
+    for (const tab of buttons) {
+      tab.setAttribute("aria-selected", tab === selected);
+      tab.tabIndex = tab === selected ? 0 : -1;
+      byId(tab.getAttribute("aria-controls")).hidden = tab !== selected;
     }
     if (focus) button.focus();
-    changed();
+    onChange();
   };
-  // The window has become so wide that the tab is gone.
-  const kept = () => there().includes(chosen) || show(there()[0]);
-  addEventListener("resize", kept);
+  // Selects another tab if a wider window has hidden the present one.
+  const ensureVisibleTab = () => visibleButtons().includes(selected) || show(visibleButtons()[0]);
+  addEventListener("resize", ensureVisibleTab);
   buttons.forEach((button) => {
     button.addEventListener("click", () => show(button));
     button.addEventListener("keydown", (event) => {
-      const all = there();
-      const index = all.indexOf(button);
-      const to = { ArrowLeft: index - 1, ArrowRight: index + 1, Home: 0, End: all.length - 1 }[event.key];
-      if (to === undefined) return;
+      const visible = visibleButtons();
+      const index = visible.indexOf(button);
+      const targetIndex = { ArrowLeft: index - 1, ArrowRight: index + 1, Home: 0, End: visible.length - 1 }[event.key];
+      if (targetIndex === undefined) return;
       event.preventDefault();
-      show(all.at(to % all.length), true);
+      show(visible.at(targetIndex % visible.length), true);
     });
   });
   return {
-    kept,
-    shown: () => chosen?.getAttribute("aria-controls"),
-    show: (id) => show(buttons.find((each) => each.getAttribute("aria-controls") === id)),
+    ensureVisibleTab,
+    shown: () => selected?.getAttribute("aria-controls"),
+    show: (id) => show(buttons.find((tab) => tab.getAttribute("aria-controls") === id)),
   };
 }

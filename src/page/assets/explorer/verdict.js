@@ -1,6 +1,6 @@
-// Whether a run can be trusted, as the check says.
+// The verdict of the check on the reliability of a run.
 
-const VERDICTS = {
+const VERDICT_TEXTS = {
   sure: "checked",
   uncertain: "uncertain",
   chaotic: "chaotic",
@@ -8,34 +8,35 @@ const VERDICTS = {
   wrong: "not simulated",
 };
 
-// Shows a verdict, or with `null` that there is none yet. The places are always there, so that nothing moves.
+// Shows a verdict; `null` means that the check is running. The elements always exist, so that the layout does not
+// change.
 function showVerdict(verdict) {
   const kind = verdict?.verdict ?? "waiting";
   const badge = byId("verdict");
   badge.dataset.kind = kind;
-  put("verdict", verdict ? VERDICTS[kind] ?? kind : "…");
-  badge.title = verdict ? verdictWords(verdict) : "The check of this run is under way.";
-  const doubtful = kind === "uncertain" || kind === "chaotic";
-  byId("doubt").hidden = !doubtful;
-  if (doubtful) sayDoubt(verdict, "");
+  setText("verdict", verdict ? VERDICT_TEXTS[kind] ?? kind : "…");
+  badge.title = verdict ? verdictText(verdict) : "This run is being checked.";
+  const isDoubtful = kind === "uncertain" || kind === "chaotic";
+  byId("doubt").hidden = !isDoubtful;
+  if (isDoubtful) showDoubt(verdict, "");
 }
 
-// `since` says from when on.
-const sayDoubt = (verdict, since) => put("doubt", `This run is ${verdict.verdict}${since}: ${verdictWords(verdict)}`);
+// `sinceText` states the time from which the run is unreliable.
+const showDoubt = (verdict, sinceText) => setText("doubt", `This run is ${verdict.verdict}${sinceText}: ${verdictText(verdict)}`);
 
-// What the run itself warns of.
-function showWarnings(said) {
+// Shows the warnings of the run.
+function updateWarnings(warnings) {
   const box = byId("warnings");
-  const all = said.map((each) => element("p", {}, each));
-  if (box.hidden && said.length > 0) box.open = matchMedia("(min-width: 1100px)").matches;
-  box.hidden = said.length === 0;
-  box.replaceChildren(element("summary", {}, `${said.length} ${said.length === 1 ? "warning" : "warnings"} of this run`), ...all);
+  const paragraphs = warnings.map((warning) => element("p", {}, warning));
+  if (box.hidden && warnings.length > 0) box.open = matchMedia("(min-width: 1100px)").matches;
+  box.hidden = warnings.length === 0;
+  box.replaceChildren(element("summary", {}, `${warnings.length} ${warnings.length === 1 ? "warning" : "warnings"} of this run`), ...paragraphs);
 }
 
-// What the check says, without the head of its table and what it advises to do at a terminal.
-const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z ]{4,}:\s*)/, "").replace(/;?\s*\n\s*/g, "; ").replace(/; ask for .*$/, "");
+// The text of the check without its heading and without advice for the command line.
+const verdictText = ({ text }) => text.trim().replace(/^(check\s+|[A-Z ]{4,}:\s*)/, "").replace(/;?\s*\n\s*/g, "; ").replace(/; increase the accuracy with .*$/, "");
 
-// The time up to which a run is what it says, `undefined` where all of it is.
+// The time up to which a run is reliable, or `undefined` if all of it is.
 function trustedUntil(verdict, start) {
   return verdict?.verdict === "uncertain" || verdict?.verdict === "chaotic" ? verdict.from_s ?? start : undefined;
 }

@@ -1,4 +1,5 @@
-// What a worker does: hands requests to the module and its answers back. Its text alone is sent to the worker.
+// Code of the worker, which passes requests to the module and returns the responses. The function is sent as source
+// text.
 
 function workerBody() {
   const encoder = new TextEncoder();
@@ -6,29 +7,29 @@ function workerBody() {
   let module = null;
   let exports = null;
 
-  // The text and the numbers an answer points to, copied out: the module's memory may move with the next call.
-  function read(pointer) {
+  // Copies the text and numbers of a response, because the next call may move the memory of the module.
+  function readOutput(pointer) {
     const { buffer } = exports.memory;
-    const [text, bytes, data, numbers] = new Uint32Array(buffer, pointer >>> 0, 4);
-    const json = decoder.decode(new Uint8Array(buffer, text, bytes));
-    return { text: json, data: buffer.slice(data, data + 8 * numbers) };
+    const [text, textLength, data, numberCount] = new Uint32Array(buffer, pointer >>> 0, 4);
+    const json = decoder.decode(new Uint8Array(buffer, text, textLength));
+    return { text: json, data: buffer.slice(data, data + 8 * numberCount) };
   }
 
-  function answered(request) {
+  function handleRequest(request) {
     const bytes = encoder.encode(JSON.stringify(request));
     const start = performance.now();
-    const room = exports.room(bytes.length) >>> 0;
-    new Uint8Array(exports.memory.buffer, room, bytes.length).set(bytes);
+    const requestPointer = exports.room(bytes.length) >>> 0;
+    new Uint8Array(exports.memory.buffer, requestPointer, bytes.length).set(bytes);
     const pointer = exports.answer(bytes.length);
     const ms = performance.now() - start;
-    const { text, data } = read(pointer);
-    return { answer: JSON.parse(text), data, ms };
+    const { text, data } = readOutput(pointer);
+    return { response: JSON.parse(text), data, ms };
   }
 
-  // What the module says of a failure; its memory is as the failure left it.
-  function trouble(error) {
+  // The panic message of the module, if it can be read.
+  function failureMessage(error) {
     try {
-      return read(exports.trouble()).text || String(error);
+      return readOutput(exports.trouble()).text || String(error);
     } catch {
       return String(error);
     }
@@ -42,10 +43,10 @@ function workerBody() {
     const { id, request } = message;
     try {
       exports ??= new WebAssembly.Instance(module, {}).exports;
-      const { answer, data, ms } = answered(request);
-      postMessage({ id, answer, data, ms }, [data]);
+      const { response, data, ms } = handleRequest(request);
+      postMessage({ id, response, data, ms }, [data]);
     } catch (error) {
-      postMessage({ id, answer: { failed: trouble(error) }, data: new ArrayBuffer(0), ms: 0 });
+      postMessage({ id, response: { failed: failureMessage(error) }, data: new ArrayBuffer(0), ms: 0 });
       exports = null;
     }
   };

@@ -1,52 +1,52 @@
-// Choices, sliders, pointers.
+// Controls of the page of volumes.
 
 const byId = (id) => document.getElementById(id);
 
-const put = (id, text) => {
+const setText = (id, text) => {
   if (byId(id).textContent !== text) byId(id).textContent = text;
 };
 
-function controls(app) {
+function connectControls(app) {
   const { data } = app;
-  const options = (id, entries) => byId(id).append(...entries.map(([value, text]) => element("option", { value }, text)));
-  options("base", data.bases.map((base, index) => [index, baseText(base)]));
-  if (data.bases.length > 1) options("base", [[-1, "all bases at once"]]);
-  options("friction", data.mu_static.map((mu, index) => [index, String(mu)]));
-  options("quantity", data.quantities.map((quantity, index) => [index, quantity.unit ? `${quantity.name}, ${quantity.unit}` : quantity.name]));
-  const change = (id, action) => byId(id).addEventListener("change", (event) => action(event.target));
-  change("base", (target) => app.setBase(Number(target.value)));
-  change("friction", (target) => app.setFriction(Number(target.value)));
-  change("quantity", (target) => app.setQuantity(Number(target.value)));
-  change("region", (target) => app.setRegion(target.value));
-  change("rest", (target) => app.setRest(target.checked));
-  change("same", (target) => app.setSame(target.checked));
-  const click = (id, action) => byId(id).addEventListener("click", action);
-  for (const name of Object.keys(VIEWS)) click(`view-${name}`, () => app.view(name));
-  click("zoom-in", () => app.zoom(1.25));
-  click("zoom-out", () => app.zoom(0.8));
-  click("zoom-fit", app.fit);
-  click("slices-all", app.allSlices);
-  click("theme", app.toggleTheme);
-  const sliders = data.axes.map((axis, index) => slice(app, axis, index));
-  byId("slices").append(...sliders.map((each) => each.field));
-  pointers(app);
+  const addOptions = (id, entries) => byId(id).append(...entries.map(([value, text]) => element("option", { value }, text)));
+  addOptions("base", data.bases.map((base, index) => [index, baseText(base)]));
+  if (data.bases.length > 1) addOptions("base", [[-1, "all bases at once"]]);
+  addOptions("friction", data.mu_static.map((mu, index) => [index, String(mu)]));
+  addOptions("quantity", data.quantities.map((quantity, index) => [index, quantity.unit ? `${quantity.name}, ${quantity.unit}` : quantity.name]));
+  const onChange = (id, action) => byId(id).addEventListener("change", (event) => action(event.target));
+  onChange("base", (target) => app.setBase(Number(target.value)));
+  onChange("friction", (target) => app.setFriction(Number(target.value)));
+  onChange("quantity", (target) => app.setQuantity(Number(target.value)));
+  onChange("region", (target) => app.setRegion(target.value));
+  onChange("rest", (target) => app.setRest(target.checked));
+  onChange("same", (target) => app.setSameScale(target.checked));
+  const onClick = (id, action) => byId(id).addEventListener("click", action);
+  for (const name of Object.keys(VIEWS)) onClick(`view-${name}`, () => app.view(name));
+  onClick("zoom-in", () => app.zoom(1.25));
+  onClick("zoom-out", () => app.zoom(0.8));
+  onClick("zoom-fit", app.fit);
+  onClick("slices-all", app.allSlices);
+  onClick("theme", app.toggleTheme);
+  const sliders = data.axes.map((axis, index) => createSlice(app, axis, index));
+  byId("slices").append(...sliders.map((slider) => slider.field));
+  connectPointers(app);
   return () => {
     byId("base").value = String(app.base);
     byId("friction").value = String(app.friction);
     byId("quantity").value = String(data.quantities.indexOf(app.quantity));
     byId("region").value = app.region;
     byId("rest").checked = app.rest;
-    byId("same").checked = app.same;
-    for (const each of sliders) each.refresh();
-    shares(app);
-    legend(app);
-    put("pinned", app.at && !app.hover ? "chosen" : app.hover ? "under the pointer" : "");
+    byId("same").checked = app.sameScale;
+    for (const slider of sliders) slider.refresh();
+    showShares(app);
+    showLegend(app);
+    setText("pinned", app.selectedCell && !app.hover ? "chosen" : app.hover ? "under the pointer" : "");
     showDesign(app, byId("design"));
   };
 }
 
-// Two sliders: where the shown part of an axis begins and ends.
-function slice(app, axis, index) {
+// Two sliders for the ends of the visible range of an axis.
+function createSlice(app, axis, index) {
   const last = axis.values.length - 1;
   const output = element("output", {});
   const field = element("fieldset", { class: "slice" }, element("legend", {}, element("span", {}, axis.name), output));
@@ -63,7 +63,7 @@ function slice(app, axis, index) {
       const [from, to] = app.slices[index];
       inputs[0].value = String(from);
       inputs[1].value = String(to);
-      const [a, b] = [from, to].map((at) => axisText(axis, axis.values[at]));
+      const [a, b] = [from, to].map((at) => formatAxisValue(axis, axis.values[at]));
       inputs[0].setAttribute("aria-valuetext", a);
       inputs[1].setAttribute("aria-valuetext", b);
       const text = from === to ? a : `${a} to ${b}`;
@@ -72,28 +72,28 @@ function slice(app, axis, index) {
   };
 }
 
-function shares(app) {
+function showShares(app) {
   const texts = [["stable", "stable"], ["palm", "with PFP ≥ 0"], ["closed", "form-closed"]];
   const key = `${app.base} ${app.friction}`;
   const body = byId("shares");
   if (body.dataset.shown === key) return;
   body.dataset.shown = key;
   body.replaceChildren(...texts.flatMap(([region, name]) => {
-    const share = `${shareOf(app.volume, region).toFixed(2)}\u202f%`;
+    const share = `${regionShare(app.volume, region).toFixed(2)}\u202f%`;
     return [element("dt", {}, name), element("dd", { "data-region": region }, share)];
   }));
 }
 
-function legend(app) {
+function showLegend(app) {
   const { quantity, data, scale } = app;
   const worst = app.base < 0 && !quantity.flag ? ` (${quantity.worst} of all bases)` : "";
-  put("legend-title", (quantity.unit ? `${quantity.name}, ${quantity.unit}` : quantity.name) + worst);
+  setText("legend-title", (quantity.unit ? `${quantity.name}, ${quantity.unit}` : quantity.name) + worst);
   byId("bar").hidden = Boolean(quantity.flag);
-  if (!quantity.flag) drawBar(byId("bar"), scale);
+  if (!quantity.flag) drawColourBar(byId("bar"), scale);
   const entries = quantity.flag ? [[data.colours.flag[1], "form-closed"], [data.colours.flag[0], "not form-closed"]] : [];
-  const rest = { stable: "not stable: a phalanx would have to pull", palm: "not stable, or PFP < 0", closed: "not stable, or not form-closed" };
-  if (app.rest) entries.push(["var(--unstable)", rest[app.region]]);
-  if (app.volume.finger.includes(0)) entries.push(["transparent", "left empty: no such finger"]);
+  const restText = { stable: "not stable: a phalanx would have to pull", palm: "not stable, or PFP < 0", closed: "not stable, or not form-closed" };
+  if (app.rest) entries.push(["var(--unstable)", restText[app.region]]);
+  if (app.volume.hasFinger.includes(0)) entries.push(["transparent", "empty: no such finger"]);
   const key = JSON.stringify(entries);
   const box = byId("swatches");
   if (box.dataset.shown === key) return;
@@ -101,44 +101,44 @@ function legend(app) {
   box.replaceChildren(...entries.map(([fill, text]) => element("span", {}, element("i", { style: `background: ${fill}` }), text)));
 }
 
-// One pointer turns the volume, two zoom it, the wheel too; without a button it reads designs.
-function pointers(app) {
+// One pointer rotates the volume; two pointers or the wheel zoom it; hovering shows designs.
+function connectPointers(app) {
   const { canvas, cube } = app.stage;
-  const down = new Map();
-  let moved = 0;
-  const inCanvas = (event) => {
+  const pointersDown = new Map();
+  let movedDistance = 0;
+  const canvasPoint = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
-    down.set(event.pointerId, inCanvas(event));
-    moved = 0;
+    pointersDown.set(event.pointerId, canvasPoint(event));
+    movedDistance = 0;
   });
   canvas.addEventListener("pointermove", (event) => {
-    const now = inCanvas(event);
-    const before = down.get(event.pointerId);
-    if (!before) {
-      if (event.pointerType !== "touch") app.setHover(app.stage.pick(now));
+    const point = canvasPoint(event);
+    const previousPoint = pointersDown.get(event.pointerId);
+    if (!previousPoint) {
+      if (event.pointerType !== "touch") app.setHover(app.stage.cellAt(point));
       return;
     }
-    const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
-    moved += Math.hypot(dx, dy);
-    if (down.size === 1) {
-      if (moved > 3) app.turn(0.01 * dx, 0.01 * dy);
+    const [dx, dy] = [point[0] - previousPoint[0], point[1] - previousPoint[1]];
+    movedDistance += Math.hypot(dx, dy);
+    if (pointersDown.size === 1) {
+      if (movedDistance > 3) app.turn(0.01 * dx, 0.01 * dy);
     } else {
-      const [other] = [...down].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
-      const apart = Math.hypot(before[0] - other[0], before[1] - other[1]);
-      const wide = Math.hypot(now[0] - other[0], now[1] - other[1]);
-      if (apart > 5 && wide > 5) app.zoom(wide / apart);
+      const [other] = [...pointersDown].filter(([id]) => id !== event.pointerId).map(([, position]) => position);
+      const previousDistance = Math.hypot(previousPoint[0] - other[0], previousPoint[1] - other[1]);
+      const distance = Math.hypot(point[0] - other[0], point[1] - other[1]);
+      if (previousDistance > 5 && distance > 5) app.zoom(distance / previousDistance);
     }
-    down.set(event.pointerId, now);
+    pointersDown.set(event.pointerId, point);
   });
   canvas.addEventListener("pointerup", (event) => {
-    if (down.size === 1 && moved <= 3) app.choose(app.stage.pick(inCanvas(event)));
-    down.delete(event.pointerId);
+    if (pointersDown.size === 1 && movedDistance <= 3) app.choose(app.stage.cellAt(canvasPoint(event)));
+    pointersDown.delete(event.pointerId);
   });
-  canvas.addEventListener("pointercancel", (event) => down.delete(event.pointerId));
+  canvas.addEventListener("pointercancel", (event) => pointersDown.delete(event.pointerId));
   canvas.addEventListener("pointerleave", () => app.setHover(null));
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();

@@ -1,9 +1,9 @@
-// The volume in three dimensions: a box of cells, seen without perspective, painted from the back to the front.
+// The volume in three dimensions: a box of cells in orthographic projection, painted from back to front.
 //
-// Axes of the world: x is l21, y is r_l into the depth, z is φ22 upwards; the box is −1 … 1 along each.
+// World axes: x is l21, y (depth) is r_l, z (up) is φ22; the box extends from −1 to 1 along each axis.
 
-// Which axis of the data each axis of the world is: l21, r_l, φ22 of (l21, φ22, r_l).
-const WORLD = [0, 2, 1];
+// Index of the data axis (l21, φ22, r_l) of each world axis.
+const WORLD_AXES = [0, 2, 1];
 
 const VIEWS = {
   corner: { turn: -0.62, tilt: 0.48 },
@@ -14,8 +14,8 @@ const VIEWS = {
 
 class Cube {
   constructor(size) {
-    // Cells along x, y, z.
-    this.cells = WORLD.map((axis) => size[axis]);
+    // Number of cells along x, y, z.
+    this.cells = WORLD_AXES.map((axis) => size[axis]);
     this.view("corner");
   }
 
@@ -33,66 +33,66 @@ class Cube {
     this.zoom = Math.min(Math.max(this.zoom * factor, 0.4), 12);
   }
 
-  // The map to a canvas of a size, and the direction to the eye.
+  // The projection to a canvas of a given size, and the direction to the viewer.
   projection(width, height) {
     const [st, ct] = [Math.sin(this.turn), Math.cos(this.turn)];
     const [si, ci] = [Math.sin(this.tilt), Math.cos(this.tilt)];
-    const room = Math.max(60, Math.min(width - 120, height - 110));
-    const scale = (this.zoom * room) / 3.1;
+    const available = Math.max(60, Math.min(width - 120, height - 110));
+    const scale = (this.zoom * available) / 3.1;
     const [cx, cy] = [width / 2 + 6, height / 2 + 2];
-    const to = (x, y, z) => {
+    const toScreen = (x, y, z) => {
       const across = x * ct - y * st;
-      const deep = x * st + y * ct;
-      return [cx + scale * across, cy - scale * (z * ci + deep * si)];
+      const depth = x * st + y * ct;
+      return [cx + scale * across, cy - scale * (z * ci + depth * si)];
     };
-    return { to, eye: [-st * ci, -ct * ci, si], scale };
+    return { toScreen, eye: [-st * ci, -ct * ci, si], scale };
   }
 
-  // Faces of the cells that are seen, from the back to the front: `shown` says the colour of a cell of the world, or null.
-  faces(projection, from, to, shown) {
+  // Visible faces of the cells from back to front; `cellFill` returns the fill of a world cell, or null if it is empty.
+  faces(projection, from, toScreen, cellFill) {
     const { cells } = this;
-    const { to: place, eye } = projection;
+    const { toScreen: project, eye } = projection;
     const edge = (axis, index) => (2 * index) / cells[axis] - 1;
     const order = [0, 1, 2].map((axis) => {
-      const list = [];
-      for (let i = from[axis]; i <= to[axis]; i++) list.push(i);
-      return eye[axis] >= 0 ? list : list.reverse();
+      const indices = [];
+      for (let i = from[axis]; i <= toScreen[axis]; i++) indices.push(i);
+      return eye[axis] >= 0 ? indices : indices.reverse();
     });
-    const near = eye.map((part) => (part >= 0 ? 1 : -1));
-    const seen = [0, 1, 2].filter((axis) => Math.abs(eye[axis]) > 1e-9);
+    const facing = eye.map((component) => (component >= 0 ? 1 : -1));
+    const visibleAxes = [0, 1, 2].filter((axis) => Math.abs(eye[axis]) > 1e-9);
     const faces = [];
     for (const z of order[2]) for (const y of order[1]) for (const x of order[0]) {
       const cell = [x, y, z];
-      const fill = shown(cell);
+      const fill = cellFill(cell);
       if (fill === null) continue;
-      for (const axis of seen) {
-        const beside = [...cell];
-        beside[axis] += near[axis];
-        const inside = beside[axis] >= from[axis] && beside[axis] <= to[axis];
-        if (inside && shown(beside) !== null) continue;
-        faces.push({ cell, axis, fill, corners: this.face(place, edge, cell, axis, near[axis]) });
+      for (const axis of visibleAxes) {
+        const neighbour = [...cell];
+        neighbour[axis] += facing[axis];
+        const isInRange = neighbour[axis] >= from[axis] && neighbour[axis] <= toScreen[axis];
+        if (isInRange && cellFill(neighbour) !== null) continue;
+        faces.push({ cell, axis, fill, corners: this.faceCorners(project, edge, cell, axis, facing[axis]) });
       }
     }
     return faces;
   }
 
-  face(place, edge, cell, axis, side) {
+  faceCorners(toScreen, edge, cell, axis, side) {
     const [a, b] = [0, 1, 2].filter((other) => other !== axis);
     return [[0, 0], [1, 0], [1, 1], [0, 1]].map(([da, db]) => {
-      const at = [0, 0, 0];
-      at[axis] = edge(axis, cell[axis] + (side > 0 ? 1 : 0));
-      at[a] = edge(a, cell[a] + da);
-      at[b] = edge(b, cell[b] + db);
-      return place(...at);
+      const position = [0, 0, 0];
+      position[axis] = edge(axis, cell[axis] + (side > 0 ? 1 : 0));
+      position[a] = edge(a, cell[a] + da);
+      position[b] = edge(b, cell[b] + db);
+      return toScreen(...position);
     });
   }
 }
 
-function inside([x, y], corners) {
-  let within = false;
+function isInsidePolygon([x, y], corners) {
+  let isInside = false;
   for (let i = 0, j = corners.length - 1; i < corners.length; j = i++) {
     const [[xi, yi], [xj, yj]] = [corners[i], corners[j]];
-    if (yi > y !== yj > y && x < ((xj - xi) * (y - yi)) / (yj - yi) + xi) within = !within;
+    if (yi > y !== yj > y && x < ((xj - xi) * (y - yi)) / (yj - yi) + xi) isInside = !isInside;
   }
-  return within;
+  return isInside;
 }

@@ -1,26 +1,26 @@
-// The points: base64 columns → arrays, and what they say of one volume or of the intersection of all.
+// Decodes the points: base64 columns → arrays; evaluates a volume, or the intersection of all volumes.
 
 const STABLE = 1;
 const PALM = 2;
 const CLOSED = 4;
 
-function bytesOf(text) {
+function decodeBase64(text) {
   return Uint8Array.from(atob(text), (char) => char.charCodeAt(0));
 }
 
-// Columns are little-endian, as every machine with a browser is.
-const floats = (text) => new Float32Array(bytesOf(text).buffer);
-const shorts = (text) => new Uint16Array(bytesOf(text).buffer);
+// Columns are little-endian, like every platform with a browser.
+const decodeF32 = (text) => new Float32Array(decodeBase64(text).buffer);
+const decodeU16 = (text) => new Uint16Array(decodeBase64(text).buffer);
 
-function loaded() {
+function loadVolumes() {
   const raw = JSON.parse(document.getElementById("data").textContent);
   raw.bases = raw.bases.map((base) => ({
     ...base,
-    columns: Object.fromEntries(Object.entries(base.columns).map(([name, text]) => [name, floats(text)])),
-    reason: shorts(base.reason),
+    columns: Object.fromEntries(Object.entries(base.columns).map(([name, text]) => [name, decodeF32(text)])),
+    reason: decodeU16(base.reason),
     frictions: base.frictions.map((friction) => ({
-      flags: bytesOf(friction.flags),
-      columns: Object.fromEntries(Object.entries(friction.columns).map(([name, text]) => [name, floats(text)])),
+      flags: decodeBase64(friction.flags),
+      columns: Object.fromEntries(Object.entries(friction.columns).map(([name, text]) => [name, decodeF32(text)])),
     })),
   }));
   raw.size = raw.axes.map((axis) => axis.values.length);
@@ -29,30 +29,30 @@ function loaded() {
   return raw;
 }
 
-// A column of a base, whether it depends on friction or not.
-function columnOf(base, friction, name) {
+// A column of a base, which may or may not depend on friction.
+function getColumn(base, friction, name) {
   return base.frictions[friction].columns[name] ?? base.columns[name];
 }
 
-// One volume as it is looked at: flags and values of every point, undefined where there is no finger. `base` is the number
-// of a base, or −1 for the intersection of all.
-function volumeOf(data, base, friction, quantity) {
+// Flags and values of all points of a volume, undefined where there is no finger. `base` is the index of a base, or −1
+// for the intersection of all bases.
+function evaluateVolume(data, base, friction, quantity) {
   const bases = base < 0 ? data.bases : [data.bases[base]];
   const flags = new Uint8Array(data.points).fill(STABLE | PALM | CLOSED);
-  const finger = new Uint8Array(data.points).fill(1);
+  const hasFinger = new Uint8Array(data.points).fill(1);
   const values = new Float32Array(data.points);
   const worst = quantity.worst === "largest" ? Math.max : Math.min;
-  bases.forEach((each, number) => {
-    const own = each.frictions[friction].flags;
-    const column = quantity.flag ? null : columnOf(each, friction, quantity.column);
-    for (let n = 0; n < data.points; n++) {
-      flags[n] &= own[n];
-      if (each.reason[n]) finger[n] = 0;
-      const value = column ? column[n] : own[n] & CLOSED ? 1 : 0;
-      values[n] = number === 0 ? value : worst(values[n], value);
+  bases.forEach((baseData, baseIndex) => {
+    const baseFlags = baseData.frictions[friction].flags;
+    const column = quantity.flag ? null : getColumn(baseData, friction, quantity.column);
+    for (let point = 0; point < data.points; point++) {
+      flags[point] &= baseFlags[point];
+      if (baseData.reason[point]) hasFinger[point] = 0;
+      const value = column ? column[point] : baseFlags[point] & CLOSED ? 1 : 0;
+      values[point] = baseIndex === 0 ? value : worst(values[point], value);
     }
   });
-  return { flags, finger, values };
+  return { flags, hasFinger, values };
 }
 
 const REGIONS = {
@@ -61,9 +61,9 @@ const REGIONS = {
   closed: (flags) => (flags & STABLE) !== 0 && (flags & CLOSED) !== 0,
 };
 
-// Percent of all points in a region.
-function shareOf(volume, region) {
+// Percentage of all points that are in a region.
+function regionShare(volume, region) {
   let count = 0;
-  for (let n = 0; n < volume.flags.length; n++) if (volume.finger[n] && REGIONS[region](volume.flags[n])) count++;
+  for (let point = 0; point < volume.flags.length; point++) if (volume.hasFinger[point] && REGIONS[region](volume.flags[point])) count++;
   return (100 * count) / volume.flags.length;
 }

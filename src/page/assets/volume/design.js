@@ -1,45 +1,45 @@
-// One design in words: what is under the pointer, or what was chosen.
+// The facts of the design that is under the pointer or selected.
 
-// A value in the unit people use, in four digits.
-function fact(value, factor, unit) {
-  const shown = value * factor;
-  const digits = Math.max(0, 3 - Math.floor(Math.log10(Math.max(Math.abs(shown), 1e-3))));
-  return `${minus(shown.toFixed(Math.min(digits, 4)))}\u202f${unit}`;
+// Formats a value with four digits.
+function formatFact(value, factor, unit) {
+  const displayed = value * factor;
+  const digits = Math.max(0, 3 - Math.floor(Math.log10(Math.max(Math.abs(displayed), 1e-3))));
+  return `${withMinusSign(displayed.toFixed(Math.min(digits, 4)))}\u202f${unit}`;
 }
 
-// A base as it was asked for, without needless zeros.
+// Formats a base without trailing zeros.
 const baseText = (base) => `${Number((base.base_m * 1e3).toPrecision(7))}\u202fmm`;
 
-function rows(facts) {
+function factTable(facts) {
   const body = element("tbody");
   for (const [name, text] of facts) body.append(element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, text)));
   return element("table", { class: "facts" }, body);
 }
 
-// What is known of a design: at one base everything, of the intersection the value of each base.
+// The facts of a design: all quantities for one base, the selected quantity of each base for the intersection.
 function designFacts(app, cell) {
   const { data, friction, quantity } = app;
-  const n = data.index(cell);
-  const [l21, phi22, arm] = data.axes.map((axis, k) => axisText(axis, axis.values[cell[k]]));
-  const place = [["l21 fraction", l21], ["φ22", phi22], ["r_l", arm]];
+  const point = data.index(cell);
+  const [l21, phi22, arm] = data.axes.map((axis, k) => formatAxisValue(axis, axis.values[cell[k]]));
+  const position = [["l21 fraction", l21], ["φ22", phi22], ["r_l", arm]];
   const base = data.bases[app.base];
   if (!base) {
-    const each = data.bases.map((own) => {
-      const name = `at ${baseText(own)}`;
-      if (own.reason[n]) return [name, "no finger"];
-      const flags = own.frictions[friction].flags[n];
+    const valueByBase = data.bases.map((otherBase) => {
+      const name = `at ${baseText(otherBase)}`;
+      if (otherBase.reason[point]) return [name, "no finger"];
+      const flags = otherBase.frictions[friction].flags[point];
       if (!(flags & STABLE)) return [name, "not stable"];
       if (quantity.flag) return [name, flags & CLOSED ? "closed" : "not closed"];
-      return [name, fact(columnOf(own, friction, quantity.column)[n], quantity.factor, quantity.unit)];
+      return [name, formatFact(getColumn(otherBase, friction, quantity.column)[point], quantity.factor, quantity.unit)];
     });
-    return { place, each, flags: app.volume.flags[n], finger: app.volume.finger[n] === 1 };
+    return { position, valueByBase, flags: app.volume.flags[point], hasFinger: app.volume.hasFinger[point] === 1 };
   }
-  if (base.reason[n]) return { place, reason: base.reasons[base.reason[n] - 1] };
-  const value = (name, factor, unit) => fact(columnOf(base, friction, name)[n], factor, unit);
+  if (base.reason[point]) return { position, reason: base.reasons[base.reason[point] - 1] };
+  const value = (name, factor, unit) => formatFact(getColumn(base, friction, name)[point], factor, unit);
   return {
-    place,
-    finger: true,
-    flags: base.frictions[friction].flags[n],
+    position,
+    hasFinger: true,
+    flags: base.frictions[friction].flags[point],
     lengths: [
       ["l11", value("l11_m", 1e3, "mm")],
       ["l12", value("l12_m", 1e3, "mm")],
@@ -59,29 +59,29 @@ function designFacts(app, cell) {
 }
 
 function showDesign(app, box) {
-  const cell = app.hover ?? app.at;
+  const cell = app.hover ?? app.selectedCell;
   const key = JSON.stringify([cell, app.base, app.friction, app.quantity.key]);
   if (box.dataset.shown === key) return;
   box.dataset.shown = key;
   if (!cell) {
-    box.replaceChildren(element("p", { class: "soft" }, "Point at a cell of the volume, or press l, p or r to choose one by keyboard."));
+    box.replaceChildren(element("p", { class: "soft" }, "Point at a cell of the volume, or press l, p or r to select one."));
     return;
   }
   const facts = designFacts(app, cell);
   if (facts.reason !== undefined) {
-    box.replaceChildren(rows(facts.place), element("p", {}, `There is no such finger: ${facts.reason}`));
+    box.replaceChildren(factTable(facts.position), element("p", {}, `There is no such finger: ${facts.reason}`));
     return;
   }
   const verdict = element("p", { class: "verdict" });
-  const say = (yes, good, bad) => verdict.append(element("span", yes ? {} : { class: "no" }, yes ? good : bad));
-  if (facts.finger) {
-    say(facts.flags & STABLE, "stable", "not stable");
-    say(facts.flags & PALM, "PFP ≥ 0", "PFP < 0");
-    say(facts.flags & CLOSED, "form-closed", "not form-closed");
+  const addVerdict = (isGood, goodText, badText) => verdict.append(element("span", isGood ? {} : { class: "no" }, isGood ? goodText : badText));
+  if (facts.hasFinger) {
+    addVerdict(facts.flags & STABLE, "stable", "not stable");
+    addVerdict(facts.flags & PALM, "PFP ≥ 0", "PFP < 0");
+    addVerdict(facts.flags & CLOSED, "form-closed", "not form-closed");
   } else {
-    say(false, "", "no finger at every base");
+    addVerdict(false, "", "no finger at every base");
   }
-  const tables = facts.each ? [rows(facts.place), rows(facts.each)] : [rows([...facts.place, ...facts.forces]), rows(facts.lengths)];
+  const tables = facts.valueByBase ? [factTable(facts.position), factTable(facts.valueByBase)] : [factTable([...facts.position, ...facts.forces]), factTable(facts.lengths)];
   const pair = element("div", { class: "facts-pair" }, ...tables);
   box.replaceChildren(verdict, pair);
 }

@@ -1,27 +1,27 @@
-// Everything by keyboard, and the help that says so.
+// Keyboard control, and the list of keys in the help.
 
-const KEYS = [
-  [["←", "→", "↑", "↓"], "turn the volume"],
+const KEY_HELP = [
+  [["←", "→", "↑", "↓"], "rotate the volume"],
   [["+", "−", "0"], "zoom in or out, or show everything"],
-  [["1", "2", "3", "4"], "from a corner, or along one axis"],
+  [["1", "2", "3", "4"], "view from a corner, or along an axis"],
   [["b", "Shift b"], "next or previous base"],
   [["m", "Shift m"], "next or previous friction"],
-  [["c", "Shift c"], "next or previous colour"],
-  [["g"], "region in colour: stable, PFP ≥ 0, form-closed"],
-  [["s"], "show or hide the rest"],
+  [["c", "Shift c"], "next or previous quantity in colour"],
+  [["g"], "coloured region: stable, PFP ≥ 0, form-closed"],
+  [["s"], "show or hide other cells"],
   [["l", "Shift l"], "design: longer or shorter l21"],
   [["p", "Shift p"], "design: larger or smaller φ22"],
   [["r", "Shift r"], "design: larger or smaller r_l"],
-  [["x", "y", "z"], "cut to the slice of the design: l21, r_l, φ22"],
+  [["x", "y", "z"], "show the slice of the design: l21, r_l, φ22"],
   [["a"], "all slices"],
-  [["Esc"], "let the design go"],
-  [["d"], "light or dark"],
+  [["Esc"], "deselect the design"],
+  [["d"], "light or dark colours"],
   [["?"], "this help"],
 ];
 
-function keyboard(app) {
-  const help = byId("help");
-  const open = keyHelp(help, KEYS);
+function connectKeyboard(app) {
+  const dialog = byId("help");
+  const openHelp = connectHelp(dialog, KEY_HELP);
   const STEP = 0.0873;
   const actions = {
     ArrowLeft: () => app.turn(-STEP, 0),
@@ -57,12 +57,12 @@ function keyboard(app) {
     a: app.allSlices,
     Escape: () => app.choose(null),
     d: app.toggleTheme,
-    "?": open,
+    "?": openHelp,
   };
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || dialog.open) return;
     const { tagName, type } = event.target;
-    // Where an element has a use of its own for a key, it keeps it.
+    // Elements that use a key themselves take precedence.
     if (tagName === "SELECT") return;
     if (tagName === "INPUT" && type === "range" && /^(Arrow|Home|End|Page)/.test(event.key)) return;
     if (event.target.matches(".grid, .sheet") && event.key.startsWith("Arrow")) return;

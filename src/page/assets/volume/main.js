@@ -1,7 +1,7 @@
-// Puts the page together and draws it when something has changed.
+// Starts the page of volumes and redraws it on changes.
 
 function main() {
-  const data = loaded();
+  const data = loadVolumes();
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   const app = {
     data,
@@ -10,98 +10,98 @@ function main() {
     quantity: data.quantities[0],
     region: "stable",
     rest: true,
-    same: false,
+    sameScale: false,
     slices: data.size.map((count) => [0, count - 1]),
-    at: null,
+    selectedCell: null,
     hover: null,
     dirty: true,
   };
   app.stage = new Stage(byId("stage"), data);
-  const changed = () => { app.dirty = true; };
-  const recount = () => {
-    app.volume = volumeOf(data, app.base, app.friction, app.quantity);
+  const requestRedraw = () => { app.dirty = true; };
+  const reevaluate = () => {
+    app.volume = evaluateVolume(data, app.base, app.friction, app.quantity);
     app.scale = scaleOf(app);
-    changed();
+    requestRedraw();
   };
 
-  const within = (value, count) => ((value % count) + count) % count;
-  app.setBase = (base) => { app.base = base; recount(); };
-  app.setFriction = (friction) => { app.friction = friction; recount(); };
-  app.setQuantity = (index) => { app.quantity = data.quantities[index]; recount(); };
-  app.setRegion = (region) => { app.region = region; changed(); };
-  app.setRest = (rest) => { app.rest = rest; changed(); };
-  app.setSame = (same) => { app.same = same; recount(); };
-  app.nextBase = (by) => {
+  const wrap = (value, count) => ((value % count) + count) % count;
+  app.setBase = (base) => { app.base = base; reevaluate(); };
+  app.setFriction = (friction) => { app.friction = friction; reevaluate(); };
+  app.setQuantity = (index) => { app.quantity = data.quantities[index]; reevaluate(); };
+  app.setRegion = (region) => { app.region = region; requestRedraw(); };
+  app.setRest = (rest) => { app.rest = rest; requestRedraw(); };
+  app.setSameScale = (sameScale) => { app.sameScale = sameScale; reevaluate(); };
+  app.nextBase = (step) => {
     const list = [...data.bases.keys(), ...(data.bases.length > 1 ? [-1] : [])];
-    app.setBase(list[within(list.indexOf(app.base) + by, list.length)]);
+    app.setBase(list[wrap(list.indexOf(app.base) + step, list.length)]);
   };
-  app.nextFriction = (by) => app.setFriction(within(app.friction + by, data.mu_static.length));
-  app.nextQuantity = (by) => app.setQuantity(within(data.quantities.indexOf(app.quantity) + by, data.quantities.length));
+  app.nextFriction = (step) => app.setFriction(wrap(app.friction + step, data.mu_static.length));
+  app.nextQuantity = (step) => app.setQuantity(wrap(data.quantities.indexOf(app.quantity) + step, data.quantities.length));
   app.nextRegion = () => {
     const list = Object.keys(REGIONS);
-    app.setRegion(list[within(list.indexOf(app.region) + 1, list.length)]);
+    app.setRegion(list[wrap(list.indexOf(app.region) + 1, list.length)]);
   };
-  // The two ends of a slice push each other along.
+  // The two ends of a range push each other.
   app.setSlice = (axis, side, value) => {
     const other = app.slices[axis][1 - side];
     app.slices[axis] = side === 0 ? [value, Math.max(value, other)] : [Math.min(value, other), value];
-    changed();
+    requestRedraw();
   };
   app.allSlices = () => {
     app.slices = data.size.map((count) => [0, count - 1]);
-    changed();
+    requestRedraw();
   };
-  // The slice of the chosen design across one axis, or all of the axis again.
+  // Restricts an axis to the slice of the selected design, or restores the full axis.
   app.cut = (axis) => {
     const [from, to] = app.slices[axis];
-    const at = (app.at ?? data.size.map((count) => count >> 1))[axis];
+    const at = (app.selectedCell ?? data.size.map((count) => count >> 1))[axis];
     app.slices[axis] = from === at && to === at ? [0, data.size[axis] - 1] : [at, at];
-    changed();
+    requestRedraw();
   };
-  app.turn = (turn, tilt) => { app.stage.cube.turnBy(turn, tilt); changed(); };
-  app.zoom = (factor) => { app.stage.cube.zoomBy(factor); changed(); };
-  app.fit = () => { app.stage.cube.zoom = 1; changed(); };
-  app.view = (name) => { app.stage.cube.view(name); changed(); };
+  app.turn = (turn, tilt) => { app.stage.cube.turnBy(turn, tilt); requestRedraw(); };
+  app.zoom = (factor) => { app.stage.cube.zoomBy(factor); requestRedraw(); };
+  app.fit = () => { app.stage.cube.zoom = 1; requestRedraw(); };
+  app.view = (name) => { app.stage.cube.view(name); requestRedraw(); };
   app.setHover = (cell) => {
     if (JSON.stringify(cell) === JSON.stringify(app.hover)) return;
     app.hover = cell;
-    changed();
+    requestRedraw();
   };
   app.choose = (cell) => {
-    app.at = cell;
+    app.selectedCell = cell;
     app.hover = null;
-    changed();
+    requestRedraw();
   };
-  app.moveDesign = (axis, by) => {
-    const cell = app.at ?? data.size.map((count) => count >> 1);
-    const moved = [...cell];
-    if (app.at) moved[axis] = Math.min(Math.max(moved[axis] + by, 0), data.size[axis] - 1);
-    app.choose(moved);
+  app.moveDesign = (axis, step) => {
+    const cell = app.selectedCell ?? data.size.map((count) => count >> 1);
+    const newCell = [...cell];
+    if (app.selectedCell) newCell[axis] = Math.min(Math.max(newCell[axis] + step, 0), data.size[axis] - 1);
+    app.choose(newCell);
   };
-  app.theme = (name) => {
+  app.setTheme = (name) => {
     document.documentElement.dataset.theme = name;
     byId("theme").setAttribute("aria-pressed", name === "dark");
-    forgetColours();
-    changed();
+    clearColourCache();
+    requestRedraw();
   };
-  app.toggleTheme = () => app.theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
+  app.toggleTheme = () => app.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
 
-  app.theme(dark.matches ? "dark" : "light");
-  dark.addEventListener("change", () => app.theme(dark.matches ? "dark" : "light"));
-  recount();
-  const refresh = controls(app);
-  keyboard(app);
-  put("source", data.note);
+  app.setTheme(dark.matches ? "dark" : "light");
+  dark.addEventListener("change", () => app.setTheme(dark.matches ? "dark" : "light"));
+  reevaluate();
+  const refresh = connectControls(app);
+  connectKeyboard(app);
+  setText("source", data.note);
   app.render = () => {
     if (!app.dirty) return;
     app.dirty = false;
     app.stage.draw(app);
     refresh();
   };
-  new ResizeObserver(changed).observe(document.body);
-  new ResizeObserver(changed).observe(app.stage.canvas);
+  new ResizeObserver(requestRedraw).observe(document.body);
+  new ResizeObserver(requestRedraw).observe(app.stage.canvas);
   window.addEventListener("beforeprint", () => {
-    app.theme("light");
+    app.setTheme("light");
     app.render();
   });
   const frame = () => {
@@ -109,31 +109,31 @@ function main() {
     requestAnimationFrame(frame);
   };
   requestAnimationFrame(frame);
-  window.phalanx = forTests(app);
+  window.phalanx = createTestHooks(app);
 }
 
-// The scale of what is shown, or of all volumes.
+// The colour scale of the present volume, or a common scale of all volumes.
 function scaleOf(app) {
   const { data, quantity } = app;
   let [low, high] = [Infinity, -Infinity];
-  const take = (volume) => {
-    for (let n = 0; n < data.points; n++) {
-      if (!volume.finger[n] || !REGIONS.stable(volume.flags[n])) continue;
-      low = Math.min(low, volume.values[n]);
-      high = Math.max(high, volume.values[n]);
+  const include = (volume) => {
+    for (let point = 0; point < data.points; point++) {
+      if (!volume.hasFinger[point] || !REGIONS.stable(volume.flags[point])) continue;
+      low = Math.min(low, volume.values[point]);
+      high = Math.max(high, volume.values[point]);
     }
   };
-  if (!app.same) take(app.volume);
-  else data.bases.forEach((_, base) => data.mu_static.forEach((_, friction) => take(volumeOf(data, base, friction, quantity))));
+  if (!app.sameScale) include(app.volume);
+  else data.bases.forEach((_, base) => data.mu_static.forEach((_, friction) => include(evaluateVolume(data, base, friction, quantity))));
   return new Scale(data.colours, quantity, low, high);
 }
 
-// What a test may look at, and the controls as functions.
-function forTests(app) {
+// Interface for tests: the state of the page, and the controls as functions.
+function createTestHooks(app) {
   const state = () => {
     app.render();
     const { cube, faces } = app.stage;
-    const coloured = new Set(faces.filter((face) => face.fill >= 0).map((face) => face.fill));
+    const colouredPoints = new Set(faces.filter((face) => face.fill >= 0).map((face) => face.fill));
     return {
       base: app.base,
       friction: app.friction,
@@ -141,35 +141,35 @@ function forTests(app) {
       region: app.region,
       rest: app.rest,
       slices: app.slices,
-      design: app.hover ?? app.at,
-      chosen: app.at,
+      design: app.hover ?? app.selectedCell,
+      chosen: app.selectedCell,
       turn_rad: cube.turn,
       tilt_rad: cube.tilt,
       zoom: cube.zoom,
-      names_px: app.stage.names,
+      names_px: app.stage.nameExtents,
       faces: faces.length,
-      coloured: coloured.size,
+      coloured: colouredPoints.size,
       scale: [app.scale.from, app.scale.to],
-      shares: Object.fromEntries(Object.keys(REGIONS).map((region) => [region, shareOf(app.volume, region)])),
+      shares: Object.fromEntries(Object.keys(REGIONS).map((region) => [region, regionShare(app.volume, region)])),
     };
   };
-  const { setBase, setFriction, setQuantity, setRegion, setRest, setSame, setSlice, allSlices, choose, view, zoom, turn, theme } = app;
+  const { setBase, setFriction, setQuantity, setRegion, setRest, setSameScale, setSlice, allSlices, choose, view, zoom, turn, setTheme } = app;
   return Object.freeze({
     state,
-    setBase, setFriction, setQuantity, setRegion, setRest, setSame, setSlice, allSlices, choose, view, zoom, turn, theme,
+    setBase, setFriction, setQuantity, setRegion, setRest, setSameScale, setSlice, allSlices, choose, view, zoom, turn, setTheme,
     size: app.data.size,
     point(cell) {
-      const n = app.data.index(cell);
+      const point = app.data.index(cell);
       const base = app.data.bases[app.base];
       const names = [...Object.keys(base.columns), ...Object.keys(base.frictions[app.friction].columns)];
       return {
-        flags: base.frictions[app.friction].flags[n],
-        reason: base.reason[n] ? base.reasons[base.reason[n] - 1] : null,
-        ...Object.fromEntries(names.map((name) => [name, columnOf(base, app.friction, name)[n]])),
+        flags: base.frictions[app.friction].flags[point],
+        reason: base.reason[point] ? base.reasons[base.reason[point] - 1] : null,
+        ...Object.fromEntries(names.map((name) => [name, getColumn(base, app.friction, name)[point]])),
       };
     },
-    // Where a cell is on the screen, and the colour it is drawn in.
-    place: (cell) => app.stage.middle(cell),
+    // Position on the screen and colour of a cell.
+    toScreen: (cell) => app.stage.cellCentre(cell),
     colour: (cell) => app.scale.colour(app.volume.values[app.data.index(cell)]),
   });
 }

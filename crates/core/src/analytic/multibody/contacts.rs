@@ -1,18 +1,20 @@
-//! Contacts in one state, with plain numbers.
+//! Kinematics of the contacts in one state, without derivatives.
 
 use super::FINGERS;
-use super::coordinates::{Where, of_disc, of_disc_in_time, of_discs, of_finger, of_phalanx, scatter};
+use super::components::{ContactModel, ContactPair};
+use super::contact_kinematics::{self, ContactKinematics};
+use super::coordinates::{
+    SignedIndex, disc_indices, disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices, scatter,
+};
 use super::frame;
 use super::model::Multibody;
-use super::parts::{Joined, Meet};
-use super::touch::{self, Touch};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 
 /// Pose of a finger with its passive rates.
-pub type Posture = (Directions<f64>, PassiveRates<f64>);
+pub type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
 
-/// That of a finger which is not there.
-const NONE: Posture = {
+/// Placeholder for a finger that the system does not have.
+const ABSENT_FINGER: FingerKinematics = {
     let none = [0.0; 2];
     (Directions { e1: none, e2: none, e3: none, e4: none }, PassiveRates { a3: none, a4: none, inverse_sine: 0.0 })
 };
@@ -20,75 +22,94 @@ const NONE: Posture = {
 impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Pose of a finger with its passive rates.
     #[inline(always)]
-    pub(super) fn posture(&self, finger: usize, q: &[f64; N]) -> Posture {
-        self.fingers[finger].model.place(Self::own(finger, q))
+    pub(super) fn finger_kinematics(&self, finger: usize, q: &[f64; N]) -> FingerKinematics {
+        self.fingers[finger].model.kinematics(Self::finger_coordinates(finger, q))
     }
 
-    /// Those of all that there are, of others anything.
+    /// Kinematics of all fingers; a placeholder for missing ones.
     #[inline(always)]
-    pub(super) fn postures(&self, q: &[f64; N]) -> [Posture; FINGERS] {
-        let mut postures = [NONE; FINGERS];
-        for (finger, posture) in postures.iter_mut().enumerate().take(self.count()) {
-            *posture = self.posture(finger, q);
+    pub(super) fn all_finger_kinematics(&self, q: &[f64; N]) -> [FingerKinematics; FINGERS] {
+        let mut all_finger_kinematics = [ABSENT_FINGER; FINGERS];
+        for (finger, finger_kinematics) in all_finger_kinematics.iter_mut().enumerate().take(self.finger_count()) {
+            *finger_kinematics = self.finger_kinematics(finger, q);
         }
-        postures
+        all_finger_kinematics
     }
 
-    /// A contact, its rows among all coordinates. Compiled once for all who ask now and then.
+    /// Like [`Multibody::contact_kinematics`], but compiled only once, for callers that need it rarely.
     #[inline(never)]
-    pub(super) fn touch_apart(
+    pub(super) fn contact_kinematics_noinline(
         &self,
         q: &[f64; N],
-        posture: &dyn Fn(usize) -> Posture,
-        contact: &Joined,
-    ) -> Touch<f64, N> {
-        self.touch(q, posture, contact)
+        finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
+        contact: &ContactModel,
+    ) -> ContactKinematics<f64, N> {
+        self.contact_kinematics(q, finger_kinematics, contact)
     }
 
-    /// The same.
+    /// Kinematics of a contact, with rows over all coordinates.
     #[inline(always)]
-    pub(super) fn touch(
+    pub(super) fn contact_kinematics(
         &self,
         q: &[f64; N],
-        posture: impl FnOnce(usize) -> Posture,
-        contact: &Joined,
-    ) -> Touch<f64, N> {
-        match contact.meet {
-            Meet::Phalanx { .. } | Meet::Stop { .. } if Self::DISCS => unreachable!("there are no fingers"),
-            Meet::Phalanx { finger, site, disc } => {
-                let part = &self.fingers[finger];
-                let ((pose, rates), mirror) = (posture(finger), part.side.mirror());
-                let geometry = part.model.phalanx(&pose, &rates, site, &self.in_finger(part.side, disc, q));
-                spread(&touch::phalanx(&geometry), &of_phalanx(finger, self.first_of(disc), mirror))
+        finger_kinematics: impl FnOnce(usize) -> FingerKinematics,
+        contact: &ContactModel,
+    ) -> ContactKinematics<f64, N> {
+        match contact.pair {
+            ContactPair::Phalanx { .. } | ContactPair::Stop { .. } if Self::DISCS => {
+                unreachable!("systems of this size have no fingers")
             }
-            Meet::Stop { finger } => {
-                let (pose, rates) = posture(finger);
-                spread(&touch::limit(&self.fingers[finger].model.limit_geometry(&pose, &rates)), &of_finger(finger))
+            ContactPair::Phalanx { finger, phalanx, disc } => {
+                let component = &self.fingers[finger];
+                let ((pose, rates), mirror) = (finger_kinematics(finger), component.side.mirror());
+                let object = self.disc_in_finger_frame(component.side, disc, q);
+                let geometry = component.model.phalanx_geometry(&pose, &rates, phalanx, &object);
+                spread(
+                    &contact_kinematics::phalanx(&geometry),
+                    &phalanx_indices(finger, self.first_coordinate(disc), mirror),
+                )
             }
-            Meet::Discs { disc, other } => {
-                let touch = touch::discs([&self.placed(disc, q), &self.placed(other, q)]);
-                spread(&touch, &of_discs([self.first_of(disc), self.first_of(other)]))
+            ContactPair::Stop { finger } => {
+                let (pose, rates) = finger_kinematics(finger);
+                spread(
+                    &contact_kinematics::limit(&self.fingers[finger].model.limit_geometry(&pose, &rates)),
+                    &finger_indices(finger),
+                )
             }
-            Meet::Plane { disc, plane } => {
-                let touch = touch::plane(&plane, &self.placed(disc, q), self.meets_in_one_point());
-                spread(&touch, &of_disc(self.first_of(disc)))
+            ContactPair::Discs { disc, other } => {
+                let kinematics = contact_kinematics::discs([&self.placed_disc(disc, q), &self.placed_disc(other, q)]);
+                spread(&kinematics, &disc_pair_indices([self.first_coordinate(disc), self.first_coordinate(other)]))
             }
-            Meet::PassingPlane { disc, plane } => {
-                let touch = frame::table(&plane, &self.pose(q), 0.0, &self.placed(disc, q));
-                spread(&touch, &of_disc_in_time(self.first_of(disc), self.time.unwrap_or(N)))
+            ContactPair::Plane { disc, plane } => {
+                let kinematics =
+                    contact_kinematics::plane(&plane, &self.placed_disc(disc, q), self.shares_contact_point());
+                spread(&kinematics, &disc_indices(self.first_coordinate(disc)))
+            }
+            ContactPair::MovingPlane { disc, plane } => {
+                let kinematics = frame::table(&plane, &self.pose(q), 0.0, &self.placed_disc(disc, q));
+                spread(&kinematics, &disc_time_indices(self.first_coordinate(disc), self.time_index.unwrap_or(N)))
             }
         }
     }
 }
 
-/// Rows of a part as rows of all coordinates.
+/// Expands rows over the coordinates `indices` to rows over all coordinates.
 #[inline(always)]
-fn spread<const N: usize, const K: usize>(touch: &Touch<f64, K>, at: &[Where; K]) -> Touch<f64, N> {
-    let row = |part: &[f64; K]| {
+fn spread<const N: usize, const K: usize>(
+    kinematics: &ContactKinematics<f64, K>,
+    indices: &[SignedIndex; K],
+) -> ContactKinematics<f64, N> {
+    let expand = |values: &[f64; K]| {
         let mut row = [0.0; N];
-        scatter(&mut row, at, part);
+        scatter(&mut row, indices, values);
         row
     };
-    let (normal_row, tangent_row) = (row(&touch.normal_row), row(&touch.tangent_row));
-    Touch { gap: touch.gap, normal_row, tangent_row, normal: touch.normal, point: touch.point }
+    let (normal_row, tangent_row) = (expand(&kinematics.normal_row), expand(&kinematics.tangent_row));
+    ContactKinematics {
+        gap: kinematics.gap,
+        normal_row,
+        tangent_row,
+        normal: kinematics.normal,
+        point: kinematics.point,
+    }
 }

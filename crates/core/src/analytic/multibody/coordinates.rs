@@ -1,45 +1,46 @@
-//! Which coordinates a part depends on.
+//! Coordinates that a finger, a disc or a contact depends on.
 
-/// A coordinate and the sign with which a part has it; one that is not there (of a fixed disc) is beyond the last.
-pub type Where = (usize, f64);
+/// Index of a coordinate, and the sign of its contribution. An index beyond the last represents a coordinate of a fixed
+/// disc.
+pub type SignedIndex = (usize, f64);
 
-/// Coordinates of a finger.
+/// Indices of the coordinates of a finger.
 #[inline(always)]
-pub fn of_finger(finger: usize) -> [Where; 2] {
+pub fn finger_indices(finger: usize) -> [SignedIndex; 2] {
     [(2 * finger, 1.0), (2 * finger + 1, 1.0)]
 }
 
-/// Coordinates of a disc.
+/// Indices of the coordinates of a disc.
 #[inline(always)]
-pub fn of_disc(first: usize) -> [Where; 3] {
+pub fn disc_indices(first: usize) -> [SignedIndex; 3] {
     [(first, 1.0), (first + 1, 1.0), (first + 2, 1.0)]
 }
 
-/// Those of a disc, with time before its angle.
+/// Indices of x and y of a disc, time, and the angle of the disc, in this order.
 #[inline(always)]
-pub fn of_disc_in_time(first: usize, time: usize) -> [Where; 4] {
+pub fn disc_time_indices(first: usize, time: usize) -> [SignedIndex; 4] {
     [(first, 1.0), (first + 1, 1.0), (time, 1.0), (first + 2, 1.0)]
 }
 
-/// Those of two discs, both angles last.
+/// Indices of x and y of two discs, then of both angles.
 #[inline(always)]
-pub fn of_discs([a, b]: [usize; 2]) -> [Where; 6] {
+pub fn disc_pair_indices([a, b]: [usize; 2]) -> [SignedIndex; 6] {
     [(a, 1.0), (a + 1, 1.0), (b, 1.0), (b + 1, 1.0), (a + 2, 1.0), (b + 2, 1.0)]
 }
 
-/// Coordinates of a phalanx's contact: a disc's as the finger's frame has them.
+/// Indices of the coordinates of a phalanx's contact, with the disc's coordinates in the finger's frame.
 #[inline(always)]
-pub fn of_phalanx(finger: usize, first: usize, mirror: f64) -> [Where; 5] {
-    let [a, b] = of_finger(finger);
+pub fn phalanx_indices(finger: usize, first: usize, mirror: f64) -> [SignedIndex; 5] {
+    let [a, b] = finger_indices(finger);
     [a, b, (first, mirror), (first + 1, 1.0), (first + 2, mirror)]
 }
 
-/// Adds slopes of a part to those of all.
+/// Adds derivatives with respect to the coordinates `indices` to a row of derivatives with respect to all coordinates.
 #[inline(always)]
-pub fn scatter<const N: usize>(row: &mut [f64; N], at: &[Where], slopes: &[f64]) {
-    for ((index, sign), slope) in at.iter().zip(slopes) {
+pub fn scatter<const N: usize>(row: &mut [f64; N], indices: &[SignedIndex], derivatives: &[f64]) {
+    for ((index, sign), derivative) in indices.iter().zip(derivatives) {
         if *index < N {
-            row[*index] += sign * slope;
+            row[*index] += sign * derivative;
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Motors and brakes of the driven links.
 
 use crate::law::Bristle;
-use crate::scene::{Actuation, Brake, Motor, next_corner, torque};
+use crate::scene::{Actuation, Brake, Motor, next_discontinuity, torque};
 
-/// A motor: which of the driven links (right, left) it turns, and by how much of its torque.
+/// A motor with its brake. `weights` are the parts of its torque that act on the driven links (right, left).
 #[derive(Clone, Debug)]
 pub struct Drive {
     actuation: Actuation,
@@ -12,25 +12,27 @@ pub struct Drive {
     brake: Option<Brake>,
 }
 
-/// What a drive gives at one instant.
+/// A torque on a drive's shaft at one instant.
 #[derive(Clone, Copy, Debug)]
-pub struct Pull {
-    /// Rate of its shaft, rad/s.
+pub struct ShaftTorque {
+    /// Rate of the shaft, rad/s.
     pub rate: f64,
-    /// Torque, N·m, and its derivatives by rate and time.
+    /// Torque, N·m.
     pub torque: f64,
+    /// Derivative of the torque with respect to the rate.
     pub by_rate: f64,
+    /// Derivative of the torque with respect to time.
     pub by_time: f64,
 }
 
-/// What a brake gives at one instant, and what that does to the memory of its bristle.
+/// The torque of a brake at one instant, and its effect on the state of its bristle.
 #[derive(Clone, Copy, Debug)]
-pub struct Hold {
-    pub pull: Pull,
-    /// Derivative of its torque by the memory.
-    pub by_memory: f64,
-    /// What it adds to the memory's rate: `gain` times its torque.
-    pub driven: f64,
+pub struct BrakeTorque {
+    pub shaft: ShaftTorque,
+    /// Derivative of the torque with respect to the bristle state.
+    pub by_bristle: f64,
+    /// Contribution to the rate of the bristle state: `gain` times the torque.
+    pub bristle_rate: f64,
     pub gain: f64,
 }
 
@@ -41,44 +43,51 @@ impl Drive {
     }
 
     #[inline(always)]
-    fn rate(&self, driven: [f64; 2]) -> f64 {
-        self.weights[0] * driven[0] + self.weights[1] * driven[1]
+    fn rate(&self, driven_rates: [f64; 2]) -> f64 {
+        self.weights[0] * driven_rates[0] + self.weights[1] * driven_rates[1]
     }
 
-    /// What the brake holds it with, if it has one.
+    /// Torque of the brake, if the drive has one.
     #[inline(always)]
-    pub fn hold(&self, t: f64, driven: [f64; 2], memory: Option<f64>) -> Option<Hold> {
-        let (brake, rate) = (self.brake.as_ref()?, self.rate(driven));
-        let Some((bristle, memory)) = brake.bristle.as_ref().zip(memory) else {
+    pub fn brake_torque(&self, t: f64, driven_rates: [f64; 2], bristle_state: Option<f64>) -> Option<BrakeTorque> {
+        let (brake, rate) = (self.brake.as_ref()?, self.rate(driven_rates));
+        let Some((bristle, bristle_state)) = brake.bristle.as_ref().zip(bristle_state) else {
             let [torque, by_rate, by_time] = brake.torque(t, rate);
-            let pull = Pull { rate, torque, by_rate, by_time };
-            return Some(Hold { pull, by_memory: 0.0, driven: 0.0, gain: 0.0 });
+            let shaft = ShaftTorque { rate, torque, by_rate, by_time };
+            return Some(BrakeTorque { shaft, by_bristle: 0.0, bristle_rate: 0.0, gain: 0.0 });
         };
-        let [torque, by_rate, by_time] = brake.held(t, rate + memory, bristle);
-        // On the memory it acts the other way than on the shaft.
-        let gain = -bristle.driven();
-        Some(Hold { pull: Pull { rate, torque, by_rate, by_time }, by_memory: by_rate, driven: gain * torque, gain })
+        let [torque, by_rate, by_time] = brake.bristle_torque(t, rate + bristle_state, bristle);
+        // The torque acts on the bristle state in the opposite direction.
+        let gain = -bristle.stretch_gain();
+        Some(BrakeTorque {
+            shaft: ShaftTorque { rate, torque, by_rate, by_time },
+            by_bristle: by_rate,
+            bristle_rate: gain * torque,
+            gain,
+        })
     }
 
-    /// τ − |τ| q̇/q̇0, whichever way it turns.
+    /// Motor torque τ − |τ| q̇/q̇0, for both directions of rotation.
     #[inline(always)]
-    pub fn pull(&self, t: f64, driven: [f64; 2]) -> Pull {
-        let rate = self.rate(driven);
+    pub fn motor_torque(&self, t: f64, driven_rates: [f64; 2]) -> ShaftTorque {
+        let rate = self.rate(driven_rates);
         let (full, slope) = torque(&self.actuation, t);
-        let Some(speed) = self.no_load_speed else { return Pull { rate, torque: full, by_rate: 0.0, by_time: slope } };
+        let Some(speed) = self.no_load_speed else {
+            return ShaftTorque { rate, torque: full, by_rate: 0.0, by_time: slope };
+        };
         let by_rate = -full.abs() / speed;
         let by_time = slope - slope * full.signum() * rate / speed;
-        Pull { rate, torque: full + by_rate * rate, by_rate, by_time }
+        ShaftTorque { rate, torque: full + by_rate * rate, by_rate, by_time }
     }
 
-    /// The bristle of its brake.
+    /// Returns the bristle of the brake.
     pub fn bristle(&self) -> Option<Bristle> {
         self.brake.and_then(|brake| brake.bristle)
     }
 
-    /// The next time at which its torque, or something of its brake, jumps.
-    pub fn next_corner(&self, t: f64) -> f64 {
-        let brake = self.brake.as_ref().map_or(f64::INFINITY, |brake| brake.next_corner(t));
-        next_corner(&self.actuation, t).min(brake)
+    /// Next time at which the torque of the motor, or a property of the brake, is discontinuous.
+    pub fn next_discontinuity(&self, t: f64) -> f64 {
+        let brake = self.brake.as_ref().map_or(f64::INFINITY, |brake| brake.next_discontinuity(t));
+        next_discontinuity(&self.actuation, t).min(brake)
     }
 }

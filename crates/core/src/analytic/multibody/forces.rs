@@ -1,73 +1,82 @@
-//! Accelerations: every finger and every contact in the few coordinates it depends on, put together.
+//! Accelerations of a multibody system. Every finger and contact contributes in the few coordinates it depends on.
 
-use super::coordinates::{Where, of_disc, of_disc_in_time, of_discs, of_finger, of_phalanx};
-use super::frame::{self, disc_feels};
+use super::components::{ContactModel, ContactPair, FingerComponent};
+use super::contact_kinematics::{self, ContactForces};
+use super::coordinates::{
+    SignedIndex, disc_indices, disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices,
+};
+use super::frame::{self, disc_inertial_force};
 use super::inertia::Inertia;
 use super::model::Multibody;
-use super::parts::{FingerPart, Joined, Meet};
-use super::touch::{self, Press};
 use super::{FINGERS, mode, quadratures};
-use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
-use crate::gripper::Site;
+use crate::fivebar::inertial_forces::AccelerationField;
+use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, System};
-use crate::scene::Place;
+use crate::scene::GripperContact;
 
-/// Loads on all coordinates, and rates of all quadratures.
-struct Sums<const N: usize, const Z: usize> {
+/// Loads on all coordinates and rates of all quadratures.
+struct LoadSums<const N: usize, const Z: usize> {
     load: [f64; N],
     g: [f64; Z],
 }
 
-impl<const N: usize, const Z: usize> Sums<N, Z> {
+impl<const N: usize, const Z: usize> LoadSums<N, Z> {
+    /// Adds the forces of a contact whose coordinates are `indices`.
     #[inline(always)]
-    fn add<const K: usize>(&mut self, (index, contact): (usize, &Joined), press: &Press<f64, K>, at: &[Where; K]) {
-        for (part, (row, sign)) in press.load.iter().zip(at) {
+    fn add_contact<const K: usize>(
+        &mut self,
+        (index, contact): (usize, &ContactModel),
+        forces: &ContactForces<f64, K>,
+        indices: &[SignedIndex; K],
+    ) {
+        for (load, (row, sign)) in forces.load.iter().zip(indices) {
             if *row < N {
-                self.load[*row] += sign * part;
+                self.load[*row] += sign * load;
             }
         }
-        self.g[index] += press.normal;
-        self.g[Z - 2] += press.power;
-        if let Some(memory) = contact.memory {
-            self.load[memory] += press.driven;
+        self.g[index] += forces.normal;
+        self.g[Z - 2] += forces.power;
+        if let Some(bristle_index) = contact.bristle_index {
+            self.load[bristle_index] += forces.bristle_rate;
         }
     }
 }
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
-    /// Where the work of all contacts is among the quadratures, and that of what moves motors, palm and driven discs.
-    pub(super) const LOST: usize = C;
-    pub(super) const WORK: usize = C + 1;
+    /// Index of the quadrature for the work of all contacts and brakes.
+    pub(super) const CONTACT_WORK: usize = C;
+    /// Index of the quadrature for the work of motors, palm and driven discs.
+    pub(super) const DRIVE_WORK: usize = C + 1;
 
-    /// Adds what acts on a finger, and gives its mass matrix.
+    /// Adds the loads on a finger and returns its mass matrix.
     #[inline(always)]
-    fn add_finger<const Z: usize>(
+    fn add_finger_load<const Z: usize>(
         &self,
-        (finger, part): (usize, &FingerPart),
+        (finger, component): (usize, &FingerComponent),
         (q, v): (&[f64; N], &[f64; N]),
-        (mode, field): (&mode::Mode<C>, &Field),
-        sums: &mut Sums<N, Z>,
+        (mode, field): (&mode::Mode<C>, &AccelerationField),
+        sums: &mut LoadSums<N, Z>,
     ) -> [f64; 3] {
-        let own = Self::own(finger, v);
-        let terms = part.model.terms(Self::own(finger, q));
-        let load = part.model.load(0.0, &terms, own);
+        let finger_rates = Self::finger_coordinates(finger, v);
+        let terms = component.model.terms(Self::finger_coordinates(finger, q));
+        let load = component.model.load(0.0, &terms, finger_rates);
         (0..2).for_each(|i| sums.load[2 * finger + i] += load[i]);
-        if self.moves() {
-            let rates = absolute_rates(&terms.rates, own);
-            let field = field.mirrored(part.side.mirror());
-            let felt = part.carried.forces(&terms.pose, &terms.rates, rates, &field);
-            (0..2).for_each(|i| sums.load[2 * finger + i] += felt[i]);
-            sums.g[Self::WORK] += felt[0] * own[0] + felt[1] * own[1];
+        if self.palm_moves() {
+            let rates = absolute_rates(&terms.rates, finger_rates);
+            let field = field.mirrored(component.side.mirror());
+            let inertial = component.inertial_load.forces(&terms.pose, &terms.rates, rates, &field);
+            (0..2).for_each(|i| sums.load[2 * finger + i] += inertial[i]);
+            sums.g[Self::DRIVE_WORK] += inertial[0] * finger_rates[0] + inertial[1] * finger_rates[1];
         }
         if Self::GRASP {
-            let first = Site::ALL.len() * finger;
-            self.add_to_finger(first, (finger, part, &terms), (q, v), mode, sums);
-            self.add_to_finger(first + 1, (finger, part, &terms), (q, v), mode, sums);
-            self.add_to_finger(first + 2, (finger, part, &terms), (q, v), mode, sums);
+            let first = FingerContact::ALL.len() * finger;
+            self.add_finger_contact_load(first, (finger, component, &terms), (q, v), mode, sums);
+            self.add_finger_contact_load(first + 1, (finger, component, &terms), (q, v), mode, sums);
+            self.add_finger_contact_load(first + 2, (finger, component, &terms), (q, v), mode, sums);
         } else {
-            for index in &part.contacts {
-                self.add_to_finger(*index, (finger, part, &terms), (q, v), mode, sums);
+            for index in &component.contacts {
+                self.add_finger_contact_load(*index, (finger, component, &terms), (q, v), mode, sums);
             }
         }
         terms.mass
@@ -75,64 +84,88 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     /// Adds a contact of a finger.
     #[inline(always)]
-    fn add_to_finger<const Z: usize>(
+    fn add_finger_contact_load<const Z: usize>(
         &self,
         index: usize,
-        (finger, part, terms): (usize, &FingerPart, &Terms<f64>),
+        (finger, component, terms): (usize, &FingerComponent, &Terms<f64>),
         (q, v): (&[f64; N], &[f64; N]),
         mode: &mode::Mode<C>,
-        sums: &mut Sums<N, Z>,
+        sums: &mut LoadSums<N, Z>,
     ) {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
-        let ([first, second], mirror) = (Self::own(finger, v), part.side.mirror());
-        match self.meet_of(finger, index, contact) {
-            Meet::Phalanx { site, disc, .. } => {
-                let [vx, vy, spin] = self.rates_of(disc, v);
-                let object = self.in_finger(part.side, disc, q);
-                let geometry = part.model.phalanx(&terms.pose, &terms.rates, site, &object);
+        let ([first, second], mirror) = (Self::finger_coordinates(finger, v), component.side.mirror());
+        match self.contact_pair(finger, index, contact) {
+            ContactPair::Phalanx { phalanx, disc, .. } => {
+                let [vx, vy, spin] = self.disc_rates(disc, v);
+                let object = self.disc_in_finger_frame(component.side, disc, q);
+                let geometry = component.model.phalanx_geometry(&terms.pose, &terms.rates, phalanx, &object);
                 let rates = [first, second, mirror * vx, vy, mirror * spin];
-                let touch = touch::phalanx(&geometry);
-                let press = touch::press(&touch, &rates, self.remembered(contact, v), laws);
-                sums.add((index, contact), &press, &of_phalanx(finger, self.first_of(disc), mirror));
+                let kinematics = contact_kinematics::phalanx(&geometry);
+                let forces =
+                    contact_kinematics::contact_forces(&kinematics, &rates, self.bristle_state(contact, v), laws);
+                sums.add_contact(
+                    (index, contact),
+                    &forces,
+                    &phalanx_indices(finger, self.first_coordinate(disc), mirror),
+                );
             }
             _ => {
-                let touch = touch::limit(&part.model.limit_geometry(&terms.pose, &terms.rates));
-                sums.add((index, contact), &touch::press(&touch, &[first, second], None, laws), &of_finger(finger));
+                let kinematics = contact_kinematics::limit(&component.model.limit_geometry(&terms.pose, &terms.rates));
+                sums.add_contact(
+                    (index, contact),
+                    &contact_kinematics::contact_forces(&kinematics, &[first, second], None, laws),
+                    &finger_indices(finger),
+                );
             }
         }
     }
 
-    /// Adds a contact that no finger has.
+    /// Adds a contact without a finger.
     #[inline(always)]
-    fn add_between<const Z: usize>(
+    fn add_disc_contact_load<const Z: usize>(
         &self,
         index: usize,
         (q, v): (&[f64; N], &[f64; N]),
         mode: &mode::Mode<C>,
-        sums: &mut Sums<N, Z>,
+        sums: &mut LoadSums<N, Z>,
     ) {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
-        let memory = self.remembered(contact, v);
-        let at = |disc: usize| (self.placed(disc, q), self.rates_of(disc, v));
-        match contact.meet {
-            Meet::Discs { disc, other } if !Self::GRASP => {
-                let ((one, [vx, vy, spin]), (two, [wx, wy, turn])) = (at(disc), at(other));
-                let touch = touch::discs([&one, &two]);
-                let press = touch::press(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
-                sums.add((index, contact), &press, &of_discs([self.first_of(disc), self.first_of(other)]));
+        let bristle_state = self.bristle_state(contact, v);
+        let disc_state = |disc: usize| (self.placed_disc(disc, q), self.disc_rates(disc, v));
+        match contact.pair {
+            ContactPair::Discs { disc, other } if !Self::GRASP => {
+                let ((body, [vx, vy, spin]), (other_body, [wx, wy, other_spin])) =
+                    (disc_state(disc), disc_state(other));
+                let kinematics = contact_kinematics::discs([&body, &other_body]);
+                let forces = contact_kinematics::contact_forces(
+                    &kinematics,
+                    &[vx, vy, wx, wy, spin, other_spin],
+                    bristle_state,
+                    laws,
+                );
+                sums.add_contact(
+                    (index, contact),
+                    &forces,
+                    &disc_pair_indices([self.first_coordinate(disc), self.first_coordinate(other)]),
+                );
             }
-            Meet::PassingPlane { disc, plane } if self.moves() => {
-                let ((one, [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
-                let touch = frame::table(&plane, &self.pose(q), 0.0, &one);
-                let press = touch::press(&touch, &[vx, vy, v[time], spin], memory, laws);
-                sums.add((index, contact), &press, &of_disc_in_time(self.first_of(disc), time));
+            ContactPair::MovingPlane { disc, plane } if self.palm_moves() => {
+                let ((body, [vx, vy, spin]), time) = (disc_state(disc), self.time_index.unwrap_or(N));
+                let kinematics = frame::table(&plane, &self.pose(q), 0.0, &body);
+                let forces =
+                    contact_kinematics::contact_forces(&kinematics, &[vx, vy, v[time], spin], bristle_state, laws);
+                sums.add_contact((index, contact), &forces, &disc_time_indices(self.first_coordinate(disc), time));
             }
-            Meet::Plane { disc, plane } => {
-                let (one, rates) = at(disc);
-                let touch = touch::plane(&plane, &one, self.meets_in_one_point());
-                sums.add((index, contact), &touch::press(&touch, &rates, memory, laws), &of_disc(self.first_of(disc)));
+            ContactPair::Plane { disc, plane } => {
+                let (body, rates) = disc_state(disc);
+                let kinematics = contact_kinematics::plane(&plane, &body, self.shares_contact_point());
+                sums.add_contact(
+                    (index, contact),
+                    &contact_kinematics::contact_forces(&kinematics, &rates, bristle_state, laws),
+                    &disc_indices(self.first_coordinate(disc)),
+                );
             }
             _ => {}
         }
@@ -143,90 +176,105 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
     type Mode = mode::Mode<C>;
 
     #[inline(always)]
-    fn coordinates(&self) -> usize {
-        self.used()
+    fn coordinate_count(&self) -> usize {
+        self.coordinate_count()
     }
 
     #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Rates<N, Z> {
-        if Self::GRASP { self.rates_here(t, (q, v), mode) } else { self.rates_apart(t, (q, v), mode) }
+        if Self::GRASP { self.rates_inline(t, (q, v), mode) } else { self.rates_noinline(t, (q, v), mode) }
     }
 
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Linearised<N, Z> {
-        self.with_slopes(t, (q, v), mode)
+        self.rates_with_derivatives(t, (q, v), mode)
     }
 }
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
-    /// Called, not written out wherever an integrator asks for it: what is simulated by the thousand is a grasp, and to compile takes time.
+    /// Accelerations as one function, which is not inlined into every integrator. Only grasps, which studies simulate
+    /// by the thousand, are worth the compile time of inlining.
     #[inline(never)]
-    fn rates_apart<const Z: usize>(&self, t: f64, state: (&[f64; N], &[f64; N]), mode: &mode::Mode<C>) -> Rates<N, Z> {
-        self.rates_here(t, state, mode)
+    fn rates_noinline<const Z: usize>(
+        &self,
+        t: f64,
+        state: (&[f64; N], &[f64; N]),
+        mode: &mode::Mode<C>,
+    ) -> Rates<N, Z> {
+        self.rates_inline(t, state, mode)
     }
 
     #[inline(always)]
-    fn rates_here<const Z: usize>(&self, t: f64, (q, v): (&[f64; N], &[f64; N]), mode: &mode::Mode<C>) -> Rates<N, Z> {
+    fn rates_inline<const Z: usize>(
+        &self,
+        t: f64,
+        (q, v): (&[f64; N], &[f64; N]),
+        mode: &mode::Mode<C>,
+    ) -> Rates<N, Z> {
         const { assert!(Z == quadratures(C)) };
-        let mut sums = Sums { load: [0.0; N], g: [0.0; Z] };
-        let field = self.felt(t).field;
+        let mut sums = LoadSums { load: [0.0; N], g: [0.0; Z] };
+        let field = self.inertial_field(t).field;
         let mut masses = [[0.0; 3]; FINGERS];
-        // Written out for both fingers, every index is a constant.
+        // Both fingers are written out, so that every index is a constant.
         if let Some(right) = self.fingers.first().filter(|_| !Self::DISCS) {
-            masses[0] = self.add_finger((0, right), (q, v), (mode, &field), &mut sums);
+            masses[0] = self.add_finger_load((0, right), (q, v), (mode, &field), &mut sums);
         }
         if let Some(left) = self.fingers.get(1).filter(|_| !Self::DISCS) {
-            masses[1] = self.add_finger((1, left), (q, v), (mode, &field), &mut sums);
+            masses[1] = self.add_finger_load((1, left), (q, v), (mode, &field), &mut sums);
         }
-        let driven = self.driven(v);
+        let driven_rates = self.driven_rates(v);
         for (index, drive) in self.drives.iter().enumerate().filter(|_| !Self::DISCS) {
-            let (pull, memory) = (drive.pull(t, driven), self.brake_of(index));
-            (0..self.count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * pull.torque);
-            sums.g[Self::WORK] += pull.torque * pull.rate;
-            let Some(hold) = drive.hold(t, driven, memory.map(|memory| v[memory])) else { continue };
-            let turned = hold.pull.torque;
-            (0..self.count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * turned);
-            sums.g[Self::LOST] += hold.pull.torque * hold.pull.rate;
-            memory.iter().for_each(|memory| sums.load[*memory] += hold.driven);
+            let (motor, bristle_index) = (drive.motor_torque(t, driven_rates), self.brake_bristle(index));
+            (0..self.finger_count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * motor.torque);
+            sums.g[Self::DRIVE_WORK] += motor.torque * motor.rate;
+            let Some(brake) = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index])) else {
+                continue;
+            };
+            let brake_torque = brake.shaft.torque;
+            (0..self.finger_count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * brake_torque);
+            sums.g[Self::CONTACT_WORK] += brake.shaft.torque * brake.shaft.rate;
+            bristle_index.iter().for_each(|index| sums.load[*index] += brake.bristle_rate);
         }
         if Self::GRASP {
-            self.add_between(Place::Palm.index(), (q, v), mode, &mut sums);
-            self.add_between(Place::Table.index(), (q, v), mode, &mut sums);
+            self.add_disc_contact_load(GripperContact::Palm.index(), (q, v), mode, &mut sums);
+            self.add_disc_contact_load(GripperContact::Table.index(), (q, v), mode, &mut sums);
         } else {
-            for index in &self.between {
-                self.add_between(*index, (q, v), mode, &mut sums);
+            for index in &self.disc_contacts {
+                self.add_disc_contact_load(*index, (q, v), mode, &mut sums);
             }
         }
-        if let Some(time) = self.time.filter(|_| self.moves()) {
-            // What the table does to all in the frame, by coming along.
-            sums.g[Self::WORK] -= sums.load[time];
+        if let Some(time) = self.time_index.filter(|_| self.palm_moves()) {
+            // The table, which moves in the palm's frame, does work on the system.
+            sums.g[Self::DRIVE_WORK] -= sums.load[time];
         }
-        for &(memory, bristle) in &self.bristles {
-            sums.load[memory] -= bristle.rate() * v[memory];
+        for &(index, bristle) in &self.bristles {
+            sums.load[index] -= bristle.rate() * v[index];
         }
-        for index in (0..self.count_of_discs()).filter(|index| self.first_of(*index) < N) {
-            let (disc, first, rates) = (&self.discs[index], self.first_of(index), self.rates_of(index, v));
-            if disc.driven.is_some() {
-                // Against all contacts, of which nothing else is felt.
-                (0..3).for_each(|i| sums.g[Self::WORK] -= sums.load[first + i] * rates[i]);
+        for index in (0..self.disc_count()).filter(|index| self.first_coordinate(*index) < N) {
+            let (disc, first, rates) = (&self.discs[index], self.first_coordinate(index), self.disc_rates(index, v));
+            if disc.prescribed_acceleration.is_some() {
+                // The drive of the disc works against all contact forces; no other load acts on it.
+                (0..3).for_each(|i| sums.g[Self::DRIVE_WORK] -= sums.load[first + i] * rates[i]);
                 continue;
             }
             (0..2).for_each(|i| sums.load[first + i] += disc.mass * self.gravity[i]);
-            if self.moves() {
-                let felt = disc_feels(disc, &field, self.place_of(index, q), rates);
-                (0..3).for_each(|i| sums.load[first + i] += felt[i]);
-                sums.g[Self::WORK] += (0..3).map(|i| felt[i] * rates[i]).sum::<f64>();
+            if self.palm_moves() {
+                let inertial = disc_inertial_force(disc, &field, self.disc_pose(index, q), rates);
+                (0..3).for_each(|i| sums.load[first + i] += inertial[i]);
+                sums.g[Self::DRIVE_WORK] += (0..3).map(|i| inertial[i] * rates[i]).sum::<f64>();
             }
         }
         let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);
-        self.drive_discs(&mut a);
+        self.prescribe_disc_accelerations(&mut a);
         Rates { a, g: sums.g }
     }
 
-    /// Accelerations of discs that move as told.
+    /// Sets the accelerations of driven discs.
     #[inline(always)]
-    pub(super) fn drive_discs(&self, a: &mut [f64; N]) {
-        for (first, told) in self.discs.iter().filter_map(|disc| Some((disc.first, disc.driven?))) {
-            a[first..first + 2].copy_from_slice(&told);
+    pub(super) fn prescribe_disc_accelerations(&self, a: &mut [f64; N]) {
+        for (first, acceleration) in
+            self.discs.iter().filter_map(|disc| Some((disc.first_coordinate, disc.prescribed_acceleration?)))
+        {
+            a[first..first + 2].copy_from_slice(&acceleration);
         }
     }
 }

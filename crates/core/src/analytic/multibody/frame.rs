@@ -1,41 +1,42 @@
-//! A palm that moves: what everything in its frame feels beyond the world's gravity, and the table, which rests in the world.
+//! A moving palm: inertial forces in its frame, and the table, which is at rest in the world.
 
+use super::components::{DiscComponent, Plane};
+use super::contact_kinematics::ContactKinematics;
 use super::model::Multibody;
-use super::parts::{DiscPart, Plane};
-use super::touch::Touch;
-use crate::fivebar::carried::Field;
+use crate::fivebar::inertial_forces::AccelerationField;
 use crate::numeric::Real;
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, dot, perp, rotate, scale, sub};
 use crate::scene::{PalmMotion, Pose};
-use crate::shape::{Placed, Support, support};
+use crate::shape::{PlacedShape, Support, support};
 
-/// What is felt, and its derivative by time.
+/// AccelerationField of inertial accelerations beyond gravity in the world's frame, and its time derivative.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Felt {
-    pub field: Field,
-    pub rate: Field,
+pub struct InertialField {
+    pub field: AccelerationField,
+    pub rate: AccelerationField,
 }
 
-/// Spec 6.5: gravity turned into the frame, less that of a palm at rest, and the inertial accelerations.
-pub fn felt(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> Felt {
-    let Pose { place, rate, acceleration, jerk } = motion.pose(t);
-    let ([_, _, angle], [_, _, omega]) = (place, rate);
+/// Inertial field of a moving palm (Spec 6.5): the inertial accelerations, and the difference between gravity in the
+/// rotated frame and in a frame at rest.
+pub fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> InertialField {
+    let Pose { position, rate, acceleration, jerk } = motion.pose(t);
+    let ([_, _, angle], [_, _, omega]) = (position, rate);
     let (sin, cos) = sin_cos(angle);
-    let into = |[x, y]: [f64; 2]| rotate([x, y], [cos, -sin]);
+    let rotate_into_frame = |[x, y]: [f64; 2]| rotate([x, y], [cos, -sin]);
     let [gx, gy] = gravity;
-    let all = into([gx - acceleration[0], gy - acceleration[1]]);
-    let turned = perp(all);
-    let [jx, jy] = into([-jerk[0], -jerk[1]]);
-    Felt {
-        field: Field {
-            uniform: [all[0] - gx, all[1] - gy],
+    let total = rotate_into_frame([gx - acceleration[0], gy - acceleration[1]]);
+    let normal_to_total = perp(total);
+    let [jx, jy] = rotate_into_frame([-jerk[0], -jerk[1]]);
+    InertialField {
+        field: AccelerationField {
+            uniform: [total[0] - gx, total[1] - gy],
             centrifugal: omega * omega,
             coriolis: omega,
             euler: acceleration[2],
         },
-        rate: Field {
-            uniform: [jx - omega * turned[0], jy - omega * turned[1]],
+        rate: AccelerationField {
+            uniform: [jx - omega * normal_to_total[0], jy - omega * normal_to_total[1]],
             centrifugal: 2.0 * omega * acceleration[2],
             coriolis: acceleration[2],
             euler: jerk[2],
@@ -43,30 +44,30 @@ pub fn felt(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> Felt {
     }
 }
 
-/// A disc on a table that rests in the world, on (x, y, t, θ).
+/// Contact of a disc with a table at rest in the world, on (x, y, t, θ).
 ///
-/// The table's surface is at height h of the world, its normal (0, −1) there; in the palm's frame n = R(−Φ) (0, −1), and the rates of gap
-/// and slip beyond those of the disc are −(Ẏ + Ω n⊥·ρ) at the point ρ that touches, and Ẋ − Ω (h − Y).
+/// In the world, the table's surface is at height h with normal (0, −1). In the palm's frame, n = R(−Φ) (0, −1). The
+/// table's own motion adds −(Ẏ + Ω n⊥·ρ) at the contact point ρ to the gap rate, and Ẋ − Ω (h − Y) to the slip.
+/// `time_offset` is 0 as a number, or the differentiation variable of time.
 #[inline(always)]
-pub fn table<T: Real>(plane: &Plane, pose: &Pose, since: T, placed: &Placed<T>) -> Touch<T, 4> {
-    let Pose { place, rate, acceleration, .. } = *pose;
-    // Each with its rate in time.
-    let grows = |value: f64, rate: f64| since * rate + value;
-    let (sin, cos) = grows(place[2], rate[2]).sin_cos();
+pub fn table<T: Real>(plane: &Plane, pose: &Pose, time_offset: T, placed: &PlacedShape<T>) -> ContactKinematics<T, 4> {
+    let Pose { position, rate, acceleration, .. } = *pose;
+    let linear_in_time = |value: f64, rate: f64| time_offset * rate + value;
+    let (sin, cos) = linear_in_time(position[2], rate[2]).sin_cos();
     let normal = [-sin, -cos];
-    let omega = grows(rate[2], acceleration[2]);
-    let height = grows(plane.offset - place[1], -rate[1]);
+    let omega = linear_in_time(rate[2], acceleration[2]);
+    let height = linear_in_time(plane.offset - position[1], -rate[1]);
     let Support { distance, slope } = support(placed, [-normal[0], -normal[1]]);
     let centre = placed.centre_m;
-    let along = dot(normal, centre);
-    let lever = along + height;
+    let centre_along_normal = dot(normal, centre);
+    let lever = centre_along_normal + height;
     let tangent = perp(normal);
-    let moves = -(grows(rate[1], acceleration[1]) + omega * (dot(tangent, centre) - slope));
-    let slides = grows(rate[0], acceleration[0]) - omega * height;
-    Touch {
+    let table_normal_rate = -(linear_in_time(rate[1], acceleration[1]) + omega * (dot(tangent, centre) - slope));
+    let table_slip = linear_in_time(rate[0], acceleration[0]) - omega * height;
+    ContactKinematics {
         gap: lever - distance,
-        normal_row: [normal[0], normal[1], moves, slope],
-        tangent_row: [tangent[0], tangent[1], slides, -lever],
+        normal_row: [normal[0], normal[1], table_normal_rate, slope],
+        tangent_row: [tangent[0], tangent[1], table_slip, -lever],
         normal,
         point: sub(add(centre, scale(normal, -lever)), scale(tangent, slope)),
     }
@@ -74,24 +75,30 @@ pub fn table<T: Real>(plane: &Plane, pose: &Pose, since: T, placed: &Placed<T>) 
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
-    pub(super) fn felt(&self, t: f64) -> Felt {
-        match (&self.palm_motion, self.moves()) {
-            (Some(motion), true) => felt(motion, self.gravity, t),
-            _ => Felt::default(),
+    /// Inertial field at time `t`; zero in a frame at rest.
+    pub(super) fn inertial_field(&self, t: f64) -> InertialField {
+        match (&self.palm_motion, self.palm_moves()) {
+            (Some(motion), true) => inertial_field(motion, self.gravity, t),
+            _ => InertialField::default(),
         }
     }
 
-    /// The palm's pose at the time that a state is of.
+    /// Pose of the palm at the time contained in the coordinates.
     #[inline(always)]
     pub(super) fn pose(&self, q: &[f64; N]) -> Pose {
-        self.palm_motion.as_ref().zip(self.time).map_or_else(Pose::default, |(motion, time)| motion.pose(q[time]))
+        self.palm_motion.as_ref().zip(self.time_index).map_or_else(Pose::default, |(motion, time)| motion.pose(q[time]))
     }
 }
 
-/// Force and moment of a field on a disc, and how they grow with its velocity.
+/// Inertial force and moment of a field on a disc.
 #[inline(always)]
-pub fn disc_feels(disc: &DiscPart, field: &Field, [x, y, _]: [f64; 3], [vx, vy, _]: [f64; 3]) -> [f64; 3] {
-    let Field { uniform: [ex, ey], centrifugal, coriolis, euler } = *field;
+pub fn disc_inertial_force(
+    disc: &DiscComponent,
+    field: &AccelerationField,
+    [x, y, _]: [f64; 3],
+    [vx, vy, _]: [f64; 3],
+) -> [f64; 3] {
+    let AccelerationField { uniform: [ex, ey], centrifugal, coriolis, euler } = *field;
     let (mass, inertia) = (disc.mass, disc.inertia);
     [
         mass * (ex + euler * y + centrifugal * x + 2.0 * coriolis * vy),
@@ -107,27 +114,27 @@ mod tests {
     use crate::scene::{Axis, Move};
 
     fn motion() -> PalmMotion {
-        let one = |axis, distance| Move { axis, distance, start_s: 0.0, length_s: 0.1 };
+        let single_move = |axis, distance| Move { axis, distance, start_s: 0.0, length_s: 0.1 };
         PalmMotion {
-            moves: vec![one(Axis::X, 0.1), one(Axis::Y, -0.03), one(Axis::Angle, 0.7)],
+            moves: vec![single_move(Axis::X, 0.1), single_move(Axis::Y, -0.03), single_move(Axis::Angle, 0.7)],
             ..PalmMotion::default()
         }
     }
 
-    /// A point at rest in the world is seen to accelerate from the palm just as what is felt there says.
+    /// The acceleration of a freely falling point, seen from the palm, equals gravity plus the inertial field.
     #[test]
-    fn what_is_felt_keeps_a_free_mass_on_its_parabola() {
+    fn inertial_field_matches_a_falling_point_seen_from_the_palm() {
         let (motion, gravity, h) = (motion(), [0.5, 9.81], 1e-5);
         for t in [0.02, 0.05, 0.083] {
-            let seen = |t: f64| {
-                let [x, y, angle] = motion.pose(t).place;
-                let fallen = [0.04 + 0.5 * gravity[0] * t * t, 0.02 + 0.3 * t + 0.5 * gravity[1] * t * t];
-                rotate([fallen[0] - x, fallen[1] - y], [angle.cos(), -angle.sin()])
+            let position_in_frame = |t: f64| {
+                let [x, y, angle] = motion.pose(t).position;
+                let falling = [0.04 + 0.5 * gravity[0] * t * t, 0.02 + 0.3 * t + 0.5 * gravity[1] * t * t];
+                rotate([falling[0] - x, falling[1] - y], [angle.cos(), -angle.sin()])
             };
-            let (before, at, after) = (seen(t - h), seen(t), seen(t + h));
+            let (before, at, after) = (position_in_frame(t - h), position_in_frame(t), position_in_frame(t + h));
             let v = [0, 1].map(|i| (after[i] - before[i]) / (2.0 * h));
-            let found = felt(&motion, gravity, t);
-            let Field { uniform: [ex, ey], centrifugal, coriolis, euler } = found.field;
+            let found = inertial_field(&motion, gravity, t);
+            let AccelerationField { uniform: [ex, ey], centrifugal, coriolis, euler } = found.field;
             let expected = [
                 gravity[0] + ex + euler * at[1] + centrifugal * at[0] + 2.0 * coriolis * v[1],
                 gravity[1] + ey - euler * at[0] + centrifugal * at[1] - 2.0 * coriolis * v[0],
@@ -139,62 +146,72 @@ mod tests {
                     "{acceleration} {expected:?}"
                 );
             }
-            let (late, early) = (felt(&motion, gravity, t + h).field, felt(&motion, gravity, t - h).field);
-            let slope = |of: fn(&Field) -> f64| (of(&late) - of(&early)) / (2.0 * h);
-            for (rate, of) in [
-                (found.rate.uniform[0], (|f| f.uniform[0]) as fn(&Field) -> f64),
+            let (late, early) =
+                (inertial_field(&motion, gravity, t + h).field, inertial_field(&motion, gravity, t - h).field);
+            let difference_quotient =
+                |component: fn(&AccelerationField) -> f64| (component(&late) - component(&early)) / (2.0 * h);
+            for (rate, component) in [
+                (found.rate.uniform[0], (|f| f.uniform[0]) as fn(&AccelerationField) -> f64),
                 (found.rate.uniform[1], |f| f.uniform[1]),
                 (found.rate.centrifugal, |f| f.centrifugal),
                 (found.rate.coriolis, |f| f.coriolis),
                 (found.rate.euler, |f| f.euler),
             ] {
-                assert!((rate - slope(of)).abs() < 1e-5 * (100.0 + rate.abs()), "{rate} {}", slope(of));
+                assert!(
+                    (rate - difference_quotient(component)).abs() < 1e-5 * (100.0 + rate.abs()),
+                    "{rate} {}",
+                    difference_quotient(component)
+                );
             }
         }
     }
 
-    /// Rates of gap and slip are those of the object's and the table's points, and every row has its derivatives.
+    /// The rows give the rates of gap and slip between the points of object and table, and their derivatives are exact.
     #[test]
-    fn a_table_at_rest_is_seen_to_move() {
+    fn table_rows_match_differences_and_rolling() {
         let (motion, radius, h) = (motion(), 0.02, 1e-6);
-        let plane = Plane::at(0.04, -1.0);
-        let at = |t: f64, centre: [f64; 2]| table(&plane, &motion.pose(t), 0.0, &Placed::disc(radius, centre));
+        let plane = Plane::at_level(0.04, -1.0);
+        let at = |t: f64, centre: [f64; 2]| table(&plane, &motion.pose(t), 0.0, &PlacedShape::disc(radius, centre));
         for t in [0.03, 0.06] {
             let centre = [0.004, 0.019];
             let found = at(t, centre);
-            let slope = |of: &dyn Fn(&Touch<f64, 4>) -> f64| {
-                let x = |by: f64| of(&at(t, [centre[0] + by, centre[1]]));
-                let y = |by: f64| of(&at(t, [centre[0], centre[1] + by]));
-                let time = |by: f64| of(&at(t + by, centre));
+            let difference_quotients = |value: &dyn Fn(&ContactKinematics<f64, 4>) -> f64| {
+                let x = |by: f64| value(&at(t, [centre[0] + by, centre[1]]));
+                let y = |by: f64| value(&at(t, [centre[0], centre[1] + by]));
+                let time = |by: f64| value(&at(t + by, centre));
                 [x(h) - x(-h), y(h) - y(-h), time(h) - time(-h)].map(|difference| difference / (2.0 * h))
             };
-            let gap = slope(&|touch| touch.gap);
+            let gap = difference_quotients(&|kinematics| kinematics.gap);
             assert!((0..3).all(|i| (gap[i] - found.normal_row[i]).abs() < 1e-7), "{gap:?} {:?}", found.normal_row);
             let dual = |value: f64, index: usize| Dual::<3>::variable(value, index);
-            let Placed { shape, .. } = Placed::disc(radius, centre);
+            let PlacedShape { shape, .. } = PlacedShape::disc(radius, centre);
             let centre_m = [dual(centre[0], 0), dual(centre[1], 1)];
-            let placed = Placed { shape, centre_m, angle_rad: Dual::zero() };
+            let placed = PlacedShape { shape, centre_m, angle_rad: Dual::zero() };
             let duals = table(&plane, &motion.pose(t), dual(0.0, 2), &placed);
             for k in 0..4 {
-                for (row, by) in [
-                    (duals.normal_row[k].grad, slope(&|touch| touch.normal_row[k])),
-                    (duals.tangent_row[k].grad, slope(&|touch| touch.tangent_row[k])),
+                for (row, expected) in [
+                    (duals.normal_row[k].grad, difference_quotients(&|kinematics| kinematics.normal_row[k])),
+                    (duals.tangent_row[k].grad, difference_quotients(&|kinematics| kinematics.tangent_row[k])),
                 ] {
-                    assert!((0..3).all(|i| (row[i] - by[i]).abs() < 1e-5 * (1.0 + by[i].abs())), "{k}: {row:?} {by:?}");
+                    assert!(
+                        (0..3).all(|i| (row[i] - expected[i]).abs() < 1e-5 * (1.0 + expected[i].abs())),
+                        "{k}: {row:?} {expected:?}"
+                    );
                 }
             }
-            // A wheel that rolls on the table does not slip: from the world, then in the frame.
-            let Pose { place, rate, .. } = motion.pose(t);
-            let (spin, world) = (30.0, |v: [f64; 2]| rotate(v, [place[2].cos(), -place[2].sin()]));
-            let [px, py] = rotate(centre, [place[2].cos(), place[2].sin()]);
-            let carried = [rate[0] - rate[2] * py, rate[1] + rate[2] * px];
+            // A wheel that rolls on the table does not slip. Its rates are computed in the world and transformed to the
+            // frame.
+            let Pose { position, rate, .. } = motion.pose(t);
+            let (spin, rotate_into_frame) = (30.0, |v: [f64; 2]| rotate(v, [position[2].cos(), -position[2].sin()]));
+            let [px, py] = rotate(centre, [position[2].cos(), position[2].sin()]);
+            let frame_velocity = [rate[0] - rate[2] * py, rate[1] + rate[2] * px];
             let lever = found.gap + radius;
-            // On a table above, a spin that is counter-clockwise rolls to the right of the world's −x.
-            let rolling = world([spin * lever - carried[0], -carried[1]]);
+            // The table is above the wheel: a counter-clockwise spin rolls towards the world's −x.
+            let rolling = rotate_into_frame([spin * lever - frame_velocity[0], -frame_velocity[1]]);
             let rates = [rolling[0], rolling[1], 1.0, spin - rate[2]];
-            let along = |row: &[f64; 4]| row.iter().zip(rates).map(|(row, rate)| row * rate).sum::<f64>();
-            assert!(along(&found.normal_row).abs() < 1e-12, "{}", along(&found.normal_row));
-            assert!(along(&found.tangent_row).abs() < 1e-12, "{}", along(&found.tangent_row));
+            let rate_along = |row: &[f64; 4]| row.iter().zip(rates).map(|(row, rate)| row * rate).sum::<f64>();
+            assert!(rate_along(&found.normal_row).abs() < 1e-12, "{}", rate_along(&found.normal_row));
+            assert!(rate_along(&found.tangent_row).abs() < 1e-12, "{}", rate_along(&found.tangent_row));
         }
     }
 }

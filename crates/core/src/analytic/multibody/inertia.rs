@@ -1,27 +1,29 @@
-//! The mass matrix: a block for each finger, a diagonal one for each disc, and with a differential one number that couples both driven links.
+//! The mass matrix: a block for each finger and a diagonal block for each disc. A differential adds one entry that
+//! couples both driven links.
 
 use super::FINGERS;
 use super::model::Multibody;
-use crate::numeric::each;
+use crate::numeric::array_from;
 
-/// (M₁₁, M₁₂, M₂₂) of each finger with what turns with its driven link; the discs' are in the model.
+/// (M₁₁, M₁₂, M₂₂) of each finger, including the inertia that rotates with its driven link. The masses of the discs are
+/// in the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Inertia<'a, const N: usize, const C: usize> {
     model: &'a Multibody<N, C>,
     fingers: [[f64; 3]; FINGERS],
 }
 
-/// What solves M a = load.
+/// The inverse of the mass matrix.
 #[derive(Clone, Copy, Debug)]
 pub struct Inverse<'a, const N: usize, const C: usize> {
     model: &'a Multibody<N, C>,
     fingers: [[f64; 3]; FINGERS],
-    /// 1 − c² (A⁻¹)₁₁ (B⁻¹)₁₁, of M₁₂ = c between the driven links.
+    /// 1 − c² (A⁻¹)₁₁ (B⁻¹)₁₁, with the coupling M₁₂ = c between the driven links.
     remainder: f64,
 }
 
 impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
-    /// Of the fingers' own mass matrices; those of fingers that are not there do not matter.
+    /// Takes the fingers' own mass matrices; entries of missing fingers are ignored.
     #[inline(always)]
     pub fn new(model: &'a Multibody<N, C>, mut fingers: [[f64; 3]; FINGERS]) -> Self {
         (0..FINGERS).for_each(|finger| fingers[finger][0] += model.rotor_inertia[finger]);
@@ -41,7 +43,7 @@ impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
         Inverse { model: self.model, fingers, remainder }
     }
 
-    /// ½ vᵀ M v, J.
+    /// Kinetic energy ½ vᵀ M v, J.
     pub fn kinetic(&self, v: &[f64; N]) -> f64 {
         let mut energy = 0.0;
         for ([a, b, d], v) in self.fingers.iter().take(self.model.fingers.len()).zip(v.chunks_exact(2)) {
@@ -51,7 +53,7 @@ impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
             energy += self.model.coupling * v[0] * v[2];
         }
         for (index, disc) in self.model.discs.iter().enumerate() {
-            let [vx, vy, spin] = self.model.rates_of(index, v);
+            let [vx, vy, spin] = self.model.disc_rates(index, v);
             energy += 0.5 * (disc.mass * (vx * vx + vy * vy) + disc.inertia * spin * spin);
         }
         energy
@@ -59,7 +61,7 @@ impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
 }
 
 impl<const N: usize, const C: usize> Inverse<'_, N, C> {
-    /// M⁻¹ load.
+    /// Solves M x = `load`.
     #[inline(always)]
     pub fn solve(&self, load: &[f64; N]) -> [f64; N] {
         let mut column = [[0.0]; N];
@@ -67,14 +69,15 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
             column[i] = [load[i]];
         }
         let a = self.solve_columns(&column);
-        each(|i| a[i][0])
+        array_from(|i| a[i][0])
     }
 
-    /// M⁻¹ of a matrix of loads: row by row, so that its columns are worked on side by side.
+    /// M⁻¹ of a matrix of loads. The rows are processed one by one, so that the compiler can vectorise over the
+    /// columns.
     #[inline(always)]
     pub fn solve_columns<const K: usize>(&self, loads: &[[f64; K]; N]) -> [[f64; K]; N] {
         let mut a = [[0.0; K]; N];
-        for finger in 0..self.model.count() {
+        for finger in 0..self.model.finger_count() {
             let ([m, c, n], [first, second]) = (self.fingers[finger], [2 * finger, 2 * finger + 1]);
             for j in 0..K {
                 let [f, g] = [loads[first][j], loads[second][j]];
@@ -82,11 +85,11 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
             }
         }
         if self.model.coupling != 0.0 {
-            // Each finger also feels −c times the other one's q̈11 on its own.
+            // The coupling adds −c times the other finger's q̈11 to the load on each q11.
             let (c, [right, left]) = (self.model.coupling, [a[0], a[2]]);
-            let alone = c * self.fingers[1][0];
-            let second: [f64; K] = each(|j| (left[j] - alone * right[j]) / self.remainder);
-            let first: [f64; K] = each(|j| right[j] - c * self.fingers[0][0] * second[j]);
+            let coupled_mobility = c * self.fingers[1][0];
+            let second: [f64; K] = array_from(|j| (left[j] - coupled_mobility * right[j]) / self.remainder);
+            let first: [f64; K] = array_from(|j| right[j] - c * self.fingers[0][0] * second[j]);
             for (finger, other) in [second, first].into_iter().enumerate() {
                 let [m, n] = [c * self.fingers[finger][0], c * self.fingers[finger][1]];
                 for j in 0..K {
@@ -95,8 +98,8 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
                 }
             }
         }
-        for index in 0..self.model.count_of_discs() {
-            let first = self.model.first_of(index);
+        for index in 0..self.model.disc_count() {
+            let first = self.model.first_coordinate(index);
             if first >= N {
                 continue;
             }
@@ -107,9 +110,9 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
                 }
             }
         }
-        // Memories are no coordinates of masses.
+        // Bristle states have no mass: their load is their rate.
         if !Multibody::<N, C>::GRASP {
-            a.iter_mut().zip(loads).skip(self.model.memories).for_each(|(a, load)| *a = *load);
+            a.iter_mut().zip(loads).skip(self.model.first_bristle).for_each(|(a, load)| *a = *load);
         }
         a
     }

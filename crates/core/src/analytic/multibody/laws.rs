@@ -1,12 +1,12 @@
-//! What answers in one contact.
+//! Laws of one contact.
 
-use crate::analytic::SiteState;
+use crate::analytic::ContactState;
 use crate::law::{FrictionLaw, NormalLaw};
 
-/// Laws of one contact, and the branch they are on.
+/// Laws of one contact, and the branch that is active.
 #[derive(Clone, Copy)]
-pub struct Laws<'a> {
+pub struct ContactLaws<'a> {
     pub normal: &'a NormalLaw,
     pub friction: Option<&'a FrictionLaw>,
-    pub state: SiteState,
+    pub state: ContactState,
 }

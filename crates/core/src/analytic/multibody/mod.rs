@@ -1,61 +1,62 @@
-//! The analytic model of any list of fingers and discs: the equations of motion of each, masses in blocks, and contacts that add Jᵀf.
+//! The analytic model of any list of fingers and discs: the equations of motion of each, a block mass matrix, and
+//! contacts that add Jᵀf.
 //!
-//! Coordinates are (q11, q21) of every finger, of a left one those of its mirror image, then (x, y, θ) of every disc that moves, driven
-//! ones too, in the frame of the palm; where the palm moves, time itself comes next, of rate 1. Where
-//! friction holds, the rates behind it are the bristles' memories σ: of coordinates that nothing depends on. Behind them there may be room
-//! that nothing uses. Independent of the engine model, which it checks.
+//! Coordinates are (q11, q21) of every finger, with a left finger seen in its mirror image, then (x, y, θ) of every
+//! moving disc, including driven ones, in the frame of the palm. If the palm moves, time follows as a coordinate of
+//! rate 1. If friction has bristles, the next rates are the bristle states σ; nothing depends on the coordinates at
+//! these indices. The remaining indices are unused. The model is independent of the engine model, which it checks.
 //!
-//! | file | job |
+//! | file | contents |
 //! |---|---|
-//! | `size` | how many coordinates and contacts a system has |
-//! | `parts` | fingers, discs and contacts, and what of them does not change in time |
+//! | `size` | number of coordinates and contacts of a system |
+//! | `components` | constant data of fingers, discs and contacts |
 //! | `drive` | motors and brakes |
-//! | `model` | all of that of a system, and where everything is among the coordinates |
-//! | `coordinates` | which coordinates a part depends on |
-//! | `laws` | what answers in one contact |
-//! | `touch` | gaps and the rows that give their rates, and the forces there |
-//! | `contacts` | any contact in one state, in all coordinates |
-//! | `inertia` | the mass matrix by its blocks, and what solves it |
-//! | `frame` | a palm that moves: what is felt there, and the table as it is seen from there |
+//! | `model` | constant data of a system, and the layout of its coordinates |
+//! | `coordinates` | coordinates that a finger, a disc or a contact depends on |
+//! | `laws` | laws of one contact |
+//! | `contact_kinematics` | gaps, the rows that give their rates, and contact forces |
+//! | `contacts` | kinematics of any contact in one state, in all coordinates |
+//! | `inertia` | the block mass matrix and its inverse |
+//! | `frame` | a moving palm: inertial forces and the table in its frame |
 //! | `forces` | accelerations |
-//! | `pressing` | what links and contacts do, with slopes, whatever size the whole has |
-//! | `slopes` | their exact Jacobian, put together from that of every finger and contact |
-//! | `modes` | branches of the laws, and where they change |
-//! | `reading` | one contact, and the energies, in one state |
+//! | `active_contacts` | loads of links and contacts with derivatives, independent of the system's size |
+//! | `derivatives` | exact Jacobian of the accelerations, assembled from fingers and contacts |
+//! | `events` | branches of the laws, and where they change |
+//! | `evaluation` | one contact, and the energies, in one state |
 
+mod active_contacts;
+mod components;
+mod contact_kinematics;
 mod contacts;
 mod coordinates;
+mod derivatives;
 mod drive;
+mod evaluation;
+mod events;
 mod forces;
 mod frame;
 mod inertia;
 mod laws;
 mod model;
-mod modes;
-mod parts;
-mod pressing;
-mod reading;
 mod size;
-mod slopes;
-mod touch;
 
 pub use model::Multibody;
-pub use size::{ROOM, Size, TooMany, of_discs};
+pub use size::{MAX_SIZES, Size, TooLarge, count_moving_discs};
 
+use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::mode;
-use crate::analytic::model::branch;
-use crate::analytic::modes::first_step;
+use crate::analytic::model::normal_force_on_branch;
 
-/// Fingers that there may be: a right one and a left one.
+/// Largest number of fingers: a right and a left one.
 const FINGERS: usize = 2;
 
-/// Quadratures carried along with so many contacts: their normal impulses, the work of all contact forces and brakes, and that of whatever
-/// moves motors, palm and driven discs.
+/// Number of quadratures of a system: the normal impulse of each contact, the work of all contact forces and brakes,
+/// and the work of motors, palm and driven discs.
 pub const fn quadratures(contacts: usize) -> usize {
     contacts + 2
 }
 
-/// Guards of so many contacts: of their normal laws, then of their slips, then of their dampers.
-pub const fn guards(contacts: usize) -> usize {
+/// Number of event functions of a system. The normal laws of all contacts come first, then friction laws, then dampers.
+pub const fn event_function_count(contacts: usize) -> usize {
     3 * contacts
 }

@@ -1,126 +1,141 @@
-//! What does not change in time, and where everything is among the coordinates.
+//! The constant data of a multibody system, and the layout of its coordinates.
 
+use super::components::{ContactModel, ContactPair, DiscComponent, FingerComponent, Plane};
 use super::drive::Drive;
-use super::parts::{DiscPart, FingerPart, Joined, Meet, Plane};
-use super::size::{PAIRS, averaged};
+use super::size::{MAX_DISC_PAIRS, error_coordinates};
 use super::{FINGERS, Size, quadratures};
 use crate::analytic::finger::FingerModel;
-use crate::analytic::mode::Landing;
-use crate::fivebar::carried::Carried;
-use crate::gripper::Site;
+use crate::analytic::mode::EventTolerances;
+use crate::fivebar::inertial_forces::InertialForces;
+use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::plane::Vector;
-use crate::numeric::{Dual, Real, each};
-use crate::scene::{DiscMotion, DrivenFinger, PalmMotion, Place, Side, System, Touching};
-use crate::shape::{Placed, round};
+use crate::numeric::{Dual, Real, array_from};
+use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, GripperContact, PalmMotion, Side, System};
+use crate::shape::{PlacedShape, circle_radius};
 
 /// The model of a system with at most N coordinates and C contacts.
 #[derive(Clone, Debug)]
 pub struct Multibody<const N: usize, const C: usize> {
-    pub(super) fingers: Vec<FingerPart>,
-    pub(super) discs: Vec<DiscPart>,
-    /// In the order of [`System::touching`]; `None` where nothing is there to touch.
-    pub(super) contacts: Vec<Option<Joined>>,
-    /// Those of no finger.
-    pub(super) between: Vec<usize>,
+    pub(super) fingers: Vec<FingerComponent>,
+    pub(super) discs: Vec<DiscComponent>,
+    /// Contacts in the order of [`System::contact_ids`]; `None` where the scene has no such surface.
+    pub(super) contacts: Vec<Option<ContactModel>>,
+    /// Indices of the contacts without a finger.
+    pub(super) disc_contacts: Vec<usize>,
     pub(super) drives: Vec<Drive>,
-    /// Where the memories of their brakes are.
-    pub(super) brakes: Vec<Option<usize>>,
-    /// All bristles, with the places of their memories.
+    /// Index of the brake's bristle among the rates, for each drive.
+    pub(super) brake_bristles: Vec<Option<usize>>,
+    /// All bristles, with their indices among the rates.
     pub(super) bristles: Vec<(usize, Bristle)>,
-    /// Beside the fingers' own mass matrices: inertias on (q11, q11), and what couples both driven links.
+    /// Inertia on (q11, q11) in addition to each finger's own mass matrix.
     pub(super) rotor_inertia: [f64; FINGERS],
+    /// Entry of the mass matrix that couples both driven links.
     pub(super) coupling: f64,
     pub(super) palm_motion: Option<PalmMotion>,
-    /// Where time is among the coordinates of a palm that moves.
-    pub(super) time: Option<usize>,
-    /// Where the memories begin.
-    pub(super) memories: usize,
-    /// How many coordinates errors are averaged over, and matrices have.
-    used: usize,
-    half_palm: f64,
+    /// Index of time among the coordinates of a moving palm.
+    pub(super) time_index: Option<usize>,
+    /// Index of the first bristle state.
+    pub(super) first_bristle: usize,
+    /// Number of coordinates that error norms average over, and size of the matrices.
+    coordinate_count: usize,
+    half_palm_width: f64,
     pub(super) gravity: [f64; 2],
-    pub(super) landing: Landing,
+    pub(super) event_tolerances: EventTolerances,
 }
 
-/// Touch-downs of fingers and what they grasp are landed on to within a part of δ_max, lift-off and reload to within a force far below
-/// anything that is felt; those of discs alone as far as positions have digits, for their contact times are measured.
-const GRASPS: Landing = Landing { depth_share: 1e-5, force: 1e-6 };
-const COLLISIONS: Landing = Landing { depth_share: 1e-8, force: 1e-9 };
+/// Touch-downs of fingers on an object are located to a part of δ_max, lift-off and reload to a force that has no
+/// visible effect on the motion.
+const GRASP_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-5, force: 1e-6 };
+/// Contacts between discs alone are located as precisely as positions allow, because their contact times are compared
+/// with measurements.
+const COLLISION_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-8, force: 1e-9 };
 
-/// The discs of a system, the coordinates of those that move from `first` on, and the first coordinate behind them.
-fn discs(system: &System, first: usize, beyond: usize) -> (Vec<DiscPart>, usize) {
+/// Builds the discs of a system, and returns them with the first coordinate after them. Coordinates of moving discs
+/// start at `first`; fixed discs get the index `end`.
+fn build_discs(system: &System, first: usize, end: usize) -> (Vec<DiscComponent>, usize) {
     let mut next = first;
-    let part = |disc| {
-        let part = DiscPart::new(disc, if disc.motion.moves() { next } else { beyond });
+    let disc = |disc: &Disc| {
+        let component = DiscComponent::new(disc, if disc.motion.moves() { next } else { end });
         next += if disc.motion.moves() { 3 } else { 0 };
-        part
+        component
     };
-    let discs = system.discs.iter().map(part).collect();
+    let discs = system.discs.iter().map(disc).collect();
     (discs, next)
 }
 
-/// A contact, where something is there to touch.
-fn joined(system: &System, touching: Touching) -> Option<Joined> {
-    let plane = |level_m: Option<f64>, up| Plane::at(level_m.unwrap_or(f64::NAN), up);
-    let meet = match touching {
-        Touching::Phalanx(side, site, disc) => Meet::Phalanx { finger: side as usize, site, disc },
-        Touching::Stop(side) => Meet::Stop { finger: side as usize },
-        Touching::Discs(disc, other) => Meet::Discs { disc, other },
-        Touching::Palm(disc) => Meet::Plane { disc, plane: plane(system.palm.map(|palm| palm.level_m), 1.0) },
-        Touching::Table(disc) => {
+/// Builds a contact; `None` where the scene has no surface to touch.
+fn build_contact(system: &System, contact_id: ContactId) -> Option<ContactModel> {
+    let plane = |level_m: Option<f64>, up| Plane::at_level(level_m.unwrap_or(f64::NAN), up);
+    let pair = match contact_id {
+        ContactId::Phalanx(side, phalanx, disc) => ContactPair::Phalanx { finger: side as usize, phalanx, disc },
+        ContactId::Stop(side) => ContactPair::Stop { finger: side as usize },
+        ContactId::Discs(disc, other) => ContactPair::Discs { disc, other },
+        ContactId::Palm(disc) => ContactPair::Plane { disc, plane: plane(system.palm.map(|palm| palm.level_m), 1.0) },
+        ContactId::Table(disc) => {
             let plane = plane(system.table.map(|table| table.level_m), -1.0);
-            if system.palm_motion.is_some() { Meet::PassingPlane { disc, plane } } else { Meet::Plane { disc, plane } }
+            if system.palm_motion.is_some() {
+                ContactPair::MovingPlane { disc, plane }
+            } else {
+                ContactPair::Plane { disc, plane }
+            }
         }
     };
-    system.laws(touching).map(|laws| Joined::new(meet, laws))
+    system.contact_laws(contact_id).map(|laws| ContactModel::new(pair, laws))
 }
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
-    /// Builds the model; a system must be no larger than there is room for.
+    /// Builds the model.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the system exceeds N coordinates or C contacts.
     pub fn new(system: &System) -> Self {
-        let size = Size::of(system);
-        assert!(size.fits(&Size { coordinates: N, contacts: C }), "{size:?} in {N}, {C}");
+        let size = Size::of_system(system);
+        assert!(size.fits(&Size { coordinates: N, contacts: C }), "{size:?} exceeds {N} coordinates or {C} contacts");
         let is_grasp = system.fingers.len() == FINGERS && system.discs.len() < 2 && size.coordinates == N;
-        assert!(is_grasp || !Self::GRASP, "two fingers and at most one disc, of {N} coordinates");
-        assert!(system.fingers.is_empty() || !Self::DISCS, "discs alone");
+        assert!(is_grasp || !Self::GRASP, "a grasp has two fingers, at most one disc, and {N} coordinates");
+        assert!(system.fingers.is_empty() || !Self::DISCS, "this size takes discs only");
         let [x, y] = system.gravity_m_s2;
-        let half_palm = 0.5 * system.palm_width_m;
-        let (discs, time) = discs(system, 2 * system.fingers.len(), N);
-        let memories = time + usize::from(system.palm_motion.is_some());
-        let mut contacts: Vec<_> = system.touching().into_iter().map(|touching| joined(system, touching)).collect();
+        let half_palm_width = 0.5 * system.palm_width_m;
+        let (discs, time_index) = build_discs(system, 2 * system.fingers.len(), N);
+        let first_bristle = time_index + usize::from(system.palm_motion.is_some());
+        let mut contacts: Vec<_> =
+            system.contact_ids().into_iter().map(|contact_id| build_contact(system, contact_id)).collect();
         let mut bristles = Vec::new();
-        let mut remembered = |bristle: Option<Bristle>| {
-            let memory = memories + bristles.len();
-            bristles.extend(bristle.map(|bristle| (memory, bristle)));
-            bristle.map(|_| memory)
+        let mut add_bristle = |bristle: Option<Bristle>| {
+            let bristle_index = first_bristle + bristles.len();
+            bristles.extend(bristle.map(|bristle| (bristle_index, bristle)));
+            bristle.map(|_| bristle_index)
         };
         for contact in contacts.iter_mut().flatten() {
-            contact.memory = remembered(contact.bristle());
+            contact.bristle_index = add_bristle(contact.bristle());
         }
-        let of = |finger: usize| {
-            let is_its = |meet: Meet| match meet {
-                Meet::Phalanx { finger: of, .. } | Meet::Stop { finger: of } => of == finger,
-                Meet::Discs { .. } | Meet::Plane { .. } | Meet::PassingPlane { .. } => finger == FINGERS,
+        let finger_contacts = |finger: usize| {
+            let belongs_to_finger = |pair: ContactPair| match pair {
+                ContactPair::Phalanx { finger: owner, .. } | ContactPair::Stop { finger: owner } => owner == finger,
+                ContactPair::Discs { .. } | ContactPair::Plane { .. } | ContactPair::MovingPlane { .. } => {
+                    finger == FINGERS
+                }
             };
             let indices = contacts.iter().enumerate();
-            let its = indices.filter(|(_, contact)| contact.is_some_and(|contact| is_its(contact.meet)));
-            its.map(|(index, _)| index).collect::<Vec<_>>()
+            let found = indices.filter(|(_, contact)| contact.is_some_and(|contact| belongs_to_finger(contact.pair)));
+            found.map(|(index, _)| index).collect::<Vec<_>>()
         };
         let finger = |(side, finger): (Side, &DrivenFinger)| {
             let DrivenFinger { linkage, spring, limit, contact, initial, .. } = finger;
-            FingerPart {
+            FingerComponent {
                 side,
                 model: FingerModel::new(linkage, (*spring, *limit), *contact, initial, [side.mirror() * x, y]),
-                carried: Carried::new(linkage, [half_palm, 0.0]),
-                contacts: of(side as usize),
+                inertial_load: InertialForces::new(linkage, [half_palm_width, 0.0]),
+                contacts: finger_contacts(side as usize),
             }
         };
-        let (fingers, between) = (system.sided().map(finger).collect(), of(FINGERS));
+        let (fingers, disc_contacts) = (system.fingers_by_side().map(finger).collect(), finger_contacts(FINGERS));
         let mut rotor_inertia = [0.0; FINGERS];
         let mut drives = Vec::new();
-        for (side, finger) in system.sided() {
+        for (side, finger) in system.fingers_by_side() {
             let weights = if side == Side::Right { [1.0, 0.0] } else { [0.0, 1.0] };
             drives.push(Drive::new(&finger.motor, weights));
             rotor_inertia[side as usize] = finger.motor.inertia_kg_m2;
@@ -129,31 +144,31 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         if let Some(differential) = &system.differential {
             drives.push(Drive::new(&differential.motor, [0.5, 0.5]));
             let (input, seesaw) = (differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2);
-            rotor_inertia.iter_mut().for_each(|own| *own += (input + seesaw) / 4.0);
+            rotor_inertia.iter_mut().for_each(|inertia| *inertia += (input + seesaw) / 4.0);
             coupling = (input - seesaw) / 4.0;
         }
-        let brakes = drives.iter().map(|drive| remembered(drive.bristle())).collect();
+        let brake_bristles = drives.iter().map(|drive| add_bristle(drive.bristle())).collect();
         Self {
             fingers,
             discs,
             contacts,
-            between,
-            brakes,
+            disc_contacts,
+            brake_bristles,
             bristles,
             drives,
             rotor_inertia,
             coupling,
             palm_motion: system.palm_motion.clone(),
-            time: system.palm_motion.is_some().then_some(time),
-            memories,
-            used: if Self::DISCS { averaged(system) } else { N },
-            half_palm,
+            time_index: system.palm_motion.is_some().then_some(time_index),
+            first_bristle,
+            coordinate_count: if Self::DISCS { error_coordinates(system) } else { N },
+            half_palm_width,
             gravity: system.gravity_m_s2,
-            landing: if system.fingers.is_empty() { COLLISIONS } else { GRASPS },
+            event_tolerances: if system.fingers.is_empty() { COLLISION_TOLERANCES } else { GRASP_TOLERANCES },
         }
     }
 
-    /// Coordinates and rates at the start.
+    /// Returns the coordinates and rates at the start.
     pub fn start<const Z: usize>(&self, system: &System) -> State<N, Z> {
         const { assert!(Z == quadratures(C)) };
         let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
@@ -162,91 +177,96 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             (state.q[2 * index], state.q[2 * index + 1]) = (initial.q11_rad, initial.q21_rad);
             (state.v[2 * index], state.v[2 * index + 1]) = (initial.qd11_rad_s, initial.qd21_rad_s);
         }
-        for (disc, part) in system.discs.iter().zip(&self.discs) {
-            let (([vx, vy], spin), at) = match disc.motion {
+        for (disc, component) in system.discs.iter().zip(&self.discs) {
+            let (([vx, vy], spin), first) = match disc.motion {
                 DiscMotion::Fixed => continue,
-                DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } => ((velocity_m_s, spin_rad_s), part.first),
-                DiscMotion::Free { velocity_m_s, spin_rad_s, .. } => ((velocity_m_s, spin_rad_s), part.first),
+                DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } => {
+                    ((velocity_m_s, spin_rad_s), component.first_coordinate)
+                }
+                DiscMotion::Free { velocity_m_s, spin_rad_s, .. } => {
+                    ((velocity_m_s, spin_rad_s), component.first_coordinate)
+                }
             };
-            state.q[at..at + 3].copy_from_slice(&part.pose);
-            state.v[at..at + 3].copy_from_slice(&[vx, vy, spin]);
+            state.q[first..first + 3].copy_from_slice(&component.pose);
+            state.v[first..first + 3].copy_from_slice(&[vx, vy, spin]);
         }
-        self.time.into_iter().for_each(|time| state.v[time] = 1.0);
+        self.time_index.into_iter().for_each(|time_index| state.v[time_index] = 1.0);
         state
     }
 
-    /// Whether surfaces meet in one point of both, so that they exchange angular momentum exactly; discs alone each in its own, as in the
-    /// thesis.
+    /// Whether both surfaces of a contact share one contact point, so that angular momentum is conserved exactly. In
+    /// scenes without fingers each disc has its own contact point, as in the thesis.
     #[inline(always)]
-    pub(super) fn meets_in_one_point(&self) -> bool {
+    pub(super) fn shares_contact_point(&self) -> bool {
         !self.fingers.is_empty()
     }
 
-    /// How many contacts there are, with those where nothing is there to touch.
-    pub fn contacts(&self) -> usize {
+    /// Number of contacts, including those that the scene does not have.
+    pub fn contact_count(&self) -> usize {
         self.contacts.len()
     }
 
-    /// Where the memory of a contact's bristle is among the rates, if it has one.
-    pub fn memory(&self, contact: usize) -> Option<usize> {
-        self.contacts[contact].and_then(|contact| contact.memory)
+    /// Index of a contact's bristle state among the rates, if it has a bristle.
+    pub fn bristle_index(&self, contact: usize) -> Option<usize> {
+        self.contacts[contact].and_then(|contact| contact.bristle_index)
     }
 
-    /// Where that of a drive's brake is: of each finger's in their order, then of what drives both.
-    pub fn memory_of_brake(&self, drive: usize) -> Option<usize> {
-        self.brakes[drive]
+    /// Index of the bristle state of a drive's brake: drives of the fingers in their order, then the drive of the
+    /// differential.
+    pub fn brake_bristle_index(&self, drive: usize) -> Option<usize> {
+        self.brake_bristles[drive]
     }
 
-    /// Whether friction holds in a contact.
-    pub(crate) fn holds(&self, contact: usize) -> bool {
-        self.memory(contact).is_some()
+    /// Whether the friction of a contact has a bristle, so that it can stick.
+    pub(crate) fn has_stiction(&self, contact: usize) -> bool {
+        self.bristle_index(contact).is_some()
     }
 
-    /// Energy in bristles, J.
+    /// Energy stored in the bristles, J.
     pub(super) fn bristle_energy(&self, v: &[f64; N]) -> f64 {
-        self.bristles.iter().map(|(memory, bristle)| bristle.energy(v[*memory])).sum()
+        self.bristles.iter().map(|(bristle_index, bristle)| bristle.energy(v[*bristle_index])).sum()
     }
 
-    /// Rates of the driven links: of both fingers, 0 of one that is not there.
+    /// Rates of the driven links of both fingers; 0 for a missing finger.
     #[inline(always)]
-    pub(super) fn driven(&self, v: &[f64; N]) -> [f64; FINGERS] {
-        each(|finger| if finger < self.count() { v[2 * finger] } else { 0.0 })
+    pub(super) fn driven_rates(&self, v: &[f64; N]) -> [f64; FINGERS] {
+        array_from(|finger| if finger < self.finger_count() { v[2 * finger] } else { 0.0 })
     }
 
     /// Torques of all motors and brakes on the driven links, N·m.
     pub fn motor_torques(&self, t: f64, v: &[f64; N]) -> [f64; FINGERS] {
-        let (mut torques, driven) = ([0.0; FINGERS], self.driven(v));
+        let (mut torques, driven_rates) = ([0.0; FINGERS], self.driven_rates(v));
         for (index, drive) in self.drives.iter().enumerate() {
-            let hold = drive.hold(t, driven, self.brake_of(index).map(|memory| v[memory]));
-            let torque = drive.pull(t, driven).torque + hold.map_or(0.0, |hold| hold.pull.torque);
+            let brake = drive.brake_torque(t, driven_rates, self.brake_bristle(index).map(|index| v[index]));
+            let torque = drive.motor_torque(t, driven_rates).torque + brake.map_or(0.0, |brake| brake.shaft.torque);
             (0..FINGERS).for_each(|i| torques[i] += drive.weights[i] * torque);
         }
         torques
     }
 
-    /// The next time at which some torque, or a derivative of the palm's pose, jumps.
-    pub(super) fn next_corner_in_time(&self, t: f64) -> f64 {
-        let drives = self.drives.iter().map(|drive| drive.next_corner(t));
-        let palm = self.palm_motion.iter().map(|motion| motion.next_corner(t));
+    /// Next time at which a torque, or a derivative of the palm's pose, is discontinuous.
+    pub(super) fn next_time_discontinuity(&self, t: f64) -> f64 {
+        let drives = self.drives.iter().map(|drive| drive.next_discontinuity(t));
+        let palm = self.palm_motion.iter().map(|motion| motion.next_discontinuity(t));
         drives.chain(palm).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether two fingers and one object are all that there is, without bristles. Then the compiler knows where everything is: it takes
-    /// a tenth of the instructions of a closing.
-    pub(super) const GRASP: bool = C == Place::ALL.len() && N <= 2 * FINGERS + 4;
+    /// Whether the system is two fingers and one object without bristles. All indices are compile-time constants then,
+    /// which reduces the instructions of a closing motion to a tenth.
+    pub(super) const GRASP: bool = C == GripperContact::ALL.len() && N <= 2 * FINGERS + 4;
 
-    /// Whether discs alone are all that there is room for: nothing of a finger is compiled then.
-    pub(super) const DISCS: bool = C == PAIRS;
+    /// Whether the system has discs only; then no code for fingers is compiled.
+    pub(super) const DISCS: bool = C == MAX_DISC_PAIRS;
 
-    /// How many coordinates errors are averaged over, and matrices have.
+    /// Number of coordinates that error norms average over, and size of the matrices.
     #[inline(always)]
-    pub(super) fn used(&self) -> usize {
-        if Self::DISCS { self.used } else { N }
+    pub(super) fn coordinate_count(&self) -> usize {
+        if Self::DISCS { self.coordinate_count } else { N }
     }
 
-    /// How many fingers there are.
+    /// Number of fingers.
     #[inline(always)]
-    pub(super) fn count(&self) -> usize {
+    pub(super) fn finger_count(&self) -> usize {
         match (Self::GRASP, Self::DISCS) {
             (true, _) => FINGERS,
             (_, true) => 0,
@@ -254,107 +274,113 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         }
     }
 
-    /// How many discs.
+    /// Number of discs; a compile-time constant for a grasp.
     #[inline(always)]
-    pub(super) fn count_of_discs(&self) -> usize {
+    pub(super) fn disc_count(&self) -> usize {
         if Self::GRASP { 1 } else { self.discs.len() }
     }
 
-    /// The memory of a drive's brake.
+    /// Index of the bristle state of a drive's brake.
     #[inline(always)]
-    pub(super) fn brake_of(&self, drive: usize) -> Option<usize> {
-        if Self::GRASP { None } else { self.brakes[drive] }
+    pub(super) fn brake_bristle(&self, drive: usize) -> Option<usize> {
+        if Self::GRASP { None } else { self.brake_bristles[drive] }
     }
 
-    /// The first coordinate of a disc, beyond the last if it is fixed.
+    /// First coordinate of a disc; beyond the last coordinate if the disc is fixed.
     #[inline(always)]
-    pub(super) fn first_of(&self, disc: usize) -> usize {
-        if Self::GRASP { 2 * FINGERS } else { self.discs[disc].first }
+    pub(super) fn first_coordinate(&self, disc: usize) -> usize {
+        if Self::GRASP { 2 * FINGERS } else { self.discs[disc].first_coordinate }
     }
 
-    /// Whether the palm moves, and with it the frame.
+    /// Whether the palm, and with it the frame, moves.
     #[inline(always)]
-    pub(super) fn moves(&self) -> bool {
-        if Self::GRASP { N > 2 * FINGERS + 3 } else { !Self::DISCS && self.time.is_some() }
+    pub(super) fn palm_moves(&self) -> bool {
+        if Self::GRASP { N > 2 * FINGERS + 3 } else { !Self::DISCS && self.time_index.is_some() }
     }
 
-    /// The memory of a contact's bristle.
+    /// Bristle state σ of a contact.
     #[inline(always)]
-    pub(super) fn remembered(&self, contact: &Joined, v: &[f64; N]) -> Option<f64> {
-        if Self::GRASP { None } else { contact.memory.map(|memory| v[memory]) }
+    pub(super) fn bristle_state(&self, contact: &ContactModel, v: &[f64; N]) -> Option<f64> {
+        if Self::GRASP { None } else { contact.bristle_index.map(|bristle_index| v[bristle_index]) }
     }
 
-    /// What meets in a contact of a finger.
+    /// Returns the pair of surfaces of a finger's contact.
     #[inline(always)]
-    pub(super) fn meet_of(&self, finger: usize, index: usize, contact: &Joined) -> Meet {
-        match index.wrapping_sub(Site::ALL.len() * finger) {
-            0 if Self::GRASP => Meet::Phalanx { finger, site: Site::Proximal, disc: 0 },
-            1 if Self::GRASP => Meet::Phalanx { finger, site: Site::Distal, disc: 0 },
-            2 if Self::GRASP => Meet::Stop { finger },
-            _ => contact.meet,
+    pub(super) fn contact_pair(&self, finger: usize, index: usize, contact: &ContactModel) -> ContactPair {
+        match index.wrapping_sub(FingerContact::ALL.len() * finger) {
+            0 if Self::GRASP => ContactPair::Phalanx { finger, phalanx: FingerContact::Proximal, disc: 0 },
+            1 if Self::GRASP => ContactPair::Phalanx { finger, phalanx: FingerContact::Distal, disc: 0 },
+            2 if Self::GRASP => ContactPair::Stop { finger },
+            _ => contact.pair,
         }
     }
 
-    /// (x, y, θ) of a disc.
+    /// Pose (x, y, θ) of a disc.
     #[inline(always)]
-    pub fn place_of(&self, disc: usize, q: &[f64; N]) -> [f64; 3] {
-        let first = self.first_of(disc);
+    pub fn disc_pose(&self, disc: usize, q: &[f64; N]) -> [f64; 3] {
+        let first = self.first_coordinate(disc);
         if first < N { [q[first], q[first + 1], q[first + 2]] } else { self.discs[disc].pose }
     }
 
-    /// Its rates.
+    /// Rates of a disc's pose.
     #[inline(always)]
-    pub fn rates_of(&self, disc: usize, v: &[f64; N]) -> [f64; 3] {
-        let first = self.first_of(disc);
+    pub fn disc_rates(&self, disc: usize, v: &[f64; N]) -> [f64; 3] {
+        let first = self.first_coordinate(disc);
         if first < N { [v[first], v[first + 1], v[first + 2]] } else { [0.0; 3] }
     }
 
-    /// Whether a contact changes as its discs turn where they are.
+    /// Whether the contact geometry depends on the angle of a disc, which it does unless the disc is round.
     #[inline(always)]
-    pub(super) fn turns(&self, meet: Meet) -> bool {
-        let turns = |disc: usize| round(&self.discs[disc].shape).is_none();
-        match meet {
-            Meet::Stop { .. } => false,
-            Meet::Discs { disc, other } => turns(disc) || turns(other),
-            Meet::Phalanx { disc, .. } | Meet::Plane { disc, .. } | Meet::PassingPlane { disc, .. } => turns(disc),
+    pub(super) fn depends_on_disc_angle(&self, pair: ContactPair) -> bool {
+        let is_not_round = |disc: usize| circle_radius(&self.discs[disc].shape).is_none();
+        match pair {
+            ContactPair::Stop { .. } => false,
+            ContactPair::Discs { disc, other } => is_not_round(disc) || is_not_round(other),
+            ContactPair::Phalanx { disc, .. }
+            | ContactPair::Plane { disc, .. }
+            | ContactPair::MovingPlane { disc, .. } => is_not_round(disc),
         }
     }
 
-    /// The same with its shape.
+    /// Returns a disc's shape at its pose.
     #[inline(always)]
-    pub(super) fn placed(&self, disc: usize, q: &[f64; N]) -> Placed {
-        let [x, y, angle_rad] = self.place_of(disc, q);
-        Placed { shape: self.discs[disc].shape, centre_m: [x, y], angle_rad }
+    pub(super) fn placed_disc(&self, disc: usize, q: &[f64; N]) -> PlacedShape {
+        let [x, y, angle_rad] = self.disc_pose(disc, q);
+        PlacedShape { shape: self.discs[disc].shape, centre_m: [x, y], angle_rad }
     }
 
-    /// A disc as a finger's frame has it.
+    /// Returns a disc's shape at its pose in a finger's frame.
     #[inline(always)]
-    pub(super) fn in_finger(&self, side: Side, disc: usize, q: &[f64; N]) -> Placed {
-        self.placed(disc, q).in_finger(side.mirror(), self.half_palm)
+    pub(super) fn disc_in_finger_frame(&self, side: Side, disc: usize, q: &[f64; N]) -> PlacedShape {
+        self.placed_disc(disc, q).in_finger_frame(side.mirror(), self.half_palm_width)
     }
 
-    /// A point of a finger's frame as that of all has it.
-    pub(super) fn in_palm(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
-        [side.mirror() * (x + self.half_palm), y]
+    /// Transforms a point of a finger's frame to the palm's frame.
+    pub(super) fn point_in_palm_frame(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
+        [side.mirror() * (x + self.half_palm_width), y]
     }
 
-    /// Coordinates of a finger, of all.
+    /// Returns the two coordinates of a finger among all, or their rates.
     #[inline(always)]
-    pub(super) fn own(finger: usize, all: &[f64; N]) -> [f64; 2] {
+    pub(super) fn finger_coordinates(finger: usize, all: &[f64; N]) -> [f64; 2] {
         [all[2 * finger], all[2 * finger + 1]]
     }
 }
 
-/// A disc of which place and angle are these variables, as far as there are so many.
+/// Makes position and angle of a disc differentiation variables with the given indices; the angle is constant if its
+/// index is not below P.
 #[inline(always)]
-pub(super) fn variables<const P: usize>(placed: &Placed, [x, y, turn]: [usize; 3]) -> Placed<Dual<P>> {
-    let Placed { shape, centre_m, angle_rad } = *placed;
-    let angle_rad = if turn < P { Dual::variable(angle_rad, turn) } else { Dual::constant(angle_rad) };
-    Placed { shape, centre_m: [Dual::variable(centre_m[0], x), Dual::variable(centre_m[1], y)], angle_rad }
+pub(super) fn placed_variables<const P: usize>(
+    placed: &PlacedShape,
+    [x, y, angle]: [usize; 3],
+) -> PlacedShape<Dual<P>> {
+    let PlacedShape { shape, centre_m, angle_rad } = *placed;
+    let angle_rad = if angle < P { Dual::variable(angle_rad, angle) } else { Dual::constant(angle_rad) };
+    PlacedShape { shape, centre_m: [Dual::variable(centre_m[0], x), Dual::variable(centre_m[1], y)], angle_rad }
 }
 
-/// Coordinates of a finger, each a variable of its own.
+/// Makes both coordinates of a finger differentiation variables.
 #[inline(always)]
-pub(super) fn angles(q: [f64; 2]) -> Vector<Dual<2>> {
+pub(super) fn angle_variables(q: [f64; 2]) -> Vector<Dual<2>> {
     [Dual::variable(q[0], 0), Dual::variable(q[1], 1)]
 }

@@ -1,78 +1,91 @@
-//! How many coordinates and contacts a system has: sizes are constants of the model.
+//! Number of coordinates and contacts of a system. Sizes are compile-time constants of the model.
 
 use crate::scene::System;
 
-/// What a system asks for.
+/// Size of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// With time and the memories of bristles.
+    /// Number of coordinates, including time and the bristle states.
     pub coordinates: usize,
     pub contacts: usize,
 }
 
-/// The most that the model takes where there are fingers and more than what two of them grasp: without bristles, and with them.
-pub const ROOM: [Size; 2] = [Size { coordinates: 14, contacts: 24 }, Size { coordinates: 32, contacts: 24 }];
+/// Largest sizes of a system that has fingers and is no grasp of two fingers: without and with bristles.
+pub const MAX_SIZES: [Size; 2] = [Size { coordinates: 14, contacts: 24 }, Size { coordinates: 32, contacts: 24 }];
 
-/// A system too large for the model.
+/// Error for a system too large for the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum TooMany {
+pub enum TooLarge {
     #[error(
-        "{moving} discs move and {pairs} pairs of surfaces may meet; the analytic model takes up to {MOVING} moving discs and \
-         {most} pairs: fix or remove some"
+        "{moving} discs move and {pairs} pairs of surfaces may come into contact; the analytic model takes up to {MAX_MOVING_DISCS} moving discs and \
+         {limit} pairs: fix or remove some"
     )]
-    Discs { moving: usize, pairs: usize, most: usize },
+    Discs { moving: usize, pairs: usize, limit: usize },
     #[error(
         "fingers, discs and bristles have {} coordinates and {} contacts; the analytic model takes up to {} and {}: fix or remove \
          some discs",
-        .of.coordinates, .of.contacts, .most.coordinates, .most.contacts
+        .size.coordinates, .size.contacts, .limit.coordinates, .limit.contacts
     )]
-    Parts { of: Size, most: Size },
+    Components { size: Size, limit: Size },
 }
 
 impl Size {
-    /// That of a system.
-    pub fn of(system: &System) -> Self {
-        let moving = moving(system);
-        let touching = system.touching();
-        let holding = touching.iter().filter_map(|touching| system.laws(*touching)?.1?.bristle).count();
+    /// Size of a system.
+    pub fn of_system(system: &System) -> Self {
+        let moving_discs = count_moving(system);
+        let contacts = system.contact_ids();
+        let bristles = contacts.iter().filter_map(|contact| system.contact_laws(*contact)?.1?.bristle).count();
         let input = system.differential.iter().map(|differential| &differential.motor);
         let motors = system.fingers.iter().map(|finger| &finger.motor).chain(input);
         let brakes = motors.filter(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some())).count();
         let time = usize::from(system.palm_motion.is_some());
-        Self { coordinates: 2 * system.fingers.len() + 3 * moving + time + holding + brakes, contacts: touching.len() }
+        Self {
+            coordinates: 2 * system.fingers.len() + 3 * moving_discs + time + bristles + brakes,
+            contacts: contacts.len(),
+        }
     }
 
-    /// Whether it is no larger than there is room for.
-    pub fn fits(&self, room: &Self) -> bool {
-        self.coordinates <= room.coordinates && self.contacts <= room.contacts
+    /// Whether this size is within `capacity`.
+    pub fn fits(&self, capacity: &Self) -> bool {
+        self.coordinates <= capacity.coordinates && self.contacts <= capacity.contacts
     }
 }
 
-/// Discs alone that may move.
-const MOVING: usize = 3;
+/// Largest number of moving discs in a system without fingers.
+const MAX_MOVING_DISCS: usize = 3;
 
 /// How many discs of a system move.
-fn moving(system: &System) -> usize {
+fn count_moving(system: &System) -> usize {
     system.discs.iter().filter(|disc| disc.motion.moves()).count()
 }
 
-/// Pairs of discs alone.
-pub(super) const PAIRS: usize = 12;
+/// Largest number of contact pairs in a system without fingers.
+pub(super) const MAX_DISC_PAIRS: usize = 12;
 
-/// Pairs that may hold where so many discs move: as many memories are there.
-const HOLDING: [usize; MOVING + 1] = [0, 4, 6, 9];
+/// Largest number of contact pairs with bristles in a system without fingers, by its number of moving discs.
+const MAX_BRISTLE_PAIRS: [usize; MAX_MOVING_DISCS + 1] = [0, 4, 6, 9];
 
-/// Coordinates over which errors of discs alone are averaged: with every memory that so many may have. Over those alone that there are,
-/// a wheel that comes to roll takes 333 steps instead of 33 (scenes/laws/bristle-rolls).
-pub(super) fn averaged(system: &System) -> usize {
-    let moving = moving(system);
-    3 * moving + if system.holds() { HOLDING[moving.min(MOVING)] } else { 0 }
+/// Number of coordinates over which errors are averaged in systems without fingers: all positions, and the largest
+/// number of bristles allowed for this number of discs. If only existing bristles counted, a wheel that starts to roll
+/// would take 333 steps instead of 33 (scenes/laws/bristle-rolls).
+pub(super) fn error_coordinates(system: &System) -> usize {
+    let moving_discs = count_moving(system);
+    3 * moving_discs + if system.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { 0 }
 }
 
-/// How many of some discs alone move, where the model takes as many.
-pub fn of_discs(system: &System) -> Result<usize, TooMany> {
-    let moving = moving(system);
-    let pairs = system.touching().len();
-    let most = if system.holds() { HOLDING[moving.min(MOVING)] } else { PAIRS };
-    if moving > MOVING || pairs > most { Err(TooMany::Discs { moving, pairs, most }) } else { Ok(moving) }
+/// Number of moving discs in a system without fingers.
+///
+/// # Errors
+///
+/// Returns an error if the system is too large for the model.
+pub fn count_moving_discs(system: &System) -> Result<usize, TooLarge> {
+    let moving_discs = count_moving(system);
+    let pairs = system.contact_ids().len();
+    let limit =
+        if system.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { MAX_DISC_PAIRS };
+    if moving_discs > MAX_MOVING_DISCS || pairs > limit {
+        Err(TooLarge::Discs { moving: moving_discs, pairs, limit })
+    } else {
+        Ok(moving_discs)
+    }
 }

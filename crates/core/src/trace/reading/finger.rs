@@ -1,9 +1,9 @@
-//! A finger in a state of the analytic model.
+//! Samples of the finger kernel of the analytic model.
 
-use super::{Reader, contact_sample, refill, stored};
+use super::{Reader, contact_sample, refill, stored_energy};
 use crate::analytic::{FingerMode, FingerMotion, QUADRATURES};
 use crate::integrator::State;
-use crate::trace::{ContactSample, Energy, FingerState, Sample, Site, Wants};
+use crate::trace::{ContactSample, Energy, FingerContact, FingerState, RequiredData, Sample};
 
 impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, W> {
     type Mode = FingerMode;
@@ -14,12 +14,13 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
         state: &State<N, QUADRATURES>,
         mode: &FingerMode,
         start: &Energy,
-        wants: Wants,
+        required_data: RequiredData,
         sample: &mut Sample,
     ) {
-        let snapshot = self.snapshot_of(state.q, state.v, mode, (wants.passive, wants.energies));
+        let snapshot = self.partial_snapshot(state.q, state.v, mode, (required_data.passive, required_data.energies));
         let (passive, energies) = (&snapshot.passive, &snapshot.energies);
-        let at = |site: Site| contact_sample(snapshot.sites[site as usize], state.z[site as usize]);
+        let sample_contact =
+            |site: FingerContact| contact_sample(snapshot.contacts[site as usize], state.z[site as usize]);
         let [.., contact_work, motor_work] = state.z;
         let finger = FingerState {
             q11_rad: state.q[0],
@@ -31,20 +32,23 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
             qd21_rad_s: state.v[1],
             qd12_rad_s: passive.qd12,
             qd22_rad_s: passive.qd22,
-            motor_torque_n_m: if wants.passive { self.motor_torque(t) } else { 0.0 },
+            motor_torque_n_m: if required_data.passive { self.motor_torque(t) } else { 0.0 },
         };
         sample.time_s = t;
         refill(&mut sample.fingers, std::iter::once(finger));
-        refill(&mut sample.contacts, Site::ALL.into_iter().map(at));
-        sample.energy =
-            if wants.energies { stored(energies).since(start, contact_work, motor_work) } else { Energy::default() };
+        refill(&mut sample.contacts, FingerContact::ALL.into_iter().map(sample_contact));
+        sample.energy = if required_data.energies {
+            stored_energy(energies).relative_to(start, contact_work, motor_work)
+        } else {
+            Energy::default()
+        };
     }
 
-    fn slips(&self, index: usize, mode: &FingerMode) -> Option<bool> {
-        mode.slips_at(index).filter(|_| self.bristle(Site::ALL[index]).is_some())
+    fn is_slipping(&self, index: usize, mode: &FingerMode) -> Option<bool> {
+        mode.is_slipping(index).filter(|_| self.bristle(FingerContact::ALL[index]).is_some())
     }
 
     fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &FingerMode) -> ContactSample {
-        contact_sample(self.reading(state.q, state.v, Site::ALL[index], mode[index]), state.z[index])
+        contact_sample(self.contact_reading(state.q, state.v, FingerContact::ALL[index], mode[index]), state.z[index])
     }
 }

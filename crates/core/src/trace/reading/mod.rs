@@ -1,4 +1,5 @@
-//! Turns a state of the analytic model into a sample: what that is differs between its two kernels, and nothing else does.
+//! Converts states of the analytic model to samples; the conversion is the only part of a run that differs between its
+//! two kernels.
 
 mod finger;
 mod multibody;
@@ -7,33 +8,43 @@ use std::ops::Index;
 
 pub(super) use multibody::SystemReader;
 
-use super::{ContactSample, Energy, Sample, Wants};
-use crate::analytic::{Energies, SiteReading, SiteState};
+use super::{ContactSample, Energy, RequiredData, Sample};
+use crate::analytic::{ContactReading, ContactState, Energies};
 use crate::integrator::State;
 
-/// Reads the states of a model.
+/// Converts the states of a model to samples.
 pub(super) trait Reader<const N: usize, const Z: usize> {
-    /// Branches of the laws of all contacts.
-    type Mode: Copy + Index<usize, Output = SiteState>;
+    /// Branches of all contact laws.
+    type Mode: Copy + Index<usize, Output = ContactState>;
 
-    /// What is wanted of one state; `start` has the energies at the start of the run, from which works and losses count.
-    fn read(&self, t: f64, state: &State<N, Z>, mode: &Self::Mode, start: &Energy, wants: Wants, sample: &mut Sample);
+    /// Reads the required data of one state; `start` contains the energies at the start of the run, the reference for
+    /// work and dissipation.
+    fn read(
+        &self,
+        t: f64,
+        state: &State<N, Z>,
+        mode: &Self::Mode,
+        start: &Energy,
+        required_data: RequiredData,
+        sample: &mut Sample,
+    );
 
-    /// Whether friction that holds slips at a contact: `None` where it is lost or has no bristle, and where the mode does not say.
-    fn slips(&self, index: usize, mode: &Self::Mode) -> Option<bool>;
+    /// Whether bristle friction slips at a contact; `None` if the contact is inactive, has no bristle, or the mode does
+    /// not record it.
+    fn is_slipping(&self, index: usize, mode: &Self::Mode) -> Option<bool>;
 
-    /// One contact of it.
+    /// Reads one contact of a state.
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
 }
 
-/// Puts these in the place of what is there, without allocating where there is room.
-fn refill<T>(parts: &mut Vec<T>, new: impl Iterator<Item = T>) {
-    parts.clear();
-    parts.extend(new);
+/// Replaces the elements of a vector, reusing its allocation.
+fn refill<T>(items: &mut Vec<T>, new: impl Iterator<Item = T>) {
+    items.clear();
+    items.extend(new);
 }
 
-/// Energies of a state as a sample has them.
-fn stored(energies: &Energies) -> Energy {
+/// Converts the energies of a state to those of a sample.
+fn stored_energy(energies: &Energies) -> Energy {
     Energy {
         kinetic_j: energies.kinetic,
         gravity_j: energies.gravity,
@@ -43,8 +54,8 @@ fn stored(energies: &Energies) -> Energy {
     }
 }
 
-/// What is read of one contact; nothing where there is none.
-fn contact_sample(reading: Option<SiteReading>, impulse_n_s: f64) -> ContactSample {
+/// Converts a contact reading to a sample; `None` is a contact that does not exist.
+fn contact_sample(reading: Option<ContactReading>, impulse_n_s: f64) -> ContactSample {
     reading.map_or(ContactSample::NONE, |r| ContactSample {
         gap_m: -r.delta,
         gap_rate_m_s: -r.delta_rate,

@@ -1,13 +1,13 @@
-//! Fingers and discs in a state of the analytic model.
+//! Samples of the multibody kernel of the analytic model.
 
-use super::{Reader, contact_sample, refill, stored};
+use super::{Reader, contact_sample, refill, stored_energy};
 use crate::analytic::multibody::Multibody;
-use crate::analytic::{Mode, Passive};
+use crate::analytic::{Mode, PassiveJoints};
 use crate::integrator::State;
 use crate::scene::System;
-use crate::trace::{BodyState, ContactSample, Energy, FingerState, Sample, Wants};
+use crate::trace::{BodyState, ContactSample, Energy, FingerState, RequiredData, Sample};
 
-/// A model, and the system that says what samples tell of.
+/// A model, and its system, which defines the layout of the samples.
 pub struct SystemReader<'a, const N: usize, const C: usize> {
     pub model: &'a Multibody<N, C>,
     pub system: &'a System,
@@ -16,11 +16,20 @@ pub struct SystemReader<'a, const N: usize, const C: usize> {
 impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemReader<'_, N, C> {
     type Mode = Mode<C>;
 
-    fn read(&self, t: f64, state: &State<N, Z>, mode: &Mode<C>, start: &Energy, wants: Wants, sample: &mut Sample) {
+    fn read(
+        &self,
+        t: f64,
+        state: &State<N, Z>,
+        mode: &Mode<C>,
+        start: &Energy,
+        required_data: RequiredData,
+        sample: &mut Sample,
+    ) {
         let (model, State { q, v, z }) = (self.model, state);
-        let torques = if wants.passive { model.motor_torques(t, v) } else { [0.0; 2] };
+        let torques = if required_data.passive { model.motor_torques(t, v) } else { [0.0; 2] };
         let finger = |finger: usize| {
-            let passive = if wants.passive { model.passive(finger, q, v) } else { Passive::default() };
+            let passive =
+                if required_data.passive { model.passive_joints(finger, q, v) } else { PassiveJoints::default() };
             let first = 2 * finger;
             FingerState {
                 q11_rad: q[first],
@@ -36,22 +45,25 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
             }
         };
         let disc = |disc: usize| {
-            let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.place_of(disc, q), model.rates_of(disc, v));
+            let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.disc_pose(disc, q), model.disc_rates(disc, v));
             BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
         };
         sample.time_s = t;
         refill(&mut sample.fingers, (0..self.system.fingers.len()).map(finger));
-        refill(&mut sample.bodies, (0..self.system.told_discs().len()).map(disc));
-        refill(&mut sample.contacts, (0..model.contacts()).map(|contact| self.contact(state, contact, mode)));
-        sample.energy =
-            if wants.energies { stored(&model.energies(q, v)).since(start, z[C], z[C + 1]) } else { Energy::default() };
+        refill(&mut sample.bodies, (0..self.system.reported_discs().len()).map(disc));
+        refill(&mut sample.contacts, (0..model.contact_count()).map(|contact| self.contact(state, contact, mode)));
+        sample.energy = if required_data.energies {
+            stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1])
+        } else {
+            Energy::default()
+        };
     }
 
-    fn slips(&self, index: usize, mode: &Mode<C>) -> Option<bool> {
-        mode.slips_at(index).filter(|_| self.model.holds(index))
+    fn is_slipping(&self, index: usize, mode: &Mode<C>) -> Option<bool> {
+        mode.is_slipping(index).filter(|_| self.model.has_stiction(index))
     }
 
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Mode<C>) -> ContactSample {
-        contact_sample(self.model.reading(&state.q, &state.v, index, mode[index]), state.z[index])
+        contact_sample(self.model.contact_reading(&state.q, &state.v, index, mode[index]), state.z[index])
     }
 }

@@ -1,17 +1,17 @@
-//! Discs: one by one, all, and whether they can start where they are.
+//! Discs and their initial positions.
 
 use std::ops::Range;
 
 use super::super::check::Checker;
-use super::super::kinds::Choice;
-use super::super::raw::Raw;
-use super::super::table::disc::DiscKeys;
-use super::super::table::keys::Keys;
-use super::super::table::top::Top;
-use super::super::table::{Table, read};
-use super::super::words::Motion;
+use super::super::keywords::Motion;
+use super::super::scene_input::SceneInput;
+use super::super::table::disc::DiscSettings;
+use super::super::table::input::SectionInput;
+use super::super::table::scene::SceneSettings;
+use super::super::table::{SettingsSection, read};
+use super::super::value_kinds::Choice;
 use super::super::{Disc, DiscMotion, System};
-use crate::limits::MOST_DISCS;
+use crate::limits::MAX_DISCS;
 use crate::numeric::elementary::hypot;
 use crate::shape::{self, Shape};
 use crate::units::{Dimension, format};
@@ -19,141 +19,156 @@ use crate::units::{Dimension, format};
 /// Name of the half plane in pairs.
 const PLANE: &str = "plane";
 
-/// All discs in the order of their names; `None` where something is wrong with one, or with all.
-pub fn discs(c: &mut Checker<'_>, raw: &Raw, gravity_m_s2: [f64; 2]) -> Option<Vec<Disc>> {
-    let section = raw.whole().inner("discs");
-    let count = section.named().count();
+/// Resolves all discs in the order of their names; `None` if any is invalid.
+pub fn discs(checker: &mut Checker<'_>, input: &SceneInput, gravity_m_s2: [f64; 2]) -> Option<Vec<Disc>> {
+    let section = input.top_level().subsection("discs");
+    let count = section.subsections().count();
     if count == 0 {
-        let help = "a scene of discs needs one that moves: [discs.hammer] with radius, centre and mass";
-        c.lacks("[discs.NAME]", section.span, help);
+        let help = "add at least one disc that moves: [discs.hammer] with radius, centre and mass";
+        checker.report_missing_at("[discs.NAME]", section.span, help);
         return None;
     }
-    if count > MOST_DISCS {
-        c.push(
+    if count > MAX_DISCS {
+        checker.push(
             section.span,
-            format!("there are {count} discs, but at most {MOST_DISCS} are simulated: any two of them may touch"),
+            format!("there are {count} discs, but at most {MAX_DISCS} are allowed"),
             "",
-            format!("leave {} of them out", count - MOST_DISCS),
+            format!("remove {} of them", count - MAX_DISCS),
         );
         return None;
     }
     let all: Vec<Option<Disc>> =
-        section.named().map(|(name, keys)| disc(c, name, raw.name_span(name), &keys)).collect();
+        section.subsections().map(|(name, keys)| disc(checker, name, input.name_span(name), &keys)).collect();
     let all: Vec<Disc> = all.into_iter().collect::<Option<_>>()?;
     if !all.iter().any(|disc| disc.motion.moves()) {
-        c.push(
+        checker.push(
             section.span,
-            "every disc is fixed: nothing would happen",
+            "all discs are fixed: nothing would move",
             "",
-            "let one of them move: motion = \"free\" with mass, or motion = \"driven\" with velocity",
+            "make one of them move: motion = \"free\" with mass, or motion = \"driven\" with velocity",
         );
     }
     let free = |disc: &Disc| matches!(disc.motion, DiscMotion::Free { .. });
-    if gravity_m_s2 != Top::usual_gravity_m_s2(raw.kind) && !all.iter().any(free) {
-        c.unused_at("gravity", raw.whole().span("gravity"), "without a disc of motion = \"free\"");
+    if gravity_m_s2 != SceneSettings::default_gravity_m_s2(input.kind) && !all.iter().any(free) {
+        checker.report_unused_at("gravity", input.top_level().span("gravity"), "without a disc with motion = \"free\"");
     }
     Some(all)
 }
 
-/// One disc; `None` where something is wrong with it.
-fn disc(c: &mut Checker<'_>, name: &str, place: Option<Range<usize>>, raw: &Keys<'_>) -> Option<Disc> {
-    let named = judge_name(c, name, place);
+/// Resolves one disc; `None` if it is invalid.
+fn disc(
+    checker: &mut Checker<'_>,
+    name: &str,
+    name_span: Option<Range<usize>>,
+    input: &SectionInput<'_>,
+) -> Option<Disc> {
+    let checked_name = check_name(checker, name, name_span);
     let path = format!("discs.{name}");
-    let (shape, said) = (read(c, &path, raw, Shape::usual_in(raw.kind)), read(c, &path, raw, DiscKeys::usual()));
-    // An unknown motion says nothing about the other keys.
-    if !raw.is_known::<Choice<Motion>>("motion") {
+    let (shape, settings) = (
+        read(checker, &path, input, Shape::defaults_for(input.kind)),
+        read(checker, &path, input, DiscSettings::defaults()),
+    );
+    // If the motion is invalid, the required keys are unknown.
+    if !input.is_valid::<Choice<Motion>>("motion") {
         return None;
     }
-    let DiscKeys { centre_m, velocity_m_s, acceleration_m_s2, mass_kg, spin_rad_s, .. } = said;
-    let motion = match said.motion {
+    let DiscSettings { centre_m, velocity_m_s, acceleration_m_s2, mass_kg, spin_rad_s, .. } = settings;
+    let motion = match settings.motion {
         Motion::Fixed => DiscMotion::Fixed,
         Motion::Driven => DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s },
         Motion::Free => {
-            let inertia_kg_m2 = inertia(c, name, raw, &said, &shape)?;
+            let inertia_kg_m2 = inertia(checker, name, input, &settings, &shape)?;
             if mass_kg.is_nan() {
                 return None;
             }
             DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s }
         }
     };
-    if shape::sizes(&shape).any(|(_, size_m)| size_m.is_nan()) || centre_m[0].is_nan() {
+    if shape::dimensions(&shape).any(|(_, size_m)| size_m.is_nan()) || centre_m[0].is_nan() {
         return None;
     }
-    Some(Disc { name: named?, shape, centre_m, angle_rad: 0.0, motion })
+    Some(Disc { name: checked_name?, shape, centre_m, angle_rad: 0.0, motion })
 }
 
-/// Names stand in topics, keys and columns, joined by `-` in those of pairs.
-fn judge_name(c: &mut Checker<'_>, text: &str, place: Option<Range<usize>>) -> Option<String> {
+/// Checks a name: names are used in topics, keys and columns, joined by `-` for pairs.
+fn check_name(checker: &mut Checker<'_>, text: &str, name_span: Option<Range<usize>>) -> Option<String> {
     let fit = text.starts_with(|first: char| first.is_ascii_alphabetic())
         && text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
     let problem = if text.is_empty() {
         "the name of a disc is empty".to_string()
     } else if text == PLANE {
-        format!("no disc may be called `{PLANE}`: that is the half plane")
+        format!("`{PLANE}` cannot be the name of a disc: it is the name of the half plane")
     } else if !fit {
         format!("`{}` cannot be the name of a disc", text.escape_debug())
     } else {
         return Some(text.to_string());
     };
     let help =
-        "begin with a letter, go on with letters, digits and _ : [discs.hammer_2]; topics and keys are made of it";
-    c.push(place, problem, "not a name", help);
+        "use a letter followed by letters, digits and _, as in [discs.hammer_2]: the name is part of topics and keys";
+    checker.push(name_span, problem, "invalid name", help);
     None
 }
 
-/// Inertia of a free disc: `Some(None)` if it does not turn, `None` where it is wrong.
-fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<'_>, said: &DiscKeys, shape: &Shape) -> Option<Option<f64>> {
-    if !said.rotates {
+/// Inertia of a free disc: `Some(None)` if it does not rotate, `None` if invalid.
+fn inertia(
+    checker: &mut Checker<'_>,
+    name: &str,
+    input: &SectionInput<'_>,
+    settings: &DiscSettings,
+    shape: &Shape,
+) -> Option<Option<f64>> {
+    if !settings.rotates {
         for key in ["inertia", "spin"] {
-            c.unused_at(&format!("discs.{name}.{key}"), raw.span(key), "with rotates = false");
+            checker.report_unused_at(&format!("discs.{name}.{key}"), input.span(key), "with rotates = false");
         }
         return Some(None);
     }
-    if raw.has("inertia") {
-        return Some(said.inertia_kg_m2).filter(|inertia| !inertia.is_nan()).map(Some);
+    if input.has("inertia") {
+        return Some(settings.inertia_kg_m2).filter(|inertia| !inertia.is_nan()).map(Some);
     }
-    let homogeneous = said.mass_kg * shape::inertia(shape, 1.0);
+    let homogeneous = settings.mass_kg * shape::inertia(shape, 1.0);
     if homogeneous.is_nan() {
         return None;
     }
     if homogeneous.is_normal() {
         return Some(Some(homogeneous));
     }
-    c.push(
-        raw.span("mass"),
+    checker.push(
+        input.span("mass"),
         format!("the mass and radius of `discs.{name}` give an inertia of {homogeneous:e} kg m^2"),
-        "no finite number above 0",
-        "check mass and radius, give `inertia`, or say rotates = false",
+        "not a finite number above 0",
+        "check mass and radius, give `inertia`, or write rotates = false",
     );
     None
 }
 
-/// Refuses starts in which the centre of one disc is within the other, or in the half plane: no penetration is so deep.
-pub fn judge_starts(c: &mut Checker<'_>, raw: &Raw, system: &System) {
-    let section = raw.whole().inner("discs");
+/// Rejects initial positions in which the centre of a disc is inside another disc or the half plane: contact laws do
+/// not cover such deep penetrations.
+pub fn check_initial_positions(checker: &mut Checker<'_>, input: &SceneInput, system: &System) {
+    let section = input.top_level().subsection("discs");
     for (index, b) in system.discs.iter().enumerate() {
-        let place = section.inner(&b.name).span("centre");
+        let centre_span = section.subsection(&b.name).span("centre");
         for a in &system.discs[..index] {
             let distance_m = hypot(a.centre_m[0] - b.centre_m[0], a.centre_m[1] - b.centre_m[1]);
-            let [one, other] = [a, b].map(|disc| shape::reach(&disc.shape));
+            let [radius_a, radius_b] = [a, b].map(|disc| shape::max_radius(&disc.shape));
             let moves = a.motion.moves() || b.motion.moves();
-            if !moves || distance_m > one.max(other) {
+            if !moves || distance_m > radius_a.max(radius_b) {
                 continue;
             }
             let length = |metres| format(metres, Dimension::Length);
-            c.push(
-                place.clone(),
+            checker.push(
+                centre_span.clone(),
                 format!(
-                    "the centre of one of `{}` and `{}` starts within the other: the centres are {} apart, the radii are \
-                     {} and {}",
+                    "discs `{}` and `{}` overlap too deeply at the start: the distance of their centres is {}, but must exceed \
+                     the radii {} and {}",
                     a.name,
                     b.name,
                     length(distance_m),
-                    length(one),
-                    length(other)
+                    length(radius_a),
+                    length(radius_b)
                 ),
                 "too deep",
-                "move them apart: surfaces may overlap at the start, but a centre must be outside of the other disc",
+                "move them apart: discs may overlap at the start, but the centre of each must be outside the other",
             );
         }
         if let Some(plane) = system.palm
@@ -161,16 +176,16 @@ pub fn judge_starts(c: &mut Checker<'_>, raw: &Raw, system: &System) {
             && b.centre_m[1] <= plane.level_m
         {
             let (height, level) = (b.centre_m[1], plane.level_m);
-            c.push(
-                place.clone(),
+            checker.push(
+                centre_span.clone(),
                 format!(
-                    "the centre of `{}` starts in the half plane: y = {}, level {}",
+                    "the centre of `{}` is inside the half plane at the start: y = {}, but must be above its level of {}",
                     b.name,
                     format(height, Dimension::Length),
                     format(level, Dimension::Length)
                 ),
                 "too deep",
-                "raise the disc, or lower `half_plane.level`: its surface may overlap at the start, its centre may not",
+                "raise the disc, or lower `half_plane.level`: the disc may overlap the half plane at the start, but not its centre",
             );
         }
     }

@@ -1,32 +1,35 @@
-//! The object to be grasped.
+//! The grasped object.
 
 use super::super::check::Checker;
-use super::super::kinds::{Length, Pair};
-use super::super::table::keys::Keys;
-use super::super::table::object::{GraspedMotion, Object};
-use super::super::table::{Table, read};
+use super::super::table::input::SectionInput;
+use super::super::table::object::{GraspedMotion, ObjectSettings};
+use super::super::table::{SettingsSection, read};
+use super::super::value_kinds::{Length, Pair};
 use super::super::{Disc, defaults};
-use crate::shape::{self, Placed, Shape};
+use crate::shape::{self, PlacedShape, Shape};
 use crate::units::{Dimension, format};
 
-/// Its shape.
-pub fn shape(c: &mut Checker<'_>, raw: &Keys<'_>) -> Shape {
-    read(c, "object", &raw.inner("object"), Shape::usual())
+/// Resolves the shape of the object.
+pub fn shape(checker: &mut Checker<'_>, input: &SectionInput<'_>) -> Shape {
+    read(checker, "object", &input.subsection("object"), Shape::defaults())
 }
 
-/// The same resting on the palm, so far along it as it is.
-pub fn on_the_palm(placed: Placed) -> Placed {
+/// Moves a shape perpendicular to the palm such that it rests on the palm.
+pub fn rest_on_palm(placed: PlacedShape) -> PlacedShape {
     let [x, _] = placed.centre_m;
-    let [_, below] = placed.at([x, 0.0]).lowest_m();
+    let [_, below] = placed.at([x, 0.0]).lowest_point_m();
     placed.at([x, -below])
 }
 
-/// The object as it is said, with what follows from its shape.
-pub fn said(c: &mut Checker<'_>, raw: &Keys<'_>) -> Object {
-    let shape = shape(c, raw);
-    let mut object = Object { shape, ..read(c, "object", &raw.inner("object"), Object::usual_in(raw.kind)) };
+/// Resolves the object, with the defaults that depend on its shape.
+pub fn object_settings(checker: &mut Checker<'_>, input: &SectionInput<'_>) -> ObjectSettings {
+    let shape = shape(checker, input);
+    let mut object = ObjectSettings {
+        shape,
+        ..read(checker, "object", &input.subsection("object"), ObjectSettings::defaults_for(input.kind))
+    };
     if object.centre_m[1].is_nan() {
-        object.centre_m = on_the_palm(object.placed()).centre_m;
+        object.centre_m = rest_on_palm(object.placed()).centre_m;
     }
     if let GraspedMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut object.motion {
         if mass_kg.is_nan() {
@@ -39,39 +42,44 @@ pub fn said(c: &mut Checker<'_>, raw: &Keys<'_>) -> Object {
     object
 }
 
-/// What one finger closes on: no disc where the scene has none, `None` where it is wrong.
-pub fn beside(c: &mut Checker<'_>, raw: &Keys<'_>, said: Object, base_m: Option<f64>) -> Option<Vec<Disc>> {
-    let Object { present, shape, centre_m, .. } = said;
-    let object = raw.inner("object");
+/// Resolves the object of a single finger: an empty list without object, `None` if it is invalid.
+pub fn single_object(
+    checker: &mut Checker<'_>,
+    input: &SectionInput<'_>,
+    object_settings: ObjectSettings,
+    base_m: Option<f64>,
+) -> Option<Vec<Disc>> {
+    let ObjectSettings { present, shape, centre_m, .. } = object_settings;
+    let object = input.subsection("object");
     if !present {
-        if !raw.inner("design").is_given() {
-            c.unused_at("object.radius", object.span("radius"), "with present = false and no [design]");
+        if !input.subsection("design").is_present() {
+            checker.report_unused_at("object.radius", object.span("radius"), "with present = false and no [design]");
         }
         return Some(Vec::new());
     }
-    // A wrong one is noted already.
-    object.is_known::<Pair<Length>>("centre").then_some(())?;
-    let ([x, y], lengths) = (centre_m, raw.inner("lengths"));
+    // An invalid centre has been reported.
+    object.is_valid::<Pair<Length>>("centre").then_some(())?;
+    let ([x, y], lengths) = (centre_m, input.subsection("lengths"));
     if x.is_finite() {
-        c.unused_at("lengths.base", lengths.span("base"), "beside object.centre");
-        return Some(vec![Disc::object(shape.at(centre_m))]);
+        checker.report_unused_at("lengths.base", lengths.span("base"), "with object.centre");
+        return Some(vec![Disc::fixed_object(shape.at(centre_m))]);
     }
-    if base_m.is_none() && lengths.is_given() && !lengths.has("base") {
-        let [base, height] = [example_base_m(raw, &shape), y].map(|metres| format(metres, Dimension::Length));
+    if base_m.is_none() && lengths.is_present() && !lengths.has("base") {
+        let [base, height] = [example_base_m(input, &shape), y].map(|metres| format(metres, Dimension::Length));
         let help = format!(
-            "add the distance along the palm to its centre, such as [lengths] base = \"{base}\", or [object] centre = \
+            "add the distance along the palm to the object's centre, such as [lengths] base = \"{base}\", or [object] centre = \
              [\"-{base}\", \"{height}\"], or [object] present = false"
         );
-        c.lacks("lengths.base", lengths.span, &help);
+        checker.report_missing_at("lengths.base", lengths.span, &help);
     }
-    Some(vec![Disc::object(shape.at([-base_m?, y]))])
+    Some(vec![Disc::fixed_object(shape.at([-base_m?, y]))])
 }
 
-/// A base for an example, in three digits: so far beyond the nearest one of a design (D > R, see `gripper::proximal_range`) as that of
-/// the thesis' example.
-pub fn example_base_m(raw: &Keys<'_>, shape: &Shape) -> f64 {
-    let half_width_m = raw.value::<Length>("half_width").unwrap_or(defaults::HALF_WIDTH_M);
-    let reach_m = shape::reach(shape);
+/// Example of a base for messages, with three digits. As in the example of the thesis, it exceeds the smallest base of
+/// a design (D > R, see `gripper::proximal_range`).
+pub fn example_base_m(input: &SectionInput<'_>, shape: &Shape) -> f64 {
+    let half_width_m = input.value::<Length>("half_width").unwrap_or(defaults::HALF_WIDTH_M);
+    let reach_m = shape::max_radius(shape);
     let base_m = (half_width_m * (2.0 * reach_m + half_width_m)).sqrt() + 0.25 * reach_m;
     format!("{base_m:.2e}").parse().unwrap_or(base_m)
 }

@@ -1,38 +1,48 @@
-//! Palm or ground, and the table.
+//! Palm, ground and table.
 
 use super::super::check::Checker;
-use super::super::table::keys::Keys;
-use super::super::table::object::Object;
-use super::super::table::plane::{Ground, Support};
-use super::super::table::top::Top;
-use super::super::table::{Table, read};
+use super::super::table::input::SectionInput;
+use super::super::table::object::ObjectSettings;
+use super::super::table::plane::{HalfPlaneSettings, TableSettings};
+use super::super::table::scene::SceneSettings;
+use super::super::table::{SettingsSection, read};
 use crate::units::{Dimension, format};
 
-/// Deepest overlap of the object with palm or table that a scene may start with.
+/// Largest allowed initial penetration of the object into palm or table.
 const MAX_PENETRATION_M: f64 = 1e-3;
 
-/// Heights of what is solid below and of what is solid above, as far as they are there.
-pub fn levels(c: &mut Checker<'_>, raw: &Keys<'_>, top: &Top, object: Object) -> [Option<f64>; 2] {
-    let (ground, table) = (raw.inner("half_plane"), raw.inner("table"));
-    let below = match raw.kind.fingers() {
-        0 => ground.is_given().then(|| read(c, "half_plane", &ground, Ground::usual()).level_m),
-        _ => top.palm.then_some(0.0),
+/// Heights of the lower half plane (palm or ground) and of the table, if present.
+pub fn levels(
+    checker: &mut Checker<'_>,
+    input: &SectionInput<'_>,
+    scene_settings: &SceneSettings,
+    object: ObjectSettings,
+) -> [Option<f64>; 2] {
+    let (ground, table) = (input.subsection("half_plane"), input.subsection("table"));
+    let below = match input.kind.fingers() {
+        0 => ground.is_present().then(|| read(checker, "half_plane", &ground, HalfPlaneSettings::defaults()).level_m),
+        _ => scene_settings.palm.then_some(0.0),
     };
-    let table = table.is_given().then(|| read(c, "table", &table, Support::usual()));
-    let level = |table: Support| match table.level_m.is_nan() {
+    let table = table.is_present().then(|| read(checker, "table", &table, TableSettings::defaults()));
+    let level = |table: TableSettings| match table.level_m.is_nan() {
         true => object.heights_m()[1],
         false => table.level_m,
     };
     [below, table.filter(|table| table.present).map(level)]
 }
 
-/// Palm and table must not be inside the object.
-pub fn judge_object(c: &mut Checker<'_>, raw: &Keys<'_>, object: Object, [palm, table]: [Option<f64>; 2]) {
+/// Checks that the object does not penetrate palm or table at the start.
+pub fn check_object(
+    checker: &mut Checker<'_>,
+    input: &SectionInput<'_>,
+    object: ObjectSettings,
+    [palm, table]: [Option<f64>; 2],
+) {
     let [lowest, highest] = object.heights_m();
-    let said = raw.inner("object");
+    let object_input = input.subsection("object");
     let planes = [
-        ("palm", palm.map(|_| -lowest), said.span("height").or(said.span)),
-        ("table", table.map(|level_m| highest - level_m), raw.inner("table").span("level")),
+        ("palm", palm.map(|_| -lowest), object_input.span("height").or(object_input.span)),
+        ("table", table.map(|level_m| highest - level_m), input.subsection("table").span("level")),
     ];
     for (plane, depth, place) in planes {
         let Some(depth) = depth.filter(|depth| *depth > MAX_PENETRATION_M) else { continue };
@@ -41,6 +51,11 @@ pub fn judge_object(c: &mut Checker<'_>, raw: &Keys<'_>, object: Object, [palm, 
             depth * 1e3,
             format(MAX_PENETRATION_M, Dimension::Length)
         );
-        c.push(place, message, "starts inside", "move the object by `object.height`, or the table by `table.level`");
+        checker.push(
+            place,
+            message,
+            "starts inside",
+            "move the object by `object.height`, or the table by `table.level`",
+        );
     }
 }

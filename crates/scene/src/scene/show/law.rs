@@ -1,12 +1,12 @@
-//! The law of a contact.
+//! Writes the law of a contact.
 
-use super::super::table::law::Contact;
+use super::super::table::law::ContactSettings;
 use super::super::table::show;
-use super::out::Out;
+use super::toml_writer::TomlWriter;
 use crate::law::ContactLaw;
 
-pub fn contact(out: &mut Out, path: &str, law: &ContactLaw) {
-    show(out, path, &Contact(law.normal));
+pub fn write_contact(out: &mut TomlWriter, path: &str, law: &ContactLaw) {
+    show(out, path, &ContactSettings(law.normal));
     let path = format!("{path}.friction");
     match &law.friction {
         Some(friction) => show(out, &path, friction),

@@ -1,54 +1,53 @@
-//! A scene as a complete scene file, which parses back to the same scene, bit for bit (its `source` excepted): as it is
-//! simulated, or as it was written.
+//! Formats a scene as a complete scene file, as simulated or as written. It parses back to the same scene bit for bit,
+//! except for `source`.
 //!
-//! | file | job |
+//! | file | contents |
 //! |---|---|
-//! | `system` | its system, part by part |
-//! | `finger` | a finger |
-//! | `law` | the law of a contact |
-//! | `written` | a scene as it was written, with its defaults |
-//! | `out` | the text as it grows |
+//! | `system` | the sections of the system |
+//! | `finger` | the sections of a finger |
+//! | `law` | contact laws |
+//! | `with_defaults` | a scene as written, with its defaults |
+//! | `toml_writer` | the writer |
 
 mod finger;
 mod law;
-mod out;
 mod system;
-mod written;
+mod toml_writer;
+mod with_defaults;
 
-pub use out::Out;
-pub use written::show_written;
+pub use toml_writer::TomlWriter;
+pub use with_defaults::show_written;
 
-use super::table::top::Top;
-use super::table::{Table, show as show_table};
-use super::words::SceneKind;
+use super::keywords::SceneKind;
+use super::table::scene::SceneSettings;
+use super::table::{SettingsSection, show as show_table};
 use super::{Bounds, Scene};
 
-/// The scene with everything filled in as it is simulated.
+/// Returns the scene as simulated, with all values.
 pub fn show(scene: &Scene) -> String {
-    shown(scene, Out::new(scene.kind()))
+    write_scene(scene, TomlWriter::new(scene.kind()))
 }
 
-fn shown(scene: &Scene, mut out: Out) -> String {
-    let to = &mut out;
-    to.comment("Scene with every default filled in; masses and lengths as simulated.");
-    let top = Top {
+fn write_scene(scene: &Scene, mut out: TomlWriter) -> String {
+    out.comment("Scene with every default filled in; masses and lengths as simulated.");
+    let top = SceneSettings {
         name: scene.name.clone(),
         description: scene.description.clone(),
         duration_s: scene.duration_s,
         gravity_m_s2: scene.system.gravity_m_s2,
         palm: scene.system.palm.is_some(),
         palm_width_m: scene.system.palm_width_m,
-        ..Top::usual_in(scene.kind())
+        ..SceneSettings::defaults_for(scene.kind())
     };
-    system::system(to, &top, &scene.system);
-    show_table(to, "integrator", &scene.integrator);
-    show_table(to, "engine", &scene.engine);
+    system::write_system(&mut out, &top, &scene.system);
+    show_table(&mut out, "integrator", &scene.integrator);
+    show_table(&mut out, "engine", &scene.engine);
     // A program may have shortened the run.
     let bounds = Bounds { until_s: scene.bounds.until_s.min(scene.duration_s), ..scene.bounds };
-    show_table(to, "validate", &bounds);
+    show_table(&mut out, "validate", &bounds);
     if scene.kind() == SceneKind::Gripper {
-        show_table(to, "criteria", &scene.thresholds);
+        show_table(&mut out, "criteria", &scene.thresholds);
     }
-    show_table(to, "log", &scene.log);
+    show_table(&mut out, "log", &scene.log);
     out.text
 }

@@ -1,32 +1,34 @@
-//! `[differential]` between two fingers.
+//! `[differential]`: the drive of two fingers by one motor.
 
-use super::lines;
+use super::settings;
 use crate::scene::check::NOT_NEGATIVE;
-use crate::scene::kinds::{Flag, Inertia};
+use crate::scene::value_kinds::{Flag, Inertia};
 
-/// One input for both fingers, or two motors.
+/// Settings of the differential, which may be absent.
 #[derive(Clone, Copy, Debug)]
-pub struct Seesaw {
+pub struct DifferentialSettings {
     pub present: bool,
     pub input_inertia_kg_m2: f64,
     pub seesaw_inertia_kg_m2: f64,
 }
 
-impl Seesaw {
-    fn part(&mut self) -> Option<&mut Self> {
+impl DifferentialSettings {
+    fn if_present(&mut self) -> Option<&mut Self> {
         self.present.then_some(self)
     }
 }
 
-lines! {
-    /// A differential (seesaw): [motor] is its input then, and each finger gets half of that torque. The section alone puts one there.
-    Seesaw = Self { present: true, input_inertia_kg_m2: 0.0, seesaw_inertia_kg_m2: 0.0 }, d;
-    /// Whether it is there.
+settings! {
+    /// A differential (seesaw) with [motor] at its input; each finger gets half of the torque. An empty section
+    /// suffices to add it.
+    DifferentialSettings = Self { present: true, input_inertia_kg_m2: 0.0, seesaw_inertia_kg_m2: 0.0 }, d;
+    /// Whether there is a differential.
     "present": Flag = Some(&mut d.present);
-    /// Inertia that turns with the input, by the mean of both driven links; that of [motor] comes on top.
-    "input_inertia": Inertia = d.part().map(|d| &mut d.input_inertia_kg_m2), allowed(NOT_NEGATIVE), said("0 kg*m^2"),
-        beside("present", "with present = false");
-    /// Inertia of the seesaw, which turns by half the difference of both driven links.
-    "seesaw_inertia": Inertia = d.part().map(|d| &mut d.seesaw_inertia_kg_m2), allowed(NOT_NEGATIVE), said("0 kg*m^2"),
-        beside("present", "with present = false");
+    /// Inertia of the parts that rotate with the input, by the mean angle of both driven links; added to the inertia of
+    /// [motor].
+    "input_inertia": Inertia = d.if_present().map(|d| &mut d.input_inertia_kg_m2), allowed(NOT_NEGATIVE), default_text("0 kg*m^2"),
+        depends_on("present", "with present = false");
+    /// Inertia of the seesaw, which rotates by half the difference of the angles of both driven links.
+    "seesaw_inertia": Inertia = d.if_present().map(|d| &mut d.seesaw_inertia_kg_m2), allowed(NOT_NEGATIVE), default_text("0 kg*m^2"),
+        depends_on("present", "with present = false");
 }

@@ -1,11 +1,11 @@
-//! `[engine]`: how the engine model is built and stepped.
+//! `[engine]`: construction, contact law and stepping of the engine model.
 
-use super::{lines, of};
+use super::{settings, variant_field};
 use crate::scene::check::{Bound, NOT_NEGATIVE, POSITIVE};
-use crate::scene::kinds::{Choice, Count, Length, Number, Sweeps, Time, Words};
 use crate::scene::table::integrator::MAX_STEPS;
+use crate::scene::value_kinds::{Choice, Count, Keyword, Length, Number, SweepCount, Time};
 
-/// How the engine model is built and stepped.
+/// Settings of the engine model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Engine {
     pub construction: Construction,
@@ -13,23 +13,23 @@ pub struct Engine {
     pub stepping: Stepping,
     /// Sweeps of rapier's projected Gauss–Seidel solver over the joints, per step.
     pub iterations: u32,
-    /// Step budget; a run that needs more ends with an error and keeps its log.
+    /// Step budget; a run that needs more steps ends with an error, and its log is kept.
     pub max_steps: u64,
 }
 
 /// Coordinates of the engine model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Construction {
-    /// Every body moves freely, every joint is a constraint between two of them: second order.
+    /// Three coordinates per body; every joint is a constraint between two bodies. Second-order accurate.
     Maximal,
-    /// A tree of joints in its own coordinates, closed by one constraint: first order.
+    /// Joint coordinates of a tree of bodies; one constraint closes the loop. First-order accurate.
     Reduced,
 }
 
-/// What answers when bodies of the engine model touch.
+/// Contact forces of the engine model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Response {
-    /// The scene's contact laws, through the contact-force hook.
+    /// The scene's contact laws, applied through the engine's contact-force hook.
     Laws,
     /// rapier's own rigid contact, with its Coulomb friction and Newton restitution.
     Rapier { friction: f64, restitution: f64 },
@@ -41,7 +41,7 @@ pub enum Stepping {
     Fixed {
         step_s: f64,
     },
-    /// Steps in which no joint strays further than `tolerance_m` from its arc; shorter around impacts.
+    /// Steps in which no joint deviates by more than `tolerance_m` from its circular path; shorter around impacts.
     Adaptive {
         tolerance_m: f64,
         max_step_s: f64,
@@ -51,22 +51,22 @@ pub enum Stepping {
 pub const ENGINE_MAX_STEP_S: f64 = 6e-5;
 
 const ADAPTIVE: Stepping = Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: ENGINE_MAX_STEP_S };
-/// How long is for the scene to say.
+/// The scene must set the step.
 const FIXED: Stepping = Stepping::Fixed { step_s: f64::NAN };
-/// Its friction is that of the contact.
+/// The default friction is that of the contact.
 const RAPIER: Response = Response::Rapier { friction: f64::NAN, restitution: 0.0 };
 
-impl Words for Construction {
-    const WORDS: &'static [(&'static str, Self)] =
+impl Keyword for Construction {
+    const KEYWORDS: &'static [(&'static str, Self)] =
         &[("maximal", Construction::Maximal), ("reduced", Construction::Reduced)];
 }
 
-impl Words for Response {
-    const WORDS: &'static [(&'static str, Self)] = &[("scene", Response::Laws), ("rapier", RAPIER)];
+impl Keyword for Response {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[("scene", Response::Laws), ("rapier", RAPIER)];
 }
 
-impl Words for Stepping {
-    const WORDS: &'static [(&'static str, Self)] = &[("adaptive", ADAPTIVE), ("fixed", FIXED)];
+impl Keyword for Stepping {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[("adaptive", ADAPTIVE), ("fixed", FIXED)];
 }
 
 impl Engine {
@@ -74,18 +74,19 @@ impl Engine {
         construction: Construction::Maximal,
         response: Response::Laws,
         stepping: ADAPTIVE,
-        iterations: Self::usual_iterations(Response::Laws),
+        iterations: Self::default_iterations(Response::Laws),
         max_steps: MAX_STEPS,
     };
 
-    /// Whether it answers contact by the scene's laws, as the analytic model does.
+    /// Whether contacts follow the laws of the scene, as in the analytic model.
     pub fn uses_laws(&self) -> bool {
         self.response == Response::Laws
     }
 
-    /// Joint sweeps unless the scene says otherwise. With the contact laws the engine hands rapier the reactions, and the sweeps
-    /// only confirm them; of rapier's own contact they must carry the impulses through the linkage.
-    pub const fn usual_iterations(response: Response) -> u32 {
+    /// Default number of joint sweeps. With the contact laws of the scene, the engine passes the joint reactions to
+    /// rapier, and the sweeps only confirm them; with rapier's contact, the sweeps must propagate the impulses through
+    /// the linkage.
+    pub const fn default_iterations(response: Response) -> u32 {
         match response {
             Response::Laws => 2,
             Response::Rapier { .. } => 50,
@@ -95,37 +96,37 @@ impl Engine {
 
 const RESTITUTION: Bound = Bound { allowed: |x| (0.0..=1.0).contains(&x), text: "from 0 to 1" };
 
-lines! {
-    /// How the engine model is built and stepped.
+settings! {
+    /// Construction, contact law and stepping of the engine model.
     Engine = Self::DEFAULT, e;
-    /// "maximal": every body moves freely, every joint is a constraint; "reduced": a tree of joints in its own
-    /// coordinates, closed by one constraint (a scene of discs has no joints: "maximal" only).
+    /// "maximal": every body moves freely, and every joint is a constraint; "reduced": a tree of joints in joint
+    /// coordinates, closed by one constraint (for a single finger only).
     "construction": Choice<Construction> = Some(&mut e.construction);
-    /// What answers when bodies touch: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
+    /// Contact law: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
     "law": Choice<Response> = Some(&mut e.response),
-        put(|e, response| (e.response, e.iterations) = (response, Self::usual_iterations(response)));
-    /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the contact (of the
-    /// proximal one of a finger).
-    "friction": Number = of!(e.response, Response::Rapier, friction),
-        allowed(NOT_NEGATIVE), beside("law", "without law = \"rapier\"");
+        set_with(|e, response| (e.response, e.iterations) = (response, Self::default_iterations(response)));
+    /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the contact (of the proximal
+    /// contact of a finger).
+    "friction": Number = variant_field!(e.response, Response::Rapier, friction),
+        allowed(NOT_NEGATIVE), depends_on("law", "without law = \"rapier\"");
     /// Coefficient of rapier's Newton restitution, 0 to 1 (law = "rapier").
-    "restitution": Number = of!(e.response, Response::Rapier, restitution),
-        allowed(RESTITUTION), beside("law", "without law = \"rapier\"");
-    /// "adaptive": steps as long as the joints allow, shorter around impacts; "fixed": all of size `step`.
+    "restitution": Number = variant_field!(e.response, Response::Rapier, restitution),
+        allowed(RESTITUTION), depends_on("law", "without law = \"rapier\"");
+    /// "adaptive": steps limited by `tolerance`, shorter around impacts; "fixed": all steps of size `step`.
     "stepping": Choice<Stepping> = Some(&mut e.stepping);
-    /// Size of every step. Required with, and only with, stepping = "fixed".
-    "step": Time = of!(e.stepping, Stepping::Fixed, step_s),
-        allowed(POSITIVE), beside("stepping", "without stepping = \"fixed\""),
-        needed("add the size of the steps: step = \"10 us\"; or leave it to the engine: stepping = \"adaptive\"");
-    /// How far a joint may stray from its arc in one step, because bodies move straight on (stepping = "adaptive").
-    /// The default is smaller in proportion where the shortest link is shorter than 2.5 mm.
-    "tolerance": Length = of!(e.stepping, Stepping::Adaptive, tolerance_m),
-        allowed(POSITIVE), beside("stepping", "with stepping = \"fixed\""), said("1e-4 mm");
+    /// Step size. Required with stepping = "fixed", not allowed otherwise.
+    "step": Time = variant_field!(e.stepping, Stepping::Fixed, step_s),
+        allowed(POSITIVE), depends_on("stepping", "without stepping = \"fixed\""),
+        required("add the step size: step = \"10 us\"; or use stepping = \"adaptive\"");
+    /// Largest deviation of a joint from its circular path in one step, in which bodies move along straight lines
+    /// (stepping = "adaptive"). The default is proportionally smaller if the shortest link is shorter than 2.5 mm.
+    "tolerance": Length = variant_field!(e.stepping, Stepping::Adaptive, tolerance_m),
+        allowed(POSITIVE), depends_on("stepping", "with stepping = \"fixed\""), default_text("1e-4 mm");
     /// Longest step (stepping = "adaptive").
-    "max_step": Time = of!(e.stepping, Stepping::Adaptive, max_step_s),
-        allowed(POSITIVE), beside("stepping", "with stepping = \"fixed\"");
+    "max_step": Time = variant_field!(e.stepping, Stepping::Adaptive, max_step_s),
+        allowed(POSITIVE), depends_on("stepping", "with stepping = \"fixed\"");
     /// Sweeps of rapier's joint solver in every step. Default: 2, or 50 with law = "rapier".
-    "iterations": Sweeps = Some(&mut e.iterations), follows();
-    /// Steps after which a run is given up.
+    "iterations": SweepCount = Some(&mut e.iterations), derived();
+    /// Maximum number of steps of a run.
     "max_steps": Count = Some(&mut e.max_steps);
 }

@@ -1,20 +1,20 @@
-//! `[integrator]`: how the equations of motion are integrated.
+//! `[integrator]`: integration of the equations of motion.
 
-use super::lines;
+use super::settings;
 use crate::scene::check::{Bound, POSITIVE};
-use crate::scene::kinds::{Angle, AngularRate, Choice, Count, Number, Words};
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
+use crate::scene::value_kinds::{Angle, AngularRate, Choice, Count, Keyword, Number};
 
 /// Integrator of the analytic model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integrator {
     pub preset: Preset,
     pub method: Method,
-    /// Relative tolerance (of rates only: angles have an absolute tolerance).
+    /// Relative tolerance of rates; angles have an absolute tolerance only.
     pub rtol: f64,
     pub atol_angle_rad: f64,
     pub atol_rate_rad_s: f64,
-    /// Step budget; a run that needs more ends with an error and keeps its log.
+    /// Step budget; a run that needs more steps ends with an error, and its log is kept.
     pub max_steps: u64,
 }
 
@@ -30,19 +30,20 @@ pub enum Method {
     RadauIIa5,
 }
 
-/// Of either model.
+/// Default step budget of both models.
 pub const MAX_STEPS: u64 = 10_000_000;
 
-/// Impacts between two fingers and what they throw about multiply errors ten-thousandfold: at the 1e-5 of one finger five of
-/// 314 random grippers were off by more than 1e-5 rad.
+/// Default relative tolerance of grippers. Impacts between two fingers and a moving object amplify errors by a factor
+/// of 1e4: at 1e-5, the default of one finger, the error exceeded 1e-5 rad in 5 of 314 random grippers.
 const GRIPPER_RTOL: f64 = 3e-6;
 
-/// Absolute tolerances below which angles of 1 rad and rates of 100 rad/s have no digits.
+/// Smallest useful absolute tolerance of angles: the precision of an angle of 1 rad.
 const FINEST_ATOL_RAD: f64 = 1e-14;
+/// Smallest useful absolute tolerance of rates: the precision of a rate of 100 rad/s.
 const FINEST_ATOL_RAD_S: f64 = 1e-9;
 
 impl Integrator {
-    /// The settings a preset stands for.
+    /// Returns the settings of a preset.
     pub const fn preset(preset: Preset) -> Self {
         match preset {
             Preset::Engineering => Self {
@@ -64,10 +65,10 @@ impl Integrator {
         }
     }
 
-    /// What scenes of a kind are integrated with where nothing is said.
-    pub fn everyday(kind: SceneKind) -> Self {
-        let usual = Self::preset(Preset::Engineering);
-        if kind == SceneKind::Gripper { usual.with_rtol(GRIPPER_RTOL) } else { usual }
+    /// Returns the default settings of a kind of scene: the engineering preset, with a tighter tolerance for grippers.
+    pub fn engineering_for(kind: SceneKind) -> Self {
+        let defaults = Self::preset(Preset::Engineering);
+        if kind == SceneKind::Gripper { defaults.with_rtol(GRIPPER_RTOL) } else { defaults }
     }
 
     /// The settings of another preset, within the same step budget.
@@ -75,13 +76,14 @@ impl Integrator {
         Self { max_steps: self.max_steps, ..Self::preset(preset) }
     }
 
-    /// The same where that is the preset already: kinds have everyday settings of their own.
+    /// Like [`Integrator::with_preset`], but unchanged if the preset is the same: its settings may depend on the kind
+    /// of scene.
     fn changed_to(&self, preset: Preset) -> Self {
         if self.preset == preset { *self } else { self.with_preset(preset) }
     }
 
-    /// The same with another `rtol`, and with the absolute tolerances scaled along: all of what counts as tolerance is as much
-    /// tighter or looser, but not below 1e-14 rad and 1e-9 rad/s: there are no digits left to ask for.
+    /// Sets `rtol` and scales the absolute tolerances by the same factor, but not below 1e-14 rad and 1e-9 rad/s, the
+    /// limit of double precision.
     pub fn with_rtol(&self, rtol: f64) -> Self {
         let factor = rtol / self.rtol;
         let scaled = |atol: f64, finest: f64| (factor * atol).max(finest.min(atol));
@@ -94,29 +96,30 @@ impl Integrator {
     }
 }
 
-impl Words for Preset {
-    const WORDS: &'static [(&'static str, Self)] =
+impl Keyword for Preset {
+    const KEYWORDS: &'static [(&'static str, Self)] =
         &[("engineering", Preset::Engineering), ("reference", Preset::Reference)];
 }
 
-impl Words for Method {
-    const WORDS: &'static [(&'static str, Self)] = &[("rodas5p", Method::Rodas5p), ("radau5", Method::RadauIIa5)];
+impl Keyword for Method {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[("rodas5p", Method::Rodas5p), ("radau5", Method::RadauIIa5)];
 }
 
 const RTOL: Bound = Bound { allowed: |x| x > 0.0 && x < 1.0, text: "between 0 and 1, both excluded" };
 
-lines! {
-    /// How the equations of motion are integrated. Keys left out follow the preset.
+settings! {
+    /// Integration of the equations of motion. Defaults depend on the preset.
     Integrator = Self::preset(Preset::Engineering), i;
-    /// "engineering" for everyday runs (rtol 1e-5, in grippers 3e-6), "reference" for comparisons (1e-11).
-    "preset": Choice<Preset> = Some(&mut i.preset), put(|i, preset| *i = i.changed_to(preset));
-    "method": Choice<Method> = Some(&mut i.method), follows();
+    /// "engineering" for general use (rtol 1e-5, in grippers 3e-6), "reference" for comparisons (rtol 1e-11).
+    "preset": Choice<Preset> = Some(&mut i.preset), set_with(|i, preset| *i = i.changed_to(preset));
+    /// Integration method: Rodas5P or Radau IIA of order 5.
+    "method": Choice<Method> = Some(&mut i.method), derived();
     /// Relative tolerance of rates.
-    "rtol": Number = Some(&mut i.rtol), put(|i, rtol| *i = i.with_rtol(rtol)), allowed(RTOL), follows();
-    /// Absolute tolerance of angles; of places of discs the same number in m.
-    "atol_angle": Angle = Some(&mut i.atol_angle_rad), allowed(POSITIVE), follows();
-    /// Absolute tolerance of rates; of velocities of discs the same number in m/s.
-    "atol_rate": AngularRate = Some(&mut i.atol_rate_rad_s), allowed(POSITIVE), follows();
-    /// Steps after which a run is given up.
+    "rtol": Number = Some(&mut i.rtol), set_with(|i, rtol| *i = i.with_rtol(rtol)), allowed(RTOL), derived();
+    /// Absolute tolerance of angles; for positions of discs the same number in m.
+    "atol_angle": Angle = Some(&mut i.atol_angle_rad), allowed(POSITIVE), derived();
+    /// Absolute tolerance of rates; for velocities of discs the same number in m/s.
+    "atol_rate": AngularRate = Some(&mut i.atol_rate_rad_s), allowed(POSITIVE), derived();
+    /// Maximum number of steps of a run.
     "max_steps": Count = Some(&mut i.max_steps);
 }

@@ -1,41 +1,46 @@
-//! `[object]`: what fingers grasp.
+//! `[object]`: the object that fingers grasp.
 
-use super::shape::UNSAID;
-use super::{lines, of};
+use super::shape::UNSET_SHAPE;
+use super::{settings, variant_field};
 use crate::scene::check::POSITIVE;
-use crate::scene::kinds::{Angle, AngularRate, Choice, Flag, Inertia, Length, Mass, Pair, Speed, Words};
-use crate::scene::words::{ONE_FINGER, SceneKind, TWO_FINGERS};
+use crate::scene::keywords::{ONE_FINGER, SceneKind, TWO_FINGERS};
+use crate::scene::value_kinds::{Angle, AngularRate, Choice, Flag, Inertia, Keyword, Length, Mass, Pair, Speed};
 use crate::scene::{Disc, DiscMotion, defaults};
-use crate::shape::{Placed, Shape};
+use crate::shape::{PlacedShape, Shape};
 
-/// Follows from something else unless it is given.
-const FOLLOWS: f64 = f64::NAN;
+/// A value that is derived from other settings unless it is given.
+const UNSET: f64 = f64::NAN;
 
-/// The disc that fingers grasp, or none.
+/// Settings of the grasped object, which may be absent.
 #[derive(Clone, Copy, Debug)]
-pub struct Object {
+pub struct ObjectSettings {
     pub present: bool,
-    /// By keys of its own.
+    /// Read from the keys of [shapes](super::shape).
     pub shape: Shape,
     pub centre_m: [f64; 2],
     pub angle_rad: f64,
     pub motion: GraspedMotion,
 }
 
-/// What moves it.
+/// Motion of the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GraspedMotion {
     Fixed,
     Free { mass_kg: f64, inertia_kg_m2: f64, velocity_m_s: [f64; 2], spin_rad_s: f64 },
 }
 
-impl Object {
-    /// Keys that stand before those of its shape.
+impl ObjectSettings {
+    /// Keys that precede those of the shape.
     pub const HEADING: [&str; 2] = ["present", "motion"];
 
-    /// None; its shape means nothing.
-    pub const NONE: Self =
-        Self { present: false, shape: UNSAID, centre_m: [f64::NAN; 2], angle_rad: 0.0, motion: GraspedMotion::Fixed };
+    /// No object; the shape is unused.
+    pub const NONE: Self = Self {
+        present: false,
+        shape: UNSET_SHAPE,
+        centre_m: [f64::NAN; 2],
+        angle_rad: 0.0,
+        motion: GraspedMotion::Fixed,
+    };
 
     pub fn disc(self) -> Disc {
         let Self { shape, centre_m, angle_rad, motion, .. } = self;
@@ -48,19 +53,19 @@ impl Object {
         Disc { name: Disc::OBJECT.to_string(), shape, centre_m, angle_rad, motion }
     }
 
-    /// Where it starts.
-    pub fn placed(self) -> Placed {
+    /// Shape and initial pose.
+    pub fn placed(self) -> PlacedShape {
         self.disc().placed()
     }
 
-    /// Where it begins and ends above the palm.
+    /// Lowest and highest coordinate y.
     pub fn heights_m(self) -> [f64; 2] {
         let placed = self.placed();
-        [-1.0, 1.0].map(|to| placed.furthest_m([0.0, to])[1])
+        [-1.0, 1.0].map(|to| placed.furthest_point_m([0.0, to])[1])
     }
 
-    /// As it would be said; nothing drives an object.
-    pub fn of(disc: &Disc) -> Self {
+    /// Settings of a given disc; a driven disc becomes fixed, because an object cannot be driven.
+    pub fn from_disc(disc: &Disc) -> Self {
         let motion = match disc.motion {
             DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), velocity_m_s, spin_rad_s } => {
                 GraspedMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s }
@@ -71,56 +76,53 @@ impl Object {
     }
 }
 
-impl Words for GraspedMotion {
-    const WORDS: &'static [(&'static str, Self)] = &[
-        (
-            "free",
-            GraspedMotion::Free { mass_kg: FOLLOWS, inertia_kg_m2: FOLLOWS, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 },
-        ),
+impl Keyword for GraspedMotion {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[
+        ("free", GraspedMotion::Free { mass_kg: UNSET, inertia_kg_m2: UNSET, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 }),
         ("fixed", GraspedMotion::Fixed),
     ];
 }
 
-lines! {
-    /// The disc to be grasped; it is fixed.
-    Object = Self {
+settings! {
+    /// The object to be grasped, a fixed disc.
+    ObjectSettings = Self {
         present: true,
         shape: defaults::OBJECT,
-        centre_m: [FOLLOWS; 2],
+        centre_m: [UNSET; 2],
         angle_rad: 0.0,
         motion: GraspedMotion::Fixed,
     }, o, where {
-        const DOCS: &'static [(SceneKind, &'static str)] = &[(SceneKind::Gripper, "The disc to be grasped.")];
+        const DOC_OVERRIDES: &'static [(SceneKind, &'static str)] = &[(SceneKind::Gripper, "The object to be grasped, a disc.")];
 
-        fn usual_in(kind: SceneKind) -> Self {
+        fn defaults_for(kind: SceneKind) -> Self {
             match kind {
-                SceneKind::Gripper => Self { centre_m: [0.0, FOLLOWS], motion: GraspedMotion::WORDS[0].1, ..Self::usual() },
-                SceneKind::Finger | SceneKind::Bodies => Self::usual(),
+                SceneKind::Gripper => Self { centre_m: [0.0, UNSET], motion: GraspedMotion::KEYWORDS[0].1, ..Self::defaults() },
+                SceneKind::Finger | SceneKind::Bodies => Self::defaults(),
             }
         }
     };
-    /// Whether there is an object; false lets the finger swing freely.
-    "present": Flag = Some(&mut o.present), of(ONE_FINGER);
-    /// What moves it: "free": contact and gravity; "fixed": nothing.
-    "motion": Choice<GraspedMotion> = Some(&mut o.motion), of(TWO_FINGERS);
-    /// Default: (−base, radius), resting on the palm, by the base of [design] or [lengths].
-    "centre": Pair<Length> = o.present.then_some(&mut o.centre_m), follows(),
-        beside("present", "with present = false"), of(ONE_FINGER);
-    /// Positioning error: how far its centre starts to the right of the palm's middle.
-    "offset": Length = Some(&mut o.centre_m[0]), said("0 mm"), of(TWO_FINGERS);
-    /// How far its centre starts above the palm. Default: its radius, so that it touches the palm.
-    "height": Length = Some(&mut o.centre_m[1]), of(TWO_FINGERS);
-    /// Its angle at the start.
-    "angle": Angle = Some(&mut o.angle_rad), said("0 deg"), of(TWO_FINGERS);
-    /// Default: homogeneous, of 1070 kg/m³ and 40 mm deep (53.784 g at a radius of 20 mm).
-    "mass": Mass = of!(o.motion, GraspedMotion::Free, mass_kg), allowed(POSITIVE),
-        beside("motion", "with motion = \"fixed\""), of(TWO_FINGERS);
-    /// Moment of inertia about its centre. Default: of a homogeneous disc, mass × radius² / 2.
-    "inertia": Inertia = of!(o.motion, GraspedMotion::Free, inertia_kg_m2), allowed(POSITIVE),
-        beside("motion", "with motion = \"fixed\""), of(TWO_FINGERS);
-    /// Velocity of its centre at the start.
-    "velocity": Pair<Speed> = of!(o.motion, GraspedMotion::Free, velocity_m_s), beside("motion", "with motion = \"fixed\""), of(TWO_FINGERS);
-    /// Angular rate at the start, counter-clockwise.
-    "spin": AngularRate = of!(o.motion, GraspedMotion::Free, spin_rad_s), said("0 rad/s"),
-        beside("motion", "with motion = \"fixed\""), of(TWO_FINGERS);
+    /// Whether there is an object; without one the finger moves freely.
+    "present": Flag = Some(&mut o.present), only_in(ONE_FINGER);
+    /// "free": moves under gravity and contact forces; "fixed": does not move.
+    "motion": Choice<GraspedMotion> = Some(&mut o.motion), only_in(TWO_FINGERS);
+    /// Position of the centre. Default: (−base, radius), resting on the palm, with the base of [design] or [lengths].
+    "centre": Pair<Length> = o.present.then_some(&mut o.centre_m), derived(),
+        depends_on("present", "with present = false"), only_in(ONE_FINGER);
+    /// Positioning error: initial distance of the centre to the right of the middle of the palm.
+    "offset": Length = Some(&mut o.centre_m[0]), default_text("0 mm"), only_in(TWO_FINGERS);
+    /// Initial height of the centre above the palm. Default: the radius, so that the object touches the palm.
+    "height": Length = Some(&mut o.centre_m[1]), only_in(TWO_FINGERS);
+    /// Initial angle.
+    "angle": Angle = Some(&mut o.angle_rad), default_text("0 deg"), only_in(TWO_FINGERS);
+    /// Mass. Default: that of a homogeneous disc with 1070 kg/m³ and a depth of 40 mm (53.784 g for a radius of 20 mm).
+    "mass": Mass = variant_field!(o.motion, GraspedMotion::Free, mass_kg), allowed(POSITIVE),
+        depends_on("motion", "with motion = \"fixed\""), only_in(TWO_FINGERS);
+    /// Moment of inertia about the centre. Default: mass × radius² / 2 of a homogeneous disc.
+    "inertia": Inertia = variant_field!(o.motion, GraspedMotion::Free, inertia_kg_m2), allowed(POSITIVE),
+        depends_on("motion", "with motion = \"fixed\""), only_in(TWO_FINGERS);
+    /// Initial velocity of the centre.
+    "velocity": Pair<Speed> = variant_field!(o.motion, GraspedMotion::Free, velocity_m_s), depends_on("motion", "with motion = \"fixed\""), only_in(TWO_FINGERS);
+    /// Initial angular rate, counter-clockwise.
+    "spin": AngularRate = variant_field!(o.motion, GraspedMotion::Free, spin_rad_s), default_text("0 rad/s"),
+        depends_on("motion", "with motion = \"fixed\""), only_in(TWO_FINGERS);
 }

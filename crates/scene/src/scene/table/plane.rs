@@ -1,34 +1,34 @@
 //! `[half_plane]` below discs, and `[table]` above the palm of a gripper.
 
-use super::lines;
-use crate::scene::kinds::{Flag, Length};
+use super::settings;
+use crate::scene::value_kinds::{Flag, Length};
 
-/// Where the ground is.
+/// Settings of the ground.
 #[derive(Clone, Copy, Debug)]
-pub struct Ground {
+pub struct HalfPlaneSettings {
     pub level_m: f64,
 }
 
-lines! {
-    /// The half plane: everything below a level is solid and fixed. The section alone puts one there.
-    Ground = Self { level_m: 0.0 }, p;
-    /// Height y of its surface.
-    "level": Length = Some(&mut p.level_m), said("0 mm");
+settings! {
+    /// A solid, fixed half plane below a level. An empty section suffices to add it.
+    HalfPlaneSettings = Self { level_m: 0.0 }, p;
+    /// Height y of the surface.
+    "level": Length = Some(&mut p.level_m), default_text("0 mm");
 }
 
-/// A table or none.
+/// Settings of the table, which may be absent.
 #[derive(Clone, Copy, Debug)]
-pub struct Support {
+pub struct TableSettings {
     pub present: bool,
     pub level_m: f64,
 }
 
-lines! {
-    /// A table on which the object lies with its side away from the palm: everything above a level is solid and fixed. The section
-    /// alone puts one there.
-    Support = Self { present: true, level_m: f64::NAN }, t;
-    /// Whether it is there.
+settings! {
+    /// A table that supports the object on the side away from the palm: a solid, fixed half plane above a level. An
+    /// empty section suffices to add it.
+    TableSettings = Self { present: true, level_m: f64::NAN }, t;
+    /// Whether there is a table.
     "present": Flag = Some(&mut t.present);
-    /// Height of its surface above the palm. Default: the object's diameter, so that a centred object touches it.
-    "level": Length = t.present.then_some(&mut t.level_m), beside("present", "with present = false");
+    /// Height of the surface above the palm. Default: the top of the object, so that the object touches the table.
+    "level": Length = t.present.then_some(&mut t.level_m), depends_on("present", "with present = false");
 }

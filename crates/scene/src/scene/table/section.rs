@@ -1,155 +1,156 @@
-//! A section of a scene as a table of lines, and what is said of each.
+//! A section of a scene as a list of settings, and the metadata of each.
 
 use serde_json::Value;
 use toml::Spanned;
 
-use super::held::Written;
-use crate::scene::any::Any;
+use super::value::FieldValue;
 use crate::scene::check::Bound;
 use crate::scene::error::Problem;
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
+use crate::scene::toml_value::TomlValue;
 
-/// What is said of a key.
+/// Metadata of a key.
 #[derive(Clone, Copy, Debug)]
-pub struct About {
+pub struct FieldMetadata {
     pub key: &'static str,
     pub doc: &'static str,
-    /// Which numbers are allowed.
+    /// Range of allowed numbers.
     pub allowed: Bound,
-    /// The key that decides whether the section has a place for this one, and why there is none.
-    pub beside: Option<(&'static str, &'static str)>,
-    /// What to do where it is lacking and has no default, if it must be given.
-    pub needed: Option<&'static str>,
-    /// Its default follows from something else.
-    pub follows: bool,
-    /// The default as people say it, where that is not the shortest text.
-    pub said: Option<&'static str>,
-    /// Its name in records, where that is not the key and its unit.
+    /// The key whose choice decides whether this key has an effect, and the reason why it has none.
+    pub depends_on: Option<(&'static str, &'static str)>,
+    /// Help text for a missing key; `None` if the key is optional.
+    pub required: Option<&'static str>,
+    /// Whether the default depends on other settings.
+    pub derived: bool,
+    /// The default in its usual notation, if that is not the shortest text.
+    pub default_text: Option<&'static str>,
+    /// Name in records, if that is not the key with its unit.
     pub column: Option<&'static str>,
-    /// The kinds of scene that have it.
-    pub of: &'static [SceneKind],
+    /// Kinds of scene that have the key.
+    pub scene_kinds: &'static [SceneKind],
 }
 
-/// What is known of a line without a section that has it.
-pub trait Said: Sync {
-    fn about(&self) -> &About;
+/// Properties of a field that do not depend on the type of its section.
+pub trait FieldInfo: Sync {
+    fn metadata(&self) -> &FieldMetadata;
 
-    /// JSON Schema of its kind of value.
-    fn kind(&self) -> Value;
+    /// JSON Schema of the value.
+    fn value_schema(&self) -> Value;
 }
 
-/// A line, whatever kind of value it holds.
-pub trait Field<T>: Said {
-    /// The value, if the section has it.
-    fn get(&self, section: &mut T) -> Option<Written>;
+/// A setting of the section `T` with a value of any kind.
+pub trait Field<T>: FieldInfo {
+    /// Returns the value, if the section has it.
+    fn get(&self, section: &mut T) -> Option<FieldValue>;
 
-    /// Sections in which a choice has each of its values; none of what is no choice.
-    fn variants(&self) -> Vec<Box<dyn Section>>;
+    /// One section for each value of a choice; empty for other kinds of value.
+    fn variants(&self) -> Vec<Box<dyn DynSection>>;
 
-    /// Puts a value of a scene into a section; whether it is within bounds.
+    /// Reads a value of a scene file into a section. Returns `false`, and leaves the section unchanged, if the value is
+    /// out of range.
     ///
     /// # Errors
-    /// Why it is no such value; `key` is for messages.
-    fn read(&self, key: &str, given: &Spanned<Any>, into: &mut T) -> Result<bool, Vec<Problem>>;
+    /// Returns the problems of a value of the wrong kind; `key` is for messages.
+    fn read(&self, key: &str, input_value: &Spanned<TomlValue>, section: &mut T) -> Result<bool, Vec<Problem>>;
 
-    /// Puts a recorded value into a section; whether there is such a value.
-    fn recall(&self, text: &str, into: &mut T) -> bool;
+    /// Reads a recorded value into a section; returns whether it is valid.
+    fn restore(&self, text: &str, section: &mut T) -> bool;
 }
 
 /// A section whose keys are fields of a struct.
-pub trait Table: Clone + 'static {
-    /// What the section is for.
+pub trait SettingsSection: Clone + 'static {
+    /// Description of the section.
     const DOC: &'static str;
-    /// The same in scenes of kinds in which it is for something else.
-    const DOCS: &'static [(SceneKind, &'static str)] = &[];
-    /// Its keys in the order in which they are read and shown: a choice before what has a meaning beside it only.
-    const LINES: &'static [&'static dyn Field<Self>];
-    /// Sections in it, with their schemas.
-    const INNER: Inner = &[];
+    /// Descriptions for kinds of scene in which the section has another purpose.
+    const DOC_OVERRIDES: &'static [(SceneKind, &'static str)] = &[];
+    /// Its keys in the order in which they are read and shown: a choice precedes the keys that depend on it.
+    const FIELDS: &'static [&'static dyn Field<Self>];
+    /// Nested sections with their schemas.
+    const SUBSECTIONS: Subsections = &[];
 
-    /// The section of a scene that does not have it; not a number where no number is usual.
-    fn usual() -> Self;
+    /// Returns the section with all defaults; NaN for numbers without a default.
+    fn defaults() -> Self;
 
-    /// The same of a scene of some kind.
-    fn usual_in(_: SceneKind) -> Self {
-        Self::usual()
+    /// Returns the section with the defaults of a kind of scene.
+    fn defaults_for(_: SceneKind) -> Self {
+        Self::defaults()
     }
 
-    /// What the section is for in scenes of a kind.
+    /// Description of the section in a kind of scene.
     fn doc(kind: SceneKind) -> &'static str {
-        let own = Self::DOCS.iter().find(|(of, _)| *of == kind);
-        own.map_or(Self::DOC, |(_, doc)| doc).trim_start()
+        let doc_override = Self::DOC_OVERRIDES.iter().find(|(scene_kind, _)| *scene_kind == kind);
+        doc_override.map_or(Self::DOC, |(_, doc)| doc).trim_start()
     }
 }
 
-/// A section, whichever it is, with its lines by their numbers: what is done with it is compiled once, not for every section there is.
-pub trait Section {
-    fn line(&self, line: usize) -> Option<&'static dyn Said>;
+/// A type-erased section, with its fields by index: code that uses it is compiled once, not once per section.
+pub trait DynSection {
+    fn field(&self, index: usize) -> Option<&'static dyn FieldInfo>;
 
-    /// As [`Field::get`].
-    fn get(&mut self, line: usize) -> Option<Written>;
+    /// See [`Field::get`].
+    fn get(&mut self, index: usize) -> Option<FieldValue>;
 
-    /// As [`Field::variants`].
-    fn variants(&self, line: usize) -> Vec<Box<dyn Section>>;
+    /// See [`Field::variants`].
+    fn variants(&self, index: usize) -> Vec<Box<dyn DynSection>>;
 
-    /// As [`Field::read`].
+    /// See [`Field::read`].
     ///
     /// # Errors
-    /// Why it is no such value.
-    fn read(&mut self, line: usize, key: &str, given: &Spanned<Any>) -> Result<bool, Vec<Problem>>;
+    /// See [`Field::read`].
+    fn read(&mut self, index: usize, key: &str, input_value: &Spanned<TomlValue>) -> Result<bool, Vec<Problem>>;
 
-    /// As [`Field::recall`].
-    fn recall(&mut self, line: usize, text: &str) -> bool;
+    /// See [`Field::restore`].
+    fn restore(&mut self, index: usize, text: &str) -> bool;
 }
 
-impl<T: Table> Section for T {
-    fn line(&self, line: usize) -> Option<&'static dyn Said> {
-        T::LINES.get(line).map(|line| *line as &'static dyn Said)
+impl<T: SettingsSection> DynSection for T {
+    fn field(&self, index: usize) -> Option<&'static dyn FieldInfo> {
+        T::FIELDS.get(index).map(|field| *field as &'static dyn FieldInfo)
     }
 
-    fn get(&mut self, line: usize) -> Option<Written> {
-        T::LINES[line].get(self)
+    fn get(&mut self, index: usize) -> Option<FieldValue> {
+        T::FIELDS[index].get(self)
     }
 
-    fn variants(&self, line: usize) -> Vec<Box<dyn Section>> {
-        T::LINES[line].variants()
+    fn variants(&self, index: usize) -> Vec<Box<dyn DynSection>> {
+        T::FIELDS[index].variants()
     }
 
-    fn read(&mut self, line: usize, key: &str, given: &Spanned<Any>) -> Result<bool, Vec<Problem>> {
-        T::LINES[line].read(key, given, self)
+    fn read(&mut self, index: usize, key: &str, input_value: &Spanned<TomlValue>) -> Result<bool, Vec<Problem>> {
+        T::FIELDS[index].read(key, input_value, self)
     }
 
-    fn recall(&mut self, line: usize, text: &str) -> bool {
-        T::LINES[line].recall(text, self)
+    fn restore(&mut self, index: usize, text: &str) -> bool {
+        T::FIELDS[index].restore(text, self)
     }
 }
 
-/// All lines of a section, with their numbers.
-pub fn all(section: &dyn Section) -> Vec<(usize, &'static dyn Said)> {
-    (0..).map_while(|line| Some((line, section.line(line)?))).collect()
+/// All fields of a section with their indices.
+pub fn all_fields(section: &dyn DynSection) -> Vec<(usize, &'static dyn FieldInfo)> {
+    (0..).map_while(|index| Some((index, section.field(index)?))).collect()
 }
 
-/// Those in scenes of a kind.
-pub fn lines_of(section: &dyn Section, kind: SceneKind) -> Vec<(usize, &'static dyn Said)> {
-    all(section).into_iter().filter(|(_, said)| said.about().of.contains(&kind)).collect()
+/// Returns the fields of a section in a kind of scene.
+pub fn fields_for(section: &dyn DynSection, kind: SceneKind) -> Vec<(usize, &'static dyn FieldInfo)> {
+    all_fields(section).into_iter().filter(|(_, field)| field.metadata().scene_kinds.contains(&kind)).collect()
 }
 
-/// The first value of a line in sections where each choice is made: what has a meaning beside one only is found there.
-pub fn chosen(section: &dyn Section, line: usize) -> Option<Written> {
-    let mut chosen = all(section).into_iter().flat_map(|(choice, _)| section.variants(choice));
-    chosen.find_map(|mut section| section.get(line))
+/// Returns the value of a field in the first variant of the section that has this field.
+pub fn value_in_variant(section: &dyn DynSection, index: usize) -> Option<FieldValue> {
+    let mut variants = all_fields(section).into_iter().flat_map(|(choice, _)| section.variants(choice));
+    variants.find_map(|mut variant| variant.get(index))
 }
 
-/// The value of a section that says nothing, `usual` in scenes of its kind, as it would be written; `None` where it is required or follows
-/// from something else.
-pub fn default(usual: &mut dyn Section, (line, said): (usize, &dyn Said)) -> Option<Value> {
-    let About { follows, said, .. } = *said.about();
-    if follows || said.is_some() {
-        return said.map(Value::from);
+/// Returns the default of a field as written in a scene file; `None` if the key is required or its default depends on
+/// other settings.
+pub fn default_value(defaults: &mut dyn DynSection, (index, field): (usize, &dyn FieldInfo)) -> Option<Value> {
+    let FieldMetadata { derived, default_text, .. } = *field.metadata();
+    if derived || default_text.is_some() {
+        return default_text.map(Value::from);
     }
-    let value = usual.get(line).or_else(|| chosen(usual, line))?;
-    value.is_given().then(|| value.json())
+    let value = defaults.get(index).or_else(|| value_in_variant(defaults, index))?;
+    value.is_set().then(|| value.into_json())
 }
 
-/// Sections by their keys, with the kinds of scene that have them, and their schemas.
-pub type Inner = &'static [(&'static str, &'static [SceneKind], fn(SceneKind) -> Value)];
+/// Nested sections: key, kinds of scene that have it, and schema.
+pub type Subsections = &'static [(&'static str, &'static [SceneKind], fn(SceneKind) -> Value)];

@@ -1,26 +1,26 @@
-//! What says of which shape a body is, wherever one is described: `[object]` and `[discs.NAME]`.
+//! Keys for the shape of a body, in `[object]` and `[discs.NAME]`.
 
-use super::lines;
+use super::settings;
 use crate::scene::check::POSITIVE;
 use crate::scene::defaults;
-use crate::scene::kinds::Length;
-use crate::scene::words::SceneKind;
+use crate::scene::keywords::SceneKind;
+use crate::scene::value_kinds::Length;
 use crate::shape::Shape;
 
-/// One whose size must be given, or means nothing.
-pub const UNSAID: Shape = Shape::Disc { radius_m: f64::NAN };
+/// A shape without size, for a size that is required or unused.
+pub const UNSET_SHAPE: Shape = Shape::Disc { radius_m: f64::NAN };
 
-lines! {
+settings! {
     /// The shape of a body.
     Shape = defaults::OBJECT, s, where {
-        fn usual_in(kind: SceneKind) -> Self {
+        fn defaults_for(kind: SceneKind) -> Self {
             match kind {
-                SceneKind::Bodies => UNSAID,
-                SceneKind::Finger | SceneKind::Gripper => Self::usual(),
+                SceneKind::Bodies => UNSET_SHAPE,
+                SceneKind::Finger | SceneKind::Gripper => Self::defaults(),
             }
         }
     };
     "radius": Length = match s {
         Shape::Disc { radius_m } => Some(radius_m),
-    }, allowed(POSITIVE), needed("add its size: radius = \"10 mm\"");
+    }, allowed(POSITIVE), required("add its size: radius = \"10 mm\"");
 }

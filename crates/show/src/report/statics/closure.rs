@@ -1,35 +1,35 @@
-//! Form closure as plain figures: a certificate by the names of its constraints.
+//! Form closure in the JSON document, with a certificate by the names of its constraints.
 
 use serde::Serialize;
 
 use super::motion::{FingerMotionReport, MotionReport, RateReport};
-use super::words::{motion_words, palm};
+use super::motion_text::{motion_sentences, palm_state};
 use crate::grasp::finger::Palm;
-use crate::gripper::Site;
-use crate::statics::{Certificate, Decision, FormClosure, GripperRow, Kind, Row, Unknown};
+use crate::gripper::FingerContact;
+use crate::statics::{Certificate, Decision, FormClosure, GripperRow, Row, RowKind, Unknown};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosureReport {
     pub closed: bool,
     /// Whether the object rests on the palm: "rests", "within", "apart" or "none".
     pub palm: &'static str,
-    /// How far the object is above the palm.
+    /// Distance of the object above the palm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub palm_gap_m: Option<f64>,
     pub necessary: NecessaryReport,
     pub rank: usize,
     pub unknowns: usize,
-    /// Smallest over largest multiplier where these are unique, each for a constraint of one scale.
+    /// Ratio of the smallest to the largest multiplier of scaled constraints, if the multipliers are unique.
     pub margin: Option<f64>,
     /// "rank", "signs" or "programme".
     pub decision: &'static str,
-    /// Closed: forces and torques in balance, all positive.
+    /// If closed: forces and torques in equilibrium, all positive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub multipliers: Option<Vec<MultiplierReport>>,
-    /// Not closed: a motion that breaks no constraint.
+    /// If not closed: a motion that violates no constraint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionReport>,
-    /// What the certificate is off by, relative to what it weighs.
+    /// Residual of the certificate, relative to its terms.
     pub residual: f64,
 }
 
@@ -40,7 +40,8 @@ pub struct NecessaryReport {
     pub motors: usize,
     pub hand: usize,
     pub object: usize,
-    pub met: bool,
+    #[serde(rename = "met")]
+    pub is_met: bool,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -53,7 +54,7 @@ pub struct MultiplierReport {
 }
 
 impl ClosureReport {
-    pub fn new(found: &FormClosure<GripperRow>, resting: &Palm) -> Self {
+    pub fn new(found: &FormClosure<GripperRow>, palm_contact: &Palm) -> Self {
         let count = found.necessary;
         let (multipliers, motion, residual) = match &found.certificate {
             Certificate::Multipliers { values, residual } => (Some(multipliers(found, values)), None, *residual),
@@ -61,18 +62,18 @@ impl ClosureReport {
         };
         Self {
             closed: found.closed,
-            palm: palm(resting),
-            palm_gap_m: match resting {
-                Palm::Apart { gap_m } => Some(*gap_m),
-                Palm::Within { depth_m } => Some(-depth_m),
-                Palm::Rests | Palm::None => None,
+            palm: palm_state(palm_contact),
+            palm_gap_m: match palm_contact {
+                Palm::Separated { gap_m } => Some(*gap_m),
+                Palm::Penetrating { depth_m } => Some(-depth_m),
+                Palm::Resting | Palm::None => None,
             },
             necessary: NecessaryReport {
                 contacts: count.contacts,
                 motors: count.motors,
                 hand: count.hand,
                 object: count.object,
-                met: count.is_met(),
+                is_met: count.is_met(),
             },
             rank: found.rank,
             unknowns: found.unknowns.len(),
@@ -89,27 +90,27 @@ impl ClosureReport {
     }
 }
 
-/// "right", "left", and beyond these a number.
+/// "right", "left", or a number for further fingers.
 pub(super) fn finger_name(finger: usize) -> String {
     match finger {
         0 => "right".to_string(),
         1 => "left".to_string(),
-        more => format!("finger {}", more + 1),
+        index => format!("finger {}", index + 1),
     }
 }
 
 fn constraint(row: GripperRow) -> String {
     let GripperRow::Hand(row) = row else { return "input".to_string() };
     match row {
-        Row::Contact { finger, site: Site::Proximal } => format!("{} proximal phalanx", finger_name(finger)),
-        Row::Contact { finger, .. } => format!("{} tip", finger_name(finger)),
+        Row::Contact { finger, site: FingerContact::Proximal } => format!("{} proximal phalanx", finger_name(finger)),
+        Row::Contact { finger, .. } => format!("{} distal phalanx", finger_name(finger)),
         Row::Palm => "palm".to_string(),
         Row::Motor { finger } => format!("{} motor", finger_name(finger)),
     }
 }
 
 fn is_motor(row: GripperRow) -> bool {
-    Kind::from(row) == Kind::Motor
+    RowKind::from(row) == RowKind::Motor
 }
 
 fn multipliers(found: &FormClosure<GripperRow>, values: &[f64]) -> Vec<MultiplierReport> {
@@ -125,14 +126,14 @@ fn multipliers(found: &FormClosure<GripperRow>, values: &[f64]) -> Vec<Multiplie
 }
 
 fn motion(found: &FormClosure<GripperRow>, values: &[f64], rates: &[f64]) -> MotionReport {
-    let of = |unknown: Unknown| found.unknowns.iter().position(|&k| k == unknown).map_or(0.0, |i| values[i]);
+    let value_of = |unknown: Unknown| found.unknowns.iter().position(|&k| k == unknown).map_or(0.0, |i| values[i]);
     let motor = |finger: usize| {
         found.rows.iter().position(|&row| row == GripperRow::Hand(Row::Motor { finger })).map(|i| rates[i])
     };
     let finger = |finger: usize| FingerMotionReport {
         finger: finger_name(finger),
-        qd21_rad_s: of(Unknown::Proximal { finger }),
-        qd22_rad_s: of(Unknown::Distal { finger }),
+        qd21_rad_s: value_of(Unknown::Proximal { finger }),
+        qd22_rad_s: value_of(Unknown::Distal { finger }),
         motor_rad_s: motor(finger),
     };
     let rate = |(&row, &rate): (&GripperRow, &f64)| {
@@ -145,11 +146,11 @@ fn motion(found: &FormClosure<GripperRow>, values: &[f64], rates: &[f64]) -> Mot
     };
     let fingers = (0..).take_while(|&finger| found.unknowns.contains(&Unknown::Proximal { finger }));
     let mut report = MotionReport {
-        words: Vec::new(),
-        object_m_s: [of(Unknown::ObjectX), of(Unknown::ObjectY)],
+        sentences: Vec::new(),
+        object_m_s: [value_of(Unknown::ObjectX), value_of(Unknown::ObjectY)],
         fingers: fingers.map(finger).collect(),
         rates: found.rows.iter().zip(rates).map(rate).collect(),
     };
-    report.words = motion_words(&report);
+    report.sentences = motion_sentences(&report);
     report
 }

@@ -1,10 +1,10 @@
-//! Statics as plain figures, with units in the names.
+//! The JSON document of the static analysis of a finger, with units in the keys.
 
 use serde::Serialize;
 
 use super::closure::ClosureReport;
 use crate::grasp::finger::{Contact, Drive, Forces, Grasp};
-use crate::gripper::{Placement, Site, SpringKind};
+use crate::gripper::{FingerContact, Placement, SpringKind};
 use crate::statics::{Ejection, Equilibrium, GripperRow};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -13,9 +13,9 @@ pub struct StaticsReport {
     #[serde(rename = "final")]
     pub end: FinalPostureReport,
     pub drive: DriveReport,
-    /// One for each friction that was asked for.
+    /// One for each requested friction coefficient.
     pub forces: Vec<ForcesReport>,
-    /// Forces of 1 N·m of the motor without spring and friction.
+    /// Forces per 1 N·m of motor torque without spring and friction.
     pub forces_per_n_m: [f64; 3],
     pub form_closure: ClosureReport,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,10 +36,10 @@ pub struct FinalPostureReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DriveReport {
     pub motor_n_m: f64,
-    /// From which on the distal phalanx pushes.
+    /// Minimum motor torque at which the distal phalanx pushes.
     pub motor_min_n_m: Option<f64>,
     pub spring: Option<SpringReport>,
-    /// Of motor and spring on (q11, q21).
+    /// Generalised forces of motor and spring on (q11, q21).
     pub loads_n_m: [f64; 2],
 }
 
@@ -49,20 +49,20 @@ pub struct SpringReport {
     pub kind: &'static str,
     pub placement: &'static str,
     pub torque_n_m: f64,
-    /// On (q11, q21).
+    /// Generalised forces on (q11, q21).
     pub loads_n_m: [f64; 2],
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForcesReport {
-    /// Of the proximal and the distal contact.
+    /// Friction coefficients of the proximal and the distal contact.
     pub mu_static: [f64; 2],
     pub f21_n: f64,
     pub f22_n: f64,
     pub pfp_n: f64,
     pub force_positive: bool,
     pub palm_force_positive: bool,
-    /// What lets go: "none", "proximal", "distal" or "both".
+    /// Phalanges that lose contact: "none", "proximal", "distal" or "both".
     pub ejection: &'static str,
     pub birglen: BirglenReport,
 }
@@ -82,7 +82,7 @@ impl StaticsReport {
     pub fn new(grasp: &Grasp) -> Self {
         let [proximal, distal] = grasp.contacts;
         let posture = &grasp.end.posture;
-        let pure = &grasp.pure;
+        let unit_torque_forces = &grasp.unit_torque_forces;
         Self {
             scene: grasp.scene.clone(),
             end: FinalPostureReport {
@@ -96,28 +96,28 @@ impl StaticsReport {
             },
             drive: drive(&grasp.drive),
             forces: grasp.forces.iter().map(forces).collect(),
-            forces_per_n_m: [pure.f21_n, pure.f22_n, pure.pfp_n],
-            form_closure: ClosureReport::new(&grasp.closure.clone().named(GripperRow::Hand), &grasp.palm),
+            forces_per_n_m: [unit_torque_forces.f21_n, unit_torque_forces.f22_n, unit_torque_forces.pfp_n],
+            form_closure: ClosureReport::new(&grasp.closure.clone().with_row_names(GripperRow::Hand), &grasp.palm),
             svg: None,
         }
     }
 }
 
 fn drive(drive: &Drive) -> DriveReport {
-    let spring = drive.spring.map(|at| SpringReport {
-        kind: match at.spring.kind {
+    let spring = drive.spring.map(|spring_at_rest| SpringReport {
+        kind: match spring_at_rest.spring.kind {
             SpringKind::Constant { .. } => "constant",
             SpringKind::Torsional { .. } => "torsional",
         },
-        placement: placement(at.spring.placement),
-        torque_n_m: at.torque_n_m,
-        loads_n_m: at.loads_n_m,
+        placement: placement(spring_at_rest.spring.placement),
+        torque_n_m: spring_at_rest.torque_n_m,
+        loads_n_m: spring_at_rest.loads_n_m,
     });
     let Drive { motor_n_m, motor_min_n_m, loads_n_m, .. } = *drive;
     DriveReport { motor_n_m, motor_min_n_m, spring, loads_n_m }
 }
 
-/// The word of scene files.
+/// Name of the placement in scene files.
 fn placement(placement: Placement) -> &'static str {
     match placement {
         Placement::Phalanges => "q22",
@@ -139,8 +139,8 @@ fn forces(forces: &Forces) -> ForcesReport {
         palm_force_positive: equilibrium.is_palm_force_positive(),
         ejection: match equilibrium.ejection() {
             Ejection::None => "none",
-            Ejection::Proximal => Site::Proximal.name(),
-            Ejection::Distal => Site::Distal.name(),
+            Ejection::Proximal => FingerContact::Proximal.name(),
+            Ejection::Distal => FingerContact::Distal.name(),
             Ejection::Both => "both",
         },
         birglen: BirglenReport {

@@ -1,17 +1,17 @@
-//! Statics of a gripper as plain figures, with units in the names.
+//! The JSON document of the static analysis of a gripper, with units in the keys.
 
 use serde::Serialize;
 
 use super::closure::ClosureReport;
 use crate::criteria::Fate;
 use crate::grasp::finger::Palm;
-use crate::grasp::gripper::{GripperGrasp, Holds, Source, Touching};
-use crate::gripper::Site;
+use crate::grasp::gripper::{FrictionCase, GripperGrasp, ObjectContact, PostureSource};
+use crate::gripper::FingerContact;
 use crate::report::grasp::ForceClosureReport;
-use crate::scene::{Place, Side};
+use crate::scene::{GripperContact, Side};
 use crate::statics::{
-    Balance, Balanced, Blocked, Drive, FormClosure, GripperRow, HandMotion, Held, Limit, MetAt, Spot, StaticsError,
-    Yields,
+    AccelerationLimit, Balance, Blocked, ContactLoad, ContactLocation, ContactMotion, ContactPoint, Drive, FormClosure,
+    GripperRow, HandMotion, Limit, StaticsError,
 };
 use crate::trace::FingerState;
 
@@ -19,13 +19,14 @@ use crate::trace::FingerState;
 pub struct GripperStaticsReport {
     pub scene: String,
     pub posture: GripperPostureReport,
-    /// Of both fingers, or of the differential's input.
+    /// Motors of both fingers, or of the differential's input.
     pub motors: Vec<MotorReport>,
     pub contacts: Vec<GripperContactReport>,
-    /// With both driven links blocked, and with the input of a differential blocked.
+    /// Form closure with both driven links blocked, and with the input of a differential blocked.
     pub form_closure: Vec<GripperClosureReport>,
-    /// One for each friction that was asked for.
-    pub holds: Vec<HoldsReport>,
+    /// One for each requested friction coefficient.
+    #[serde(rename = "holds")]
+    pub friction_cases: Vec<FrictionCaseReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub svg: Option<String>,
 }
@@ -34,15 +35,16 @@ pub struct GripperStaticsReport {
 pub struct GripperPostureReport {
     /// "run", "geometric" or "given".
     pub source: &'static str,
-    /// Of a run.
+    /// Time of the grasp, for a run.
     pub time_s: Option<f64>,
+    /// Fate of the object, for a run.
     pub fate: Option<&'static str>,
     pub right: AnglesReport,
     pub left: AnglesReport,
     pub x_m: f64,
     pub y_m: f64,
     pub mass_kg: f64,
-    /// In the palm's frame.
+    /// Gravity in the palm's frame.
     pub gravity_m_s2: [f64; 2],
 }
 
@@ -59,22 +61,25 @@ pub struct MotorReport {
     /// "right", "left" or "input".
     pub motor: &'static str,
     pub torque_n_m: f64,
-    /// What a brake adds at least and at most when it is blocked; null where that is as much as it takes.
+    /// Minimum torque of the brake when blocked; null if unlimited.
     pub brake_min_n_m: Option<f64>,
+    /// Maximum torque of the brake when blocked; null if unlimited.
     pub brake_max_n_m: Option<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GripperContactReport {
-    pub place: String,
-    /// On the surface of phalanx or palm.
+    #[serde(rename = "place")]
+    pub contact: String,
+    /// Contact point on the surface of phalanx or palm.
     pub point_m: [f64; 2],
-    /// Into the object.
+    /// Unit normal into the object.
     pub normal: [f64; 2],
     pub gap_m: f64,
     pub mu_static: f64,
-    /// Of the run.
+    /// Normal force in the run.
     pub normal_n: Option<f64>,
+    /// Tangential force in the run.
     pub tangential_n: Option<f64>,
 }
 
@@ -82,24 +87,24 @@ pub struct GripperContactReport {
 pub struct GripperClosureReport {
     /// "outputs" or "input".
     pub blocked: &'static str,
-    /// Null where it could not be decided, and then why.
+    /// Form closure; null if it could not be decided, for the given `reason`.
     pub closure: Option<ClosureReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct HoldsReport {
-    /// Of all contacts; null: those of the scene.
+pub struct FrictionCaseReport {
+    /// Friction coefficient of all contacts; null for those of the scene.
     pub mu_static: Option<f64>,
     pub force_closure: ForceClosureReport,
     pub accelerations: Vec<DirectionReport>,
 }
 
-/// What can be balanced of an acceleration of the palm along a direction.
+/// Accelerations of the palm along a direction that can be balanced.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DirectionReport {
-    /// From x towards y of the palm's frame.
+    /// Angle from x towards y of the palm's frame.
     pub angle_rad: f64,
     pub direction: [f64; 2],
     pub blocked: BalanceReport,
@@ -108,29 +113,32 @@ pub struct DirectionReport {
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BalanceReport {
-    /// "up to", "any" or "nothing".
+    /// Range of accelerations that can be balanced: "up to", "any" or "nothing".
     pub balanced: &'static str,
-    /// Null for the other two.
+    /// Largest balanced acceleration; null unless `balanced` is "up to".
     pub acceleration_m_s2: Option<f64>,
-    /// Contacts and brakes that give way there.
+    /// Contacts that slip at the limit.
     pub slips: Vec<String>,
+    /// Contacts that separate at the limit.
     pub leaves: Vec<String>,
+    /// Brakes that slip at the limit.
     pub brakes_slip: Vec<&'static str>,
-    /// Forces that balance it; where they are not the only ones, some.
+    /// Forces that balance the acceleration; they need not be unique.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub forces: Vec<ForceReport>,
-    /// The motion that a larger one drives.
+    /// The motion caused by a larger acceleration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<HandMotionReport>,
-    /// By how much forces and motion differ, relative to the acceleration or to what is fixed.
+    /// Duality gap between forces and motion, relative to the acceleration or to the fixed loads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gap: Option<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForceReport {
-    pub place: String,
-    /// Of a joint limit it is a torque.
+    #[serde(rename = "place")]
+    pub contact: String,
+    /// Normal force; null for a joint limit, which has a torque.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_n: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -149,32 +157,36 @@ pub struct HandMotionReport {
 }
 
 impl GripperStaticsReport {
-    /// Of every so many of the directions that were asked for.
-    pub fn new(found: &GripperGrasp, every: usize) -> Self {
+    /// Builds the report with every `stride`-th of the requested directions.
+    pub fn new(found: &GripperGrasp, stride: usize) -> Self {
         let [right, left] = [0, 1].map(|side: usize| angles(&found.sample.fingers[side]));
         let [x_m, y_m] = found.sample.bodies[0].centre_m;
         let (source, time_s, fate) = match found.source {
-            Source::Run { time_s, fate } => ("run", Some(time_s), Some(Fate::name(fate))),
-            Source::Geometric => ("geometric", None, None),
-            Source::Given => ("given", None, None),
+            PostureSource::Run { time_s, fate } => ("run", Some(time_s), Some(Fate::name(fate))),
+            PostureSource::Geometric => ("geometric", None, None),
+            PostureSource::Explicit => ("given", None, None),
         };
         let (mass_kg, gravity_m_s2) = (found.mass_kg, found.gravity_m_s2);
         let posture = GripperPostureReport { source, time_s, fate, right, left, x_m, y_m, mass_kg, gravity_m_s2 };
         let names = motor_names(found.drives.len());
-        let palm = found.contacts.iter().find(|touching| touching.place == Place::Palm);
+        let palm = found.contacts.iter().find(|contact| contact.id == GripperContact::Palm);
         GripperStaticsReport {
             scene: found.scene.clone(),
             posture,
             motors: found.drives.iter().zip(names).map(|(drive, name)| motor(drive, name)).collect(),
             contacts: found.contacts.iter().map(contact).collect(),
-            form_closure: found.closures.iter().map(|(blocked, closure)| closed(*blocked, closure, palm)).collect(),
-            holds: found.holds.iter().map(|holds| held(holds, every, names)).collect(),
+            form_closure: found
+                .closures
+                .iter()
+                .map(|(blocked, closure)| closure_report(*blocked, closure, palm))
+                .collect(),
+            friction_cases: found.friction_cases.iter().map(|case| friction_case_report(case, stride, names)).collect(),
             svg: None,
         }
     }
 }
 
-/// Of as many drives: both fingers', or one input.
+/// Names of the motors: of both fingers, or of one input.
 fn motor_names(count: usize) -> &'static [&'static str] {
     if count == 1 { &["input"] } else { &["right", "left"] }
 }
@@ -185,14 +197,14 @@ fn angles(finger: &FingerState) -> AnglesReport {
 }
 
 fn motor(drive: &Drive, name: &'static str) -> MotorReport {
-    let [least, most] = drive.brake_n_m.map(|bound| Some(bound).filter(|bound| bound.is_finite()));
-    MotorReport { motor: name, torque_n_m: drive.torque_n_m, brake_min_n_m: least, brake_max_n_m: most }
+    let [min_n_m, max_n_m] = drive.brake_n_m.map(|bound| Some(bound).filter(|bound| bound.is_finite()));
+    MotorReport { motor: name, torque_n_m: drive.torque_n_m, brake_min_n_m: min_n_m, brake_max_n_m: max_n_m }
 }
 
-fn contact(touching: &Touching) -> GripperContactReport {
-    let Touching { place, at: MetAt { point_m, normal, gap_m }, mu_static, forces_n } = *touching;
+fn contact(contact_id: &ObjectContact) -> GripperContactReport {
+    let ObjectContact { id, point: ContactPoint { point_m, normal, gap_m }, mu_static, forces_n } = *contact_id;
     GripperContactReport {
-        place: place.name(),
+        contact: id.name(),
         point_m,
         normal,
         gap_m,
@@ -202,13 +214,13 @@ fn contact(touching: &Touching) -> GripperContactReport {
     }
 }
 
-fn closed(
+fn closure_report(
     blocked: Blocked,
     closure: &Result<FormClosure<GripperRow>, StaticsError>,
-    palm: Option<&Touching>,
+    palm: Option<&ObjectContact>,
 ) -> GripperClosureReport {
-    // What presses may be some micrometres deep: it rests all the same.
-    let palm = if palm.is_some() { Palm::Rests } else { Palm::None };
+    // An active contact may penetrate by some micrometres; the object rests on the palm nevertheless.
+    let palm = if palm.is_some() { Palm::Resting } else { Palm::None };
     GripperClosureReport {
         blocked: if blocked == Blocked::Outputs { "outputs" } else { "input" },
         closure: closure.as_ref().ok().map(|found| ClosureReport::new(found, &palm)),
@@ -216,8 +228,8 @@ fn closed(
     }
 }
 
-fn held(holds: &Holds, every: usize, motors: &[&'static str]) -> HoldsReport {
-    let [blocked, at_torque] = &holds.polar;
+fn friction_case_report(friction_case: &FrictionCase, stride: usize, motors: &[&'static str]) -> FrictionCaseReport {
+    let [blocked, at_torque] = &friction_case.polar;
     let count = blocked.len() as f64;
     let direction = |(index, (blocked, at_torque)): (usize, (&Balance, &Balance))| DirectionReport {
         angle_rad: std::f64::consts::TAU * index as f64 / count,
@@ -225,17 +237,17 @@ fn held(holds: &Holds, every: usize, motors: &[&'static str]) -> HoldsReport {
         blocked: balance(blocked, motors),
         at_torque: balance(at_torque, motors),
     };
-    HoldsReport {
-        mu_static: holds.mu_static,
-        force_closure: holds.force_closure.into(),
-        accelerations: blocked.iter().zip(at_torque).enumerate().step_by(every.max(1)).map(direction).collect(),
+    FrictionCaseReport {
+        mu_static: friction_case.mu_static,
+        force_closure: friction_case.force_closure.into(),
+        accelerations: blocked.iter().zip(at_torque).enumerate().step_by(stride.max(1)).map(direction).collect(),
     }
 }
 
-fn spot(spot: Spot) -> String {
-    match spot {
-        Spot::Finger(side, site) => Place::Finger(Side::BOTH[side as usize], site).name(),
-        Spot::Palm => Place::Palm.name(),
+fn contact_name(location: ContactLocation) -> String {
+    match location {
+        ContactLocation::Finger(side, site) => GripperContact::Finger(Side::BOTH[side as usize], site).name(),
+        ContactLocation::Palm => GripperContact::Palm.name(),
     }
 }
 
@@ -251,19 +263,23 @@ fn balance(balance: &Balance, motors: &[&'static str]) -> BalanceReport {
         gap: None,
     };
     let Limit { acceleration_m_s2, contacts, brakes, motion, gap } = match &balance.largest {
-        Balanced::Nothing => return none("nothing"),
-        Balanced::Any => return none("any"),
-        Balanced::UpTo(limit) => limit,
+        AccelerationLimit::Infeasible => return none("nothing"),
+        AccelerationLimit::Unlimited => return none("any"),
+        AccelerationLimit::Limited(limit) => limit,
     };
-    let which = |yields: Yields| {
-        contacts.iter().filter(|held| held.yields == yields).map(|held| spot(held.spot)).collect::<Vec<_>>()
+    let locations_with = |contact_motion: ContactMotion| {
+        contacts
+            .iter()
+            .filter(|load| load.contact_motion == contact_motion)
+            .map(|load| contact_name(load.location))
+            .collect::<Vec<_>>()
     };
     let slipping = brakes.iter().zip(motors).filter(|(brake, _)| brake.slips);
     let HandMotion { object_m_s, spin_rad_s, fingers_rad_s: [right_rad_s, left_rad_s] } = *motion;
     BalanceReport {
         acceleration_m_s2: Some(*acceleration_m_s2),
-        slips: which(Yields::Slips),
-        leaves: which(Yields::Leaves),
+        slips: locations_with(ContactMotion::Slips),
+        leaves: locations_with(ContactMotion::Separates),
         brakes_slip: slipping.map(|(_, name)| *name).collect(),
         forces: contacts.iter().map(force).collect(),
         motion: Some(HandMotionReport { object_m_s, spin_rad_s, right_rad_s, left_rad_s }),
@@ -272,11 +288,11 @@ fn balance(balance: &Balance, motors: &[&'static str]) -> BalanceReport {
     }
 }
 
-fn force(held: &Held) -> ForceReport {
-    let Held { normal_n, tangential_n, .. } = *held;
-    let is_torque = matches!(held.spot, Spot::Finger(_, Site::Limit));
+fn force(load: &ContactLoad) -> ForceReport {
+    let ContactLoad { normal_n, tangential_n, .. } = *load;
+    let is_torque = matches!(load.location, ContactLocation::Finger(_, FingerContact::Limit));
     ForceReport {
-        place: spot(held.spot),
+        contact: contact_name(load.location),
         normal_n: (!is_torque).then_some(normal_n),
         tangential_n: (!is_torque).then_some(tangential_n),
         torque_n_m: is_torque.then_some(normal_n),

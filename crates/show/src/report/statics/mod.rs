@@ -1,11 +1,12 @@
-//! The statics of a grasp, of a finger or of a gripper: one document, printed for people or as JSON.
+//! The statics of the grasp of a finger or of a gripper: one document, printed as text or as JSON.
 //!
 //! | file | job |
 //! |---|---|
-//! | `document` | figures with units in their names |
+//! | `document` | figures of a finger, with units in their keys |
 //! | `closure` | form closure with its certificate, by the names of its constraints |
-//! | `words` | which motion is free, in words |
-//! | `text` | tables |
+//! | `motion` | figures of a free motion |
+//! | `motion_text` | description of a free motion |
+//! | `text` | its tables |
 //! | `gripper` | figures of a gripper |
 //! | `gripper_text` | its tables |
 
@@ -14,8 +15,8 @@ mod document;
 mod gripper;
 mod gripper_text;
 mod motion;
+mod motion_text;
 mod text;
-mod words;
 
 pub use document::StaticsReport;
 pub use gripper::GripperStaticsReport;

@@ -1,13 +1,14 @@
-//! A motion that breaks no constraint.
+//! A motion that violates no constraint, in the JSON document.
 
 use serde::Serialize;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MotionReport {
-    pub words: Vec<String>,
+    #[serde(rename = "words")]
+    pub sentences: Vec<String>,
     pub object_m_s: [f64; 2],
     pub fingers: Vec<FingerMotionReport>,
-    /// How fast each constraint opens.
+    /// Opening rate of each constraint.
     pub rates: Vec<RateReport>,
 }
 

@@ -1,0 +1,327 @@
+//! Event functions of the finger's contacts: where the branches of their laws change.
+
+use super::mode::{ContactState, ContactVariables, EventTolerances, SpringDamperForce, is_kinked};
+use super::model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, QUADRATURES, finger_coordinates, pad};
+use crate::fivebar::dynamics::{absolute_rates, solve_mass};
+use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
+use crate::gripper::FingerContact;
+use crate::integrator::{EventFunction, EventSet, Hybrid, QuasiStaticState, System, Tolerances};
+use crate::law::{NormalLaw, damping};
+use crate::numeric::array_from;
+use crate::numeric::elementary::{cbrt, pow, powi};
+use crate::numeric::plane::{cross, dot};
+use crate::scene::next_discontinuity;
+
+/// Touch-downs are located to a part of δ_max, lift-off and reload to a force that has no visible effect on the
+/// finger's motion.
+const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-5, force: 1e-6 };
+
+/// Returns the contact that an event function belongs to. Normal laws come first, then friction laws, then dampers.
+fn contact_of_event(event: usize) -> FingerContact {
+    FingerContact::ALL[event % FingerContact::ALL.len()]
+}
+
+impl<const N: usize, const W: usize> FingerMotion<N, W> {
+    /// State of a contact, from which its event functions are evaluated; `None` where the scene has no such contact.
+    #[inline(always)]
+    fn contact_variables(
+        &self,
+        pose: &Directions<f64>,
+        rates: &PassiveRates<f64>,
+        v: &[f64; N],
+        contact: FingerContact,
+    ) -> Option<ContactVariables<N>> {
+        let geometry = self.geometry(pose, rates, contact)?;
+        let (rate, slip) =
+            (-dot(geometry.normal_row, finger_coordinates(v)), dot(geometry.tangent_row, finger_coordinates(v)));
+        let mut variables = ContactVariables {
+            delta: -geometry.gap,
+            rate,
+            slip,
+            bristle_state: 0.0,
+            normal_row: pad(geometry.normal_row),
+            tangent_row: pad(geometry.tangent_row),
+        };
+        if let Some(bristle) = Self::bristle_index(contact) {
+            (variables.bristle_state, variables.tangent_row[bristle]) = (v[bristle], 1.0);
+        }
+        Some(variables)
+    }
+
+    /// Returns the values of all event functions in a state.
+    #[inline(always)]
+    fn event_functions(
+        &self,
+        pose: &Directions<f64>,
+        rates: &PassiveRates<f64>,
+        v: &[f64; N],
+        mode: &FingerMode,
+    ) -> [EventFunction<N>; EVENT_FUNCTIONS] {
+        const CONTACTS: usize = FingerContact::ALL.len();
+        let mut event_functions = [EventFunction::INACTIVE; EVENT_FUNCTIONS];
+        for contact in FingerContact::ALL {
+            let index = contact as usize;
+            if mode.is_unmonitored(index) {
+                continue;
+            }
+            let Some((variables, law)) =
+                self.contact_variables(pose, rates, v, contact).zip(self.finger.normal_law(contact))
+            else {
+                continue;
+            };
+            let force = SpringDamperForce::evaluate(law, &variables);
+            event_functions[index] = mode.normal_event(index, law, &EVENT_TOLERANCES, &variables, &force);
+            event_functions[index + 2 * CONTACTS] = mode.damper_event(index, law, &variables);
+            if let Some(friction) = self.finger.friction_law(contact) {
+                event_functions[index + CONTACTS] = mode.slip_event(index, friction, &variables, &force);
+            }
+        }
+        event_functions
+    }
+
+    /// One event function without its error weight.
+    #[inline(always)]
+    fn event_function(
+        &self,
+        kinematics: &(Directions<f64>, PassiveRates<f64>),
+        v: &[f64; N],
+        mode: &FingerMode,
+        event: usize,
+    ) -> EventFunction<N> {
+        let (contact, (pose, rates)) = (contact_of_event(event), kinematics);
+        let variables = self.contact_variables(pose, rates, v, contact).zip(self.finger.normal_law(contact));
+        variables.map_or(EventFunction::INACTIVE, |(variables, law)| {
+            mode.event_function(event, (law, self.finger.friction_law(contact)), &EVENT_TOLERANCES, &variables)
+        })
+    }
+}
+
+/// Largest contact rate that counts as chatter, m/s (limit: rad/s), at a relative tolerance of 1e-5; it decreases with
+/// the square root of the tolerance. Projecting a contact to equilibrium changes the rate with which it is released
+/// later, so finer runs, including those of a check, use a smaller limit.
+const MAX_CHATTER_RATE: f64 = 0.05;
+/// Smallest value to which [`MAX_CHATTER_RATE`] decreases. The reference must also treat rates of 3e-3 rad/s as chatter
+/// (scenes/hard/limit-trembles).
+const MIN_CHATTER_RATE_LIMIT: f64 = 5e-3;
+/// Largest depth that counts as chatter, m (limit: rad).
+const MAX_CHATTER_DEPTH: f64 = 1e-8;
+/// Largest damping of a chattering contact, as a fraction of the critical damping.
+const MAX_CHATTER_DAMPING_RATIO: f64 = 0.1;
+
+impl<const N: usize, const W: usize> FingerMotion<N, W> {
+    /// Returns the state with one contact at rest at its equilibrium depth, where the spring balances the load; `None`
+    /// if the contact does not chatter about that depth.
+    fn contact_at_equilibrium(
+        &self,
+        t: f64,
+        (q, v): (&[f64; N], &[f64; N]),
+        mode: &FingerMode,
+        contact: FingerContact,
+        max_rate: f64,
+    ) -> Option<QuasiStaticState<N>> {
+        let terms = self.finger.terms(finger_coordinates(q));
+        let (variables, law) =
+            self.contact_variables(&terms.pose, &terms.rates, v, contact).zip(self.finger.normal_law(contact))?;
+        let is_small = variables.delta.abs() <= MAX_CHATTER_DEPTH && variables.rate.abs() <= max_rate;
+        if !is_small || law.stiffness_n_per_m_e == 0.0 {
+            return None;
+        }
+        let mut mode_without_contact = *mode;
+        mode_without_contact[contact as usize] = ContactState::Free;
+        let free = self.rates(t, q, v, &mode_without_contact).a;
+        // The row changes along the free motion; its contribution to the gap's acceleration is a central difference.
+        let gap_rate_after = |h: f64| -> Option<f64> {
+            let q = [q[0] + h * v[0], q[1] + h * v[1]];
+            let (pose, rates) = self.finger.kinematics(q);
+            Some(dot(self.geometry(&pose, &rates, contact)?.normal_row, finger_coordinates(v)))
+        };
+        let row_change =
+            (gap_rate_after(DIFFERENCE_STEP_S)? - gap_rate_after(-DIFFERENCE_STEP_S)?) / (2.0 * DIFFERENCE_STEP_S);
+        let row = finger_coordinates(&variables.normal_row);
+        let response = solve_mass(&terms.mass, row);
+        let mobility = dot(row, response);
+        let load = -(dot(row, finger_coordinates(&free)) + row_change) / mobility;
+        if load <= 0.0 {
+            return None;
+        }
+        let depth = pow(load / law.stiffness_n_per_m_e, 1.0 / law.exponent);
+        let stiffness = law.exponent * load / depth;
+        let critical = 2.0 * (stiffness / mobility).sqrt();
+        if depth > MAX_CHATTER_DEPTH || damping(law, depth).0 > MAX_CHATTER_DAMPING_RATIO * critical {
+            return None;
+        }
+        // Moves the contact to the equilibrium depth and removes its rate.
+        let (gap, rate) = ((variables.delta - depth) / mobility, variables.rate / mobility);
+        let response: [f64; N] = pad(response);
+        Some(QuasiStaticState {
+            q: array_from(|i| q[i] + gap * response[i]),
+            v: array_from(|i| v[i] + rate * response[i]),
+            decay_rate: 0.5 * damping(law, depth).0 * mobility,
+        })
+    }
+}
+
+/// Step of the central difference of a row along the free motion, s.
+const DIFFERENCE_STEP_S: f64 = 1e-7;
+
+impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for FingerMotion<N, W> {
+    fn next_discontinuity(&self, t: f64) -> f64 {
+        next_discontinuity(&self.actuation, t)
+    }
+
+    #[inline(always)]
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> EventSet<N, EVENT_FUNCTIONS> {
+        let (pose, rates) = self.finger.kinematics(finger_coordinates(q));
+        let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
+        let [_, _, rate3, rate4] = absolute_rates(&rates, finger_coordinates(v));
+        let functions = self.event_functions(&pose, &rates, v, mode);
+        EventSet {
+            functions,
+            clearance: sine.abs() - SINGULAR_SINE,
+            clearance_rate: sine.signum() * cosine * (rate4 - rate3),
+        }
+    }
+
+    #[inline(always)]
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, event: usize) -> EventFunction<N> {
+        self.event_function(&self.finger.kinematics(finger_coordinates(q)), v, mode, event)
+    }
+
+    #[inline(always)]
+    fn event_values(
+        &self,
+        q: &[f64; N],
+        v: &[f64; N],
+        mode: &FingerMode,
+        requested: &[bool; EVENT_FUNCTIONS],
+    ) -> [f64; EVENT_FUNCTIONS] {
+        const CONTACTS: usize = FingerContact::ALL.len();
+        let (pose, rates) = self.finger.kinematics(finger_coordinates(q));
+        let mut values = [f64::NAN; EVENT_FUNCTIONS];
+        for contact in FingerContact::ALL {
+            let indices = [contact as usize, contact as usize + CONTACTS, contact as usize + 2 * CONTACTS];
+            if indices.iter().all(|event| !requested[*event]) {
+                continue;
+            }
+            let variables = self.contact_variables(&pose, &rates, v, contact).zip(self.finger.normal_law(contact));
+            let laws = |law| (law, self.finger.friction_law(contact));
+            for event in indices.into_iter().filter(|event| requested[*event]) {
+                let inactive = EventFunction::<N>::INACTIVE;
+                values[event] = variables
+                    .map_or(inactive, |(variables, law)| {
+                        mode.event_function(event, laws(law), &EVENT_TOLERANCES, &variables)
+                    })
+                    .value;
+            }
+        }
+        values
+    }
+
+    fn event_tolerance(&self, event: usize, mode: &FingerMode) -> f64 {
+        let contact = contact_of_event(event);
+        let friction = self.finger.friction_law(contact);
+        self.finger.normal_law(contact).map_or(0.0, |law| mode.event_tolerance(event, law, friction, &EVENT_TOLERANCES))
+    }
+
+    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> FingerMode {
+        let contact = contact_of_event(event);
+        let (pose, rates) = self.finger.kinematics(finger_coordinates(q));
+        let variables = self.contact_variables(&pose, &rates, v, contact).zip(self.finger.normal_law(contact));
+        variables.map_or(*mode, |(variables, law)| {
+            mode.after_event(event, law, self.finger.friction_law(contact), &variables)
+        })
+    }
+
+    fn is_reported(&self, event: usize) -> bool {
+        event < FingerContact::ALL.len()
+    }
+
+    fn mode_after_step(
+        &self,
+        functions: &[EventFunction<N>; EVENT_FUNCTIONS],
+        mode: &FingerMode,
+    ) -> Option<FingerMode> {
+        mode.with_separated_contacts(functions)
+    }
+
+    fn with_clamped_law(&self, event: usize, mode: &FingerMode) -> FingerMode {
+        mode.with_clamped_law(event)
+    }
+
+    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> FingerMode {
+        let (pose, rates) = self.finger.kinematics(finger_coordinates(q));
+        let contact_variables = |index: usize| {
+            let contact = FingerContact::ALL[index];
+            let (variables, law) =
+                self.contact_variables(&pose, &rates, v, contact).zip(self.finger.normal_law(contact))?;
+            Some((variables, law, self.finger.friction_law(contact)))
+        };
+        FingerMode::at_state(&EVENT_TOLERANCES, contact_variables, |mode| self.rates(t, q, v, mode).a)
+    }
+
+    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Option<f64> {
+        let contact = contact_of_event(event);
+        if mode[contact as usize] != ContactState::Active {
+            return None;
+        }
+        let terms = self.finger.terms(finger_coordinates(q));
+        let (geometry, law) = (self.geometry(&terms.pose, &terms.rates, contact)?, self.finger.normal_law(contact)?);
+        let row = geometry.normal_row;
+        let speed = dot(row, finger_coordinates(v)).abs();
+        let mobility = dot(row, solve_mass(&terms.mass, row));
+        Some(first_impact_step(law, speed, 1.0 / mobility))
+    }
+
+    fn project_quasi_static(
+        &self,
+        t: f64,
+        (q, v): (&[f64; N], &[f64; N]),
+        mode: &FingerMode,
+        tolerances: &Tolerances,
+    ) -> Option<QuasiStaticState<N>> {
+        let mut projected = QuasiStaticState { q: *q, v: *v, decay_rate: f64::INFINITY };
+        let max_rate = MAX_CHATTER_RATE * (tolerances.rtol_v / 1e-5).sqrt();
+        let max_rate = max_rate.clamp(MIN_CHATTER_RATE_LIMIT, MAX_CHATTER_RATE);
+        for contact in FingerContact::ALL {
+            if let Some(state) = self.contact_at_equilibrium(t, (&projected.q, &projected.v), mode, contact, max_rate) {
+                projected = QuasiStaticState { decay_rate: projected.decay_rate.min(state.decay_rate), ..state };
+            }
+        }
+        projected.decay_rate.is_finite().then_some(projected)
+    }
+
+    fn describe_obstacle(&self, q: &[f64; N]) -> String {
+        format!("singular configuration: {}", nearest_singularity(&self.finger.dynamics.lengths, finger_coordinates(q)))
+    }
+}
+
+/// First step of an impact, as a fraction of the time that the impact needs to stop.
+const RESTART_FRACTION: f64 = 0.05;
+/// The same fraction for an impact stopped by a spring with a kink: the first step misses (h/T)^(e+1) of its impulse.
+const KINKED_FRACTION: f64 = 0.01;
+
+/// First step of an impact at `speed` of an effective `mass`: a part of the time scale depth / speed, with the smaller
+/// of the depths at which damper or spring alone absorbs the momentum.
+///
+/// Damper alone: m v = c_max (δ³/δ_max² − …); spring alone: m v² / 2 = k δᵉ⁺¹/(e + 1).
+pub(super) fn first_impact_step(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
+    let [damper, spring] = stopping_depths(law, speed, mass);
+    let fraction = if is_kinked(law) && spring < damper { KINKED_FRACTION } else { RESTART_FRACTION };
+    fraction * (damper.min(spring) / speed.max(MIN_IMPACT_SPEED))
+}
+
+/// Lower bound of the impact speed, against division by zero, m/s.
+const MIN_IMPACT_SPEED: f64 = 1e-6;
+
+/// Depths at which damper and spring, each alone, would stop an impact.
+fn stopping_depths(law: &NormalLaw, speed: f64, mass: f64) -> [f64; 2] {
+    let speed = speed.max(MIN_IMPACT_SPEED);
+    let damper_depth = if law.damping_max_n_s_per_m > 0.0 {
+        cbrt(mass * speed * powi(law.transition_m, 2) / law.damping_max_n_s_per_m)
+    } else {
+        f64::INFINITY
+    };
+    let spring_depth =
+        pow(0.5 * (law.exponent + 1.0) * mass * speed * speed / law.stiffness_n_per_m_e, 1.0 / (law.exponent + 1.0));
+    [damper_depth, spring_depth]
+}

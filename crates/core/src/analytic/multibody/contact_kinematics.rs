@@ -1,0 +1,212 @@
+//! Kinematics and forces of one contact between a disc of any shape and a phalanx, a plane or another disc: the gap,
+//! and the rows that give gap rate and slip.
+//!
+//! The surface of a disc is at h n + h' n⊥ from its centre, with its support function h and the derivative h'
+//! ([`Support`]). In systems with fingers, the contact point is on the surface of the phalanx or plane, so the disc's
+//! lever arm is h − δ. Both bodies then receive opposite forces at the same point, and momentum and angular momentum
+//! are exchanged exactly. Between discs, and between discs and a plane in systems without fingers, each body has the
+//! contact point on its own surface, as in the thesis.
+
+use crate::analytic::contact::Geometry;
+use crate::analytic::mode::row_dot;
+use crate::law::{friction_with_state, normal_over_gap};
+use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
+use crate::numeric::{Dual, Real, array_from};
+use crate::shape::{PlacedShape, Support, normal_between, support};
+
+use super::components::Plane;
+use super::laws::ContactLaws;
+use super::normal_force_on_branch;
+
+/// Kinematics of one contact on K coordinates: of a finger and a disc in the finger's frame, of one or two discs, or of
+/// a finger (limit).
+#[derive(Clone, Copy, Debug)]
+pub struct ContactKinematics<T, const K: usize> {
+    pub gap: T,
+    pub normal_row: [T; K],
+    pub tangent_row: [T; K],
+    /// Normal from the second surface to the first: from the disc to the phalanx, or from the plane or the other disc
+    /// to the disc.
+    pub normal: Vector<T>,
+    pub point: Vector<T>,
+}
+
+/// Returns the contact kinematics of a phalanx against a moving disc, on (q11, q21, x, y, θ) in the finger's frame.
+#[inline(always)]
+pub fn phalanx<T: Real>(geometry: &Geometry<T>) -> ContactKinematics<T, 5> {
+    let Geometry { gap, normal_row, tangent_row, normal, point, support } = *geometry;
+    let tangent = perp(normal);
+    ContactKinematics {
+        gap,
+        normal_row: [normal_row[0], normal_row[1], -normal[0], -normal[1], support.slope],
+        tangent_row: [tangent_row[0], tangent_row[1], -tangent[0], -tangent[1], -(gap + support.distance)],
+        normal,
+        point,
+    }
+}
+
+/// Returns the contact kinematics of a disc on a plane, on (x, y, θ). `on_plane`: whether the contact point is on the
+/// plane's surface.
+#[inline(always)]
+pub fn plane<T: Real>(plane: &Plane, placed: &PlacedShape<T>, on_plane: bool) -> ContactKinematics<T, 3> {
+    let normal: Vector<T> = [T::constant(plane.normal[0]), T::constant(plane.normal[1])];
+    let tangent = perp(normal);
+    let Support { distance, slope } = support(placed, [-normal[0], -normal[1]]);
+    let gap = dot(normal, placed.centre_m) + (-distance + plane.offset);
+    let lever = if on_plane { gap + distance } else { distance };
+    ContactKinematics {
+        gap,
+        normal_row: [normal[0], normal[1], slope],
+        tangent_row: [tangent[0], tangent[1], -lever],
+        normal,
+        point: sub(add(placed.centre_m, scale(normal, -lever)), scale(tangent, slope)),
+    }
+}
+
+/// Returns the contact kinematics of a disc against another one, on (x, y) of both discs, then their angles.
+#[inline(always)]
+pub fn discs<T: Real>([disc, other]: [&PlacedShape<T>; 2]) -> ContactKinematics<T, 6> {
+    let (normal, distance) = normal_between([disc, other]);
+    let ([nx, ny], tangent) = (normal, perp(normal));
+    let (own_support, other_support) = (support(disc, [-nx, -ny]), support(other, normal));
+    let [tx, ty] = tangent;
+    ContactKinematics {
+        gap: distance - (own_support.distance + other_support.distance),
+        normal_row: [nx, ny, -nx, -ny, own_support.slope, other_support.slope],
+        // Each lever arm is measured to the disc's own surface point.
+        tangent_row: [tx, ty, -tx, -ty, -own_support.distance, -other_support.distance],
+        normal,
+        point: sub(add(disc.centre_m, scale(normal, -own_support.distance)), scale(tangent, own_support.slope)),
+    }
+}
+
+/// Returns the kinematics of the joint limit, on a finger's coordinates.
+#[inline(always)]
+pub fn limit<T: Real>(geometry: &Geometry<T>) -> ContactKinematics<T, 2> {
+    let Geometry { gap, normal_row, tangent_row, normal, point, .. } = *geometry;
+    ContactKinematics { gap, normal_row, tangent_row, normal, point }
+}
+
+/// Forces of an active contact.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactForces<T, const K: usize> {
+    pub normal: T,
+    /// Power of normal force and friction on both surfaces.
+    pub power: T,
+    /// Generalised loads on the K coordinates.
+    pub load: [T; K],
+    /// Contribution of the friction force T to the rate of the bristle state, k T/c².
+    pub bristle_rate: T,
+}
+
+/// A number with its derivatives with respect to the P positions that the contact geometry depends on, the K rates, and
+/// the bristle state.
+#[derive(Clone, Copy, Debug)]
+pub struct WithDerivatives<const P: usize, const K: usize> {
+    pub value: f64,
+    pub by_q: [f64; P],
+    pub by_v: [f64; K],
+    pub by_bristle: f64,
+}
+
+impl<const P: usize, const K: usize> Default for WithDerivatives<P, K> {
+    fn default() -> Self {
+        Self { value: 0.0, by_q: [0.0; P], by_v: [0.0; K], by_bristle: 0.0 }
+    }
+}
+
+/// Normal force, friction, and their contribution to the rate of the bristle state, as functions of gap, gap rate, slip
+/// and bristle state.
+#[inline(always)]
+fn normal_and_friction<T: Real>(
+    [gap, gap_rate, slip]: [T; 3],
+    bristle_state: Option<T>,
+    laws: ContactLaws<'_>,
+) -> [T; 3] {
+    let normal =
+        normal_over_gap(|depth, speed| normal_force_on_branch(laws.normal, laws.state, depth, speed), gap, gap_rate);
+    let Some(friction) = laws.friction else { return [normal, T::zero(), T::zero()] };
+    let tangential = friction_with_state(friction, slip, bristle_state, normal);
+    let bristle_rate = friction.bristle.map_or(T::zero(), |bristle| -tangential * bristle.stretch_gain());
+    [normal, tangential, bristle_rate]
+}
+
+/// Forces of a contact at the rates `v`; `bristle_state` is `None` if friction has no bristle.
+#[inline(always)]
+pub fn contact_forces<const K: usize>(
+    kinematics: &ContactKinematics<f64, K>,
+    v: &[f64; K],
+    bristle_state: Option<f64>,
+    laws: ContactLaws<'_>,
+) -> ContactForces<f64, K> {
+    let (gap_rate, slip) = (row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
+    let [normal, tangential, bristle_rate] = normal_and_friction([kinematics.gap, gap_rate, slip], bristle_state, laws);
+    ContactForces {
+        normal,
+        power: normal * gap_rate + tangential * slip,
+        load: array_from(|k| kinematics.normal_row[k] * normal + kinematics.tangent_row[k] * tangential),
+        bristle_rate,
+    }
+}
+
+/// Like [`contact_forces`], with derivatives: the laws are differentiated with respect to their variables and combined
+/// with the rows by the chain rule.
+#[inline(always)]
+pub fn contact_forces_with_derivatives<const P: usize, const K: usize>(
+    kinematics: &ContactKinematics<Dual<P>, K>,
+    v: &[f64; K],
+    bristle_state: Option<f64>,
+    laws: ContactLaws<'_>,
+) -> ContactForces<WithDerivatives<P, K>, K> {
+    match bristle_state {
+        None => differentiate_forces::<P, K, 3>(kinematics, v, None, laws),
+        Some(bristle_state) => differentiate_forces::<P, K, 4>(kinematics, v, Some(bristle_state), laws),
+    }
+}
+
+/// Differentiates with respect to the D variables of the laws: gap, gap rate, slip, and the bristle state if D is 4.
+#[inline(always)]
+fn differentiate_forces<const P: usize, const K: usize, const D: usize>(
+    kinematics: &ContactKinematics<Dual<P>, K>,
+    v: &[f64; K],
+    bristle_state: Option<f64>,
+    laws: ContactLaws<'_>,
+) -> ContactForces<WithDerivatives<P, K>, K> {
+    let values = |row: &[Dual<P>; K]| array_from(|k| row[k].value);
+    let (normal_row, tangent_row): ([f64; K], [f64; K]) =
+        (values(&kinematics.normal_row), values(&kinematics.tangent_row));
+    let rate = |row: &[Dual<P>; K]| (1..K).fold(row[0] * v[0], |sum, k| sum + row[k] * v[k]);
+    let arguments = [kinematics.gap, rate(&kinematics.normal_row), rate(&kinematics.tangent_row)];
+    let [gap, gap_rate, slip] = array_from(|i| Dual::<D>::variable(arguments[i].value, i));
+    let [normal, tangential, bristle_rate] = normal_and_friction(
+        [gap, gap_rate, slip],
+        bristle_state.map(|bristle_state| Dual::variable(bristle_state, D - 1)),
+        laws,
+    );
+    let with_derivatives = |force: Dual<D>| WithDerivatives {
+        value: force.value,
+        by_q: array_from(|j| (0..3).map(|i| force.grad[i] * arguments[i].grad[j]).sum()),
+        by_v: array_from(|k| force.grad[1] * normal_row[k] + force.grad[2] * tangent_row[k]),
+        by_bristle: if D > 3 { force.grad[D - 1] } else { 0.0 },
+    };
+    let (normal_force, friction) = (with_derivatives(normal), with_derivatives(tangential));
+    let load = |k: usize| {
+        let (n, t) = (kinematics.normal_row[k], kinematics.tangent_row[k]);
+        WithDerivatives {
+            value: n.value * normal.value + t.value * tangential.value,
+            by_q: array_from(|j| {
+                n.value * normal_force.by_q[j]
+                    + t.value * friction.by_q[j]
+                    + (n.grad[j] * normal.value + t.grad[j] * tangential.value)
+            }),
+            by_v: array_from(|j| n.value * normal_force.by_v[j] + t.value * friction.by_v[j]),
+            by_bristle: t.value * friction.by_bristle,
+        }
+    };
+    ContactForces {
+        normal: normal_force,
+        power: with_derivatives(normal * gap_rate + tangential * slip),
+        load: array_from(load),
+        bristle_rate: with_derivatives(bristle_rate),
+    }
+}

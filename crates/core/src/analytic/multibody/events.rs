@@ -1,0 +1,257 @@
+//! Event functions of the contacts: where the branches of their laws change.
+
+use std::cell::OnceCell;
+
+use super::components::{ContactModel, ContactPair};
+use super::contact_kinematics::ContactKinematics;
+use super::contacts::FingerKinematics;
+use super::model::Multibody;
+use super::{FINGERS, event_function_count, first_impact_step, mode};
+use crate::analytic::ContactState;
+use crate::analytic::mode::{ContactVariables, SpringDamperForce, row_dot};
+use crate::fivebar::dynamics::absolute_rates;
+use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
+use crate::integrator::{EventFunction, EventSet, Hybrid, System};
+use crate::law::{FrictionLaw, NormalLaw};
+use crate::numeric::map_array;
+use crate::numeric::plane::{cross, dot};
+
+/// Largest change of depth and slip of a contact between driven or fixed surfaces in one step, as a fraction of the
+/// length and speed scales of its law. Such a contact acts on no coordinate, so no error estimate limits the step.
+const DRIVEN_FRACTION: f64 = 0.05;
+
+/// State of a contact that its event functions are evaluated from, with its laws.
+type ContactWithLaws<'a, const N: usize> = (ContactVariables<N>, &'a NormalLaw, Option<&'a FrictionLaw>);
+
+impl<const N: usize, const C: usize> Multibody<N, C> {
+    /// State of a contact, with its laws; `None` where the scene has no such contact.
+    #[inline(always)]
+    fn contact_variables(
+        &self,
+        state: (&[f64; N], &[f64; N]),
+        finger_kinematics: impl Fn(usize) -> FingerKinematics,
+        index: usize,
+    ) -> Option<ContactWithLaws<'_, N>> {
+        match Self::GRASP {
+            true => self.contact_variables_from(state.1, index, |contact| {
+                self.contact_kinematics(state.0, finger_kinematics, contact)
+            }),
+            false => self.contact_variables_noinline(state, &finger_kinematics, index),
+        }
+    }
+
+    /// Like [`Multibody::contact_variables`], but compiled only once.
+    #[inline(never)]
+    fn contact_variables_noinline(
+        &self,
+        state: (&[f64; N], &[f64; N]),
+        finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
+        index: usize,
+    ) -> Option<ContactWithLaws<'_, N>> {
+        self.contact_variables_from(state.1, index, |contact| {
+            self.contact_kinematics_noinline(state.0, finger_kinematics, contact)
+        })
+    }
+
+    #[inline(always)]
+    fn contact_variables_from(
+        &self,
+        v: &[f64; N],
+        index: usize,
+        kinematics: impl FnOnce(&ContactModel) -> ContactKinematics<f64, N>,
+    ) -> Option<ContactWithLaws<'_, N>> {
+        let contact = self.contacts.get(index)?.as_ref()?;
+        let kinematics = kinematics(contact);
+        let (rate, slip) = (-row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
+        let (mut row, mut tangent) = (kinematics.normal_row, kinematics.tangent_row);
+        // Time is no degree of freedom.
+        self.time_index.into_iter().for_each(|time| (row[time], tangent[time]) = (0.0, 0.0));
+        contact.bristle_index.into_iter().for_each(|bristle| tangent[bristle] = 1.0);
+        let bristle_state = self.bristle_state(contact, v).unwrap_or(0.0);
+        let variables = ContactVariables {
+            delta: -kinematics.gap,
+            rate,
+            slip,
+            bristle_state,
+            normal_row: row,
+            tangent_row: tangent,
+        };
+        Some((variables, &contact.normal, contact.friction.as_ref()))
+    }
+
+    /// One event function without its error weight. The kinematics of the other finger are not evaluated.
+    #[inline(always)]
+    fn event_function(
+        &self,
+        state: (&[f64; N], &[f64; N]),
+        finger_kinematics: impl Fn(usize) -> FingerKinematics,
+        mode: &mode::Mode<C>,
+        event: usize,
+    ) -> EventFunction<N> {
+        let contact = self.contact_variables(state, finger_kinematics, event % C);
+        contact.map_or(EventFunction::INACTIVE, |(variables, law, friction)| {
+            mode.event_function(event, (law, friction), &self.event_tolerances, &variables)
+        })
+    }
+
+    /// Mobility of a contact, row · M⁻¹ rowᵀ: the relative acceleration of its surfaces per unit of force.
+    fn mobility(&self, q: &[f64; N], row: &[f64; N]) -> f64 {
+        row_dot(row, &self.inverse(q).solve(row))
+    }
+
+    /// Whether the contact force accelerates neither surface.
+    fn is_driven(&self, contact: &ContactModel) -> bool {
+        let is_immovable = |disc: usize| self.discs[disc].inverse_mass == 0.0;
+        match contact.pair {
+            ContactPair::Phalanx { .. } | ContactPair::Stop { .. } => false,
+            ContactPair::Discs { disc, other } => is_immovable(disc) && is_immovable(other),
+            ContactPair::Plane { disc, .. } | ContactPair::MovingPlane { disc, .. } => is_immovable(disc),
+        }
+    }
+
+    /// Distance of the fingers' linkages from their nearest singular configuration, and its rate.
+    #[inline(always)]
+    fn clearance(&self, all_finger_kinematics: &[FingerKinematics; FINGERS], v: &[f64; N]) -> (f64, f64) {
+        let mut smallest = (f64::INFINITY, 0.0);
+        for (finger, (pose, rates)) in all_finger_kinematics.iter().enumerate().take(self.finger_count()) {
+            let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
+            let [_, _, rate3, rate4] = absolute_rates(rates, Self::finger_coordinates(finger, v));
+            let clearance = (sine.abs() - SINGULAR_SINE, sine.signum() * cosine * (rate4 - rate3));
+            // NaN counts as the smallest clearance.
+            if smallest.0 > clearance.0 || clearance.0.is_nan() {
+                smallest = clearance;
+            }
+        }
+        smallest
+    }
+}
+
+impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z, G> for Multibody<N, C> {
+    fn next_discontinuity(&self, t: f64) -> f64 {
+        self.next_time_discontinuity(t)
+    }
+
+    fn max_step(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> f64 {
+        let mut max_dt = f64::INFINITY;
+        if self.discs.iter().all(|disc| disc.prescribed_acceleration.is_none()) {
+            return max_dt;
+        }
+        for index in &self.disc_contacts {
+            let is_not_driven =
+                |contact: &Option<ContactModel>| !contact.is_some_and(|contact| self.is_driven(&contact));
+            if mode[*index] != ContactState::Active || is_not_driven(&self.contacts[*index]) {
+                continue;
+            }
+            let finger_kinematics = |finger| self.finger_kinematics(finger, q);
+            let Some((variables, law, friction)) = self.contact_variables_noinline((q, v), &finger_kinematics, *index)
+            else {
+                continue;
+            };
+            max_dt = max_dt.min(DRIVEN_FRACTION * variables.delta.max(law.transition_m) / variables.rate.abs());
+            if let Some(friction) = friction {
+                let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
+                max_dt =
+                    max_dt.min(DRIVEN_FRACTION * friction.v_static_m_s / row_dot(&variables.tangent_row, &a).abs());
+            }
+        }
+        max_dt
+    }
+
+    #[inline(always)]
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> EventSet<N, G> {
+        const { assert!(G == event_function_count(C)) };
+        let all_finger_kinematics = self.all_finger_kinematics(q);
+        let mut functions = [EventFunction::INACTIVE; G];
+        for index in 0..self.contacts.len() {
+            if mode.is_unmonitored(index) {
+                continue;
+            }
+            let contact = self.contact_variables((q, v), |finger| all_finger_kinematics[finger], index);
+            let Some((variables, law, friction)) = contact else { continue };
+            let force = SpringDamperForce::evaluate(law, &variables);
+            functions[index] = mode.normal_event(index, law, &self.event_tolerances, &variables, &force);
+            functions[index + 2 * C] = mode.damper_event(index, law, &variables);
+            if let Some(friction) = friction {
+                functions[index + C] = mode.slip_event(index, friction, &variables, &force);
+            }
+        }
+        let (clearance, clearance_rate) = self.clearance(&all_finger_kinematics, v);
+        EventSet { functions, clearance, clearance_rate }
+    }
+
+    #[inline(always)]
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>, event: usize) -> EventFunction<N> {
+        self.event_function((q, v), |finger| self.finger_kinematics(finger, q), mode, event)
+    }
+
+    #[inline(always)]
+    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>, requested: &[bool; G]) -> [f64; G] {
+        let all_finger_kinematics = [const { OnceCell::new() }; FINGERS];
+        let finger_kinematics =
+            |finger: usize| *all_finger_kinematics[finger].get_or_init(|| self.finger_kinematics(finger, q));
+        let mut values = [f64::NAN; G];
+        for event in (0..G).filter(|event| requested[*event]) {
+            values[event] = self.event_function((q, v), finger_kinematics, mode, event).value;
+        }
+        values
+    }
+
+    fn event_tolerance(&self, event: usize, mode: &mode::Mode<C>) -> f64 {
+        let contact = self.contacts.get(event % C).and_then(|contact| contact.as_ref());
+        contact.map_or(0.0, |contact| {
+            mode.event_tolerance(event, &contact.normal, contact.friction.as_ref(), &self.event_tolerances)
+        })
+    }
+
+    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> mode::Mode<C> {
+        let contact = self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), event % C);
+        contact.map_or(*mode, |(variables, law, friction)| mode.after_event(event, law, friction, &variables))
+    }
+
+    fn is_reported(&self, event: usize) -> bool {
+        event < C
+    }
+
+    fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &mode::Mode<C>) -> Option<mode::Mode<C>> {
+        mode.with_separated_contacts(functions)
+    }
+
+    fn with_clamped_law(&self, event: usize, mode: &mode::Mode<C>) -> mode::Mode<C> {
+        mode.with_clamped_law(event)
+    }
+
+    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> mode::Mode<C> {
+        let variables =
+            |index: usize| self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index);
+        mode::Mode::at_state(&self.event_tolerances, variables, |mode| {
+            <Self as System<N, Z>>::rates(self, t, q, v, mode).a
+        })
+    }
+
+    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Option<f64> {
+        let index = event % C;
+        if mode[index] != ContactState::Active {
+            return None;
+        }
+        let (variables, law, _) =
+            self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index)?;
+        let mobility = self.mobility(q, &variables.normal_row);
+        // The mobility is 0 for a fixed disc on a plane.
+        (mobility > 0.0).then(|| first_impact_step(law, variables.rate.abs(), 1.0 / mobility))
+    }
+
+    fn describe_obstacle(&self, q: &[f64; N]) -> String {
+        let [right, left] = map_array(self.all_finger_kinematics(q), |(pose, _)| cross(pose.e3, pose.e4).abs());
+        let finger = match self.fingers.len() {
+            0 => return "two discs have the same centre".to_string(),
+            FINGERS if right > left || left.is_nan() => 1,
+            _ => 0,
+        };
+        let component = &self.fingers[finger];
+        let singularity = nearest_singularity(&component.model.dynamics.lengths, Self::finger_coordinates(finger, q));
+        match self.fingers.len() {
+            1 => format!("singular configuration: {singularity}"),
+            _ => format!("singular configuration of the {} finger: {singularity}", component.side.name()),
+        }
+    }
+}

@@ -1,0 +1,396 @@
+//! Contact candidates: gaps, normals, and the rows that give their rates from body velocities.
+
+use std::f64::consts::TAU;
+
+use parry2d_f64::query;
+use rapier2d_f64::prelude::*;
+
+use super::closest_points::{ClosestPoints, closest_points_of_shapes};
+use super::linkage::{BodyPose, Linkage, Twist};
+use super::plan::{ContactPartner, ContactPointConvention, Plan, PlannedBrake, PlannedContact, PlannedMotor};
+use super::world::World;
+use crate::law::{Bristle, BristleStep, FrictionLaw, NormalLaw, friction_coefficient, implicit_bristle_step};
+use crate::numeric::elementary::hypot;
+use crate::numeric::plane::{cross, perp, rotate, sub};
+use crate::scene::Response;
+
+/// A generalised direction: the impulse on each body per unit impulse along the row.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Body and its components of the row.
+    pub on: (usize, Twist),
+    /// Body that takes the reaction, with its components.
+    pub against: Option<(usize, Twist)>,
+}
+
+impl Row {
+    /// Returns the rate along the row.
+    pub fn rate(&self, velocities: &[Twist]) -> f64 {
+        let along = |(body, row): &(usize, Twist)| {
+            let v = &velocities[*body];
+            row[0] * v[0] + row[1] * v[1] + row[2] * v[2]
+        };
+        along(&self.on) + self.against.as_ref().map_or(0.0, along)
+    }
+
+    /// Returns the contribution of one body to the rate.
+    pub fn rate_of(&self, body: usize, velocity: &Twist) -> f64 {
+        let body_row = std::iter::once(&self.on).chain(&self.against).filter(|(on, _)| *on == body);
+        body_row.map(|(_, row)| row[0] * velocity[0] + row[1] * velocity[1] + row[2] * velocity[2]).sum()
+    }
+
+    /// Adds a multiple of the row to a generalised impulse.
+    pub fn add_to(&self, impulse: &mut [Twist], size: f64) {
+        for (body, row) in std::iter::once(&self.on).chain(&self.against) {
+            for axis in 0..3 {
+                impulse[*body][axis] += size * row[axis];
+            }
+        }
+    }
+}
+
+/// A possible contact, stop, brake or motor at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactCandidate {
+    /// Element index in the plan.
+    pub index: usize,
+    pub law: NormalLaw,
+    pub friction: Option<FrictionLaw>,
+    /// Distance, negative in penetration.
+    pub gap: f64,
+    /// Rounding error of the gap, from the rounding of the positions.
+    pub rounding: f64,
+    pub normal: [f64; 2],
+    /// Rotation rate of the normal, rad/s, from its rotation in the last step.
+    pub normal_rotation_rate: f64,
+    pub point: [f64; 2],
+    pub normal_row: Row,
+    /// Slip of the body's surface relative to the other one; zero for a stop.
+    pub slip_row: Row,
+    /// Torque characteristic of a motor with a no-load speed.
+    pub motor: Option<MotorSlope>,
+    /// Prescribed rate and acceleration of the gap of a brake or motor, which model its changing force over a step.
+    pub prescribed_gap_motion: [f64; 2],
+    /// Whether the contact laws of the scene apply: not if rapier handles contact, nor if the pair is out of reach.
+    pub uses_contact_law: bool,
+    /// Whether friction acts only against negative slip.
+    pub one_way: bool,
+    /// The component of the plan that defines the gap.
+    pub source: Source,
+}
+
+/// Component of the plan behind a candidate, by its index among components of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    Stop(usize),
+    Contact(usize),
+    /// A brake: friction under a prescribed normal force.
+    Brake(usize),
+    /// A motor with a no-load speed: a torque along its slip row.
+    Motor(usize),
+}
+
+/// Torque of a motor that falls with its rate: `sign` of the stall torque, and decrease per unit rate, both relative to
+/// the stall torque.
+#[derive(Clone, Copy, Debug)]
+pub struct MotorSlope {
+    pub sign: f64,
+    pub slope: f64,
+}
+
+/// Gaps below this fraction of the transition are rounding errors of surfaces that a step has brought into contact.
+pub const GAP_ROUNDING: f64 = 1e-9;
+/// Rates below this value are rounding errors, m/s (stop: rad/s); the analytic model uses the same value at the start
+/// of a run.
+pub const ZERO_RATE: f64 = 1e-12;
+
+impl ContactCandidate {
+    /// Returns the friction coefficient at a slip rate, and its slope; 0 without friction.
+    #[inline(always)]
+    pub fn coefficient(&self, slip: f64) -> (f64, f64) {
+        match &self.friction {
+            Some(law) if !self.one_way || slip < 0.0 => friction_coefficient(law, slip),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// Friction at the end of an implicit step: opposing force along the slip row at the rate `slip`, with its
+    /// derivatives with respect to rate and normal force, as in [`BristleStep`]. A law without internal state leaves the bristle state unchanged.
+    #[inline(always)]
+    pub fn friction_at_step_end(&self, [slip, bristle_state, normal]: [f64; 3], h: f64) -> BristleStep {
+        if let Some(MotorSlope { sign, slope }) = self.motor {
+            let relative_torque = slope * slip - sign;
+            return BristleStep {
+                force: normal * relative_torque,
+                d_slip: normal * slope,
+                d_normal: relative_torque,
+                state: bristle_state,
+            };
+        }
+        if let Some((law, bristle)) = self.friction.as_ref().and_then(|law| Some((law, law.bristle.as_ref()?))) {
+            return implicit_bristle_step(law, bristle, [slip, bristle_state, normal], h, self.one_way);
+        }
+        let (mu, slope) = self.coefficient(slip);
+        BristleStep { force: mu * normal, d_slip: slope * normal, d_normal: mu, state: bristle_state }
+    }
+
+    /// Returns the bristle of the friction law.
+    pub fn bristle(&self) -> Option<&Bristle> {
+        self.friction.as_ref().and_then(|law| law.bristle.as_ref())
+    }
+
+    /// Whether there is a force along the slip row.
+    pub fn has_tangent(&self) -> bool {
+        self.friction.is_some() || self.motor.is_some()
+    }
+
+    /// Whether the candidate has a gap, as surfaces and stops do.
+    pub fn has_gap(&self) -> bool {
+        !matches!(self.source, Source::Brake(_) | Source::Motor(_))
+    }
+
+    /// Whether the gap exceeds rounding.
+    pub fn is_separated(&self) -> bool {
+        self.gap > GAP_ROUNDING * self.law.transition_m
+    }
+
+    /// Whether the candidate is a pair of surfaces, whose normal rotates with the bodies; the gap of a stop is an
+    /// angle.
+    pub fn is_between_surfaces(&self) -> bool {
+        matches!(self.source, Source::Contact(_))
+    }
+}
+
+/// Collects all stops, contacts, brakes and motors with a no-load speed.
+pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut Vec<ContactCandidate>) {
+    candidates.clear();
+    for (index, stop) in plan.stops.iter().enumerate() {
+        candidates.push(ContactCandidate {
+            index,
+            law: stop.law,
+            friction: None,
+            gap: stop_gap(plan, index, &linkage.poses),
+            rounding: f64::EPSILON * TAU,
+            normal: [0.0; 2],
+            normal_rotation_rate: 0.0,
+            point: [0.0; 2],
+            normal_row: Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) },
+            slip_row: Row { on: (stop.on, [0.0; 3]), against: None },
+            motor: None,
+            prescribed_gap_motion: [0.0; 2],
+            uses_contact_law: true,
+            one_way: false,
+            source: Source::Stop(index),
+        });
+    }
+    for (index, contact) in plan.contacts.iter().enumerate() {
+        let [collider, other] = world.contacts[index];
+        let in_reach = || world.physics.narrow_phase.contact_pair(collider, other).is_some();
+        let Some(points) = closest_points(world, plan, index, &linkage.poses) else { continue };
+        let ClosestPoints { gap, normal, .. } = points;
+        let point = if contact.point_convention == ContactPointConvention::PartnerSurface {
+            points.other_point
+        } else {
+            points.point
+        };
+        let row = |direction: [f64; 2]| contact_row(plan, index, &linkage.poses, &points, direction);
+        candidates.push(ContactCandidate {
+            index: plan.stops.len() + index,
+            law: contact.law.normal,
+            friction: contact.law.friction,
+            gap,
+            rounding: gap_rounding(plan, contact, &linkage.poses),
+            normal,
+            normal_rotation_rate: 0.0,
+            point,
+            normal_row: row(normal),
+            slip_row: row(perp(normal)),
+            motor: None,
+            prescribed_gap_motion: [0.0; 2],
+            uses_contact_law: world.response == Response::Laws && in_reach(),
+            one_way: false,
+            source: Source::Contact(index),
+        });
+    }
+    candidates.extend((0..plan.brakes.len()).map(|index| brake_candidate(plan, index)));
+    let motor_candidate_of = |(index, motor): (usize, &PlannedMotor)| {
+        motor.no_load_speed_rad_s.map(|speed| motor_candidate(plan, index, speed))
+    };
+    candidates.extend(plan.motors.iter().enumerate().filter_map(motor_candidate_of));
+}
+
+/// Models a brake as a contact: friction with coefficient 1 under a force set by [`set_shaft_torques`].
+fn brake_candidate(plan: &Plan, index: usize) -> ContactCandidate {
+    let PlannedBrake { on, against, brake } = plan.brakes[index];
+    let width = brake.v_static_rad_s;
+    ContactCandidate {
+        friction: Some(FrictionLaw {
+            mu_static: 1.0,
+            mu_dynamic: 1.0,
+            v_static_m_s: width,
+            v_dynamic_m_s: 2.0 * width,
+            bristle: brake.bristle,
+        }),
+        one_way: brake.one_way,
+        ..shaft_candidate(plan.first_brake() + index, Source::Brake(index), on, against)
+    }
+}
+
+/// Models as a contact a motor with a no-load speed; [`set_shaft_torques`] sets its torque.
+fn motor_candidate(plan: &Plan, index: usize, no_load_speed_rad_s: f64) -> ContactCandidate {
+    let on = &plan.motors[index].on;
+    ContactCandidate {
+        motor: Some(MotorSlope { sign: 1.0, slope: no_load_speed_rad_s.recip() }),
+        ..shaft_candidate(plan.first_motor() + index, Source::Motor(index), on[0], on.get(1).copied())
+    }
+}
+
+/// Returns a candidate along a shaft whose angle is the sum of the angles of up to two bodies times their ratios. No
+/// body changes its penetration, which together with the stiffness of its law defines the normal force.
+fn shaft_candidate(index: usize, source: Source, on: (usize, f64), against: Option<(usize, f64)>) -> ContactCandidate {
+    let rotation = |(body, ratio): (usize, f64)| (body, [0.0, 0.0, ratio]);
+    ContactCandidate {
+        index,
+        law: NormalLaw::constant_force(0.0),
+        friction: None,
+        gap: -1.0,
+        rounding: f64::EPSILON,
+        normal: [0.0; 2],
+        normal_rotation_rate: 0.0,
+        point: [0.0; 2],
+        normal_row: Row { on: (on.0, [0.0; 3]), against: None },
+        slip_row: Row { on: rotation(on), against: against.map(rotation) },
+        motor: None,
+        prescribed_gap_motion: [0.0; 2],
+        uses_contact_law: false,
+        one_way: false,
+        source,
+    }
+}
+
+/// Sets the forces of brakes and motors for the step of `dt` from time `t`: a parabola through the values at start,
+/// middle and end.
+pub fn set_shaft_torques(plan: &Plan, t: f64, dt: f64, candidates: &mut [ContactCandidate]) {
+    // Discontinuities at both ends belong to adjacent steps.
+    let times = [1e-9, 0.5, 1.0 - 1e-9].map(|fraction| t + fraction * dt);
+    for candidate in candidates {
+        let torques = match candidate.source {
+            Source::Brake(index) => {
+                times.map(|t| plan.brakes[index].brake.torque_n_m * plan.brakes[index].brake.engagement(t).0)
+            }
+            Source::Motor(index) => {
+                let torques = times.map(|t| plan.motors[index].characteristic(t).0);
+                candidate.motor = candidate.motor.map(|motor| MotorSlope { sign: torques[1].signum(), ..motor });
+                torques.map(f64::abs)
+            }
+            Source::Stop(_) | Source::Contact(_) => continue,
+        };
+        let max_torque = torques.into_iter().fold(0.0, f64::max);
+        candidate.law = NormalLaw::constant_force(max_torque);
+        candidate.uses_contact_law = max_torque > 0.0;
+        if candidate.uses_contact_law {
+            let [start, middle, end] = torques.map(|torque| torque / max_torque);
+            let rate = (4.0 * middle - 3.0 * start - end) / dt;
+            (candidate.gap, candidate.prescribed_gap_motion) =
+                (-start, [-rate, -4.0 * (start - 2.0 * middle + end) / (dt * dt)]);
+        }
+    }
+}
+
+/// Sets the gap to zero where surfaces at rest overlap only by a rounding error, which must not cause a contact force.
+pub fn zero_rounding_gaps(candidates: &mut [ContactCandidate], velocities: &[Twist]) {
+    for candidate in candidates.iter_mut().filter(|candidate| candidate.is_between_surfaces()) {
+        let is_rounding = candidate.gap < 0.0 && candidate.gap >= -candidate.rounding;
+        if is_rounding && candidate.normal_row.rate(velocities).abs() <= ZERO_RATE {
+            candidate.gap = 0.0;
+        }
+    }
+}
+
+/// Sets the rotation rates of the normals, from the normals `before`, a time `dt` earlier.
+pub fn set_normal_rotation_rates(candidates: &mut [ContactCandidate], before: &[[f64; 2]], dt: f64) {
+    for (candidate, before) in candidates.iter_mut().zip(before) {
+        let [x, y] = sub(candidate.normal, *before);
+        candidate.normal_rotation_rate = hypot(x, y) / dt;
+    }
+}
+
+/// Returns the gap and the slip row of a candidate at other body poses.
+pub fn gap_and_slip_row_at(candidate: &ContactCandidate, world: &World, plan: &Plan, poses: &[BodyPose]) -> (f64, Row) {
+    match candidate.source {
+        Source::Stop(index) => (stop_gap(plan, index, poses), candidate.slip_row),
+        Source::Brake(_) | Source::Motor(_) => (candidate.gap, candidate.slip_row),
+        Source::Contact(index) => {
+            let points = closest_points(world, plan, index, poses);
+            points.map_or((candidate.gap, candidate.slip_row), |points| {
+                (points.gap, contact_row(plan, index, poses, &points, perp(points.normal)))
+            })
+        }
+    }
+}
+
+/// Returns the row of a contact along a direction. The point on each surface follows the contact's point convention.
+fn contact_row(plan: &Plan, index: usize, poses: &[BodyPose], points: &ClosestPoints, direction: [f64; 2]) -> Row {
+    let side = |body: usize, point: [f64; 2], direction: [f64; 2]| {
+        let arm = sub(point, poses[body].com);
+        (body, [direction[0], direction[1], cross(arm, direction)])
+    };
+    let contact = &plan.contacts[index];
+    let (body_point, partner_point) = match contact.point_convention {
+        ContactPointConvention::EachSurface => (points.point, points.other_point),
+        ContactPointConvention::BodySurface => (points.point, points.point),
+        ContactPointConvention::PartnerSurface => (points.other_point, points.other_point),
+    };
+    Row {
+        on: side(contact.body, body_point, direction),
+        against: match contact.against {
+            ContactPartner::Body(body) => Some(side(body, partner_point, [-direction[0], -direction[1]])),
+            ContactPartner::Fixed(_) => None,
+        },
+    }
+}
+
+fn stop_gap(plan: &Plan, index: usize, poses: &[BodyPose]) -> f64 {
+    let stop = &plan.stops[index];
+    poses[stop.on].angle - poses[stop.against].angle - stop.min_angle_rad
+}
+
+/// Returns the rounding error of a gap between two surfaces.
+fn gap_rounding(plan: &Plan, contact: &PlannedContact, poses: &[BodyPose]) -> f64 {
+    let size = |[x, y]: [f64; 2]| x.abs().max(y.abs());
+    let other = match contact.against {
+        ContactPartner::Body(body) => poses[body].com,
+        ContactPartner::Fixed(index) => plan.fixed_surfaces[index].origin_m,
+    };
+    f64::EPSILON * (size(poses[contact.body].com) + size(other))
+}
+
+/// Returns the closest points of a contact at given poses, from parry if it handles the shapes exactly.
+fn closest_points(world: &World, plan: &Plan, index: usize, poses: &[BodyPose]) -> Option<ClosestPoints> {
+    let contact = &plan.contacts[index];
+    if let Some(points) = closest_points_of_shapes(plan, contact, poses) {
+        return Some(points);
+    }
+    let [collider, other] = world.contacts[index].map(|handle| &world.physics.colliders[handle]);
+    let pose = frame_pose(plan, contact.body, poses);
+    let other_pose = match contact.against {
+        ContactPartner::Body(body) => frame_pose(plan, body, poses),
+        ContactPartner::Fixed(_) => *other.position(),
+    };
+    let result = query::contact(&other_pose, other.shape(), &pose, collider.shape(), Real::MAX).ok()??;
+    let (point, other_point, normal) = (result.point2, result.point1, result.normal1);
+    Some(ClosestPoints {
+        gap: result.dist,
+        point: [point.x, point.y],
+        other_point: [other_point.x, other_point.y],
+        normal: [normal.x, normal.y],
+    })
+}
+
+/// Returns the rapier pose of a body frame from the pose of its centre of mass.
+fn frame_pose(plan: &Plan, body: usize, poses: &[BodyPose]) -> Pose {
+    let pose = &poses[body];
+    let origin = sub(pose.com, rotate(plan.bodies[body].body.com_m, pose.direction));
+    let rotation = Rotation { re: pose.direction[0], im: pose.direction[1] };
+    Pose::from_parts(Vector::new(origin[0], origin[1]), rotation)
+}

@@ -1,0 +1,166 @@
+//! Contact space: the rows in which contact is solved, and their response to impulses.
+
+use super::candidates::{ContactCandidate, Row, ZERO_RATE, gap_and_slip_row_at};
+use super::linkage::{BodyPose, Linkage, Twist};
+use super::plan::Plan;
+use super::world::World;
+use crate::numeric::elementary::sin_cos;
+
+/// A contact that can become active within the step.
+#[derive(Clone, Copy, Debug)]
+pub struct ActiveContact {
+    pub candidate: ContactCandidate,
+    /// Index of the normal row.
+    pub normal: usize,
+    /// Index of the tangent row, which follows the normal row.
+    pub tangent: Option<usize>,
+    /// Bristle state σ at the start of the step.
+    pub bristle_state: f64,
+}
+
+/// W and the free motion of every row, frozen at the start of one step.
+#[derive(Clone, Debug, Default)]
+pub struct ContactSpace {
+    pub active_contacts: Vec<ActiveContact>,
+    pub rows: Vec<Row>,
+    /// Contact-space inverse inertia including joints, row by row: rate of row i per unit impulse along row j.
+    pub w: Vec<f64>,
+    /// Acceleration of every row without contact.
+    pub free: Vec<f64>,
+    /// Rate of every row at the start of the step.
+    pub rate: Vec<f64>,
+    /// Rates that change a gap by its rounding error within the step; smaller rates are rounding.
+    pub rate_resolution: Vec<f64>,
+    /// Velocity response M⁻¹ (c + Jᵀ λ) to a unit impulse along each row, body by body.
+    response: Vec<Twist>,
+    poses: Vec<BodyPose>,
+}
+
+impl ContactSpace {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Selects the candidates that can become active within `dt`, from gap, rate and acceleration with a margin.
+    #[allow(clippy::too_many_arguments)]
+    pub fn assemble(
+        &mut self,
+        world: &World,
+        plan: &Plan,
+        linkage: &mut Linkage,
+        (candidates, bristle_states): (&[ContactCandidate], &[f64]),
+        velocities: &[Twist],
+        accelerations: &[Twist],
+        dt: f64,
+    ) {
+        self.active_contacts.clear();
+        self.rows.clear();
+        for candidate in candidates.iter().filter(|candidate| candidate.uses_contact_law) {
+            let (rate, free) = (candidate.normal_row.rate(velocities), candidate.normal_row.rate(accelerations));
+            if candidate.gap > CLOSING_MARGIN * dt * (rate.abs() + dt * free.abs()) {
+                continue;
+            }
+            let normal = self.rows.len();
+            self.rows.push(candidate.normal_row);
+            let tangent = candidate.has_tangent().then(|| {
+                self.rows.push(candidate.slip_row);
+                normal + 1
+            });
+            let bristle_state = bristle_states.get(candidate.index).copied().unwrap_or(0.0);
+            self.active_contacts.push(ActiveContact { candidate: *candidate, normal, tangent, bristle_state });
+        }
+        if self.rows.is_empty() {
+            return;
+        }
+        self.rate_resolution.clear();
+        for contact in &self.active_contacts {
+            self.rate_resolution.extend(
+                std::iter::once(contact.normal).chain(contact.tangent).map(|_| contact.candidate.rounding / dt),
+            );
+        }
+        self.rate.clear();
+        self.rate.extend(self.rows.iter().map(|row| row.rate(velocities)));
+        self.free.clear();
+        self.free.extend(self.rows.iter().map(|row| row.rate(accelerations)));
+        for contact in self.active_contacts.iter().filter(|contact| !contact.candidate.has_gap()) {
+            let [rate, acceleration] = contact.candidate.prescribed_gap_motion;
+            (self.rate[contact.normal], self.free[contact.normal]) = (rate, acceleration);
+        }
+        self.add_curvature(world, plan, linkage, velocities, dt);
+
+        respond(&self.rows, linkage, velocities.len(), &mut self.response, &mut self.w);
+    }
+
+    /// Adds the effect of curved surfaces and rotating normals, which the row accelerations do not contain, to the
+    /// second derivative of the gap and the first of the slip. It is evaluated from the gap and the slip at the poses
+    /// that the current velocities lead to. Accelerations are left out, because an active contact prevents its bodies
+    /// from reaching those poses.
+    fn add_curvature(&mut self, world: &World, plan: &Plan, linkage: &Linkage, velocities: &[Twist], dt: f64) {
+        // The interval is long enough to avoid rounding errors and short enough to be local.
+        let interval_s = dt.max(MIN_CURVATURE_STEP_S);
+        self.poses.clear();
+        for (pose, v) in linkage.poses.iter().zip(velocities) {
+            let angle = pose.angle + interval_s * v[2];
+            let (sin, cos) = sin_cos(angle);
+            let com = [pose.com[0] + interval_s * v[0], pose.com[1] + interval_s * v[1]];
+            self.poses.push(BodyPose { com, direction: [cos, sin], angle });
+        }
+        for contact in self.active_contacts.iter().filter(|contact| contact.candidate.is_between_surfaces()) {
+            let (gap, slip_row) = gap_and_slip_row_at(&contact.candidate, world, plan, &self.poses);
+            let linear_gap = contact.candidate.gap + interval_s * self.rate[contact.normal];
+            let curvature = gap - linear_gap;
+            // For surfaces in persistent contact at zero gap, the predicted gap is rounding error.
+            if contact.candidate.gap != 0.0 || curvature.abs() > contact.candidate.rounding {
+                self.free[contact.normal] += 2.0 * curvature / (interval_s * interval_s);
+            }
+            if let Some(tangent) = contact.tangent {
+                self.free[tangent] += (slip_row.rate(velocities) - self.rate[tangent]) / interval_s;
+            }
+        }
+    }
+
+    /// Whether the surfaces of a contact close at the start of the step, or are at rest there and about to close.
+    pub fn is_closing(&self, contact: &ActiveContact) -> bool {
+        let rate = self.rate[contact.normal];
+        rate < -ZERO_RATE || (rate <= ZERO_RATE && self.free[contact.normal] < 0.0)
+    }
+
+    /// Adds the generalised impulses on every body due to impulses along all rows, including joint reactions.
+    pub fn add_impulses(&self, linkage: &Linkage, impulses: &[f64], out: &mut [Twist]) {
+        let bodies = out.len();
+        for (j, size) in impulses.iter().enumerate().filter(|(_, size)| **size != 0.0) {
+            let response = &self.response[j * bodies..(j + 1) * bodies];
+            for ((impulse, v), inertia) in out.iter_mut().zip(response).zip(&linkage.inertias) {
+                impulse[0] += size * inertia.mass * v[0];
+                impulse[1] += size * inertia.mass * v[1];
+                impulse[2] += size * inertia.inertia * v[2];
+            }
+        }
+    }
+}
+
+/// Computes the velocity response to a unit impulse along each row, body by body, and from it W row by row.
+pub fn respond(rows: &[Row], linkage: &mut Linkage, bodies: usize, response: &mut Vec<Twist>, w: &mut Vec<f64>) {
+    let count = rows.len();
+    response.clear();
+    response.resize(count * bodies, [0.0; 3]);
+    w.clear();
+    w.resize(count * count, 0.0);
+    for (j, response) in response.chunks_exact_mut(bodies).enumerate() {
+        rows[j].add_to(response, 1.0);
+        linkage.respond(response);
+        for (i, row) in rows.iter().enumerate() {
+            w[i * count + j] = row.rate(response);
+        }
+    }
+}
+
+/// A candidate is included if its gap is below this many times its free closing distance in a step.
+const CLOSING_MARGIN: f64 = 1.5;
+/// Shortest interval for the evaluation of curvature, s.
+const MIN_CURVATURE_STEP_S: f64 = 1e-7;

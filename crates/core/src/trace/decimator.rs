@@ -1,0 +1,146 @@
+//! Decimation of a run: keeps the samples on a uniform grid, and every integrator step within an impact.
+//!
+//! Models emit every step that is shorter than the grid interval; free flight and settled contacts do not need that
+//! resolution. `phalanx run` evaluates its criteria on the decimated samples, so that a log yields the same results as
+//! the run itself.
+
+use super::grid::is_point;
+use super::{Event, Sample, Sink, SinkError};
+
+/// Smallest change of a contact force during an impact, per grid interval, as a fraction of the force.
+const MIN_FORCE_CHANGE: f64 = 0.1;
+/// An impact is extended by this fraction of a grid interval, so that it does not end at the maximum of the force.
+const IMPACT_EXTENSION: f64 = 0.25;
+
+/// Selects samples from a stream; emits at most two samples per input sample.
+///
+/// It keeps the first and the last sample, samples on the grid, all samples within an impact and the one before it, the
+/// sample after an event, and each sample at which a force or a penetration has a maximum larger than any kept before.
+#[derive(Clone, Debug)]
+pub struct Decimator {
+    interval_s: f64,
+    /// End of the current impact.
+    impact_end_s: f64,
+    latest: Option<Sample>,
+    /// Whether `latest` has been emitted.
+    is_emitted: bool,
+    after_event: bool,
+    /// Largest emitted force and penetration of each contact.
+    emitted_peaks: Vec<(f64, f64)>,
+}
+
+impl Decimator {
+    /// Creates a decimator to `numeric_hz` samples per second.
+    pub fn new(numeric_hz: f64) -> Self {
+        Decimator {
+            interval_s: 1.0 / numeric_hz,
+            impact_end_s: f64::NEG_INFINITY,
+            latest: None,
+            is_emitted: true,
+            after_event: true,
+            emitted_peaks: Vec::new(),
+        }
+    }
+
+    /// Processes a sample; passes the samples to keep to `keep`, in order of time.
+    pub fn sample<E>(&mut self, sample: &Sample, mut keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
+        let is_first = self.latest.is_none();
+        if is_first {
+            self.emitted_peaks = vec![(0.0, 0.0); sample.contacts.len()];
+        }
+        let now_s = sample.time_s;
+        // An extremum at the end of a step is repeated before an event at the same time.
+        if self.latest.as_ref().is_some_and(|latest| latest.time_s == now_s && latest == sample) {
+            return Ok(());
+        }
+        let (mut in_impact, mut past_peak) = (false, false);
+        if let Some(before) = &self.latest {
+            for ((contact_before, contact_now), emitted) in
+                before.contacts.iter().zip(&sample.contacts).zip(&self.emitted_peaks)
+            {
+                let ((f0, d0), (f1, d1)) =
+                    (contact_before.force_and_penetration(), contact_now.force_and_penetration());
+                let change_per_interval = (f1 - f0).abs() * self.interval_s;
+                in_impact |= change_per_interval > MIN_FORCE_CHANGE * f0.max(f1) * (now_s - before.time_s);
+                past_peak |= (f0 > emitted.0 && f1 < f0) || (d0 > emitted.1 && d1 < d0);
+            }
+        }
+        if in_impact {
+            self.impact_end_s = now_s + IMPACT_EXTENSION * self.interval_s;
+        }
+        if in_impact || past_peak {
+            self.flush(&mut keep)?;
+        }
+        let is_on_grid = is_point(now_s, self.interval_s);
+        match &mut self.latest {
+            Some(latest) => latest.clone_from(sample),
+            None => self.latest = Some(sample.clone()),
+        }
+        self.is_emitted = false;
+        if is_first || is_on_grid || self.after_event || now_s <= self.impact_end_s { self.flush(keep) } else { Ok(()) }
+    }
+
+    /// Processes an event: keeps the latest sample and the next one, because rates can jump at the event.
+    pub fn event<E>(&mut self, keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
+        self.flush(keep)?;
+        self.after_event = true;
+        Ok(())
+    }
+
+    /// Keeps the latest sample; called at the end of a run.
+    pub fn flush<E>(&mut self, mut keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
+        let Some(latest) = self.latest.as_ref().filter(|_| !self.is_emitted) else {
+            return Ok(());
+        };
+        for (contact, emitted) in latest.contacts.iter().zip(&mut self.emitted_peaks) {
+            let (force, depth) = contact.force_and_penetration();
+            *emitted = (emitted.0.max(force), emitted.1.max(depth));
+        }
+        (self.is_emitted, self.after_event) = (true, false);
+        keep(latest)
+    }
+}
+
+/// A sink that forwards the samples kept by a [`Decimator`].
+#[derive(Clone, Debug)]
+pub struct Decimated<S> {
+    decimator: Decimator,
+    pub sink: S,
+}
+
+impl<S> Decimated<S> {
+    /// Wraps `sink` with a decimator to `numeric_hz` samples per second.
+    pub fn new(numeric_hz: f64, sink: S) -> Self {
+        Decimated { decimator: Decimator::new(numeric_hz), sink }
+    }
+}
+
+impl<S: Sink> Decimated<S> {
+    /// Forwards the last sample at the end of the run.
+    pub fn end(&mut self) -> Result<(), SinkError> {
+        self.decimator.flush(|sample| self.sink.sample(sample))
+    }
+}
+
+impl<S: Sink> Sink for Decimated<S> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.decimator.sample(sample, |sample| self.sink.sample(sample))
+    }
+
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.decimator.sample(sample, |sample| self.sink.sample(sample))
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        // No rate jumps at the onset of slip, so only the preceding sample is needed.
+        match event.kind.is_friction_event() {
+            true => self.decimator.flush(|sample| self.sink.sample(sample))?,
+            false => self.decimator.event(|sample| self.sink.sample(sample))?,
+        }
+        self.sink.event(event)
+    }
+
+    fn should_continue(&self) -> bool {
+        self.sink.should_continue()
+    }
+}

@@ -1,0 +1,145 @@
+//! Error weights of active contacts: step errors in quantities to which the contact laws are more sensitive than the
+//! tolerances of coordinates and rates reflect.
+
+use super::method::Attempt;
+use super::{ErrorWeight, EventFunction, Linearised, State, Tolerances};
+
+/// Fraction of its normal force that a sticking contact must retain in a step.
+const MIN_REMAINING_FORCE: f64 = 0.25;
+/// Depth error that is always allowed, rad or m.
+const MIN_DEPTH_ERROR: f64 = 1e-14;
+/// Rounding noise of a stiff contact's rate, relative to its coordinates: every stage of a step adds some.
+const RATE_NOISE: f64 = 8.0 * f64::EPSILON;
+/// Rounding error of a depth or slip, relative to the terms that it is the sum of.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Raises the tolerance of rates above `noise_scale` times the rounding noise of the rate of a stiff contact.
+#[inline(always)]
+pub fn raise_above_noise<const N: usize, const Z: usize, const S: usize>(
+    tolerances: &mut Tolerances,
+    functions: &[EventFunction<N>; S],
+    state: &State<N, Z>,
+    linearised: &Linearised<N, Z>,
+    noise_scale: f64,
+) {
+    for function in functions {
+        // A damper that dominates the spring suppresses the noise.
+        let ErrorWeight::Depth { row, is_spring_dominated: true, .. } = &function.error_weight else { continue };
+        let (mut stiffness, mut norm_squared, mut magnitude) = (0.0, 0.0, 0.0);
+        for i in 0..N {
+            for j in 0..N {
+                stiffness -= row[i] * linearised.a_q[i][j] * row[j];
+            }
+            norm_squared += row[i] * row[i];
+            magnitude += (row[i] * state.q[i]).abs();
+        }
+        // ω² = nᵀ M⁻¹ n ∂F/∂δ; a_q contains −M⁻¹ n nᵀ ∂F/∂δ.
+        let noise = (stiffness.max(0.0) / norm_squared).sqrt() * RATE_NOISE * magnitude / norm_squared.sqrt();
+        tolerances.atol_v = tolerances.atol_v.max(noise_scale * noise);
+    }
+}
+
+/// Scaled error of a step, weighted by the sensitivity of the laws of active contacts.
+///
+/// A contact may be active at a depth below the tolerance of the coordinates: there the step's linearised damper may
+/// transmit or pull a force that the law does not. Likewise a sticking range may be narrower than the tolerance of the
+/// rates.
+#[inline(always)]
+pub fn error<const N: usize, const Z: usize, const S: usize>(
+    functions: &[EventFunction<N>; S],
+    attempt: &Attempt<N, Z>,
+    from: &State<N, Z>,
+    tolerances: &Tolerances,
+) -> f64 {
+    let contact_tolerance = tolerances.contact_tolerance();
+    let rebound_tolerances = tolerances.for_rebounds();
+    let mut worst: f64 = 0.0;
+    for function in functions {
+        let (mut error, mut scale, mut magnitude) = (0.0, 0.0, 0.0);
+        let mut floor = 0.0;
+        match &function.error_weight {
+            ErrorWeight::None => continue,
+            ErrorWeight::Depth { row, depth, is_rebounding, .. } => {
+                if *is_rebounding {
+                    worst = worst.max(rebound_tolerances.rate_error_along(row, &attempt.error_v, from, &attempt.end));
+                }
+                for n in 0..N {
+                    error += row[n] * attempt.error_q[n];
+                    scale -= row[n] * (attempt.end.q[n] - from.q[n]);
+                    magnitude += (row[n] * from.q[n]).abs();
+                }
+                scale = (depth + scale).max(*depth);
+                floor = MIN_DEPTH_ERROR;
+            }
+            ErrorWeight::Slip { row, slip_scale, .. } => {
+                for n in 0..N {
+                    error += row[n] * attempt.error_v[n];
+                    magnitude += (row[n] * from.v[n]).abs();
+                }
+                scale = *slip_scale;
+            }
+        }
+        worst = worst.max(error.abs() / (contact_tolerance * scale).max(floor + ROUNDING * magnitude));
+    }
+    worst
+}
+
+/// Whether a sticking contact loses most of its normal force in a step and slips beyond the tolerance. Creep grows with
+/// the reciprocal of the force, which the polynomial of a step cannot represent and its error estimate does not reveal.
+#[inline(always)]
+pub fn unloads<const N: usize, const Z: usize, const S: usize>(
+    start: &[EventFunction<N>; S],
+    end: &[EventFunction<N>; S],
+    attempt: &Attempt<N, Z>,
+    from: &State<N, Z>,
+    tolerances: &Tolerances,
+) -> bool {
+    for index in 0..S {
+        let ErrorWeight::Slip { row, slip_scale, normal_force } = &start[index].error_weight else { continue };
+        let remaining =
+            if let ErrorWeight::Slip { normal_force, .. } = &end[index].error_weight { *normal_force } else { 0.0 };
+        let mut slip_change = 0.0;
+        for n in 0..N {
+            slip_change += row[n] * (attempt.end.v[n] - from.v[n]);
+        }
+        if remaining < MIN_REMAINING_FORCE * normal_force
+            && slip_change.abs() > tolerances.contact_tolerance() * slip_scale
+        {
+            return true;
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns an active contact with this normal force, whose slip is the rate of the second coordinate.
+    fn sticking_contact(normal_force: f64) -> [EventFunction<2>; 1] {
+        [EventFunction {
+            error_weight: ErrorWeight::Slip { row: [0.0, 1.0], slip_scale: 1e-3, normal_force },
+            ..EventFunction::INACTIVE
+        }]
+    }
+
+    fn unloads_to(after: [EventFunction<2>; 1], rate_change: [f64; 2]) -> bool {
+        let tolerances = Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 };
+        let from = State { q: [0.0; 2], v: [3.0, 0.1], z: [] };
+        let v = [from.v[0] + rate_change[0], from.v[1] + rate_change[1] * tolerances.contact_tolerance() * 1e-3];
+        let attempt = Attempt { error: 0.5, rhs: 8, end: State { v, ..from }, error_q: [0.0; 2], error_v: [0.0; 2] };
+        unloads(&sticking_contact(10.0), &after, &attempt, &from, &tolerances)
+    }
+
+    #[test]
+    fn a_contact_unloads_if_it_loses_its_force_and_slips_beyond_the_tolerance() {
+        assert!(unloads_to(sticking_contact(2.4), [0.0, 1.1]), "most of the force is lost, and the contact slips");
+        assert!(
+            unloads_to([EventFunction::INACTIVE], [0.0, -1.1]),
+            "a contact that is no longer active has lost its force"
+        );
+        assert!(!unloads_to(sticking_contact(2.6), [0.0, 1.1]), "more than a quarter of the force remains");
+        assert!(!unloads_to(sticking_contact(2.4), [0.0, 0.9]), "the slip is below the tolerance");
+        assert!(!unloads_to(sticking_contact(2.4), [5.0, 0.9]), "motion in another direction is not slip");
+    }
+}

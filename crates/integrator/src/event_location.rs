@@ -1,0 +1,405 @@
+//! Locates the first event within a step.
+
+use std::cell::OnceCell;
+
+use super::{Dense, ErrorWeight, EventFunction, Hybrid, RootSearch};
+use crate::numeric::array_from;
+use crate::numeric::elementary::powi;
+
+/// The earliest zero crossing of an event function in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossing {
+    pub event_index: usize,
+    /// Fraction of the step, just beyond the crossing.
+    pub theta: f64,
+    /// A later fraction at which the event function is known to be negative. After a dip it may be positive again at
+    /// the end of the step.
+    pub negative_at: f64,
+}
+
+/// Returns the first zero crossing in a step of size `h`, given the event functions at both ends.
+///
+/// The end is always checked. A gap that may have closed in between, according to its rates at the ends, is checked at
+/// the midpoint and at its minimum, so that a link cannot pass through a thin object or graze it undetected. Values
+/// without a rate are sampled inside the step.
+pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
+    system: &Y,
+    mode: &Y::Mode,
+    start: &[EventFunction<N>; S],
+    end: &[EventFunction<N>; S],
+    h: f64,
+    dense: &dyn Fn() -> Dense<N, Z>,
+) -> Option<Crossing> {
+    let may_cross: [bool; S] = array_from(|index| end[index].value < 0.0 || may_dip(&start[index], &end[index], h));
+    if !may_cross.contains(&true) {
+        return None;
+    }
+    let dense = dense();
+    let function_at = |theta: f64, index: usize| {
+        let state = dense.evaluate(theta);
+        system.eval_event(&state.q, &state.v, mode, index)
+    };
+    // One call evaluates all selected functions, because most steps need no further evaluation.
+    let event_values = |theta: f64, selected: &[bool; S]| {
+        let state = dense.evaluate(theta);
+        system.event_values(&state.q, &state.v, mode, selected)
+    };
+    let searches: [RootSearch; S] = array_from(|index| select_search(&start[index], &end[index]));
+    let gaps = || array_from(|index| may_cross[index] && searches[index] == RootSearch::Gap);
+    let (midpoint, thirds) = (OnceCell::new(), OnceCell::new());
+    let at_half = |index: usize| midpoint.get_or_init(|| event_values(0.5, &gaps()))[index];
+    let at_thirds = |index: usize| {
+        let [a, b] = thirds.get_or_init(|| [event_values(THIRDS[0], &may_cross), event_values(THIRDS[1], &may_cross)]);
+        [a[index], b[index]]
+    };
+    let mut first: Option<Crossing> = None;
+    for index in (0..S).filter(|index| may_cross[*index]) {
+        let value = |theta: f64| function_at(theta, index).value;
+        let is_negative_at_end = end[index].value < 0.0;
+        let bracket = match searches[index] {
+            RootSearch::EndOnly => is_negative_at_end.then_some((0.0, 1.0)),
+            RootSearch::Smooth | RootSearch::FadingForce
+                if !is_negative_at_end && !may_dip_inside(start[index].value, end[index].value, at_thirds(index)) =>
+            {
+                None
+            }
+            RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => {
+                let separation = (end[index].is_separated && !start[index].is_separated)
+                    .then(|| find_separation(&|theta| function_at(theta, index).is_separated));
+                first_dip(start[index].value, end[index].value, separation, &value)
+            }
+            RootSearch::Gap if at_half(index) < 0.0 => Some((0.0, 0.5)),
+            RootSearch::Gap if is_negative_at_end => Some((0.5, 1.0)),
+            RootSearch::Gap if start[index].rate < 0.0 && end[index].rate > 0.0 => {
+                let lowest = find_minimum(&|theta| function_at(theta, index).rate);
+                (value(lowest) < 0.0).then_some((0.0, lowest))
+            }
+            RootSearch::Gap => None,
+        };
+        let Some((low, high)) = bracket else { continue };
+        // This event function is still positive at the earliest crossing so far, so its own crossing is later.
+        if first.is_some_and(|f| f.theta < high && value(f.theta * (1.0 - SAME_CROSSING)) >= 0.0) {
+            continue;
+        }
+        let theta = find_root(&value, low, high);
+        if first.is_none_or(|f| theta < f.theta) {
+            first = Some(Crossing { event_index: index, theta, negative_at: high });
+        }
+    }
+    first
+}
+
+/// Whether an event function that is positive at both ends could be negative in between. A gap could if it closed at
+/// twice the larger of its end rates throughout the step; other values must be sampled inside.
+fn may_dip<const N: usize>(start: &EventFunction<N>, end: &EventFunction<N>, h: f64) -> bool {
+    let lowest_end = start.value.min(end.value);
+    match select_search(start, end) {
+        RootSearch::EndOnly => false,
+        RootSearch::Interior | RootSearch::Smooth => lowest_end.is_finite(),
+        RootSearch::FadingForce => lowest_end.is_finite() && loses_depth(start, end),
+        RootSearch::Gap => start.value.is_finite() && lowest_end < 2.0 * h * start.rate.abs().max(end.rate.abs()),
+    }
+}
+
+/// Root-search policy within a step: inside the step if either end requires it.
+fn select_search<const N: usize>(start: &EventFunction<N>, end: &EventFunction<N>) -> RootSearch {
+    if matches!(start.root_search, RootSearch::Interior | RootSearch::FadingForce) {
+        start.root_search
+    } else {
+        end.root_search
+    }
+}
+
+/// Whether a contact loses half of its depth in a step. Shorter steps resolve the contact without sampling.
+fn loses_depth<const N: usize>(start: &EventFunction<N>, end: &EventFunction<N>) -> bool {
+    match (&start.error_weight, &end.error_weight) {
+        (ErrorWeight::Depth { depth: before, .. }, ErrorWeight::Depth { depth: after, .. }) => *after < 0.5 * before,
+        _ => true,
+    }
+}
+
+/// Number of samples of a value without a rate within a step, ends included.
+const SAMPLES_PER_STEP: usize = 9;
+
+/// Crossings that differ by less than this fraction of their position in the step count as simultaneous.
+const SAME_CROSSING: f64 = 1e-9;
+
+const THIRDS: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+
+/// Whether a value deviates so much from a straight line, at the thirds of the step, that it might be negative
+/// elsewhere.
+fn may_dip_inside(start: f64, end: f64, thirds: [f64; 2]) -> bool {
+    let straight = |theta: f64| start + theta * (end - start);
+    let curvature = (thirds[0] - straight(THIRDS[0])).abs().max((thirds[1] - straight(THIRDS[1])).abs());
+    let minimum = start.min(end).min(thirds[0]).min(thirds[1]);
+    // A value that is not finite may hide a crossing.
+    minimum < 4.0 * curvature || !(minimum - curvature).is_finite()
+}
+
+/// Maximum number of samples just before the surfaces separate. The damping vanishes with the depth, so the force of
+/// the spring may return arbitrarily close to the separation.
+const MAX_SEPARATION_SAMPLES: i32 = 12;
+/// Ratio of the remaining times to the separation at successive samples.
+const SEPARATION_RATIO: f64 = 0.25;
+
+/// Returns a bracket of the first zero crossing of a value that may be negative only between its ends. `separation` is
+/// the fraction at which the surfaces separate.
+fn first_dip(start: f64, end: f64, separation: Option<f64>, value: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
+    let theta = |i: usize| i as f64 / (SAMPLES_PER_STEP - 1) as f64;
+    let samples: [f64; SAMPLES_PER_STEP] = std::array::from_fn(|i| match i {
+        0 => start,
+        i if i == SAMPLES_PER_STEP - 1 => end,
+        i => value(theta(i)),
+    });
+    let first_negative = (1..SAMPLES_PER_STEP).find(|i| samples[*i] < 0.0);
+    // A dip between two samples, before the first negative one. The lowest sample may also be one of the ends.
+    for i in 0..first_negative.unwrap_or(SAMPLES_PER_STEP) {
+        let (before, after) = (i.saturating_sub(1), (i + 1).min(SAMPLES_PER_STEP - 1));
+        let middle = i.clamp(1, SAMPLES_PER_STEP - 2);
+        let curvature = samples[middle - 1].max(samples[middle + 1]) - samples[i];
+        if samples[i] <= samples[before] && samples[i] <= samples[after] && samples[i] < 4.0 * curvature {
+            let lowest = golden_section(value, theta(before), theta(after));
+            if value(lowest) < 0.0 {
+                return Some((theta(before), lowest));
+            }
+        }
+    }
+    let sampled = first_negative.map(|i| (theta(i - 1), theta(i)));
+    sampled.or_else(|| {
+        let end = separation?;
+        let sample_at = |sample: i32| end * (1.0 - powi(SEPARATION_RATIO, sample));
+        (1..MAX_SEPARATION_SAMPLES)
+            .find(|sample| value(sample_at(*sample)) < 0.0)
+            .map(|sample| (sample_at(sample - 1), sample_at(sample)))
+    })
+}
+
+/// Fraction of the step at which the surfaces separate, if they overlap at its start and are separated at its end.
+fn find_separation(is_separated: &dyn Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    while high - low > 4.0 * f64::EPSILON * high {
+        let middle = 0.5 * (low + high);
+        if is_separated(middle) { high = middle } else { low = middle }
+    }
+    low
+}
+
+/// Location of the single minimum of a value between two points (golden-section search), or of the first negative value
+/// met.
+fn golden_section(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut a, mut b) = (high - GOLDEN_RATIO * (high - low), low + GOLDEN_RATIO * (high - low));
+    let (mut at_a, mut at_b) = (value(a), value(b));
+    for _ in 0..20 {
+        if at_a < 0.0 {
+            return a;
+        }
+        if at_b < 0.0 {
+            return b;
+        }
+        if at_a < at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - GOLDEN_RATIO * (high - low);
+            at_a = value(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + GOLDEN_RATIO * (high - low);
+            at_b = value(b);
+        }
+    }
+    if at_a < at_b { a } else { b }
+}
+
+/// Whether a clearance may have become negative within a step of size `h`: whether the cubic through its values and
+/// rates at both ends is negative between them.
+///
+/// This detects a linkage that reaches a fold of its loop. The real linkage snaps through, but the numerical solution
+/// bounces off: the rate jumps from closing to opening, and the cubic falls below zero.
+pub fn may_have_passed(start: (f64, f64), end: (f64, f64), h: f64) -> bool {
+    const SAMPLES: usize = 16;
+    let ((y0, r0), (y1, r1)) = (start, end);
+    r0 < 0.0
+        && r1 > 0.0
+        && (1..SAMPLES).any(|i| {
+            let x = i as f64 / SAMPLES as f64;
+            let (up, down) = (x * x, (1.0 - x) * (1.0 - x));
+            down * ((1.0 + 2.0 * x) * y0 + x * h * r0) + up * ((3.0 - 2.0 * x) * y1 - (1.0 - x) * h * r1) < 0.0
+        })
+}
+
+/// Fraction of the step at which a rate changes from negative to positive.
+fn find_minimum(rate: &dyn Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..24 {
+        let middle = 0.5 * (low + high);
+        if rate(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Returns the far end of a tight bracket of the root of `value`, which is non-negative at `low` and negative at
+/// `high`, or the root itself if an iterate hits it exactly.
+///
+/// Illinois variant of regula falsi, with bisection when convergence is slow: the event function of a clamped law may
+/// jump.
+fn find_root(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let (mut at_low, mut at_high) = (value(low).max(0.0), value(high));
+    let mut retained_side = 0;
+    for iteration in 0..80 {
+        if high - low <= 4.0 * f64::EPSILON * high || at_high > -1e-300 {
+            break;
+        }
+        let guess =
+            if iteration % 4 == 3 { 0.5 * (low + high) } else { low + (high - low) * at_low / (at_low - at_high) };
+        let guess = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
+        let value_at_guess = value(guess);
+        if value_at_guess < 0.0 {
+            let progress = value_at_guess / at_high;
+            (high, at_high) = (guess, value_at_guess);
+            if retained_side == 1 {
+                at_low *= 0.5;
+            }
+            retained_side = 1;
+            if progress < 1e-9 {
+                break;
+            }
+        } else {
+            (low, at_low) = (guess, value_at_guess);
+            if retained_side == -1 {
+                at_high *= 0.5;
+            }
+            retained_side = -1;
+            if value_at_guess == 0.0 {
+                // An exact root: the far end of the bracket may still be far away.
+                return guess;
+            }
+        }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::State;
+    use crate::system::{EventSet, Linearised, Rates, System};
+
+    /// A point that moves past markers at a constant rate, with a single mode.
+    struct Markers([f64; 3]);
+
+    impl System<1, 0> for Markers {
+        type Mode = ();
+
+        fn rates(&self, _: f64, _: &[f64; 1], _: &[f64; 1], (): &()) -> Rates<1, 0> {
+            Rates { a: [0.0], g: [] }
+        }
+
+        fn linearise(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &()) -> Linearised<1, 0> {
+            let rates = self.rates(t, q, v, mode);
+            Linearised { rates, a_q: [[0.0]], a_v: [[0.0]], a_t: [0.0], g_q: [], g_v: [], g_t: [] }
+        }
+    }
+
+    impl Hybrid<1, 0, 3> for Markers {
+        fn next_discontinuity(&self, _: f64) -> f64 {
+            f64::INFINITY
+        }
+
+        fn eval_events(&self, q: &[f64; 1], _: &[f64; 1], (): &()) -> EventSet<1, 3> {
+            let functions = self.0.map(|marker| EventFunction { value: marker - q[0], ..EventFunction::INACTIVE });
+            EventSet { functions, clearance: f64::INFINITY, clearance_rate: 0.0 }
+        }
+
+        fn event_tolerance(&self, _: usize, (): &()) -> f64 {
+            0.0
+        }
+
+        fn mode_after_event(&self, _: usize, _: &[f64; 1], _: &[f64; 1], (): &()) {}
+
+        fn mode_after_step(&self, _: &[EventFunction<1>; 3], (): &()) -> Option<()> {
+            None
+        }
+
+        fn with_clamped_law(&self, _: usize, (): &()) {}
+
+        fn mode_at(&self, _: f64, _: &[f64; 1], _: &[f64; 1]) {}
+
+        fn restart_step(&self, _: usize, _: &[f64; 1], _: &[f64; 1], (): &()) -> Option<f64> {
+            None
+        }
+
+        fn describe_obstacle(&self, _: &[f64; 1]) -> String {
+            String::new()
+        }
+    }
+
+    #[test]
+    fn finds_the_first_of_several_crossings_in_any_order_of_event_functions() {
+        let state = |q: f64| State { q: [q], v: [1.0], z: [] };
+        let (start, end, still) = (state(0.0), state(1.0), State { q: [0.0], v: [0.0], z: [] });
+        let dense = || Dense { t0: 0.0, h: 1.0, start, end, d: [still; 3] };
+        for (markers, event_index, theta) in
+            [([0.3, 0.6, 2.0], 0, 0.3), ([0.6, 0.3, 0.9], 1, 0.3), ([0.9, 0.6, 0.3], 2, 0.3), ([2.0, 0.7, 0.7], 1, 0.7)]
+        {
+            let system = Markers(markers);
+            let [before, after] = [&start, &end].map(|state| system.eval_events(&state.q, &state.v, &()).functions);
+            let first = first_crossing(&system, &(), &before, &after, 1.0, &dense).expect("a crossing");
+            assert_eq!(first.event_index, event_index, "{markers:?}");
+            assert!((first.theta - theta).abs() < 1e-12, "{markers:?}: {first:?}");
+        }
+    }
+
+    #[test]
+    fn find_root_handles_smooth_and_discontinuous_functions() {
+        let smooth = find_root(&|x| 0.3 - x * x, 0.0, 1.0);
+        assert!((smooth - 0.3f64.sqrt()).abs() < 1e-9, "{smooth}");
+        let jump = find_root(&|x| if x < 0.7 { 5.0 } else { -1.0 }, 0.0, 1.0);
+        assert!((jump - 0.7).abs() < 1e-9 && jump >= 0.7, "{jump}");
+    }
+
+    #[test]
+    fn finds_dips_between_samples() {
+        for position in [0.03, 0.31, 0.5, 0.77, 0.97] {
+            let narrow_dip = |x: f64| (x - position) * (x - position) - 1e-5;
+            let (low, high) = first_dip(narrow_dip(0.0), narrow_dip(1.0), None, &narrow_dip).expect("a dip");
+            assert!(
+                narrow_dip(low) >= 0.0 && narrow_dip(high) < 0.0 && high > position - 4e-3 && low < position,
+                "{position}: {low} {high}"
+            );
+            let above = |x: f64| narrow_dip(x) + 2e-5;
+            assert!(first_dip(above(0.0), above(1.0), None, &above).is_none(), "{position}");
+        }
+        assert_eq!(first_dip(1.0, -1.0, None, &|x| 1.0 - 2.0 * x), Some((0.5, 0.625)));
+    }
+
+    /// A linear spring with a damper that fades with the square of the depth: the force returns in the last 1e-5 of the
+    /// step.
+    #[test]
+    fn finds_forces_that_return_just_before_separation() {
+        let separates_at = 0.7;
+        let force = |x: f64| {
+            let delta = (separates_at - x).max(0.0);
+            delta - 1e5 * delta * delta
+        };
+        let value = |x: f64| 1e-9 - force(x);
+        let separation = find_separation(&|x| x > separates_at);
+        assert!((separation - separates_at).abs() < 1e-12);
+        let (low, high) = first_dip(value(0.0), value(1.0), Some(separation), &value).expect("a return");
+        assert!(value(low) >= 0.0 && value(high) < 0.0 && high > separates_at - 1e-5);
+    }
+
+    #[test]
+    fn find_root_returns_an_exact_root() {
+        assert_eq!(find_root(&|x| 0.75 - x, 0.5, 1.0), 0.75);
+    }
+
+    #[test]
+    fn a_value_that_may_dip_is_detected_by_its_curvature() {
+        let may_dip = |value: fn(f64) -> f64| may_dip_inside(value(0.0), value(1.0), THIRDS.map(value));
+        assert!(!may_dip(|x| 1.0 + x), "straight");
+        assert!(!may_dip(|x| 1.0 + 0.1 * x * (1.0 - x)), "slightly curved");
+        assert!(may_dip(|x| 1.0 - 4.4 * x * (1.0 - x)), "negative at the midpoint");
+        assert!(may_dip(|x| 1.0 + 15.0 * x * (x - 0.5) * (x - 1.0)), "antisymmetric about the midpoint");
+        assert!(may_dip(|x| if x > 0.5 { f64::NAN } else { 1.0 }), "NaN");
+    }
+}

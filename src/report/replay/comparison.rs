@@ -1,0 +1,286 @@
+//! Report of the comparison of two logs: JSON and text.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::document::ReplayReport;
+use crate::format::format_duration;
+use crate::format::numbers::{format_number, row};
+use crate::format::report::{Report, ToReport, table};
+use crate::validate::wrap_angle;
+
+/// Comparison of two logs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LogComparisonReport {
+    /// `finger` or `bodies`.
+    pub kind: &'static str,
+    /// Labels of the two logs.
+    pub labels: [String; 2],
+    pub logs: [ReplayReport; 2],
+    /// End of the time interval covered by both logs.
+    pub compared_to_s: f64,
+    /// Remarks on the comparison.
+    pub notes: Vec<String>,
+    /// Numbers of both summaries, identified by their path; null where a log does not have the number.
+    #[serde(rename = "figures")]
+    pub numbers: Vec<NumberComparison>,
+    /// Text values of both summaries, such as the class.
+    #[serde(rename = "words")]
+    pub texts: Vec<TextComparison>,
+    /// Differences of joint angles, or of the centres of discs, over the common time.
+    #[serde(rename = "apart")]
+    pub trajectory_differences: Vec<TrajectoryDifference>,
+    /// Directory of the pictures, as given; null if none was requested.
+    pub directory: Option<String>,
+    /// Files in `directory`.
+    pub files: Option<Vec<String>>,
+    /// Path of the page as given; null unless it was requested separately.
+    pub page: Option<String>,
+}
+
+/// Values of one number in both summaries.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NumberComparison {
+    /// Path, such as `contacts.proximal.first_s`, which ends in the unit.
+    #[serde(rename = "figure")]
+    pub path: String,
+    pub values: [Option<f64>; 2],
+    /// Second value minus first; for angles modulo a full turn.
+    pub difference: Option<f64>,
+    /// Absolute difference relative to the larger value.
+    pub relative: Option<f64>,
+}
+
+/// Values of one text in both summaries.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TextComparison {
+    #[serde(rename = "figure")]
+    pub path: String,
+    pub values: [Option<String>; 2],
+}
+
+/// Difference of one quantity over the common time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrajectoryDifference {
+    /// Name with unit, such as `q11_rad` or `hammer_centre_m`.
+    pub quantity: String,
+    pub max: f64,
+    pub max_at_s: f64,
+    pub rms: f64,
+    /// Difference at the end of the common time.
+    pub end: f64,
+}
+
+/// Sections of a summary that are compared, in order.
+const SECTIONS: [&str; 5] = ["final", "discs", "contacts", "criteria", "energy"];
+
+/// Order of keys within a section; others follow.
+const KEY_ORDER: [&str; 39] = [
+    "q11_rad",
+    "q21_rad",
+    "q22_rad",
+    "q12_rad",
+    "q13_rad",
+    "qd11_rad_s",
+    "qd21_rad_s",
+    "x_m",
+    "y_m",
+    "angle_rad",
+    "vx_m_s",
+    "vy_m_s",
+    "spin_rad_s",
+    "proximal",
+    "distal",
+    "limit",
+    "first_s",
+    "touchdowns",
+    "final_normal_n",
+    "final_tangential_n",
+    "final_torque_n_m",
+    "peak_normal_n",
+    "peak_torque_n_m",
+    "max_penetration_m",
+    "max_penetration_rad",
+    "impulse_n_s",
+    "impulse_n_m_s",
+    "approach_m_s",
+    "separation_m_s",
+    "restitution",
+    "tts_s",
+    "rebound_percent",
+    "kinetic_j",
+    "gravity_j",
+    "spring_j",
+    "elastic_j",
+    "dissipated_j",
+    "motor_work_j",
+    "balance_j",
+];
+
+/// Returns the numbers and text values of two summaries side by side.
+pub fn compare_summaries(logs: &[ReplayReport; 2]) -> (Vec<NumberComparison>, Vec<TextComparison>) {
+    let documents = logs.each_ref().map(|log| serde_json::to_value(log).unwrap_or(Value::Null));
+    let [first, second] = &documents;
+    let (mut numbers, mut texts) = (Vec::new(), Vec::new());
+    compare_leaf("end_s", [&first["end_s"], &second["end_s"]], &mut numbers, &mut texts);
+    for section in SECTIONS {
+        compare_values(section, [&first[section], &second[section]], &mut numbers, &mut texts);
+    }
+    (numbers, texts)
+}
+
+fn compare_values(
+    path: &str,
+    values: [&Value; 2],
+    numbers: &mut Vec<NumberComparison>,
+    texts: &mut Vec<TextComparison>,
+) {
+    let maps = values.map(Value::as_object);
+    if maps == [None, None] {
+        return compare_leaf(path, values, numbers, texts);
+    }
+    let mut keys: Vec<&String> = maps.iter().flatten().flat_map(|map| map.keys()).collect();
+    let rank = |key: &str| KEY_ORDER.iter().position(|known| *known == key).unwrap_or(KEY_ORDER.len());
+    keys.sort_by(|a, b| rank(a).cmp(&rank(b)).then(a.cmp(b)));
+    keys.dedup();
+    for key in keys {
+        let value = |map: Option<&'_ serde_json::Map<String, Value>>| map.and_then(|map| map.get(key)).cloned();
+        let [first, second] = maps.map(|map| value(map).unwrap_or(Value::Null));
+        compare_values(&format!("{path}.{key}"), [&first, &second], numbers, texts);
+    }
+}
+
+fn compare_leaf(path: &str, values: [&Value; 2], numbers: &mut Vec<NumberComparison>, texts: &mut Vec<TextComparison>) {
+    if values.iter().any(|value| value.is_string()) {
+        let values = values.map(|value| value.as_str().map(str::to_string));
+        return texts.push(TextComparison { path: path.to_string(), values });
+    }
+    let values = values.map(Value::as_f64);
+    if values == [None, None] {
+        return;
+    }
+    let difference = match values {
+        [Some(a), Some(b)] if path.starts_with("final.") && path.ends_with("_rad") => Some(wrap_angle(b - a)),
+        [Some(a), Some(b)] => Some(b - a),
+        _ => None,
+    };
+    let scale = values.iter().flatten().fold(0.0, |scale, value: &f64| value.abs().max(scale));
+    let relative = difference.filter(|_| scale > 0.0).map(|difference| difference.abs() / scale);
+    numbers.push(NumberComparison { path: path.to_string(), values, difference, relative });
+}
+
+impl ToReport for LogComparisonReport {
+    fn report(&self) -> Report {
+        let mut sections = vec![Report::from(heading(self)), value_table(self)];
+        if !self.trajectory_differences.is_empty() {
+            sections.push(trajectory_table(&self.trajectory_differences));
+        }
+        Report::join(sections)
+    }
+}
+
+fn heading(report: &LogComparisonReport) -> String {
+    let mut text = String::new();
+    for (label, log) in report.labels.iter().zip(&report.logs) {
+        let or_unknown = |entry: &Option<String>| entry.clone().unwrap_or_else(|| "unknown".to_string());
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{label}: {}, {} model, {} samples, read from {}",
+            or_unknown(&log.scene),
+            or_unknown(&log.model),
+            log.samples,
+            log.log
+        );
+    }
+    let _ = writeln!(text, "compared up to {}", format_duration(report.compared_to_s));
+    for note in &report.notes {
+        let _ = writeln!(text, "{note}");
+    }
+    if let (Some(directory), Some(files)) = (&report.directory, &report.files) {
+        let _ = writeln!(text, "in {directory}: {}", files.join(", "));
+    }
+    if let Some(page) = &report.page {
+        let _ = writeln!(text, "page: {page}");
+    }
+    text
+}
+
+fn value_table(report: &LogComparisonReport) -> Report {
+    let [first, second] = &report.labels;
+    let mut rows = vec![row(["", first, second, "difference", "relative"])];
+    // Values that are zero in both logs appear in the JSON document only.
+    for found in report.numbers.iter().filter(|found| found.values != [Some(0.0); 2]) {
+        let (name, unit, scale) = format_quantity(&found.path);
+        let number = |value: Option<f64>, digits| value.map_or("–".to_string(), |value| format_number(value, digits));
+        let count = |value: Option<f64>| value.map_or("–".to_string(), |value| format!("{value:.0}"));
+        let scaled = |value: Option<f64>| match unit {
+            "" => count(value),
+            _ => number(value.map(|value| value * scale), 7),
+        };
+        let label = if ["", RATIO].contains(&unit) { name } else { format!("{name}, {unit}") };
+        let difference = match unit {
+            "" => count(found.difference),
+            _ => number(found.difference.map(|difference| difference * scale), 3),
+        };
+        let [a, b] = found.values.map(scaled);
+        rows.push(row([&label, &a, &b, &difference, &number(found.relative, 3)]));
+    }
+    for found in &report.texts {
+        let (name, ..) = format_quantity(&found.path);
+        let [a, b] = found.values.each_ref().map(|text| text.as_deref().unwrap_or("–"));
+        rows.push(row([&name, a, b, if a == b { "0" } else { "differs" }]));
+    }
+    table(&rows)
+}
+
+/// Placeholder for the unit of a ratio.
+const RATIO: &str = "1";
+
+/// Returns the displayed name and unit of a value, and the factor from SI to that unit.
+fn format_quantity(path: &str) -> (String, &'static str, f64) {
+    const UNITS: [(&str, &str, f64); 13] = [
+        ("_n_m_s", "mN·m·s", 1e3),
+        ("_rad_s", "rad/s", 1.0),
+        ("_n_m", "N·m", 1.0),
+        ("_n_s", "mN·s", 1e3),
+        ("_m_s", "m/s", 1.0),
+        ("_percent", "%", 1.0),
+        ("penetration_rad", "µrad", 1e6),
+        ("penetration_m", "µm", 1e6),
+        ("_rad", "deg", 180.0 / std::f64::consts::PI),
+        ("_n", "N", 1.0),
+        ("_m", "mm", 1e3),
+        ("_s", "ms", 1e3),
+        ("_j", "mJ", 1e3),
+    ];
+    let name = |path: &str| {
+        let components: Vec<&str> =
+            path.split('.').filter(|component| !["contacts", "discs", "final"].contains(component)).collect();
+        components.join(" ").replace('_', " ")
+    };
+    match UNITS.iter().find(|(suffix, ..)| path.ends_with(suffix)) {
+        Some((suffix @ ("penetration_rad" | "penetration_m"), unit, scale)) => {
+            (format!("{}depth", name(path.trim_end_matches(suffix).trim_end_matches("max_"))), unit, *scale)
+        }
+        Some((suffix, unit, scale)) => (name(path.trim_end_matches(suffix)), unit, *scale),
+        None if path.ends_with(".restitution") => (name(path), RATIO, 1.0),
+        None => (name(path), "", 1.0),
+    }
+}
+
+fn trajectory_table(differences: &[TrajectoryDifference]) -> Report {
+    let mut rows = vec![row(["difference over the run", "largest", "at, ms", "RMS", "at the end"])];
+    for found in differences {
+        rows.push(row([
+            &found.quantity,
+            &format_number(found.max, 3),
+            &format_number(found.max_at_s * 1e3, 6),
+            &format_number(found.rms, 3),
+            &format_number(found.end, 3),
+        ]));
+    }
+    table(&rows)
+}

@@ -1,0 +1,136 @@
+//! Studies built in memory: fields of a scene and rows of their values.
+
+use toml::Spanned;
+
+use super::axis::AxisValues;
+use super::base;
+use super::field::{AxisValue, Field, FieldType};
+use super::spec::{StudySpec, study_without_designs};
+use super::{Filter, MAX_RUNS, Study};
+use crate::scene::schema::schema_for;
+use crate::scene::toml_value::TomlValue;
+use crate::scene::{Layer, SceneError};
+use crate::table::Value;
+use crate::trace::Model;
+
+/// Error in a study built in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum InMemoryStudyError {
+    Scene(SceneError),
+    /// An unknown or duplicate field.
+    Field {
+        message: String,
+        help: String,
+    },
+}
+
+impl std::error::Error for InMemoryStudyError {}
+
+impl std::fmt::Display for InMemoryStudyError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            InMemoryStudyError::Scene(error) => error.fmt(f),
+            InMemoryStudyError::Field { message, help } => write!(f, "error: {message}\n  = help: {help}"),
+        }
+    }
+}
+
+/// Builds a study of these scene fields without rows; each row that [`Study::with_rows`] adds is a design.
+///
+/// `layers` are the texts of the scene and the scenes it extends, `settings` additional fields, as for
+/// `scene::parse_layers`. The scene may lack the fields of the rows.
+///
+/// # Errors
+/// Returns an error if the scene is invalid, or a path is not a field of it.
+pub fn in_memory_study(
+    layers: &[Layer],
+    settings: &[Layer],
+    fields: &[&str],
+    model: Model,
+) -> Result<Study, InMemoryStudyError> {
+    let base = base::base_from_layers(layers, settings).map_err(InMemoryStudyError::Scene)?;
+    let mut resolved: Vec<Field> = Vec::new();
+    for path in fields {
+        let field = Field::find(path, schema_for(base.kind)).map_err(|(message, label, help)| {
+            InMemoryStudyError::Field { message, help: format!("{label}; {help}") }
+        })?;
+        if resolved.iter().any(|other| other.path == field.path) {
+            let message = format!("the field `{path}` is given twice");
+            return Err(InMemoryStudyError::Field { message, help: "remove one of them".to_string() });
+        }
+        resolved.push(field);
+    }
+    let invalid = |message| InMemoryStudyError::Field { message, help: "give other fields".to_string() };
+    study_without_designs(StudySpec {
+        kind: base.kind,
+        name: String::new(),
+        description: String::new(),
+        model,
+        filter: Filter::default(),
+        fields: resolved,
+        conditions: Vec::new(),
+        scene: base.table,
+        base: base.text,
+        source: String::new(),
+    })
+    .map_err(invalid)
+}
+
+impl Study {
+    /// Fields of the first axis, in the order of a row.
+    pub fn row_fields(&self) -> &[Field] {
+        self.axes.first().map_or(&[], |axis| &axis.fields)
+    }
+
+    /// Copies the study with these rows of values of its first axis. Each row is a design.
+    ///
+    /// # Panics
+    /// Panics if the length of a row differs from the number of fields, or if there are more than [`MAX_RUNS`] runs.
+    pub fn with_rows(&self, rows: Vec<Vec<AxisValue>>) -> Study {
+        assert!(rows.iter().all(|row| row.len() == self.row_fields().len()), "one value for each field");
+        let mut study = self.clone();
+        if let Some(first) = study.axes.first_mut() {
+            first.values = AxisValues::Rows(rows);
+        }
+        study.runs = study.loops().iter().map(|level| level.len).product();
+        assert!(study.runs <= MAX_RUNS, "at most {MAX_RUNS} runs");
+        study
+    }
+}
+
+impl Field {
+    /// Value of the field for a number in SI units; `None` if the field does not accept it.
+    pub fn value_of_si(&self, si: f64) -> Option<AxisValue> {
+        if !si.is_finite() {
+            return None;
+        }
+        match &self.field_type {
+            FieldType::Quantity(dimension) => {
+                let unit = dimension.units()[0].name;
+                Some(AxisValue { text: format!("\"{si:?} {unit}\""), value: Value::Number(si) })
+            }
+            FieldType::Number | FieldType::Percent => {
+                Some(AxisValue { text: format!("{si:?}"), value: Value::Number(si) })
+            }
+            FieldType::Integer(min, max) => {
+                let integer = si as i64;
+                let fits = integer as f64 == si && (min..=max).contains(&&integer);
+                fits.then(|| AxisValue { text: integer.to_string(), value: Value::Integer(integer) })
+            }
+            FieldType::Flag | FieldType::Choice(_) | FieldType::Text | FieldType::List(_) => None,
+        }
+    }
+
+    /// Parses a value as it is written in a scene file: `"12 mm"` with quotes, `0.8`, `true`.
+    ///
+    /// # Errors
+    /// Returns an error if the value is invalid; the message is a single line.
+    pub fn parse_toml(&self, toml: &str) -> Result<AxisValue, String> {
+        use serde::Deserialize;
+        let deserializer = toml::de::ValueDeserializer::parse(toml).map_err(|error| error.to_string())?;
+        let value: Spanned<TomlValue> = Spanned::deserialize(deserializer).map_err(|error| error.to_string())?;
+        self.read(&value).map_err(|problems| {
+            problems.iter().map(|p| format!("{}; {}", p.message, p.help)).collect::<Vec<_>>().join("; ")
+        })
+    }
+}

@@ -1,0 +1,96 @@
+//! Variants of a scene that a validation runs, and bounds in the unit of its errors.
+
+use super::Recording;
+use crate::check::{REFERENCE_LENGTH_M, reference_length_m};
+use crate::gripper::FingerContact;
+use crate::invariants::{Finding, Invariants};
+use crate::scene::keywords::SceneKind;
+use crate::scene::{GripperContact, Preset, Scene, Side};
+use crate::trace::{Model, Sink};
+
+/// Maximum number of samples of a reference grid: five references at 500 bytes a sample stay below 250 MB.
+const MAX_REFERENCE_SAMPLES: f64 = 1e5;
+/// Maximum rate of a reference grid; interpolation at this rate is exact to rounding.
+const MAX_REFERENCE_HZ: f64 = 1e6;
+
+/// Returns the scene that a validation runs. Scenes of discs end at `until`, so that every figure of a run, including
+/// peaks and impulses, covers the compared time only.
+pub fn compared_scene(scene: &Scene) -> Scene {
+    modify(scene, |scene| {
+        if scene.kind() == SceneKind::Bodies {
+            scene.duration_s = scene.bounds.until_s.min(scene.duration_s);
+        }
+    })
+}
+
+/// Returns the margin of each invariant in a recorded run.
+pub fn check_invariants(scene: &Scene, model: Model, run: &Recording) -> Vec<Finding> {
+    let mut invariants = Invariants::new(model, scene);
+    for sample in &run.samples {
+        invariants.sample(sample).expect("Invariants::sample does not write output");
+    }
+    invariants.findings(run.outcome.loop_gap_m)
+}
+
+/// Returns a modified copy of the scene.
+pub(super) fn modify(scene: &Scene, change: impl FnOnce(&mut Scene)) -> Scene {
+    let mut changed = scene.clone();
+    change(&mut changed);
+    changed
+}
+
+/// Returns the scene of the reference run: tightest settings, dense grid.
+pub fn reference_scene(scene: &Scene) -> Scene {
+    sampled_scene(Model::Analytic, &modify(scene, |scene| scene.apply_preset(Preset::Reference)))
+}
+
+/// Returns the scene with the sampling that a comparison needs. The analytic model has dense output, so it is sampled
+/// on a dense grid. The engine is sampled at every step, without interpolation.
+pub fn sampled_scene(model: Model, scene: &Scene) -> Scene {
+    match model {
+        Model::Analytic => modify(scene, |scene| {
+            let dense_hz = (MAX_REFERENCE_SAMPLES / scene.duration_s).min(MAX_REFERENCE_HZ);
+            scene.log.numeric_hz = dense_hz.max(scene.log.numeric_hz);
+        }),
+        Model::Engine => scene_sampled_at_steps(scene),
+    }
+}
+
+/// Returns the scene sampled at integrator steps only.
+pub fn scene_sampled_at_steps(scene: &Scene) -> Scene {
+    modify(scene, |scene| scene.log.numeric_hz = 1.0 / scene.duration_s)
+}
+
+/// Largest allowed error of the engine's trajectory, in the unit of the errors of [`check`](crate::check).
+pub fn path_bound(scene: &Scene) -> f64 {
+    let bounds = &scene.bounds;
+    match scene.kind() {
+        SceneKind::Finger => bounds.angle_rad,
+        SceneKind::Bodies => bounds.position_m,
+        SceneKind::Gripper => bounds.angle_rad.min(bounds.position_m / REFERENCE_LENGTH_M),
+    }
+}
+
+/// Largest allowed error of the reference trajectory. The check of the reference scales the position of a grasped
+/// object by its radius.
+pub(super) fn reference_path_bound(scene: &Scene) -> f64 {
+    match scene.kind() {
+        SceneKind::Gripper => scene.bounds.angle_rad.min(scene.bounds.position_m / reference_length_m(&scene.system)),
+        _ => path_bound(scene),
+    }
+}
+
+/// Whether the scene is a single finger, which the engine can also build in reduced coordinates.
+pub(super) fn is_single_finger(scene: &Scene) -> bool {
+    scene.kind() == SceneKind::Finger
+}
+
+/// Coefficient of static friction of the contacts; `None` if no contact is possible.
+pub(super) fn contact_static_friction(scene: &Scene) -> Option<f64> {
+    let system = &scene.system;
+    let (has_contacts, law) = match system.fingers.is_empty() {
+        true => (!system.pairs().is_empty(), system.between_discs),
+        false => (system.object().is_some(), system.law(GripperContact::Finger(Side::Right, FingerContact::Proximal))),
+    };
+    has_contacts.then(|| law.and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static))
+}

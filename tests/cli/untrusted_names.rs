@@ -1,0 +1,109 @@
+//! Names in scenes and logs are untrusted: they must not control terminals or break pictures and pages.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::cli::{EXPERIMENT_95, directory as test_directory, json, phalanx, stderr, stdout, write};
+
+/// Contains sequences that colour the terminal and move the cursor, a tag, and special characters of XML.
+const NAME: &str = "\u{1b}[31mred\u{7}\u{9b}2J<b>&\"\u{202e}\u{2028}\u{61c}";
+
+fn scene_with_untrusted_name(directory: &Path) -> String {
+    let text = fs::read_to_string(EXPERIMENT_95).expect("the scene");
+    let name = "name = \"\\u001b[31mred\\u0007\\u009b2J<b>&\\\"\\u202e\\u2028\\u061c\"";
+    write(directory, "\u{1b}[2Jx.toml", &text.replace("name = \"experiment-95\"", name))
+}
+
+#[track_caller]
+fn assert_no_control_chars(source: &str, text: &str) {
+    let is_control = |c: char| c.is_control() && !matches!(c, '\n' | '\t') || NAME[NAME.len() - 8..].contains(c);
+    assert!(!text.contains(is_control), "{source}: {:?}", text.lines().find(|line| line.contains(is_control)));
+}
+
+#[test]
+fn terminal_output_escapes_names() {
+    let directory = test_directory("foreign_terminal");
+    let scene = scene_with_untrusted_name(&directory);
+    let log = directory.join("\u{1b}]0;title\u{7}.mcap");
+    let log = log.to_str().expect("UTF-8 path");
+    let broken = write(&directory, "\u{1b}[1mbroken.toml", "name = \"\\u001b\"\n\"k\\u001by\" = 1\n");
+    for args in [
+        &["run", &scene, "--log", log][..],
+        &["run", &scene, "--json"],
+        &["replay", log],
+        &["replay", log, "--json"],
+        &["scene", "check", &scene],
+        &["scene", "show", &scene],
+        &["statics", &scene],
+        &["size", &scene],
+        &["scene", "check", &broken],
+        &["run", &broken],
+        &["run", log],
+        &["replay", &scene],
+        &["run", "\u{1b}[1mmissing.toml"],
+    ] {
+        let output = phalanx(args);
+        assert!(matches!(output.status.code(), Some(0 | 2)), "{args:?}: {}", stderr(&output));
+        assert_no_control_chars("stdout", stdout(&output));
+        assert_no_control_chars("stderr", stderr(&output));
+    }
+    assert_eq!(json(&phalanx(&["run", &scene, "--json"]))["scene"], NAME);
+    assert_eq!(json(&phalanx(&["replay", log, "--json"]))["scene"], NAME);
+}
+
+#[test]
+fn pictures_and_pages_escape_names() {
+    let directory = test_directory("foreign_pictures");
+    let scene = scene_with_untrusted_name(&directory);
+    let path_in = |name: &str| directory.join(name).to_str().expect("UTF-8 path").to_string();
+    let log = path_in("\u{1b}x.mcap");
+    for args in [
+        &["run", &scene, "--log", &log][..],
+        &["replay", &log, "--html", &path_in("page.html")],
+        &["replay", &log, "--against", &log, "--out", &path_in("two")],
+        &["statics", &scene, "--svg", &path_in("grasp.svg")],
+        &["size", &scene, "--out", &path_in("sized")],
+        &["validate", &scene, "--quick", "--set", "duration=1 ms", "--out", &path_in("validated")],
+        &["scene", "show", &scene, "--figure", &path_in("linkage.svg")],
+    ] {
+        let output = phalanx(args);
+        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+    }
+    for name in [
+        "grasp.svg",
+        "linkage.svg",
+        "two/overlay.svg",
+        "two/difference.svg",
+        "sized/springs.svg",
+        "sized/trajectory.svg",
+    ] {
+        let text = fs::read_to_string(directory.join(name)).expect(name);
+        assert_no_control_chars(name, &text);
+        assert!(!text.contains("<b>") && text.contains("&lt;b&gt;&amp;"), "{name}: the name is there as text");
+        let picture = roxmltree::Document::parse(&text).expect(name);
+        let label = picture.root_element().attribute("aria-label").expect("what it is");
+        assert!(label.contains("\u{fffd}[31mred\u{fffd}\u{fffd}2J<b>&\""), "{name}: {label}");
+    }
+    for name in ["two/report.txt", "two/report.json", "sized/size.txt", "validated/report.txt"] {
+        assert_no_control_chars(name, &fs::read_to_string(directory.join(name)).expect(name));
+    }
+    for name in ["page.html", "two/page.html"] {
+        let text = fs::read_to_string(directory.join(name)).expect(name);
+        assert_no_control_chars(name, &text);
+        assert!(text.contains("<title>\u{fffd}[31mred\u{fffd}\u{fffd}2J&lt;b&gt;&amp;&quot;"), "{name}");
+    }
+}
+
+#[test]
+fn table_text_is_never_a_formula() {
+    let directory = test_directory("foreign_tables");
+    let table = "run,design,=note\n1,1,=1+2\n";
+    let results = write(&directory, "results.csv", table);
+    // Text is copied unchanged from one table to the next, except for spreadsheet formulas, which are quoted.
+    let read = phalanx::table::read(Path::new(&results)).expect("a table");
+    let copy = directory.join("copy.csv");
+    phalanx::table::write(&copy, &read).expect("written");
+    assert_eq!(fs::read_to_string(&copy).expect("readable"), "run,design,'=note\n1,1,'=1+2\n");
+    let reparsed = phalanx::table::read(&copy).expect("a table");
+    assert_eq!((reparsed.columns, reparsed.rows), (read.columns, read.rows));
+}

@@ -1,0 +1,229 @@
+//! Source files have no import cycles. Items that two files share belong in a third one.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::independence::{code_without_comments, source_files};
+
+/// Module path of a source file, from the root of its crate.
+type Module = Vec<String>;
+
+/// An imported path, and whether it is re-exported.
+struct Import {
+    path: Vec<String>,
+    is_public: bool,
+}
+
+/// Modules under a root with their imports and their code without comments.
+struct SourceTree {
+    imports: BTreeMap<Module, Vec<Import>>,
+    code: BTreeMap<Module, String>,
+}
+
+fn segments(path: &str) -> Vec<String> {
+    path.split("::").map(str::trim).filter(|name| !name.is_empty()).map(String::from).collect()
+}
+
+/// Collects all paths of a use tree.
+fn collect_imports(use_tree: &str, prefix: &[String], is_public: bool, imports: &mut Vec<Import>) {
+    let use_tree = use_tree.trim();
+    let Some(open) = use_tree.find('{') else {
+        let path = use_tree.split(" as ").next().unwrap_or(use_tree);
+        imports.push(Import { path: [prefix, &segments(path)].concat(), is_public });
+        return;
+    };
+    let prefix = [prefix, &segments(&use_tree[..open])].concat();
+    let inner = &use_tree[open + 1..use_tree.rfind('}').unwrap_or(use_tree.len())];
+    let (mut depth, mut start) = (0, 0);
+    for (at, character) in inner.char_indices().chain([(inner.len(), ',')]) {
+        match character {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                if !inner[start..at].trim().is_empty() {
+                    collect_imports(&inner[start..at], &prefix, is_public, imports);
+                }
+                start = (at + 1).min(inner.len());
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Returns the imports of the `use` statements. Each statement must begin on a new line.
+fn imports(text: &str) -> Vec<Import> {
+    let mut collected = Vec::new();
+    let mut statement: Option<(String, bool)> = None;
+    for line in text.lines() {
+        let trimmed = line.trim();
+        let start_of_use =
+            trimmed.split_once("use ").filter(|(before, _)| before.is_empty() || before.starts_with("pub"));
+        if let (None, Some((before, rest))) = (&statement, start_of_use) {
+            statement = Some((rest.to_string(), !before.is_empty()));
+        } else if let Some((partial, _)) = &mut statement {
+            partial.push_str(trimmed);
+        }
+        if let Some((complete, is_public)) = statement.take_if(|(complete, _)| complete.ends_with(';')) {
+            collect_imports(complete.trim_end_matches(';'), &[], is_public, &mut collected);
+        }
+    }
+    collected
+}
+
+/// Returns the paths that begin with `super` or `crate`.
+fn qualified_paths(text: &str) -> Vec<Vec<String>> {
+    let mut paths = Vec::new();
+    for start in ["super::", "crate::"] {
+        for (at, _) in text.match_indices(start).filter(|(at, _)| !text[..*at].ends_with("::")) {
+            let end =
+                text[at..].find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(text.len() - at);
+            paths.push(segments(&text[at..at + end]));
+        }
+    }
+    paths
+}
+
+impl SourceTree {
+    /// Reads all files under a root, without their tests.
+    fn read(root: &str) -> Self {
+        let mut source_tree = SourceTree { imports: BTreeMap::new(), code: BTreeMap::new() };
+        let (parent, last) = root.rsplit_once('/').unwrap_or(("", root));
+        let base = Path::new(env!("CARGO_MANIFEST_DIR")).join(root);
+        for path in source_files(parent, last).into_iter().filter(|path| path.extension().is_some_and(|e| e == "rs")) {
+            let relative = path.strip_prefix(&base).expect("under the root").with_extension("");
+            let mut module: Module = relative.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+            module.pop_if(|last| ["mod", "lib", "main"].contains(&last.as_str()));
+            let text =
+                code_without_comments(&path).split("\n#[cfg(test)]\nmod tests").next().unwrap_or_default().to_string();
+            source_tree.imports.insert(module.clone(), imports(&text));
+            source_tree.code.insert(module, text);
+        }
+        source_tree
+    }
+
+    /// Returns the path from the root of the crate; `None` if it leads to another crate.
+    fn resolve(&self, module: &Module, path: &[String]) -> Option<Module> {
+        let (first, rest) = path.split_first()?;
+        let append = |base: &[String], rest: &[String]| Some([base, rest].concat());
+        match first.as_str() {
+            "crate" => append(&[], rest),
+            "self" => append(module, rest),
+            "super" => {
+                let levels_up = path.iter().take_while(|name| *name == "super").count();
+                append(&module[..module.len().checked_sub(levels_up)?], &path[levels_up..])
+            }
+            _ => Some([module.as_slice(), path].concat())
+                .filter(|_| self.imports.contains_key(&[module.as_slice(), std::slice::from_ref(first)].concat())),
+        }
+    }
+
+    /// Returns the file that defines the item of a path, through all re-exports.
+    fn defining_module(&self, path: &[String], depth: usize) -> Option<Module> {
+        let module =
+            (0..=path.len()).rev().map(|k| path[..k].to_vec()).find(|module| self.imports.contains_key(module))?;
+        let re_exported = path.get(module.len()).filter(|_| depth < 6).and_then(|name| {
+            let export =
+                self.imports[&module].iter().filter(|export| export.is_public && export.path.last() == Some(name));
+            export.filter_map(|export| self.defining_module(&self.resolve(&module, &export.path)?, depth + 1)).next()
+        });
+        Some(re_exported.unwrap_or(module))
+    }
+
+    /// Returns the files that each file uses.
+    fn dependencies(&self) -> BTreeMap<Module, BTreeSet<Module>> {
+        let dependencies_of = |(module, imports): (&Module, &Vec<Import>)| {
+            let imported = imports.iter().filter(|used| !used.is_public).map(|used| used.path.clone());
+            let used = imported.chain(qualified_paths(&without_imports(&self.code[module])));
+            let targets = used.filter_map(|path| self.defining_module(&self.resolve(module, &path)?, 0));
+            (module.clone(), targets.filter(|defining_module| defining_module != module).collect())
+        };
+        self.imports.iter().map(dependencies_of).collect()
+    }
+}
+
+/// Returns the code without `use` statements.
+fn without_imports(text: &str) -> String {
+    let mut in_import = false;
+    let is_kept = |line: &&str| {
+        let trimmed = line.trim();
+        in_import |= trimmed.starts_with("use ") || trimmed.starts_with("pub") && trimmed.contains("use ");
+        let is_code = !in_import;
+        in_import &= !trimmed.ends_with(';');
+        is_code
+    };
+    text.lines().filter(is_kept).collect::<Vec<_>>().join("\n")
+}
+
+/// Returns a cycle of the dependency graph.
+fn find_cycle(dependencies: &BTreeMap<Module, BTreeSet<Module>>) -> Option<Vec<Module>> {
+    fn visit(
+        module_path: &Module,
+        dependencies: &BTreeMap<Module, BTreeSet<Module>>,
+        path: &mut Vec<Module>,
+        visited: &mut BTreeSet<Module>,
+    ) -> Option<Vec<Module>> {
+        if let Some(first) = path.iter().position(|module| module == module_path) {
+            return Some(path[first..].to_vec());
+        }
+        if !visited.insert(module_path.clone()) {
+            return None;
+        }
+        path.push(module_path.clone());
+        let cycle = dependencies
+            .get(module_path)
+            .into_iter()
+            .flatten()
+            .find_map(|next| visit(next, dependencies, path, visited));
+        path.pop();
+        cycle
+    }
+    let mut visited = BTreeSet::new();
+    dependencies.keys().find_map(|module| visit(module, dependencies, &mut Vec::new(), &mut visited))
+}
+
+#[test]
+fn source_files_have_no_import_cycles() {
+    for (root, min_dependencies) in [
+        ("crates/mechanics/src", 40),
+        ("crates/integrator/src", 30),
+        ("crates/scene/src", 150),
+        ("crates/core/src", 200),
+        ("crates/show/src", 60),
+        ("crates/log/src", 50),
+        ("src", 250),
+    ] {
+        let dependencies = SourceTree::read(root).dependencies();
+        assert!(
+            dependencies.values().map(BTreeSet::len).sum::<usize>() > min_dependencies,
+            "{root}: too few dependencies are found"
+        );
+        let cycle =
+            find_cycle(&dependencies).map(|path| path.iter().map(|module| module.join("/")).collect::<Vec<_>>());
+        assert!(
+            cycle.is_none(),
+            "{root}: {} form a cycle; move the shared items to another file",
+            cycle.unwrap_or_default().join(" → ")
+        );
+    }
+}
+
+/// Cycles are found through use trees, re-exports and paths in code.
+#[test]
+fn detects_import_cycles() {
+    let source_tree = |sources: &[(&str, &str)]| {
+        let module = |name: &str| segments(&name.replace('/', "::"));
+        SourceTree {
+            imports: sources.iter().map(|(name, text)| (module(name), imports(text))).collect(),
+            code: sources.iter().map(|(name, text)| (module(name), text.to_string())).collect(),
+        }
+    };
+    let root = ("", "mod area;");
+    let module_file = ("area", "mod a;\nmod b;\npub use a::{Law, Other};\npub use b::Thing;");
+    let a = ("area/a", "use super::{Thing,\n    b::More};\npub struct Law;");
+    let with_import = source_tree(&[root, module_file, a, ("area/b", "use crate::area::Law;\npub struct Thing;")]);
+    assert_eq!(find_cycle(&with_import.dependencies()).expect("a cycle").len(), 2);
+    let with_path = source_tree(&[root, module_file, a, ("area/b", "pub struct Thing;\nfn x() { super::a::y() }")]);
+    assert_eq!(find_cycle(&with_path.dependencies()).expect("a cycle").len(), 2);
+    let one_way = source_tree(&[root, module_file, a, ("area/b", "use std::fmt;\npub struct Thing;")]);
+    assert_eq!(find_cycle(&one_way.dependencies()), None);
+}

@@ -1,0 +1,147 @@
+//! Decimation of samples: time grid, every step of an impact, extremes.
+
+use phalanx::scene;
+use phalanx::trace::{ContactSample, Decimated, Decimator, EventKind, FingerContact, Model, Sample, SinkError, run};
+use phalanx::validate::Recording;
+
+fn decimated_run(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Recording) {
+    let mut sink = Decimated::new(scene.log.numeric_hz, Recording::default());
+    let outcome = run(model, scene, &mut sink).expect("a run");
+    sink.end().expect("decimated");
+    (outcome, sink.sink)
+}
+
+/// A sample with a force on the proximal phalanx.
+fn sample_with_force(time_s: f64, normal_n: f64) -> Sample {
+    let proximal = ContactSample { gap_m: -1e-9 * normal_n, normal_n, ..ContactSample::default() };
+    Sample { time_s, contacts: vec![proximal], ..Sample::default() }
+}
+
+fn push_time(retained: &mut Vec<f64>, sample: &Sample) -> Result<(), SinkError> {
+    retained.push(sample.time_s);
+    Ok(())
+}
+
+fn retained_times(samples: &[Sample], numeric_hz: f64) -> Vec<f64> {
+    let mut decimator = Decimator::new(numeric_hz);
+    let mut retained = Vec::new();
+    for sample in samples {
+        decimator.sample(sample, |sample| push_time(&mut retained, sample)).expect("decimated");
+    }
+    decimator.flush(|sample| push_time(&mut retained, sample)).expect("decimated");
+    retained
+}
+
+#[test]
+fn without_forces_only_the_grid_is_retained() {
+    let samples: Vec<Sample> = (0..=100).map(|k| sample_with_force(f64::from(k) * 0.125, 0.0)).collect();
+    let retained = retained_times(&samples, 1.0);
+    assert_eq!(retained, (0..=12).map(f64::from).chain([12.5]).collect::<Vec<_>>());
+}
+
+#[test]
+fn every_step_of_an_impact_and_the_sample_before_it_are_retained() {
+    let force = |k: i32| if (40..=45).contains(&k) { 10.0 - f64::from((k - 42).pow(2)) } else { 0.0 };
+    let samples: Vec<Sample> = (0..=80).map(|k| sample_with_force(f64::from(k) / 64.0, force(k))).collect();
+    let retained = retained_times(&samples, 1.0);
+    for k in 39..=46 {
+        assert!(retained.contains(&(f64::from(k) / 64.0)), "no {k} in {retained:?}");
+    }
+    assert!(!retained.contains(&(30.0 / 64.0)) && !retained.contains(&(75.0 / 64.0)), "{retained:?}");
+}
+
+#[test]
+fn a_slow_maximum_between_grid_points_is_retained() {
+    // The force changes by less than a tenth in one interval.
+    let samples: Vec<Sample> =
+        (0..=200).map(|k| f64::from(k) / 64.0).map(|t| sample_with_force(t, 100.0 - (t - 1.265_625).powi(2))).collect();
+    let retained = retained_times(&samples, 1.0);
+    assert_eq!(retained, [0.0, 1.0, 1.265_625, 2.0, 3.0, 3.125]);
+}
+
+#[test]
+fn samples_around_an_event_are_retained() {
+    let mut decimator = Decimator::new(1.0);
+    let mut retained = Vec::new();
+    for k in 0..32 {
+        let sample = sample_with_force(f64::from(k) / 64.0, 0.0);
+        decimator.sample(&sample, |sample| push_time(&mut retained, sample)).expect("decimated");
+        if k == 10 {
+            decimator.event(|sample| push_time(&mut retained, sample)).expect("decimated");
+        }
+    }
+    assert_eq!(retained, [0.0, 10.0 / 64.0, 11.0 / 64.0]);
+}
+
+#[test]
+fn retained_samples_contain_the_extremes_of_a_finger_run() {
+    for name in ["experiment-95", "long-fingers", "hard/damper-none", "hard/start-in-penetration"] {
+        let scene = scene::load(format!("scenes/{name}.toml")).expect("a scene");
+        for model in [Model::Analytic, Model::Engine] {
+            let (outcome, retained) = decimated_run(&scene, model);
+            for finger_contact in FingerContact::ALL {
+                let (mut force, mut depth) = (0.0f64, 0.0f64);
+                for sample in &retained.samples {
+                    let (f, d) = sample.contact(finger_contact).force_and_penetration();
+                    (force, depth) = (force.max(f), depth.max(d));
+                }
+                let expected = outcome.finger_contact(finger_contact);
+                let label = format!("{name} {} {}", model.name(), finger_contact.name());
+                assert_eq!(depth, expected.max_penetration_m, "{label} {:?}", retained.events);
+                assert_eq!(force, expected.peak_normal_n, "{label}");
+            }
+        }
+    }
+}
+
+#[test]
+fn retained_samples_contain_the_extremes_of_a_disc_run() {
+    for name in ["impact", "two-free", "spring"] {
+        let scene = scene::load_any(format!("scenes/laws/{name}.toml")).expect("a scene");
+        for model in [Model::Analytic, Model::Engine] {
+            let mut sink = Decimated::new(scene.log.numeric_hz, Recording::default());
+            let outcome = run(model, &scene, &mut sink).expect("a run");
+            sink.end().expect("decimated");
+            for (pair, expected) in outcome.contacts.iter().enumerate() {
+                let largest = |value: fn(&ContactSample) -> f64| {
+                    sink.sink.samples.iter().map(|sample| value(&sample.contacts[pair])).fold(0.0, f64::max)
+                };
+                let label = format!("{name} {}", model.name());
+                assert_eq!(largest(|contact| -contact.gap_m), expected.max_penetration_m, "{label}");
+                assert_eq!(largest(|contact| contact.normal_n), expected.peak_normal_n, "{label}");
+            }
+        }
+    }
+}
+
+/// All steps of both impacts of design 95 are retained; the swing in between is on the grid.
+#[test]
+fn steps_are_retained_within_impacts_but_not_in_between() {
+    let scene = scene::load("scenes/experiment-95.toml").expect("a scene");
+    for model in [Model::Analytic, Model::Engine] {
+        let mut all_samples = Recording::default();
+        run(model, &scene, &mut all_samples).expect("a run");
+        let (_, retained) = decimated_run(&scene, model);
+        assert_eq!(all_samples.events, retained.events, "{}", model.name());
+        let within = |samples: &[Sample], from: f64, to: f64| -> Vec<f64> {
+            samples.iter().map(|sample| sample.time_s).filter(|t| (from..to).contains(t)).collect()
+        };
+        for event in all_samples.events.iter().filter(|event| event.kind == EventKind::TouchDown && event.time_s > 0.0)
+        {
+            let (all, retained_times) = (
+                within(&all_samples.samples, event.time_s, event.time_s + 2e-5),
+                within(&retained.samples, event.time_s, event.time_s + 2e-5),
+            );
+            assert!(all.len() >= 3 && all.iter().all(|t| retained_times.contains(t)), "{} {event:?}", model.name());
+        }
+        let (all, retained_times) = (within(&all_samples.samples, 1e-3, 4e-3), within(&retained.samples, 1e-3, 4e-3));
+        assert!(
+            retained_times.len() >= 30 && retained_times.len() <= 34,
+            "{} {} of {}",
+            model.name(),
+            retained_times.len(),
+            all.len()
+        );
+        assert!(retained.samples.windows(2).all(|pair| pair[0].time_s <= pair[1].time_s));
+    }
+}

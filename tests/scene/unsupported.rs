@@ -1,0 +1,125 @@
+//! Systems from the API that no model supports are rejected by both models, not simulated as another system.
+
+use phalanx::grasp::finger::{GraspOverrides, grasp};
+use phalanx::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
+use phalanx::scene::{Disc, DiscMotion, PalmMotion, Scene, load_any};
+use phalanx::shape::PlacedShape;
+use phalanx::study::size::{SizingOptions, size_finger};
+use phalanx::study::stability::{Grid, stability};
+use phalanx::study::step_size::step_size;
+use phalanx::trace::{Model, RunError, run};
+
+const FINGER: &str = "scenes/experiment-95.toml";
+const GRIPPER: &str = "scenes/gripper/design-95.toml";
+const SEESAW: &str = "scenes/gripper/seesaw.toml";
+const DISCS: &str = "scenes/laws/impact.toml";
+
+/// A shipped scene, a change of it, and a part of the message.
+type Case<'a> = (&'a str, &'a dyn Fn(&mut Scene), &'a str);
+
+fn load(path: &str) -> Scene {
+    load_any(path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn free(inertia_kg_m2: Option<f64>) -> DiscMotion {
+    DiscMotion::Free { mass_kg: 0.05, inertia_kg_m2, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 }
+}
+
+#[test]
+fn unsupported_systems_are_rejected_by_both_models() {
+    let second_disc = || Disc::fixed_object(PlacedShape::disc(0.01, [0.1, 0.1]));
+    let driven = DiscMotion::Driven { velocity_m_s: [0.0; 2], acceleration_m_s2: [0.0; 2], spin_rad_s: 0.0 };
+    let moving = |scene: &mut Scene| scene.system.palm_motion = Some(PalmMotion::default());
+    let two_discs = |scene: &mut Scene| {
+        scene.system.grasped_mut().motion = free(Some(1e-5));
+        scene.system.discs.push(second_disc());
+    };
+    let cases: [Case<'_>; 8] = [
+        (GRIPPER, &|scene| scene.system.fingers.push(scene.finger().clone()), "more than two fingers"),
+        (FINGER, &|scene| scene.system.differential = load(SEESAW).system.differential, "requires two fingers"),
+        (DISCS, &moving, "a moving palm requires fingers"),
+        (FINGER, &moving, "the palm moves"),
+        (
+            GRIPPER,
+            &|scene| {
+                scene.system.grasped_mut().motion = driven;
+                moving(scene);
+            },
+            "the palm moves",
+        ),
+        (FINGER, &two_discs, "no law"),
+        (GRIPPER, &two_discs, "no law"),
+        (DISCS, &|scene| scene.system.between_discs = None, "no law"),
+    ];
+    for (path, change, message) in cases {
+        let mut scene = load(path);
+        assert_eq!(scene.system.unsupported(), None, "{path}");
+        change(&mut scene);
+        for model in [Model::Analytic, Model::Engine] {
+            let Err(RunError::Simulation { failure, .. }) = run(model, &scene, &mut ()) else {
+                panic!("{path}, {message}: {} runs", model.name())
+            };
+            let reason = failure.reason.to_string();
+            assert!(reason.contains(message) && reason.contains(": "), "{path}: {reason}");
+            assert_eq!(failure.time_s, 0.0, "{path}");
+        }
+    }
+}
+
+/// A disc starts at its own angle in either model.
+#[test]
+fn discs_start_at_their_angle() {
+    let mut scene = load(DISCS);
+    scene.duration_s = 1e-4;
+    for (index, disc) in scene.system.discs.iter_mut().enumerate() {
+        disc.angle_rad = 0.25 + index as f64;
+    }
+    for model in [Model::Analytic, Model::Engine] {
+        let last = run(model, &scene, &mut ()).expect("a run").last;
+        for (disc, body) in scene.system.discs.iter().zip(&last.bodies) {
+            assert!((body.angle_rad - disc.angle_rad).abs() < 1e-6, "{}: {}: {body:?}", model.name(), disc.name);
+        }
+    }
+}
+
+/// Functions for one kind of scene reject the other kinds.
+#[test]
+fn other_scene_kinds_are_rejected() {
+    let assert_rejected = |result: Result<(), String>, message: &str| {
+        let error = result.expect_err(message);
+        assert!(error.contains("is a scene of kind") && error.contains(message), "{error}");
+    };
+    let [finger, gripper, discs] = [FINGER, GRIPPER, DISCS].map(load);
+    let keep_running = &|| true;
+    for other in [&gripper, &discs] {
+        let expected = "a scene of kind \"finger\" is required";
+        assert_rejected(
+            grasp(other, &GraspOverrides::default()).map(drop).map_err(|error| error.to_string()),
+            expected,
+        );
+        assert_rejected(
+            size_finger(other, SizingOptions::default()).map(drop).map_err(|error| error.to_string()),
+            expected,
+        );
+        let grid = Grid { steps_s: vec![1e-5], stiffness_factors: vec![1.0], damping_factors: vec![1.0] };
+        let map = stability(other, &grid, 1e-3, &mut |_, _, _| {}, keep_running);
+        assert_rejected(map.map(drop).map_err(|error| error.to_string()), expected);
+    }
+    for other in [&finger, &discs] {
+        let expected = "a scene of kind \"gripper\" is required";
+        let request = GripperGraspRequest {
+            posture: PostureRequest::Geometric,
+            mu_static: Vec::new(),
+            motor_n_m: None,
+            directions: 8,
+        };
+        assert_rejected(
+            gripper_grasp(other, &request, keep_running).map(drop).map_err(|error| error.to_string()),
+            expected,
+        );
+    }
+    for other in [&finger, &gripper] {
+        let result = step_size(other, true, &mut |_, _, _| {}, keep_running);
+        assert_rejected(result.map(drop).map_err(|error| error.to_string()), "a scene of kind \"bodies\" is required");
+    }
+}

@@ -1,0 +1,24 @@
+//! Tests of checks, criteria and comparisons of runs, with random and hard scenes.
+//!
+//! They are one test program because most of its cost is linking.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod budget;
+mod campaign;
+mod check;
+mod check_verdicts;
+mod criteria_anchor;
+mod criteria_reason;
+mod criteria_tracker;
+mod fates;
+mod grippers;
+mod hard_grippers;
+mod hard_scenes;
+mod random_scenes;
+mod rng;
+mod validate_command;
+mod validate_criteria;
+mod validate_measures;
+mod validate_scenes;

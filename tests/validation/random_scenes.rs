@@ -1,0 +1,96 @@
+//! Random scene texts in both models. A valid scene runs to its end or to an error with a reason, violates no
+//! invariant, and leaves a log that reads back to the last state of the run. An invalid scene is rejected with reasons.
+//!
+//! A failing scene is printed with its seed, from which the generator of its kind reproduces it.
+
+#[path = "random_scenes/discs.rs"]
+mod discs;
+#[path = "random_scenes/finger.rs"]
+mod finger;
+#[path = "random_scenes/trial.rs"]
+mod trial;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::grippers;
+use crate::rng::{self, Rng};
+use phalanx::trace::Model;
+use trial::{Counts, run_trial};
+
+/// Step budget of every run.
+const MAX_STEPS: u64 = 20_000;
+/// Largest number of failures that are printed.
+const MAX_PRINTED_FAILURES: usize = 5;
+
+/// Runs the scenes of the seeds `first`…`first + count` in one model.
+fn run_scenes(model: Model, generate_text: fn(&mut Rng) -> String, first: u64, count: u64) {
+    let mut counts = Counts::default();
+    let mut failures = Vec::new();
+    for seed in first..first + count {
+        let text = generate_text(&mut Rng::new(seed));
+        let result = catch_unwind(AssertUnwindSafe(|| run_trial(model, &text, &mut counts)));
+        let problem = match result {
+            Ok(Ok(())) => continue,
+            Ok(Err(problem)) => problem,
+            Err(_) => "a panic".to_string(),
+        };
+        failures.push(format!("---- seed {seed}, {} model: {problem}\n{text}", model.name()));
+    }
+    println!("{count} scenes in the {} model: {counts}", model.name());
+    let printed = failures.iter().take(MAX_PRINTED_FAILURES).cloned().collect::<Vec<_>>().join("\n");
+    assert!(failures.is_empty(), "{} of {count} scenes failed\n{printed}", failures.len());
+    // The scenes are useful: most of them run, and most runs are completed.
+    assert!(counts.rejected() * 2 < count, "{counts}");
+    assert!(counts.completed() > counts.ended(), "{counts}");
+}
+
+#[test]
+fn fingers_in_the_analytic_model() {
+    run_scenes(Model::Analytic, finger::scene_text, 0, 1000);
+}
+
+#[test]
+fn more_fingers_in_the_analytic_model() {
+    run_scenes(Model::Analytic, finger::scene_text, 1000, 500);
+}
+
+#[test]
+fn fingers_in_the_engine() {
+    run_scenes(Model::Engine, finger::scene_text, 0, 400);
+}
+
+#[test]
+fn more_fingers_in_the_engine() {
+    run_scenes(Model::Engine, finger::scene_text, 1000, 200);
+}
+
+#[test]
+fn discs_in_the_analytic_model() {
+    run_scenes(Model::Analytic, discs::scene_text, 0, 250);
+}
+
+#[test]
+fn discs_in_the_engine() {
+    run_scenes(Model::Engine, discs::scene_text, 0, 200);
+}
+
+#[test]
+fn grippers_in_the_analytic_model() {
+    run_scenes(Model::Analytic, grippers::scene_text, 0, 120);
+}
+
+#[test]
+fn grippers_in_the_engine() {
+    run_scenes(Model::Engine, grippers::scene_text, 0, 80);
+}
+
+/// 16 to 50 times as many scenes: `cargo nextest run --test validation random_scenes --run-ignored only --no-capture`.
+#[test]
+#[ignore = "takes minutes"]
+fn large_random_campaign_agrees() {
+    for (model, fingers) in [(Model::Analytic, 20_000), (Model::Engine, 8_000)] {
+        run_scenes(model, finger::scene_text, 100_000, fingers);
+        run_scenes(model, discs::scene_text, 100_000, 4_000);
+        run_scenes(model, grippers::scene_text, 100_000, 4_000);
+    }
+}
