@@ -95,7 +95,7 @@ fn free_motion_is_described_and_drawn() {
         "not closed",
         "The object moves straight away from the palm at 1.00 mm/s.",
         "Both fingers: the proximal phalanx closes at",
-        "Contact is lost at: palm; maintained at: right proximal phalanx, right distal phalanx, left proximal phalanx, left distal phalanx.",
+        "Contact is lost at: palm; maintained at: right proximal phalanx, right tip, left proximal phalanx, left tip.",
         "μ_s 0: the distal phalanx would have to pull",
         "the distal phalanx pushes the object at motor torques above",
     ] {

@@ -103,7 +103,7 @@ fn constraint(row: GripperRow) -> String {
     let GripperRow::Hand(row) = row else { return "input".to_string() };
     match row {
         Row::Contact { finger, site: FingerContact::Proximal } => format!("{} proximal phalanx", finger_name(finger)),
-        Row::Contact { finger, .. } => format!("{} distal phalanx", finger_name(finger)),
+        Row::Contact { finger, .. } => format!("{} tip", finger_name(finger)),
         Row::Palm => "palm".to_string(),
         Row::Motor { finger } => format!("{} motor", finger_name(finger)),
     }
