@@ -184,7 +184,7 @@ fn the_analytic_model_matches_runge_kutta_for_spring_and_damper() {
         assert!(max_relative_error(&reference, &expected) < 1e-10, "{reference:?} {expected:?}");
         let actual = simulated_impact(Model::Analytic, &impact_scene(SPRING_AND_DAMPER, speed, 30e-3), speed);
         let error = max_relative_error(&actual, &expected);
-        println!("{speed} m/s: {error:.1e} {expected:?}");
+        println!("{speed} m/s: error {error:.1e}, expected {expected:?}");
         assert!(error < 1e-9, "{error:.1e}: {actual:?} {expected:?}");
         assert!(relative_error(actual.lost_j, expected.lost_j) < 1e-9);
     }

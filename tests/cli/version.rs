@@ -50,7 +50,7 @@ fn commit_is_found_in_its_checkout_and_marked_if_dirty() {
     git(&at, &["commit", "--quiet", "-m", "first"]);
     let first = build::commit(&at).expect("a checkout");
     assert!(is_commit(&first.text) && !first.text.contains("dirty"), "{}", first.text);
-    // HEAD and its branch; a commit changes one of them.
+    // The version depends on HEAD and its branch, because a commit changes one of them.
     assert_eq!(first.depends_on.len(), 2, "{:?}", first.depends_on);
     assert!(first.depends_on.iter().all(|path| Path::new(path).is_file()), "{:?}", first.depends_on);
 

@@ -5,7 +5,7 @@ use crate::scene::{Disc, System};
 use crate::shape::max_radius;
 
 /// A run is chaotic if the perturbation changes its path by more than this, in the unit of
-/// [`MAX_PATH_ERROR`](super::MAX_PATH_ERROR), or by [`CHAOS_MOTION_FRACTION`] of the largest displacement.
+/// [`MAX_PATH_ERROR`](super::MAX_PATH_ERROR), or by a tenth of the largest displacement.
 pub const CHAOS_THRESHOLD: f64 = 1e-3;
 /// A path error is too large if it exceeds this fraction of the largest displacement.
 pub const MOTION_FRACTION: f64 = 1e-2;

@@ -21,7 +21,7 @@ pub struct ContactChannel {
 }
 
 impl Layout {
-    /// Returns the layout of a system; contacts are in the order of [`System::touching`].
+    /// Returns the layout of a system; contacts are in the order of [`System::contact_ids`].
     pub fn from_system(system: &System) -> Self {
         let channel = |id| ContactChannel { name: system.contact_name(id), is_angular: id.is_stop() };
         Self {

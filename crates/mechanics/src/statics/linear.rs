@@ -48,7 +48,7 @@ pub fn orthogonal_component(basis: &DMatrix<f64>, vector: &DVector<f64>) -> DVec
 /// Returns a unit vector orthogonal to a basis that does not span the whole space.
 pub fn orthogonal(basis: &DMatrix<f64>) -> DVector<f64> {
     let n = basis.nrows();
-    // The axis with the smallest projection onto the basis.
+    // Select the axis with the smallest projection onto the basis.
     let coverage = |i: usize| basis.row(i).norm_squared();
     let axis = (0..n).min_by(|&a, &b| coverage(a).total_cmp(&coverage(b))).unwrap_or(0);
     orthogonal_component(basis, &DVector::from_fn(n, |i, _| if i == axis { 1.0 } else { 0.0 })).normalize()
