@@ -151,8 +151,8 @@ def main(log: str, out: str):
     frames = schedule(first_contact, end)
     last = states[-1]
     # Contact points of the final state: on the object, in the direction of the nearest point of each phalanx axis.
-    knee = g["l21"] * e(last.q21_rad)
-    lines = {"proximal": ((0.0, 0.0), knee), "distal": (knee, knee + g["t22"] * e(last.q21_rad + last.q22_rad + g["phi22"]))}
+    joint_21 = g["l21"] * e(last.q21_rad)
+    lines = {"proximal": ((0.0, 0.0), joint_21), "distal": (joint_21, joint_21 + g["t22"] * e(last.q21_rad + last.q22_rad + g["phi22"]))}
     for phalanx, (a, b) in lines.items():
         d = (b[0] - a[0], b[1] - a[1])
         s = ((g["centre"][0] - a[0]) * d[0] + (g["centre"][1] - a[1]) * d[1]) / (d[0] ** 2 + d[1] ** 2)

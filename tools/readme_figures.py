@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Measures the figures of the README and of the documents in src/docs, and puts them there.
+"""Measures the figures of the README and of the documents in src/docs, and updates them.
 
     tools/readme_figures.py                 all blocks
     tools/readme_figures.py scenes memory   only these
-    tools/readme_figures.py --dry-run       print, leave the pages alone
+    tools/readme_figures.py --dry-run       print only, do not change the pages
 
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
 block of the same name in the page that has it; nothing else changes. Blocks: summary, accuracy, scenes, memory, engine,
@@ -45,7 +45,7 @@ def table(header, rows):
 
 
 def number(x, form="{:.1e}"):
-    """A figure, or a dash where there is none."""
+    """A figure, or a dash if it is missing."""
     return "–" if x is None else form.format(x)
 
 
@@ -53,12 +53,12 @@ def method_name(row):
     return row["method"] + (f" (preset `{row['preset']}`)" if row["preset"] else "")
 
 
-# Of the sweep over tolerances the README shows these; the bench prints all.
+# Tolerances shown in the README; the bench prints all.
 SHOWN_RTOLS = ("1e-04", "1e-06", "1e-08", "1e-10")
 
 
 def comparison_table(rows):
-    """Work and precision, one row a contestant."""
+    """Work and precision, one row per solver."""
     rows = [row for row in rows if row["preset"] or f"{row['rtol']:.0e}" in SHOWN_RTOLS]
     header = [
         "method", "rtol", "right of 15", "angle error, median / worst (rad)", "contact time (s)", "impulse",
@@ -83,7 +83,7 @@ def comparison_table(rows):
 
 
 def design_table(sweeps):
-    """Presets over random designs."""
+    """Table of the presets over random designs."""
     header = ["designs", "preset", "right", "singular, right", "angle error, median / p99 / worst (rad)", "mean time (ms)"]
     body = []
     for sweep in sweeps:
@@ -102,7 +102,7 @@ def design_table(sweeps):
 
 
 def accuracy(scratch):
-    """Work and precision on design 95, ours and published in one run, and the presets over random designs."""
+    """Work and precision on design 95, phalanx and published solvers in one run, and the presets over random designs."""
     ours, all_solvers = scratch / "ours.json", scratch / "solvers.json"
     call("cargo", "bench", "--locked", "--bench", "work_precision", "--", "--json", ours, stdout=sys.stderr)
     solvers = ["cargo", "run", "--locked", "--release", "--manifest-path", "benches/solvers/Cargo.toml"]
@@ -113,7 +113,7 @@ def accuracy(scratch):
 
 
 def scenes(_):
-    """Every shipped scene; and the picture of one with its letters."""
+    """Table of the shipped scenes, and a picture of one with its symbols."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     call(PHALANX, "scene", "show", "scenes/experiment-95.toml", "--figure", "tools/figures/linkage.svg", stdout=sys.stderr)
     header = [
@@ -122,7 +122,7 @@ def scenes(_):
     ]
     body = []
     for scene in sorted((ROOT / "scenes").glob("*.toml")):
-        # Status 3 is a simulation that ended early: its document says so.
+        # Status 3: the simulation ended early, as its document states.
         result = subprocess.run([PHALANX, "run", scene, "--json"], capture_output=True, text=True, check=False)
         if result.returncode not in (0, 1, 3) or not result.stdout:
             sys.exit(f"{scene.name}: status {result.returncode}\n{result.stderr}")
@@ -151,15 +151,15 @@ def scene_row(path, run):
 
 
 def peak_rss(scratch, command):
-    """Peak resident memory of a command, in MiB. GNU time measures it: in the figure the kernel keeps for a child of ours the
-    interpreter it was forked from would count too."""
+    """Peak resident memory of a command, in MiB. Measured by GNU time, because the kernel's figure for a child
+    process includes the Python interpreter from which it was forked."""
     report = scratch / "peak"
     call("/usr/bin/time", "-f", "%M", "-o", report, *command, stdout=subprocess.DEVNULL)
     return int(report.read_text().split()[-1]) / 1024
 
 
 def memory(scratch):
-    """Peak memory of a 10 s hold with a log, beside that of the closing alone."""
+    """Peak memory of a 10 s hold with a log, next to the peak memory of the closing alone."""
     if not Path("/usr/bin/time").exists():
         sys.exit("GNU time is not installed: get it from the packages of the system (apt-get install time)")
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
@@ -172,7 +172,7 @@ def memory(scratch):
 
 
 def validation(scene, *options):
-    """The JSON document of one `phalanx validate`; status 1 is a bound that did not hold, which the document says."""
+    """The JSON document of one `phalanx validate`; status 1 means that a bound is exceeded, as the document states."""
     command = [PHALANX, "validate", scene, "--json", *options]
     print("$", *command, file=sys.stderr)
     result = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -182,7 +182,7 @@ def validation(scene, *options):
 
 
 def engine(scratch):
-    """Speed against error of every setting on the anchor, and its picture."""
+    """Speed and error of every setting on design 95, and their plot."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     out = scratch / "validation"
     document = validation(ROOT / "scenes" / "experiment-95.toml", "--ladder-time", "600 s", "--out", out)
@@ -221,7 +221,7 @@ def max_known(values):
 
 
 def validate(_):
-    """Every shipped scene, engine against analytic model."""
+    """Comparison of the engine with the analytic model on every shipped scene."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     header = [
         "scene", "within bounds", "angle (rad)", "contact time (s)", "final force", "impulse", "loop gap (m)", "steps",
@@ -245,36 +245,36 @@ def validate(_):
 
 
 def log(_):
-    """What a log adds to a run of design 95; the table is the bench's own."""
+    """Cost of a log in a run of design 95; the bench prints the table."""
     found = call("cargo", "bench", "--locked", "--bench", "log_cost", stdout=subprocess.PIPE, text=True)
     return "\n".join(line for line in found.stdout.splitlines() if line.startswith("|"))
 
 
 def reproduce(scratch):
-    """The thesis's figures that have an expectation, beside ours; pictures of a volume and of the selection."""
+    """Figures of the thesis and of phalanx side by side; pictures of a volume and of the selection."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     out = scratch / "reproduce"
     command = [PHALANX, "reproduce", "--out", out, "--json"]
     print("$", *command, file=sys.stderr)
     result = subprocess.run(command, capture_output=True, text=True, check=False)
-    # Status 1 is a figure that is not as expected, which the document says.
+    # Status 1: a figure is not as expected, as the document states.
     if result.returncode not in (0, 1) or not result.stdout:
         sys.exit(f"reproduce: status {result.returncode}\n{result.stderr}")
     for ours, theirs in (("volume-19.svg", "volume.svg"), ("criteria.svg", "selection.svg")):
         shutil.copy(out / "figures" / ours, ROOT / "tools" / "figures" / theirs)
     lines = (out / "report.md").read_text().split("**Table 1.**")[1].splitlines()
     rows = [line for line in lines[1:lines.index("", 2)] if line.startswith("|")]
-    # The sources and reasons stay in the report.
+    # Sources and reasons are only in the report.
     return "\n".join("|".join(row.split("|")[:5]) + "|" for row in rows)
 
 
 def design(scratch):
-    """Speed of sweeps, volumes and the reproduction; the tables of the first two are the benches' own."""
+    """Speed of sweeps, volumes and the reproduction; the benches print the tables of the first two."""
     bench = lambda name: call("cargo", "bench", "--locked", "--bench", name, stdout=subprocess.PIPE, text=True)  # noqa: E731
     tables = []
     for name in ("sweep", "volume"):
         lines = [line for line in bench(name).stdout.splitlines() if line.startswith("|")]
-        # A bench can have several tables: each begins with a line that a line of dashes follows.
+        # A bench can print several tables. Each begins with a header line, followed by a line of dashes.
         for line, after in zip(lines, lines[1:] + [""]):
             tables.append(("\n" if after.startswith("|---") and tables else "") + line)
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
@@ -339,7 +339,7 @@ def summary(scratch):
 
 
 def explorer(scratch):
-    """What the explorer's page weighs, and how soon it answers; the table is the script's own."""
+    """Size and response time of the explorer's page; the script prints the table."""
     call("tools/clients.sh", "setup", stdout=sys.stderr)
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     call("tools/explorer.sh", stdout=sys.stderr)
@@ -354,7 +354,7 @@ BLOCKS = {
 
 
 def put(name, content):
-    """Replaces a block in the page that has it."""
+    """Replaces a block in the page that contains it."""
     pattern = re.compile(rf"<!-- figures:begin {name} -->.*?<!-- figures:end {name} -->", re.DOTALL)
     having = [page for page in PAGES if pattern.search(page.read_text())]
     if len(having) != 1:

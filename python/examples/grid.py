@@ -60,6 +60,6 @@ def evaluate_designs(base: phalanx.Scene, designs: np.ndarray, threads: int = 0)
     peak_n = np.where(missing, NO_RESULT_FORCE_N, peak_n)
     classes = np.array([CLASSES.index(name) if name in CLASSES else len(CLASSES) for name in table["class"]])
     pfp_n = np.where(np.isnan(table["pfp_n"]), -100.0, table["pfp_n"])
-    not_true = lambda name: np.array([value is not True and value is not np.True_ for value in table[name]], dtype=float)  # noqa: E731
-    violation = not_true("force_positive") + not_true("form_closed") + np.maximum(classes - 1, 0) + np.maximum(-pfp_n, 0) / 10.0
+    is_false = lambda name: np.array([value is not True and value is not np.True_ for value in table[name]], dtype=float)  # noqa: E731
+    violation = is_false("force_positive") + is_false("form_closed") + np.maximum(classes - 1, 0) + np.maximum(-pfp_n, 0) / 10.0
     return {"tts_s": tts_s, "peak_n": peak_n, "violation": violation + missing}

@@ -171,17 +171,17 @@ def _write_atomically(path: Path, contents: bytes) -> None:
 def _choose_shards(study: Path, info: dict[str, Any], model: str | None, check: bool, shard_s: float, cpus: int) -> int:
     """Returns the number of parts that take about `shard_s` each, from timed runs at the start, middle and end."""
     runs = int(info["runs"])
-    pieces = max(1, runs // 32)
-    spent_s, completed = 0.0, 0
+    shard_count = max(1, runs // 32)
+    elapsed_s, completed = 0.0, 0
     with TemporaryDirectory() as directory:
-        for k in sorted({1, pieces // 2 + 1, pieces}):
+        for k in sorted({1, shard_count // 2 + 1, shard_count}):
             start = time.monotonic()
             part = sweep_shard(
-                study, k, pieces, Path(directory) / f"{k}.parquet", threads=1, model=_model(model), check=check
+                study, k, shard_count, Path(directory) / f"{k}.parquet", threads=1, model=_model(model), check=check
             )
-            spent_s += time.monotonic() - start
+            elapsed_s += time.monotonic() - start
             completed += int(part["made_now"])
-    shards = math.ceil(runs * (spent_s / max(completed, 1)) / shard_s)
+    shards = math.ceil(runs * (elapsed_s / max(completed, 1)) / shard_s)
     # At least one part per processor, and parts that fit into memory.
     return max(1, min(runs, max(shards, cpus, math.ceil(runs / MAX_SHARD_RUNS))))
 

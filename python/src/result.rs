@@ -35,7 +35,7 @@ pub struct Playback {
     pub summary: Report,
 }
 
-/// What a result was computed from: the input of a run, or a log.
+/// Source of a result: the input of a run, or a log.
 pub enum Source {
     Run(Arc<RunInput>),
     Log(PathBuf),

@@ -140,11 +140,11 @@ class Sweep(unittest.TestCase):
                 phalanx.sweep(study)
             self.assertEqual(caught.exception.line, 3)
             self.assertEqual(str(caught.exception).strip(), command("sweep", study, "--list", status=2).strip())
-            foreign = Path(directory) / "foreign.csv"
-            foreign.write_text("years of work")
+            other_file = Path(directory) / "other_file.csv"
+            other_file.write_text("years of work")
             with self.assertRaisesRegex(phalanx.StudyError, "not replaced"):
-                phalanx.sweep(THESIS, out=foreign)
-            self.assertEqual(foreign.read_text(), "years of work")
+                phalanx.sweep(THESIS, out=other_file)
+            self.assertEqual(other_file.read_text(), "years of work")
             with self.assertRaisesRegex(phalanx.StudyError, "no such file"):
                 phalanx.sweep(Path(directory) / "no.toml")
 

@@ -19,7 +19,7 @@ pub(super) struct Browser {
     arguments: Vec<OsString>,
 }
 
-/// What to do without a browser.
+/// Hint for a system without a browser.
 const ALTERNATIVE: &str = "write the page with --html FILE.html and open that file on a computer with a browser";
 
 impl Browser {

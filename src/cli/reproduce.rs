@@ -79,7 +79,7 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
     Ok(if report.outside > 0 { Status::CheckFailed } else { Status::Done })
 }
 
-/// Files in the output directory, besides the pictures in figures/.
+/// Files in the output directory, without the pictures in figures/.
 const FILES: [&str; 5] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv"];
 
 /// Writes the files of `--out`; the report is written last.

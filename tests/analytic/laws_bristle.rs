@@ -1,4 +1,4 @@
-//! Stiction of discs, against motions with a closed form.
+//! Stiction of discs, compared with closed-form motions.
 
 use phalanx::check::check;
 use phalanx::law::{Bristle, FrictionLaw};

@@ -43,7 +43,7 @@ fn assert_failed(args: &[&str], words: &[&str]) -> String {
     message
 }
 
-/// Makes a part with the library.
+/// Simulates a part with the library and returns its path.
 fn part(study: &Study, (number, count): (u64, u64), directory: &Path) -> PathBuf {
     let out = directory.join(format!("{number}-of-{count}.parquet"));
     let shard = shard(study, number, count).expect("a valid part");

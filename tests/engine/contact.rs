@@ -58,7 +58,7 @@ fn contact_space_inverse_inertia_matches_dense_algebra() {
     assert_eq!(motion.space.len(), 5);
     let mut linkage_poses = motion.linkage.poses.clone();
     linkage_poses.clear();
-    // The space belongs to the start of the step, so it is assembled again at the current poses.
+    // The contact space describes the start of the step; assemble it again at the current poses.
     let Motion { world, linkage, candidates, velocities, accelerations, space, .. } = &mut motion;
     space.assemble(world, &plan, linkage, (candidates, &[]), velocities, accelerations, 2e-3);
     let (inverse_mass, joints) = masses_and_joints(&plan, linkage);

@@ -126,7 +126,7 @@ fn finds_a_difference_of_one_ulp() {
             .map(|key| parse_exact_number(stdout(&output), "first_difference", key));
         assert_eq!(log, rerun.next_up());
         assert_eq!(absolute, (log - rerun).abs());
-        // The time is that of the modified message, as in the table of samples.
+        // The reported time is the time of the modified message, as in the table of samples.
         let table = phalanx(&["replay", original.to_str().expect("text"), "--csv", "-"]);
         let row = stdout(&table).lines().nth(1 + count as usize).expect("a row");
         assert_eq!(row.split(',').next().expect("a time").parse(), Ok(time_s));
@@ -299,7 +299,10 @@ fn rejects_logs_that_cannot_be_simulated_again() {
         &["the part of the log with its scene is lost"],
     );
     let other = fs::read_to_string(DISC_SCENE).expect("a scene");
-    assert_rejected(&LogEdits { scene: &|_| Some(other.clone()), ..LogEdits::default() }, &["of another kind"]);
+    assert_rejected(
+        &LogEdits { scene: &|_| Some(other.clone()), ..LogEdits::default() },
+        &["differs from the kind in its metadata"],
+    );
     let broken = |text: &str| Some(text.replace("[motor]", "[mortar]"));
     assert_rejected(
         &LogEdits { scene: &broken, ..LogEdits::default() },

@@ -257,7 +257,7 @@ proptest! {
         assert_round_trip(&parse(&text));
     }
 
-    /// Any value in the place of any other gives a scene or a message, never a panic.
+    /// Replacing any value by any other gives a scene or an error message, never a panic.
     #[test]
     fn swapped_values_never_panic(line in 0usize..60, value in 0usize..100) {
         let values = [

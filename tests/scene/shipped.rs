@@ -189,7 +189,7 @@ proptest! {
         }
     }
 
-    /// Any value in the place of any other, in shipped scenes and in resolved ones, gives a scene or a message, never a
+    /// Replacing any value by any other, in shipped and resolved scenes, gives a scene or an error message, never a
     /// panic.
     #[test]
     fn swapped_values_never_panic(

@@ -69,7 +69,7 @@ pub fn interrupted_log(scene: &str, model: Model, samples: usize) -> Vec<u8> {
     sink.writer.finish().expect("finished")
 }
 
-/// How to edit a message.
+/// Edit of a message.
 pub enum MessageEdit {
     Keep,
     Drop,

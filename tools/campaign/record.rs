@@ -12,7 +12,7 @@ const POINTS: f64 = 100.0;
 /// Wall time after which a run is aborted.
 pub const MAX_WALL_TIME: Duration = Duration::from_secs(60);
 
-/// How a scene is run.
+/// Configuration of a run of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Setting {
     /// The analytic model with the settings of the scene, by default the engineering preset.

@@ -35,7 +35,7 @@ daemons=()
 cleanup() {
     local status=$? process
     trap - EXIT
-    # Only in this Slurm: before its configuration exists, scancel would act on another one.
+    # Without its own configuration, scancel would act on another Slurm.
     if [ "${SLURM_CONF:-}" = "$scratch/slurm.conf" ]; then
         timeout 10 scancel --user="$(id -un)" --quiet 2>/dev/null || true
     fi
