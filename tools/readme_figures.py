@@ -306,7 +306,8 @@ def summary(scratch):
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     solvers = ["cargo", "run", "--locked", "--release", "--features", "cvode", "--manifest-path", "benches/solvers/Cargo.toml"]
     call(*solvers, "--", "--repetitions", "15", "--json", scratch / "solvers.json", stdout=sys.stderr)
-    call(sys.executable, "tools/mujoco_beside.py", "--json", scratch / "mujoco.json", stdout=sys.stderr)
+    environment = {**os.environ, "PHALANX": str(PHALANX)}
+    call(sys.executable, "tools/mujoco_beside.py", "--json", scratch / "mujoco.json", stdout=sys.stderr, env=environment)
     solvers = json.loads((scratch / "solvers.json").read_text())["rows"]
     mujoco = json.loads((scratch / "mujoco.json").read_text())
     engine_own = next(row for row in validation(ROOT / "scenes" / "experiment-95.toml", "--ladder")["settings"] if row["own"])
@@ -316,7 +317,7 @@ def summary(scratch):
     published = {found["method"] for found in solvers if not found["ours"]} - {"CVODE BDF"}
     cvode, rust = fastest(solvers, {"CVODE BDF"}), fastest(solvers, published)
     body = [
-        solver("phalanx, analytic model, everyday preset", preset("engineering")),
+        solver("phalanx, analytic model, `engineering` preset (default)", preset("engineering")),
         solver("phalanx, analytic model, `reference` preset", preset("reference")),
         row("phalanx, engine model (rapier with the contact hook)", engine_own["angle_max_rad"], engine_own["wall_s"]),
         solver(f"CVODE (BDF, rtol {cvode['rtol']:.0e}), same equations", cvode),
