@@ -33,7 +33,7 @@ if [ -n "${OPTIMISE:-}" ]; then
     module=$module.small
 fi
 
-# For the programs of both profiles, each of which searches its own directory.
+# For the programs of both profiles: each searches its own directory.
 packed=phalanx-explorer.wasm.gz
 mkdir -p "$built/debug" "$built/release"
 gzip -9 --no-name --stdout "$module" >"$built/$packed.partial"

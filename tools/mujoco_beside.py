@@ -133,39 +133,36 @@ def mjcf(resolved, step_s, integrator):
 </mujoco>""", (q11, q21)
 
 
-def simulate(model, data, resolved, duration_s):
-    """Runs one closing; returns the seconds it took and the joint positions of q11 and q21 after every step."""
+def reset(model, data, resolved):
+    """Puts the model into its initial state, with the constant torques of motor and spring."""
     import mujoco
 
     mujoco.mj_resetData(model, data)
-    data.ctrl[0] = si(resolved["motor"]["torque"])
-    data.ctrl[1] = -si(resolved["spring"]["torque"])
-    addresses = [model.joint(name).qposadr[0] for name in ("q11", "q21")]
-    count = round(duration_s / model.opt.timestep)
-    positions = []
+    data.ctrl[:] = [si(resolved["motor"]["torque"]), -si(resolved["spring"]["torque"])]
+
+
+def time_closing(model, data, resolved, duration_s):
+    """Wall time of one closing, s."""
+    import mujoco
+
+    reset(model, data, resolved)
     start = time.perf_counter()
-    mujoco.mj_step(model, data, nstep=count)
-    elapsed = time.perf_counter() - start
-    # The trajectory is recorded in a second run, so that recording is not timed.
-    mujoco.mj_resetData(model, data)
-    data.ctrl[0] = si(resolved["motor"]["torque"])
-    data.ctrl[1] = -si(resolved["spring"]["torque"])
-    stride = max(1, round(1e-4 / model.opt.timestep))
-    for _ in range(0, count, stride):
+    mujoco.mj_step(model, data, nstep=round(duration_s / model.opt.timestep))
+    return time.perf_counter() - start
+
+
+def record_closing(model, data, resolved, duration_s):
+    """Rows (time, joint positions of q11 and q21) of one closing, every 0.1 ms."""
+    import mujoco
+
+    reset(model, data, resolved)
+    addresses = [model.joint(name).qposadr[0] for name in ("q11", "q21")]
+    stride = round(1e-4 / model.opt.timestep)
+    rows = []
+    for _ in range(0, round(duration_s / model.opt.timestep), stride):
         mujoco.mj_step(model, data, nstep=stride)
-        positions.append((data.time, *(data.qpos[address] for address in addresses)))
-    return elapsed, positions
-
-
-def interpolate(rows, time_s, column):
-    """Linear interpolation of the reference, which has a row every 0.1 ms and at each event."""
-    low, high = 0, len(rows) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if rows[middle][0] <= time_s else (low, middle)
-    (t0, t1) = rows[low][0], rows[high][0]
-    weight = (time_s - t0) / (t1 - t0) if t1 > t0 else 0.0
-    return rows[low][column] + weight * (rows[high][column] - rows[low][column])
+        rows.append((data.time, *(data.qpos[address] for address in addresses)))
+    return rows
 
 
 def main():
@@ -176,17 +173,19 @@ def main():
     options = parser.parse_args()
     try:
         import mujoco
+        import numpy
     except ImportError:
         sys.exit("this comparison needs MuJoCo: pip install mujoco")
     resolved = tomllib.loads(phalanx("scene", "show", "--resolved", options.scene))
     if resolved["kind"] != "finger" or resolved["motor"]["profile"] != "constant" or resolved["spring"]["placement"] != "q22":
         sys.exit("the scene has to be one finger with a constant motor torque and a constant-force spring at q22")
     duration_s = si(resolved["duration"])
-    rows, first_s = trajectory(options.scene, "reference"), first_contact(options.scene)
+    first_s = first_contact(options.scene)
+    times, *reference = zip(*trajectory(options.scene, "reference"))
 
     def errors_of(positions):
         """Largest angle errors of the swing and of the whole run, rad."""
-        errors = [(t, max(abs(q - interpolate(rows, t, k + 1)) for k, q in enumerate(angles))) for t, *angles in positions]
+        errors = [(t, max(abs(q - numpy.interp(t, times, exact)) for q, exact in zip(angles, reference))) for t, *angles in positions]
         return {"swing_rad": max(e for t, e in errors if t < first_s - 1e-4), "run_rad": max(e for _, e in errors)}
 
     result = []
@@ -195,20 +194,21 @@ def main():
             text, start = mjcf(resolved, step_s, integrator)
             model = mujoco.MjModel.from_xml_string(text)
             data = mujoco.MjData(model)
-            runs = [simulate(model, data, resolved, duration_s) for _ in range(options.repetitions)]
-            positions = [(t, *(q0 + q for q0, q in zip(start, angles))) for t, *angles in runs[0][1]]
+            positions = [
+                (t, *(q0 + q for q0, q in zip(start, angles))) for t, *angles in record_closing(model, data, resolved, duration_s)
+            ]
+            seconds = [time_closing(model, data, resolved, duration_s) for _ in range(options.repetitions)]
             result.append({
                 "method": f"MuJoCo {mujoco.__version__}, {integrator}",
                 "step_s": step_s,
                 **errors_of(positions),
-                "time_s": statistics.median(elapsed for elapsed, _ in runs),
+                "time_s": statistics.median(seconds),
             })
     ours = [json.loads(phalanx("run", options.scene, "--preset", "engineering", "--json")) for _ in range(options.repetitions)]
     # The grid of the reference, so that nothing is interpolated.
-    grid = {row[0] for row in rows}
-    everyday = [row for row in trajectory(options.scene, "engineering") if row[0] in grid]
-    times = statistics.median(run["wall_s"] for run in ours)
-    result.append({"method": "phalanx, analytic model", "step_s": None, **errors_of(everyday), "time_s": times})
+    engineering = [row for row in trajectory(options.scene, "engineering") if row[0] in times]
+    seconds = statistics.median(run["wall_s"] for run in ours)
+    result.append({"method": "phalanx, analytic model", "step_s": None, **errors_of(engineering), "time_s": seconds})
     print(f"{'method':<32} {'step':>7} {'swing error':>12} {'run error':>12} {'time':>10}")
     for row in result:
         cell = lambda key: "–" if row[key] is None else f"{row[key]:.1e}"  # noqa: E731, B023

@@ -8,8 +8,8 @@
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
 block of the same name in the page that has it; nothing else changes. Blocks: summary, accuracy, scenes, memory, engine,
 validate, log, reproduce, design, explorer. Needs only Python's own library, GNU time for the block memory, and for the block
-explorer what tools/explorer.sh and tools/clients.sh need, and for the block summary libsundials-dev (CVODE) and `pip install mujoco`. The blocks scenes, engine and reproduce also put their pictures into
-tools/figures.
+explorer what tools/explorer.sh and tools/clients.sh need, and for the block summary libsundials-dev (CVODE) and `pip install mujoco`.
+The blocks scenes, engine and reproduce also put their pictures into tools/figures.
 """
 
 import argparse

@@ -135,7 +135,7 @@ fn a_run_that_exceeds_max_steps_keeps_its_samples() {
     }
 }
 
-/// Swings with random torque from random states, most of which end in a singular configuration. All settings end in the
+/// Swings with random torque from random states. Most of them end in a singular configuration. All settings end in the
 /// same way at the same time, and all logged numbers are finite.
 #[test]
 fn random_swings_end_consistently_with_all_settings() {

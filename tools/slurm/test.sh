@@ -136,7 +136,7 @@ count = ${RUNS:-4000}
 STUDY
 "$PHALANX" --quiet sweep "$scratch/study.toml" --out "$scratch/whole.csv" >/dev/null
 
-say "slurm: a sweep of eight parts in three tasks, one of which is killed"
+say "slurm: a sweep of eight parts in three tasks; one task is killed"
 jobs=$(TASKS=3 tools/slurm/sweep.sbatch submit "$scratch/study.toml" 8 "$scratch/out.csv")
 read -r _ sweep _ merge <<<"$jobs"
 parts=$scratch/out.csv.parts/of-8

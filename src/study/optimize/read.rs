@@ -130,7 +130,7 @@ fn variables(checker: &mut Checker<'_>, raw: &[Section<RawVariable>], kind: Scen
     variables
 }
 
-/// Reads the conditions: axes with values, none of which is a variable.
+/// Reads the conditions: axes with values that are not variables.
 fn conditions(
     checker: &mut Checker<'_>,
     raw: &[Section<RawAxis>],

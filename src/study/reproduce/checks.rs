@@ -8,7 +8,7 @@ use crate::table::{Table, Value};
 /// Checked runs by verdict.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Checks {
-    /// Number of completed runs, all of which are checked.
+    /// Number of completed runs; all of them are checked.
     pub runs: usize,
     /// Runs whose outcome depends on the tolerance.
     #[serde(rename = "uncertain_runs")]

@@ -160,7 +160,7 @@ impl Row {
     }
 }
 
-/// Index of a result column in a row of `cell_count` cells, of which the result columns are the last.
+/// Index of a result column in a row of `cell_count` cells. The result columns are the last cells.
 fn column_index(kind: SceneKind, cell_count: usize, name: &str) -> Option<usize> {
     let columns = result_columns(kind);
     Some(cell_count.checked_sub(columns.len())? + columns.iter().position(|(column, _)| *column == name)?)

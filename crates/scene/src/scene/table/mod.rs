@@ -136,7 +136,7 @@ fn read_fields(checker: &mut Checker<'_>, path: &str, input: &SectionInput<'_>, 
     }
 }
 
-/// Completes a pair of which only one element is set: the other one is the default, or NaN if the default is `derived`.
+/// Completes a pair with one set element: the other element is the default, or NaN if the default is `derived`.
 fn complete_pair<'a>(
     key: &str,
     input_value: &'a Spanned<TomlValue>,
