@@ -334,7 +334,7 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
         // Terms that depend on positions only are computed with the derivatives with respect to the two positions, then
         // extended to all variables.
         let finger_terms = self.finger.terms([Dual::<FINGER_COORDINATES>::variable(q[0], 0), Dual::variable(q[1], 1)]);
-        let widened_terms = finger_terms.widen();
+        let widened_terms = finger_terms.map(Dual::widen);
         let rate = array_from(|i| Dual::<W>::variable(v[i], FINGER_COORDINATES + i));
         let (torque, slope) = torque(&self.actuation, t);
         let geometry = |contact| self.geometry(&finger_terms.pose, &finger_terms.rates, contact).map(Geometry::widen);

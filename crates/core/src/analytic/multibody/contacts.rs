@@ -1,11 +1,11 @@
 //! Kinematics of the contacts in one state, without derivatives.
 
 use super::FINGERS;
-use super::components::{ContactModel, ContactPair};
-use super::contact_kinematics::{self, ContactKinematics};
-use super::coordinates::{
-    SignedIndex, disc_indices, disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices, scatter,
+use super::components::{
+    ContactModel, ContactPair, SignedIndex, disc_indices, disc_pair_indices, disc_time_indices, finger_indices,
+    phalanx_indices, scatter,
 };
+use super::contact_kinematics::{self, ContactKinematics};
 use super::frame;
 use super::model::Multibody;
 use crate::fivebar::kinematics::{Directions, PassiveRates};

@@ -10,8 +10,7 @@ use crate::fivebar::inertial_forces::InertialForces;
 use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
-use crate::numeric::plane::Vector;
-use crate::numeric::{Dual, Real, array_from};
+use crate::numeric::array_from;
 use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, GripperContact, PalmMotion, Side, System};
 use crate::shape::{PlacedShape, circle_radius};
 
@@ -365,22 +364,4 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     pub(super) fn finger_coordinates(finger: usize, all: &[f64; N]) -> [f64; 2] {
         [all[2 * finger], all[2 * finger + 1]]
     }
-}
-
-/// Makes position and angle of a disc differentiation variables with the given indices; the angle is constant if its
-/// index is not below P.
-#[inline(always)]
-pub(super) fn placed_variables<const P: usize>(
-    placed: &PlacedShape,
-    [x, y, angle]: [usize; 3],
-) -> PlacedShape<Dual<P>> {
-    let PlacedShape { shape, centre_m, angle_rad } = *placed;
-    let angle_rad = if angle < P { Dual::variable(angle_rad, angle) } else { Dual::constant(angle_rad) };
-    PlacedShape { shape, centre_m: [Dual::variable(centre_m[0], x), Dual::variable(centre_m[1], y)], angle_rad }
-}
-
-/// Makes both coordinates of a finger differentiation variables.
-#[inline(always)]
-pub(super) fn angle_variables(q: [f64; 2]) -> Vector<Dual<2>> {
-    [Dual::variable(q[0], 0), Dual::variable(q[1], 1)]
 }
