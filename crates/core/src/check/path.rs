@@ -5,7 +5,7 @@ use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::nearest_equivalent_angle;
-use crate::trace::{BodyState, Energy, Event, RequiredData, Sample, Sink, SinkError};
+use crate::trace::{BodyState, Channels, Energy, Event, RequiredData, Sample, Sink, SinkError};
 
 /// Number of grid intervals. Errors can appear and vanish within a hundredth of a run.
 pub const GRID_INTERVALS: f64 = 256.0;
@@ -198,7 +198,7 @@ fn energy_error(run: &Path, reference: &Path) -> f64 {
     let scale_j =
         [run, reference].into_iter().filter_map(|path| path.audit).map(|audit| audit.scale_j()).fold(0.0, f64::max);
     let difference = |(a, b): (&Energy, &Energy)| {
-        let pairs = a.values_j().into_iter().zip(b.values_j());
+        let pairs = a.values().into_iter().zip(b.values());
         pairs
             .map(|(x, y)| (x - y).abs())
             .fold(0.0, |largest: f64, value| if value.is_nan() { f64::INFINITY } else { largest.max(value) })

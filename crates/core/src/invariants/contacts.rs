@@ -1,11 +1,11 @@
 //! Contacts and values of a run that the invariants are measured on.
 
-use super::measure::{ContactValues, MonitoredContact};
+use super::measure::MonitoredContact;
 use super::momentum::{FreeBody, MomentumBalance};
 use super::{Invariant, Invariants, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::scene::{ContactId, DiscMotion, Scene, Side, System};
-use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Sink, SinkError};
+use crate::trace::{Channels, ContactSample, Model, Sample, Sink, SinkError};
 
 impl Invariants {
     /// Measures a run of `scene` with `model`, with the tolerances of its settings.
@@ -61,44 +61,22 @@ impl Sink for Invariants {
         // An infinite gap belongs to a contact that the scene does not have.
         let existing = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
         let non_finite = non_finite(sample);
-        self.record(sample.time_s, non_finite, &sample.energy, existing.map(contact_values));
+        self.record(sample.time_s, non_finite, &sample.energy, existing);
         if non_finite == 0 {
             self.momentum(sample);
         }
         Ok(())
     }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
 }
 
-fn contact_values(contact: &ContactSample) -> ContactValues {
-    let ContactSample { gap_m, gap_rate_m_s, normal_n, tangential_n, slip_m_s, impulse_n_s, .. } = *contact;
-    ContactValues { gap_m, gap_rate_m_s, normal_n, tangential_n, slip_m_s, impulse_n_s }
-}
-
-/// Number of values that are not finite.
+/// Number of values that are not finite. An infinite gap belongs to a missing contact and does not count.
 fn non_finite(sample: &Sample) -> usize {
-    let fingers = sample.fingers.iter().flat_map(|finger| {
-        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, motor_torque_n_m, .. } = *finger;
-        let FingerState { qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, .. } = *finger;
-        let angles = [q11_rad, q21_rad, q12_rad, q22_rad, q13_rad];
-        angles.into_iter().chain([qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, motor_torque_n_m])
+    let fingers = sample.fingers.iter().flat_map(Channels::values);
+    let bodies = sample.bodies.iter().flat_map(Channels::values);
+    let contacts = sample.contacts.iter().flat_map(|contact| {
+        let gap_m = if contact.gap_m == f64::INFINITY { 0.0 } else { contact.gap_m };
+        ContactSample { gap_m, ..*contact }.values()
     });
-    let bodies = sample.bodies.iter().flat_map(|body| {
-        let BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [u, v], spin_rad_s } = *body;
-        [x, y, angle_rad, u, v, spin_rad_s]
-    });
-    let contacts = sample.contacts.iter().flat_map(numbers);
-    let all = fingers.chain(bodies).chain(contacts).chain(sample.energy.values_j()).chain([sample.time_s]);
+    let all = fingers.chain(bodies).chain(contacts).chain(sample.energy.values()).chain([sample.time_s]);
     all.filter(|number| !number.is_finite()).count()
-}
-
-/// All numbers of a contact. An infinite gap belongs to a missing contact and is omitted.
-fn numbers(contact: &ContactSample) -> impl Iterator<Item = f64> {
-    let ContactSample { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, point_m, normal } =
-        *contact;
-    let scalars = [gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s];
-    scalars.into_iter().chain(point_m).chain(normal).chain(Some(gap_m).filter(|gap| *gap != f64::INFINITY))
 }

@@ -4,7 +4,7 @@ use super::momentum::MomentumBalance;
 use super::{Finding, Invariant, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::numeric::elementary::pow;
-use crate::trace::{Energy, Model, Sample};
+use crate::trace::{ContactSample, Energy, Model, Sample};
 
 /// Tolerance for limits that hold in exact arithmetic.
 const ROUNDING: f64 = 1e-9;
@@ -24,17 +24,6 @@ pub(super) struct MonitoredContact {
     /// Surface displacement per unit of the gap: 1 between surfaces; for a joint stop, whose gap is an angle, the arm
     /// length in m.
     pub reach_m: f64,
-}
-
-/// State of a contact at one instant. For a stop, the units are rad instead of m and N·m instead of N.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ContactValues {
-    pub gap_m: f64,
-    pub gap_rate_m_s: f64,
-    pub normal_n: f64,
-    pub tangential_n: f64,
-    pub slip_m_s: f64,
-    pub impulse_n_s: f64,
 }
 
 /// A sink that measures how close a run comes to violating each [`Invariant`].
@@ -163,12 +152,12 @@ impl Invariants {
     }
 
     /// Records one instant: the number of non-finite values, the energies, and the state of every contact.
-    pub(super) fn record(
+    pub(super) fn record<'a>(
         &mut self,
         time_s: f64,
         non_finite: usize,
         energy: &Energy,
-        contact_values: impl IntoIterator<Item = ContactValues>,
+        contacts: impl IntoIterator<Item = &'a ContactSample>,
     ) {
         self.samples += 1;
         self.last_s = time_s;
@@ -182,9 +171,9 @@ impl Invariants {
         let released_j = (start.gravity_j - energy.gravity_j) + (start.spring_j - energy.spring_j);
         let available_j =
             (1.0 + ENERGY_SUM_TOLERANCE) * (supplied_j + released_j) + self.tolerances.energy * self.throughput_j;
-        for (index, values) in contact_values.into_iter().enumerate() {
-            self.contact(index, &values, time_s, available_j);
-            self.friction(index, &values, time_s);
+        for (index, values) in contacts.into_iter().enumerate() {
+            self.contact(index, values, time_s, available_j);
+            self.friction(index, values, time_s);
         }
     }
 
@@ -218,7 +207,7 @@ impl Invariants {
     }
 
     /// Measures depth, force and impulse of a contact.
-    fn contact(&mut self, index: usize, values: &ContactValues, time_s: f64, available_j: f64) {
+    fn contact(&mut self, index: usize, values: &ContactSample, time_s: f64, available_j: f64) {
         let contact = Some(index);
         let MonitoredContact { law, depth, reach_m, .. } = self.contacts[index];
         self.update(Invariant::NoAdhesion, contact, time_s, -values.normal_n, 0.0);
@@ -239,7 +228,7 @@ impl Invariants {
     }
 
     /// Measures the friction of a contact.
-    fn friction(&mut self, index: usize, values: &ContactValues, time_s: f64) {
+    fn friction(&mut self, index: usize, values: &ContactSample, time_s: f64) {
         let contact = Some(index);
         let previous = std::mem::replace(&mut self.slips_m_s[index], values.slip_m_s);
         if !self.tolerances.laws {

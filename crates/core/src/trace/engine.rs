@@ -2,7 +2,6 @@
 
 use super::engine_recorder::EngineRecorder;
 use super::grid::Span;
-use super::step_observer::StepObserver;
 use super::{Outcome, RunError, Sink, SinkError};
 use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
@@ -75,12 +74,12 @@ fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Ou
     }
 }
 
-/// Steps to the end of the run and reports every step to `observer`; returns the reason if the run does not get there.
+/// Steps to the end of the run and records every step; returns the reason if the run does not get there.
 fn step_through(
     motion: &mut Motion,
     settings: &Engine,
     end_s: f64,
-    observer: &mut impl StepObserver,
+    recorder: &mut EngineRecorder<'_>,
 ) -> Result<Option<Reason>, SinkError> {
     motion.contact.tolerance = Tolerance::from_stepping(settings.stepping);
     if let Stepping::Adaptive { tolerance_m, .. } = settings.stepping {
@@ -95,21 +94,21 @@ fn step_through(
         if substeps >= budget {
             return Ok(Some(Reason::SubstepBudget { budget, steps }));
         }
-        let stop_s = end_s.min(motion.clock.now() + observer.time_to_exit_s());
+        let stop_s = end_s.min(motion.clock.now() + recorder.time_to_exit_s());
         let dt = next_step(motion, settings.stepping, stop_s);
-        if let Err(error) = advance(motion, dt, &|| observer.should_continue()) {
-            return Ok(Some(match observer.should_continue() {
+        if let Err(error) = advance(motion, dt, &|| recorder.should_continue()) {
+            return Ok(Some(match recorder.should_continue() {
                 true => Reason::Obstacle(error.to_string()),
                 false => Reason::Stopped,
             }));
         }
         steps += 1;
         substeps += u64::from(motion.contact.substeps);
-        observer.step(motion)?;
-        if let Some(reason) = observer.failure() {
+        recorder.step(motion)?;
+        if let Some(reason) = &recorder.failure {
             return Ok(Some(Reason::Obstacle(reason.to_string())));
         }
-        if !observer.should_continue() {
+        if !recorder.should_continue() {
             return Ok(Some(Reason::Stopped));
         }
     }
