@@ -5,6 +5,7 @@
 use rapier2d_f64::prelude::*;
 
 use super::contact_space::ContactSpace;
+use super::dense::refill;
 use super::linkage::{BodyPose, Twist};
 use super::plan::{Plan, PlannedDrive, PrescribedMotion};
 use super::substeps::ContactSolver;
@@ -46,8 +47,7 @@ pub fn set_velocities(plan: &Plan, t: f64, velocities: &mut [Twist]) {
 
 /// Returns the accelerations of driven bodies at time `t`, with the body indices.
 pub fn accelerations(plan: &Plan, t: f64, out: &mut Vec<(usize, Twist)>) {
-    out.clear();
-    out.extend(plan.drives.iter().map(|drive| (drive.body, prescribed_state(plan, drive, t).acceleration)));
+    refill(out, plan.drives.iter().map(|drive| (drive.body, prescribed_state(plan, drive, t).acceleration)));
 }
 
 /// Returns the constant accelerations that, from these velocities, lead to the prescribed positions after `dt`.
@@ -59,8 +59,7 @@ pub fn mean_accelerations(
     dt: f64,
     out: &mut Vec<(usize, Twist)>,
 ) {
-    out.clear();
-    out.extend(plan.drives.iter().map(|drive| {
+    let mean = |drive: &PlannedDrive| {
         let body = drive.body;
         let acceleration = match drive.motion {
             PrescribedMotion::ConstantAcceleration { .. } => prescribed_state(plan, drive, t).acceleration,
@@ -72,7 +71,8 @@ pub fn mean_accelerations(
             }
         };
         (body, acceleration)
-    }));
+    };
+    refill(out, plan.drives.iter().map(mean));
 }
 
 /// Sets rapier's velocities so that the bodies move from their poses at `t` to the prescribed poses at t + dt.

@@ -119,7 +119,7 @@ fn step_through(
 fn advance(motion: &mut Motion, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
     let mut trial_dt = dt;
     loop {
-        match motion.advance_while(trial_dt, keep_running) {
+        match motion.advance(trial_dt, keep_running) {
             Err(StepError::TooLong { .. }) if trial_dt > MIN_STEP_FRACTION * dt => trial_dt *= 0.25,
             result => return result,
         }

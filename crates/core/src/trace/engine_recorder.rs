@@ -150,11 +150,7 @@ impl<'a> EngineRecorder<'a> {
         for (channel, tracker) in self.trackers.iter_mut().enumerate() {
             let Some(index) = motion.plan.element_index(channel) else { continue };
             let within = motion.contact_extrema(index);
-            let depth = motion
-                .candidates
-                .iter()
-                .find(|candidate| candidate.index == index)
-                .map_or(0.0, |candidate| -candidate.gap);
+            let depth = motion.candidate(index).map_or(0.0, |candidate| -candidate.gap);
             let end = [motion.forces(index).0, depth];
             self.step_extrema.add_contact(channel, &mut tracker.summary, within, motion.last_dt_s, end);
         }
@@ -216,12 +212,11 @@ impl<'a> EngineRecorder<'a> {
         let force = motion.forces(index).0;
         if force > 0.0 && !self.trackers[channel].engine.is_touching {
             // rapier's own contact reports no touch-down, and a step that began with an overlap has passed it.
-            let rapier_contact = motion.rapier_contacts.iter().find(|contact| contact.index == index);
-            let closing_rate = rapier_contact.map_or(0.0, |contact| contact.closing_rate);
+            let closing_rate = motion.rapier_contact(index).map_or(0.0, |contact| contact.closing_rate);
             self.process_change(channel, ChangeKind::Closes, end_s - motion.last_dt_s, closing_rate, 0.0)?;
         }
         let tracker = &mut self.trackers[channel];
-        if let Some(candidate) = motion.candidates.iter().find(|candidate| candidate.index == index) {
+        if let Some(candidate) = motion.candidate(index) {
             tracker.engine.is_touching &= !candidate.is_separated() || force > 0.0;
         }
         tracker.add_step(motion.normal_impulse(index));
