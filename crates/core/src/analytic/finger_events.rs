@@ -1,6 +1,6 @@
 //! Event functions of the finger's contacts: where the branches of their laws change.
 
-use super::mode::{ContactState, ContactVariables, ContactWithLaws, EventTolerances, is_kinked};
+use super::mode::{ContactState, ContactVariables, ContactWithLaws, EventTolerances, StateRef, is_kinked};
 use super::model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, QUADRATURES, finger_coordinates, pad};
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
@@ -66,7 +66,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     fn contact_at_equilibrium(
         &self,
         t: f64,
-        (q, v): (&[f64; N], &[f64; N]),
+        (q, v): StateRef<'_, N>,
         mode: &FingerMode,
         contact: FingerContact,
         max_rate: f64,
@@ -216,7 +216,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
     fn project_quasi_static(
         &self,
         t: f64,
-        (q, v): (&[f64; N], &[f64; N]),
+        (q, v): StateRef<'_, N>,
         mode: &FingerMode,
         tolerances: &Tolerances,
     ) -> Option<QuasiStaticState<N>> {

@@ -86,6 +86,9 @@ impl<const C: usize> IndexMut<usize> for Mode<C> {
     }
 }
 
+/// Coordinates and rates.
+pub type StateRef<'a, const N: usize> = (&'a [f64; N], &'a [f64; N]);
+
 /// State of one contact: penetration and its rate, slip, and the rows that give the rates of gap and slip.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactVariables<const N: usize> {

@@ -10,6 +10,7 @@ use super::inertia::Inertia;
 use super::model::Multibody;
 use super::{FINGERS, mode};
 use crate::analytic::finger::FingerModel;
+use crate::analytic::mode::StateRef;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::fivebar::inertial_forces::AccelerationField;
 use crate::integrator::{Linearised, Rates};
@@ -192,8 +193,8 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<N, Z> {
     }
 
     #[inline(always)]
-    fn add_force(&mut self, row: usize, force: f64) {
-        self.load[row] += force;
+    fn loads(&mut self) -> &mut [f64; N] {
+        &mut self.load
     }
 
     /// The forces are linear in position and velocity; the moment depends on neither.
@@ -226,7 +227,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     pub(super) fn rates_with_derivatives<const Z: usize>(
         &self,
         t: f64,
-        state: (&[f64; N], &[f64; N]),
+        state: StateRef<'_, N>,
         mode: &mode::Mode<C>,
     ) -> Linearised<N, Z> {
         let mut sums = DerivativeSums::<N, Z>::ZERO;
@@ -251,92 +252,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             g_q: sums.g_q,
             g_v: sums.g_v,
             g_t: sums.g_t,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::analytic::multibody::components::{ContactModel, ContactPair};
-    use crate::analytic::multibody::quadratures;
-    use crate::analytic::{ContactState, Mode};
-    use crate::numeric::plane::{Vector, add, perp, scale};
-    use crate::scene::{Scene, parse_any};
-
-    const CONTACTS: usize = 10;
-    type Model = Multibody<12, CONTACTS>;
-    type AllSums = DerivativeSums<12, { quadratures(CONTACTS) }>;
-
-    const SCENES: [&str; 2] = [
-        include_str!("../../../../../scenes/gripper/lift.toml"),
-        include_str!("../../../../../scenes/laws/two-free.toml"),
-    ];
-
-    fn scene(text: &str) -> Scene {
-        parse_any(text, "scene.toml").unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    /// Contact forces and derivatives of round discs are the same with and without the disc's angle as a variable.
-    #[test]
-    fn contacts_of_round_shapes_do_not_depend_on_their_angle() {
-        let mut compared = 0;
-        for scene in SCENES.map(scene) {
-            let model = Model::new(&scene.system);
-            let start = model.start::<{ quadratures(CONTACTS) }>(&scene.system);
-            let mode = Mode::from([ContactState::Active; CONTACTS]);
-            for (index, contact) in model.contacts.iter().enumerate() {
-                let Some(contact) = contact else { continue };
-                let (mut q, mut v) = (start.q, start.v);
-                (0..8).for_each(|i| v[i] += 0.1 * (i as f64 - 3.3));
-                // The disc is moved into contact and turned.
-                let Some((disc, position)) = placed_in_contact(&model, contact, &q) else { continue };
-                let first = model.first_coordinate(disc);
-                (q[first], q[first + 1], q[first + 2]) = (position[0], position[1], 0.3);
-                let laws = contact.laws(mode[index]).expect("an active contact");
-                let (mut without, mut with) = (AllSums::ZERO, AllSums::ZERO);
-                let contact = (index, contact, laws);
-                if let ContactPair::Phalanx { finger, .. } = contact.1.pair {
-                    let angles = Model::finger_coordinates(finger, &q);
-                    let (terms, ..) = finger_terms(&model.fingers[finger].model, (angles, [0.0; 2]));
-                    let finger_terms = (finger, &model.fingers[finger], &terms);
-                    model.add_active_finger_contact::<_, _, 4>(contact, finger_terms, (&q, &v), &mut without);
-                    model.add_active_finger_contact::<_, _, 5>(contact, finger_terms, (&q, &v), &mut with);
-                } else {
-                    model.add_active_disc_contact::<_, _, 4, 3, 2>(contact, (&q, &v), &mut without);
-                    model.add_active_disc_contact::<_, _, 6, 4, 3>(contact, (&q, &v), &mut with);
-                }
-                assert!(without.g[index] != 0.0, "{:?} has no force", contact.1.pair);
-                assert_eq!((without.load, without.g), (with.load, with.g));
-                assert_eq!((without.load_q, without.load_v), (with.load_q, with.load_v));
-                assert_eq!((without.g_q, without.g_v), (with.g_q, with.g_v));
-                compared += 1;
-            }
-        }
-        assert_eq!(compared, 7);
-    }
-
-    /// Returns a disc that moves, and the centre at which it overlaps the other surface by 1 µm.
-    fn placed_in_contact(model: &Model, contact: &ContactModel, q: &[f64; 12]) -> Option<(usize, Vector<f64>)> {
-        let radius = |disc: usize| crate::shape::max_radius(&model.discs[disc].shape) - 1e-6;
-        match contact.pair {
-            ContactPair::Stop { .. } => None,
-            ContactPair::Phalanx { finger, phalanx, disc } => {
-                let component = &model.fingers[finger];
-                let object = model.disc_in_finger_frame(component.side, disc, q);
-                let (pose, rates) = component.model.kinematics(Model::finger_coordinates(finger, q));
-                let found = component.model.phalanx_geometry(&pose, &rates, phalanx, &object);
-                let away = scale(found.normal, found.gap + 1e-6);
-                Some((disc, model.point_in_palm_frame(component.side, add(object.centre_m, away))))
-            }
-            ContactPair::Discs { disc, other } => {
-                let [x, y, _] = model.disc_pose(other, q);
-                Some((disc, [x + radius(disc) + radius(other) + 1e-6, y]))
-            }
-            ContactPair::Plane { disc, plane } | ContactPair::MovingPlane { disc, plane } => {
-                let level = scale(plane.normal, radius(disc) - plane.offset);
-                Some((disc, add(level, scale(perp(plane.normal), 0.01))))
-            }
         }
     }
 }

@@ -8,7 +8,7 @@ use super::contacts::FingerKinematics;
 use super::model::Multibody;
 use super::{FINGERS, event_function_count, first_impact_step, mode};
 use crate::analytic::ContactState;
-use crate::analytic::mode::{ContactVariables, ContactWithLaws, row_dot};
+use crate::analytic::mode::{ContactVariables, ContactWithLaws, StateRef, row_dot};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{EventFunction, EventSet, Hybrid, System};
@@ -24,7 +24,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     fn contact_variables(
         &self,
-        state: (&[f64; N], &[f64; N]),
+        state: StateRef<'_, N>,
         finger_kinematics: impl Fn(usize) -> FingerKinematics,
         index: usize,
     ) -> Option<ContactWithLaws<'_, N>> {
@@ -40,7 +40,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(never)]
     fn contact_variables_noinline(
         &self,
-        state: (&[f64; N], &[f64; N]),
+        state: StateRef<'_, N>,
         finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
         index: usize,
     ) -> Option<ContactWithLaws<'_, N>> {

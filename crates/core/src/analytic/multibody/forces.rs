@@ -11,6 +11,7 @@ use super::inertia::Inertia;
 use super::model::Multibody;
 use super::{FINGERS, mode, quadratures};
 use crate::analytic::finger::FingerModel;
+use crate::analytic::mode::StateRef;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, System};
@@ -19,7 +20,7 @@ use crate::scene::GripperContact;
 use crate::shape::PlacedShape;
 
 /// Sums of the loads on all coordinates and of the rates of all quadratures: plain numbers ([`Loads`]) or numbers with
-/// derivatives. Both are filled by [`Multibody::add_loads`].
+/// derivatives. [`Assembly`] fills both.
 pub(super) trait LoadSums<const N: usize, const Z: usize> {
     /// Number that depends on the two angles of a finger.
     type Angles: Real;
@@ -75,8 +76,8 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
     /// Adds the decay of a bristle state.
     fn add_decay(&mut self, bristle: usize, decay_rate: f64, state: f64);
 
-    /// Adds a constant force.
-    fn add_force(&mut self, row: usize, force: f64);
+    /// Loads without derivatives.
+    fn loads(&mut self) -> &mut [f64; N];
 
     /// Adds the inertial forces on a disc in a moving frame.
     fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField);
@@ -173,8 +174,8 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<N, Z> {
     }
 
     #[inline(always)]
-    fn add_force(&mut self, row: usize, force: f64) {
-        self.load[row] += force;
+    fn loads(&mut self) -> &mut [f64; N] {
+        &mut self.load
     }
 
     #[inline(always)]
@@ -185,65 +186,75 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<N, Z> {
     }
 }
 
-impl<const N: usize, const C: usize> Multibody<N, C> {
-    /// Adds all loads and powers, and returns the mass matrices of the fingers. Both assemblies share it, so that the
-    /// accelerations are the same with and without derivatives.
+/// Positions that the geometry of a contact depends on: of a phalanx and a disc (q11, q21, x, y), of two discs, of a disc
+/// and a moving table (x, y, t), and of a disc. Discs are round, so that their angles, which come last, do not matter.
+const PHALANX_POSITIONS: usize = 4;
+const DISC_PAIR_POSITIONS: usize = 4;
+const DISC_TIME_POSITIONS: usize = 3;
+const DISC_POSITIONS: usize = 2;
+
+/// Adds the loads of a system in one state to sums.
+struct Assembly<'a, const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> {
+    model: &'a Multibody<N, C>,
+    q: &'a [f64; N],
+    v: &'a [f64; N],
+    mode: &'a mode::Mode<C>,
+    field: InertialField,
+    sums: &'a mut S,
+}
+
+impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly<'_, N, C, Z, S> {
+    const GRASP: bool = Multibody::<N, C>::GRASP;
+    const DISCS: bool = Multibody::<N, C>::DISCS;
+
+    /// Adds all loads and powers, and returns the mass matrices of the fingers.
     #[inline(always)]
-    pub(super) fn add_loads<const Z: usize, S: LoadSums<N, Z>>(
-        &self,
-        t: f64,
-        (q, v): (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-        sums: &mut S,
-    ) -> [[S::Angles; 3]; FINGERS] {
-        const { assert!(Z == quadratures(C)) };
-        let field = self.inertial_field(t);
+    fn add_all(&mut self, t: f64) -> [[S::Angles; 3]; FINGERS] {
+        let Self { model, q, v, .. } = *self;
         let mut masses = [[S::Angles::zero(); 3]; FINGERS];
         if S::UNROLLED {
-            if let Some(right) = self.fingers.first().filter(|_| !Self::DISCS) {
-                masses[0] = self.add_finger_load((0, right), (q, v), (mode, &field), sums);
+            if let Some(right) = model.fingers.first().filter(|_| !Self::DISCS) {
+                masses[0] = self.add_finger(0, right);
             }
-            if let Some(left) = self.fingers.get(1).filter(|_| !Self::DISCS) {
-                masses[1] = self.add_finger_load((1, left), (q, v), (mode, &field), sums);
+            if let Some(left) = model.fingers.get(1).filter(|_| !Self::DISCS) {
+                masses[1] = self.add_finger(1, left);
             }
         } else {
-            for (index, finger) in self.fingers.iter().enumerate().filter(|_| !Self::DISCS) {
-                masses[index] = self.add_finger_load((index, finger), (q, v), (mode, &field), sums);
+            for (index, finger) in model.fingers.iter().enumerate().filter(|_| !Self::DISCS) {
+                masses[index] = self.add_finger(index, finger);
             }
         }
-        let (driven_rates, fingers) = (self.driven_rates(v), self.finger_count());
-        for (index, drive) in self.drives.iter().enumerate().filter(|_| !Self::DISCS) {
-            let (driven, bristle_index) = ((drive.weights, fingers), self.brake_bristle(index));
-            sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), driven, S::DRIVE_WORK);
+        let (driven_rates, fingers) = (model.driven_rates(v), model.finger_count());
+        for (index, drive) in model.drives.iter().enumerate().filter(|_| !Self::DISCS) {
+            let (driven, bristle_index) = ((drive.weights, fingers), model.brake_bristle(index));
+            self.sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), driven, S::DRIVE_WORK);
             let brake_torque = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index]));
             let Some(brake) = brake_torque else { continue };
-            sums.add_shaft_torque(&brake.shaft, driven, S::CONTACT_WORK);
-            bristle_index.iter().for_each(|bristle| sums.add_brake_bristle(&brake, driven, *bristle));
+            self.sums.add_shaft_torque(&brake.shaft, driven, S::CONTACT_WORK);
+            bristle_index.iter().for_each(|bristle| self.sums.add_brake_bristle(&brake, driven, *bristle));
         }
         if Self::GRASP && S::UNROLLED {
-            self.add_disc_contact(GripperContact::Palm.index(), (q, v), mode, sums);
-            self.add_disc_contact(GripperContact::Table.index(), (q, v), mode, sums);
+            self.add_disc_contact(GripperContact::Palm.index());
+            self.add_disc_contact(GripperContact::Table.index());
         } else {
-            for index in &self.disc_contacts {
-                self.add_disc_contact(*index, (q, v), mode, sums);
-            }
+            model.disc_contacts.iter().for_each(|index| self.add_disc_contact(*index));
         }
-        if let Some(time) = self.time_index.filter(|_| self.palm_moves()) {
-            sums.add_prescribed_work(time, 1.0, false);
+        if let Some(time) = model.time_index.filter(|_| model.palm_moves()) {
+            self.sums.add_prescribed_work(time, 1.0, false);
         }
-        for &(index, bristle) in &self.bristles {
-            sums.add_decay(index, bristle.rate(), v[index]);
+        for &(index, bristle) in &model.bristles {
+            self.sums.add_decay(index, bristle.rate(), v[index]);
         }
-        for index in (0..self.disc_count()).filter(|index| self.first_coordinate(*index) < N) {
-            let (disc, first, rates) = (&self.discs[index], self.first_coordinate(index), self.disc_rates(index, v));
+        for index in (0..model.disc_count()).filter(|index| model.first_coordinate(*index) < N) {
+            let (disc, first, rates) = (&model.discs[index], model.first_coordinate(index), model.disc_rates(index, v));
             if disc.prescribed_acceleration.is_some() {
-                (0..3).for_each(|i| sums.add_prescribed_work(first + i, rates[i], true));
+                (0..3).for_each(|i| self.sums.add_prescribed_work(first + i, rates[i], true));
                 continue;
             }
-            (0..2).for_each(|i| sums.add_force(first + i, disc.mass * self.gravity[i]));
-            if self.palm_moves() {
+            (0..2).for_each(|i| self.sums.loads()[first + i] += disc.mass * model.gravity[i]);
+            if model.palm_moves() {
                 let disc = DiscComponent { first_coordinate: first, ..*disc };
-                sums.add_disc_inertia(&disc, self.disc_pose(index, q), rates, &field);
+                self.sums.add_disc_inertia(&disc, model.disc_pose(index, q), rates, &self.field);
             }
         }
         masses
@@ -251,165 +262,120 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     /// Adds the loads on a finger and its contacts, and returns its mass matrix.
     #[inline(always)]
-    fn add_finger_load<const Z: usize, S: LoadSums<N, Z>>(
-        &self,
-        (finger, component): (usize, &FingerComponent),
-        (q, v): (&[f64; N], &[f64; N]),
-        (mode, field): (&mode::Mode<C>, &InertialField),
-        sums: &mut S,
-    ) -> [S::Angles; 3] {
-        let rates = Self::finger_coordinates(finger, v);
-        let terms = sums.add_finger(finger, &component.model, (Self::finger_coordinates(finger, q), rates));
-        if self.palm_moves() {
-            sums.add_finger_inertia((finger, component), rates, &terms, field);
+    fn add_finger(&mut self, finger: usize, component: &FingerComponent) -> [S::Angles; 3] {
+        let [angles, rates] = [self.q, self.v].map(|all| Multibody::<N, C>::finger_coordinates(finger, all));
+        let terms = self.sums.add_finger(finger, &component.model, (angles, rates));
+        if self.model.palm_moves() {
+            self.sums.add_finger_inertia((finger, component), rates, &terms, &self.field);
         }
         if Self::GRASP && S::UNROLLED {
             let first = FingerContact::ALL.len() * finger;
-            self.add_finger_contact(first, (finger, component, &terms), (q, v), mode, sums);
-            self.add_finger_contact(first + 1, (finger, component, &terms), (q, v), mode, sums);
-            self.add_finger_contact(first + 2, (finger, component, &terms), (q, v), mode, sums);
+            self.add_finger_contact(first, (finger, component, &terms));
+            self.add_finger_contact(first + 1, (finger, component, &terms));
+            self.add_finger_contact(first + 2, (finger, component, &terms));
         } else {
-            for index in &component.contacts {
-                self.add_finger_contact(*index, (finger, component, &terms), (q, v), mode, sums);
-            }
+            component.contacts.iter().for_each(|index| self.add_finger_contact(*index, (finger, component, &terms)));
         }
         terms.mass
     }
 
-    /// Adds a contact of a finger. It depends on the finger's two angles and the centre of a disc, and on the disc's
-    /// angle unless the disc is round.
+    /// Adds a contact of a finger.
     #[inline(always)]
-    fn add_finger_contact<const Z: usize, S: LoadSums<N, Z>>(
-        &self,
+    fn add_finger_contact(
+        &mut self,
         index: usize,
-        finger: (usize, &FingerComponent, &Terms<S::Angles>),
-        state: (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-        sums: &mut S,
-    ) {
-        let Some(contact) = &self.contacts[index] else { return };
-        let Some(laws) = contact.laws(mode[index]) else { return };
-        match self.depends_on_disc_angle(self.contact_pair(finger.0, index, contact)) {
-            false => self.add_active_finger_contact::<Z, S, 4>((index, contact, laws), finger, state, sums),
-            true => self.add_active_finger_contact::<Z, S, 5>((index, contact, laws), finger, state, sums),
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn add_active_finger_contact<const Z: usize, S: LoadSums<N, Z>, const P: usize>(
-        &self,
-        active_contact: ActiveContact<'_>,
         (finger, component, terms): (usize, &FingerComponent, &Terms<S::Angles>),
-        (q, v): (&[f64; N], &[f64; N]),
-        sums: &mut S,
     ) {
-        let (index, contact, _) = active_contact;
-        let ([first, second], mirror) = (Self::finger_coordinates(finger, v), component.side.mirror());
-        match self.contact_pair(finger, index, contact) {
-            ContactPair::Phalanx { phalanx, disc, .. } => {
-                let [vx, vy, spin] = self.disc_rates(disc, v);
-                let object = self.disc_in_finger_frame(component.side, disc, q);
-                let (pose, passive_rates) = (terms.pose.map(S::widen::<P>), terms.rates.map(S::widen::<P>));
-                let placed = placed_positions::<N, Z, S, P>(&object, [2, 3, 4]);
-                let geometry = component.model.phalanx_geometry(&pose, &passive_rates, phalanx, &placed);
-                let rates = [first, second, mirror * vx, vy, mirror * spin];
-                sums.add_contact::<P, 5>(
-                    active_contact,
-                    &contact_kinematics::phalanx(&geometry),
-                    (&rates, self.bristle_state(contact, v)),
-                    &phalanx_indices(finger, self.first_coordinate(disc), mirror),
-                );
-            }
-            _ => {
-                let (pose, passive_rates) = (terms.pose.map(S::widen::<2>), terms.rates.map(S::widen::<2>));
-                let kinematics = contact_kinematics::limit(&component.model.limit_geometry(&pose, &passive_rates));
-                sums.add_contact::<2, 2>(
-                    active_contact,
-                    &kinematics,
-                    (&[first, second], None),
-                    &finger_indices(finger),
-                );
-            }
+        const P: usize = PHALANX_POSITIONS;
+        let Self { model, q, v, mode, .. } = *self;
+        let Some(contact) = &model.contacts[index] else { return };
+        let Some(laws) = contact.laws(mode[index]) else { return };
+        let ([first, second], mirror) = (Multibody::<N, C>::finger_coordinates(finger, v), component.side.mirror());
+        if let ContactPair::Phalanx { phalanx, disc, .. } = model.contact_pair(finger, index, contact) {
+            let [vx, vy, spin] = model.disc_rates(disc, v);
+            let (pose, passive_rates) = (terms.pose.map(S::widen::<P>), terms.rates.map(S::widen::<P>));
+            let object =
+                placed_positions::<N, Z, S, P>(&model.disc_in_finger_frame(component.side, disc, q), [2, 3, 4]);
+            let geometry = component.model.phalanx_geometry(&pose, &passive_rates, phalanx, &object);
+            let rates = [first, second, mirror * vx, vy, mirror * spin];
+            self.sums.add_contact::<P, 5>(
+                (index, contact, laws),
+                &contact_kinematics::phalanx(&geometry),
+                (&rates, model.bristle_state(contact, v)),
+                &phalanx_indices(finger, model.first_coordinate(disc), mirror),
+            );
+        } else {
+            let (pose, passive_rates) = (terms.pose.map(S::widen::<2>), terms.rates.map(S::widen::<2>));
+            let kinematics = contact_kinematics::limit(&component.model.limit_geometry(&pose, &passive_rates));
+            let (state, indices) = ((&[first, second], None), finger_indices(finger));
+            self.sums.add_contact::<2, 2>((index, contact, laws), &kinematics, state, &indices);
         }
     }
 
     /// Adds a contact without a finger.
     #[inline(always)]
-    fn add_disc_contact<const Z: usize, S: LoadSums<N, Z>>(
-        &self,
-        index: usize,
-        state: (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-        sums: &mut S,
-    ) {
-        let Some(contact) = &self.contacts[index] else { return };
+    fn add_disc_contact(&mut self, index: usize) {
+        let Self { model, q, v, mode, .. } = *self;
+        let Some(contact) = &model.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
-        match self.depends_on_disc_angle(contact.pair) {
-            false => self.add_active_disc_contact::<Z, S, 4, 3, 2>((index, contact, laws), state, sums),
-            true => self.add_active_disc_contact::<Z, S, 6, 4, 3>((index, contact, laws), state, sums),
-        }
-    }
-
-    /// The const parameters are the numbers of positions that two discs, a disc and time, and a disc depend on.
-    #[inline(always)]
-    pub(super) fn add_active_disc_contact<
-        const Z: usize,
-        S: LoadSums<N, Z>,
-        const DISC_PAIR: usize,
-        const DISC_TIME: usize,
-        const DISC: usize,
-    >(
-        &self,
-        active_contact: ActiveContact<'_>,
-        (q, v): (&[f64; N], &[f64; N]),
-        sums: &mut S,
-    ) {
-        let (_, contact, _) = active_contact;
-        let bristle_state = self.bristle_state(contact, v);
-        let first_coordinate = |disc| self.first_coordinate(disc);
+        let (active_contact, bristle_state) = ((index, contact, laws), model.bristle_state(contact, v));
+        let first_coordinate = |disc| model.first_coordinate(disc);
         match contact.pair {
             ContactPair::Discs { disc, other } if !Self::GRASP => {
-                let ([vx, vy, spin], [wx, wy, other_spin]) = (self.disc_rates(disc, v), self.disc_rates(other, v));
+                const P: usize = DISC_PAIR_POSITIONS;
+                let ([vx, vy, spin], [wx, wy, other_spin]) = (model.disc_rates(disc, v), model.disc_rates(other, v));
                 let kinematics = contact_kinematics::discs([
-                    &placed_positions::<N, Z, S, DISC_PAIR>(&self.placed_disc(disc, q), [0, 1, 4]),
-                    &placed_positions::<N, Z, S, DISC_PAIR>(&self.placed_disc(other, q), [2, 3, 5]),
+                    &placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 4]),
+                    &placed_positions::<N, Z, S, P>(&model.placed_disc(other, q), [2, 3, 5]),
                 ]);
                 let rates = [vx, vy, wx, wy, spin, other_spin];
                 let indices = disc_pair_indices([disc, other].map(first_coordinate));
-                sums.add_contact::<DISC_PAIR, 6>(active_contact, &kinematics, (&rates, bristle_state), &indices);
+                self.sums.add_contact::<P, 6>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
-            ContactPair::MovingPlane { disc, plane } if self.palm_moves() => {
-                let ([vx, vy, spin], time) = (self.disc_rates(disc, v), self.time_index.unwrap_or(N));
-                let placed = placed_positions::<N, Z, S, DISC_TIME>(&self.placed_disc(disc, q), [0, 1, 3]);
-                let kinematics = frame::table(&plane, &self.pose(q), S::position::<DISC_TIME>(0.0, 2), &placed);
-                let rates = [vx, vy, v[time], spin];
-                let indices = disc_time_indices(first_coordinate(disc), time);
-                sums.add_contact::<DISC_TIME, 4>(active_contact, &kinematics, (&rates, bristle_state), &indices);
+            ContactPair::MovingPlane { disc, plane } if model.palm_moves() => {
+                const P: usize = DISC_TIME_POSITIONS;
+                let ([vx, vy, spin], time) = (model.disc_rates(disc, v), model.time_index.unwrap_or(N));
+                let placed = placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 3]);
+                let kinematics = frame::table(&plane, &model.pose(q), S::position::<P>(0.0, 2), &placed);
+                let (rates, indices) = ([vx, vy, v[time], spin], disc_time_indices(first_coordinate(disc), time));
+                self.sums.add_contact::<P, 4>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
             ContactPair::Plane { disc, plane } => {
-                let placed = placed_positions::<N, Z, S, DISC>(&self.placed_disc(disc, q), [0, 1, 2]);
-                let kinematics = contact_kinematics::plane(&plane, &placed, self.shares_contact_point());
-                let (rates, indices) = (self.disc_rates(disc, v), disc_indices(first_coordinate(disc)));
-                sums.add_contact::<DISC, 3>(active_contact, &kinematics, (&rates, bristle_state), &indices);
+                const P: usize = DISC_POSITIONS;
+                let placed = placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 2]);
+                let kinematics = contact_kinematics::plane(&plane, &placed, model.shares_contact_point());
+                let (rates, indices) = (model.disc_rates(disc, v), disc_indices(first_coordinate(disc)));
+                self.sums.add_contact::<P, 3>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
             _ => {}
         }
+    }
+}
+
+impl<const N: usize, const C: usize> Multibody<N, C> {
+    /// Adds all loads and powers, and returns the mass matrices of the fingers. Both assemblies share it, so that the
+    /// accelerations are the same with and without derivatives.
+    #[inline(always)]
+    pub(super) fn add_loads<const Z: usize, S: LoadSums<N, Z>>(
+        &self,
+        t: f64,
+        (q, v): StateRef<'_, N>,
+        mode: &mode::Mode<C>,
+        sums: &mut S,
+    ) -> [[S::Angles; 3]; FINGERS] {
+        const { assert!(Z == quadratures(C)) };
+        Assembly { model: self, q, v, mode, field: self.inertial_field(t), sums }.add_all(t)
     }
 
     /// Accelerations as one function, which is not inlined into every integrator. Only grasps, which studies simulate
     /// by the thousand, are worth the compile time of inlining.
     #[inline(never)]
-    fn rates_noinline<const Z: usize>(
-        &self,
-        t: f64,
-        state: (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-    ) -> Rates<N, Z> {
+    fn rates_noinline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &mode::Mode<C>) -> Rates<N, Z> {
         self.rates_inline(t, state, mode)
     }
 
     #[inline(always)]
-    fn rates_inline<const Z: usize>(&self, t: f64, state: (&[f64; N], &[f64; N]), mode: &mode::Mode<C>) -> Rates<N, Z> {
+    fn rates_inline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &mode::Mode<C>) -> Rates<N, Z> {
         let mut sums = Loads { load: [0.0; N], g: [0.0; Z] };
         let masses = self.add_loads(t, state, mode, &mut sums);
         let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);

@@ -12,7 +12,7 @@ use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::array_from;
 use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, GripperContact, PalmMotion, Side, System};
-use crate::shape::{PlacedShape, circle_radius};
+use crate::shape::PlacedShape;
 
 /// The model of a system with at most N coordinates and C contacts.
 #[derive(Clone, Debug)]
@@ -326,19 +326,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     pub fn disc_rates(&self, disc: usize, v: &[f64; N]) -> [f64; 3] {
         let first = self.first_coordinate(disc);
         if first < N { [v[first], v[first + 1], v[first + 2]] } else { [0.0; 3] }
-    }
-
-    /// Whether the contact geometry depends on the angle of a disc, which it does unless the disc is round.
-    #[inline(always)]
-    pub(super) fn depends_on_disc_angle(&self, pair: ContactPair) -> bool {
-        let is_not_round = |disc: usize| circle_radius(&self.discs[disc].shape).is_none();
-        match pair {
-            ContactPair::Stop { .. } => false,
-            ContactPair::Discs { disc, other } => is_not_round(disc) || is_not_round(other),
-            ContactPair::Phalanx { disc, .. }
-            | ContactPair::Plane { disc, .. }
-            | ContactPair::MovingPlane { disc, .. } => is_not_round(disc),
-        }
     }
 
     /// Returns a disc's shape at its pose.
