@@ -158,7 +158,11 @@ fn error_limits_are_proportional_to_the_size_of_discs() {
     };
     assert!((path_limit(1.0) - ANALYTIC_LIMITS.path).abs() < 1e-12, "{:e}", path_limit(1.0));
     for scale in [1e-2, 1e-1, 10.0, 100.0] {
-        assert!((path_limit(scale) / (scale * ANALYTIC_LIMITS.path) - 1.0).abs() < 1e-9, "{scale}: {:e}", path_limit(scale));
+        assert!(
+            (path_limit(scale) / (scale * ANALYTIC_LIMITS.path) - 1.0).abs() < 1e-9,
+            "{scale}: {:e}",
+            path_limit(scale)
+        );
     }
 }
 

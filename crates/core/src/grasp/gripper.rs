@@ -11,8 +11,8 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::{DiscMotion, GripperContact, Scene, Side, WrongKind};
 use crate::shape::max_radius;
 use crate::statics::{
-    Balance, Blocked, ContactPoint, Drive, ForceClosure, FormClosure, FrictionContact, GraspConfiguration, GripperRow,
-    HandAtRest, PerContact, StaticsError, balance_polar, force_closure, gripper_closure,
+    Balance, Blocked, ContactPoint, Drive, ForceClosure, FormClosure, FrictionContact, GraspConfiguration, HandAtRest,
+    PerContact, StaticsError, balance_polar, force_closure, gripper_closure,
 };
 use crate::trace::{self, BodyState, FingerState, Model, Sample};
 
@@ -65,7 +65,7 @@ pub struct GripperGrasp {
     /// Blocked motors: one per finger, or the input of the differential.
     pub drives: Vec<Drive>,
     /// Form closure with both driven links blocked and, with a differential, also with its input blocked.
-    pub closures: Vec<(Blocked, Result<FormClosure<GripperRow>, StaticsError>)>,
+    pub closures: Vec<(Blocked, Result<FormClosure, StaticsError>)>,
     /// One case for each requested friction coefficient.
     pub friction_cases: Vec<FrictionCase>,
 }

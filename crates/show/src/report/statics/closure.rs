@@ -6,7 +6,7 @@ use super::motion::{FingerMotionReport, MotionReport, RateReport};
 use super::motion_text::{motion_sentences, palm_state};
 use crate::grasp::finger::Palm;
 use crate::gripper::FingerContact;
-use crate::statics::{Certificate, Decision, FormClosure, GripperRow, Row, RowKind, Unknown};
+use crate::statics::{Certificate, Decision, FormClosure, Row, RowKind, Unknown};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosureReport {
@@ -54,7 +54,7 @@ pub struct MultiplierReport {
 }
 
 impl ClosureReport {
-    pub fn new(found: &FormClosure<GripperRow>, palm_contact: &Palm) -> Self {
+    pub fn new(found: &FormClosure, palm_contact: &Palm) -> Self {
         let count = found.necessary;
         let (multipliers, motion, residual) = match &found.certificate {
             Certificate::Multipliers { values, residual } => (Some(multipliers(found, values)), None, *residual),
@@ -99,22 +99,22 @@ pub(super) fn finger_name(finger: usize) -> String {
     }
 }
 
-fn constraint(row: GripperRow) -> String {
-    let GripperRow::Hand(row) = row else { return "input".to_string() };
+fn constraint(row: Row) -> String {
     match row {
         Row::Contact { finger, site: FingerContact::Proximal } => format!("{} proximal phalanx", finger_name(finger)),
         Row::Contact { finger, .. } => format!("{} tip", finger_name(finger)),
         Row::Palm => "palm".to_string(),
         Row::Motor { finger } => format!("{} motor", finger_name(finger)),
+        Row::Input => "input".to_string(),
     }
 }
 
-fn is_motor(row: GripperRow) -> bool {
+fn is_motor(row: Row) -> bool {
     RowKind::from(row) == RowKind::Motor
 }
 
-fn multipliers(found: &FormClosure<GripperRow>, values: &[f64]) -> Vec<MultiplierReport> {
-    let report = |(&row, &value): (&GripperRow, &f64)| {
+fn multipliers(found: &FormClosure, values: &[f64]) -> Vec<MultiplierReport> {
+    let report = |(&row, &value): (&Row, &f64)| {
         let is_motor = is_motor(row);
         MultiplierReport {
             constraint: constraint(row),
@@ -125,18 +125,16 @@ fn multipliers(found: &FormClosure<GripperRow>, values: &[f64]) -> Vec<Multiplie
     found.rows.iter().zip(values).map(report).collect()
 }
 
-fn motion(found: &FormClosure<GripperRow>, values: &[f64], rates: &[f64]) -> MotionReport {
+fn motion(found: &FormClosure, values: &[f64], rates: &[f64]) -> MotionReport {
     let value_of = |unknown: Unknown| found.unknowns.iter().position(|&k| k == unknown).map_or(0.0, |i| values[i]);
-    let motor = |finger: usize| {
-        found.rows.iter().position(|&row| row == GripperRow::Hand(Row::Motor { finger })).map(|i| rates[i])
-    };
+    let motor = |finger: usize| found.rows.iter().position(|&row| row == Row::Motor { finger }).map(|i| rates[i]);
     let finger = |finger: usize| FingerMotionReport {
         finger: finger_name(finger),
         qd21_rad_s: value_of(Unknown::Proximal { finger }),
         qd22_rad_s: value_of(Unknown::Distal { finger }),
         motor_rad_s: motor(finger),
     };
-    let rate = |(&row, &rate): (&GripperRow, &f64)| {
+    let rate = |(&row, &rate): (&Row, &f64)| {
         let is_motor = is_motor(row);
         RateReport {
             constraint: constraint(row),

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::closure::ClosureReport;
 use crate::grasp::finger::{Contact, Drive, Forces, Grasp};
 use crate::gripper::{FingerContact, Placement, SpringKind};
-use crate::statics::{Ejection, Equilibrium, GripperRow};
+use crate::statics::{Ejection, Equilibrium};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StaticsReport {
@@ -97,7 +97,7 @@ impl StaticsReport {
             drive: drive(&grasp.drive),
             forces: grasp.forces.iter().map(forces).collect(),
             forces_per_n_m: [unit_torque_forces.f21_n, unit_torque_forces.f22_n, unit_torque_forces.pfp_n],
-            form_closure: ClosureReport::new(&grasp.closure.clone().with_row_names(GripperRow::Hand), &grasp.palm),
+            form_closure: ClosureReport::new(&grasp.closure, &grasp.palm),
             svg: None,
         }
     }

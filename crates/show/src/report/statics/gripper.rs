@@ -11,7 +11,7 @@ use crate::report::grasp::ForceClosureReport;
 use crate::scene::{GripperContact, Side};
 use crate::statics::{
     AccelerationLimit, Balance, Blocked, ContactLoad, ContactLocation, ContactMotion, ContactPoint, Drive, FormClosure,
-    GripperRow, HandMotion, Limit, StaticsError,
+    HandMotion, Limit, StaticsError,
 };
 use crate::trace::FingerState;
 
@@ -216,7 +216,7 @@ fn contact(contact_id: &ObjectContact) -> GripperContactReport {
 
 fn closure_report(
     blocked: Blocked,
-    closure: &Result<FormClosure<GripperRow>, StaticsError>,
+    closure: &Result<FormClosure, StaticsError>,
     palm: Option<&ObjectContact>,
 ) -> GripperClosureReport {
     // An active contact may penetrate by some micrometres; the object rests on the palm nevertheless.
