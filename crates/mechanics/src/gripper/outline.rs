@@ -4,11 +4,29 @@
 //! (along the arm A22 → A13 for the distal body). Corners are counter-clockwise.
 
 use super::Lengths;
-use super::MassError;
 use crate::numeric::elementary::{hypot, sin_cos};
+use crate::numeric::plane::{cross, dot, sub};
 
 /// Smallest ratio of the inradius of the distal triangle to its longest side; below it the triangle is degenerate.
 const MIN_INRADIUS_RATIO: f64 = 1e-6;
+
+/// Error for link lengths without valid mass properties.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum MassError {
+    #[error("{name} is {value}, but must be a finite number above 0: give another value")]
+    NotPositive { name: &'static str, value: f64 },
+    #[error(
+        "the distal body is not a triangle: l22 = {:.4} mm and t22 = {:.4} mm at phi22 = {:.4} deg are collinear, but phi22 \
+         must differ from 0 and 180 deg, or the scene must give mass, centre and inertia of the body",
+        .l22_m * 1e3, .t22_m * 1e3, .phi22_rad.to_degrees()
+    )]
+    DegenerateTriangle { phi22_rad: f64, l22_m: f64, t22_m: f64 },
+    #[error(
+        "body {name} has mass {mass_kg} kg and inertia {inertia_kg_m2} kg m², but both must be finite and \
+         above 0: check lengths, density and depth"
+    )]
+    OutOfRange { name: &'static str, mass_kg: f64, inertia_kg_m2: f64 },
+}
 
 /// The outlines of the four moving bodies, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,13 +116,8 @@ pub fn polygon_moments(corners: &[[f64; 2]]) -> PolygonMoments {
 
 /// Edges of the polygon with corners taken from `origin`, each with its cross product.
 fn edges(corners: &[[f64; 2]], origin: [f64; 2]) -> impl Iterator<Item = ([f64; 2], [f64; 2], f64)> + '_ {
-    let from = move |p: &[f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
     corners.iter().zip(corners.iter().cycle().skip(1)).map(move |(p, q)| {
-        let (p, q) = (from(p), from(q));
-        (p, q, p[0] * q[1] - p[1] * q[0])
+        let [p, q] = [*p, *q].map(|corner| sub(corner, origin));
+        (p, q, cross(p, q))
     })
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
 }
