@@ -1,10 +1,11 @@
 //! Measures every invariant while a run progresses.
 
-use super::momentum::MomentumBalance;
+use super::momentum::{FreeBody, MomentumBalance};
 use super::{Finding, Invariant, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::numeric::elementary::pow;
-use crate::trace::{ContactSample, Energy, Model, Sample};
+use crate::scene::{ContactId, DiscMotion, Scene, Side, System};
+use crate::trace::{Channels, ContactSample, Energy, Model, Sample, Sink, SinkError};
 
 /// Tolerance for limits that hold in exact arithmetic.
 const ROUNDING: f64 = 1e-9;
@@ -15,15 +16,15 @@ const POSITION_ROUNDING_M: f64 = 1e-15;
 
 /// A contact of two surfaces, or of a joint with its stop.
 #[derive(Clone, Debug)]
-pub(super) struct MonitoredContact {
-    pub name: String,
-    pub law: NormalLaw,
-    pub friction: Option<FrictionLaw>,
+struct MonitoredContact {
+    name: String,
+    law: NormalLaw,
+    friction: Option<FrictionLaw>,
     /// Invariant that an excessive depth violates.
-    pub depth: Invariant,
+    depth: Invariant,
     /// Surface displacement per unit of the gap: 1 between surfaces; for a joint stop, whose gap is an angle, the arm
     /// length in m.
-    pub reach_m: f64,
+    reach_m: f64,
 }
 
 /// A sink that measures how close a run comes to violating each [`Invariant`].
@@ -76,12 +77,16 @@ struct Violation {
 }
 
 impl Invariants {
-    pub(super) fn with_contacts(
-        model: Model,
-        tolerances: Tolerances,
-        contacts: Vec<MonitoredContact>,
-        momentum_balance: Option<MomentumBalance>,
-    ) -> Self {
+    /// Measures a run of `scene` with `model`, with the tolerances of its settings.
+    pub fn new(model: Model, scene: &Scene) -> Self {
+        let system = &scene.system;
+        // Discs have no joints that could open.
+        let loop_gap_m = if system.fingers.is_empty() { 0.0 } else { scene.bounds.loop_gap_m };
+        let tolerances = Tolerances::for_settings(model, &scene.integrator, &scene.engine, loop_gap_m);
+        // Momentum is not conserved in a moving frame. The engine's forces are averages over steps, so their impulses
+        // between samples are not known accurately enough.
+        let free_object = object(system).filter(|_| system.palm_motion.is_none() && model == Model::Analytic);
+        let contacts = monitored_contacts(system);
         Self {
             model,
             tolerances,
@@ -89,7 +94,8 @@ impl Invariants {
             slips_m_s: vec![f64::NAN; contacts.len()],
             gap_rates_m_s: vec![0.0; contacts.len()],
             contacts,
-            momentum_balance,
+            momentum_balance: free_object
+                .map(|(body, friction_laws)| MomentumBalance::new(tolerances.energy, body, friction_laws)),
             worst: [Violation::default(); Invariant::ALL.len()],
             start: None,
             throughput_j: 0.0,
@@ -152,7 +158,7 @@ impl Invariants {
     }
 
     /// Records one instant: the number of non-finite values, the energies, and the state of every contact.
-    pub(super) fn record<'a>(
+    fn record<'a>(
         &mut self,
         time_s: f64,
         non_finite: usize,
@@ -174,13 +180,6 @@ impl Invariants {
         for (index, values) in contacts.into_iter().enumerate() {
             self.contact(index, values, time_s, available_j);
             self.friction(index, values, time_s);
-        }
-    }
-
-    /// Records the momentum of the object; all values of the sample must be finite.
-    pub(super) fn momentum(&mut self, sample: &Sample) {
-        if let Some(momentum_balance) = self.momentum_balance.as_mut() {
-            momentum_balance.record(sample);
         }
     }
 
@@ -275,4 +274,62 @@ fn record_max((max, at_s): &mut (f64, f64), measured: f64, time_s: f64) {
 fn max_depth(law: &NormalLaw, energy_j: f64) -> f64 {
     let NormalLaw { stiffness_n_per_m_e: k, exponent: e, .. } = *law;
     if k > 0.0 { pow((e + 1.0) * energy_j.max(0.0) / k, (e + 1.0).recip()) * (1.0 + ROUNDING) } else { f64::INFINITY }
+}
+
+impl Sink for Invariants {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        // An infinite gap belongs to a contact that the scene does not have.
+        let existing = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
+        let non_finite = non_finite(sample);
+        self.record(sample.time_s, non_finite, &sample.energy, existing);
+        if non_finite == 0 {
+            self.momentum_balance.iter_mut().for_each(|balance| balance.record(sample));
+        }
+        Ok(())
+    }
+}
+
+/// All contacts of a system.
+fn monitored_contacts(system: &System) -> Vec<MonitoredContact> {
+    let surface = |name: String, (law, friction): (NormalLaw, Option<FrictionLaw>)| MonitoredContact {
+        name,
+        law,
+        friction,
+        depth: Invariant::Penetration,
+        reach_m: 1.0,
+    };
+    let stop = |name: String, side: Side| {
+        let (law, reach_m) = (system.finger(side).limit?, system.finger(side).linkage.lengths.l22_m);
+        Some(MonitoredContact { name, law, friction: None, depth: Invariant::JointLimit, reach_m })
+    };
+    let monitored = |contact| match contact {
+        ContactId::Stop(side) => stop(system.contact_name(contact), side),
+        _ => system.contact_laws(contact).map(|law| surface(system.contact_name(contact), law)),
+    };
+    system.contact_ids().into_iter().filter_map(monitored).collect()
+}
+
+/// Returns a free object that is the only disc, and the friction law of every contact.
+fn object(system: &System) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
+    let object = system.object().filter(|_| system.discs.len() == 1)?;
+    let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = object.motion else {
+        return None;
+    };
+    let friction_laws = system
+        .contact_ids()
+        .into_iter()
+        .map(|touching| system.contact_laws(touching).and_then(|(_, friction)| friction));
+    Some((FreeBody { mass_kg, inertia_kg_m2, gravity_m_s2: system.gravity_m_s2 }, friction_laws.collect()))
+}
+
+/// Number of values that are not finite. An infinite gap belongs to a missing contact and does not count.
+fn non_finite(sample: &Sample) -> usize {
+    let fingers = sample.fingers.iter().flat_map(Channels::values);
+    let bodies = sample.bodies.iter().flat_map(Channels::values);
+    let contacts = sample.contacts.iter().flat_map(|contact| {
+        let gap_m = if contact.gap_m == f64::INFINITY { 0.0 } else { contact.gap_m };
+        ContactSample { gap_m, ..*contact }.values()
+    });
+    let all = fingers.chain(bodies).chain(contacts).chain(sample.energy.values()).chain([sample.time_s]);
+    all.filter(|number| !number.is_finite()).count()
 }

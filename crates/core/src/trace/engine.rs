@@ -27,7 +27,7 @@ const MIN_STEP_FRACTION: f64 = 1e-9;
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     if let Some(reason) = scene.system.unsupported() {
-        return Err(start_failure(reason.to_string(), Outcome::default()));
+        return Err(RunError::rejected(reason.to_string(), Outcome::default()));
     }
     let Scene { system, engine, .. } = scene;
     let kind = scene.kind();
@@ -39,23 +39,17 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
             }
             _ => "the links do not close the loop at these initial angles; choose others".to_string(),
         };
-        start_failure(reason, initial_outcome())
+        RunError::rejected(reason, initial_outcome())
     })?;
     if kind == SceneKind::Gripper && engine.construction == Construction::Reduced {
         let reason = "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string();
-        return Err(start_failure(reason, initial_outcome()));
+        return Err(RunError::rejected(reason, initial_outcome()));
     }
     let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
     match Motion::new(&plan, world) {
         Ok(motion) => simulate(motion, scene, sink),
-        Err(error) => Err(start_failure(error.to_string(), initial_outcome())),
+        Err(error) => Err(RunError::rejected(error.to_string(), initial_outcome())),
     }
-}
-
-/// Error for a run that could not be started, with its outcome.
-fn start_failure(reason: String, outcome: Outcome) -> RunError {
-    let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
-    RunError::Simulation { failure, partial_outcome: Box::new(outcome) }
 }
 
 /// Simulates a scene from its initial motion.

@@ -121,6 +121,12 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// Error for a scene rejected before the first step.
+    pub(super) fn rejected(reason: String, outcome: Outcome) -> Self {
+        let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
+        RunError::Simulation { failure, partial_outcome: Box::new(outcome) }
+    }
+
     /// Whether the run was cancelled by its sink, see [`Sink::should_continue`](super::Sink::should_continue).
     pub fn is_stop(&self) -> bool {
         matches!(self, RunError::Simulation { failure: Failure { reason: Reason::Stopped, .. }, .. })

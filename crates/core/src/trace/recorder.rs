@@ -8,6 +8,33 @@ use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sam
 use crate::analytic::ContactState;
 use crate::integrator::{Observer, State, Step, StepTools};
 
+/// Interior of one step: its mode, states inside it, and the normal impulses at the last sample.
+struct Interior<'a, M, const N: usize, const Z: usize> {
+    step: &'a Step<'a, N, Z>,
+    mode: &'a M,
+    tools: &'a mut dyn StepTools<N, Z>,
+    impulses: [f64; Z],
+    contacts: usize,
+}
+
+impl<M, const N: usize, const Z: usize> Interior<'_, M, N, Z> {
+    fn time_s(&self, theta: f64) -> f64 {
+        self.step.t0 + theta * self.step.h
+    }
+
+    /// Returns a state within the step, computed by a separate step that ends there. Its integrals differ slightly from
+    /// those of the step. Normal impulses must not decrease, so they are clamped between the previous sample and the
+    /// end of the step.
+    fn resolve(&mut self, theta: f64) -> State<N, Z> {
+        let mut state = self.tools.resolve(theta);
+        for (index, before) in self.impulses.iter_mut().enumerate().take(self.contacts) {
+            *before = state.z[index].min(self.step.end.z[index]).max(*before);
+            state.z[index] = *before;
+        }
+        state
+    }
+}
+
 /// Observer that records a run of the analytic model.
 pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> {
     reader: &'a R,
@@ -114,16 +141,10 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
 
     /// Emits the samples of one step: grid points and extrema inside it, and its end if the step is short, an extremum
     /// lies there, or the run is over.
-    fn emit_step(
-        &mut self,
-        step: &Step<N, Z>,
-        mode: &R::Mode,
-        tools: &mut dyn StepTools<N, Z>,
-    ) -> Result<(), SinkError> {
-        let end = self.last.time_s;
+    fn emit_step(&mut self, mut interior: Interior<'_, R::Mode, N, Z>) -> Result<(), SinkError> {
+        let (end, step, mode) = (self.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
         let has_active_contact = (0..self.trackers.len()).any(|index| mode[index].has_force());
-        let mut impulses = step.start.z;
         self.grid.begin_step(end.min(self.end_s));
         while let Some(t) = self.grid.next_before(end.min(self.end_s)) {
             // A fine grid can have millions of points within one step.
@@ -131,21 +152,19 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                 break;
             }
             let theta = (t - step.t0) / step.h;
-            self.emit_peaks(step, mode, tools, theta, &mut impulses)?;
+            self.emit_peaks(&mut interior, theta)?;
             if theta > 0.0 {
-                let state = match has_active_contact {
-                    true => self.resolve_state(step, tools, theta, &mut impulses),
-                    false => tools.interpolate(theta),
-                };
-                self.read_within(t, &state, mode);
                 if has_active_contact {
+                    self.read_within(t, &interior.resolve(theta), mode);
                     update_summaries(&mut self.trackers, &self.within);
+                } else {
+                    self.read_within(t, &interior.tools.interpolate(theta), mode);
                 }
                 self.emitted_s = t;
                 self.sink.sample(&self.within)?;
             }
         }
-        self.emit_peaks(step, mode, tools, 1.0, &mut impulses)?;
+        self.emit_peaks(&mut interior, 1.0)?;
         if self.grid.includes_end(end, step.h) || end >= self.end_s {
             self.emitted_s = end;
             self.sink.sample(&self.last)
@@ -157,43 +176,17 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     }
 
     /// Emits samples at the extrema of the step before `theta`.
-    fn emit_peaks(
-        &mut self,
-        step: &Step<N, Z>,
-        mode: &R::Mode,
-        tools: &mut dyn StepTools<N, Z>,
-        theta: f64,
-        impulses: &mut [f64; Z],
-    ) -> Result<(), SinkError> {
+    fn emit_peaks(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>, theta: f64) -> Result<(), SinkError> {
         while let Some((theta_peak, ())) = self.peaks.next_before(theta) {
             while self.peaks.next_at(theta_peak).is_some() {}
-            let t = step.t0 + theta_peak * step.h;
-            if t > self.emitted_s && t < step.t1 {
-                let state = self.resolve_state(step, tools, theta_peak, impulses);
-                self.read_within(t, &state, mode);
+            let t = interior.time_s(theta_peak);
+            if t > self.emitted_s && t < interior.step.t1 {
+                self.read_within(t, &interior.resolve(theta_peak), interior.mode);
                 update_summaries(&mut self.trackers, &self.within);
                 self.sink.extreme(&self.within)?;
             }
         }
         Ok(())
-    }
-
-    /// Returns a state within the step, computed by a separate step that ends there. Its integrals differ slightly from
-    /// those of the step. Normal impulses must not decrease, so they are clamped between the previous sample, in
-    /// `impulses`, and the end of the step.
-    fn resolve_state(
-        &self,
-        step: &Step<N, Z>,
-        tools: &mut dyn StepTools<N, Z>,
-        theta: f64,
-        impulses: &mut [f64; Z],
-    ) -> State<N, Z> {
-        let mut state = tools.resolve(theta);
-        for (index, before) in impulses.iter_mut().enumerate().take(self.trackers.len()) {
-            *before = state.z[index].min(step.end.z[index]).max(*before);
-            state.z[index] = *before;
-        }
-        state
     }
 
     fn read_within(&mut self, t: f64, state: &State<N, Z>, mode: &R::Mode) {
@@ -212,7 +205,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
 
     /// Shortens the current step to where the object leaves the reach of the fingers, if something has touched the
     /// object; returns whether it does.
-    fn end_at_exit(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
+    fn end_at_exit(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>) -> bool {
         let Some(reach) = self.reach.filter(|reach| reach.leaves(&self.last, &self.end)) else { return false };
         if !has_surface_touched(&self.trackers, &self.end) {
             return false;
@@ -220,13 +213,14 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
-            self.read_within(step.t0 + middle * step.h, &tools.resolve(middle), mode);
+            self.read_within(interior.time_s(middle), &interior.tools.resolve(middle), interior.mode);
             if reach.is_outside(&self.within.bodies[0]) { outside = middle } else { inside = middle }
         }
-        let (exit_s, mut impulses) = (step.t0 + outside * step.h, step.start.z);
         if outside < 1.0 {
-            self.last_state = self.resolve_state(step, tools, outside, &mut impulses);
-            self.reader.read(exit_s, &self.last_state, mode, &self.start_energy, self.required_data, &mut self.end);
+            (self.last_state, self.last_mode) = (interior.resolve(outside), *interior.mode);
+            interior.impulses = interior.step.start.z;
+            let (exit_s, state, mode) = (interior.time_s(outside), &self.last_state, interior.mode);
+            self.reader.read(exit_s, state, mode, &self.start_energy, self.required_data, &mut self.end);
         }
         self.end_s = self.end.time_s;
         self.ejected_s = Some(self.end_s);
@@ -282,15 +276,17 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
             return false;
         }
         self.reader.read(step.t1, step.end, mode, &self.start_energy, self.required_data, &mut self.end);
-        let exits = self.end_at_exit(step, mode, tools);
+        let (impulses, contacts) = (step.start.z, self.trackers.len());
+        let mut interior = Interior { step, mode, tools, impulses, contacts };
+        let exits = self.end_at_exit(&mut interior);
         if self.required_data.peaks && !exits {
-            self.search_peaks(mode, tools);
+            self.search_peaks(mode, interior.tools);
         } else {
             self.peaks.clear();
             update_summaries(&mut self.trackers, &self.end);
         }
         std::mem::swap(&mut self.last, &mut self.end);
-        if let Err(error) = self.emit_step(step, mode, tools) {
+        if let Err(error) = self.emit_step(interior) {
             self.error = Some(error);
         }
         self.error.is_none() && self.ejected_s.is_none() && self.sink.should_continue()
