@@ -143,7 +143,8 @@ fn form_closure_of_final_grasps_with_and_without_the_palm() {
         let without_palm = checked_closure(&scene, &last, &active_contacts, Blocked::Outputs);
         assert!(!without_palm.closed && !without_palm.necessary.is_met(), "{letter}");
 
-        let close_contacts = grasp_configuration(&scene, &last).gaps().expect("a posture").map(|gap| gap <= 1e-5);
+        let close_contacts = grasp_configuration(&scene, &last).contact_points().expect("a posture");
+        let close_contacts = close_contacts.map(|point| point.gap_m <= 1e-5);
         assert_eq!(close_contacts, PerContact { palm: palm_is_close, ..active_contacts }, "{letter}");
         let with_palm = PerContact { palm: true, ..active_contacts };
         let closure = checked_closure(&scene, &last, &with_palm, Blocked::Outputs);

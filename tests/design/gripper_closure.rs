@@ -94,13 +94,13 @@ fn symmetric_grasp_agrees_with_one_finger_and_its_mirror_image() {
 fn gaps_identify_the_contacts() {
     let grasp = grasp(&design_95()).unwrap();
     let configuration = symmetric(&grasp);
-    let gaps = configuration.gaps().expect("a posture");
+    let gaps = configuration.contact_points().expect("a posture").map(|point| point.gap_m);
     assert_eq!(gaps.map(|gap| gap <= 1e-9), ALL, "{gaps:?}");
     let lifted = GraspConfiguration {
         object: configuration.object.at([0.0, configuration.object.centre_m[1] + 1e-4]),
         ..configuration
     };
-    let gaps = lifted.gaps().expect("a posture");
+    let gaps = lifted.contact_points().expect("a posture").map(|point| point.gap_m);
     assert!((gaps.palm - 1e-4).abs() < 1e-12, "{gaps:?}");
     // The tips are above the object and stay in contact; the proximal phalanges lean away.
     assert_eq!(gaps.map(|gap| gap <= 1e-9).phalanges, [[false, true]; 2], "{gaps:?}");
@@ -260,7 +260,7 @@ fn rows_are_the_rates_of_gaps_and_drives() {
                     let tip = usize::from(site == FingerContact::Distal);
                     // The contact point moves along a face, but is fixed at an end.
                     at_ends += usize::from(at_end(&configuration, finger, tip));
-                    rate(&|configuration| configuration.gaps().expect("closed").phalanges[finger][tip])
+                    rate(&|configuration| configuration.contact_points().expect("closed").phalanges[finger][tip].gap_m)
                 }
                 Row::Palm => vy,
                 Row::Motor { finger } => qd11[finger],

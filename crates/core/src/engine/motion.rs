@@ -11,12 +11,12 @@ use rapier2d_f64::prelude::*;
 use super::candidates::{self, ContactCandidate, Row, Source};
 use super::contact_space::ContactSpace;
 use super::dense::refill;
+use super::forces;
 use super::linkage::{Linkage, SingularConstraints, Twist};
 use super::plan::{Plan, PlannedDrive};
 use super::rate_correction::{CorrectedRow, RateCorrection};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::world::{LawContactHook, World};
-use super::{drive, forces, frame};
 use crate::integrator::Clock;
 use crate::law::normal_force;
 use crate::numeric::elementary::{exp, hypot};
@@ -153,7 +153,7 @@ impl<'a> Motion<'a> {
         motion.linkage.factorise()?;
         motion.read_mean_velocities();
         motion.velocities.copy_from_slice(&motion.mean_velocities);
-        drive::set_velocities(plan, 0.0, &mut motion.velocities);
+        forces::set_driven_velocities(plan, 0.0, &mut motion.velocities);
         motion.linkage.project(&mut motion.velocities);
         candidates::collect(&motion.world, plan, &motion.linkage, &mut motion.candidates);
         motion.update_node();
@@ -165,7 +165,7 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// See [`StepError`]. After an error other than [`StepError::TooLong`] the motion is unusable.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
-        let power_before = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
+        let power_before = forces::palm_power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         candidates::set_shaft_torques(self.plan, self.clock.now(), dt, &mut self.candidates);
         // Predicted mean velocities of the step.
         for (v, a) in self.predicted_mean_velocities.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
@@ -193,9 +193,9 @@ impl<'a> Motion<'a> {
         self.update_bristles(dt);
         self.contact_work_j += self.contact.work;
         self.motor_work_j += self.contact.motor_work;
-        self.motor_work_j -= drive::contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
+        self.motor_work_j -= forces::driven_contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
         self.motor_work_j -=
-            frame::table_work(self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
+            forces::table_work(self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
 
         for (pose, before) in self.linkage.poses.iter().zip(&mut self.previous_poses) {
             *before = [pose.com[0], pose.com[1], pose.angle];
@@ -239,7 +239,7 @@ impl<'a> Motion<'a> {
                 self.motor_work_j += 0.5 * (before + motor.characteristic(before_node).0) * shaft_rotation;
             }
         }
-        let power_after = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
+        let power_after = forces::palm_power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         self.motor_work_j += 0.5 * dt * (power_before + power_after);
         self.update_node();
         Ok(())
@@ -331,7 +331,7 @@ impl<'a> Motion<'a> {
             v[1] += inertia.inverse_mass * impulse[1];
             v[2] += inertia.inverse_inertia * impulse[2];
         }
-        drive::set_velocities(self.plan, self.clock.now(), &mut self.velocities);
+        forces::set_driven_velocities(self.plan, self.clock.now(), &mut self.velocities);
         self.linkage.project(&mut self.velocities);
     }
 
@@ -408,7 +408,7 @@ impl<'a> Motion<'a> {
         forces::smooth_forces(self.plan, &self.linkage, now, &mut self.forces);
         // Buffer for the previous accelerations.
         self.predicted_mean_velocities.copy_from_slice(&self.accelerations);
-        drive::accelerations(self.plan, now, &mut self.driven);
+        forces::driven_accelerations(self.plan, now, &mut self.driven);
         self.impulse.copy_from_slice(&self.forces);
         forces::add_speed_dependent_motors(self.plan, &self.velocities, now, &mut self.impulse);
         self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
@@ -442,7 +442,7 @@ impl<'a> Motion<'a> {
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
         let (plan, now) = (self.plan, self.clock.now());
-        drive::mean_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
+        forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
         let opening = (&self.open[..], dt);
         self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
     }
@@ -490,7 +490,7 @@ impl<'a> Motion<'a> {
             body.add_force(Vector::new(impulse[0] / dt, impulse[1] / dt), false);
             body.add_torque(impulse[2] / dt, false);
         }
-        drive::set_rapier_velocities(
+        forces::set_rapier_velocities(
             self.plan,
             &self.linkage.poses,
             &self.world.bodies,

@@ -79,7 +79,7 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
         required_data: RequiredData,
         sample: &mut Sample,
     ) {
-        let snapshot = self.partial_snapshot(state.q, state.v, mode, (required_data.passive, required_data.energies));
+        let snapshot = self.snapshot(state.q, state.v, mode, (required_data.passive, required_data.energies));
         let (passive, energies) = (&snapshot.passive, &snapshot.energies);
         let sample_contact =
             |site: FingerContact| contact_sample(snapshot.contacts[site as usize], state.z[site as usize]);

@@ -6,17 +6,18 @@
 mod design;
 mod grasp;
 mod mass;
-mod outline;
 mod posture;
 
 pub use design::{
-    Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, arm_length, disc, lengths, proximal_range,
+    Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, disc, lengths, proximal_range,
 };
 pub use grasp::{
     FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture, start_posture,
 };
-pub use mass::{BodyOverride, bodies, bodies_with_overrides, total_mass};
-pub use outline::{MassError, Outlines, PolygonMoments, link_outline, outlines, polygon_moments, tip_outline};
+pub use mass::{
+    BodyOverride, MassError, Outlines, PolygonMoments, bodies, bodies_with_overrides, link_outline, outlines,
+    polygon_moments, tip_outline, total_mass,
+};
 pub use posture::{
     Joints, Posture, PostureError, close_loop, gamma, joint_a13, joint_positions, posture_at, straight_posture,
 };

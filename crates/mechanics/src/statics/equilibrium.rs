@@ -5,7 +5,7 @@ use super::error::number;
 use super::{StaticKinematics, StaticsError, static_kinematics};
 use crate::fivebar::kinematics::{reference_gamma, straight_directions};
 use crate::fivebar::spring::SpringModel;
-use crate::gripper::{Assembly, FinalPosture, Finger, FingerContact, Spring};
+use crate::gripper::{Assembly, FinalPosture, Finger, Spring};
 use crate::numeric::elementary::{cos, sin, sin_cos};
 
 /// Smallest lever with which a torque can produce a contact force, in m.
@@ -46,15 +46,6 @@ impl Equilibrium {
             (false, true) => Ejection::Proximal,
             (true, false) => Ejection::Distal,
             (false, false) => Ejection::Both,
-        }
-    }
-
-    /// Whether this contact would have to pull.
-    pub fn ejects(&self, contact: FingerContact) -> bool {
-        match contact {
-            FingerContact::Proximal => self.f21_n < 0.0,
-            FingerContact::Distal => self.f22_n < 0.0,
-            FingerContact::Limit => false,
         }
     }
 }

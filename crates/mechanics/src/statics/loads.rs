@@ -6,7 +6,7 @@
 
 use super::equilibrium::spring_loads;
 use super::error::number;
-use super::grasp_configuration::{ClosestPoint, FingerGeometry};
+use super::hand::{ClosestPoint, FingerGeometry};
 use super::posture::static_kinematics_at;
 use super::{GraspConfiguration, PerContact, Side, StaticKinematics, StaticsError};
 use crate::fivebar::inertial_forces::{AccelerationField, InertialForces};

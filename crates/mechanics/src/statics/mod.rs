@@ -10,7 +10,6 @@ mod equilibrium;
 mod error;
 mod force_closure;
 mod form_closure;
-mod grasp_configuration;
 mod hand;
 mod linear;
 mod loads;
@@ -32,8 +31,7 @@ pub use form_closure::{
     BOUNDARY, Certificate, Decision, FormClosure, decide_by_linear_program, decide_form_closure, form_closure,
     gripper_closure,
 };
-pub use grasp_configuration::{ContactPoint, GraspConfiguration, PerContact};
-pub use hand::{FingerGrip, Hand, PhalanxContact, Side};
+pub use hand::{ContactPoint, FingerGrip, GraspConfiguration, Hand, PerContact, PhalanxContact, Side};
 pub use loads::{ContactLocation, Drive, HandAtRest};
 pub use posture::{StaticKinematics, static_kinematics};
 pub use unilateral::{Blocked, NecessaryCount, Row, RowKind, Unilateral, Unknown, gripper_unilateral, unilateral};

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use super::components::{ContactModel, ContactPair};
 use super::contact_kinematics::ContactKinematics;
-use super::contacts::FingerKinematics;
+use super::evaluation::FingerKinematics;
 use super::model::Multibody;
 use super::{FINGERS, event_function_count, first_impact_step, mode};
 use crate::analytic::ContactState;

@@ -8,7 +8,6 @@
 
 mod components;
 mod contact_kinematics;
-mod contacts;
 mod derivatives;
 mod drive;
 mod evaluation;
