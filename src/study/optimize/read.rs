@@ -89,7 +89,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Optimisation, StudyError> {
     let max_runs =
         population.checked_mul(generations).and_then(|designs| designs.checked_mul(optimisation.conditions()));
     if max_runs.is_none_or(|runs| runs >= MAX_RUNS) {
-        let mut checker = Checker::new(text, Vec::new());
+        let checker = Checker::new(text, Vec::new());
         checker.push(
             raw.method.span.clone(),
             format!("the optimisation has more than {MAX_RUNS} runs"),
