@@ -69,8 +69,8 @@ pub fn check(scene: &Scene) -> Value {
     let found = check::check(Model::Analytic, scene, &|| true);
     let report = RunCheckReport::new(&found, scene.kind() != SceneKind::Bodies);
     json!({
-        "verdict": report.verdict,
-        "text": check_report::summary_line(Some(&report), None).map(|line| line.to_string()),
+        "verdict": found.verdict.name(),
+        "text": check_report::summary_line(Some(&report), None),
         "error": found.errors.path,
         "bar": found.max_path_error,
         "report": report,

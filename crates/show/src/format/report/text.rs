@@ -12,7 +12,8 @@ const HANGING_INDENT: usize = 2;
 
 /// Formats a report; a figure is represented by its file name and caption.
 pub(super) fn report(report: &Report, width: Option<usize>) -> String {
-    let lines = |content: &str| content.split_inclusive('\n').map(|line| wrap_line(line, width, HANGING_INDENT)).collect();
+    let lines =
+        |content: &str| content.split_inclusive('\n').map(|line| wrap_line(line, width, HANGING_INDENT)).collect();
     let render = |block: &Block| match block {
         Block::Heading(heading) => lines(&format!("\n{heading}\n\n")),
         Block::Lines(content) => lines(content),
