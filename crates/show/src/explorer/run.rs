@@ -55,7 +55,7 @@ pub fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
     let report = simulate(scene, &mut recorder);
     let playback = recorder.into_playback(Model::Analytic.name(), scene, "");
     json!({
-        "film": json::append_run(&playback, numbers),
+        "playback": json::append_run(&playback, numbers),
         "figures": figures(&report),
         "verdict": verdict(&report),
         "failed": report.error.as_ref().map(|error| &error.reason),
