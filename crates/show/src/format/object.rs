@@ -1,4 +1,4 @@
-//! Lists of figures by name, in the order of a sample.
+//! JSON objects whose keys keep their order.
 
 use serde::{Serialize, Serializer};
 
@@ -29,5 +29,31 @@ impl<T> FromIterator<(String, T)> for Named<T> {
 impl<T: Serialize> Serialize for Named<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+/// A JSON object that is built key by key, from values of any type.
+#[derive(Default)]
+pub struct Object<'a>(Vec<(&'static str, Box<dyn erased_serde::Serialize + 'a>)>);
+
+impl<'a> Object<'a> {
+    /// Appends a key.
+    pub fn with(mut self, key: &'static str, value: impl Serialize + 'a) -> Self {
+        self.0.push((key, Box::new(value)));
+        self
+    }
+
+    /// Appends a key if it has a value.
+    pub fn with_some(self, key: &'static str, value: Option<impl Serialize + 'a>) -> Self {
+        match value {
+            Some(value) => self.with(key, value),
+            None => self,
+        }
+    }
+}
+
+impl Serialize for Object<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(key, value)| (key, value)))
     }
 }
