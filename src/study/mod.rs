@@ -2,6 +2,7 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `bisect` | bisection |
 //! | `capture` | positioning errors that a gripper captures |
 //! | `posture` | text form of a gripper's posture |
 //! | `hold` | largest acceleration under which a gripper holds its object |
@@ -20,6 +21,7 @@
 //! | `sweep` | parameter sweeps over fields of a scene |
 //! | `volume` | grasp-state volumes: designs that hold the object |
 
+mod bisect;
 pub mod capture;
 pub mod hold;
 mod kind;
@@ -38,4 +40,5 @@ pub mod store;
 pub mod sweep;
 pub mod volume;
 
+use bisect::bisect;
 pub use kind::require_gripper;
