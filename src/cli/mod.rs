@@ -31,12 +31,7 @@ mod ownership;
 mod progress;
 mod replay;
 mod replay_against;
-mod replay_args;
-mod replay_loaded_log;
-mod replay_page;
-mod replay_pair;
 mod replay_read;
-mod replay_recover;
 mod replay_verify;
 mod reproduce;
 mod run;
@@ -143,7 +138,7 @@ commands! {
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
     Validate(validate_args::ValidateArgs) => validate::run,
-    Replay(replay_args::ReplayArgs) => replay::run,
+    Replay(replay::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(
         subcommand,

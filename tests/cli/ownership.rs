@@ -56,11 +56,10 @@ fn output_replaces_only_files_of_the_same_kind() {
     run_ok(&["run", EXPERIMENT_95, "--log", path_text(&log)]);
     let results = directory.join("results.csv");
     run_ok(&["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", path_text(&results)]);
-    let commands: [(&[&str], &str); 6] = [
+    let commands: [(&[&str], &str); 5] = [
         (&["run", EXPERIMENT_95, "--log"], "again.mcap"),
         (&["replay", path_text(&log), "--html"], "page.html"),
         (&["replay", path_text(&log), "--csv"], "samples.csv"),
-        (&["replay", path_text(&log), "--recover"], "whole.mcap"),
         (&["statics", EXPERIMENT_95, "--svg"], "grasp.svg"),
         (&["select", path_text(&results), "--no-form-closed", "--ranking"], "best.csv"),
     ];
@@ -121,7 +120,6 @@ fn invalid_paths_are_rejected() {
         &["run", EXPERIMENT_95, "--csv", &directory_path],
         &["run", EXPERIMENT_95, "--html", &directory_path],
         &["run", EXPERIMENT_95, "--html", path_text(&directory)],
-        &["replay", path_text(&log), "--recover", &directory_path],
         &["replay", path_text(&log), "--against", path_text(&log), "--html", &directory_path],
         &["scene", "show", EXPERIMENT_95, "--figure", &directory_path],
         &["hold", "scenes/gripper/cycle.toml", "--svg", &directory_path],

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use phalanx_core::check::{Check, PERTURBATION};
 use phalanx_core::scene::schema::record;
-use phalanx_core::scene::{Construction, Keyword, Method, Preset, Response, Scene, Stepping, parse_any, show};
+use phalanx_core::scene::{Keyword, Scene, parse_any, show};
 
 /// Name of the metadata record.
 pub const METADATA_NAME: &str = "phalanx";
