@@ -438,7 +438,8 @@ def picture(found: Found, format: str, has_links: bool = False) -> bytes:
     with matplotlib.rc_context({"svg.hashsalt": "phalanx", "svg.fonttype": "none"}):
         metadata = {"Creator": MARK, "Date": None} if format == "svg" else {"Software": MARK}
         figure.savefig(buffer, format=format, dpi=120, metadata=metadata)
-    return buffer.getvalue()
+    dark = b"@media (prefers-color-scheme: dark) {svg {filter: invert(1) hue-rotate(180deg)}}</style>"
+    return buffer.getvalue().replace(b"</style>", dark, 1) if format == "svg" else buffer.getvalue()
 
 
 def page(found: Found) -> str:
