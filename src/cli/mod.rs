@@ -23,7 +23,6 @@ mod new;
 #[cfg(all(test, feature = "live"))]
 #[allow(dead_code)]
 mod no_live;
-mod optimize;
 mod output;
 mod output_directory;
 mod overrides;
@@ -153,7 +152,6 @@ commands! {
     Volume(volume::VolumeArgs) => volume::run,
     Sweep(sweep::SweepArgs) => sweep::run,
     Select(select::SelectArgs) => select::run,
-    Optimize(optimize::OptimizeArgs) => optimize::run,
     Reproduce(reproduce::ReproduceArgs) => reproduce::run,
     /// Study how settings affect a result
     #[command(
@@ -253,6 +251,11 @@ fn suggest_subcommand(mut error: clap::Error) -> clap::Error {
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
         && error.get(ContextKind::SuggestedSubcommand).is_none()
     {
+        if word == "optimize" {
+            let tip = "the search is part of the Python package: `python -m phalanx.optimize STUDY`, after `pip install phalanx[optimize]`";
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+            return error;
+        }
         let command = Cli::command();
         // In `phalanx scene shwo`, the second word is the mistyped one.
         let parent_name = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).filter(|first| first != word);

@@ -4,7 +4,6 @@
 
 pub mod capture;
 pub mod hold;
-pub mod optimize;
 pub mod replay;
 pub mod reproduce;
 mod rows;

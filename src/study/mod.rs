@@ -8,7 +8,6 @@
 //! | `hold` | largest acceleration under which a gripper holds its object |
 //! | `kind` | check of the scene kind for gripper studies |
 //! | `parts` | sweeps distributed over several machines: parts of a study and their merge |
-//! | `optimize` | optimal designs over ranges of scene fields |
 //! | `pool` | thread pool of the studies |
 //! | `provenance` | provenance file of sweep results |
 //! | `random` | reproducible random numbers |
@@ -25,7 +24,6 @@ mod bisect;
 pub mod capture;
 pub mod hold;
 mod kind;
-pub mod optimize;
 pub mod parts;
 mod pool;
 pub mod posture;
