@@ -14,7 +14,7 @@ use super::messages::{
 use super::pictures::Pictures;
 use phalanx_core::drawing::{self, Drawing};
 use phalanx_core::scene::{self, Scene, System};
-use phalanx_core::trace::{BodyState, Event, FingerState, Layout, Sample};
+use phalanx_core::trace::{BodyState, Channels as _, Event, FingerState, Layout, Sample};
 
 /// Content of a channel. Indices are those of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,7 +167,7 @@ impl Channels {
                 ChannelContent::Body(index) => &disc_numbers(&bodies[index]),
                 ChannelContent::Contact(index) => &contact_numbers(&contacts[index]),
                 ChannelContent::Limit(index) => &limit_numbers(&contacts[index]),
-                ChannelContent::Energy => &energy.values_j(),
+                ChannelContent::Energy => &energy.values(),
                 _ => continue,
             };
             out.write_numbers(*channel, *time_s, &[], numbers)?;
