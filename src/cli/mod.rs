@@ -23,7 +23,6 @@ mod new;
 #[cfg(all(test, feature = "live"))]
 #[allow(dead_code)]
 mod no_live;
-mod optimize;
 mod output;
 mod output_directory;
 mod overrides;
@@ -31,12 +30,7 @@ mod ownership;
 mod progress;
 mod replay;
 mod replay_against;
-mod replay_args;
-mod replay_loaded_log;
-mod replay_page;
-mod replay_pair;
 mod replay_read;
-mod replay_recover;
 mod replay_verify;
 mod reproduce;
 mod run;
@@ -143,7 +137,7 @@ commands! {
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
     Validate(validate_args::ValidateArgs) => validate::run,
-    Replay(replay_args::ReplayArgs) => replay::run,
+    Replay(replay::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(
         subcommand,
@@ -158,7 +152,6 @@ commands! {
     Volume(volume::VolumeArgs) => volume::run,
     Sweep(sweep::SweepArgs) => sweep::run,
     Select(select::SelectArgs) => select::run,
-    Optimize(optimize::OptimizeArgs) => optimize::run,
     Reproduce(reproduce::ReproduceArgs) => reproduce::run,
     /// Study how settings affect a result
     #[command(
@@ -258,6 +251,11 @@ fn suggest_subcommand(mut error: clap::Error) -> clap::Error {
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
         && error.get(ContextKind::SuggestedSubcommand).is_none()
     {
+        if word == "optimize" {
+            let tip = "the search is part of the Python package: `python -m phalanx.optimize STUDY`, after `pip install phalanx[optimize]`";
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+            return error;
+        }
         let command = Cli::command();
         // In `phalanx scene shwo`, the second word is the mistyped one.
         let parent_name = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).filter(|first| first != word);

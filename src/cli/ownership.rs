@@ -8,7 +8,6 @@ use std::path::Path;
 use super::Failure;
 use crate::files::check_writable;
 use crate::plot::PICTURE_MARK;
-use crate::report::optimize::is_design_table;
 use crate::report::samples::is_samples;
 use crate::report::select::is_ranking;
 use crate::{log, table};
@@ -23,8 +22,6 @@ pub enum FileKind {
     Samples,
     /// Table of selected designs.
     Ranking,
-    /// Table of the designs of an optimisation.
-    Designs,
 }
 
 /// Marker in the head of every page.
@@ -42,7 +39,6 @@ impl FileKind {
             FileKind::Log => "a log",
             FileKind::Samples => "a table of samples",
             FileKind::Ranking => "a ranking",
-            FileKind::Designs => "a table of designs",
         }
     }
 
@@ -68,7 +64,6 @@ impl FileKind {
             FileKind::Log => log::ensure_replaceable(path, path).is_ok(),
             FileKind::Samples => is_samples(head.lines().next().unwrap_or_default()),
             FileKind::Ranking => table::read(path).is_ok_and(|table| is_ranking(&table)),
-            FileKind::Designs => table::read(path).is_ok_and(|table| is_design_table(&table.columns)),
         })
     }
 }

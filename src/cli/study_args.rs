@@ -1,4 +1,4 @@
-//! Arguments of the commands that run a study: `phalanx sweep` and `phalanx optimize`.
+//! Arguments of `phalanx sweep` about its study and output.
 
 use clap::Args;
 

@@ -2,12 +2,12 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `bisect` | bisection |
 //! | `capture` | positioning errors that a gripper captures |
 //! | `posture` | text form of a gripper's posture |
 //! | `hold` | largest acceleration under which a gripper holds its object |
 //! | `kind` | check of the scene kind for gripper studies |
 //! | `parts` | sweeps distributed over several machines: parts of a study and their merge |
-//! | `optimize` | optimal designs over ranges of scene fields |
 //! | `pool` | thread pool of the studies |
 //! | `provenance` | provenance file of sweep results |
 //! | `random` | reproducible random numbers |
@@ -20,10 +20,10 @@
 //! | `sweep` | parameter sweeps over fields of a scene |
 //! | `volume` | grasp-state volumes: designs that hold the object |
 
+mod bisect;
 pub mod capture;
 pub mod hold;
 mod kind;
-pub mod optimize;
 pub mod parts;
 mod pool;
 pub mod posture;
@@ -38,4 +38,5 @@ pub mod store;
 pub mod sweep;
 pub mod volume;
 
+use bisect::bisect;
 pub use kind::require_gripper;

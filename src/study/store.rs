@@ -1,4 +1,4 @@
-//! Results of a sweep or an optimisation on disk. Each finished run is appended to `OUT.partial.csv`, so that an
+//! Results of a sweep on disk. Each finished run is appended to `OUT.partial.csv`, so that an
 //! interruption loses no finished run. Finally all rows are written to OUT, in order.
 //!
 //! The provenance file `OUT.study.json` contains the exact text of the study. It determines whether a restarted command
@@ -18,7 +18,7 @@ use crate::files::{check_writable, checksum, replace_file};
 use crate::log::is_same_file;
 use crate::table::{self, Column, Table, Value};
 
-/// First words of a file of unfinished results, of sweeps and optimisations.
+/// First words of a file of unfinished results of a sweep.
 const MAGIC: &str = "# phalanx sweep";
 
 /// Unfinished results of a study, appended row by row.

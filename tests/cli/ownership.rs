@@ -56,11 +56,10 @@ fn output_replaces_only_files_of_the_same_kind() {
     run_ok(&["run", EXPERIMENT_95, "--log", path_text(&log)]);
     let results = directory.join("results.csv");
     run_ok(&["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", path_text(&results)]);
-    let commands: [(&[&str], &str); 6] = [
+    let commands: [(&[&str], &str); 5] = [
         (&["run", EXPERIMENT_95, "--log"], "again.mcap"),
         (&["replay", path_text(&log), "--html"], "page.html"),
         (&["replay", path_text(&log), "--csv"], "samples.csv"),
-        (&["replay", path_text(&log), "--recover"], "whole.mcap"),
         (&["statics", EXPERIMENT_95, "--svg"], "grasp.svg"),
         (&["select", path_text(&results), "--no-form-closed", "--ranking"], "best.csv"),
     ];
@@ -121,20 +120,15 @@ fn invalid_paths_are_rejected() {
         &["run", EXPERIMENT_95, "--csv", &directory_path],
         &["run", EXPERIMENT_95, "--html", &directory_path],
         &["run", EXPERIMENT_95, "--html", path_text(&directory)],
-        &["replay", path_text(&log), "--recover", &directory_path],
         &["replay", path_text(&log), "--against", path_text(&log), "--html", &directory_path],
         &["scene", "show", EXPERIMENT_95, "--figure", &directory_path],
         &["hold", "scenes/gripper/cycle.toml", "--svg", &directory_path],
-        &["optimize", SEARCH, "--out", &table_path],
-        &["optimize", SEARCH, "--out", "no.csv", "--plot", &directory_path],
         &["sweep", "scenes/studies/thesis.toml", "--out", &table_path],
         &["select", EXPERIMENT_95, "--ranking", &table_path],
     ] {
         assert_rejected(&directory, args, &["is a directory"]);
     }
 }
-
-const SEARCH: &str = "scenes/studies/optimize-95.toml";
 
 #[test]
 fn outputs_never_overwrite_each_other_or_inputs() {
@@ -149,19 +143,6 @@ fn outputs_never_overwrite_each_other_or_inputs() {
     fs::hard_link(directory.join("empty.html"), &linked).expect("linked");
     #[cfg(unix)]
     std::os::unix::fs::symlink("scenes", directory.join("link")).expect("linked");
-    let study = fs::read_to_string(SEARCH).expect("a study");
-    let (_, variables) = study.split_once("# The bounds of the grid.").expect("a comment before the variables");
-    fs::write(directory.join("study.toml"), format!("scene = \"scenes/start.toml\"\n#{variables}")).expect("written");
-    let study = path_in("study.toml");
-    let optimize = |more: [&str; 2], message: &str| {
-        assert_rejected(&directory, &["optimize", &study, "--out", &a, more[0], more[1]], &[more[0], message]);
-    };
-    optimize(["--html", &a], "the file of --out");
-    optimize(["--plot", &path_in("./a.runs.csv")], "the file of the runs of --out");
-    optimize(["--plot", &path_in("a.runs.csv.study.json")], "the file of the runs of --out");
-    optimize(["--html", &path_in("scenes/../a.runs.csv.partial.csv")], "the file of the runs of --out");
-    optimize(["--scenes", &path_in("scenes")], "which is the study itself, which must not change");
-    optimize(["--plot", &study], "is the study itself");
     let run =
         |args: &[&str], message: &str| assert_rejected(&directory, &[&["run", &scene], args].concat(), &[message]);
     run(&["--csv", &path_in("empty.html"), "--html", &linked], "the file of --csv");
@@ -205,12 +186,11 @@ fn output_directories_are_replaced_atomically() {
     // A checksum file with invalid checksums is a foreign file.
     let other_directory = directory.join("foreign");
     fs::create_dir(&other_directory).expect("created");
-    let other_commands: [&[&str]; 6] = [
+    let other_commands: [&[&str]; 5] = [
         &["capture", "scenes/gripper/offset.toml", "--out"],
         &["hold", "scenes/gripper/cycle.toml", "--out"],
         &["study", "step-size", "--out"],
         &["reproduce", "--out"],
-        &["optimize", SEARCH, "--out", "no.csv", "--scenes"],
         &["man"],
     ];
     fs::write(other_directory.join(".phalanx"), "{\"notes.txt\": [\"mine\"]}").expect("written");

@@ -31,10 +31,11 @@ pub struct Drawing {
 }
 
 /// A rigid body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Body {
     /// `l11`, `l12`, `l21`, `l22`, `object`, `palm`, `plane`, or the name of a disc.
     pub name: String,
+    #[serde(rename = "part")]
     pub role: BodyRole,
     /// Whether the body does not move.
     pub fixed: bool,
@@ -42,7 +43,8 @@ pub struct Body {
 }
 
 /// Role of a body in the mechanism.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum BodyRole {
     /// Link l11.
     Driver,

@@ -17,7 +17,7 @@ pub fn files(path: &Path) -> Result<Vec<PathBuf>, StudyError> {
     Ok(source_files(path))
 }
 
-/// Files of a study or an optimisation that has been read; only its own file if that is a pipe.
+/// Files of a study that has been read; only its own file if that is a pipe.
 pub fn source_files(path: &Path) -> Vec<PathBuf> {
     let text = if path.is_file() { read(path).map_or_else(|_| String::new(), |(text, _)| text) } else { String::new() };
     let document = DeTable::parse(&text).ok();

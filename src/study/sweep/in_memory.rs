@@ -2,10 +2,10 @@
 
 use toml::Spanned;
 
-use super::axis::AxisValues;
+use super::axis::{Axis, AxisValues};
 use super::base;
 use super::field::{AxisValue, Field, FieldType};
-use super::spec::{StudySpec, study_without_designs};
+use super::template::Template;
 use super::{Filter, MAX_RUNS, Study};
 use crate::scene::schema::schema_for;
 use crate::scene::toml_value::TomlValue;
@@ -61,19 +61,21 @@ pub fn in_memory_study(
         resolved.push(field);
     }
     let invalid = |message| InMemoryStudyError::Field { message, help: "give other fields".to_string() };
-    study_without_designs(StudySpec {
+    let template = Template::new(base.table, fields).map_err(invalid)?;
+    Ok(Study {
         kind: base.kind,
         name: String::new(),
         description: String::new(),
         model,
+        checked: false,
         filter: Filter::default(),
-        fields: resolved,
-        conditions: Vec::new(),
-        scene: base.table,
-        base: base.text,
+        axes: vec![Axis { fields: resolved, values: AxisValues::Rows(Vec::new()), repeats_designs: false }],
+        sequence: None,
+        template,
+        runs: 0,
         source: String::new(),
+        base: base.text,
     })
-    .map_err(invalid)
 }
 
 impl Study {

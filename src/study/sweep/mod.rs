@@ -14,7 +14,6 @@
 //! | `files` | files that a study requires |
 //! | `field` | fields of a scene: types and columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
-//! | `spec` | studies whose designs are added later |
 //! | `in_memory` | studies built in memory |
 //! | `template` | texts of the scenes |
 //! | `single_run`, `finger_run`, `gripper_run`, `simulate`, `row` | a single run of a finger or a gripper, and its row |
@@ -43,17 +42,9 @@ mod sequence;
 mod shard;
 mod simulate;
 mod single_run;
-mod spec;
 mod summary;
 mod template;
 
-pub(in crate::study) use axis::{Axis as SweepAxis, Range, Spacing};
-pub(in crate::study) use document::{StudyDocument, invalid_study, parse_document};
-pub(in crate::study) use raw::{AnyValue, RawAxis, RawFilter, ValueList, scene_study_schema_text, study_schema};
-pub(in crate::study) use read::{file_stem, read_filter, read_study_file};
-pub(in crate::study) use read_axis::{find_field, read_axes, read_range, read_value};
-pub(in crate::study) use row::result_columns;
-pub(in crate::study) use spec::{StudySpec, study_without_designs};
 pub(in crate::study) use summary::group_reasons;
 
 pub use error::StudyError;
