@@ -61,7 +61,7 @@ pub fn run(
 ) -> PyResult<Result> {
     let argument_error = |message: String| errors::argument(py, message);
     let model = self::model(py, model)?;
-    let parse = |name: &str, text: Option<&str>, parser: fn(&str) -> std::result::Result<String, String>| {
+    let parse = |name: &str, text: Option<&str>, parser: fn(&str) -> std::result::Result<f64, String>| {
         text.map(parser).transpose().map_err(|error| errors::argument(py, format!("{name}: {error}")))
     };
     let rtol = rtol.map(|value| -> PyResult<String> {
@@ -77,11 +77,11 @@ pub fn run(
             .map(|name| conversion::parse_keyword::<Construction>("construction", name))
             .transpose()
             .map_err(argument_error)?,
-        step: parse("step", step, overrides::step)?,
-        tolerance: parse("tolerance", tolerance, overrides::tolerance)?,
+        step_s: parse("step", step, overrides::step)?,
+        tolerance_m: parse("tolerance", tolerance, overrides::tolerance)?,
         duration_s: duration.map(overrides::duration).transpose().map_err(argument_error)?,
-        numeric_rate: parse("numeric_rate", numeric_rate, overrides::numeric_rate)?,
-        picture_rate: parse("picture_rate", picture_rate, overrides::picture_rate)?,
+        numeric_hz: parse("numeric_rate", numeric_rate, overrides::numeric_rate)?,
+        picture_hz: parse("picture_rate", picture_rate, overrides::picture_rate)?,
     };
     let loaded = scene.get(py)?;
     let file_name = Path::new(loaded.file()).file_name().map(|name| name.to_string_lossy().into_owned());

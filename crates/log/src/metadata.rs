@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use phalanx_core::check::{Check, PERTURBATION};
-use phalanx_core::scene::table::record;
+use phalanx_core::scene::schema::record;
 use phalanx_core::scene::{Construction, Keyword, Method, Preset, Response, Scene, Stepping, parse_any, show};
 
 /// Name of the metadata record.
@@ -84,12 +84,12 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
     ];
     let mut entries: BTreeMap<String, String> =
         general.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
-    entries.extend(record("log", rates));
+    entries.extend(record(rates));
     if run.model == ENGINE_MODEL {
-        entries.extend(record("engine", &scene.engine));
+        entries.extend(record(&scene.engine));
         entries.insert("rapier_version".to_string(), RAPIER_VERSION.to_string());
     } else {
-        entries.extend(record("integrator", &scene.integrator));
+        entries.extend(record(&scene.integrator));
     }
     entries
 }
