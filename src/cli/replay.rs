@@ -5,13 +5,11 @@ use std::slice;
 
 use super::interrupt::Interrupt;
 use super::output::print_result;
-use super::ownership::FileKind;
 use super::replay_args::{ReplayArgs, print_defects};
 use super::replay_page::{LogPlaybackRecorder, Tee, ensure_drawable};
 use super::replay_read::{SummarySink, read_failure, read_head};
 use super::samples::{self, write_table};
-use super::save::save;
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status, replay_against, replay_recover, replay_verify};
 use crate::format::ToReport;
 use crate::log::{LogSink, LogSummary, read_any_file};

@@ -4,14 +4,12 @@ use std::path::Path;
 
 use super::interrupt::Interrupt;
 use super::output::print_result;
-use super::ownership::FileKind;
 use super::replay_args::{ReplayArgs, print_defects};
 use super::replay_loaded_log::LoadedLog;
 use super::replay_page::{LogPlaybackRecorder, ensure_drawable};
 use super::replay_pair::{comparison_notes, retain_common};
 use super::replay_read::read_head;
-use super::save::{PAGE_FILE, save};
-use super::targets::{TargetKind, reserve};
+use super::targets::{FileKind, PAGE_FILE, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::log::LogSummary;

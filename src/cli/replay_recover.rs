@@ -6,10 +6,9 @@ use std::slice;
 
 use super::interrupt::Interrupt;
 use super::output::print_result;
-use super::ownership::FileKind;
 use super::replay_args::{ReplayArgs, print_losses};
 use super::replay_read::{ReadMonitor, read_failure, read_head};
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve};
 use super::{Failure, Status};
 use crate::files::replace_file;
 use crate::log::{self, ReadError, Recovery};

@@ -7,7 +7,6 @@
 //! | `closings` | joint angles over time in several closing motions |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error of all evaluated settings |
-//! | `optimize` | designs by their objectives, and the front |
 //! | `overlay` | two runs over time |
 //! | `select` | results of a selection by criterion, class, force and variable |
 //! | `stability` | map of verdicts over step, stiffness and damping |
@@ -22,7 +21,6 @@ mod closings;
 mod difference;
 mod hold;
 mod linkage;
-mod optimize;
 mod overlay;
 mod select;
 mod sizing;
@@ -40,7 +38,6 @@ pub use difference::{
 };
 pub use hold::hold;
 pub use linkage::{LabelBox, Linkage, linkage};
-pub use optimize::optimisation;
 pub use overlay::{overlay, overlay_runs};
 pub use phalanx_show::plot::{PICTURE_MARK, PictureFormat, balance, colours, grasp, theme};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};

@@ -5,7 +5,6 @@
 pub mod capture;
 pub mod hold;
 mod hold_text;
-pub mod optimize;
 pub mod replay;
 pub mod reproduce;
 pub mod select;

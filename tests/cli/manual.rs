@@ -5,21 +5,8 @@ use std::process::{Command, Stdio};
 
 use crate::support::cli::{EXPERIMENT_95, directory, phalanx, stderr, stdout, write};
 
-const COMMANDS: [&str; 13] = [
-    "new",
-    "run",
-    "validate",
-    "replay",
-    "scene",
-    "size",
-    "statics",
-    "volume",
-    "sweep",
-    "select",
-    "optimize",
-    "reproduce",
-    "study",
-];
+const COMMANDS: [&str; 12] =
+    ["new", "run", "validate", "replay", "scene", "size", "statics", "volume", "sweep", "select", "reproduce", "study"];
 
 /// Returns whether a shell accepts the syntax of a script; `None` if the shell is not installed.
 fn is_valid_script(shell: &str, file: &str) -> Option<bool> {
