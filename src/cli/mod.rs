@@ -24,9 +24,7 @@ mod new;
 #[allow(dead_code)]
 mod no_live;
 mod output;
-mod output_directory;
 mod overrides;
-mod ownership;
 mod progress;
 mod replay;
 mod replay_against;
@@ -36,7 +34,6 @@ mod reproduce;
 mod run;
 mod run_page;
 mod samples;
-mod save;
 pub mod scene;
 mod scene_figure;
 mod select;
@@ -46,12 +43,8 @@ mod size;
 mod statics;
 mod statics_gripper;
 mod study;
-mod study_args;
 mod study_stability;
 mod sweep;
-mod sweep_merge;
-mod sweep_progress;
-mod sweep_shard;
 mod targets;
 mod terminal;
 mod validate;
@@ -109,6 +102,10 @@ struct Cli {
     /// Print results, warnings and errors only; no progress and no notes on stderr
     #[arg(short, long, global = true, display_order = 900)]
     quiet: bool,
+
+    /// Replace existing output files even if phalanx did not write them; inputs are never replaced
+    #[arg(long, global = true, display_order = 901)]
+    force: bool,
 
     #[command(subcommand)]
     command: Command,
@@ -205,6 +202,9 @@ pub fn main() -> ExitCode {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| exit_with_error(error));
     if cli.quiet {
         output::set_quiet();
+    }
+    if cli.force {
+        crate::files::set_force();
     }
     let status = cli.command.run().unwrap_or_else(|failure| {
         output::print_diagnostic(&failure.message);

@@ -8,11 +8,9 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::{print_diagnostic, print_result};
-use super::ownership::FileKind;
 use super::replay_read::{LogPlaybackRecorder, SummarySink, Tee, ensure_drawable, read_failure, read_head};
 use super::samples::{self, write_table};
-use super::save::save;
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status, replay_against, replay_verify};
 use crate::format::ToReport;
 use crate::log::{LogSink, LogSummary, read_file};

@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use super::command_output::CommandOutput;
-use super::ownership::FileKind;
 use super::set::{SetArgs, source_files};
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve};
 use crate::files::replace_file;
 use crate::plot::linkage;
 use crate::scene::keywords::SceneKind;

@@ -6,9 +6,7 @@ use std::slice;
 use clap::Args;
 
 use super::output::print_result;
-use super::ownership::FileKind;
-use super::save::save;
-use super::targets::{TargetKind, reserve};
+use super::targets::{FileKind, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::format::ToReport;

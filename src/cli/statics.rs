@@ -5,11 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::print_result;
-use super::ownership::FileKind;
-use super::save::save;
 use super::set::{SetArgs, source_files};
 use super::statics_gripper::{self, GripperArgs, SharedArgs};
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::grasp::finger::{GraspOverrides, GraspStudyError, grasp};
 use crate::plot;

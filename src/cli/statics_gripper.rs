@@ -7,7 +7,7 @@ use clap::Args;
 use super::interrupt::Interrupt;
 use super::output::print_result;
 use super::overrides::parse_positive;
-use super::save::save;
+use super::targets::save;
 use super::{Failure, Status};
 use crate::grasp::gripper::{GripperGraspError, GripperGraspRequest, PostureRequest, gripper_grasp};
 use crate::plot;

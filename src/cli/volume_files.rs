@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use super::save::save;
+use super::targets::save;
 use super::volume_args::DataArg;
 use crate::format::ToReport;
 use crate::page::{Note, VolumePage, volume_page};

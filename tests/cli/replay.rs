@@ -304,7 +304,7 @@ fn compares_two_logs() {
         }
         let text = fs::read_to_string(Path::new(&out).join("report.txt")).expect("the report");
         assert_eq!(
-            stdout(&phalanx(&["replay", &analytic, "--against", &engine])).lines().count() + 1,
+            stdout(&phalanx(&["replay", &analytic, "--against", &engine])).lines().count() + 3,
             text.lines().count()
         );
         // A log does not differ from itself.

@@ -72,7 +72,7 @@ fn files_are_complete() {
     assert!(csv.lines().count() > 400);
     assert!(csv.lines().all(|line| line.split(',').count() == columns));
     assert_eq!(serde_json::from_str::<Value>(&read("size.json")).unwrap()["rule"], "rigid");
-    assert_eq!(read("size.txt"), run_ok(&["size", EXPERIMENT_95]));
+    assert_eq!(read("size.txt"), format!("Report by phalanx\n\n{}", run_ok(&["size", EXPERIMENT_95])));
 }
 
 #[test]

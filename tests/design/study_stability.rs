@@ -172,7 +172,7 @@ fn command_writes_its_files() {
     ];
     let output = phalanx(&args);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(stdout(&output), fs::read_to_string(out.join("table.txt")).expect("a table"));
+    assert!(fs::read_to_string(out.join("table.txt")).expect("a table").ends_with(stdout(&output)));
     let document: Value =
         serde_json::from_str(&fs::read_to_string(out.join("stability.json")).expect("JSON")).expect("JSON");
     assert_eq!(document["grid"]["steps_s"], serde_json::json!([1e-3, 1e-4]));

@@ -1,24 +1,14 @@
 //! Every row of a sweep has a verdict or a reason for any design.
 
-use std::collections::HashSet;
-
 use phalanx::criteria::static_grasp;
 use phalanx::format::ToReport;
 use phalanx::report::select::SelectionReport;
 use phalanx::scene;
 use phalanx::study::select::{SelectionCriteria, select};
-use phalanx::study::sweep::{Study, parse, run, summary, table};
+use phalanx::study::sweep::{Study, summary};
 use phalanx::table::Table;
 
-fn study(text: &str) -> Study {
-    parse(text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn results(study: &Study) -> Table {
-    let mut rows = Vec::new();
-    assert!(run(study, 0, &HashSet::new(), |row| rows.push(row)).complete);
-    table(study, &rows)
-}
+use crate::support::studies::{parse_study, run_study};
 
 /// Asserts that every row has a verdict or a reason, and that only completed rows have a verdict. Returns the numbers
 /// of rows with and without a verdict.
@@ -72,8 +62,8 @@ count = 19
 
 #[test]
 fn designs_that_cannot_grasp_have_a_reason_and_are_counted() {
-    let study = study(SHORT_RUN_STUDY);
-    let table = results(&study);
+    let study = parse_study(SHORT_RUN_STUDY);
+    let table = run_study(&study);
     let [with_verdict, without_verdict] = assert_verdict_or_reason(&study, &table, "class");
     assert_eq!((with_verdict, without_verdict), (65, 30));
     let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
@@ -195,8 +185,8 @@ seed = 7
 #[test]
 fn every_row_has_a_verdict_or_a_reason() {
     for (text, verdict) in [(FINGERS, "class"), (GRIPPERS, "grasp")] {
-        let study = study(text);
-        let table = results(&study);
+        let study = parse_study(text);
+        let table = run_study(&study);
         let [with_verdict, without_verdict] = assert_verdict_or_reason(&study, &table, verdict);
         let counts = summary(&table).expect("results of a sweep");
         assert!(with_verdict > 10 && without_verdict > 10, "{with_verdict} {without_verdict}: {counts:?}");

@@ -1,5 +1,8 @@
 //! Axes of a study: lists of values, or ranges.
 
+use schemars::JsonSchema;
+use serde::Deserialize;
+
 use super::field::{AxisValue, Field, FieldType};
 use crate::numeric::elementary::pow;
 use crate::table::Value;
@@ -34,8 +37,10 @@ impl Axis {
 }
 
 /// Spacing of the values in a range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Spacing {
+    #[default]
     Linear,
     Log,
 }
