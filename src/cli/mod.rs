@@ -50,7 +50,6 @@ pub mod set;
 mod simulate;
 mod size;
 mod statics;
-mod statics_gripper;
 mod study;
 mod study_args;
 mod study_stability;

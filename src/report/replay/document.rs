@@ -166,8 +166,8 @@ impl ReplayReport {
         let (layout, outcome) = (&summary.layout, summary.outcome());
         let grasp = grasp.zip(outcome).map(|(criteria, outcome)| GraspReport::new(criteria, scene, &outcome.last));
         // The run of a gripper ends when the object is ejected. Without its fate, an early end is not an error.
-        let may_end_early =
-            reading.kind() == SceneKind::Gripper && grasp.as_ref().is_none_or(|grasp| matches!(grasp.criteria.fate, Fate::Ejected { .. }));
+        let may_end_early = reading.kind() == SceneKind::Gripper
+            && grasp.as_ref().is_none_or(|grasp| matches!(grasp.criteria.fate, Fate::Ejected { .. }));
         let mut report = ReplayReport {
             states: FinalStates(outcome.map(|outcome| states(layout, outcome, scene))),
             contacts: outcome.map(|outcome| contacts(layout, outcome, summary, reading)),
