@@ -78,7 +78,7 @@ impl ToReport for SizingReport<'_> {
         text.push('\n');
         let or_dash = |n_m: Option<f64>| n_m.map_or("–".to_string(), torque);
         let line = |name: &str, rule: Rule, sizing: &Sizing| {
-            let marker = if rule == self.rule { "  <-" } else { "" };
+            let marker = if rule == self.rule { "<-" } else { "" };
             row([name, &torque(sizing.motor_n_m), &torque(sizing.spring_n_m), marker])
         };
         text.push(table(&[
