@@ -41,7 +41,6 @@ pub mod set;
 mod simulate;
 mod size;
 mod statics;
-mod statics_gripper;
 mod study;
 mod study_stability;
 mod sweep;
