@@ -10,7 +10,6 @@
 mod browser;
 mod capture;
 mod choice_args;
-mod command_output;
 mod completions;
 mod explore;
 mod hold;
@@ -28,6 +27,7 @@ mod output;
 mod output_directory;
 mod overrides;
 mod ownership;
+mod parsers;
 mod progress;
 mod replay;
 mod replay_against;
@@ -44,7 +44,6 @@ mod run_page;
 mod samples;
 mod save;
 pub mod scene;
-mod scene_figure;
 mod select;
 pub mod set;
 mod simulate;
@@ -61,8 +60,6 @@ mod sweep_shard;
 mod targets;
 mod terminal;
 mod validate;
-mod validate_args;
-mod validate_files;
 mod volume;
 mod volume_args;
 mod volume_files;
@@ -142,7 +139,7 @@ commands! {
     New(new::NewArgs) => new::run,
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
-    Validate(validate_args::ValidateArgs) => validate::run,
+    Validate(validate::ValidateArgs) => validate::run,
     Replay(replay_args::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(

@@ -70,23 +70,22 @@ impl Overrides {
     /// Returns an error if a flag belongs to the model that is not run, or if a flag for fingers is given for a scene
     /// of discs.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
-        let preset = self.preset.map(|preset| match preset {
-            PresetArg::Engineering => Preset::Engineering,
-            PresetArg::Reference => Preset::Reference,
-        });
-        let construction = self.construction.map(|construction| match construction {
-            ConstructionArg::Maximal => Construction::Maximal,
-            ConstructionArg::Reduced => Construction::Reduced,
-        });
+        let Overrides { rtol, step, tolerance, duration, numeric_rate, picture_rate, .. } = self;
         let overrides = overrides::Overrides {
-            preset,
-            rtol: self.rtol.clone(),
-            construction,
-            step: self.step.clone(),
-            tolerance: self.tolerance.clone(),
-            duration_s: self.duration,
-            numeric_rate: self.numeric_rate.clone(),
-            picture_rate: self.picture_rate.clone(),
+            preset: self.preset.map(|preset| match preset {
+                PresetArg::Engineering => Preset::Engineering,
+                PresetArg::Reference => Preset::Reference,
+            }),
+            rtol: rtol.clone(),
+            construction: self.construction.map(|construction| match construction {
+                ConstructionArg::Maximal => Construction::Maximal,
+                ConstructionArg::Reduced => Construction::Reduced,
+            }),
+            step: step.clone(),
+            tolerance: tolerance.clone(),
+            duration_s: *duration,
+            numeric_rate: numeric_rate.clone(),
+            picture_rate: picture_rate.clone(),
         };
         overrides.apply(model, scene).map_err(Failure::bad_input)
     }
