@@ -47,7 +47,7 @@ pub struct CaptureArgs {
     #[arg(
         long = "places",
         value_name = "COUNT",
-        value_parser = number(|count| (3..=1001).contains(count) && count % 2 == 1, "an odd number from 3 to 1001, such as 15"),
+        value_parser = number(is_position_count, "an odd number from 3 to 1001, such as 15"),
         default_value = "15"
     )]
     position_count: usize,
@@ -103,6 +103,10 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
     }
     print_result(&study, args.json)?;
     Ok(Status::Done)
+}
+
+fn is_position_count(count: &usize) -> bool {
+    (3..=1001).contains(count) && count % 2 == 1
 }
 
 fn length() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {

@@ -8,7 +8,7 @@ use super::choice_args::ModelArg;
 use super::interrupt::{interrupted, run_study};
 use super::output::print_result;
 use super::ownership::FileKind;
-use super::parsers::{number, positive};
+use super::parsers::{count, number, positive};
 use super::save::save;
 use super::set::{SetArgs, source_files};
 use super::targets::{TargetKind, reserve};
@@ -44,11 +44,23 @@ pub struct HoldArgs {
     set: SetArgs,
 
     /// Duration of a pulse, with its unit
-    #[arg(long, value_name = "TIME", value_parser = positive(Dimension::Time, "a time such as \"40 ms\""), default_value = "40 ms", conflicts_with_all = ["vibration", "moves"])]
+    #[arg(
+        long,
+        value_name = "TIME",
+        value_parser = positive(Dimension::Time, "a time such as \"40 ms\""),
+        default_value = "40 ms",
+        conflicts_with_all = ["vibration", "moves"]
+    )]
     pulse: f64,
 
     /// Number of pulse directions, equally spaced from +x (along the palm)
-    #[arg(long, value_name = "COUNT", value_parser = number(|count| (1..=360).contains(count), "a number from 1 to 360, such as 8"), default_value = "8", conflicts_with_all = ["vibration", "moves"])]
+    #[arg(
+        long,
+        value_name = "COUNT",
+        value_parser = count(1..=360, "8"),
+        default_value = "8",
+        conflicts_with_all = ["vibration", "moves"]
+    )]
     directions: usize,
 
     /// Apply vibrations at these frequencies instead of pulses; comma-separated, with units
@@ -72,7 +84,12 @@ pub struct HoldArgs {
     moves: bool,
 
     /// Largest slip of the object relative to the gripper, with its unit
-    #[arg(long, value_name = "LENGTH", value_parser = positive(Dimension::Length, "a length such as \"0.5 mm\""), default_value = "0.5 mm")]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        value_parser = positive(Dimension::Length, "a length such as \"0.5 mm\""),
+        default_value = "0.5 mm"
+    )]
     slip: f64,
 
     /// Time at which loads begin, with its unit [default: when the object is at rest and the brakes are engaged, or
@@ -89,11 +106,11 @@ pub struct HoldArgs {
     to: f64,
 
     /// Number of accelerations to try in this range before bisection; failures closer together than these can be missed
-    #[arg(long, value_name = "COUNT", value_parser = number(|count| (2..=1000).contains(count), "a number from 2 to 1000, such as 11"), default_value = "11")]
+    #[arg(long, value_name = "COUNT", value_parser = count(2..=1000, "11"), default_value = "11")]
     scan: usize,
 
     /// Relative tolerance of the limits
-    #[arg(long, value_name = "FRACTION", value_parser = number(|x| (1e-9..1.0).contains(x), "a number from 1e-9 to below 1, such as 0.02"), default_value = "0.02")]
+    #[arg(long, value_name = "FRACTION", value_parser = fraction(), default_value = "0.02")]
     tol: f64,
 
     /// Simulation model
@@ -198,6 +215,10 @@ fn build_plan(args: &HoldArgs) -> Result<Plan, Failure> {
 
 fn acceleration() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
     positive(Dimension::Acceleration, "an acceleration such as \"100 m/s^2\"")
+}
+
+fn fraction() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    number(|fraction| (1e-9..1.0).contains(fraction), "a number from 1e-9 to below 1, such as 0.02")
 }
 
 fn parse_frequencies(text: &str) -> Result<Frequencies, String> {

@@ -1,5 +1,6 @@
 //! Value parsers of flags; their messages name what is allowed, with an example.
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use crate::units::{Dimension, parse_positive};
@@ -20,6 +21,17 @@ pub fn number<T: FromStr + Clone + Send + Sync + 'static>(
     move |text| text.trim().parse().ok().filter(is_accepted).ok_or_else(|| format!("expected {expected}"))
 }
 
+/// Returns a parser of a count within a range.
+pub fn count(
+    range: RangeInclusive<usize>,
+    example: &'static str,
+) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync + 'static {
+    move |text| match text.trim().parse() {
+        Ok(count) if range.contains(&count) => Ok(count),
+        _ => Err(format!("expected a number from {} to {}, such as {example}", range.start(), range.end())),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -35,6 +47,7 @@ mod tests {
             (length("3").err(), "no unit"),
             (odd("4").err(), "expected an odd number"),
             (odd("x").err(), "expected an odd number"),
+            (count(1..=360, "8")("0").err(), "expected a number from 1 to 360, such as 8"),
         ] {
             assert!(error.as_ref().is_some_and(|error| error.contains(message)), "{message}: {error:?}");
         }

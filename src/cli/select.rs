@@ -80,7 +80,12 @@ pub struct SelectArgs {
     weights: Weights,
 
     /// Number of best runs to print
-    #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = number(|_: &usize| true, "a number of runs, 0 or more, such as 10"))]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 10,
+        value_parser = number(|_: &usize| true, "a number of runs, 0 or more, such as 10")
+    )]
     best: usize,
 
     /// Write all selected runs to this file, best first, with place, r_WC and its terms before the columns of the

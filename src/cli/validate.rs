@@ -86,15 +86,15 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let result = validate(scene, &|| interrupt.signal().is_none());
     counter.clear();
     let mut validation = result.map_err(|error| run_failure(error, args, &interrupt, "before its verdict"))?;
-    let mut report = ValidationReport::new(scene, &validation, None);
     // The verdict is printed first, because the ladder takes longer.
     if !args.json {
-        print_report(&report.verdict_report())?;
+        print_report(&ValidationReport::new(scene, &validation, None).verdict_report())?;
     }
-    if let Some(options) = args.ladder_options() {
+    let options = args.ladder_options();
+    if let Some(options) = options {
         run_ladder_with_progress(&mut validation, scene, (args, options), &interrupt)?;
-        report = ValidationReport::new(scene, &validation, Some(options));
     }
+    let mut report = ValidationReport::new(scene, &validation, options);
     if let Some(directory) = directory {
         directory.write_with(|out| write_files(out, args, scene, &validation, &mut report, &interrupt))?;
     }
@@ -103,7 +103,7 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
         (false, Some(ladder)) => print_report(&Report::from("\n").with(ladder))?,
         (false, None) => {}
     }
-    Ok(if report.passed { Status::Done } else { Status::CheckFailed })
+    Ok(if validation.verdict.passed() { Status::Done } else { Status::CheckFailed })
 }
 
 /// Runs the ladder and shows its progress; stops at a signal.
@@ -156,7 +156,7 @@ fn write_files(
     args: &ValidateArgs,
     scene: &Scene,
     validation: &Validation,
-    report: &mut ValidationReport,
+    report: &mut ValidationReport<'_>,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let name = &scene.name;
@@ -184,8 +184,8 @@ fn write_files(
         pictures: vec![Picture { title: "Speed against error".to_string(), svg: speed_error }],
     });
     save(&out.join(PAGE_FILE), &page)?;
-    report.directory = args.out.as_ref().map(|out| out.display().to_string());
-    report.files = Some(file_names(scene).into_iter().map(String::from).collect());
+    let names = file_names(scene).into_iter().map(String::from).collect();
+    report.files = args.out.as_ref().map(|out| (out.display().to_string(), names));
     save(&out.join("report.txt"), &report.report().to_string())?;
     save(&out.join("report.json"), &report.json())
 }
