@@ -10,7 +10,6 @@
 mod browser;
 mod capture;
 mod choice_args;
-mod command_output;
 mod completions;
 mod explore;
 mod hold;
@@ -25,6 +24,7 @@ mod new;
 mod no_live;
 mod output;
 mod overrides;
+mod parsers;
 mod progress;
 mod replay;
 mod replay_against;
@@ -35,7 +35,6 @@ mod run;
 mod run_page;
 mod samples;
 pub mod scene;
-mod scene_figure;
 mod select;
 pub mod set;
 mod simulate;
@@ -47,8 +46,6 @@ mod sweep;
 mod targets;
 mod terminal;
 mod validate;
-mod validate_args;
-mod validate_files;
 mod volume;
 mod volume_args;
 mod volume_files;
@@ -132,7 +129,7 @@ commands! {
     New(new::NewArgs) => new::run,
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
-    Validate(validate_args::ValidateArgs) => validate::run,
+    Validate(validate::ValidateArgs) => validate::run,
     Replay(replay::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(
