@@ -53,18 +53,17 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `mcap_writer`, `writer`, `threaded`, `file` | MCAP file: chunks and clock, contents, writer thread, path on disk |
+//! | `writer`, `threaded`, `file` | MCAP file: contents, chunks and clock; writer thread; path on disk |
 //! | `run`, `simulate` | run and log in one call; simulation with all its sinks |
 //! | `channels`, `messages`, `lines` | channels of a scene, their messages, events as text |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
 //! | `metadata`, `settings` | settings of a run, written and read back |
 //! | `reader` | reads intact, truncated and damaged logs into samples and events |
-//! | `verify` | comparison of two logs message by message |
+//! | `verify` | comparison of a log with a new simulation |
 
 mod channels;
 mod file;
 mod lines;
-mod mcap_writer;
 mod messages;
 mod metadata;
 mod pictures;
@@ -81,7 +80,7 @@ pub use file::{
     FileWriter, LogError, LogFile, create, create_with_feed, ensure_replaceable, is_same_file, partial_name,
     resolve_link,
 };
-pub use mcap_writer::{CHUNK_BYTES, McapWriter, MessageFeed, Severity};
+pub use foxglove::messages::log::Level as Severity;
 pub use messages::stamp_ns;
 pub use metadata::{ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, metadata, scene_text};
 pub use reader::{
@@ -92,5 +91,5 @@ pub use run::{LoggedRun, LoggedRunError, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
 pub use simulate::{FinishedRun, simulate};
 pub use threaded::ThreadedWriter;
-pub use verify::{ComparisonOptions, Difference, EntryDifference, FieldTally, Verification, verify};
-pub use writer::Writer;
+pub use verify::{ComparisonOptions, Difference, EntryDifference, LogComparison, QuantityTally, Verification};
+pub use writer::{CHUNK_BYTES, MessageFeed, Writer};

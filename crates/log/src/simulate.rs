@@ -4,7 +4,8 @@
 use std::io::Write;
 use std::time::Instant;
 
-use super::mcap_writer::Severity;
+use foxglove::messages::log::Level;
+
 use super::metadata::{CHECK_NAME, check_entries};
 use super::threaded::ThreadedWriter;
 use phalanx_core::check::Check;
@@ -79,14 +80,14 @@ impl<W: Write + Send + 'static> OpenLog<W> {
         let Some(mut log) = self.log else { return Ok(None) };
         self.last_sample?;
         if let Some(verdict) = &self.verdict {
-            log.note(self.last_s, Severity::Info, "grasp", verdict)?;
+            log.note(self.last_s, Level::Info, "grasp", verdict)?;
         }
         for warning in &self.warnings {
-            log.note(self.last_s, Severity::Warning, "run", warning)?;
+            log.note(self.last_s, Level::Warning, "run", warning)?;
         }
         match stopped {
-            None => log.note(self.last_s, Severity::Info, "run", "completed")?,
-            Some((time_s, reason)) => log.note(time_s, Severity::Error, "run", &format!("stopped: {reason}"))?,
+            None => log.note(self.last_s, Level::Info, "run", "completed")?,
+            Some((time_s, reason)) => log.note(time_s, Level::Error, "run", &format!("stopped: {reason}"))?,
         }
         // Last, because a metadata record ends the chunk.
         if let Some(check) = check {
