@@ -54,7 +54,7 @@
 //! | file | job |
 //! |---|---|
 //! | `writer`, `threaded`, `file` | MCAP file: contents, chunks and clock; writer thread; path on disk |
-//! | `run`, `simulate` | run and log in one call; simulation with all its sinks |
+//! | `simulate` | simulation with all its sinks; run and log in one call |
 //! | `channels`, `messages`, `lines` | channels of a scene, their messages, events as text |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
 //! | `metadata`, `settings` | settings of a run, written and read back |
@@ -68,7 +68,6 @@ mod messages;
 mod metadata;
 mod pictures;
 mod reader;
-mod run;
 mod settings;
 mod simulate;
 mod threaded;
@@ -87,9 +86,8 @@ pub use reader::{
     LogSink, LogSummary, Loss, LossKind, MAX_RECORD_BYTES, MissingData, ReadError, RunEnd, open_log, read, read_file,
     read_head,
 };
-pub use run::{LoggedRun, LoggedRunError, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
-pub use simulate::{FinishedRun, simulate};
+pub use simulate::{FinishedRun, LoggedRun, LoggedRunError, run_into, run_to, simulate};
 pub use threaded::ThreadedWriter;
 pub use verify::{ComparisonOptions, Difference, EntryDifference, LogComparison, QuantityTally, Verification};
 pub use writer::{CHUNK_BYTES, MessageFeed, Writer};
