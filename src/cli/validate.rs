@@ -11,7 +11,7 @@ use super::progress::RunCounter;
 use super::run::{log_failure, run_info};
 use super::set::{SetArgs, source_files};
 use super::simulate::{CheckPolicy, FailedRun, RunLimits, simulate};
-use super::targets::reserve;
+use super::targets::{PAGE_FILE, reserve, save, write_failure};
 use super::{Failure, Status};
 use crate::files::replace_file;
 use crate::format::{Report, ToReport, format_duration};
