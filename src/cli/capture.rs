@@ -14,7 +14,7 @@ use super::targets::reserve;
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::capture::{CaptureReport, capture_csv};
+use crate::report::capture::capture_csv;
 use crate::scene;
 use crate::study::capture::{CaptureError, Plan, SceneSource, capture};
 use crate::study::require_gripper;
@@ -94,12 +94,11 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
         (error @ CaptureError::Stopped { .. }, None) => Failure::incomplete(error),
         (CaptureError::Scene(error), _) => error.into(),
     })?;
-    let report = CaptureReport::from(&study);
     if let Some(directory) = directory {
-        let texts = [report.json(), capture_csv(&report), plot::capture(&study), report.report().to_string()];
+        let texts = [study.json(), capture_csv(&study), plot::capture(&study), study.report().to_string()];
         directory.write(&FILES, &texts)?;
     }
-    print_result(&report, args.json)?;
+    print_result(&study, args.json)?;
     Ok(Status::Done)
 }
 

@@ -14,7 +14,7 @@ use super::targets::{FileKind, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::hold::{HoldReport, hold_csv};
+use crate::report::hold::hold_csv;
 use crate::scene::{Axis, Scene};
 use crate::study::hold::{HoldError, Loads, Plan, hold};
 use crate::study::require_gripper;
@@ -161,15 +161,14 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
         (error @ (HoldError::Stopped { .. } | HoldError::Scene { .. }), _) => Failure::incomplete(error),
         (error, _) => Failure::bad_input(error),
     })?;
-    let report = HoldReport::from(&study);
     if let Some(directory) = directory {
-        let texts = [report.json(), hold_csv(&report), plot::hold(&study), report.report().to_string()];
+        let texts = [study.json(), hold_csv(&study), plot::hold(&study), study.report().to_string()];
         directory.write(&FILES, &texts)?;
     }
     if let Some(path) = &args.svg {
         save(path, &plot::hold(&study))?;
     }
-    print_result(&report, args.json)?;
+    print_result(&study, args.json)?;
     Ok(Status::Done)
 }
 

@@ -28,12 +28,7 @@ mod overrides;
 mod progress;
 mod replay;
 mod replay_against;
-mod replay_args;
-mod replay_loaded_log;
-mod replay_page;
-mod replay_pair;
 mod replay_read;
-mod replay_recover;
 mod replay_verify;
 mod reproduce;
 mod run;
@@ -46,7 +41,6 @@ pub mod set;
 mod simulate;
 mod size;
 mod statics;
-mod statics_gripper;
 mod study;
 mod study_stability;
 mod sweep;
@@ -139,7 +133,7 @@ commands! {
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
     Validate(validate_args::ValidateArgs) => validate::run,
-    Replay(replay_args::ReplayArgs) => replay::run,
+    Replay(replay::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(
         subcommand,

@@ -7,12 +7,12 @@ use std::time::Instant;
 
 use super::interrupt::Interrupt;
 use super::output::{print_diagnostic, print_result};
-use super::replay_args::{ReplayArgs, print_defects};
-use super::replay_read::{ReadMonitor, SummarySink, read_failure, read_head, read_log, scene_in_log};
+use super::replay::{ReplayArgs, print_defects};
+use super::replay_read::{SummarySink, comparison_monitor, read_failure, read_head, scene_in_log};
 use super::simulate::{CheckPolicy, FailedRun, RunLimits, SimulatedRun, simulate};
 use super::{Failure, Status};
 use crate::log::{
-    self, ComparisonOptions, LogComparison, LogSummary, RunInfo, Settings, ThreadedWriter, gaps, settings, stamp_ns,
+    ComparisonOptions, LogSummary, RunInfo, Settings, ThreadedWriter, open_log, read_file, settings, stamp_ns, verify,
 };
 use crate::report::replay::VerificationReport;
 use crate::scene::Scene;
@@ -26,10 +26,12 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
     let path = &args.log;
     let (scene, settings) = load_scene_and_settings(path, &read_head(path)?)?;
     let mut summary_sink = SummarySink::new(path, interrupt)?;
-    let summary = read_log(path, &mut summary_sink)?;
+    let summary = read_file(path, &mut summary_sink).map_err(|error| read_failure(path, &error));
+    summary_sink.clear_progress();
+    let summary = summary?;
 
     let start = Instant::now();
-    let mut report = summary_sink.report(path.display().to_string(), &summary);
+    let mut report = summary_sink.report(path, &summary);
     let options = comparison_options(&summary, report.is_inconsistent);
     // An incomplete log is simulated only up to its last sample.
     let until_s =
@@ -37,21 +39,19 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
     let file = simulate_again(&scene, &settings, &RunLimits { interrupt, until_s, check_policy: CheckPolicy::Never })?;
     let wall_s = start.elapsed().as_secs_f64();
 
-    let monitor = ReadMonitor::new(summary.last_s, interrupt, "the comparison of the whole log");
-    let check = |log_time_ns| monitor.update(log_time_ns);
-    let mut comparison = LogComparison::new(BufReader::new(file), options, &check).map_err(read_new_log_failure)?;
-    let result = log::read_any_file(path, &mut comparison);
-    monitor.clear_progress();
-    result.map_err(|error| read_failure(path, &error))?;
-    let verified = comparison.finish().map_err(read_new_log_failure)?;
+    let to_failure = |error| read_failure(path, &error);
+    let check = comparison_monitor(summary.last_s, interrupt);
+    let found = verify(open_log(path).map_err(to_failure)?, BufReader::new(file), &options, &check);
+    drop(check);
+    let found = found.map_err(to_failure)?;
 
     let inconsistency = report.error.as_ref().filter(|_| report.is_inconsistent).map(|error| error.reason.as_str());
-    let verification = VerificationReport::new(&verified, &summary, inconsistency, wall_s);
+    let verification = VerificationReport::new(found, &summary, inconsistency, wall_s);
     let (is_identical, is_complete) = (verification.is_identical, verification.is_complete);
     let messages = verification.error_messages(path);
     report.verification = Some(verification);
     print_result(&report, args.json)?;
-    let status = print_defects(path, &summary, &report);
+    let status = print_defects(path, &report);
     messages.iter().for_each(|message| print_diagnostic(message));
     Ok(if is_identical && is_complete { status } else { Status::CheckFailed })
 }
@@ -93,7 +93,6 @@ fn comparison_options(summary: &LogSummary, is_inconsistent: bool) -> Comparison
     ComparisonOptions {
         before_ns: summary.last_s.filter(|_| interrupted || is_inconsistent).map(stamp_ns),
         has_run_end: summary.run_end.is_some(),
-        gaps: summary.recovered.as_ref().map(gaps).unwrap_or_default(),
     }
 }
 
@@ -112,7 +111,7 @@ fn simulate_again(scene: &Scene, settings: &Settings, limits: &RunLimits<'_>) ->
         )));
     }
     let mut file = log.map_err(write_failure)?.ok_or_else(|| Failure::incomplete("the new run wrote no log"))?;
-    file.rewind().map_err(read_new_log_failure)?;
+    file.rewind().map_err(|error| Failure::incomplete(format!("cannot read {NEW_LOG}: {error}")))?;
     Ok(file)
 }
 
@@ -124,8 +123,4 @@ fn take_log(run: SimulatedRun<File>) -> Result<Option<File>, SinkError> {
         }
         _ => run.log,
     }
-}
-
-fn read_new_log_failure(error: std::io::Error) -> Failure {
-    Failure::incomplete(format!("cannot read {NEW_LOG}: {error}"))
 }

@@ -13,7 +13,7 @@ use crate::format::ToReport;
 use crate::plot;
 use crate::report::select::{SelectionReport, ranking_table};
 use crate::study::select::{
-    Bound, CLASSES, SelectError, Selection, SelectionCriteria, Side, Weights, parse_class, select,
+    Bound, CLASSES, PerTerm, SelectError, Selection, SelectionCriteria, Side, TERMS, Weights, parse_class, select,
 };
 use crate::table::{self, Table};
 use crate::units::{self, Dimension};
@@ -216,28 +216,22 @@ fn parse_bound(text: &str) -> Result<Bound, String> {
 
 fn parse_weights(text: &str) -> Result<Weights, String> {
     let expected = "expected terms with weights of 0 or more, such as pfp=2,tts=1,f21=0,f22=0";
-    let mut weights = Weights { pfp: 0.0, tts: 0.0, f21: 0.0, f22: 0.0 };
-    let mut named: Vec<&str> = Vec::new();
+    let mut weights: [Option<f64>; TERMS.len()] = [None; TERMS.len()];
     for item in text.split(',') {
         let (name, value) = item.split_once('=').ok_or(expected)?;
         let (name, value) = (name.trim(), value.trim().parse::<f64>().map_err(|_| expected)?);
-        if named.contains(&name) {
-            return Err(format!("{name} is given twice; {expected}"));
-        }
         if !(value.is_finite() && value >= 0.0) {
             return Err(format!("the weight of {name} is {value}; {expected}"));
         }
-        *match name {
-            "pfp" => &mut weights.pfp,
-            "tts" => &mut weights.tts,
-            "f21" => &mut weights.f21,
-            "f22" => &mut weights.f22,
-            _ => return Err(format!("there is no term `{name}`; {expected}")),
-        } = value;
-        named.push(name);
+        let Some(term) = TERMS.iter().position(|term| term.key == name) else {
+            return Err(format!("there is no term `{name}`; {expected}"));
+        };
+        if weights[term].replace(value).is_some() {
+            return Err(format!("{name} is given twice; {expected}"));
+        }
     }
-    match weights.named().iter().any(|(_, weight)| *weight > 0.0) {
-        true => Ok(weights),
+    match weights.iter().flatten().any(|weight| *weight > 0.0) {
+        true => Ok(PerTerm(weights.map(Option::unwrap_or_default))),
         false => Err(format!("all weights are 0; {expected}")),
     }
 }
@@ -255,7 +249,7 @@ mod tests {
         for text in ["mass_kg", "mass_kg<0.1", "<=3", "mass_kg<=", "mass_kg<=24 g", "a>=1<=2", "mass_kg<=nan"] {
             assert!(parse_bound(text).is_err_and(|error| error.contains("such as")), "{text}");
         }
-        assert_eq!(parse_weights("tts=2, pfp=1"), Ok(Weights { pfp: 1.0, tts: 2.0, f21: 0.0, f22: 0.0 }));
+        assert_eq!(parse_weights("tts=2, pfp=1"), Ok(PerTerm([1.0, 2.0, 0.0, 0.0])));
         for (text, message) in
             [("tts", "such as"), ("tts=-1", "-1"), ("tts=1,tts=2", "twice"), ("mass=1", "no term"), ("tts=0", "all")]
         {

@@ -2,6 +2,7 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `bisect` | bisection |
 //! | `capture` | positioning errors that a gripper captures |
 //! | `posture` | text form of a gripper's posture |
 //! | `hold` | largest acceleration under which a gripper holds its object |
@@ -17,6 +18,7 @@
 //! | `sweep` | parameter sweeps over fields of a scene |
 //! | `volume` | grasp-state volumes: designs that hold the object |
 
+mod bisect;
 pub mod capture;
 pub mod hold;
 pub mod parts;
@@ -32,6 +34,7 @@ pub mod step_size;
 pub mod sweep;
 pub mod volume;
 
+use bisect::bisect;
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 

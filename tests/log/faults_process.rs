@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, write};
 use crate::support::faults::{LogItems, XorShift, read_bytes, read_path, write_long_hold_scene};
-use phalanx::log::{Loss, ReadError};
+use phalanx::log::{Loss, LossKind, ReadError};
 
 const KILL_COUNT: usize = 200;
 const INTERRUPT_COUNT: usize = 40;
@@ -94,7 +94,7 @@ fn killed_run_leaves_a_log_readable_up_to_its_last_chunk() {
                 let chunks =
                     index.iter().filter(|chunk| is_written(chunk.chunk_start_offset + chunk.chunk_length)).count();
                 assert_eq!(reading.chunks as usize, chunks, "round {round}");
-                assert!(matches!(reading.losses[..], [Loss::Truncated { .. }]), "{:?}", reading.losses);
+                assert!(matches!(reading.losses[..], [Loss { kind: LossKind::Truncated, .. }]), "{:?}", reading.losses);
                 read += usize::from(!items.0.is_empty());
             }
             (Err(ReadError::Empty { .. }), _) => {}

@@ -314,7 +314,7 @@ fn rejects_logs_that_cannot_be_simulated_again() {
 fn rejects_conflicting_options() {
     let directory = directory("verify_options");
     let log = write(&directory, "run.mcap", "");
-    let output = phalanx(&["replay", &log, "--verify", "--recover", "b.mcap"]);
+    let output = phalanx(&["replay", &log, "--verify", "--against", "b.mcap"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("cannot be used with"), "{}", stderr(&output));
 }

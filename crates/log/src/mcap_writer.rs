@@ -10,9 +10,8 @@ use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 
-use super::messages::stamp_ns;
+use super::messages::{encode, stamp_ns};
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, metadata, scene_text};
-use super::schema::schema_of;
 
 /// Maximum uncompressed chunk size. A chunk of this size is closed, written and flushed, so a killed run loses at most
 /// this much.
@@ -28,7 +27,10 @@ const CHUNK_GROWTH_DIVISOR: usize = 8;
 const COMPRESSION_LEVEL: u32 = (-3i32) as u32;
 
 /// Bytes of opcode, length, channel, sequence and two times of a message record.
-pub(super) const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
+const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
+
+/// Encoding of all messages.
+const ENCODING: &str = "protobuf";
 
 /// Severity of a line on `/events`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +76,15 @@ pub struct McapWriter<W: Write> {
 impl<W: Write> McapWriter<W> {
     /// Starts a file: writes header, metadata and scene text.
     pub fn start(out: W, run: &RunInfo<'_>, feed: Option<Box<dyn MessageFeed>>) -> Result<Self, McapError> {
-        let options = write_options().compression_level(COMPRESSION_LEVEL);
+        let options = WriteOptions::new()
+            .library(concat!("phalanx/", env!("CARGO_PKG_VERSION")))
+            .compression(Some(Compression::Zstd))
+            .compression_level(COMPRESSION_LEVEL)
+            // One thread: the bytes must not depend on the number of processors.
+            .compression_threads(0)
+            // The writer ends chunks explicitly, between samples.
+            .chunk_size(None)
+            .disable_seeking(true);
         let mut mcap = options.create(NoSeek::new(BufWriter::new(out)))?;
         mcap.write_metadata(&mcap::write::Metadata { name: METADATA_NAME.to_string(), metadata: metadata(run) })?;
         let text = scene_text(run.scene);
@@ -102,16 +112,20 @@ impl<W: Write> McapWriter<W> {
         self.mcap.write_metadata(&mcap::write::Metadata { name: name.to_string(), metadata })
     }
 
-    /// Registers a channel and the schema of `M`, which is written once for all channels that share it.
+    /// Registers a channel of Foxglove messages.
     pub fn register_channel<M: Encode>(&mut self, topic: &str) -> Result<ChannelId, McapError> {
-        let (schema, encoding) = (schema_of::<M>(), M::get_message_encoding());
+        self.register(topic, M::get_schema())
+    }
+
+    /// Registers a channel of protobuf messages. The schema is written once for all channels that share it.
+    pub fn register(&mut self, topic: &str, schema: Option<Schema>) -> Result<ChannelId, McapError> {
         let schema_id = match &schema {
             Some(schema) => self.mcap.add_schema(&schema.name, &schema.encoding, &schema.data)?,
             None => 0,
         };
-        let id = self.mcap.add_channel(schema_id, topic, &encoding, &BTreeMap::new())?;
+        let id = self.mcap.add_channel(schema_id, topic, ENCODING, &BTreeMap::new())?;
         if let Some(feed) = &mut self.feed {
-            feed.add_channel(topic, &encoding, schema);
+            feed.add_channel(topic, ENCODING, schema);
         }
         self.channels.push(Channel { id, sequence: 0 });
         Ok(ChannelId(self.channels.len() - 1))
@@ -123,16 +137,35 @@ impl<W: Write> McapWriter<W> {
         self.clock_ns
     }
 
-    /// Writes one message.
+    /// Writes a message of Foxglove.
     pub fn write_message<M: Encode>(
         &mut self,
         channel: ChannelId,
         log_time: u64,
         message: &M,
     ) -> Result<(), McapError> {
-        let Channel { id, sequence } = &mut self.channels[channel.0];
         self.buffer.clear();
         message.encode(&mut self.buffer).map_err(|error| McapError::Io(io::Error::other(error.to_string())))?;
+        self.write_buffer(channel, log_time)
+    }
+
+    /// Writes a message of phalanx.
+    pub fn write_numbers(
+        &mut self,
+        channel: ChannelId,
+        time_s: f64,
+        flags: &[bool],
+        numbers: &[f64],
+    ) -> Result<(), McapError> {
+        self.buffer.clear();
+        encode(time_s, flags, numbers, &mut self.buffer);
+        let log_time = self.log_time_ns(time_s);
+        self.write_buffer(channel, log_time)
+    }
+
+    /// Writes the encoded message in the buffer.
+    fn write_buffer(&mut self, channel: ChannelId, log_time: u64) -> Result<(), McapError> {
+        let Channel { id, sequence } = &mut self.channels[channel.0];
         let header = MessageHeader { channel_id: *id, sequence: *sequence, log_time, publish_time: log_time };
         *sequence = sequence.wrapping_add(1);
         self.mcap.write_to_known_channel(&header, &self.buffer)?;
@@ -185,18 +218,6 @@ impl<W: Write> McapWriter<W> {
         let buffered = self.mcap.into_inner().into_inner();
         buffered.into_inner().map_err(|error| McapError::Io(error.into_error()))
     }
-}
-
-/// Returns the MCAP options of every log.
-pub fn write_options() -> WriteOptions {
-    WriteOptions::new()
-        .library(concat!("phalanx/", env!("CARGO_PKG_VERSION")))
-        .compression(Some(Compression::Zstd))
-        // One thread: the bytes must not depend on the number of processors.
-        .compression_threads(0)
-        // The writer ends chunks explicitly, between samples.
-        .chunk_size(None)
-        .disable_seeking(true)
 }
 
 /// Converts a log time to a Foxglove timestamp. Seconds saturate at `u32::MAX`, which is 136 years.

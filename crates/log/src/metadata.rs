@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use phalanx_core::check::{Check, PERTURBATION};
 use phalanx_core::scene::schema::record;
-use phalanx_core::scene::{Construction, Keyword, Method, Preset, Response, Scene, Stepping, parse_any, show};
+use phalanx_core::scene::{Keyword, Scene, parse_any, show};
 
 /// Name of the metadata record.
 pub const METADATA_NAME: &str = "phalanx";
@@ -93,34 +93,6 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
     }
     entries
 }
-
-/// Returns the name of a construction in scene files.
-pub fn construction_name(construction: Construction) -> &'static str {
-    construction.keyword()
-}
-
-/// Returns the name of a contact model in scene files.
-pub fn law_name(response: Response) -> &'static str {
-    response.keyword()
-}
-
-/// Returns the name of a stepping scheme in scene files.
-pub fn stepping_name(stepping: Stepping) -> &'static str {
-    stepping.keyword()
-}
-
-/// Returns the preset in the words of scene files.
-pub fn preset_name(preset: Preset) -> &'static str {
-    preset.keyword()
-}
-
-/// Returns the method in the words of scene files.
-pub fn method_name(method: Method) -> &'static str {
-    method.keyword()
-}
-
-/// Name of the metadata record that describes the source of a recovered log.
-pub const RECOVERED_NAME: &str = "phalanx_recovered";
 
 #[cfg(test)]
 mod tests {

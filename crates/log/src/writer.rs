@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use foxglove::messages::Log;
 use mcap::McapError;
 
 use super::channels::Channels;
-use super::mcap_writer::{ChannelId, McapWriter, MessageFeed, Severity};
+use super::mcap_writer::{McapWriter, MessageFeed, Severity};
 use super::metadata::RunInfo;
 use phalanx_core::trace::{Event, Sample, Sink, SinkError};
 
@@ -21,7 +20,6 @@ use phalanx_core::trace::{Event, Sample, Sink, SinkError};
 pub struct Writer<W: Write> {
     writer: McapWriter<W>,
     channels: Channels,
-    events: ChannelId,
     /// Name of this log in errors.
     name: String,
 }
@@ -42,17 +40,16 @@ impl<W: Write> Writer<W> {
         let start = || {
             let mut writer = McapWriter::start(out, run, feed)?;
             let channels = Channels::register(&mut writer, run.scene)?;
-            let events = writer.register_channel::<Log>("/events")?;
-            Ok((writer, channels, events))
+            Ok((writer, channels))
         };
         start()
-            .map(|(writer, channels, events)| Writer { writer, channels, events, name: name.to_string() })
+            .map(|(writer, channels)| Writer { writer, channels, name: name.to_string() })
             .map_err(|error| sink_error(name, error))
     }
 
     /// Writes a line to `/events`, for example how the run ended; `source` names its subject.
     pub fn note(&mut self, time_s: f64, severity: Severity, source: &str, text: &str) -> Result<(), SinkError> {
-        let written = self.writer.write_line(self.events, time_s, severity, source, text);
+        let written = self.writer.write_line(self.channels.lines, time_s, severity, source, text);
         self.convert_error(written)
     }
 
@@ -85,13 +82,13 @@ impl<W: Write> Sink for Writer<W> {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        let written = self.channels.event(&mut self.writer, self.events, event);
+        let written = self.channels.event(&mut self.writer, event);
         let written = written.and_then(|()| self.writer.close_full_chunk());
         self.convert_error(written)
     }
 }
 
-pub(super) fn sink_error(name: &str, error: McapError) -> SinkError {
+fn sink_error(name: &str, error: McapError) -> SinkError {
     SinkError {
         target: name.to_string(),
         source: match error {

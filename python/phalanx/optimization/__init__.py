@@ -220,7 +220,7 @@ def _is_own(path: Path) -> bool:
         file.seek(max(path.stat().st_size - 65536, 0))
         # Parquet files have their metadata at the end.
         is_own = b"phalanx" in start or (start.startswith(b"PAR1") and b"phalanx.optimize" in file.read())
-    return is_own or start == b"" or start.replace(b'"', b"").startswith(b"design,generation,")
+    return is_own or start == b"" or start.startswith(b"design,generation,")
 
 
 def _write(path: Path, content: bytes) -> None:

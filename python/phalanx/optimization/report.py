@@ -251,7 +251,7 @@ def text(found: Found, best: int = 10, has_scenes: bool = False) -> str:
             for group in groups
         ]
         parts.append("\n".join(["reasons (numbers from the first run)", *lines, ""]))
-    return "\n".join([*parts, f"{_summary(found)}\n"])
+    return "\n".join([*parts, f"{_summary(found)}\n{_work(found)}"])
 
 
 def _summary(found: Found) -> str:
@@ -268,14 +268,19 @@ def _summary(found: Found) -> str:
         lines.append(
             f"Hypervolume {format_number(volume, 5)} (start alone: 1; reference: every objective worse by 100 %)."
         )
-    if found.new_runs < len(found.runs):
-        lines.append(f"{len(found.runs) - found.new_runs} runs existed already.")
-    if found.simulations:
-        rate = format_number(found.simulations / found.wall_s, 3)
-        threads = _count(found.threads, "thread").replace("one", "1")
-        wall_s = format_number(found.wall_s, 3)
-        lines.append(f"{found.simulations} simulations in {wall_s} s on {threads}: {rate} per second.")
     return "\n".join(lines)
+
+
+def _work(found: Found) -> str:
+    """Describes the work of this call."""
+    text = ""
+    if found.new_runs < len(found.runs):
+        text += f"{len(found.runs) - found.new_runs} runs existed already.\n"
+    if found.simulations:
+        rate, wall_s = format_number(found.simulations / found.wall_s, 3), format_number(found.wall_s, 3)
+        threads = _count(found.threads, "thread").replace("one", "1")
+        text += f"{found.simulations} simulations in {wall_s} s on {threads}: {rate} per second.\n"
+    return text
 
 
 def document(found: Found) -> dict[str, Any]:
@@ -433,7 +438,8 @@ def picture(found: Found, format: str, has_links: bool = False) -> bytes:
     with matplotlib.rc_context({"svg.hashsalt": "phalanx", "svg.fonttype": "none"}):
         metadata = {"Creator": MARK, "Date": None} if format == "svg" else {"Software": MARK}
         figure.savefig(buffer, format=format, dpi=120, metadata=metadata)
-    return buffer.getvalue()
+    dark = b"@media (prefers-color-scheme: dark) {svg {filter: invert(1) hue-rotate(180deg)}}</style>"
+    return buffer.getvalue().replace(b"</style>", dark, 1) if format == "svg" else buffer.getvalue()
 
 
 def page(found: Found) -> str:
@@ -497,5 +503,7 @@ def table_bytes(path: Path, table: pa.Table, fingerprint: str, generation: Any =
         metadata = {"phalanx.optimize": fingerprint}
         pyarrow.parquet.write_table(table.replace_schema_metadata(metadata), buffer)
     else:
-        pyarrow.csv.write_csv(table, buffer, pyarrow.csv.WriteOptions(quoting_style="needed"))
+        buffer.write(",".join(table.column_names).encode() + b"\n")
+        options = pyarrow.csv.WriteOptions(include_header=False, quoting_style="needed")
+        pyarrow.csv.write_csv(table, buffer, options)
     return buffer.getvalue()

@@ -31,7 +31,7 @@ INITIAL_STEP_SIZE = 0.3
 """Initial step size of CMA-ES relative to the ranges: the first samples cover most of the ranges."""
 
 CONVERGENCE_TOLERANCE = 1e-6
-"""CMA-ES has converged when all standard deviations are below this fraction of the ranges."""
+"""CMA-ES has converged when the standard deviations of a generation are below this fraction of the ranges."""
 
 
 def require(name: str, purpose: str) -> ModuleType:
@@ -219,17 +219,16 @@ class CmaEs:
             "verbose": -9,
             "verb_log": 0,
         }
-        self._start: Array = np.array(start)
-        # CMA-ES cannot start at a bound of the transformed coordinates of the package.
-        self._strategy = cma.CMAEvolutionStrategy(list(self._start), INITIAL_STEP_SIZE, options)
-        self._pending: list[Array] | None = None
+        self._start: Array = np.array([start])
+        self._strategy = cma.CMAEvolutionStrategy(start, INITIAL_STEP_SIZE, options)
+        self._pending: Array = np.zeros((0, len(start)))
         self._has_started = False
 
     def ask(self) -> Array:
         if not self._has_started:
-            return np.array([self._start])
-        self._pending = self._strategy.ask()
-        return np.clip(np.array(self._pending), 0.0, 1.0)
+            return self._start
+        self._pending = np.array(self._strategy.ask())
+        return np.clip(self._pending, 0.0, 1.0)
 
     def tell(self, scores: Scores) -> None:
         if not self._has_started:
@@ -239,10 +238,10 @@ class CmaEs:
         order = np.lexsort((np.where(infeasible, scores.violation, scores.minimised[:, 0]), infeasible))
         ranks = np.empty(len(order))
         ranks[order] = np.arange(len(order))
-        self._strategy.tell(self._pending, ranks.tolist())
+        self._strategy.tell(list(self._pending), ranks.tolist())
 
     def has_converged(self) -> bool:
-        return self._has_started and bool(np.max(self._strategy.result.stds) < CONVERGENCE_TOLERANCE)
+        return len(self._pending) > 0 and bool(np.max(np.std(self._pending, axis=0)) < CONVERGENCE_TOLERANCE)
 
 
 def _new_search(optimisation: Optimisation) -> Search:

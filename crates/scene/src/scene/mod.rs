@@ -7,7 +7,7 @@
 //! | `schema` | the JSON Schema of a scene, and what follows from it: allowed values, records, documentation |
 //! | `value`, `toml_value` | reading single values by their type |
 //! | `section_input` | the file as written, section by section |
-//! | `compose`, `setting`, `precedence` | merging of a scene with those it extends and with single settings |
+//! | `compose`, `texts`, `setting`, `precedence` | merging of a scene with those it extends and with single settings |
 //! | `parse`, `keys` | text → scene; unknown keys |
 //! | `check`, `error`, `suggest`, `locate` | collecting, showing and locating problems |
 //! | `resolve`, `defaults` | scene as written → [`Scene`], physics checked |
@@ -46,6 +46,7 @@ mod show;
 mod suggest;
 mod system;
 mod template;
+mod texts;
 pub mod toml_value;
 mod torque;
 mod unsupported;
@@ -64,9 +65,9 @@ pub use locate::{LocatedProblem, locate_problems};
 pub use pairs::{Pair, Partner};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use parse::{parse, parse_any, parse_template};
+pub use quantity::Keyword;
 pub use schema::schema;
 pub use setting::{parse_setting, setting_from_parts};
-pub use quantity::Keyword;
 pub use settings::{
     Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
     Stepping, Thresholds,

@@ -61,7 +61,7 @@ pub fn other_schemas(kind: SceneKind) -> Vec<(&'static str, &'static Value)> {
 fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
     unwrap_lines(schema);
     let Some(map) = schema.as_object_mut() else { return };
-    let overrides = overrides || map.remove("x-overrides").is_some();
+    let overrides = overrides || map.contains_key("x-overrides");
     let own = SceneKind::ALL.map(|kind| (kind, map.remove(&format!("x-{}", kind.keyword()))));
     for (_, own) in own.into_iter().filter(|(own_kind, _)| *own_kind == kind) {
         map.extend(own.as_ref().and_then(Value::as_object).cloned().unwrap_or_default());
@@ -86,7 +86,11 @@ fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
         for (index, field) in order.into_iter().enumerate() {
             let Some(mut property) = fields.remove(&field) else { continue };
             let kinds = property.as_object_mut().and_then(|map| map.remove("x-kinds"));
-            if !kinds.as_ref().and_then(Value::as_str).is_none_or(|kinds| kinds.split(' ').any(|name| name == kind.keyword())) {
+            if !kinds
+                .as_ref()
+                .and_then(Value::as_str)
+                .is_none_or(|kinds| kinds.split(' ').any(|name| name == kind.keyword()))
+            {
                 continue;
             }
             adapt(&mut property, kind, overrides);
@@ -106,7 +110,9 @@ fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
     default.into_iter().for_each(|si| schema["x-si"] = json!(si));
     if overrides && schema["properties"].get("proximal").is_some() && kind == Gripper {
         let properties = schema["properties"].as_object_mut();
-        properties.into_iter().for_each(|properties| ["palm", "table"].iter().for_each(|key| _ = properties.remove(*key)));
+        properties
+            .into_iter()
+            .for_each(|properties| ["palm", "table"].iter().for_each(|key| _ = properties.remove(*key)));
     }
 }
 
@@ -205,7 +211,9 @@ pub fn describe_limits(schema: &Value) -> String {
 pub fn describe_allowed(schema: &Value) -> String {
     let described = describe_limits(schema);
     match ValueType::from_schema(schema) {
-        ValueType::Choice(keywords) => keywords.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or "),
+        ValueType::Choice(keywords) => {
+            keywords.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ")
+        }
         ValueType::Integer(min, i64::MAX) => format!("a whole number from {min}"),
         ValueType::Integer(min, max) => format!("a whole number from {min} to {max}"),
         ValueType::Flag => "true or false".to_string(),
@@ -302,58 +310,47 @@ pub fn restore<T: SettingsSection, E>(
     T::deserialize(toml::Value::Table(values)).map_err(invalid)
 }
 
-/// All sections of the documentation: title, kind of scene, path.
-const DOCUMENTED: [(&str, SceneKind, &str); 29] = [
-    ("Top level of a scene of a finger", Finger, ""),
-    ("Top level of a scene of discs", Bodies, ""),
-    ("Top level of a scene of a gripper", Gripper, ""),
-    ("`[design]`", Finger, "design"),
-    ("`[lengths]`", Finger, "lengths"),
-    ("`[material]`", Finger, "material"),
-    ("`[bodies.NAME]`, with `NAME` = `l11`, `l12`, `l21` or `l22`", Finger, "bodies/properties/l11"),
-    ("`[object]`", Finger, "object"),
-    ("`[motor]`", Finger, "motor"),
-    ("`[spring]`", Finger, "spring"),
-    ("`[initial]`", Finger, "initial"),
-    ("`[discs.NAME]` of a scene of discs", Bodies, "discs/additionalProperties"),
-    ("`[half_plane]` of a scene of discs", Bodies, "half_plane"),
-    ("`[object]` of a gripper", Gripper, "object"),
-    ("`[table]` of a gripper", Gripper, "table"),
-    ("`[differential]` of a gripper", Gripper, "differential"),
-    ("`[motor]` of a gripper", Gripper, "motor"),
-    ("`[moves.NAME]` of a gripper", Gripper, "moves/additionalProperties"),
-    ("`[vibrations.NAME]` of a gripper", Gripper, "vibrations/additionalProperties"),
-    ("`[path]` of a gripper", Gripper, "path"),
-    ("`[integrator]`", Finger, "integrator"),
-    ("`[engine]`", Finger, "engine"),
-    ("`[validate]`", Finger, "validate"),
-    ("`[validate]` of a scene of discs", Bodies, "validate"),
-    ("`[validate]` of a gripper", Gripper, "validate"),
-    ("`[criteria]` of a gripper", Gripper, "criteria"),
-    ("`[log]`", Finger, "log"),
-    ("`[contact]`", Finger, "contact"),
-    ("`[contact.friction]`", Finger, "contact/properties/friction"),
-];
-
-/// Returns a Markdown table for every section, with a row for each of its keys.
+/// Returns a Markdown table for every section, with a row for each of its keys. Sections of discs and grippers are listed
+/// if they differ from those of a finger.
 pub fn markdown() -> String {
-    let more = [
-        ("`[contact.materials.object]` and `.phalanx`", Finger, "contact/properties/materials/properties/object"),
-        ("`[limit]`", Finger, "limit"),
-    ];
-    let sections = DOCUMENTED.into_iter().chain(more);
-    sections.map(|(title, kind, path)| markdown_section(title, kind, path)).collect::<Vec<_>>().join("\n")
+    let mut sections: Vec<(String, String)> = Vec::new();
+    for (kind, of) in [(Finger, "finger"), (Bodies, "scene of discs"), (Gripper, "gripper")] {
+        let top = (format!("Top level of a {}", if kind == Bodies { "scene of discs" } else { of }), schema_for(kind));
+        let mut found = vec![top];
+        collect_sections(schema_for(kind), "", &mut found);
+        for (title, schema) in found {
+            let text = markdown_section(schema);
+            if !sections.iter().any(|(_, known)| *known == text) {
+                let title =
+                    if kind == Finger || title.starts_with("Top") { title } else { format!("{title} of a {of}") };
+                sections.push((title, text));
+            }
+        }
+    }
+    sections.iter().map(|(title, text)| format!("{title}: {text}")).collect::<Vec<_>>().join("\n")
 }
 
-fn markdown_section(title: &str, kind: SceneKind, path: &str) -> String {
-    let root = schema_for(kind);
-    let schema = if path.is_empty() { root } else { &root.pointer(&format!("/properties/{path}")).unwrap_or(root) };
+/// Collects all sections with keys below a table.
+fn collect_sections(schema: &'static Value, path: &str, found: &mut Vec<(String, &'static Value)>) {
+    let named = schema.get("additionalProperties").filter(|each| each.is_object());
+    let named = named.map(|each| ("NAME".to_string(), each));
+    for (key, section) in properties(schema).into_iter().map(|(key, section)| (key.clone(), section)).chain(named) {
+        let path = if path.is_empty() { key } else { format!("{path}.{key}") };
+        // A section that overrides another one has the same keys.
+        if section.get("x-overrides").is_none() && super::keys::is_table(section) {
+            if value_properties(section).next().is_some() {
+                found.push((format!("`[{path}]`"), section));
+            }
+            collect_sections(section, &path, found);
+        }
+    }
+}
+
+/// Description of a section and the table of its keys.
+fn markdown_section(schema: &Value) -> String {
     // Names of sections in brackets are not links.
     let description = |schema: &Value| schema["description"].as_str().unwrap_or_default().replace('[', "\\[");
-    let mut text = format!(
-        "{title}: {}\n\n| key | default | allowed | description |\n|---|---|---|---|\n",
-        description(schema)
-    );
+    let mut text = format!("{}\n\n| key | default | allowed | description |\n|---|---|---|---|\n", description(schema));
     for (key, property) in value_properties(schema) {
         let default = match property.get("default") {
             Some(Value::String(text)) => text.clone(),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde_json::Value as Json;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 use toml::{Table, Value};
 
 use super::keys::{is_table, pair_element};
@@ -17,6 +17,7 @@ use super::settings::{
     BodiesSettings, Bounds, ContactOverride, ContactSettings, DifferentialSettings, FingerSettings, HalfPlaneSettings,
     MotorSettings, MoveSettings, SceneFile, SceneSettings, TableSettings, VibrationSettings,
 };
+use super::texts::{find, remove, texts, write_texts};
 use super::value::ValueType;
 use super::{DrivenFinger, PalmMotion, Scene, System, parse_any};
 use crate::law::ContactLaw;
@@ -25,9 +26,8 @@ use crate::units::{self, Dimension, number};
 /// Significant digits of derived values.
 const DIGITS: usize = 6;
 
-/// Sections that change a scene even if they are empty, or override others.
-const OPTIONAL: [&str; 10] =
-    ["design", "lengths", "half_plane", "table", "differential", "right", "left", "proximal", "distal", "palm"];
+/// Sections that change a scene even if they are empty.
+const OPTIONAL: [&str; 5] = ["design", "lengths", "half_plane", "table", "differential"];
 
 /// Returns the scene as simulated, with all values.
 pub fn show(scene: &Scene) -> String {
@@ -273,21 +273,13 @@ pub fn show_written(scene: &Scene) -> String {
     }
 }
 
-/// The texts of all values as written, by section.
-fn texts(table: &DeTable<'_>, source: &str) -> Table {
-    let text = |value: &toml::Spanned<DeValue<'_>>| match value.get_ref() {
-        DeValue::Table(inner) => Value::Table(texts(inner, source)),
-        _ => source[value.span()].into(),
-    };
-    table.iter().map(|(key, value)| (key.get_ref().to_string(), text(value))).collect()
-}
-
 /// Adds the defaults of the schema that the resolved scene has; `resolved` is the same table of it.
 fn add_defaults(complete: &mut Table, schema: &Json, resolved: Option<&Table>) {
     for (key, property) in value_properties(schema) {
         let value_type = ValueType::from_schema(property);
         let Some(si) = property.get("x-si").and_then(|si| Value::try_from(si).ok()) else { continue };
-        let is_written = complete.keys().any(|known| known == key || pair_element(known).is_some_and(|(pair, _)| pair == key));
+        let is_written =
+            complete.keys().any(|known| known == key || pair_element(known).is_some_and(|(pair, _)| pair == key));
         let actual = resolved.and_then(|resolved| resolved.get(field(property)));
         if !is_written && actual.is_none_or(|actual| *actual == si) {
             let default = &property["default"];
@@ -299,7 +291,8 @@ fn add_defaults(complete: &mut Table, schema: &Json, resolved: Option<&Table>) {
         tables(schema, complete).into_iter().map(|(key, property)| (key.clone(), property.clone())).collect();
     for (key, property) in names {
         let is_present = complete.contains_key(&key);
-        if is_present || !(OPTIONAL.contains(&key.as_str()) || property.get("properties").is_none()) {
+        let is_optional = OPTIONAL.contains(&key.as_str()) || property.get("x-overrides").is_some();
+        if is_present || !is_optional && property.get("properties").is_some() {
             let mut section = complete.remove(&key).and_then(|section| section.as_table().cloned()).unwrap_or_default();
             let inner = resolved.and_then(|resolved| resolved.get(&key)?.as_table());
             add_defaults(&mut section, &property, inner);
@@ -315,52 +308,6 @@ fn json_text(default: &Json) -> String {
     match default {
         Json::Array(items) => format!("[{}]", items.iter().map(json_text).collect::<Vec<_>>().join(", ")),
         other => other.to_string(),
-    }
-}
-
-/// Writes texts of values, with the sections below; keys of single elements of pairs are quoted.
-fn write_texts(text: &mut String, schema: &Json, values: &Table, path: &str) {
-    let order: Vec<&String> = properties(schema).into_iter().map(|(key, _)| key).collect();
-    let position = |key: &str| {
-        let key = pair_element(key).map_or(key, |(pair, _)| pair);
-        order.iter().position(|known| *known == key).unwrap_or(order.len())
-    };
-    let mut entries: Vec<(&String, &Value)> = values.iter().collect();
-    entries.sort_by_key(|(key, _)| position(key));
-    for (key, value) in &entries {
-        let quote = if pair_element(key).is_some() { "\"" } else { "" };
-        value.as_str().into_iter().for_each(|value| _ = writeln!(text, "{quote}{key}{quote} = {value}"));
-    }
-    for (key, value) in entries {
-        let Value::Table(inner) = value else { continue };
-        let section = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-        if inner.is_empty() || inner.values().any(Value::is_str) {
-            let _ = write!(text, "\n[{section}]\n");
-        }
-        let schema = super::keys::child_schema(schema, key).unwrap_or(&Json::Null);
-        write_texts(text, schema, inner, &section);
-    }
-}
-
-fn find<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
-    match path.split_once('.') {
-        None => table.get(path),
-        Some((key, rest)) => find(table.get(key)?.as_table()?, rest),
-    }
-}
-
-/// Removes a value, and its section if it is the last one; returns whether there was one.
-fn remove(table: &mut Table, path: &str) -> bool {
-    match path.split_once('.') {
-        None => table.remove(path).is_some(),
-        Some((key, rest)) => {
-            let Some(Value::Table(inner)) = table.get_mut(key) else { return false };
-            let was_there = remove(inner, rest);
-            if was_there && inner.is_empty() {
-                table.remove(key);
-            }
-            was_there
-        }
     }
 }
 
@@ -382,10 +329,13 @@ fn derived_values(schema: &Json, resolved: &Table, complete: &Table) -> String {
     });
     // Headers without values are omitted.
     let sections = text.split("\n\n").filter(|section| section.contains(" = "));
-    let lines: Vec<String> = sections.flat_map(|section| section.trim().lines()).map(|line| match line.starts_with('[') {
-        true => format!("#\n# {line}\n"),
-        false => format!("# {line}\n"),
-    }).collect();
+    let lines: Vec<String> = sections
+        .flat_map(|section| section.trim().lines())
+        .map(|line| match line.starts_with('[') {
+            true => format!("#\n# {line}\n"),
+            false => format!("# {line}\n"),
+        })
+        .collect();
     if lines.is_empty() {
         return String::new();
     }
