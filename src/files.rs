@@ -11,9 +11,6 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use crate::log::{ensure_replaceable, is_same_file, resolve_link};
 use crate::trace::columns::are_sample_columns;
 
-/// Part of the names of temporary files and directories that precedes their random characters.
-pub const TEMPORARY_PREFIX: &str = ".phalanx-";
-
 /// Number of bytes at the start of a file that contain its mark.
 const HEAD_BYTES: u64 = 4096;
 
@@ -28,16 +25,16 @@ pub const JSON_MARK: &str = "{\n  \"generator\": \"phalanx\",";
 /// Line in the head of every manual page.
 const MANUAL_MARK: &str = "\n.TH phalanx";
 
-/// First columns of the tables that phalanx writes.
-const TABLE_HEADS: [(&str, FileKind); 8] = [
-    ("run,design,", FileKind::Results),
-    ("place,r_wc,", FileKind::Ranking),
-    ("base_m,mu_static,", FileKind::Table),
-    ("offset_m,form_closed_there,", FileKind::Table),
-    ("load,direction_rad,", FileKind::Table),
-    ("formulation,rtol,", FileKind::Table),
-    ("step_s,stiffness_factor,", FileKind::Table),
-    ("time_s,q11_rad,", FileKind::Table),
+/// First columns of the tables that phalanx writes, apart from samples.
+const TABLE_HEADS: [&str; 8] = [
+    "run,design,",
+    "place,r_wc,",
+    "base_m,mu_static,",
+    "offset_m,form_closed_there,",
+    "load,direction_rad,",
+    "formulation,rtol,",
+    "step_s,stiffness_factor,",
+    "time_s,q11_rad,",
 ];
 
 /// Kind of an output file, which its first bytes identify.
@@ -46,33 +43,12 @@ pub enum FileKind {
     Page,
     Picture,
     Log,
-    /// Table of the samples of a run.
-    Samples,
-    /// Table of selected designs.
-    Ranking,
-    /// Results of a sweep, or a part of them.
-    Results,
-    /// Any other table, in a directory of results.
     Table,
     /// A text, JSON or Markdown document in a directory of results.
     Report,
 }
 
 impl FileKind {
-    /// Name with its article, for messages.
-    fn name(self) -> &'static str {
-        match self {
-            FileKind::Page => "a page",
-            FileKind::Picture => "a picture",
-            FileKind::Log => "a log",
-            FileKind::Samples => "a table of samples",
-            FileKind::Ranking => "a ranking",
-            FileKind::Results => "results of a sweep",
-            FileKind::Table => "a table",
-            FileKind::Report => "a report",
-        }
-    }
-
     /// Kind of a file in a directory of results, according to its extension.
     fn from_extension(path: &Path) -> FileKind {
         match path.extension().and_then(|extension| extension.to_str()) {
@@ -84,49 +60,36 @@ impl FileKind {
         }
     }
 
-    /// Kind of an existing file; `None` if phalanx did not write it.
-    fn of_file(path: &Path) -> io::Result<Option<FileKind>> {
+    /// Whether an existing file is of this kind and was written by phalanx.
+    fn is_own_file(self, path: &Path) -> io::Result<bool> {
         let mut bytes = Vec::new();
         File::open(path)?.take(HEAD_BYTES).read_to_end(&mut bytes)?;
         let head = String::from_utf8_lossy(&bytes);
-        let is_report = || [TEXT_MARK, MARKDOWN_MARK, JSON_MARK].iter().any(|mark| head.starts_with(mark));
-        Ok(if bytes.starts_with(mcap::MAGIC) {
-            ensure_replaceable(path, path).is_ok().then_some(FileKind::Log)
-        } else if bytes.starts_with(b"PAR1") {
-            parquet_columns(path).and_then(|columns| FileKind::of_table(&columns))
-        } else if head.contains(PAGE_MARK) {
-            Some(FileKind::Page)
-        } else if head.contains(phalanx_show::plot::PICTURE_MARK) {
-            Some(FileKind::Picture)
-        } else if is_report() || head.contains(MANUAL_MARK) {
-            Some(FileKind::Report)
-        } else {
-            FileKind::of_table(head.lines().next().unwrap_or_default())
+        Ok(match self {
+            FileKind::Page => head.contains(PAGE_MARK),
+            FileKind::Picture => head.starts_with("<svg") && head.contains(phalanx_show::plot::PICTURE_MARK),
+            FileKind::Log => ensure_replaceable(path, path).is_ok(),
+            FileKind::Table if bytes.starts_with(b"PAR1") => is_own_parquet(path),
+            FileKind::Table => is_own_header(head.lines().next().unwrap_or_default()),
+            FileKind::Report => {
+                [TEXT_MARK, MARKDOWN_MARK, JSON_MARK].iter().any(|mark| head.starts_with(mark))
+                    || head.contains(MANUAL_MARK)
+            }
         })
-    }
-
-    /// Kind of a table with this header line.
-    fn of_table(header: &str) -> Option<FileKind> {
-        if are_sample_columns(&header.split(',').collect::<Vec<_>>()) {
-            return Some(FileKind::Samples);
-        }
-        let is_comparison = header.starts_with("time_s,") && header.ends_with("_engine");
-        let known = TABLE_HEADS.iter().find(|(head, _)| header.starts_with(head)).map(|(_, kind)| *kind);
-        known.or(is_comparison.then_some(FileKind::Table))
-    }
-
-    /// Whether a file of this kind may replace a file of the other kind.
-    fn replaces(self, other: FileKind) -> bool {
-        self == other || self == FileKind::Table && matches!(other, FileKind::Results | FileKind::Ranking)
     }
 }
 
-/// Names of the columns of a Parquet file that phalanx wrote, separated by commas. The root of its schema is the mark.
-fn parquet_columns(path: &Path) -> Option<String> {
-    let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
-    let schema = reader.metadata().file_metadata().schema();
-    let names: Vec<&str> = schema.get_fields().iter().map(|field| field.name()).collect();
-    (schema.name() == "phalanx").then(|| names.join(","))
+/// Whether phalanx wrote a table with this header line.
+fn is_own_header(header: &str) -> bool {
+    let is_comparison = header.starts_with("time_s,") && header.ends_with("_engine");
+    let is_known = TABLE_HEADS.iter().any(|head| header.starts_with(head));
+    is_known || is_comparison || are_sample_columns(&header.split(',').collect::<Vec<_>>())
+}
+
+/// Whether phalanx wrote a Parquet file. The root of its schema is the mark.
+fn is_own_parquet(path: &Path) -> bool {
+    let reader = File::open(path).ok().and_then(|file| SerializedFileReader::new(file).ok());
+    reader.is_some_and(|reader| reader.metadata().file_metadata().schema().name() == "phalanx")
 }
 
 /// Whether files of other programs are replaced too; set once, before a command starts.
@@ -172,12 +135,12 @@ fn check_replaceable(path: &Path, kind: FileKind, choice: &str) -> Result<(), St
     if !fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > 0) || is_forced() {
         return Ok(());
     }
-    match FileKind::of_file(path) {
-        Ok(Some(found)) if kind.replaces(found) => Ok(()),
-        Ok(_) => Err(format!(
-            "the existing file is not {} written by phalanx, so it is not replaced; give another {choice}, or replace it \
+    match kind.is_own_file(path) {
+        Ok(true) => Ok(()),
+        Ok(false) => Err(format!(
+            "the existing file is not a {} written by phalanx, so it is not replaced; give another {choice}, or replace it \
              with --force",
-            kind.name()
+            format!("{kind:?}").to_lowercase()
         )),
         Err(error) => Err(format!("the existing file cannot be read ({error}); give another {choice}")),
     }
@@ -256,7 +219,7 @@ pub fn is_special(path: &Path) -> bool {
 fn create_temporary(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let directory = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = target.file_name().map(PathBuf::from).unwrap_or_default();
-    let prefix = format!(".{}{TEMPORARY_PREFIX}", name.display());
+    let prefix = format!(".{}.phalanx-", name.display());
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(".tmp");
     // Temporary files are private by default; results get the permissions of the umask.

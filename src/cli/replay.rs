@@ -77,7 +77,7 @@ fn replay_log(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failur
     let recorder = args.html.as_ref().map(|_| LogPlaybackRecorder::new(path, &read_head(path)?)).transpose()?;
     let mut summary_sink = SummarySink::new(path, interrupt)?;
     let html = ("--html", args.html.as_deref(), TargetKind::File(FileKind::Page));
-    let csv_target = ("--csv", csv, TargetKind::File(FileKind::Samples));
+    let csv_target = ("--csv", csv, TargetKind::File(FileKind::Table));
     reserve(&[("the log", slice::from_ref(path))], &[csv_target, html], NO_DIRECTORY)?;
     let (result, recorder) = match recorder {
         Some(mut recorder) => (read_log(args, &mut Tee(&mut summary_sink, &mut recorder)), Some(recorder)),

@@ -79,7 +79,7 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
 }
 
 /// Files in the output directory, without the pictures in figures/.
-const FILES: [&str; 5] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv"];
+const FILES: [&str; 6] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv", "figures/*.svg"];
 
 /// Writes the files of `--out`; the report is written last.
 fn write(out: &Path, report: &ReproductionReport<'_>) -> Result<(), Failure> {

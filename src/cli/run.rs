@@ -115,7 +115,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let csv = samples::csv_file(args.csv.as_deref(), args.json)?;
     let targets = [
         ("--log", args.log.as_deref(), TargetKind::Log),
-        ("--csv", csv, TargetKind::File(FileKind::Samples)),
+        ("--csv", csv, TargetKind::File(FileKind::Table)),
         ("--html", args.page.html.as_deref(), TargetKind::File(FileKind::Page)),
     ];
     reserve(&[("the scene", &source_files(&args.scene))], &targets, NO_DIRECTORY)?;

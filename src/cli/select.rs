@@ -107,7 +107,7 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::format(path).map_err(Failure::bad_input)?;
     }
-    let ranking = ("--ranking", args.ranking.as_deref(), TargetKind::File(FileKind::Ranking));
+    let ranking = ("--ranking", args.ranking.as_deref(), TargetKind::File(FileKind::Table));
     let results = slice::from_ref(&args.results);
     let directory = reserve(&[("the table of results", results)], &[ranking], ("--out", args.out.as_deref(), &FILES))?;
     let results = table::read(&args.results).map_err(Failure::bad_input)?;

@@ -16,12 +16,10 @@ use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
 use crate::study::parts::{PartOptions, merge, write_part};
 use crate::study::results::{OpenedResults, ResultsError, Store, open};
-use crate::study::sweep::{self, Gap, Row, Study, StudyError, run_while, shard, summary};
+use crate::study::sweep::{self, Row, Study, StudyError, run_while, shard, summary};
 
 /// Number of rows that `--list` shows by default.
 const DEFAULT_LISTED_RUNS: u64 = 12;
-/// Largest number of commands shown for missing parts.
-const MAX_SHOWN_COMMANDS: usize = 10;
 
 /// Simulate all runs of a study on all cores and write a table of them.
 ///
@@ -136,7 +134,7 @@ struct MergeArgs {
 impl From<ResultsError> for Failure {
     fn from(error: ResultsError) -> Self {
         match error {
-            ResultsError::Refused(_) | ResultsError::Missing { .. } => Failure::bad_input(error),
+            ResultsError::Refused(_) => Failure::bad_input(error),
             ResultsError::WriteFailed(_) | ResultsError::Stopped { .. } => Failure::incomplete(error),
         }
     }
@@ -273,10 +271,6 @@ fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
     let merged = merge(&study, &args.parts, &args.out, &|| interrupt.signal().is_none(), &mut report_progress);
     counter.clear();
     let merged = merged.map_err(|error| match (error, interrupt.signal()) {
-        (ResultsError::Missing { gaps, runs }, _) => {
-            let commands = missing_part_commands(args, &gaps);
-            Failure::bad_input(format!("{}\n{commands}", ResultsError::Missing { gaps, runs }))
-        }
         (ResultsError::Stopped { done, total }, Some(signal)) => Failure::incomplete(format!(
             "the merge was interrupted by {signal} after {done} of {total} runs; {} is unchanged; run the same command again \
              to join the shards",
@@ -290,26 +284,6 @@ fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
     };
     print_result(&report, args.json)?;
     Ok(Status::Done)
-}
-
-/// Returns the commands that write the missing parts to the directory of the first part.
-fn missing_part_commands(args: &MergeArgs, gaps: &[Gap]) -> String {
-    let first = args.parts.first().map_or(Path::new(""), PathBuf::as_path);
-    let directory = if first.is_dir() { first } else { first.parent().unwrap_or(Path::new("")) };
-    let model = args.model.map(|model| format!(" --model {}", crate::trace::Model::from(model).name()));
-    let (model, check) = (model.unwrap_or_default(), if args.check { " --check" } else { "" });
-    let missing =
-        gaps.iter().flat_map(|gap| (gap.first_shard..=gap.last_shard).map(|number| (number, gap.shard_count)));
-    let line = |(number, count): (u64, u64)| {
-        let part = directory.join(format!("part-{number}-of-{count}.parquet"));
-        let (study, part) = (args.study.display(), part.display());
-        format!("\n  phalanx sweep {study}{model}{check} --shard {number}/{count} --out {part}")
-    };
-    let lines: String = missing.take(MAX_SHOWN_COMMANDS).map(line).collect();
-    let total: u128 = gaps.iter().map(|gap| u128::from(gap.last_shard - gap.first_shard) + 1).sum();
-    let more = total.saturating_sub(MAX_SHOWN_COMMANDS as u128);
-    let more = if more > 0 { format!("\n  and {more} more like these") } else { String::new() };
-    format!("these commands write the missing shards:{lines}{more}")
 }
 
 /// Progress of a sweep or of a part of one.

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::results::{Provenance, ResultsError, has_other_results};
+use super::results::{ResultsError, has_other_results, write_provenance};
 use super::sweep::{
-    MAX_SHARDED_RUNS, Row, RunStats, Shard, Study, Summary, columns, find_gaps, list_message, run_range,
-    run_range_text, shard_range, sorted_table, summary,
+    MAX_SHARDED_RUNS, Row, RunStats, Shard, Study, Summary, columns, find_gaps, list_message, missing_message,
+    run_range, run_range_text, shard_range, sorted_table, summary,
 };
 use crate::files::{FileKind, cannot_write, check_target, is_forced, is_special, replace_file};
 use crate::table::{self, Format, RowGroups, RowWriter, Table, Value};
@@ -61,33 +61,19 @@ impl PartInfo {
     /// Returns why the part does not belong to the study; `None` if it does.
     fn mismatch(&self, study: &Study) -> Option<String> {
         let expected = PartInfo::new(study, self.shard);
-        let PartInfo { version, study, model, checked, fingerprint, .. } = self;
-        if *fingerprint == expected.fingerprint {
-            return None;
-        }
-        Some(if *version != expected.version {
-            format!(
-                "it was written by phalanx {version}, but this is {}, whose results may differ in their last digits; run and \
-                 merge all shards with one version",
-                expected.version
-            )
-        } else if *model != expected.model {
-            format!(
-                "it was simulated with the {model} model, but the study has {}; use the same model (--model {model}) for \
-                 shards and merge",
-                expected.model
-            )
-        } else if *checked != expected.checked {
-            let option = if *checked { "with --check" } else { "without --check" };
-            format!("it was simulated {option}; use the same option for shards and merge")
-        } else if *study != expected.study {
-            format!("it is a shard of the study `{study}`, but this is `{}`", expected.study)
-        } else {
-            format!(
-                "its study `{study}` or the base scene has been changed since (fingerprint {fingerprint}, now {})",
-                expected.fingerprint
-            )
-        })
+        let check = |info: &PartInfo| if info.checked { "with --check" } else { "without --check" }.to_string();
+        let values = |info: &PartInfo| {
+            [
+                ("version of phalanx", info.version.clone()),
+                ("study", format!("`{}`", info.study)),
+                ("model", format!("--model {}", info.model)),
+                ("option", check(info)),
+                ("text (study or base scene, by its fingerprint)", info.fingerprint.clone()),
+            ]
+        };
+        let mut pairs = values(self).into_iter().zip(values(&expected));
+        let ((name, found), (_, expected)) = pairs.find(|(found, expected)| found != expected)?;
+        Some(format!("its {name} is {found}, but here it is {expected}; use the same for all shards and the merge"))
     }
 }
 
@@ -217,7 +203,7 @@ pub fn write_part(
                       merge` writes CSV from shards";
         return Err(ResultsError::Refused(cannot_write(out, reason)));
     }
-    check_target(out, FileKind::Results).map_err(ResultsError::Refused)?;
+    check_target(out, FileKind::Table).map_err(ResultsError::Refused)?;
     if let Some(summary) = existing_summary(study, &part, out, options.restart)? {
         return Ok(WrittenPart { part, summary, stats: None });
     }
@@ -296,7 +282,7 @@ pub fn merge(
     on_progress: &mut dyn FnMut(u64),
 ) -> Result<MergeResult, ResultsError> {
     let format = table::format(out).map_err(|error| ResultsError::Refused(error.to_string()))?;
-    check_target(out, FileKind::Results).map_err(ResultsError::Refused)?;
+    check_target(out, FileKind::Table).map_err(ResultsError::Refused)?;
     if has_other_results(study, out)? {
         return Err(ResultsError::Refused(format!(
             "{} contains results of another study, model or version, so it is not replaced; give another --out, or replace \
@@ -333,7 +319,7 @@ pub fn merge(
         }
         writer.finish(&[])?;
         // The study is written first, so that results never exist without it.
-        Provenance::write(study, done, out)
+        write_provenance(study, done, out)
     });
     match (failure, written, total) {
         (None, Ok(()), Some(summary)) => {
@@ -368,7 +354,7 @@ fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, Resu
     }
     let (shards, paths): (Vec<Shard>, Vec<PathBuf>) = parts.into_iter().unzip();
     let gaps = find_gaps(study.runs(), &shards);
-    if gaps.is_empty() { Ok(paths) } else { Err(ResultsError::Missing { gaps, runs: study.runs() }) }
+    if gaps.is_empty() { Ok(paths) } else { Err(ResultsError::Refused(missing_message(&gaps, study.runs()))) }
 }
 
 /// Replaces directories by the Parquet files in them.

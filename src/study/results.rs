@@ -10,9 +10,8 @@ use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
-use serde::{Deserialize, Serialize};
 
-use super::sweep::{Gap, ShardError, Study, check_unsharded, columns, missing_message, sorted_table};
+use super::sweep::{ShardError, Study, check_unsharded, columns, sorted_table};
 use crate::files::{FileKind, cannot_write, check_target, is_forced, replace_file};
 use crate::log::is_same_file;
 use crate::table::{self, Column, Table, TableError, Value};
@@ -28,9 +27,6 @@ pub enum ResultsError {
     Refused(String),
     #[error("{0}")]
     WriteFailed(String),
-    /// Runs that are in no part of a study with this number of runs.
-    #[error("{}", missing_message(.gaps, *.runs))]
-    Missing { gaps: Vec<Gap>, runs: u64 },
     /// The operation was interrupted.
     #[error("stopped after {done} of {total} runs; no file was written")]
     Stopped { done: u64, total: u64 },
@@ -49,55 +45,39 @@ impl ResultsError {
     }
 }
 
-/// Content of `OUT.study.json`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Provenance {
-    /// Version of the program.
-    pub phalanx: String,
-    /// Name of the study.
-    pub study: String,
-    pub model: String,
-    /// Fingerprint of study, base scene, model and version.
-    pub fingerprint: String,
-    pub rows: u64,
-    pub study_toml: String,
-    pub scene_toml: String,
+/// Writes `OUT.study.json` for results with this number of rows: the study with its exact text.
+pub(super) fn write_provenance(study: &Study, rows: u64, out: &Path) -> io::Result<()> {
+    let [_, path] = companion_files(out);
+    let provenance = serde_json::json!({
+        "phalanx": env!("CARGO_PKG_VERSION"),
+        "study": study.name,
+        "model": study.model.name(),
+        "fingerprint": study.fingerprint(),
+        "rows": rows,
+        "study_toml": study.source,
+        "scene_toml": study.base,
+    });
+    replace_file(&path, |file| writeln!(file, "{provenance:#}"))
 }
 
-impl Provenance {
-    /// Writes the file for results with this number of rows.
-    pub(super) fn write(study: &Study, rows: u64, out: &Path) -> io::Result<()> {
-        let provenance = Provenance {
-            phalanx: env!("CARGO_PKG_VERSION").to_string(),
-            study: study.name.clone(),
-            model: study.model.name().to_string(),
-            fingerprint: study.fingerprint(),
-            rows,
-            study_toml: study.source.clone(),
-            scene_toml: study.base.clone(),
-        };
-        let [_, path] = companion_files(out);
-        replace_file(&path, |file| writeln!(file, "{}", serde_json::to_string_pretty(&provenance)?))
-    }
-
-    /// Reads the file of `out`; `None` if it does not exist.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read, or is another file.
-    pub fn read(out: &Path) -> Result<Option<Self>, ResultsError> {
-        let [_, path] = companion_files(out);
-        let refused = |reason: String| {
-            let path = path.display();
-            let help = "give another --out, delete it, or replace it with --force";
-            Err(ResultsError::Refused(format!("{path} {reason}, so it is not replaced; {help}")))
-        };
-        match fs::read(&path).map(|bytes| serde_json::from_slice(&bytes)) {
-            Ok(Ok(provenance)) => Ok(Some(provenance)),
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            _ if is_forced() => Ok(None),
-            Ok(Err(error)) => refused(format!("was not written by a sweep ({error})")),
-            Err(error) => refused(format!("cannot be read ({error})")),
-        }
+/// Whether `OUT.study.json` names this study.
+///
+/// # Errors
+/// Returns an error if the file cannot be read, or is another file.
+fn is_of_study(study: &Study, out: &Path) -> Result<bool, ResultsError> {
+    let [_, path] = companion_files(out);
+    let fingerprint = fs::read(&path).and_then(|bytes| {
+        let provenance: serde_json::Value = serde_json::from_slice(&bytes)?;
+        let not_ours = || io::Error::other("a sweep did not write it");
+        provenance["fingerprint"].as_str().map(str::to_string).ok_or_else(not_ours)
+    });
+    match fingerprint {
+        Ok(fingerprint) => Ok(fingerprint == study.fingerprint()),
+        Err(error) if error.kind() == ErrorKind::NotFound || is_forced() => Ok(false),
+        Err(error) => Err(ResultsError::Refused(format!(
+            "cannot read {}: {error}; it describes results of a sweep: give another --out, delete it, or replace it with --force",
+            path.display()
+        ))),
     }
 }
 
@@ -113,8 +93,7 @@ pub fn companion_files(out: &Path) -> [PathBuf; 2] {
 /// Whether a path contains results of another study.
 pub(super) fn has_other_results(study: &Study, out: &Path) -> Result<bool, ResultsError> {
     let exists = fs::metadata(out).is_ok_and(|found| found.is_file() && found.len() > 0);
-    let is_own = Provenance::read(out)?.is_some_and(|provenance| provenance.fingerprint == study.fingerprint());
-    Ok(exists && !is_own && !is_forced())
+    Ok(!is_of_study(study, out)? && exists && !is_forced())
 }
 
 /// State of the results on opening.
@@ -143,7 +122,7 @@ pub struct Store {
 pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<OpenedResults, ResultsError> {
     table::format(out).map_err(|error| ResultsError::Refused(error.to_string()))?;
     check_unsharded(study, max_runs)?;
-    check_target(out, FileKind::Results).map_err(ResultsError::Refused)?;
+    check_target(out, FileKind::Table).map_err(ResultsError::Refused)?;
     let requested = study.runs().min(max_runs);
     let is_complete = |table: &Table| !restart && table.rows.len() as u64 >= requested;
     if let Some(table) = read_finished(study, out)?.filter(is_complete) {
@@ -177,8 +156,7 @@ pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<O
 
 /// Reads the finished results of this study; `None` if there are none, or the table has other columns.
 fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, ResultsError> {
-    let is_own = Provenance::read(out)?.is_some_and(|provenance| provenance.fingerprint == study.fingerprint());
-    if !is_own || !out.exists() {
+    if !is_of_study(study, out)? || !out.exists() {
         return Ok(None);
     }
     let table = match table::format(out) {
@@ -243,7 +221,7 @@ impl Store {
         let Store { out, partial, rows, .. } = self;
         let table = sorted_table(study, rows);
         let written = table::write(&out, &table).map_err(|error| error.to_string()).and_then(|()| {
-            let written = Provenance::write(study, table.rows.len() as u64, &out);
+            let written = write_provenance(study, table.rows.len() as u64, &out);
             written.and_then(|()| fs::remove_file(&partial)).map_err(|error| error.to_string())
         });
         written.map(|()| table).map_err(|error| {

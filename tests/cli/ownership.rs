@@ -48,7 +48,7 @@ fn path_text(path: &Path) -> &str {
 }
 
 #[test]
-fn output_replaces_only_files_of_the_same_kind() {
+fn output_replaces_only_files_of_phalanx() {
     let directory = test_directory("own_files");
     let [log, results, other_log] = ["run.mcap", "results.csv", "bag.mcap"].map(|name| directory.join(name));
     run_ok(&["run", EXPERIMENT_95, "--log", path_text(&log)]);
@@ -61,13 +61,14 @@ fn output_replaces_only_files_of_the_same_kind() {
         (&["select", path_text(&results), "--no-form-closed", "--ranking"], "best.csv"),
         (&["select", path_text(&results), "--no-form-closed", "--ranking"], "best.parquet"),
     ];
+    let is_table = |name: &str| name.ends_with(".csv") || name.ends_with(".parquet");
     for (args, name) in commands {
         let target = directory.join(name);
         let args = [args, &[path_text(&target)]].concat();
         run_ok(&args);
         run_ok(&args);
-        // A file of another kind is not replaced either, even if phalanx wrote it.
-        for (_, other) in commands.into_iter().filter(|(_, other)| !other.starts_with("best") && *other != name) {
+        // A file of another type is not replaced either, even if phalanx wrote it.
+        for (_, other) in commands.into_iter().filter(|(_, other)| !is_table(other) && *other != name) {
             if let Ok(other) = fs::read(directory.join(other)) {
                 fs::write(&target, other).expect("written");
                 assert_rejected(&directory, &args, &["not replaced"]);

@@ -180,10 +180,10 @@ fn results_of_another_study_are_kept() {
     assert_rejected(&sweep(&other, &out, &[]), &["results of another study", "--restart"]);
     let provenance = directory.join("out.csv.study.json");
     fs::write(&provenance, "mine").expect("written");
-    assert_rejected(&sweep(&study, &out, &[]), &["out.csv.study.json was not written by a sweep", "--force"]);
+    assert_rejected(&sweep(&study, &out, &[]), &["cannot read", "out.csv.study.json", "--force"]);
     fs::remove_file(&provenance).expect("removed");
     fs::create_dir(&provenance).expect("made");
-    assert_rejected(&sweep(&study, &out, &["--restart"]), &["out.csv.study.json cannot be read"]);
+    assert_rejected(&sweep(&study, &out, &["--restart"]), &["cannot read", "out.csv.study.json"]);
     fs::remove_dir(&provenance).expect("removed");
     fs::remove_file(&out).expect("removed");
 
@@ -248,36 +248,4 @@ fn reports_that_no_run_could_be_simulated() {
         stdout(&output)
     );
     assert_eq!(lines(&out), 3);
-}
-
-/// 20,000 designs of the thesis, killed at random times: `cargo nextest run --release --run-ignored only
-/// twenty_thousand`.
-#[test]
-#[ignore = "takes minutes"]
-fn twenty_thousand_designs_survive_kills() {
-    let directory = directory("sweep_large");
-    let text = fs::read_to_string("scenes/studies/sample.toml")
-        .expect("a shipped file")
-        .replace("count = 200", "count = 20000");
-    let study = write(&directory, "large.toml", &text);
-    let uninterrupted = directory.join("uninterrupted.csv");
-    let output = sweep(&study, &uninterrupted, &[]);
-    println!("uninterrupted: {}", stdout(&output));
-    let out = directory.join("killed.csv");
-    let mut rng = XorShift::new(20_000);
-    let mut kills = 0;
-    let start_time = Instant::now();
-    while !out.exists() {
-        let mut child = start(&study, &out, "2");
-        sleep(Duration::from_millis(50 + rng.below(1500) as u64));
-        child.kill().expect("the process is killed");
-        child.wait().expect("the process ends");
-        kills += 1;
-    }
-    println!("{kills} kills in {:.1} s", start_time.elapsed().as_secs_f64());
-    assert!(kills >= 5);
-    let output = sweep(&study, &out, &[]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(lines(&out), 20_001);
-    assert!(fs::read(&out).expect("the file is readable") == fs::read(&uninterrupted).expect("the file is readable"));
 }

@@ -202,9 +202,12 @@ fn existing_parts_and_other_files_are_kept() {
     let of_other = [&[other.as_str()], &arguments("2/4")[1..]].concat();
     for (args, words) in [
         (with("3/4", &[]), &["2/4", "not replaced", "--restart"][..]),
-        (with("2/4", &["--check"]), &["without --check", "not replaced"]),
-        (with("2/4", &["--model", "engine"]), &["analytic model", "engine", "not replaced"]),
-        (of_other, &["the study `cheap`", "`other`", "not replaced"]),
+        (with("2/4", &["--check"]), &["its option is without --check", "not replaced"]),
+        (
+            with("2/4", &["--model", "engine"]),
+            &["its model is --model analytic, but here it is --model engine", "not replaced"],
+        ),
+        (of_other, &["its study is `cheap`, but here it is `other`", "not replaced"]),
     ] {
         assert_failed(&args, words);
     }
@@ -214,7 +217,7 @@ fn existing_parts_and_other_files_are_kept() {
 
     // A truncated part is not recognised. A part with a flipped bit is damaged and can be made again.
     fs::write(&out, &original[..original.len() - 100]).expect("the file is writable");
-    assert_failed(&arguments("2/4"), &["not results of a sweep", "not replaced", "--force"]);
+    assert_failed(&arguments("2/4"), &["not a table written by phalanx", "not replaced", "--force"]);
     let mut damaged = original.clone();
     damaged[original.len() / 3..original.len() / 2].fill(4);
     fs::write(&out, &damaged).expect("the file is writable");
@@ -225,7 +228,7 @@ fn existing_parts_and_other_files_are_kept() {
     // A foreign file is kept even with --restart, but not with --force.
     fs::write(&out, "foreign table").expect("the file is writable");
     for flags in [&[][..], &["--restart"]] {
-        assert_failed(&with("2/4", flags), &["not results of a sweep", "not replaced"]);
+        assert_failed(&with("2/4", flags), &["not a table written by phalanx", "not replaced"]);
     }
     assert_eq!(bytes(&out), b"foreign table");
     make(&["--force"]);
@@ -259,9 +262,8 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
         let message = assert_failed(&[&["merge", file.as_str()], &parts[..], &["--out", text(&out)]].concat(), words);
         assert!(!out.exists() && !directory.join("out.csv.study.json").exists(), "{message}");
     };
-    // Missing runs are reported with the commands that make them.
-    let command = format!("phalanx sweep {file} --shard 3/5 --out {}", directory.join("part-3-of-5.parquet").display());
-    let words = ["40 of 100 runs are in no shard", "runs 21 to 60 (--shard 2/5 and 3/5)", &command];
+    // Missing runs are reported with the shards that contain them.
+    let words = ["40 of 100 runs are in no shard", "runs 21 to 60 (--shard 2/5 and 3/5); run these and merge again"];
     assert_rejected(&[all[4], all[0], all[3]], &words);
     // The runs between a third and a half are a sixth.
     let (third, half) = (part(&study, (1, 3), &directory), part(&study, (2, 2), &directory));
@@ -289,7 +291,7 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
     let [own_rows, other_rows] = [1, 2].map(|index| table::read(&parts[index]).expect("a table"));
     let older = forge(&parts[1], &[("version", "0.0.9".into()), ("fingerprint", "0".repeat(16).into())]);
     table::write_with_metadata(&forged, &own_rows, &older).expect("the file is writable");
-    with_second(&forged, &["written by phalanx 0.0.9", "one version"]);
+    with_second(&forged, &["its version of phalanx is 0.0.9", "use the same for all shards"]);
     // Correct metadata with the rows of another part: the rows are verified too.
     table::write_with_metadata(&forged, &other_rows, &forge(&parts[1], &[])).expect("the file is writable");
     with_second(&forged, &["damaged", "run 21 is missing or misplaced"]);
@@ -336,7 +338,7 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
     assert_path_rejected(&directory.join("out.txt"), &["NAME.csv or NAME.parquet"]);
     assert_path_rejected(&directory.join("nowhere/out.csv"), &["mkdir -p"]);
     fs::write(&out, "foreign").expect("the file is writable");
-    assert_path_rejected(&out, &["not results of a sweep", "not replaced", "--force"]);
+    assert_path_rejected(&out, &["not a table written by phalanx", "not replaced", "--force"]);
     assert_eq!(bytes(&out), b"foreign");
     fs::remove_file(&out).expect("removed");
 

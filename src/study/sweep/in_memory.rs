@@ -97,15 +97,13 @@ impl Field {
                 let unit = dimension.units()[0].name;
                 Some(AxisValue { text: format!("\"{si:?} {unit}\""), value: Value::Number(si) })
             }
-            FieldType::Number | FieldType::Percent => {
-                Some(AxisValue { text: format!("{si:?}"), value: Value::Number(si) })
-            }
+            FieldType::Number => Some(AxisValue { text: format!("{si:?}"), value: Value::Number(si) }),
             FieldType::Integer(min, max) => {
                 let integer = si as i64;
                 let fits = integer as f64 == si && (min..=max).contains(&&integer);
                 fits.then(|| AxisValue { text: integer.to_string(), value: Value::Integer(integer) })
             }
-            FieldType::Flag | FieldType::Choice(_) | FieldType::Text | FieldType::List(_) => None,
+            FieldType::Flag | FieldType::Choice(_) | FieldType::Text | FieldType::List(..) => None,
         }
     }
 

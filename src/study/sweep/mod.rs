@@ -38,7 +38,7 @@ pub use field::{AxisValue, Field, FieldType};
 pub use in_memory::{InMemoryStudyError, in_memory_study};
 pub use row::{Row, Status, column_type, columns, sorted_table, table};
 pub use run::{RunStats, run_range, run_while};
-pub use shard::{Gap, Shard, ShardError, check_unsharded, shard, shard_range};
+pub use shard::{Shard, ShardError, check_unsharded, shard, shard_range};
 pub use study_file::{StudyError, files, load, parse, schema, source_files};
 pub use summary::{Reason, Summary, summary};
 

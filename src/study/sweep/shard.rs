@@ -142,7 +142,11 @@ pub(in crate::study) fn missing_message(gaps: &[Gap], total: u64) -> String {
         format!("{} (--shard {first_shard}/{shard_count}{more})", run_range_text(first, last))
     };
     let count: u64 = gaps.iter().map(|gap| gap.last - gap.first + 1).sum();
-    list_message(&format!("{count} of {total} runs are in no shard: "), gaps.iter().map(line).collect(), "")
+    list_message(
+        &format!("{count} of {total} runs are in no shard: "),
+        gaps.iter().map(line).collect(),
+        "; run these and merge again",
+    )
 }
 
 /// Names a range of runs.

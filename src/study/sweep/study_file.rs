@@ -1,7 +1,6 @@
 //! Study files: their structure, and the study that they describe. Types, units and unknown keys are checked against
 //! the JSON Schema that is derived from the structure; positions in messages are looked up in the parsed document.
 
-use std::io::ErrorKind;
 use std::ops::Range as Span;
 use std::path::{Path, PathBuf};
 
@@ -17,10 +16,8 @@ use super::base_scene::{Base, Template, base_from_layers, check_scene, check_val
 use super::field::{AxisValue, Field};
 use super::sequence::{MAX_HALTON_AXES, Method, Sequence};
 use super::{Filter, MAX_RUNS, MAX_SHARDED_RUNS, Study};
-use crate::files::read_at_most;
-use crate::limits::MAX_SCENE_BYTES;
-use crate::scene::error::line_column;
-use crate::scene::file::{load_layers, read, too_large};
+use crate::scene::check::Checker;
+use crate::scene::file::{load_layers, read};
 use crate::scene::keywords::SceneKind;
 use crate::scene::parse::syntax_problem;
 use crate::scene::schema::{schema_for, unwrap_lines};
@@ -200,20 +197,9 @@ pub fn source_files(path: &Path) -> Vec<PathBuf> {
 /// # Errors
 /// Returns an error if the study or its base scene is invalid; the message contains file, line and column.
 pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
-    let path = path.as_ref();
-    let file = path.display().to_string();
-    let unreadable = |reason: String| StudyError::Read { file: file.clone(), reason };
-    if path.is_dir() {
-        return Err(unreadable("it is a directory; name a study file (.toml) in it".to_string()));
-    }
-    let bytes = read_at_most(path, MAX_SCENE_BYTES).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => unreadable("there is no such file; check the path".to_string()),
-        _ => unreadable(error.to_string()),
-    })?;
-    let text = String::from_utf8(bytes.ok_or_else(|| unreadable(too_large()))?).map_err(|error| {
-        let before = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
-        let (line, column) = line_column(&before, before.len());
-        unreadable(format!("it is not UTF-8 text at {line}:{column}; save it as UTF-8, a study is a TOML file"))
+    let (text, file) = read(path.as_ref()).map_err(|error| match error {
+        SceneError::Read { file, reason } => StudyError::Read { file, reason },
+        error => error.into(),
     })?;
     parse(&text, &file)
 }
@@ -224,10 +210,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
 /// # Errors
 /// Returns an error if the study or its base scene is invalid.
 pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
-    let invalid = |mut problems: Vec<Problem>| {
-        problems.sort_by_key(|problem| problem.span.as_ref().map_or((usize::MAX, 0), |span| (span.start, span.end)));
-        SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems }
-    };
+    let invalid = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
     let mut document = DeTable::parse(text).map_err(|error| invalid(vec![syntax_problem(&error)]))?;
     let inline = take_table(document.get_mut(), "scene");
     let set = take_table(document.get_mut(), "set");
@@ -241,12 +224,12 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let study = study.map_err(|error| {
         invalid(if problems.is_empty() { vec![syntax_problem(&error)] } else { std::mem::take(&mut problems) })
     })?;
-    let mut reader = Reader { document: document.get_ref(), kind: SceneKind::Finger, omits_keys: false, problems };
-    reader.omits_keys = !reader.problems.is_empty();
+    let checker = Checker::new(text, problems);
+    let mut reader = Reader { document: document.get_ref(), kind: SceneKind::Finger, checker };
     let base = match inline {
         Some(inline) => {
             reader.kind = scene_kind(inline.get_ref());
-            let table = check_scene(inline, "scene", reader.kind, &mut reader.problems);
+            let table = reader.check_scene(inline, "scene");
             Some(Base { table, kind: reader.kind, text: String::new() })
         }
         None if study.scene.is_empty() => {
@@ -257,10 +240,10 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
             let path = Path::new(file_name).parent().unwrap_or(Path::new("")).join(&study.scene);
             let layers = load_layers(&path).map_err(|error| match error {
                 SceneError::Read { file, reason } => {
-                    let help = "name a scene file; its path is relative to the directory of the study";
+                    let (span, help) = (reader.span("scene"), "its path is relative to the directory of the study");
                     let message = format!("cannot read the base scene {file}: {reason}");
-                    reader.refuse::<()>("scene", message, "this file", help);
-                    invalid(std::mem::take(&mut reader.problems))
+                    let help = format!("name a scene file; {help}");
+                    invalid(vec![Problem { span, message, label: "this file".to_string(), help }])
                 }
                 error => error,
             })?;
@@ -268,17 +251,17 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         }
     };
     reader.kind = base.as_ref().map_or(SceneKind::Finger, |base| base.kind);
-    let set = set.map(|table| check_scene(table, "set", reader.kind, &mut reader.problems)).unwrap_or_default();
+    let set = set.map(|table| reader.check_scene(table, "set")).unwrap_or_default();
     let axes = reader.read_axes(&study.axes);
     let sequence = reader.read_sample(&study, &axes);
     let filter = reader.read_filter(&study.filter);
     let runs = total_runs(&axes, sequence.as_ref());
-    if reader.problems.is_empty() && runs.is_none() {
+    if reader.checker.is_clean() && runs.is_none() {
         let message = format!("the study has more than {MAX_SHARDED_RUNS} runs");
         reader.refuse::<()>("", message, "", "remove values, or sample the axes: [sample]");
     }
-    let (Some(mut base), Some(runs), []) = (base, runs, &reader.problems[..]) else {
-        return Err(invalid(reader.problems).into());
+    let (Some(mut base), Some(runs), true) = (base, runs, reader.checker.is_clean()) else {
+        return Err(invalid(reader.checker.into_problems()).into());
     };
     merge(&mut base.table, set);
     let fields: Vec<&str> = axes.iter().flat_map(|axis| &axis.fields).map(|field| field.path.as_str()).collect();
@@ -329,9 +312,7 @@ struct Reader<'a> {
     document: &'a DeTable<'a>,
     /// Kind of the base scene.
     kind: SceneKind,
-    /// Whether there are unknown keys or invalid values. Missing keys are not reported then: they may be mistyped only.
-    omits_keys: bool,
-    problems: Vec<Problem>,
+    checker: Checker<'a>,
 }
 
 impl Reader<'_> {
@@ -350,20 +331,26 @@ impl Reader<'_> {
     }
 
     /// Reports a problem at a path.
-    fn refuse<T>(&mut self, path: &str, message: impl Into<String>, label: &str, help: &str) -> Option<T> {
-        let span = self.span(path);
-        self.problems.push(Problem { span, message: message.into(), label: label.to_string(), help: help.to_string() });
+    fn refuse<T>(&self, path: &str, message: impl Into<String>, label: &str, help: &str) -> Option<T> {
+        self.checker.push(self.span(path), message, label, help);
         None
     }
 
+    fn check_scene(&self, table: Spanned<DeTable<'_>>, path: &str) -> toml::Table {
+        let mut problems = Vec::new();
+        let table = check_scene(table, path, self.kind, &mut problems);
+        self.checker.extend(problems);
+        table
+    }
+
     /// Reports a missing key of the table at a path.
-    fn missing<T>(&mut self, key: &str, table: &str, help: &str) -> Option<T> {
-        let label = if table.is_empty() { "" } else { "in this section" };
-        if self.omits_keys { None } else { self.refuse(table, format!("`{key}` is missing"), label, help) }
+    fn missing<T>(&self, key: &str, table: &str, help: &str) -> Option<T> {
+        self.checker.report_missing_at(key, self.span(table), help);
+        None
     }
 
     /// Reads all valid axes. A study without axes runs its scene once.
-    fn read_axes(&mut self, tables: &[AxisTable]) -> Vec<Axis> {
+    fn read_axes(&self, tables: &[AxisTable]) -> Vec<Axis> {
         let mut axes: Vec<Axis> = Vec::new();
         for (index, table) in tables.iter().enumerate() {
             let path = format!("axes.{index}");
@@ -381,7 +368,7 @@ impl Reader<'_> {
         axes
     }
 
-    fn read_axis(&mut self, path: &str, table: &AxisTable) -> Option<Axis> {
+    fn read_axis(&self, path: &str, table: &AxisTable) -> Option<Axis> {
         let at = |key: &str| format!("{path}.{key}");
         let names: Vec<(String, &String)> = match (table.field.is_empty(), table.fields.is_empty()) {
             (false, true) => vec![(at("field"), &table.field)],
@@ -417,10 +404,7 @@ impl Reader<'_> {
             (&["rows", "from", "to", "count", "spacing"], "together with `values`")
         };
         for key in unused {
-            if self.span(&at(key)).is_some() {
-                let message = format!("`{key}` has no effect {reason}");
-                self.refuse::<()>(&at(key), message, "no effect", "remove it, or change what it depends on");
-            }
+            self.checker.report_unused_at(key, self.span(&at(key)), reason);
         }
         let values = if table.field.is_empty() {
             self.read_rows(path, &fields, &table.rows)?
@@ -433,12 +417,12 @@ impl Reader<'_> {
     }
 
     /// Reads the rows of an axis of several fields.
-    fn read_rows(&mut self, path: &str, fields: &[Field], rows: &[Spanned<TomlValue>]) -> Option<AxisValues> {
+    fn read_rows(&self, path: &str, fields: &[Field], rows: &[Spanned<TomlValue>]) -> Option<AxisValues> {
         if rows.is_empty() {
             let help = "give a row of values for each run: rows = [[\"480 N*mm\", \"132.6 N*mm\"], ..]";
             return self.missing("rows", path, help);
         }
-        let mut read_row = |(index, row): (usize, &Spanned<TomlValue>)| {
+        let read_row = |(index, row): (usize, &Spanned<TomlValue>)| {
             let message = match row.get_ref() {
                 TomlValue::List(values) if values.len() == fields.len() => {
                     return fields.iter().zip(values).map(|(field, value)| self.read_value(field, value)).collect();
@@ -451,11 +435,11 @@ impl Reader<'_> {
             let help = "write one value for each of `fields`, in their order";
             self.refuse(&format!("{path}.rows.{index}"), message, &format!("{} values", fields.len()), help)
         };
-        rows.iter().enumerate().map(&mut read_row).collect::<Option<_>>().map(AxisValues::Rows)
+        rows.iter().enumerate().map(read_row).collect::<Option<_>>().map(AxisValues::Rows)
     }
 
     /// Reads the values of an axis of one field.
-    fn read_values(&mut self, path: &str, field: &Field, values: &[Spanned<TomlValue>]) -> Option<AxisValues> {
+    fn read_values(&self, path: &str, field: &Field, values: &[Spanned<TomlValue>]) -> Option<AxisValues> {
         let rows = values.iter().map(|value| self.read_value(field, value).map(|value| vec![value]));
         let rows: Vec<Vec<AxisValue>> = rows.collect::<Option<_>>()?;
         match (0..rows.len()).find(|&index| rows[..index].contains(&rows[index])) {
@@ -468,7 +452,7 @@ impl Reader<'_> {
     }
 
     /// Reads the range of an axis of one field: a grid if it has a count.
-    fn read_range(&mut self, path: &str, field: &Field, table: &AxisTable) -> Option<AxisValues> {
+    fn read_range(&self, path: &str, field: &Field, table: &AxisTable) -> Option<AxisValues> {
         let at = |key: &str| format!("{path}.{key}");
         let name = &field.path;
         let (from, to) = match (&table.from, &table.to) {
@@ -515,29 +499,19 @@ impl Reader<'_> {
     }
 
     /// Reads a value of a field.
-    fn read_value(&mut self, field: &Field, value: &Spanned<TomlValue>) -> Option<AxisValue> {
-        match field.read(value) {
-            Ok(axis_value) => {
-                let has_lines = matches!(&axis_value.value, Value::Text(text) if text.contains(['\n', '\r']));
-                if has_lines {
-                    self.problems.push(Problem {
-                        span: Some(value.span()),
-                        message: format!("a value of `{}` has more than one line", field.path),
-                        label: "one line".to_string(),
-                        help: "remove the line break: a row of the results is one line".to_string(),
-                    });
-                }
-                (!has_lines).then_some(axis_value)
-            }
-            Err(problems) => {
-                self.problems.extend(problems);
-                None
-            }
+    fn read_value(&self, field: &Field, value: &Spanned<TomlValue>) -> Option<AxisValue> {
+        let axis_value = field.read(value).map_err(|problems| self.checker.extend(problems)).ok()?;
+        if matches!(&axis_value.value, Value::Text(text) if text.contains(['\n', '\r'])) {
+            let message = format!("a value of `{}` has more than one line", field.path);
+            let help = "remove the line break: a row of the results is one line";
+            self.checker.push(Some(value.span()), message, "one line", help);
+            return None;
         }
+        Some(axis_value)
     }
 
     /// Reads the sample of all ranges.
-    fn read_sample(&mut self, study: &StudyFile, axes: &[Axis]) -> Option<Sequence> {
+    fn read_sample(&self, study: &StudyFile, axes: &[Axis]) -> Option<Sequence> {
         let SampleTable { method, count, seed } = &study.sample;
         let ranges = axes.iter().filter(|axis| axis.len().is_none()).count();
         if self.span("sample").is_none() {
@@ -579,7 +553,7 @@ impl Reader<'_> {
     }
 
     /// Reads the filter of a study, which does not apply to grippers.
-    fn read_filter(&mut self, table: &FilterTable) -> Filter {
+    fn read_filter(&self, table: &FilterTable) -> Filter {
         if self.kind == SceneKind::Gripper && self.span("filter").is_some() {
             let message = "[filter] concerns the statics of one finger, but the base scene is a gripper";
             let help = "remove it: the results contain the fate and the form closure of every grasp";
