@@ -53,7 +53,6 @@ mod statics;
 mod statics_gripper;
 mod study;
 mod study_args;
-mod study_stability;
 mod sweep;
 mod sweep_merge;
 mod sweep_progress;
@@ -63,9 +62,8 @@ mod terminal;
 mod validate;
 mod validate_args;
 mod validate_files;
+mod value_lists;
 mod volume;
-mod volume_args;
-mod volume_files;
 mod watch;
 
 use std::any::TypeId;

@@ -15,7 +15,7 @@ use super::progress::RunCounter;
 use super::save::save;
 use super::study_args::StudyArgs;
 use super::targets::{TargetKind, reserve};
-use super::volume_args::parse_threads_or_all;
+use super::value_lists::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::page::report_page;
 use crate::plot;

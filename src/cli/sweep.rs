@@ -13,7 +13,7 @@ use super::sweep_merge::{self, MergeArgs};
 use super::sweep_progress::SweepProgress;
 use super::sweep_shard::{self, ShardArg, ShardOutput, parse_shard};
 use super::targets::{NO_DIRECTORY, TargetKind, reserve};
-use super::volume_args::parse_threads_or_all;
+use super::value_lists::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
 use crate::study::store::{OpenedResults, Store, StoreError, open};

@@ -11,11 +11,7 @@ pub mod reproduce;
 pub mod select;
 pub mod simulation;
 pub mod sizing;
-pub mod stability;
-pub mod step_size;
 pub mod sweep;
 pub mod validation;
-pub mod volume;
-pub mod volume_points;
 
 pub use phalanx_show::report::*;

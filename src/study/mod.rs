@@ -11,14 +11,10 @@
 //! | `pool` | thread pool of the studies |
 //! | `provenance` | provenance file of sweep results |
 //! | `random` | reproducible random numbers |
-//! | `reproduce` | figures of the thesis, recomputed and compared with the printed ones |
 //! | `select` | selection and ranking of the designs of a sweep |
 //! | `size` | sizing of spring and motor for the finger of a scene |
-//! | `stability` | stability and accuracy of the engine model |
-//! | `step_size` | impact force as a function of step size |
 //! | `store` | incremental storage of sweep results |
 //! | `sweep` | parameter sweeps over fields of a scene |
-//! | `volume` | grasp-state volumes: designs that hold the object |
 
 pub mod capture;
 pub mod hold;
@@ -29,13 +25,9 @@ mod pool;
 pub mod posture;
 pub mod provenance;
 mod random;
-pub mod reproduce;
 pub mod select;
 pub mod size;
-pub mod stability;
-pub mod step_size;
 pub mod store;
 pub mod sweep;
-pub mod volume;
 
 pub use kind::require_gripper;
