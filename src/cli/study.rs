@@ -10,7 +10,7 @@ use super::overrides::parse_positive;
 use super::progress::RunCounter;
 use super::set::{SetArgs, source_files};
 use super::targets::reserve;
-use super::value_lists::{Numbers, parse_number, parse_quantity, parse_sorted};
+use super::value_lists::{parse_number, parse_quantity};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::scene::Keyword;
@@ -89,16 +89,16 @@ pub struct StabilityArgs {
     set: SetArgs,
 
     /// Fixed steps, comma-separated, with units [default: 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6 and 1e-6 s]
-    #[arg(long, value_name = "TIMES", value_parser = parse_steps, conflicts_with = "quick")]
-    steps: Option<Numbers>,
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = parse_step, conflicts_with = "quick")]
+    steps: Vec<f64>,
 
     /// Factors of the contact stiffness k, comma-separated, above 0 [default: 0.01, 1, 100, 1e4]
-    #[arg(long, value_name = "FACTORS", value_parser = parse_stiffness)]
-    stiffness: Option<Numbers>,
+    #[arg(long, value_name = "FACTORS", value_delimiter = ',', value_parser = parse_stiffness)]
+    stiffness: Vec<f64>,
 
     /// Factors of the contact damping c_max, comma-separated, 0 or more [default: 0, 0.001, 1, 10]
-    #[arg(long, value_name = "FACTORS", value_parser = parse_damping)]
-    damping: Option<Numbers>,
+    #[arg(long, value_name = "FACTORS", value_delimiter = ',', value_parser = parse_damping)]
+    damping: Vec<f64>,
 
     /// Largest angle difference of an accurate run, with its unit [default: 1e-3 rad]
     #[arg(long, value_name = "ANGLE", value_parser = parse_accuracy)]
@@ -196,31 +196,33 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
 
 /// Builds the grid: the given values, else those of the standard grid.
 fn build_grid(args: &StabilityArgs) -> Grid {
-    let standard = Grid::standard(args.quick);
-    let values = |list: &Option<Numbers>, standard| list.as_ref().map_or(standard, |Numbers(values)| values.clone());
-    Grid {
-        steps_s: args.steps.as_ref().map_or(standard.steps_s, |Numbers(steps)| steps.iter().rev().copied().collect()),
-        stiffness_factors: values(&args.stiffness, standard.stiffness_factors),
-        damping_factors: values(&args.damping, standard.damping_factors),
+    let mut grid = Grid::standard(args.quick);
+    let lists = [
+        (&mut grid.steps_s, &args.steps),
+        (&mut grid.stiffness_factors, &args.stiffness),
+        (&mut grid.damping_factors, &args.damping),
+    ];
+    for (values, given) in lists.into_iter().filter(|(_, given)| !given.is_empty()) {
+        values.clone_from(given);
+        values.sort_by(f64::total_cmp);
     }
+    if !args.steps.is_empty() {
+        grid.steps_s.reverse();
+    }
+    grid
 }
 
-fn parse_steps(text: &str) -> Result<Numbers, String> {
-    parse_sorted(text, "times such as \"100 us, 10 us\"", |item| {
-        parse_quantity(item, Dimension::Time, |step_s| step_s > 0.0, "a step must be longer than 0")
-    })
+fn parse_step(item: &str) -> Result<f64, String> {
+    let expected = "times such as \"100 us, 10 us\"";
+    parse_quantity(item, Dimension::Time, |step_s| step_s > 0.0, "a step must be longer than 0", expected)
 }
 
-fn parse_stiffness(text: &str) -> Result<Numbers, String> {
-    parse_sorted(text, "factors such as 0.01,1,100", |item| {
-        parse_number(item, |factor| factor > 0.0, "a factor above 0")
-    })
+fn parse_stiffness(item: &str) -> Result<f64, String> {
+    parse_number(item, |factor| factor > 0.0, "a factor above 0", "factors such as 0.01,1,100")
 }
 
-fn parse_damping(text: &str) -> Result<Numbers, String> {
-    parse_sorted(text, "factors such as 0,1,10", |item| {
-        parse_number(item, |factor| factor >= 0.0, "a factor of 0 or more")
-    })
+fn parse_damping(item: &str) -> Result<f64, String> {
+    parse_number(item, |factor| factor >= 0.0, "a factor of 0 or more", "factors such as 0,1,10")
 }
 
 fn parse_accuracy(text: &str) -> Result<f64, String> {

@@ -1,29 +1,27 @@
-//! Parsers of comma-separated numbers and quantities, and of numbers of threads.
+//! Parsers of numbers, quantities, limits and numbers of threads. `expected` describes the values of a flag with an
+//! example.
 
 use crate::limits::MAX_THREADS;
 use crate::units::{self, Dimension};
 
-/// Values of one flag, in the given order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Numbers(pub Vec<f64>);
-
-/// Parses comma-separated values with `read`; `expected` describes them with an example.
-pub fn parse_numbers(
-    text: &str,
-    expected: &str,
-    read: impl Fn(&str) -> Result<f64, String>,
-) -> Result<Numbers, String> {
-    let values = text.split(',').map(|item| read(item.trim())).collect::<Result<_, _>>();
-    values.map(Numbers).map_err(|message| format!("{message}; expected {expected}"))
+/// Parses a finite number for which `is_valid` holds; `name` names such numbers.
+pub fn parse_number(item: &str, is_valid: impl Fn(f64) -> bool, name: &str, expected: &str) -> Result<f64, String> {
+    let number = item.trim().parse().ok().filter(|value: &f64| value.is_finite() && is_valid(*value));
+    number.ok_or_else(|| format!("`{}` is not {name}; expected {expected}", item.trim()))
 }
 
-/// Parses different comma-separated values and sorts them.
-pub fn parse_sorted(text: &str, expected: &str, read: impl Fn(&str) -> Result<f64, String>) -> Result<Numbers, String> {
-    let Numbers(mut values) = parse_numbers(text, expected, read)?;
-    values.sort_by(f64::total_cmp);
-    match values.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(format!("{} is given twice; expected {expected}", pair[0])),
-        None => Ok(Numbers(values)),
+/// Parses a quantity for which `is_valid` holds; `requirement` is the message for all others.
+pub fn parse_quantity(
+    item: &str,
+    dimension: Dimension,
+    is_valid: impl Fn(f64) -> bool,
+    requirement: &str,
+    expected: &str,
+) -> Result<f64, String> {
+    match units::parse(item, dimension) {
+        Ok(value) if is_valid(value) => Ok(value),
+        Ok(_) => Err(format!("`{}`: {requirement}; expected {expected}", item.trim())),
+        Err(error) => Err(format!("{error}; expected {expected}")),
     }
 }
 
@@ -33,29 +31,12 @@ pub fn parse_limits(
     expected: &str,
     read: impl Fn(&str) -> Result<f64, String>,
 ) -> Result<[f64; 2], String> {
-    match parse_numbers(text, expected, read)?.0[..] {
+    match text.split(',').map(read).collect::<Result<Vec<_>, _>>()?[..] {
         [from, to] if from <= to => Ok([from, to]),
         [_, _] => Err(format!("the first limit is greater than the second; expected {expected}")),
         [_] => Err(format!("1 value was given; expected {expected}")),
         ref values => Err(format!("{} values were given; expected {expected}", values.len())),
     }
-}
-
-/// Parses a finite number for which `is_valid` holds; `name` names such numbers in messages.
-pub fn parse_number(item: &str, is_valid: impl Fn(f64) -> bool, name: &str) -> Result<f64, String> {
-    let number = item.parse().ok().filter(|value: &f64| value.is_finite() && is_valid(*value));
-    number.ok_or_else(|| format!("`{item}` is not {name}"))
-}
-
-/// Parses a quantity for which `is_valid` holds; `requirement` is the message for all others.
-pub fn parse_quantity(
-    item: &str,
-    dimension: Dimension,
-    is_valid: impl Fn(f64) -> bool,
-    requirement: &str,
-) -> Result<f64, String> {
-    let value = units::parse(item, dimension).map_err(|error| error.to_string())?;
-    if is_valid(value) { Ok(value) } else { Err(format!("`{item}`: {requirement}")) }
 }
 
 /// Parses a number of threads.
@@ -77,19 +58,17 @@ mod tests {
     #[test]
     fn messages_name_the_value_and_an_example() {
         let length =
-            |item: &str| parse_quantity(item, Dimension::Length, |value| value > 0.0, "it must be more than 0");
-        let factor = |item: &str| parse_number(item, |value| value > 0.0, "a factor above 0");
-        assert_eq!(parse_numbers("12 mm, 0.5 cm", "lengths", length), Ok(Numbers(vec![0.012, 0.005])));
-        assert_eq!(parse_sorted("10,1", "factors", factor), Ok(Numbers(vec![1.0, 10.0])));
+            |item: &str| parse_quantity(item, Dimension::Length, |m| m > 0.0, "it must be more than 0", "1 mm");
+        let factor = |item: &str| parse_number(item, |value| value > 0.0, "a factor above 0", "2");
+        assert_eq!((length(" 12 mm"), factor("0.5")), (Ok(0.012), Ok(0.5)));
         assert_eq!(parse_limits("0.25,1", "factors", factor), Ok([0.25, 1.0]));
         assert_eq!((parse_threads("2"), parse_threads_or_all("0")), (Ok(2), Ok(0)));
         for (error, part) in [
-            (parse_numbers("12", "lengths", length).unwrap_err(), "no unit"),
-            (parse_numbers("12 mm,,1 mm", "lengths", length).unwrap_err(), "number"),
-            (parse_numbers("1 deg", "lengths", length).unwrap_err(), "is an angle"),
-            (parse_numbers("0 mm", "lengths", length).unwrap_err(), "`0 mm`: it must be more than 0"),
-            (parse_numbers("1,nan", "factors", factor).unwrap_err(), "`nan` is not a factor above 0"),
-            (parse_sorted("1,1.0", "factors", factor).unwrap_err(), "1 is given twice"),
+            (length("12").unwrap_err(), "no unit"),
+            (length("").unwrap_err(), "number"),
+            (length("1 deg").unwrap_err(), "is an angle"),
+            (length("0 mm").unwrap_err(), "`0 mm`: it must be more than 0"),
+            (factor("nan").unwrap_err(), "`nan` is not a factor above 0"),
             (parse_limits("2,1", "factors", factor).unwrap_err(), "greater than the second"),
             (parse_limits("1", "factors", factor).unwrap_err(), "1 value was given"),
             (parse_threads("0").unwrap_err(), "from 1"),

@@ -14,7 +14,7 @@ use super::save::save;
 use super::set::{SetArgs, source_files};
 use super::study::{OutputArgs, compute};
 use super::targets::reserve;
-use super::value_lists::{Numbers, parse_limits, parse_number, parse_numbers, parse_quantity, parse_threads};
+use super::value_lists::{parse_limits, parse_number, parse_quantity, parse_threads};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::page::{Note, volume_page};
@@ -23,8 +23,8 @@ use crate::sizing::Rule;
 use crate::table::{self, Column, Kind, Table, Value};
 use crate::thesis::monitor::all_cores;
 use crate::thesis::volume::{
-    Axes, COLUMNS, FLAGS, Quantity, Timing, Volume, VolumeReport, VolumeRequest, by_friction, page_data, slices,
-    volumes,
+    Axes, COLUMNS, FLAGS, Quantity, Timing, Volume, VolumeCounts, VolumeReport, VolumeRequest, by_friction, page_data,
+    slices, volumes,
 };
 use crate::units::{self, Dimension};
 
@@ -55,13 +55,13 @@ pub struct VolumeArgs {
 
     /// Distances from the ground joints to the object's centre, comma-separated, with units; can be repeated [default:
     /// "12 mm, 15.5 mm, 19 mm, 22.5 mm", or the base of the scene]
-    #[arg(long, value_name = "LENGTHS", value_parser = parse_bases)]
-    base: Vec<Numbers>,
+    #[arg(long, value_name = "LENGTHS", value_delimiter = ',', value_parser = parse_base)]
+    base: Vec<f64>,
 
     /// Coefficients of static friction, comma-separated; can be repeated [default: 0,0.4,0.8, or the coefficient of the
     /// scene]
-    #[arg(long, value_name = "NUMBERS", value_parser = parse_frictions)]
-    mu_static: Vec<Numbers>,
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = parse_friction)]
+    mu_static: Vec<f64>,
 
     /// Number of points along each axis, including both ends: one number, or three for l21, phi22 and arm ratio
     #[arg(long, value_name = "POINTS", value_parser = parse_resolution, default_value = "20")]
@@ -143,21 +143,20 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
 /// Returns an error if no design exists at any base. Prints a warning for each single base without designs.
 fn check_designs_exist(report: &VolumeReport) -> Result<(), Failure> {
     let empty = report.volumes.iter().filter(|volume| volume.counts.fingers == 0);
-    let mut messages: Vec<String> = empty
-        .map(|volume| {
-            let reason = volume.missing_fingers.first().map_or("", |missing| missing.reason.as_str());
-            format!("no design exists at a base of {}: {reason}", units::format(volume.base_m, Dimension::Length))
-        })
-        .collect();
-    if messages.len() == report.volumes.len() {
-        messages.dedup();
+    let describe = |volume: &VolumeCounts| {
+        let reason = volume.missing_fingers.first().map_or("", |missing| missing.reason.as_str());
+        format!("no design exists at a base of {}: {reason}", units::format(volume.base_m, Dimension::Length))
+    };
+    let mut messages: Vec<String> = empty.map(describe).collect();
+    let is_empty = messages.len() == report.volumes.len();
+    // The existence of a design does not depend on friction, so the messages repeat for each coefficient.
+    messages.dedup();
+    if is_empty {
         let messages = messages.join("\n");
         return Err(Failure::bad_input(format!(
             "{messages}; give another --base, or other limits with --l21, --phi22 or --arm-ratio"
         )));
     }
-    // The existence of a design does not depend on friction, so the messages repeat for each coefficient.
-    messages.dedup();
     messages.iter().for_each(|message| print_diagnostic(&format!("warning: {message}; its shares are 0")));
     Ok(())
 }
@@ -174,24 +173,22 @@ fn build_request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
             ));
         }
     };
-    let flatten = |lists: &[Numbers]| lists.iter().flat_map(|Numbers(values)| values.clone()).collect::<Vec<_>>();
-    let (bases_m, mu_static) = (flatten(&args.base), flatten(&args.mu_static));
     let mut axes = Axes::thesis(args.resolution);
     for (axis, limits) in
         [(&mut axes.l21_fraction, args.l21), (&mut axes.phi22_rad, args.phi22), (&mut axes.arm_ratio, args.arm_ratio)]
     {
         [axis.from, axis.to] = limits.unwrap_or([axis.from, axis.to]);
     }
+    let given = |values: &[f64]| Some(values.to_vec()).filter(|values| !values.is_empty());
+    let (bases_m, mu_static) = match &args.scene {
+        Some(_) => (vec![template.design.base_m], None),
+        None => (defaults.bases_m, Some(defaults.mu_static)),
+    };
     Ok(VolumeRequest {
-        bases_m: match (bases_m.is_empty(), &args.scene) {
-            (false, _) => bases_m,
-            (true, Some(_)) => vec![template.design.base_m],
-            (true, None) => defaults.bases_m,
-        },
-        mu_static: match (mu_static.is_empty(), &args.scene) {
-            (false, _) => mu_static,
-            (true, Some(_)) => vec![single_friction(&template)?],
-            (true, None) => defaults.mu_static,
+        bases_m: given(&args.base).unwrap_or(bases_m),
+        mu_static: match given(&args.mu_static).or(mu_static) {
+            Some(mu_static) => mu_static,
+            None => vec![single_friction(&template)?],
         },
         rule: args.sizing.map(Rule::from).or(template.rule).unwrap_or(defaults.rule),
         template,
@@ -296,35 +293,31 @@ fn quantity_parser() -> impl TypedValueParser<Value = Quantity> {
     PossibleValuesParser::new(values).map(move |key| find(key).expect("one of the possible values"))
 }
 
-fn parse_bases(text: &str) -> Result<Numbers, String> {
-    parse_numbers(text, "lengths such as \"12 mm, 15.5 mm\"", |item| {
-        parse_quantity(item, Dimension::Length, |base_m| base_m > 0.0, "the base must be more than 0")
-    })
+fn parse_base(item: &str) -> Result<f64, String> {
+    let expected = "lengths such as \"12 mm, 15.5 mm\"";
+    parse_quantity(item, Dimension::Length, |base_m| base_m > 0.0, "the base must be more than 0", expected)
 }
 
-fn parse_frictions(text: &str) -> Result<Numbers, String> {
-    parse_numbers(text, "coefficients such as 0,0.4,0.8", |item| {
-        parse_number(item, |mu| mu >= 0.0, "a coefficient of 0 or more")
-    })
+fn parse_friction(item: &str) -> Result<f64, String> {
+    parse_number(item, |mu| mu >= 0.0, "a coefficient of 0 or more", "coefficients such as 0,0.4,0.8")
 }
 
 fn parse_fraction_limits(text: &str) -> Result<[f64; 2], String> {
-    parse_limits(text, "two numbers between 0 and 1, such as 0,1", |item| {
-        parse_number(item, |fraction| (0.0..=1.0).contains(&fraction), "a number between 0 and 1")
-    })
+    let expected = "two numbers between 0 and 1, such as 0,1";
+    let is_valid = |fraction| (0.0..=1.0).contains(&fraction);
+    parse_limits(text, expected, |item| parse_number(item, is_valid, "a number between 0 and 1", expected))
 }
 
 fn parse_angle_limits(text: &str) -> Result<[f64; 2], String> {
+    let (expected, requirement) =
+        ("two angles such as \"90 deg, 120 deg\"", "phi22 must be between 0 and 180 deg, both excluded");
     let is_valid = |angle_rad| angle_rad > 0.0 && angle_rad < std::f64::consts::PI;
-    parse_limits(text, "two angles such as \"90 deg, 120 deg\"", |item| {
-        parse_quantity(item, Dimension::Angle, is_valid, "phi22 must be between 0 and 180 deg, both excluded")
-    })
+    parse_limits(text, expected, |item| parse_quantity(item, Dimension::Angle, is_valid, requirement, expected))
 }
 
 fn parse_ratio_limits(text: &str) -> Result<[f64; 2], String> {
-    parse_limits(text, "two numbers above 0, such as 0.333,0.667", |item| {
-        parse_number(item, |ratio| ratio > 0.0, "a number above 0")
-    })
+    let expected = "two numbers above 0, such as 0.333,0.667";
+    parse_limits(text, expected, |item| parse_number(item, |ratio| ratio > 0.0, "a number above 0", expected))
 }
 
 /// Parses one number of points for all axes, or three.

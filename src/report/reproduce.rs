@@ -14,9 +14,7 @@ use crate::scene;
 use crate::study::select::{Candidate, Ranked, Selection, SelectionCriteria, Tally, select};
 use crate::study::sweep::{self, Status, Study};
 use crate::table::{Table, Value};
-use crate::thesis::reproduce::{
-    self, CriterionCounts, Input, Pictures, RankedRun, Reproduction, Run, STEPS, Simulations,
-};
+use crate::thesis::reproduce::{self, Input, RankedRun, Reproduction, Run, STEPS, Simulations};
 use crate::thesis::{Monitor, StudyError};
 
 const STUDY: &str = include_str!("../../scenes/studies/thesis.toml");
@@ -116,12 +114,9 @@ fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<
         let values = results.numbers(name).map_err(failed)?.into_iter().flatten();
         Ok(values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]))
     };
-    let criterion = |tally: &Tally| CriterionCounts {
-        name: criterion_name(&tally.criterion),
-        holds: tally.holds,
-        removed: tally.removed(),
-        remaining: tally.remaining,
-        removed_alone: tally.removed_alone,
+    let criterion = |tally: &Tally| {
+        let counts = [tally.holds, tally.removed(), tally.remaining, tally.removed_alone];
+        (criterion_name(&tally.criterion), counts)
     };
     let axes: Vec<(usize, Quantity)> = selection
         .axes
@@ -143,13 +138,13 @@ fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<
         criteria: selection.tallies.iter().map(criterion).collect(),
         axes: axes.iter().map(|(_, quantity)| quantity.label()).collect(),
         ranking: selection.ranking.iter().map(ranked).collect(),
-        pictures: Pictures {
-            designs: plot::selection_variables("thesis", results, selection),
-            statics: plot::selection_static("thesis", selection),
-            classes: plot::selection_classes("thesis", selection),
-            forces: plot::selection_forces("thesis", selection),
-            criteria: plot::selection_criteria("thesis", selection),
-        },
+        pictures: vec![
+            ("designs.svg", plot::selection_variables("thesis", results, selection)),
+            ("static.svg", plot::selection_static("thesis", selection)),
+            ("classes.svg", plot::selection_classes("thesis", selection)),
+            ("forces.svg", plot::selection_forces("thesis", selection)),
+            ("criteria.svg", plot::selection_criteria("thesis", selection)),
+        ],
     })
 }
 

@@ -23,34 +23,37 @@ pub enum StudyError {
     Stopped { done: usize, total: usize },
 }
 
-/// Receives the number of completed parts, the total number of parts, and the name of the current part.
-type Report<'a> = Box<dyn FnMut(usize, usize, &str) + Send + 'a>;
+/// Returns [`StudyError::Unsuitable`] with a message unless a condition is met.
+pub(crate) fn require(condition: bool, message: impl FnOnce() -> String) -> Result<(), StudyError> {
+    if condition { Ok(()) } else { Err(StudyError::Unsuitable(message())) }
+}
+
+/// Returns whether the computation may continue.
+type KeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Progress and interruption of a computation, shared by its threads.
 pub struct Monitor<'a> {
     progress: Mutex<Progress<'a>>,
-    keep_running: &'a (dyn Fn() -> bool + Sync),
+    keep_running: KeepRunning<'a>,
 }
 
 struct Progress<'a> {
     done: usize,
     total: usize,
-    report: Option<Report<'a>>,
+    report: Box<dyn FnMut(usize, usize, &str) + Send + 'a>,
 }
 
 impl<'a> Monitor<'a> {
-    /// Creates a monitor that calls `report` after every part. The computation stops when `keep_running` returns false.
-    pub fn new(
-        report: impl FnMut(usize, usize, &str) + Send + 'a,
-        keep_running: &'a (dyn Fn() -> bool + Sync),
-    ) -> Self {
-        let progress = Progress { done: 0, total: 0, report: Some(Box::new(report)) };
+    /// Creates a monitor. `report` receives the number of completed parts, the total number of parts and the name of the
+    /// current part. The computation stops when `keep_running` returns false.
+    pub fn new(report: impl FnMut(usize, usize, &str) + Send + 'a, keep_running: KeepRunning<'a>) -> Self {
+        let progress = Progress { done: 0, total: 0, report: Box::new(report) };
         Monitor { progress: Mutex::new(progress), keep_running }
     }
 
     /// Creates a monitor without progress reports.
-    pub fn silent(keep_running: &'a (dyn Fn() -> bool + Sync)) -> Self {
-        Monitor { progress: Mutex::new(Progress { done: 0, total: 0, report: None }), keep_running }
+    pub fn silent(keep_running: KeepRunning<'a>) -> Self {
+        Monitor::new(|_, _, _| (), keep_running)
     }
 
     /// Starts a computation of `total` parts.
@@ -64,13 +67,11 @@ impl<'a> Monitor<'a> {
         let mut progress = self.lock();
         progress.done += parts;
         let Progress { done, total, report } = &mut *progress;
-        if let Some(report) = report {
-            report(*done, *total, name);
-        }
+        report(*done, *total, name);
     }
 
     /// Returns the function that tells whether the computation may continue.
-    pub fn keep_running(&self) -> &'a (dyn Fn() -> bool + Sync) {
+    pub fn keep_running(&self) -> KeepRunning<'a> {
         self.keep_running
     }
 
@@ -90,11 +91,11 @@ impl<'a> Monitor<'a> {
     ///
     /// # Errors
     /// Returns an error if the monitor stops the run.
-    pub fn run(
+    pub fn run<S: Sink>(
         &self,
         model: Model,
         scene: &Scene,
-        sink: &mut impl Sink,
+        sink: &mut S,
     ) -> Result<Result<Outcome, RunError>, StudyError> {
         match run(model, scene, &mut Cancellable { sink, keep_running: self.keep_running }) {
             Err(error) if error.is_stop() => Err(self.stopped()),

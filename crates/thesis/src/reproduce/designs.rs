@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::simulations::Simulations;
 use super::step_error;
 use crate::criteria::scene_static_grasp;
-use crate::gripper::{Bodies, Lengths, Placement, Spring};
+use crate::gripper::{Placement, Spring};
 use crate::monitor::{Monitor, StudyError};
 use crate::scene::{self, Scene, SpringKind, Template};
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing, Task, profile};
@@ -88,19 +88,6 @@ fn task(scene: &Scene) -> Result<Task, StudyError> {
     Ok(Task::thesis(object.placed()))
 }
 
-/// Static properties of the designs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Designs {
-    /// Lengths of design 95.
-    pub lengths: Lengths,
-    /// Bodies of design 95.
-    pub bodies: Bodies,
-    /// Necessary condition (1.19) for form closure of design 95.
-    pub necessary_count: NecessaryCount,
-    /// Number of form-closed designs if l21 takes quarters of its range, as printed (errata 15).
-    pub form_closed_quarters: usize,
-}
-
 /// Number of statically stable designs with another sizing, without and with friction.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct OtherSizing {
@@ -109,12 +96,17 @@ pub struct OtherSizing {
     pub statically_stable_mu_0_8: usize,
 }
 
-/// Evaluates the design that the thesis chooses, and the design space printed in §4.2.
-pub fn designs(chosen: &Scene) -> Result<Designs, StudyError> {
-    let finger = &chosen.finger().linkage;
-    let rest = scene_static_grasp(chosen).map_err(step_error("form closure"))?;
+/// Returns the necessary condition (1.19) for form closure of the grasp of a scene.
+pub fn necessary_count(scene: &Scene) -> Result<NecessaryCount, StudyError> {
+    let rest = scene_static_grasp(scene).map_err(step_error("form closure"))?;
+    Ok(form_closure(&scene.finger().linkage, &rest.end).map_err(step_error("form closure"))?.necessary)
+}
+
+/// Returns the number of form-closed designs of the design space printed in §4.2, in which l21 takes quarters of its
+/// range (errata 15).
+pub fn form_closed_in_quarters() -> Result<usize, StudyError> {
     let template = Template::thesis();
-    let mut form_closed_quarters = 0;
+    let mut form_closed = 0;
     for base_m in BASES_M {
         for l21_fraction in [0.0, 0.25, 0.5, 0.75] {
             for phi22_deg in [90.0f64, 100.0, 110.0, 120.0] {
@@ -122,17 +114,12 @@ pub fn designs(chosen: &Scene) -> Result<Designs, StudyError> {
                     let design = design_at(&template, base_m, [l21_fraction, phi22_deg.to_radians(), arm_ratio]);
                     let finger = close_finger(&template, &design, Rule::Rigid);
                     let finger = finger.map_err(step_error("the designs in quarters"))?;
-                    form_closed_quarters += usize::from(finger.sized.form_closed);
+                    form_closed += usize::from(finger.sized.form_closed);
                 }
             }
         }
     }
-    Ok(Designs {
-        lengths: finger.lengths,
-        bodies: finger.bodies,
-        necessary_count: form_closure(finger, &rest.end).map_err(step_error("form closure"))?.necessary,
-        form_closed_quarters,
-    })
+    Ok(form_closed)
 }
 
 /// Evaluates static stability with the sizing of the study, with the other rule, and with motor and spring torques

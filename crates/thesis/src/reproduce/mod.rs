@@ -29,14 +29,15 @@ use serde::Serialize;
 
 pub use chaos::{Chaos, Checks, ClassChange, MAX_TTS_DIFFERENCE_S, StableRuns, VARIATIONS};
 pub use closing::Closing;
-pub use designs::{CELLS_PER_AXIS, Designs, Grid, OtherSizing, SizingFound};
+pub use designs::{Grid, OtherSizing, SizingFound};
 pub use figures::{Comparison, Figure, Reason, Verdict, figures, reasons};
-pub use simulations::{CriterionCounts, Pictures, RankedRun, Run, Simulations};
-pub use values::{CHOSEN_DESIGN, computed_values};
+pub use simulations::{CHOSEN_DESIGN, RankedRun, Run, Simulations};
+pub use values::computed_values;
 
 use crate::check::Check;
 use crate::monitor::{Monitor, StudyError};
 use crate::scene::Scene;
+use crate::statics::NecessaryCount;
 use crate::volume::{Axes, Volume, VolumeRequest, volumes as compute_volumes};
 
 /// Number of points of a volume along each axis.
@@ -69,8 +70,12 @@ pub struct Reproduction {
     pub simulations: Simulations,
     #[serde(skip)]
     pub sizing: SizingFound,
+    /// Necessary condition (1.19) for form closure of design 95.
     #[serde(skip)]
-    pub designs: Designs,
+    pub necessary_count: NecessaryCount,
+    /// Number of form-closed designs if l21 takes quarters of its range, as printed (errata 15).
+    #[serde(skip)]
+    pub form_closed_quarters: usize,
     #[serde(skip)]
     pub volumes: Vec<Volume>,
     #[serde(skip)]
@@ -116,12 +121,11 @@ pub fn reproduce(input: Input, quick: bool, threads: usize, monitor: &Monitor) -
         monitor.check()
     };
     start_step("sizing")?;
-    let chosen_run = simulations.runs.iter().find(|run| run.design == CHOSEN_DESIGN);
-    let chosen_run = chosen_run.ok_or("it is not in the study").map_err(step_error("design 95"))?;
+    let chosen_run = simulations.chosen().ok_or("it is not in the study").map_err(step_error("design 95"))?;
     let without_friction = simulations.runs.iter().filter(|run| run.condition == 0).map(|run| &run.scene);
     let sizing = designs::sizing(without_friction, &chosen_run.scene)?;
     start_step("statics")?;
-    let designs = designs::designs(&chosen_run.scene)?;
+    let necessary_count = designs::necessary_count(&chosen_run.scene)?;
     let other_sizings = designs::other_sizings(&simulations, &sizing)?;
     start_step("grasp-state volumes")?;
     let points = if quick { QUICK_RESOLUTION } else { RESOLUTION };
@@ -150,7 +154,8 @@ pub fn reproduce(input: Input, quick: bool, threads: usize, monitor: &Monitor) -
         checked_runs,
         simulations,
         sizing,
-        designs,
+        necessary_count,
+        form_closed_quarters: designs::form_closed_in_quarters()?,
         volumes,
         grids,
         chosen,

@@ -195,11 +195,9 @@ fn designs(found: &Reproduction) -> Report {
         "Four bases, four lengths of l21 within the range that each base allows, four angles φ22 and three ratios l22/l11. \
          Everything else follows from them.",
     );
-    found.section_table(section, "Lengths, masses and trajectories.", &["designs"]).with_figure(
-        "designs.svg",
-        "Varied quantities (blue, Fig. 4.1) and derived quantities (green, Fig. 4.2) by design.",
-        found.simulations.pictures.designs.clone(),
-    )
+    let section = found.section_table(section, "Lengths, masses and trajectories.", &["designs"]);
+    let caption = "Varied quantities (blue, Fig. 4.1) and derived quantities (green, Fig. 4.2) by design.";
+    found.simulations.add_picture(section, "designs.svg", caption)
 }
 
 /// Section on static stability and form closure (thesis §4.2.1, Figs. 4.3, A.16, A.17, A.24).
@@ -213,19 +211,14 @@ fn statics(found: &Reproduction) -> Report {
             .map(|count| Cell::new(count_and_share(count, found.simulations.designs())));
         [vec![Cell::prose(sizing.torques)], counts.to_vec()].concat()
     };
-    found
-        .section_table(section, "Static stability and form closure.", &["statics"])
-        .with_table(
-            "Influence of sizing: statically stable designs with other torques. The printed ratios are the ratios of the thesis's \
-             torques for design 95 to ours.",
-            &["torques", "μ_s = 0", "μ_s = 0.8"],
-            found.other_sizings.iter().map(row).collect(),
-        )
-        .with_figure(
-            "static.svg",
-            "Static stability, designs sorted by each variable (Figs. 4.3, A.16, A.17).",
-            found.simulations.pictures.statics.clone(),
-        )
+    let section = found.section_table(section, "Static stability and form closure.", &["statics"]).with_table(
+        "Influence of sizing: statically stable designs with other torques. The printed ratios are the ratios of the thesis's \
+         torques for design 95 to ours.",
+        &["torques", "μ_s = 0", "μ_s = 0.8"],
+        found.other_sizings.iter().map(row).collect(),
+    );
+    let caption = "Static stability, designs sorted by each variable (Figs. 4.3, A.16, A.17).";
+    found.simulations.add_picture(section, "static.svg", caption)
 }
 
 /// Section on design 95 and its CAD model (thesis §4.3, §4.4, Table 4.2, Fig. 4.8).

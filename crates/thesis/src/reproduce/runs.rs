@@ -1,7 +1,7 @@
 //! Sections of the paper on the 384 simulations (thesis §4.2, Table 4.1, Figs. 4.3–4.5, A.15, A.18–A.23) and the
 //! selection (thesis §4.3, Fig. 4.6).
 
-use super::simulations::{CLASSES, CriterionCounts, RankedRun, Run, is_stable};
+use super::simulations::{CLASSES, RankedRun, Run, is_stable};
 use super::{CHOSEN_DESIGN, Checks, ClassChange, MAX_TTS_DIFFERENCE_S, Reproduction, Simulations, VARIATIONS};
 use crate::format::format_duration;
 use crate::format::numbers::format_number;
@@ -23,17 +23,10 @@ pub fn simulations(found: &Reproduction) -> Report {
     let section = incomplete_runs(class_table(section, simulations), simulations);
     let section = section.with_paragraph(describe_checks(&found.checks));
     let section = chaos(friction_table(section, simulations), found);
-    section
-        .with_figure(
-            "classes.svg",
-            "Dynamic classes, designs sorted by each variable (Figs. 4.4, A.18, A.19).",
-            simulations.pictures.classes.clone(),
-        )
-        .with_figure(
-            "forces.svg",
-            "Final forces of the runs that come to rest, and PFP (Figs. 4.5, A.20–A.23).",
-            simulations.pictures.forces.clone(),
-        )
+    let caption = "Dynamic classes, designs sorted by each variable (Figs. 4.4, A.18, A.19).";
+    let section = simulations.add_picture(section, "classes.svg", caption);
+    let caption = "Final forces of the runs that come to rest, and PFP (Figs. 4.5, A.20–A.23).";
+    simulations.add_picture(section, "forces.svg", caption)
 }
 
 /// Adds a table of the runs by class.
@@ -166,9 +159,8 @@ pub fn selection(found: &Reproduction) -> Report {
          final simulated forces. They are ranked by r_WC, the mean of r(PFP), 1 − r(tts), 1 − r(F21) and r(F22), each scaled \
          over the selected runs. {best}"
     ));
-    let row = |CriterionCounts { name, holds, removed, remaining, removed_alone }: &CriterionCounts| {
-        let counts = [holds, removed, remaining, removed_alone].map(|count| Cell::new(count.to_string()));
-        std::iter::once(Cell::new(name)).chain(counts).collect()
+    let row = |(name, counts): &(String, [usize; 4])| {
+        std::iter::once(Cell::new(name)).chain(counts.map(|count| Cell::new(count.to_string()))).collect()
     };
     let section = found.section_table(section, "Selection.", &["selection"]).with_table(
         "Runs that each criterion removes: individually, in sequence, and by it alone.",
@@ -191,9 +183,6 @@ pub fn selection(found: &Reproduction) -> Report {
         true => section,
         false => section.with_table("Selected runs, best first.", &header, rows),
     };
-    section.with_figure(
-        "criteria.svg",
-        "Designs that each criterion removes, without and with friction (Fig. 4.6).",
-        simulations.pictures.criteria.clone(),
-    )
+    let caption = "Designs that each criterion removes, without and with friction (Fig. 4.6).";
+    simulations.add_picture(section, "criteria.svg", caption)
 }

@@ -1,7 +1,11 @@
 //! The 384 simulations of the thesis and their selection, as the caller computes them by a sweep.
 
 use crate::criteria::Class;
+use crate::format::report::Report;
 use crate::scene::Scene;
+
+/// Number of the design that the thesis chooses.
+pub const CHOSEN_DESIGN: i64 = 95;
 
 /// Dynamic classes from best to worst.
 pub const CLASSES: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];
@@ -17,19 +21,32 @@ pub struct Simulations {
     pub mass_kg: [f64; 2],
     /// Smallest and largest trajectory of the designs.
     pub trajectory_rad: [f64; 2],
-    /// Selection criteria in the order of application.
-    pub criteria: Vec<CriterionCounts>,
+    /// Selection criteria in the order of application: their names, and the numbers of runs that meet them, that do not,
+    /// that remain after them, and that only they remove.
+    pub criteria: Vec<(String, [usize; 4])>,
     /// Labels of the axes that define a design.
     pub axes: Vec<String>,
     /// Selected runs, best first.
     pub ranking: Vec<RankedRun>,
-    pub pictures: Pictures,
+    /// Pictures of the designs and their selection: names of files and SVG.
+    pub pictures: Vec<(&'static str, String)>,
 }
 
 impl Simulations {
     /// Counts the runs of a condition with a property.
     pub fn count(&self, condition: usize, property: impl Fn(&Run) -> bool) -> usize {
         self.runs.iter().filter(|run| run.condition == condition && property(run)).count()
+    }
+
+    /// Adds a picture of the designs or their selection to a section.
+    pub(super) fn add_picture(&self, section: Report, file: &str, caption: &str) -> Report {
+        let picture = self.pictures.iter().find(|(name, _)| *name == file);
+        section.with_figure(file, caption, picture.map_or(String::new(), |(_, svg)| svg.clone()))
+    }
+
+    /// Returns the run of the design that the thesis chooses, without friction.
+    pub fn chosen(&self) -> Option<&Run> {
+        self.runs.iter().find(|run| run.design == CHOSEN_DESIGN)
     }
 
     /// Number of designs; both conditions contain all of them.
@@ -61,18 +78,6 @@ pub struct Run {
     pub pfp_n: Option<f64>,
 }
 
-/// Numbers of runs that a criterion affects.
-#[derive(Clone, Debug)]
-pub struct CriterionCounts {
-    pub name: String,
-    pub holds: usize,
-    pub removed: usize,
-    /// Runs that meet this criterion and all previous ones.
-    pub remaining: usize,
-    /// Runs that fail only this criterion.
-    pub removed_alone: usize,
-}
-
 /// A selected run.
 #[derive(Clone, Debug)]
 pub struct RankedRun {
@@ -83,16 +88,6 @@ pub struct RankedRun {
     pub r_wc: f64,
     /// Formatted values of the axes.
     pub axes: Vec<String>,
-}
-
-/// Pictures of the designs and their selection, as SVG.
-#[derive(Clone, Debug)]
-pub struct Pictures {
-    pub designs: String,
-    pub statics: String,
-    pub classes: String,
-    pub forces: String,
-    pub criteria: String,
 }
 
 /// Whether a run counts as dynamically stable: stable or semi-stable.

@@ -3,21 +3,20 @@
 use std::collections::BTreeMap;
 
 use super::Reproduction;
-use super::simulations::{Run, is_stable};
-use crate::gripper::total_mass;
+use super::simulations::{CHOSEN_DESIGN, Run, is_stable};
+use crate::gripper::{Finger, total_mass};
 use crate::text::rounded_mm;
 use crate::trace::FingerContact;
 use crate::volume::{count_volume, intersections};
 
-/// Number of the design that the thesis chooses.
-pub const CHOSEN_DESIGN: i64 = 95;
-
 /// Returns a value for every key of [`figures`](super::figures).
 pub fn computed_values(found: &Reproduction) -> BTreeMap<String, f64> {
-    let Reproduction { sizing, designs, simulations, chosen, cad, .. } = found;
+    let Reproduction { sizing, simulations, necessary_count: necessary, chosen, cad, .. } = found;
     let count = |condition: usize, property: fn(&Run) -> bool| simulations.count(condition, property) as f64;
     let ranked = simulations.ranking.iter().find(|ranked| simulations.runs[ranked.run].design == CHOSEN_DESIGN);
-    let necessary = &designs.necessary_count;
+    let Some(Finger { lengths, bodies, .. }) = simulations.chosen().map(|run| run.scene.finger().linkage) else {
+        return BTreeMap::new();
+    };
     let final_force_n = |contact| chosen.outcome.last.contact(contact).normal_n;
     let statically_stable = |run: &Run| run.force_positive == Some(true);
     let palm_stable = |run: &Run| is_stable(run.class) && run.pfp_n.is_some_and(|pfp_n| pfp_n >= 0.0);
@@ -27,20 +26,20 @@ pub fn computed_values(found: &Reproduction) -> BTreeMap<String, f64> {
         ("sizing.spring_n_m", sizing.rigid.spring_n_m),
         ("sizing.best_places", sizing.last_placements_weakest as f64),
         ("sizing.constant_better", sizing.constant_spring_weaker as f64),
-        ("design.l21_m", designs.lengths.l21_m),
-        ("design.l12_m", designs.lengths.l12_m),
-        ("design.l22_m", designs.lengths.l22_m),
-        ("design.t22_m", designs.lengths.t22_m),
-        ("design.mass_l11_kg", designs.bodies.l11.mass_kg),
-        ("design.mass_l21_kg", designs.bodies.l21.mass_kg),
-        ("design.mass_l12_kg", designs.bodies.l12.mass_kg),
-        ("design.mass_l22_kg", designs.bodies.l22.mass_kg),
-        ("design.mass_kg", total_mass(&designs.bodies)),
+        ("design.l21_m", lengths.l21_m),
+        ("design.l12_m", lengths.l12_m),
+        ("design.l22_m", lengths.l22_m),
+        ("design.t22_m", lengths.t22_m),
+        ("design.mass_l11_kg", bodies.l11.mass_kg),
+        ("design.mass_l21_kg", bodies.l21.mass_kg),
+        ("design.mass_l12_kg", bodies.l12.mass_kg),
+        ("design.mass_l22_kg", bodies.l22.mass_kg),
+        ("design.mass_kg", total_mass(&bodies)),
         ("design.mass_min_kg", simulations.mass_kg[0]),
         ("design.mass_max_kg", simulations.mass_kg[1]),
         ("design.trajectory_min_rad", simulations.trajectory_rad[0]),
         ("design.trajectory_max_rad", simulations.trajectory_rad[1]),
-        ("statics.form_closed_quarters", designs.form_closed_quarters as f64),
+        ("statics.form_closed_quarters", found.form_closed_quarters as f64),
         ("statics.constraints", (necessary.contacts + necessary.motors) as f64),
         ("statics.constraints_needed", (necessary.hand + necessary.object + 1) as f64),
         ("statics.stable_mu_0", count(0, statically_stable)),

@@ -1,7 +1,8 @@
 //! Section of the paper on grasp-state volumes (thesis §3.4, Tables 3.3–3.5, Fig. 3.4).
 
+use super::designs::CELLS_PER_AXIS;
 use super::paper::computed_cell;
-use super::{CELLS_PER_AXIS, Comparison, Grid, Reproduction};
+use super::{Comparison, Grid, Reproduction};
 use crate::format::report::{Cell, Report};
 use crate::text::rounded_mm;
 use crate::volume::{Quantity, Volume, slices};

@@ -19,22 +19,21 @@
 //! Each reference is repeated with the motor torque increased by 1e-9. The change of the angles is the sensitivity of
 //! the closing motion. If it exceeds the bound, no step size can be accurate.
 
-mod map;
 mod plot;
 mod report;
 
 use std::time::Instant;
 
+use serde::Serialize;
+
 use crate::check::perturbed;
 use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
-use crate::monitor::{self, Monitor, StudyError};
+use crate::monitor::{Monitor, StudyError, map, require};
 use crate::numeric::plane::wrap_angle;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Engine, Preset, Response, Scene, Stepping};
 use crate::trace::{Event, FingerState, Model, RunError, Sample, Sink, SinkError, interpolate};
-
-pub use map::{Cell, Grid, ReferenceRun, Stability, Verdict};
 
 /// Spurious energy relative to the reference's throughput above which a run counts as failed.
 pub const ENERGY_TOLERANCE: f64 = 0.1;
@@ -49,6 +48,126 @@ const MAX_REFERENCE_HZ: f64 = 1e6;
 /// Relative increase of the motor torque that measures the sensitivity of a closing motion.
 const SENSITIVITY_PERTURBATION: f64 = 1e-9;
 
+/// Grid of the map: steps from long to short, factors from small to large.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Grid {
+    pub steps_s: Vec<f64>,
+    pub stiffness_factors: Vec<f64>,
+    pub damping_factors: Vec<f64>,
+}
+
+impl Grid {
+    /// Returns the standard grid; `quick` omits the two shortest steps.
+    pub fn standard(quick: bool) -> Self {
+        let mut steps_s = vec![1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6];
+        steps_s.truncate(if quick { 5 } else { 7 });
+        Grid { steps_s, stiffness_factors: vec![1e-2, 1.0, 1e2, 1e4], damping_factors: vec![0.0, 1e-3, 1.0, 10.0] }
+    }
+
+    /// Returns pairs of stiffness and damping factors; stiffness varies fastest.
+    fn columns(&self) -> Vec<(f64, f64)> {
+        let pairs = |&damping: &f64| self.stiffness_factors.iter().map(move |&stiffness| (stiffness, damping));
+        self.damping_factors.iter().flat_map(pairs).collect()
+    }
+}
+
+/// Verdict on a run of the engine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    Accurate,
+    Inaccurate,
+    Failed,
+    #[default]
+    NotJudged,
+}
+
+impl Verdict {
+    pub const ALL: [Verdict; 4] = [Verdict::Accurate, Verdict::Inaccurate, Verdict::Failed, Verdict::NotJudged];
+
+    /// Returns the label in tables and plots.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Accurate => "stable, accurate",
+            Verdict::Inaccurate => "stable, inaccurate",
+            Verdict::Failed => "failed",
+            Verdict::NotJudged => "not judged",
+        }
+    }
+}
+
+/// One run of the engine; a row of the CSV file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Cell {
+    pub step_s: f64,
+    pub stiffness_factor: f64,
+    pub damping_factor: f64,
+    pub verdict: Verdict,
+    /// Largest difference of any joint angle up to the end of the run; `None` if it is not finite or unknown.
+    pub angle_error_rad: Option<f64>,
+    /// Spurious mechanical energy, J.
+    pub energy_created_j: f64,
+    /// Spurious mechanical energy relative to the energy exchanged in the reference run.
+    pub energy_created: f64,
+    /// Largest magnitude of the energy balance relative to the energy exchanged in the reference run.
+    pub energy_balance: f64,
+    pub loop_gap_m: f64,
+    pub steps: u64,
+    pub contact_substeps: u64,
+    pub wall_s: f64,
+    /// Reason why the run failed or was not judged.
+    pub reason: Option<String>,
+}
+
+/// One run of the analytic model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ReferenceRun {
+    pub stiffness_factor: f64,
+    pub damping_factor: f64,
+    pub steps: u64,
+    pub touchdowns: [u32; 2],
+    /// Energy throughput: largest mechanical energy in the system at any time.
+    pub throughput_j: f64,
+    /// Largest change of any joint angle for a relative increase of the motor torque by 1e-9; `None` if unknown.
+    pub sensitivity_rad: Option<f64>,
+    pub wall_s: f64,
+    /// Reason why the run was not completed.
+    pub reason: Option<String>,
+}
+
+/// Stability map.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stability {
+    pub scene: String,
+    pub accuracy_rad: f64,
+    pub duration_s: f64,
+    pub until_s: f64,
+    /// Contact stiffness k of the scene, proximal and distal, N/m^e.
+    pub stiffness_si: [f64; 2],
+    /// Largest contact damping c_max of the scene, proximal and distal.
+    pub damping_max_n_s_per_m: [f64; 2],
+    pub grid: Grid,
+    pub references: Vec<ReferenceRun>,
+    /// Cells; the step varies fastest, then stiffness, then damping.
+    pub cells: Vec<Cell>,
+    pub wall_s: f64,
+}
+
+impl Stability {
+    pub fn cell(&self, step: usize, stiffness: usize, damping: usize) -> &Cell {
+        let Grid { steps_s, stiffness_factors, .. } = &self.grid;
+        &self.cells[(damping * stiffness_factors.len() + stiffness) * steps_s.len() + step]
+    }
+
+    pub fn reference(&self, stiffness: usize, damping: usize) -> &ReferenceRun {
+        &self.references[damping * self.grid.stiffness_factors.len() + stiffness]
+    }
+
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.cells.iter().filter(|cell| cell.verdict == verdict).count()
+    }
+}
+
 /// Computes the map on all cores. Parts of the computation are the runs.
 ///
 /// # Errors
@@ -59,7 +178,7 @@ pub fn stability(scene: &Scene, grid: &Grid, accuracy_rad: f64, monitor: &Monito
     let start = Instant::now();
     let factors = grid.columns();
     monitor.start(factors.len() * (grid.steps_s.len() + 1), "references");
-    let columns = monitor::map(0, &factors, |&factors| column(scene, factors, grid, accuracy_rad, monitor))?;
+    let columns = map(0, &factors, |&factors| column(scene, factors, grid, accuracy_rad, monitor))?;
     let (references, cells): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
     let laws = [scene.finger().contact.proximal.normal, scene.finger().contact.distal.normal];
     Ok(Stability {
@@ -77,47 +196,47 @@ pub fn stability(scene: &Scene, grid: &Grid, accuracy_rad: f64, monitor: &Monito
 }
 
 fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
-    let unsuitable = |message: String| Err(StudyError::Unsuitable(message));
     let finger = scene.require_kind(SceneKind::Finger).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
-    if finger.object().is_none() {
-        return unsuitable(
-            "the scene has no contacts, so factors of contact stiffness and damping have no effect; add an object: [object] radius \
-             and centre"
-                .to_string(),
-        );
-    }
-    if scene.engine.response != Response::Laws {
-        return unsuitable(
-            "the engine of this scene uses rapier's own contact, which has neither stiffness nor damping; remove `law = \"rapier\"` \
-             under [engine]"
-                .to_string(),
-        );
+    require(finger.object().is_some(), || {
+        "the scene has no contacts, so factors of contact stiffness and damping have no effect; add an object: [object] radius and \
+         centre"
+            .to_string()
+    })?;
+    require(scene.engine.response == Response::Laws, || {
+        "the engine of this scene uses rapier's own contact, which has neither stiffness nor damping; remove `law = \"rapier\"` \
+         under [engine]"
+            .to_string()
+    })?;
+    for values in [&grid.steps_s, &grid.stiffness_factors, &grid.damping_factors] {
+        for (index, value) in values.iter().enumerate() {
+            require(!values[..index].contains(value), || format!("the value {value:e} is given twice; give it once"))?;
+        }
     }
     let duration_s = scene.duration_s;
     let max_steps = scene.engine.max_steps.max(Engine::DEFAULT.max_steps);
-    for &step_s in &grid.steps_s {
-        if step_s >= duration_s {
-            return unsuitable(format!(
+    for step_s in &grid.steps_s {
+        require(*step_s < duration_s, || {
+            format!(
                 "the step of {step_s:e} s is not shorter than the run of {duration_s:e} s; use shorter steps or a longer `duration`"
-            ));
-        }
-        if duration_s / step_s > max_steps as f64 {
-            return unsuitable(format!(
+            )
+        })?;
+        require(duration_s / step_s <= max_steps as f64, || {
+            format!(
                 "with steps of {step_s:e} s the run of {duration_s:e} s takes more than {max_steps} steps; use longer steps or a \
                  shorter `duration`, or raise max_steps under [engine]"
-            ));
-        }
+            )
+        })?;
     }
     for (stiffness, damping) in grid.columns() {
         let contact = scaled(scene, stiffness, damping).finger().contact;
         for law in [contact.proximal.normal, contact.distal.normal] {
             let (k, c) = (law.stiffness_n_per_m_e, law.damping_max_n_s_per_m);
-            if !(k.is_finite() && c.is_finite() && k.max(c) > 0.0) {
-                return unsuitable(format!(
+            require(k.is_finite() && c.is_finite() && k.max(c) > 0.0, || {
+                format!(
                     "the stiffness factor {stiffness:e} and the damping factor {damping:e} give a contact with k = {k:e} and c_max = \
                      {c:e}; both must be finite and one of them above 0; use other factors"
-                ));
-            }
+                )
+            })?;
         }
     }
     Ok(())

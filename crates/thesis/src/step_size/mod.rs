@@ -100,20 +100,22 @@ pub struct StepSize {
     pub crossings: Vec<Crossing>,
 }
 
-/// Force curve and impact of one contact pair.
+/// Force curve and impact of one contact pair in a run.
 #[derive(Clone, Debug, Default)]
-struct ForceCurve {
+struct Impact {
     pair: usize,
     points: Vec<(f64, f64)>,
     approach_m_s: f64,
     touchdown_s: Option<f64>,
     liftoff_s: Option<f64>,
     rate_after_m_s: f64,
+    peak_n: f64,
+    steps: u64,
 }
 
-impl Sink for ForceCurve {
+impl Sink for Impact {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let Some(contact) = sample.contacts.get(self.pair) else { return Ok(()) };
+        let contact = &sample.contacts[self.pair];
         self.points.push((sample.time_s, contact.normal_n));
         self.rate_after_m_s = contact.gap_rate_m_s;
         Ok(())
@@ -132,16 +134,6 @@ impl Sink for ForceCurve {
     }
 }
 
-/// The reference run: the analytic model at its reference preset.
-struct Reference {
-    curve: ForceCurve,
-    peak_n: f64,
-    /// Times of touch-down and lift-off.
-    contact_s: [f64; 2],
-    restitution: f64,
-    numeric_hz: f64,
-}
-
 /// Runs the study. Parts of the computation are the varied settings.
 ///
 /// # Errors
@@ -149,30 +141,30 @@ struct Reference {
 pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSize, StudyError> {
     let scene = scene.require_kind(SceneKind::Bodies).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
     let fractions = &STEP_FRACTIONS[..if quick { QUICK_STEP_COUNT } else { STEP_FRACTIONS.len() }];
-    let mut settings: Vec<(Formulation, f64)> = Vec::new();
-    for formulation in Formulation::ALL {
-        let values = if formulation == Formulation::Analytic { &TOLERANCES[..] } else { fractions };
-        settings.extend(values.iter().map(|&value| (formulation, value)));
-    }
-    monitor.start(settings.len(), "the reference");
+    let values = |formulation| if formulation == Formulation::Analytic { &TOLERANCES[..] } else { fractions };
+    monitor.start(Formulation::ALL.map(|formulation| values(formulation).len()).iter().sum(), "the reference");
     let mut reference_scene = scene.clone();
     reference_scene.apply_preset(Preset::Reference);
     reference_scene.log.numeric_hz = SAMPLES_PER_RUN / scene.duration_s;
-    let pair = impact_pair(&reference_scene, monitor)?;
-    let (curve, outcome) = simulate(Model::Analytic, &reference_scene, pair, monitor)?;
-    let (Some(touchdown_s), Some(liftoff_s)) = (curve.touchdown_s, curve.liftoff_s) else { return Err(no_impact()) };
-    let reference = Reference {
-        peak_n: outcome.contacts[pair].peak_normal_n,
-        contact_s: [touchdown_s, liftoff_s],
-        restitution: curve.rate_after_m_s / curve.approach_m_s,
-        numeric_hz: reference_scene.log.numeric_hz,
-        curve,
+    // The contact pair with the largest force.
+    let outcome = run(Model::Analytic, &reference_scene, &mut (), monitor)?;
+    let impacts = outcome.contacts.iter().enumerate().filter(|(_, pair)| pair.touchdowns > 0);
+    let strongest = impacts.max_by(|a, b| a.1.peak_normal_n.total_cmp(&b.1.peak_normal_n)).map(|(pair, _)| pair);
+    let no_impact = || {
+        StudyError::Unsuitable(
+            "no contact closes and opens again in this scene; use a scene with an impact that rebounds before the end"
+                .to_string(),
+        )
     };
+    let reference = simulate(Model::Analytic, &reference_scene, strongest.ok_or_else(no_impact)?, monitor)?;
+    let contact_s = reference.touchdown_s.zip(reference.liftoff_s).ok_or_else(no_impact)?;
     let mut rows = Vec::new();
-    for (formulation, setting) in settings {
-        monitor.advance(0, formulation.name());
-        rows.push(evaluate(scene, formulation, setting, &reference, monitor)?);
-        monitor.advance(1, formulation.name());
+    for formulation in Formulation::ALL {
+        for &setting in values(formulation) {
+            monitor.advance(0, formulation.name());
+            rows.push(evaluate(scene, formulation, setting, &reference, contact_s, monitor)?);
+            monitor.advance(1, formulation.name());
+        }
     }
     let crossings = Formulation::ALL
         .iter()
@@ -180,81 +172,70 @@ pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSi
         .collect();
     Ok(StepSize {
         scene: scene.name.clone(),
-        pair: scene.system.pair_name(scene.system.pairs()[pair]),
+        pair: scene.system.pair_name(scene.system.pairs()[reference.pair]),
         plotted_s: scene.duration_s,
-        contact_s: liftoff_s - touchdown_s,
+        contact_s: contact_s.1 - contact_s.0,
         peak_n: reference.peak_n,
-        restitution: reference.restitution,
+        restitution: reference.rate_after_m_s / reference.approach_m_s,
         rows,
         crossings,
     })
 }
 
-/// Runs one setting and compares its force with the reference.
+/// Runs one setting and compares its force with the reference, whose contact lasts between two times.
 fn evaluate(
     scene: &Scene,
     formulation: Formulation,
     setting: f64,
-    reference: &Reference,
+    reference: &Impact,
+    (touchdown_s, liftoff_s): (f64, f64),
     monitor: &Monitor,
 ) -> Result<Row, StudyError> {
-    let Reference { curve: expected, peak_n, contact_s: [touchdown_s, liftoff_s], restitution, numeric_hz } = reference;
-    let pair = expected.pair;
-    let mut varied = scene_with_setting(scene, formulation, setting, *restitution);
+    let restitution = reference.rate_after_m_s / reference.approach_m_s;
+    let mut varied = scene_with_setting(scene, formulation, setting, restitution);
     let model = if formulation == Formulation::Analytic { Model::Analytic } else { Model::Engine };
     let start = Instant::now();
-    let (at_steps, outcome) = simulate(model, &varied, pair, monitor)?;
-    let (wall_s, steps) = (start.elapsed().as_secs_f64(), outcome.work.steps);
-    let step_s = match model {
+    let at_steps = simulate(model, &varied, reference.pair, monitor)?;
+    let wall_s = start.elapsed().as_secs_f64();
+    let (step_s, found) = match model {
         Model::Analytic => {
-            let is_in_contact = |point: &&(f64, f64)| point.0 > *touchdown_s && point.0 <= *liftoff_s;
-            (liftoff_s - touchdown_s) / at_steps.points.iter().filter(is_in_contact).count().max(1) as f64
+            let is_in_contact = |point: &&(f64, f64)| point.0 > touchdown_s && point.0 <= liftoff_s;
+            let steps = at_steps.points.iter().filter(is_in_contact).count();
+            // The dense output is not part of the measured time.
+            varied.log.numeric_hz = SAMPLES_PER_RUN / scene.duration_s;
+            let dense = simulate(model, &varied, reference.pair, monitor)?;
+            ((liftoff_s - touchdown_s) / steps.max(1) as f64, dense)
         }
-        Model::Engine => setting * scene.duration_s,
+        Model::Engine => (setting * scene.duration_s, at_steps.clone()),
     };
-    // The dense output of the analytic model is not part of the measured time.
-    if model == Model::Analytic {
-        varied.log.numeric_hz = *numeric_hz;
-    }
-    let (curve, outcome) = simulate(model, &varied, pair, monitor)?;
     let margin_s = 0.25 * (liftoff_s - touchdown_s);
     let is_stepwise = formulation == Formulation::EngineRapier;
-    let (rms, max) = curve_errors(&curve, expected, [touchdown_s - margin_s, liftoff_s + margin_s], is_stepwise);
-    let run_restitution = if curve.touchdown_s.is_some() { curve.rate_after_m_s / expected.approach_m_s } else { -1.0 };
+    let (rms, max) = curve_errors(&found, reference, [touchdown_s - margin_s, liftoff_s + margin_s], is_stepwise);
+    let run_restitution =
+        if found.touchdown_s.is_some() { found.rate_after_m_s / reference.approach_m_s } else { -1.0 };
     Ok(Row {
         formulation,
         rtol: (model == Model::Analytic).then_some(setting),
         step_s,
         step_fraction: step_s / scene.duration_s,
-        steps,
+        steps: at_steps.steps,
         wall_s,
-        peak_error: (outcome.contacts[pair].peak_normal_n / peak_n - 1.0).abs(),
-        curve_rms_error: rms / peak_n,
-        curve_max_error: max / peak_n,
+        peak_error: (found.peak_n / reference.peak_n - 1.0).abs(),
+        curve_rms_error: rms / reference.peak_n,
+        curve_max_error: max / reference.peak_n,
         restitution_error: (run_restitution - restitution).abs(),
     })
 }
 
-/// Returns the contact pair with the largest force.
-fn impact_pair(scene: &Scene, monitor: &Monitor) -> Result<usize, StudyError> {
-    let (_, outcome) = simulate(Model::Analytic, scene, 0, monitor)?;
-    let impacts = outcome.contacts.iter().enumerate().filter(|(_, pair)| pair.touchdowns > 0);
-    let strongest = impacts.max_by(|a, b| a.1.peak_normal_n.total_cmp(&b.1.peak_normal_n));
-    strongest.map(|(pair, _)| pair).ok_or_else(no_impact)
+fn simulate(model: Model, scene: &Scene, pair: usize, monitor: &Monitor) -> Result<Impact, StudyError> {
+    let mut impact = Impact { pair, ..Impact::default() };
+    let outcome = run(model, scene, &mut impact, monitor)?;
+    Ok(Impact { peak_n: outcome.contacts[pair].peak_normal_n, steps: outcome.work.steps, ..impact })
 }
 
-fn no_impact() -> StudyError {
-    StudyError::Unsuitable(
-        "no contact closes and opens again in this scene; use a scene with an impact that rebounds before the end"
-            .to_string(),
-    )
-}
-
-fn simulate(model: Model, scene: &Scene, pair: usize, monitor: &Monitor) -> Result<(ForceCurve, Outcome), StudyError> {
-    let mut curve = ForceCurve { pair, ..ForceCurve::default() };
-    let result = monitor.run(model, scene, &mut curve)?;
-    let outcome = result.map_err(|error| StudyError::Failed(format!("the {} model: {error}", model.name())))?;
-    Ok((curve, outcome))
+fn run(model: Model, scene: &Scene, sink: &mut impl Sink, monitor: &Monitor) -> Result<Outcome, StudyError> {
+    let result = monitor.run(model, scene, sink)?;
+    result.map_err(|error| StudyError::Failed(format!("the {} model: {error}", model.name())))
 }
 
 /// Returns the scene with a step (as a fraction of its duration) or a tolerance, logged only at the steps. rapier's
@@ -291,7 +272,7 @@ fn scene_with_setting(scene: &Scene, formulation: Formulation, setting: f64, res
 }
 
 /// Returns the root mean square and the largest difference of two curves between two times.
-fn curve_errors(curve: &ForceCurve, reference: &ForceCurve, [from, to]: [f64; 2], is_stepwise: bool) -> (f64, f64) {
+fn curve_errors(curve: &Impact, reference: &Impact, [from, to]: [f64; 2], is_stepwise: bool) -> (f64, f64) {
     let (mut squares, mut largest): (f64, f64) = (0.0, 0.0);
     for i in 0..=COMPARED_TIMES {
         let t = from + (to - from) * i as f64 / COMPARED_TIMES as f64;

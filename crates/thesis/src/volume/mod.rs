@@ -28,13 +28,16 @@ pub use report::{Timing, VolumeReport};
 
 use serde::Serialize;
 
-use crate::monitor::{self, Monitor, StudyError};
+use crate::monitor::{Monitor, StudyError, map, require};
 use crate::scene::Template;
 use crate::sizing::Rule;
 
 /// Maximum total number of points. Points are kept in memory, with about 150 bytes each, and four times that as a
 /// table.
 pub const MAX_POINTS: usize = 2_000_000;
+
+/// Number of designs that a thread evaluates at a time: a few milliseconds of work.
+const CHUNK_SIZE: usize = 64;
 
 /// Bases of the volumes of the thesis.
 pub const BASES_M: [f64; 4] = [0.012, 0.0155, 0.019, 0.0225];
@@ -147,45 +150,35 @@ impl VolumeRequest {
 
     /// Checks the request. Designs that do not exist are allowed; values that no design can have are not.
     fn check(&self) -> Result<(), StudyError> {
-        let unsuitable = |message: String| Err(StudyError::Unsuitable(message));
         for (name, list, minimum, allowed) in [
             ("base", &self.bases_m, f64::MIN_POSITIVE, "above 0"),
             ("friction coefficient", &self.mu_static, 0.0, "at least 0"),
         ] {
-            if list.is_empty() {
-                return unsuitable(format!("no {name} is given; give at least one"));
-            }
+            require(!list.is_empty(), || format!("no {name} is given; give at least one"))?;
             for (index, value) in list.iter().enumerate() {
-                if !(value.is_finite() && *value >= minimum) {
-                    return unsuitable(format!("invalid {name} {value}: it must be a finite number {allowed}"));
-                }
-                if list[..index].contains(value) {
+                require(value.is_finite() && *value >= minimum, || {
+                    format!("invalid {name} {value}: it must be a finite number {allowed}")
+                })?;
+                require(!list[..index].contains(value), || {
                     let position = index + 1;
-                    return unsuitable(format!(
-                        "the {name} {value} is given twice (again at position {position}); give each value once"
-                    ));
-                }
+                    format!("the {name} {value} is given twice (again at position {position}); give each value once")
+                })?;
             }
         }
         for (name, &Axis { from, to, points }) in ["l21", "phi22", "arm_ratio"].into_iter().zip(self.axes.all()) {
-            if !(from.is_finite() && to.is_finite() && from <= to) {
-                return unsuitable(format!(
-                    "the axis {name} goes from {from} to {to}; give finite limits, the lower one first"
-                ));
-            }
-            if points == 0 {
-                return unsuitable(format!("the axis {name} has no points; give at least 1"));
-            }
+            require(from.is_finite() && to.is_finite() && from <= to, || {
+                format!("the axis {name} goes from {from} to {to}; give finite limits, the lower one first")
+            })?;
+            require(points > 0, || format!("the axis {name} has no points; give at least 1"))?;
         }
         let factors = [self.bases_m.len(), self.mu_static.len()].into_iter().chain(self.axes.resolution());
         let points = factors.fold(1, usize::saturating_mul);
-        if points > MAX_POINTS {
-            return unsuitable(format!(
+        require(points <= MAX_POINTS, || {
+            format!(
                 "the volumes have {points} points in total, more than the maximum of {MAX_POINTS}; lower the resolution, or give \
                  fewer bases or friction coefficients"
-            ));
-        }
-        Ok(())
+            )
+        })
     }
 }
 
@@ -207,24 +200,26 @@ pub struct Volume {
 pub fn volumes(request: &VolumeRequest, threads: usize, monitor: &Monitor) -> Result<Vec<Volume>, StudyError> {
     request.check()?;
     let VolumeRequest { template, bases_m, mu_static, axes, rule } = request;
-    let designs = axes.len();
-    let jobs: Vec<(f64, usize)> =
-        bases_m.iter().flat_map(|&base_m| (0..designs).map(move |index| (base_m, index))).collect();
-    monitor.start(jobs.len(), "designs");
-    let points_of_designs = monitor::map(threads, &jobs, |&(base_m, index)| {
+    let designs: Vec<(f64, usize)> =
+        bases_m.iter().flat_map(|&base_m| (0..axes.len()).map(move |index| (base_m, index))).collect();
+    monitor.start(designs.len(), "designs");
+    let evaluate = |&(base_m, index): &(f64, usize)| {
         monitor.check()?;
         let closed = close_finger(template, &design_at(template, base_m, axes.at(index)), *rule);
         let solve = |&mu: &f64| closed.as_ref().map_err(Clone::clone).and_then(|closed| solve_grasp(closed, mu));
         let points: Vec<Point> = mu_static.iter().map(solve).collect();
         monitor.advance(1, "designs");
         Ok(points)
-    })?;
-    let volume =
-        |base_m: f64, mu_static: f64| Volume { base_m, mu_static, axes: *axes, points: Vec::with_capacity(designs) };
-    let mut volumes: Vec<Volume> =
-        bases_m.iter().flat_map(|&base_m| mu_static.iter().map(move |&mu| volume(base_m, mu))).collect();
-    for (job, points) in points_of_designs.into_iter().enumerate() {
-        let first = job / designs * mu_static.len();
+    };
+    let chunks: Vec<_> = designs.chunks(CHUNK_SIZE).collect();
+    let found = map(threads, &chunks, |chunk| chunk.iter().map(evaluate).collect::<Result<Vec<_>, _>>())?;
+    let mut volumes: Vec<Volume> = bases_m
+        .iter()
+        .flat_map(|&base_m| mu_static.iter().map(move |&mu_static| (base_m, mu_static)))
+        .map(|(base_m, mu_static)| Volume { base_m, mu_static, axes: *axes, points: Vec::with_capacity(axes.len()) })
+        .collect();
+    for (design, points) in found.into_iter().flatten().enumerate() {
+        let first = design / axes.len() * mu_static.len();
         volumes[first..].iter_mut().zip(points).for_each(|(volume, point)| volume.points.push(point));
     }
     Ok(volumes)
