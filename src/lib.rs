@@ -56,3 +56,4 @@ pub use phalanx_core::{
     sizing, statics, trace, units,
 };
 pub use phalanx_log as log;
+pub use phalanx_thesis as thesis;

@@ -41,14 +41,12 @@ mod simulate;
 mod size;
 mod statics;
 mod study;
-mod study_stability;
 mod sweep;
 mod targets;
 mod terminal;
 mod validate;
+mod value_lists;
 mod volume;
-mod volume_args;
-mod volume_files;
 mod watch;
 
 use std::any::TypeId;
