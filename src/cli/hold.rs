@@ -8,7 +8,6 @@ use super::choice_args::ModelArg;
 use super::interrupt::{interrupted, run_study};
 use super::output::print_result;
 use super::parsers::{count, number, positive};
-use super::progress::RunCounter;
 use super::set::{SetArgs, source_files};
 use super::targets::{FileKind, TargetKind, reserve, save};
 use super::{Failure, Status};

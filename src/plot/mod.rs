@@ -6,7 +6,6 @@
 //! | `capture` | final position of an object over its initial position |
 //! | `speed_error` | wall time against error of all evaluated settings |
 //! | `overlay` | two runs over time |
-//! | `series` | charts and stacked panels of curves and markers with their legend |
 //! | `select` | results of a selection by criterion, class, force and variable |
 //! | `hold` | loads that a gripper holds: by direction, by frequency, or slip over load |
 //! | `linkage` | drawing of a finger with the symbols of scenes and results |
@@ -18,10 +17,9 @@ mod hold;
 mod linkage;
 mod overlay;
 mod select;
-mod series;
 mod speed_error;
 
-use phalanx_show::plot::{axis, canvas, curve, outline, svg};
+use phalanx_show::plot::{axis, canvas, outline, series, svg};
 
 pub use capture::capture;
 pub use difference::{
