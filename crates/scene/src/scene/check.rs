@@ -67,12 +67,7 @@ impl<'a> Checker<'a> {
         label: impl Into<String>,
         help: impl Into<String>,
     ) {
-        self.problems.borrow_mut().push(Problem {
-            span,
-            message: message.into(),
-            label: label.into(),
-            help: help.into(),
-        });
+        self.problems.borrow_mut().push(Problem { span, message: message.into(), label: label.into(), help: help.into() });
     }
 
     pub fn extend(&self, problems: Vec<Problem>) {

@@ -67,9 +67,9 @@ pub use locate::{LocatedProblem, locate_problems};
 pub use pairs::{Pair, Partner};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use parse::{parse, parse_any, parse_template};
-pub use quantity::Keyword;
 pub use schema::schema;
 pub use setting::{parse_setting, setting_from_parts};
+pub use quantity::Keyword;
 pub use settings::{
     Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
     Stepping, Thresholds,

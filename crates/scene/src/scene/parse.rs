@@ -6,8 +6,8 @@ use super::check::Checker;
 use super::error::{Problem, SceneError};
 use super::keywords::SceneKind;
 use super::quantity::Keyword;
-use super::schema::{other_schemas, schema_for};
 use super::section_input::SceneInput;
+use super::schema::{other_schemas, schema_for};
 use super::suggest::closest_match;
 use super::{Scene, Template, keys, resolve};
 

@@ -86,11 +86,7 @@ fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
         for (index, field) in order.into_iter().enumerate() {
             let Some(mut property) = fields.remove(&field) else { continue };
             let kinds = property.as_object_mut().and_then(|map| map.remove("x-kinds"));
-            if !kinds
-                .as_ref()
-                .and_then(Value::as_str)
-                .is_none_or(|kinds| kinds.split(' ').any(|name| name == kind.keyword()))
-            {
+            if !kinds.as_ref().and_then(Value::as_str).is_none_or(|kinds| kinds.split(' ').any(|name| name == kind.keyword())) {
                 continue;
             }
             adapt(&mut property, kind, overrides);
@@ -110,9 +106,7 @@ fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
     default.into_iter().for_each(|si| schema["x-si"] = json!(si));
     if overrides && schema["properties"].get("proximal").is_some() && kind == Gripper {
         let properties = schema["properties"].as_object_mut();
-        properties
-            .into_iter()
-            .for_each(|properties| ["palm", "table"].iter().for_each(|key| _ = properties.remove(*key)));
+        properties.into_iter().for_each(|properties| ["palm", "table"].iter().for_each(|key| _ = properties.remove(*key)));
     }
 }
 
@@ -211,9 +205,7 @@ pub fn describe_limits(schema: &Value) -> String {
 pub fn describe_allowed(schema: &Value) -> String {
     let described = describe_limits(schema);
     match ValueType::from_schema(schema) {
-        ValueType::Choice(keywords) => {
-            keywords.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ")
-        }
+        ValueType::Choice(keywords) => keywords.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or "),
         ValueType::Integer(min, i64::MAX) => format!("a whole number from {min}"),
         ValueType::Integer(min, max) => format!("a whole number from {min} to {max}"),
         ValueType::Flag => "true or false".to_string(),
@@ -358,8 +350,10 @@ fn markdown_section(title: &str, kind: SceneKind, path: &str) -> String {
     let schema = if path.is_empty() { root } else { &root.pointer(&format!("/properties/{path}")).unwrap_or(root) };
     // Names of sections in brackets are not links.
     let description = |schema: &Value| schema["description"].as_str().unwrap_or_default().replace('[', "\\[");
-    let mut text =
-        format!("{title}: {}\n\n| key | default | allowed | description |\n|---|---|---|---|\n", description(schema));
+    let mut text = format!(
+        "{title}: {}\n\n| key | default | allowed | description |\n|---|---|---|---|\n",
+        description(schema)
+    );
     for (key, property) in value_properties(schema) {
         let default = match property.get("default") {
             Some(Value::String(text)) => text.clone(),

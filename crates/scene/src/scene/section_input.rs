@@ -73,8 +73,7 @@ impl SceneInput {
 
 /// Merges the values of one finger over the common ones.
 fn finger(values: &Values, side: Side) -> Values {
-    let of_finger =
-        |key: &str| schema_for(SceneKind::Gripper)["properties"][side.name()]["properties"].get(key).is_some();
+    let of_finger = |key: &str| schema_for(SceneKind::Gripper)["properties"][side.name()]["properties"].get(key).is_some();
     let common = values.iter().filter(|(key, _)| of_finger(key));
     let mut merged: Values = common.map(|(key, value)| (key.clone(), value.clone())).collect();
     if let Some(TomlValue::Table(overriding)) = values.get(side.name()).map(Spanned::get_ref) {
@@ -211,15 +210,9 @@ impl<'a> SectionInput<'a> {
                     let quoted = |value: &str| {
                         if ["true", "false"].contains(&value) { value.to_string() } else { format!("\"{value}\"") }
                     };
-                    let allowed: Vec<String> =
-                        allowed.into_iter().map(|value| format!("{choice} = {}", quoted(value))).collect();
+                    let allowed: Vec<String> = allowed.into_iter().map(|value| format!("{choice} = {}", quoted(value))).collect();
                     let help = format!("remove it, or write {}", allowed.join(" or "));
-                    self.checker.report_no_effect(
-                        &self.path(key),
-                        span,
-                        &format!("with {choice} = {}", quoted(&chosen)),
-                        &help,
-                    );
+                    self.checker.report_no_effect(&self.path(key), span, &format!("with {choice} = {}", quoted(&chosen)), &help);
                 }
                 (Ok(()), None) => {
                     let help = property["x-required"].as_str().filter(|_| !values.contains_key(field));

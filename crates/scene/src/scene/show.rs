@@ -287,8 +287,7 @@ fn add_defaults(complete: &mut Table, schema: &Json, resolved: Option<&Table>) {
     for (key, property) in value_properties(schema) {
         let value_type = ValueType::from_schema(property);
         let Some(si) = property.get("x-si").and_then(|si| Value::try_from(si).ok()) else { continue };
-        let is_written =
-            complete.keys().any(|known| known == key || pair_element(known).is_some_and(|(pair, _)| pair == key));
+        let is_written = complete.keys().any(|known| known == key || pair_element(known).is_some_and(|(pair, _)| pair == key));
         let actual = resolved.and_then(|resolved| resolved.get(field(property)));
         if !is_written && actual.is_none_or(|actual| *actual == si) {
             let default = &property["default"];
@@ -383,13 +382,10 @@ fn derived_values(schema: &Json, resolved: &Table, complete: &Table) -> String {
     });
     // Headers without values are omitted.
     let sections = text.split("\n\n").filter(|section| section.contains(" = "));
-    let lines: Vec<String> = sections
-        .flat_map(|section| section.trim().lines())
-        .map(|line| match line.starts_with('[') {
-            true => format!("#\n# {line}\n"),
-            false => format!("# {line}\n"),
-        })
-        .collect();
+    let lines: Vec<String> = sections.flat_map(|section| section.trim().lines()).map(|line| match line.starts_with('[') {
+        true => format!("#\n# {line}\n"),
+        false => format!("# {line}\n"),
+    }).collect();
     if lines.is_empty() {
         return String::new();
     }

@@ -161,15 +161,14 @@ impl ValueType {
             ValueType::Flag => text.parse().ok().map(Value::Boolean),
             ValueType::Choice(keywords) => keywords.iter().any(|keyword| keyword == text).then(|| text.into()),
             ValueType::Text => (!text.trim().is_empty()).then(|| text.into()),
-            ValueType::List(item, _) => {
-                text.split(' ').map(|text| item.restore(text)).collect::<Option<_>>().map(Value::Array)
-            }
+            ValueType::List(item, _) => text.split(' ').map(|text| item.restore(text)).collect::<Option<_>>().map(Value::Array),
         }
     }
 }
 
 fn read_items(key: &str, item: &ValueType, items: &[Spanned<TomlValue>]) -> Read<Value> {
-    let (values, problems): (Vec<_>, Vec<_>) = items.iter().map(|value| item.read(key, value)).partition(Result::is_ok);
+    let (values, problems): (Vec<_>, Vec<_>) =
+        items.iter().map(|value| item.read(key, value)).partition(Result::is_ok);
     let problems: Vec<Problem> = problems.into_iter().filter_map(Result::err).flatten().collect();
     if problems.is_empty() { Ok(Value::Array(values.into_iter().flatten().collect())) } else { Err(problems) }
 }
@@ -179,9 +178,7 @@ pub fn from_json(json: &Json, value_type: &ValueType) -> Option<Value> {
     fn spanned(json: &Json) -> Spanned<TomlValue> {
         let value = match json {
             Json::Bool(flag) => TomlValue::Flag(*flag),
-            Json::Number(number) => {
-                number.as_i64().map_or(TomlValue::Float(number.as_f64().unwrap_or(0.0)), TomlValue::Integer)
-            }
+            Json::Number(number) => number.as_i64().map_or(TomlValue::Float(number.as_f64().unwrap_or(0.0)), TomlValue::Integer),
             Json::String(text) => TomlValue::Text(text.clone()),
             Json::Array(items) => TomlValue::List(items.iter().map(spanned).collect()),
             Json::Null | Json::Object(_) => TomlValue::Table(BTreeMap::new()),

@@ -1,8 +1,8 @@
 //! Contact laws of the contacts with the object, and the law of the joint limit.
 
+use super::super::{FingerContactLaws, defaults};
 use super::super::section_input::SectionInput;
 use super::super::settings::{FrictionSettings, LawSettings, LimitSettings, SurfaceSettings};
-use super::super::{FingerContactLaws, defaults};
 use crate::law::{Bristle, ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 
 /// A section that determines laws: [contact], or the section that overrides its keys for one contact.
@@ -46,8 +46,7 @@ fn law(levels: &[&Level<'_>]) -> Option<ContactLaw> {
         let is_given = |level: &&&Level<'_>| level.input.has("stiffness_si") || level.input.has("damping");
         let input = &levels.iter().rev().find(is_given).unwrap_or(&levels[0]).input;
         let key = if input.has("stiffness_si") { "stiffness_si" } else { "damping" };
-        let message =
-            format!("[{}] has neither stiffness nor damping: there would be no contact force", input.path(""));
+        let message = format!("[{}] has neither stiffness nor damping: there would be no contact force", input.path(""));
         let help = "give one of them a value above 0: stiffness_si = 1e8 or damping = \"1e6 N*s/m\"";
         input.report(key, message, "both are 0", help);
     }

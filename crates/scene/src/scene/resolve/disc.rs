@@ -29,7 +29,8 @@ pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]
         section.report("", message, "", format!("remove {} of them", count - MAX_DISCS));
         return None;
     }
-    let all: Vec<Option<Disc>> = sections.iter().map(|(name, keys)| disc(name, input.name_span(name), keys)).collect();
+    let all: Vec<Option<Disc>> =
+        sections.iter().map(|(name, keys)| disc(name, input.name_span(name), keys)).collect();
     let all: Vec<Disc> = all.into_iter().collect::<Option<_>>()?;
     if !all.iter().any(|disc| disc.motion.moves()) {
         let help = "make one of them move: motion = \"free\" with mass, or motion = \"driven\" with velocity";
@@ -121,8 +122,7 @@ pub fn check_initial_positions(input: &SectionInput<'_>, system: &System) {
                     length(radius_a),
                     length(radius_b)
                 );
-                let help =
-                    "move them apart: discs may overlap at the start, but the centre of each must be outside the other";
+                let help = "move them apart: discs may overlap at the start, but the centre of each must be outside the other";
                 keys.report("centre", message, "too deep", help);
             }
         }

@@ -53,8 +53,7 @@ pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
             input.report_missing("torque", "add the motor's torque on l11: [motor] torque = \"480 N*mm\"");
             return None;
         }
-        _ => settings
-            .actuation(sized.sizing().map_or(*settings.torque.unwrap_or_default(), |sizing| sizing.motor_n_m))?,
+        _ => settings.actuation(sized.sizing().map_or(*settings.torque.unwrap_or_default(), |sizing| sizing.motor_n_m))?,
     };
     let motor = settings.motor(actuation)?;
     if let Some(brake) = motor.brake
@@ -218,8 +217,7 @@ fn reject_given(input: &SectionInput<'_>) {
 fn opening(input: &SectionInput<'_>, finger: &Finger, object: PlacedShape) -> Option<f64> {
     let start = input.subsection("initial");
     if start.has("q11") {
-        let message =
-            "`sizing` uses a test trajectory with a straight initial configuration, but `q11` may give another one";
+        let message = "`sizing` uses a test trajectory with a straight initial configuration, but `q11` may give another one";
         let help = "give only `q21` or `offset` for a straight start, or give [motor] torque and [spring] torque instead of `sizing`";
         start.report("q11", message, "not allowed with sizing", help);
         return None;

@@ -91,15 +91,9 @@ pub fn design(input: &SectionInput<'_>, half_width_m: f64, object_radius_m: f64)
 
 fn reject_design(input: &SectionInput<'_>, error: &DesignError) {
     let key = match error {
-        DesignError::BaseTooSmall { .. } | DesignError::BaseTooLarge { .. } | DesignError::NoProximalRange { .. } => {
-            "base"
-        }
+        DesignError::BaseTooSmall { .. } | DesignError::BaseTooLarge { .. } | DesignError::NoProximalRange { .. } => "base",
         DesignError::ProximalOutOfRange { .. } | DesignError::TipNotPositive { .. } | DesignError::Fraction { .. } => {
-            if input.has("l21") {
-                "l21"
-            } else {
-                "l21_fraction"
-            }
+            if input.has("l21") { "l21" } else { "l21_fraction" }
         }
         DesignError::Phi22 { .. } => "phi22",
         DesignError::TipContactMin { .. } => "tip_contact_min",
@@ -178,16 +172,7 @@ pub fn driven_finger(
     let limit = contact::limit(&input.subsection("limit"));
     let contact = contact::finger_laws(&input.subsection("contact"), curvature_m);
     let initial = start::initial(input, lengths, finger_and_target, limit);
-    let finger = || {
-        Some(DrivenFinger {
-            linkage: linkage?,
-            motor: motor?,
-            spring: spring?,
-            limit,
-            contact: contact?,
-            initial: initial?,
-        })
-    };
+    let finger = || Some(DrivenFinger { linkage: linkage?, motor: motor?, spring: spring?, limit, contact: contact?, initial: initial? });
     (sized, finger())
 }
 

@@ -53,8 +53,10 @@ pub fn object(input: &SectionInput<'_>) -> Object {
     }
     let mut disc = Disc::fixed_object(placed);
     if settings.motion.is_some_and(|motion| motion.0 == Motion::Free) {
-        let mass_kg =
-            settings.mass.map_or_else(|| shape::mass(&shape, defaults::DENSITY_KG_M3, defaults::DEPTH_M), |mass| *mass);
+        let mass_kg = settings.mass.map_or_else(
+            || shape::mass(&shape, defaults::DENSITY_KG_M3, defaults::DEPTH_M),
+            |mass| *mass,
+        );
         let inertia_kg_m2 = Some(settings.inertia.map_or_else(|| shape::inertia(&shape, mass_kg), |inertia| *inertia));
         let velocity_m_s = settings.velocity.map_or([0.0; 2], |velocity| velocity.map(|rate| *rate));
         let spin_rad_s = settings.spin.map_or(0.0, |spin| *spin);
@@ -118,8 +120,7 @@ fn check_planes(input: &SectionInput<'_>, object: &Disc, [palm, table]: [Option<
     for (plane, depth, section, key) in planes {
         let Some(depth) = depth.filter(|depth| *depth > MAX_PENETRATION_M) else { continue };
         let limit = length(MAX_PENETRATION_M);
-        let message =
-            format!("the object starts {:.3} mm inside the {plane}, but at most {limit} is allowed", depth * 1e3);
+        let message = format!("the object starts {:.3} mm inside the {plane}, but at most {limit} is allowed", depth * 1e3);
         let help = "move the object by `object.height`, or the table by `table.level`";
         section.report(key, message, "starts inside", help);
     }

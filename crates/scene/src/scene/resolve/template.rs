@@ -22,8 +22,7 @@ pub fn template(input: &SceneInput, checker: Checker<'_>, scene: &Scene) -> Resu
 fn resolve(input: &SectionInput<'_>, scene: &Scene) -> Option<Template> {
     if input.has("lengths") {
         let message = "this scene gives the lengths of one finger, but a template requires design variables";
-        let help =
-            "replace [lengths] by [design] with base, l21_fraction, phi22 and arm_ratio; see scenes/experiment-95.toml";
+        let help = "replace [lengths] by [design] with base, l21_fraction, phi22 and arm_ratio; see scenes/experiment-95.toml";
         input.report("lengths", message, "one finger", help);
     }
     let (object, initial) = (input.subsection("object"), input.subsection("initial"));
@@ -32,8 +31,7 @@ fn resolve(input: &SectionInput<'_>, scene: &Scene) -> Option<Template> {
         object.report("centre", message, "one position for all bases", "remove the centre");
     }
     for key in ["q11", "q21"].into_iter().filter(|key| initial.has(key)) {
-        let message =
-            format!("`initial.{key}` is the start of one finger, but the contact angle depends on the design");
+        let message = format!("`initial.{key}` is the start of one finger, but the contact angle depends on the design");
         let help = "give the angle before the contact instead: [initial] offset = \"25 deg\"";
         initial.report(key, message, "one start for all designs", help);
     }

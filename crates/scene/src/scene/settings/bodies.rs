@@ -69,8 +69,7 @@ impl From<Option<&Disc>> for ObjectSettings {
             angle: Some((*angle_rad).into()),
             ..Self::default()
         };
-        if let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), velocity_m_s, spin_rad_s } = disc.motion
-        {
+        if let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), velocity_m_s, spin_rad_s } = disc.motion {
             settings.motion = Some(Word(Motion::Free));
             (settings.mass, settings.inertia) = (Some(mass_kg.into()), Some(inertia_kg_m2.into()));
             (settings.velocity, settings.spin) = (Some(velocity_m_s.map(Quantity::from)), Some(spin_rad_s.into()));

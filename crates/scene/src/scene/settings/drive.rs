@@ -121,19 +121,15 @@ impl MotorSettings {
                 v_static_rad_s: *self.brake_v_static?,
                 bristle: match self.brake_law?.0 {
                     None => None,
-                    Some(_) => {
-                        Some(Bristle { damping_n_s_per_m: *self.brake_damping?, relaxation_s: *self.brake_relaxation? })
-                    }
+                    Some(_) => Some(Bristle {
+                        damping_n_s_per_m: *self.brake_damping?,
+                        relaxation_s: *self.brake_relaxation?,
+                    }),
                 },
             }),
         };
         let no_load_speed_rad_s = self.no_load_speed.map(|speed| *speed);
-        Some(Motor {
-            actuation,
-            inertia_kg_m2: self.inertia.map_or(0.0, |inertia| *inertia),
-            no_load_speed_rad_s,
-            brake,
-        })
+        Some(Motor { actuation, inertia_kg_m2: self.inertia.map_or(0.0, |inertia| *inertia), no_load_speed_rad_s, brake })
     }
 
     /// Settings of a motor, with another inertia.
