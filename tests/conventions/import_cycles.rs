@@ -142,7 +142,11 @@ impl SourceTree {
         let used_by = |module: &Module| {
             let resolved = self.paths(module, true).into_iter().filter_map(|path| self.resolve(module, &path));
             let layer = module.first().cloned().unwrap_or_default();
-            resolved.filter_map(|path| path.first().cloned()).map(move |used| (layer.clone(), used)).collect::<Vec<_>>()
+            let used = resolved.filter_map(|path| {
+                let defining_module = self.defining_module(&path, 0).filter(|module| !module.is_empty());
+                defining_module.unwrap_or(path).first().cloned()
+            });
+            used.map(move |used| (layer.clone(), used)).collect::<Vec<_>>()
         };
         self.imports.keys().flat_map(used_by).filter(|(layer, used)| layer != used).collect()
     }

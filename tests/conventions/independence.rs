@@ -41,7 +41,8 @@ fn check(root: &str, directory: &str, allowed: &[&str], forbidden_words: &[&str]
         let is_allowed = layer != directory || allowed.contains(&used.as_str());
         assert!(is_allowed, "{root}/{directory} uses `{used}`; it may use only {allowed:?}");
     }
-    for (module, text) in tree.code.iter().filter(|(module, _)| module.first().is_some_and(|first| first == directory)) {
+    for (module, text) in tree.code.iter().filter(|(module, _)| module.first().is_some_and(|first| first == directory))
+    {
         for word in forbidden_words {
             assert!(!text.contains(word), "{} contains `{word}`", module.join("/"));
         }
@@ -204,7 +205,8 @@ fn the_engine_does_not_depend_on_the_analytic_model() {
     let allowed = ["scene", "gripper", "law", "numeric", "shape", "integrator"];
     check(CORE.root, "engine", &allowed, &["analytic", "Rodas", "Radau"]);
     for (module, text) in &SourceTree::read(CORE.root).code {
-        for line in text.lines().filter(|line| module.first().is_some_and(|m| m == "engine") && line.contains("integrator"))
+        for line in
+            text.lines().filter(|line| module.first().is_some_and(|m| m == "engine") && line.contains("integrator"))
         {
             assert_eq!(line.trim(), "use crate::integrator::Clock;", "{}", module.join("/"));
         }
@@ -218,7 +220,12 @@ fn the_analytic_model_does_not_depend_on_the_engine() {
     let allowed = ["scene", "gripper", "fivebar", "law", "numeric", "shape", "integrator"];
     check(CORE.root, "analytic", &allowed, &other_model);
     check(MECHANICS.root, "fivebar", &["gripper", "numeric", "shape"], &other_model);
-    check(MECHANICS.root, "sizing", &["gripper", "fivebar", "numeric", "shape"], &["rapier", "parry", "engine", "scene"]);
+    check(
+        MECHANICS.root,
+        "sizing",
+        &["gripper", "fivebar", "numeric", "shape"],
+        &["rapier", "parry", "engine", "scene"],
+    );
     for layer in INTEGRATOR.layers {
         let allowed = [&["numeric"], INTEGRATOR.layers].concat();
         check(INTEGRATOR.root, layer, &allowed, &["rapier", "parry", "engine", "gripper", "scene"]);
