@@ -6,7 +6,7 @@ use std::path::Path;
 use super::independence::{code_without_comments, source_files};
 
 /// Module path of a source file, from the root of its crate.
-type Module = Vec<String>;
+pub type Module = Vec<String>;
 
 /// An imported path, and whether it is re-exported.
 struct Import {
@@ -15,9 +15,9 @@ struct Import {
 }
 
 /// Modules under a root with their imports and their code without comments.
-struct SourceTree {
+pub struct SourceTree {
     imports: BTreeMap<Module, Vec<Import>>,
-    code: BTreeMap<Module, String>,
+    pub code: BTreeMap<Module, String>,
 }
 
 fn segments(path: &str) -> Vec<String> {
@@ -85,7 +85,7 @@ fn qualified_paths(text: &str) -> Vec<Vec<String>> {
 
 impl SourceTree {
     /// Reads all files under a root, without their tests.
-    fn read(root: &str) -> Self {
+    pub fn read(root: &str) -> Self {
         let mut source_tree = SourceTree { imports: BTreeMap::new(), code: BTreeMap::new() };
         let (parent, last) = root.rsplit_once('/').unwrap_or(("", root));
         let base = Path::new(env!("CARGO_MANIFEST_DIR")).join(root);
@@ -129,15 +129,36 @@ impl SourceTree {
         Some(re_exported.unwrap_or(module))
     }
 
+    /// Returns the paths in a file, from `use` statements and code.
+    fn paths(&self, module: &Module, with_re_exports: bool) -> Vec<Vec<String>> {
+        let imports = self.imports[module].iter().filter(|used| with_re_exports || !used.is_public);
+        let imported = imports.map(|used| used.path.clone());
+        imported.chain(qualified_paths(&without_imports(&self.code[module]))).collect()
+    }
+
+    /// Returns the top-level modules of the crate that each file uses, each with the top-level module of the file.
+    /// Modules re-exported from another crate count.
+    pub fn used_layers(&self) -> Vec<(String, String)> {
+        let used_by = |module: &Module| {
+            let resolved = self.paths(module, true).into_iter().filter_map(|path| self.resolve(module, &path));
+            let layer = module.first().cloned().unwrap_or_default();
+            let used = resolved.filter_map(|path| {
+                let defining_module = self.defining_module(&path, 0).filter(|module| !module.is_empty());
+                defining_module.unwrap_or(path).first().cloned()
+            });
+            used.map(move |used| (layer.clone(), used)).collect::<Vec<_>>()
+        };
+        self.imports.keys().flat_map(used_by).filter(|(layer, used)| layer != used).collect()
+    }
+
     /// Returns the files that each file uses.
     fn dependencies(&self) -> BTreeMap<Module, BTreeSet<Module>> {
-        let dependencies_of = |(module, imports): (&Module, &Vec<Import>)| {
-            let imported = imports.iter().filter(|used| !used.is_public).map(|used| used.path.clone());
-            let used = imported.chain(qualified_paths(&without_imports(&self.code[module])));
+        let dependencies_of = |module: &Module| {
+            let used = self.paths(module, false).into_iter();
             let targets = used.filter_map(|path| self.defining_module(&self.resolve(module, &path)?, 0));
             (module.clone(), targets.filter(|defining_module| defining_module != module).collect())
         };
-        self.imports.iter().map(dependencies_of).collect()
+        self.imports.keys().map(dependencies_of).collect()
     }
 }
 

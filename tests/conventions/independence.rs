@@ -4,9 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-fn core_source_files(directory: &str) -> Vec<PathBuf> {
-    source_files("crates/core/src", directory)
-}
+use super::import_cycles::SourceTree;
 
 /// Returns all source files of a module, which is a directory or a single file.
 pub fn source_files(root: &str, module: &str) -> Vec<PathBuf> {
@@ -36,56 +34,17 @@ pub fn code_without_comments(path: &Path) -> String {
     text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// Returns the top-level modules of this crate that a source uses after `crate::`, also in use trees, or through
-/// `super`. `depth` is the depth of the source file in its top-level module.
-fn used_modules(text: &str, depth: usize) -> Vec<String> {
-    let mut modules = Vec::new();
-    for (at, _) in text.match_indices("crate::") {
-        let rest = &text[at + "crate::".len()..];
-        let list = match rest.strip_prefix('{') {
-            Some(inside) => inside.split('}').next().unwrap_or_default().to_string(),
-            None => rest.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or_default().to_string(),
-        };
-        let names = list.split(',').map(|name| name.trim().split("::").next().unwrap_or_default().to_string());
-        modules.extend(names.filter(|name| !name.is_empty()));
+/// Checks that a module uses only allowed ones, and contains none of the forbidden words.
+fn check(root: &str, directory: &str, allowed: &[&str], forbidden_words: &[&str]) {
+    let tree = SourceTree::read(root);
+    for (layer, used) in tree.used_layers() {
+        let is_allowed = layer != directory || allowed.contains(&used.as_str());
+        assert!(is_allowed, "{root}/{directory} uses `{used}`; it may use only {allowed:?}");
     }
-    // Paths through the root: `super::super::engine` at depth 1, one more `super` per level.
-    let up = "super::".repeat(depth.max(1) + 1);
-    for (at, _) in text.match_indices(&up) {
-        let rest = &text[at + up.len()..];
-        modules.push(rest.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or_default().to_string());
-    }
-    modules
-}
-
-/// Returns the depth of a source file in its top-level module: two for `discs/modes.rs`, one for `discs/mod.rs`.
-fn depth(path: &Path, directory: &str) -> usize {
-    depth_in(path, "crates/core/src", directory)
-}
-
-fn depth_in(path: &Path, root: &str, directory: &str) -> usize {
-    let Ok(below) = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join(root).join(directory)) else {
-        return 0;
-    };
-    below.components().count() - usize::from(below.ends_with("mod.rs"))
-}
-
-fn check(directory: &str, allowed: &[&str], forbidden_words: &[&str]) {
-    check_in(CORE.root, directory, allowed, forbidden_words);
-}
-
-fn check_in(root: &str, directory: &str, allowed: &[&str], forbidden_words: &[&str]) {
-    for path in source_files(root, directory) {
-        let text = code_without_comments(&path);
-        for module in used_modules(&text, depth_in(&path, root, directory)) {
-            assert!(
-                allowed.contains(&module.as_str()),
-                "{} uses `{module}`: {directory} may use only {allowed:?}",
-                path.display()
-            );
-        }
+    for (module, text) in tree.code.iter().filter(|(module, _)| module.first().is_some_and(|first| first == directory))
+    {
         for word in forbidden_words {
-            assert!(!text.contains(word), "{} contains `{word}`", path.display());
+            assert!(!text.contains(word), "{} contains `{word}`", module.join("/"));
         }
     }
 }
@@ -162,27 +121,14 @@ fn is_available_to_show(layer: &str) -> bool {
     layer == "integrator" || [MECHANICS, SCENE, CORE].iter().any(|crate_layers| crate_layers.layers.contains(&layer))
 }
 
-/// Returns the dependencies on modules later in the order.
-fn upward_dependencies(root: &str, order: &[&str]) -> Vec<(String, String)> {
-    let mut dependencies = Vec::new();
-    for (index, layer) in order.iter().enumerate() {
-        for path in source_files(root, layer) {
-            for used in used_modules(&code_without_comments(&path), depth_in(&path, root, layer)) {
-                let is_above = order.iter().position(|other| *other == used).is_some_and(|other| other > index);
-                let dependency = (layer.to_string(), used.clone());
-                if is_above && !dependencies.contains(&dependency) {
-                    dependencies.push(dependency);
-                }
-            }
-        }
-    }
-    dependencies
-}
-
 #[test]
 fn modules_depend_only_on_lower_modules() {
     for CrateLayers { root, layers, .. } in CRATE_LAYERS {
-        assert_eq!(upward_dependencies(root, layers), [], "{root}");
+        let position = |name: &str| layers.iter().position(|layer| *layer == name);
+        for (layer, used) in SourceTree::read(root).used_layers() {
+            let is_above = position(&layer).zip(position(&used)).is_some_and(|(own, other)| other > own);
+            assert!(!is_above, "{root}: {layer} uses {used}, which is later in the order");
+        }
     }
 }
 
@@ -234,18 +180,12 @@ fn crates_depend_only_on_lower_crates() {
 /// `crates/show` uses only its own modules and those of the core.
 #[test]
 fn show_depends_only_on_the_core_and_itself() {
-    let mut core_modules = Vec::new();
     let CrateLayers { root, layers, .. } = SHOW;
-    for layer in layers {
-        for path in source_files(root, layer) {
-            for used in used_modules(&code_without_comments(&path), depth_in(&path, root, layer)) {
-                let is_available = is_available_to_show(&used);
-                assert!(is_available || layers.contains(&used.as_str()), "{} uses `{used}`", path.display());
-                core_modules.extend(is_available.then_some(used));
-            }
-        }
-    }
-    assert!(core_modules.len() > 20, "{} dependencies on the core", core_modules.len());
+    let used_layers = SourceTree::read(root).used_layers();
+    let others = used_layers.iter().filter(|(layer, used)| !layer.is_empty() && !layers.contains(&used.as_str()));
+    let unavailable: Vec<_> = others.clone().filter(|(_, used)| !is_available_to_show(used)).collect();
+    assert!(unavailable.is_empty(), "{unavailable:?}");
+    assert!(others.count() > 20, "too few dependencies on the core are found");
 }
 
 /// The lists above contain all modules.
@@ -269,10 +209,13 @@ fn every_module_is_listed() {
 /// analytic model; the engine uses only its clock.
 #[test]
 fn the_engine_does_not_depend_on_the_analytic_model() {
-    check("engine", &["scene", "gripper", "law", "numeric", "shape", "integrator"], &["analytic", "Rodas", "Radau"]);
-    for path in core_source_files("engine") {
-        for line in code_without_comments(&path).lines().filter(|line| line.contains("integrator")) {
-            assert_eq!(line.trim(), "use crate::integrator::Clock;", "{}", path.display());
+    let allowed = ["scene", "gripper", "law", "numeric", "shape", "integrator"];
+    check(CORE.root, "engine", &allowed, &["analytic", "Rodas", "Radau"]);
+    for (module, text) in &SourceTree::read(CORE.root).code {
+        for line in
+            text.lines().filter(|line| module.first().is_some_and(|m| m == "engine") && line.contains("integrator"))
+        {
+            assert_eq!(line.trim(), "use crate::integrator::Clock;", "{}", module.join("/"));
         }
     }
 }
@@ -280,43 +223,24 @@ fn the_engine_does_not_depend_on_the_analytic_model() {
 /// The five-bar belongs to the analytic model, although sizing and statics use it too.
 #[test]
 fn the_analytic_model_does_not_depend_on_the_engine() {
+    let other_model = ["rapier", "parry", "engine"];
+    let allowed = ["scene", "gripper", "fivebar", "law", "numeric", "shape", "integrator"];
+    check(CORE.root, "analytic", &allowed, &other_model);
+    check(MECHANICS.root, "fivebar", &["gripper", "numeric", "shape"], &other_model);
     check(
-        "analytic",
-        &["analytic", "scene", "gripper", "fivebar", "law", "numeric", "shape", "integrator"],
-        &["rapier", "parry", "engine"],
-    );
-    check_in(MECHANICS.root, "fivebar", &["gripper", "numeric", "shape"], &["rapier", "parry", "engine"]);
-    check_in(
         MECHANICS.root,
         "sizing",
-        &["gripper", "fivebar", "numeric", "shape", "sizing"],
+        &["gripper", "fivebar", "numeric", "shape"],
         &["rapier", "parry", "engine", "scene"],
     );
     for layer in INTEGRATOR.layers {
         let allowed = [&["numeric"], INTEGRATOR.layers].concat();
-        check_in(INTEGRATOR.root, layer, &allowed, &["rapier", "parry", "engine", "gripper", "scene"]);
+        check(INTEGRATOR.root, layer, &allowed, &["rapier", "parry", "engine", "gripper", "scene"]);
     }
 }
 
-/// The parsers handle use trees, paths and comments.
 #[test]
-fn source_parsers_find_modules_and_crates() {
-    let text = "use crate::{law, analytic::Model};\nlet x = crate::engine::build_world();\n";
-    assert_eq!(used_modules(text, 1), ["law", "analytic", "engine"]);
-    assert_eq!(
-        used_crates("use phalanx_core::units;\nuse phalanx::scene;\nlet x = phalanx_show_n::y();\n"),
-        ["phalanx_core", "phalanx"]
-    );
-    let path_text = "use super::super::mode;\nuse super::super::super::engine;\n";
-    assert_eq!(used_modules(path_text, 2), ["engine"]);
-    assert_eq!(used_modules("use super::super::engine;\n", 1), ["engine"]);
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/core/src/analytic");
-    for (file, expected_depth) in [("mod.rs", 0), ("model.rs", 1), ("discs/mod.rs", 1), ("discs/modes.rs", 2)] {
-        assert_eq!(depth(&root.join(file), "analytic"), expected_depth, "{file}");
-    }
-    let path = std::env::temp_dir().join(format!("phalanx-independence-{}.rs", std::process::id()));
-    fs::write(&path, "// crate::analytic\nuse crate::scene;\n").unwrap();
-    let read = code_without_comments(&path);
-    fs::remove_file(&path).unwrap();
-    assert_eq!(used_modules(&read, 1), ["scene"]);
+fn crates_in_paths_are_found() {
+    let text = "use phalanx_core::units;\nuse phalanx::scene;\nlet x = phalanx_show_n::y();\n";
+    assert_eq!(used_crates(text), ["phalanx_core", "phalanx"]);
 }

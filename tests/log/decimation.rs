@@ -1,7 +1,7 @@
 //! Decimation of samples: time grid, every step of an impact, extremes.
 
 use phalanx::scene;
-use phalanx::trace::{ContactSample, Decimated, Decimator, EventKind, FingerContact, Model, Sample, SinkError, run};
+use phalanx::trace::{ContactSample, Decimated, Event, EventKind, FingerContact, Model, Sample, Sink, SinkError, run};
 use phalanx::validate::Recording;
 
 fn decimated_run(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Recording) {
@@ -17,19 +17,21 @@ fn sample_with_force(time_s: f64, normal_n: f64) -> Sample {
     Sample { time_s, contacts: vec![proximal], ..Sample::default() }
 }
 
-fn push_time(retained: &mut Vec<f64>, sample: &Sample) -> Result<(), SinkError> {
-    retained.push(sample.time_s);
-    Ok(())
+/// Keeps the times of the samples.
+struct Times(Vec<f64>);
+
+impl Sink for Times {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.push(sample.time_s);
+        Ok(())
+    }
 }
 
 fn retained_times(samples: &[Sample], numeric_hz: f64) -> Vec<f64> {
-    let mut decimator = Decimator::new(numeric_hz);
-    let mut retained = Vec::new();
-    for sample in samples {
-        decimator.sample(sample, |sample| push_time(&mut retained, sample)).expect("decimated");
-    }
-    decimator.flush(|sample| push_time(&mut retained, sample)).expect("decimated");
-    retained
+    let mut decimated = Decimated::new(numeric_hz, Times(Vec::new()));
+    samples.iter().for_each(|sample| decimated.sample(sample).expect("decimated"));
+    decimated.end().expect("decimated");
+    decimated.sink.0
 }
 
 #[test]
@@ -61,15 +63,17 @@ fn a_slow_maximum_between_grid_points_is_retained() {
 
 #[test]
 fn samples_around_an_event_are_retained() {
-    let mut decimator = Decimator::new(1.0);
-    let mut retained = Vec::new();
+    let mut decimated = Decimated::new(1.0, Times(Vec::new()));
     for k in 0..32 {
-        let sample = sample_with_force(f64::from(k) / 64.0, 0.0);
-        decimator.sample(&sample, |sample| push_time(&mut retained, sample)).expect("decimated");
+        let time_s = f64::from(k) / 64.0;
+        decimated.sample(&sample_with_force(time_s, 0.0)).expect("decimated");
         if k == 10 {
-            decimator.event(|sample| push_time(&mut retained, sample)).expect("decimated");
+            let kind = EventKind::TouchDown;
+            let event = Event { time_s, contact: 0, kind, approach_speed: 0.0, impulse: 0.0 };
+            decimated.event(&event).expect("decimated");
         }
     }
+    let retained = decimated.sink.0;
     assert_eq!(retained, [0.0, 10.0 / 64.0, 11.0 / 64.0]);
 }
 

@@ -29,7 +29,7 @@
 //! | `/tf_static`, `/tf`, `/scene`, `/forces` | | pictures, as above |
 //!
 //! **Sampling.** Numeric samples are written on a uniform time grid (`numeric_rate`), within an impact at every
-//! integrator step (defined by [`Decimator`](phalanx_core::trace::Decimator)), and at the maximum penetration and
+//! integrator step (defined by [`Decimated`](phalanx_core::trace::Decimated)), and at the maximum penetration and
 //! maximum force of every contact, so that a log has the same extremes as its run. Long runs of grippers in the
 //! analytic model have fewer samples while nothing happens. Pictures have a separate grid (`picture_rate`); within an
 //! impact they are also written whenever an arrow has changed by a twentieth of the longest one. If nothing has moved,

@@ -11,18 +11,13 @@
 //! The check compares the path, energies and works, and the restitution of discs.
 
 mod path;
-mod runs;
 mod scale;
 mod verdict;
 
-pub use path::Errors;
-use path::Path;
-pub use runs::perturbed;
-use runs::{RunOptions, is_comparable, reference_name, run};
+pub use path::{Errors, perturbed, units};
+use path::{Path, RunOptions, is_comparable, reference_name, run};
 use scale::error_limits;
-pub use scale::{
-    ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, reference_length_m, units,
-};
+pub use scale::{ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, reference_length_m};
 pub use verdict::Verdict;
 use verdict::{Comparison, verdict};
 

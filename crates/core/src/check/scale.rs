@@ -1,7 +1,7 @@
 //! Length scales of a scene and of its motion, which errors are measured by.
 
-use super::path::{FINGER_ANGLES, Path};
-use crate::scene::{Disc, System};
+use super::path::Path;
+use crate::scene::System;
 use crate::shape::max_radius;
 use crate::trace::Model;
 
@@ -49,14 +49,6 @@ pub fn error_limits(model: Model, events: u64) -> ErrorLimits {
         Model::Analytic if events > MANY_EVENTS => ErrorLimits { path: MAX_PATH_ERROR_MANY_EVENTS, ..ANALYTIC_LIMITS },
         Model::Analytic => ANALYTIC_LIMITS,
     }
-}
-
-/// Units of the compared coordinates: 1 for angles; for a body next to fingers its reach (radius of a disc) in m, for
-/// discs alone 1 m.
-pub fn units(system: &System) -> Vec<f64> {
-    let unit = |disc: &Disc| if system.fingers.is_empty() { 1.0 } else { max_radius(&disc.shape) };
-    let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * system.fingers.len());
-    angles.chain(system.reported_discs().iter().flat_map(|disc| [unit(disc); 2])).collect()
 }
 
 /// Length that corresponds to a radian in scenes with fingers: the reach of the object, m.

@@ -17,28 +17,26 @@
 //! The criteria of a gripper are [`GraspCriteria`], computed by [`GraspTracker`]. [`is_form_closed`] decides form
 //! closure in a sample by [`gripper_closure`](crate::statics::gripper_closure).
 
+mod class;
 mod configuration;
-mod formula;
 mod grasp;
 mod grasp_tracker;
 mod hermite;
 mod link_overlap;
-mod reason;
 mod rebounds;
 mod run_criteria;
 mod segments;
 mod tracker;
 
+pub use class::{Class, ClassReason, Condition, EPSILON_RAD, FinalContact, Loss, RESOLUTION_S, rebound_percent};
 pub use configuration::{
     DriveMode, FinalAngles, GraspState, StaticGrasp, friction_coefficients, grasp_configuration, grasp_state,
     hand_at_rest, is_form_closed, normal_forces, sample_force_closure, sampled_hand_at_rest, scene_static_grasp,
     static_grasp,
 };
-pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
 pub use grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, fate_reason};
 pub use grasp_tracker::GraspTracker;
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
-pub use reason::{ClassReason, Condition, FinalContact, Loss};
 pub use rebounds::{Rebound, Rebounds};
 pub use run_criteria::{RunCriteria, RunCriteriaTracker};
 pub use tracker::Tracker;

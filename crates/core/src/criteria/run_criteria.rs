@@ -11,7 +11,8 @@ use crate::trace::{Event, Sample, Sink, SinkError};
 /// A [`Sink`] with the trackers that apply to a scene.
 #[derive(Debug)]
 pub struct RunCriteriaTracker {
-    finger: Option<(Tracker, StaticGrasp)>,
+    finger: Option<Tracker>,
+    static_grasp: Option<StaticGrasp>,
     gripper: Option<GraspTracker>,
     rebounds: Option<Rebounds>,
     overlaps: Option<LinkOverlaps>,
@@ -33,26 +34,21 @@ pub struct RunCriteria {
 impl RunCriteriaTracker {
     /// Creates the trackers for runs of a scene.
     pub fn for_scene(scene: &Scene) -> Self {
-        let mut tracker = RunCriteriaTracker {
-            finger: None,
-            gripper: None,
-            rebounds: None,
+        let kind = scene.kind();
+        let object = scene.object().filter(|_| kind == SceneKind::Finger);
+        let static_grasp = object.and_then(|object| static_grasp(scene, object).ok());
+        RunCriteriaTracker {
+            finger: static_grasp.as_ref().map(|grasp| Tracker::new(grasp.final_angles())),
+            static_grasp,
+            gripper: (kind == SceneKind::Gripper).then(|| GraspTracker::for_scene(scene)),
+            rebounds: (kind == SceneKind::Bodies).then(|| Rebounds::for_system(&scene.system)),
             overlaps: LinkOverlaps::for_scene(scene),
-        };
-        match scene.kind() {
-            SceneKind::Finger => {
-                let grasp = scene.object().and_then(|object| static_grasp(scene, object).ok());
-                tracker.finger = grasp.map(|grasp| (Tracker::new(grasp.final_angles()), grasp));
-            }
-            SceneKind::Bodies => tracker.rebounds = Some(Rebounds::for_system(&scene.system)),
-            SceneKind::Gripper => tracker.gripper = Some(GraspTracker::for_scene(scene)),
         }
-        tracker
     }
 
     /// Returns the criteria at the end of a run; `completed` is false for an interrupted or failed run.
     pub fn finish(self, completed: bool) -> RunCriteria {
-        let finger = self.finger.filter(|_| completed);
+        let finger = self.finger.filter(|_| completed).zip(self.static_grasp);
         RunCriteria {
             criteria: finger.and_then(|(tracker, grasp)| tracker.criteria(grasp.static_forces_n())),
             grasp: self.gripper.filter(|_| completed).and_then(|tracker| tracker.criteria()),
@@ -64,18 +60,14 @@ impl RunCriteriaTracker {
 
 impl Sink for RunCriteriaTracker {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        if let Some((tracker, _)) = &mut self.finger {
-            tracker.sample(sample)?;
-        }
+        self.finger.sample(sample)?;
         self.gripper.sample(sample)?;
         self.overlaps.sample(sample)?;
         self.rebounds.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if let Some((tracker, _)) = &mut self.finger {
-            tracker.event(event)?;
-        }
+        self.finger.event(event)?;
         self.gripper.event(event)?;
         self.rebounds.event(event)
     }

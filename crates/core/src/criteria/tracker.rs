@@ -1,8 +1,8 @@
 //! Computes the criteria of a finger during a run.
 
+use super::class::{is_in_position, is_positive};
 use super::configuration::FinalAngles;
 use super::hermite::Hermite;
-use super::reason::{is_in_position, is_positive};
 use super::segments::{Segment, SegmentObserver, SegmentSplitter};
 use super::{ClassReason, Condition, Criteria, EPSILON_RAD, FinalContact, Loss, RESOLUTION_S, rebound_percent};
 use crate::trace::{Event, RequiredData, Sample, Sink, SinkError};

@@ -13,7 +13,6 @@ mod implicit;
 mod linkage;
 mod motion;
 mod plan;
-mod rate_correction;
 mod stepper;
 mod substeps;
 mod world;

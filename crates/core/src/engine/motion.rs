@@ -9,12 +9,11 @@
 use rapier2d_f64::prelude::*;
 
 use super::candidates::{self, ContactCandidate, Row, Source};
-use super::contact_space::ContactSpace;
+use super::contact_space::{ContactSpace, CorrectedRow, RateCorrection};
 use super::dense::refill;
 use super::forces;
 use super::linkage::{Linkage, SingularConstraints, Twist};
 use super::plan::{Plan, PlannedDrive};
-use super::rate_correction::{CorrectedRow, RateCorrection};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::world::{LawContactHook, World};
 use crate::integrator::Clock;

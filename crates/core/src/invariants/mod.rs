@@ -18,9 +18,7 @@ mod audit;
 mod finding;
 mod measure;
 mod momentum;
-mod tolerance;
 
 pub use audit::{EnergyAudit, EnergyViolation};
-pub use finding::{Finding, Invariant};
+pub use finding::{Finding, Invariant, Tolerances};
 pub use measure::Invariants;
-pub use tolerance::Tolerances;

@@ -12,12 +12,12 @@ const MIN_FORCE_CHANGE: f64 = 0.1;
 /// An impact is extended by this fraction of a grid interval, so that it does not end at the maximum of the force.
 const IMPACT_EXTENSION: f64 = 0.25;
 
-/// Selects samples from a stream; emits at most two samples per input sample.
+/// A sink that forwards selected samples of a run, at most two per sample, and all events.
 ///
 /// It keeps the first and the last sample, samples on the grid, all samples within an impact and the one before it, the
 /// sample after an event, and each sample at which a force or a penetration has a maximum larger than any kept before.
 #[derive(Clone, Debug)]
-pub struct Decimator {
+pub struct Decimated<S> {
     interval_s: f64,
     /// End of the current impact.
     impact_end_s: f64,
@@ -27,23 +27,41 @@ pub struct Decimator {
     after_event: bool,
     /// Largest emitted force and penetration of each contact.
     emitted_peaks: Vec<(f64, f64)>,
+    pub sink: S,
 }
 
-impl Decimator {
-    /// Creates a decimator to `numeric_hz` samples per second.
-    pub fn new(numeric_hz: f64) -> Self {
-        Decimator {
+impl<S> Decimated<S> {
+    /// Decimates a run to `numeric_hz` samples per second for `sink`.
+    pub fn new(numeric_hz: f64, sink: S) -> Self {
+        Decimated {
             interval_s: 1.0 / numeric_hz,
             impact_end_s: f64::NEG_INFINITY,
             latest: None,
             is_emitted: true,
             after_event: true,
             emitted_peaks: Vec::new(),
+            sink,
         }
     }
+}
 
-    /// Processes a sample; passes the samples to keep to `keep`, in order of time.
-    pub fn sample<E>(&mut self, sample: &Sample, mut keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
+impl<S: Sink> Decimated<S> {
+    /// Forwards the last sample at the end of the run.
+    pub fn end(&mut self) -> Result<(), SinkError> {
+        let Some(latest) = self.latest.as_ref().filter(|_| !self.is_emitted) else {
+            return Ok(());
+        };
+        for (contact, emitted) in latest.contacts.iter().zip(&mut self.emitted_peaks) {
+            let (force, depth) = contact.force_and_penetration();
+            *emitted = (emitted.0.max(force), emitted.1.max(depth));
+        }
+        (self.is_emitted, self.after_event) = (true, false);
+        self.sink.sample(latest)
+    }
+}
+
+impl<S: Sink> Sink for Decimated<S> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let is_first = self.latest.is_none();
         if is_first {
             self.emitted_peaks = vec![(0.0, 0.0); sample.contacts.len()];
@@ -69,7 +87,7 @@ impl Decimator {
             self.impact_end_s = now_s + IMPACT_EXTENSION * self.interval_s;
         }
         if in_impact || past_peak {
-            self.flush(&mut keep)?;
+            self.end()?;
         }
         let is_on_grid = is_point(now_s, self.interval_s);
         match &mut self.latest {
@@ -77,66 +95,18 @@ impl Decimator {
             None => self.latest = Some(sample.clone()),
         }
         self.is_emitted = false;
-        if is_first || is_on_grid || self.after_event || now_s <= self.impact_end_s { self.flush(keep) } else { Ok(()) }
-    }
-
-    /// Processes an event: keeps the latest sample and the next one, because rates can jump at the event.
-    pub fn event<E>(&mut self, keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
-        self.flush(keep)?;
-        self.after_event = true;
-        Ok(())
-    }
-
-    /// Keeps the latest sample; called at the end of a run.
-    pub fn flush<E>(&mut self, mut keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
-        let Some(latest) = self.latest.as_ref().filter(|_| !self.is_emitted) else {
-            return Ok(());
-        };
-        for (contact, emitted) in latest.contacts.iter().zip(&mut self.emitted_peaks) {
-            let (force, depth) = contact.force_and_penetration();
-            *emitted = (emitted.0.max(force), emitted.1.max(depth));
-        }
-        (self.is_emitted, self.after_event) = (true, false);
-        keep(latest)
-    }
-}
-
-/// A sink that forwards the samples kept by a [`Decimator`].
-#[derive(Clone, Debug)]
-pub struct Decimated<S> {
-    decimator: Decimator,
-    pub sink: S,
-}
-
-impl<S> Decimated<S> {
-    /// Wraps `sink` with a decimator to `numeric_hz` samples per second.
-    pub fn new(numeric_hz: f64, sink: S) -> Self {
-        Decimated { decimator: Decimator::new(numeric_hz), sink }
-    }
-}
-
-impl<S: Sink> Decimated<S> {
-    /// Forwards the last sample at the end of the run.
-    pub fn end(&mut self) -> Result<(), SinkError> {
-        self.decimator.flush(|sample| self.sink.sample(sample))
-    }
-}
-
-impl<S: Sink> Sink for Decimated<S> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.decimator.sample(sample, |sample| self.sink.sample(sample))
+        if is_first || is_on_grid || self.after_event || now_s <= self.impact_end_s { self.end() } else { Ok(()) }
     }
 
     fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.decimator.sample(sample, |sample| self.sink.sample(sample))
+        self.sample(sample)
     }
 
+    /// Keeps the sample before an event, and the next one, because rates can jump at the event; not at the onset of
+    /// slip, where no rate jumps.
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        // No rate jumps at the onset of slip, so only the preceding sample is needed.
-        match event.kind.is_friction_event() {
-            true => self.decimator.flush(|sample| self.sink.sample(sample))?,
-            false => self.decimator.event(|sample| self.sink.sample(sample))?,
-        }
+        self.end()?;
+        self.after_event |= !event.kind.is_friction_event();
         self.sink.event(event)
     }
 

@@ -28,7 +28,7 @@ mod sink;
 
 pub use analytic::run_analytic;
 pub use contact_tracker::MAX_FRICTION_EVENTS;
-pub use decimator::{Decimated, Decimator};
+pub use decimator::Decimated;
 #[cfg(feature = "engine")]
 pub use engine::run_engine;
 pub use interpolation::interpolate;

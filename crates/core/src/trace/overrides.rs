@@ -5,13 +5,6 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::{Construction, ENGINE_MAX_STEP_S, Preset, Scene, Stepping};
 use crate::units::{self, Dimension};
 
-const RTOL: &str = "expected a number between 0 and 1, such as 1e-6";
-const STEP: &str = "a step must be longer than 0; expected a time such as \"1 us\"";
-const TOLERANCE: &str = "a tolerance must be more than 0; expected a length such as \"0.02 um\"";
-const NUMERIC_RATE: &str = "a rate must be more than 0; expected a frequency such as \"10 kHz\"";
-const PICTURE_RATE: &str = "a rate must be at least 0; expected a frequency such as \"5 kHz\", or \"0 Hz\" for none";
-const DURATION: &str = "a run must be longer than 0; expected a time such as \"30 ms\"";
-
 /// Settings of a run that replace those of its scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
@@ -125,47 +118,38 @@ impl Overrides {
 /// # Errors
 /// Returns an error if the text is not an allowed value; the message says what is allowed.
 pub fn rtol(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|rtol| 0.0 < *rtol && *rtol < 1.0).ok_or_else(|| RTOL.to_string())
+    let allowed = text.parse().ok().filter(|rtol| 0.0 < *rtol && *rtol < 1.0);
+    allowed.ok_or_else(|| "expected a number between 0 and 1, such as 1e-6".to_string())
 }
 
-/// Parses a fixed step of the engine, in s, see [`rtol`].
-///
-/// # Errors
-/// Returns an error if the text is not an allowed value; the message says what is allowed.
+/// Parses a fixed step of the engine, in s; errors as in [`rtol`].
 pub fn step(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::Time, |step_s| step_s > 0.0, STEP)
+    let expected = "a step must be longer than 0; expected a time such as \"1 us\"";
+    quantity(text, Dimension::Time, |step_s| step_s > 0.0, expected)
 }
 
-/// Parses a tolerance of the engine, in m, see [`rtol`].
-///
-/// # Errors
-/// Returns an error if the text is not an allowed value; the message says what is allowed.
+/// Parses a tolerance of the engine, in m; errors as in [`rtol`].
 pub fn tolerance(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::Length, |tolerance_m| tolerance_m > 0.0, TOLERANCE)
+    let expected = "a tolerance must be more than 0; expected a length such as \"0.02 um\"";
+    quantity(text, Dimension::Length, |tolerance_m| tolerance_m > 0.0, expected)
 }
 
-/// Parses a sampling rate, in Hz, see [`rtol`].
-///
-/// # Errors
-/// Returns an error if the text is not an allowed value; the message says what is allowed.
+/// Parses a sampling rate, in Hz; errors as in [`rtol`].
 pub fn numeric_rate(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::Frequency, |rate_hz| rate_hz > 0.0, NUMERIC_RATE)
+    let expected = "a rate must be more than 0; expected a frequency such as \"10 kHz\"";
+    quantity(text, Dimension::Frequency, |rate_hz| rate_hz > 0.0, expected)
 }
 
-/// Parses a picture rate, in Hz, see [`rtol`].
-///
-/// # Errors
-/// Returns an error if the text is not an allowed value; the message says what is allowed.
+/// Parses a picture rate, in Hz; errors as in [`rtol`].
 pub fn picture_rate(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::Frequency, |rate_hz| rate_hz >= 0.0, PICTURE_RATE)
+    let expected = "a rate must be at least 0; expected a frequency such as \"5 kHz\", or \"0 Hz\" for none";
+    quantity(text, Dimension::Frequency, |rate_hz| rate_hz >= 0.0, expected)
 }
 
-/// Parses the duration of a run, in s.
-///
-/// # Errors
-/// Returns an error if the text is not an allowed value; the message says what is allowed.
+/// Parses the duration of a run, in s; errors as in [`rtol`].
 pub fn duration(text: &str) -> Result<f64, String> {
-    units::parse_positive(text, Dimension::Time, DURATION)
+    let expected = "a run must be longer than 0; expected a time such as \"30 ms\"";
+    units::parse_positive(text, Dimension::Time, expected)
 }
 
 /// Parses a quantity within a range; `expected` describes the allowed values.

@@ -6,68 +6,8 @@
 
 use std::f64::consts::LOG2_E;
 
-#[inline(always)]
-pub fn sin(x: f64) -> f64 {
-    libm::sin(x)
-}
-
-#[inline(always)]
-pub fn cos(x: f64) -> f64 {
-    libm::cos(x)
-}
-
-/// Returns (sin x, cos x), cheaper than two calls.
-#[inline(always)]
-pub fn sin_cos(x: f64) -> (f64, f64) {
-    libm::sincos(x)
-}
-
-#[inline(always)]
-pub fn tan(x: f64) -> f64 {
-    libm::tan(x)
-}
-
-#[inline(always)]
-pub fn asin(x: f64) -> f64 {
-    libm::asin(x)
-}
-
-/// Angle of (x, y), in [−π, π].
-#[inline(always)]
-pub fn atan2(y: f64, x: f64) -> f64 {
-    libm::atan2(y, x)
-}
-
-/// Returns √(x² + y²) without intermediate overflow.
-#[inline(always)]
-pub fn hypot(x: f64, y: f64) -> f64 {
-    libm::hypot(x, y)
-}
-
-#[inline(always)]
-pub fn exp(x: f64) -> f64 {
-    libm::exp(x)
-}
-
-#[inline(always)]
-pub fn ln(x: f64) -> f64 {
-    libm::log(x)
-}
-
-#[inline(always)]
-pub fn log2(x: f64) -> f64 {
-    libm::log2(x)
-}
-
-#[inline(always)]
-pub fn log10(x: f64) -> f64 {
-    libm::log10(x)
-}
-
-#[inline(always)]
-pub fn cbrt(x: f64) -> f64 {
-    libm::cbrt(x)
-}
+/// `ln` is the natural logarithm, `sin_cos` returns (sin x, cos x), and `hypot` does not overflow.
+pub use libm::{asin, atan2, cbrt, cos, exp, hypot, log as ln, log2, log10, sin, sincos as sin_cos, tan};
 
 /// Largest doubled exponent for which xⁿ is computed by products and a square root: covers Hertz and linear laws.
 const MAX_HALF_POWERS: i32 = 8;
