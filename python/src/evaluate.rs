@@ -127,7 +127,7 @@ impl FieldValues {
             false => value,
         };
         let is_sequence = value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>();
-        let is_list_field = matches!(field.field_type, FieldType::List(_));
+        let is_list_field = matches!(field.field_type, FieldType::List(..));
         let contains_lists = || {
             value.get_item(0).is_ok_and(|first| first.is_instance_of::<PyList>() || first.is_instance_of::<PyTuple>())
         };

@@ -12,7 +12,7 @@ use crate::scene::parse::syntax_problem;
 use crate::scene::precedence::replaced_keys;
 use crate::scene::schema::{other_schemas, schema_for};
 use crate::scene::toml_value::TomlValue;
-use crate::scene::value_kinds::Keyword;
+use crate::scene::Keyword;
 use crate::scene::{Layer, Problem, SceneError, keys, parse_layers};
 
 /// A base scene.
@@ -89,7 +89,7 @@ pub fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, problems: &m
             _ => {
                 let of_any = is_list && items.is_none();
                 let field_type =
-                    if of_any { FieldType::List(Box::new(FieldType::Text)) } else { FieldType::from_schema(schema) };
+                    if of_any { FieldType::List(Box::new(FieldType::Text), None) } else { FieldType::from_schema(schema) };
                 if let Ok(toml_value) = TomlValue::deserialize(ValueDeserializer::from(value.clone())) {
                     let checked = field_type.read(&path, &Spanned::new(value.span(), toml_value));
                     problems.extend(checked.err().into_iter().flatten());

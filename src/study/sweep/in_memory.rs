@@ -105,7 +105,7 @@ impl Field {
                 let fits = integer as f64 == si && (min..=max).contains(&&integer);
                 fits.then(|| AxisValue { text: integer.to_string(), value: Value::Integer(integer) })
             }
-            FieldType::Flag | FieldType::Choice(_) | FieldType::Text | FieldType::List(_) => None,
+            FieldType::Flag | FieldType::Choice(_) | FieldType::Text | FieldType::List(..) => None,
         }
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Study;
-use super::field::{Field, FieldType};
+use super::field::{Field, FieldType, column_kind};
 use crate::scene::keywords::SceneKind;
 use crate::scene::schema::schema_for;
 use crate::table::{Column, Kind, Table, Value};
@@ -91,8 +91,8 @@ pub fn column_type(column: &str) -> Option<FieldType> {
 pub fn columns(study: &Study) -> Vec<Column> {
     let numbers = ["run", "design"].map(|name| Column::new(name, Kind::Integer)).into_iter();
     let fields = study.axes.iter().flat_map(|axis| &axis.fields);
-    let axes = fields.map(|field| Column::new(field.column(), field.field_type.column_kind()));
-    let results = result_columns(study.kind).map(|name| Column::new(name, result_type(name).column_kind()));
+    let axes = fields.map(|field| Column::new(field.column(), column_kind(&field.field_type)));
+    let results = result_columns(study.kind).map(|name| Column::new(name, column_kind(&result_type(name))));
     numbers.chain(axes).chain(results).collect()
 }
 

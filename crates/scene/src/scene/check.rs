@@ -3,9 +3,7 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use super::entry::{Entry, Section};
 use super::error::Problem;
-use super::value_kinds::InputKind;
 
 /// Label of keys that have no effect because of other keys.
 pub const NO_EFFECT: &str = "no effect";
@@ -79,22 +77,6 @@ impl<'a> Checker<'a> {
         self.problems.borrow_mut().extend(problems);
     }
 
-    /// Returns the value of a key; `None` if it is omitted or invalid. Reports an invalid value.
-    pub fn get<K: InputKind>(&self, key: &str, entry: &Entry<K>) -> Option<K::Value> {
-        let value = entry.value.as_ref()?;
-        K::read(key, value).map_err(|more| self.extend(more)).ok()
-    }
-
-    /// Returns the value of a key, or its default.
-    pub fn get_or<K: InputKind>(&self, key: &str, entry: &Entry<K>, default: K::Value) -> K::Value {
-        self.get(key, entry).unwrap_or(default)
-    }
-
-    /// Reports a missing key of a section.
-    pub fn report_missing<T>(&self, key: &str, section: &Section<T>, help: &str) {
-        self.report_missing_at(key, section.span.clone(), help);
-    }
-
     /// Reports a missing key of the section at a position; without position if the section is missing.
     pub fn report_missing_at(&self, key: &str, section: Option<Range<usize>>, help: &str) {
         if self.has_type_errors {
@@ -103,11 +85,6 @@ impl<'a> Checker<'a> {
         let key = if key.starts_with('[') { key.to_string() } else { format!("`{key}`") };
         let label = if section.is_some() { "in this section" } else { "" };
         self.push(section, format!("{key} is missing"), label, help);
-    }
-
-    /// Reports that a key has no effect, for the given reason.
-    pub fn report_unused<K>(&self, key: &str, entry: &Entry<K>, reason: &str) {
-        self.report_unused_at(key, entry.span(), reason);
     }
 
     /// Reports that the key at a position has no effect, for the given reason.

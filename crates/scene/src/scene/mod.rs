@@ -12,7 +12,6 @@
 //! | `check`, `error`, `suggest`, `locate` | collecting, showing and locating problems |
 //! | `resolve`, `defaults` | scene as written → [`Scene`], physics checked |
 //! | `show` | a scene → a complete scene file |
-//! | `entry`, `value_kinds` | keys of study files |
 //! | `template` | the common part of all designs of a study |
 //! | `torque` | motor torque over time |
 //! | `system` | [`System`], the description of the simulated system that both models read |
@@ -27,7 +26,6 @@ mod contact_id;
 mod cycle;
 mod defaults;
 mod disc;
-pub mod entry;
 pub mod error;
 mod finger;
 mod gripper_contact;
@@ -53,7 +51,6 @@ pub mod toml_value;
 mod torque;
 mod unsupported;
 pub mod value;
-pub mod value_kinds;
 mod wrong_kind;
 
 pub use compose::{Layer, extended, parse_layers};
