@@ -9,6 +9,8 @@ use phalanx::shape::max_radius;
 use proptest::prelude::*;
 use serde_json::Value;
 
+use super::common::{assert_round_trip, parse};
+
 const BALL: &str = "[discs.ball]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"25 mm\"]\nmass = \"50 g\"\n";
 
 /// Returns the law of all contacts.
@@ -16,22 +18,8 @@ fn law(scene: &Scene) -> ContactLaw {
     scene.system.between_discs.expect("a law")
 }
 
-fn parse(text: &str) -> Scene {
-    scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}"))
-}
-
 fn scene_with(rest: &str) -> Scene {
     parse(&format!("kind = \"bodies\"\n{BALL}{rest}"))
-}
-
-/// Asserts that the shown scene parses to the same scene, bit for bit, except for its source.
-fn assert_round_trip(scene: &Scene) {
-    let text = scene::show(scene);
-    let mut back = parse(&text);
-    assert_eq!(back.source, text);
-    assert_eq!(scene::show(&back), text);
-    back.source = scene.source.clone();
-    assert_eq!(format!("{back:?}"), format!("{scene:?}"), "{text}");
 }
 
 #[test]
@@ -132,55 +120,6 @@ fn scenes_of_discs_are_rejected_where_a_finger_is_required() {
          1 | kind = \"bodies\"\n  |        ^^^^^^^^ another kind\n  = help: give the scene of a finger; \
          `phalanx run`, `validate` and `scene` accept the other kinds"
     );
-}
-
-/// Every `default` in the JSON Schema, written into a scene, changes nothing.
-#[test]
-fn documented_defaults_match_the_actual_ones() {
-    fn collect(schema: &Value, path: &str, keys: &mut Vec<(String, String)>) {
-        let named =
-            schema["additionalProperties"].as_object().map(|_| ("ball".to_string(), &schema["additionalProperties"]));
-        let listed_keys =
-            schema["properties"].as_object().into_iter().flatten().map(|(key, property)| (key.clone(), property));
-        for (key, property) in listed_keys.chain(named) {
-            let key_path = if path.is_empty() { key } else { format!("{path}.{key}") };
-            if let Some(default) = property.get("default") {
-                keys.push((key_path.clone(), default.to_string()));
-            }
-            collect(property, &key_path, keys);
-        }
-    }
-    let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
-    let mut keys = Vec::new();
-    collect(&schema["then"], "", &mut keys);
-    assert!(keys.len() >= 20, "{keys:?}");
-    let ball = "discs.ball.radius = \"20 mm\"\ndiscs.ball.centre = [\"1 mm\", \"25 mm\"]\n";
-    for (key, value) in keys {
-        let driven = "discs.ball.motion = \"driven\"\n";
-        // Some defaults apply only together with other keys.
-        let extra = match key.as_str() {
-            "discs.ball.acceleration" => driven,
-            "contact.exponent" => "discs.ball.mass = \"1 g\"\ncontact.stiffness_si = 1e8\n",
-            "engine.restitution" => "discs.ball.mass = \"1 g\"\nengine.law = \"rapier\"\n",
-            "half_plane.level" => "discs.ball.mass = \"1 g\"\nhalf_plane = {}\n",
-            "contact.friction.law" => "discs.ball.mass = \"1 g\"\ncontact.friction.mu_static = 0.4\n",
-            "contact.friction.bristle_relaxation" => {
-                "discs.ball.mass = \"1 g\"\ncontact.friction.mu_static = 0.4\ncontact.friction.law = \"bristle\"\n"
-            }
-            k if k.starts_with("contact.friction.v_") => {
-                "discs.ball.mass = \"1 g\"\ncontact.friction.mu_static = 0.4\n"
-            }
-            _ => "discs.ball.mass = \"1 g\"\n",
-        };
-        let plain = format!("kind = \"bodies\"\n{ball}{extra}");
-        let explicit = match key.as_str() {
-            "half_plane.level" => plain.replace("{}", &format!("{{ level = {value} }}")),
-            _ => format!("{plain}{key} = {value}\n"),
-        };
-        let (mut a, mut b) = (parse(&plain), parse(&explicit));
-        (a.source, b.source) = (String::new(), String::new());
-        assert_eq!(a, b, "{key} = {value}");
-    }
 }
 
 /// One schema covers all kinds, and rejects keys of other kinds.

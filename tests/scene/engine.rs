@@ -3,11 +3,10 @@
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Bounds, Construction, Engine, Response, Scene, Stepping};
 
-const GRASP: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n[motor]\n\
-                     torque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n";
+use super::common::{DESIGN, DRIVE, parse};
 
 fn scene_with(rest: &str) -> Scene {
-    scene::parse(&format!("{GRASP}{rest}"), "test.toml").unwrap_or_else(|e| panic!("{e}\n{rest}"))
+    parse(&format!("{DESIGN}{DRIVE}{rest}"))
 }
 
 fn engine(keys: &str) -> Engine {
@@ -16,7 +15,7 @@ fn engine(keys: &str) -> Engine {
 
 /// Returns the messages with which a scene is rejected.
 fn rejection_messages(rest: &str) -> Vec<String> {
-    let error = scene::parse(&format!("{GRASP}{rest}"), "test.toml").expect_err(rest);
+    let error = scene::parse(&format!("{DESIGN}{DRIVE}{rest}"), "test.toml").expect_err(rest);
     error.problems().iter().map(|p| p.message.clone()).collect()
 }
 
@@ -77,16 +76,16 @@ fn every_bound_is_applied_and_until_defaults_to_the_duration() {
     assert_eq!(bounds("loop_gap = \"1 mm\""), Bounds { loop_gap_m: 1e-3, ..base });
     assert_eq!(bounds("until = \"8 ms\""), Bounds { until_s: 0.008, ..base });
     assert_eq!(bounds("until = \"20 ms\""), base);
-    let scene = scene::parse(&format!("duration = \"7 ms\"\n{GRASP}"), "test.toml").expect("scene");
+    let scene = scene::parse(&format!("duration = \"7 ms\"\n{DESIGN}{DRIVE}"), "test.toml").expect("scene");
     assert_eq!(scene.bounds, Bounds::defaults_for_run(SceneKind::Finger, 0.007));
 }
 
 #[test]
 fn keys_without_effect_are_rejected() {
     for (keys, key, condition) in [
-        ("step = \"10 us\"", "step", "without stepping = \"fixed\""),
-        ("friction = 0.8", "friction", "without law = \"rapier\""),
-        ("law = \"scene\"\nrestitution = 0", "restitution", "without law = \"rapier\""),
+        ("step = \"10 us\"", "step", "with stepping = \"adaptive\""),
+        ("friction = 0.8", "friction", "with law = \"scene\""),
+        ("law = \"scene\"\nrestitution = 0", "restitution", "with law = \"scene\""),
         ("stepping = \"fixed\"\nstep = \"1 us\"\ntolerance = \"1 um\"", "tolerance", "with stepping = \"fixed\""),
         ("stepping = \"fixed\"\nstep = \"1 us\"\nmax_step = \"1 us\"", "max_step", "with stepping = \"fixed\""),
     ] {
@@ -121,7 +120,7 @@ fn values_out_of_range_are_rejected() {
         ("validate.until = \"0 ms\"", "`validate.until` is 0 ms, but must be above 0"),
         ("validate.until = \"21 ms\"", "`validate.until` is 21 ms, but must be at most the duration of 20 ms"),
     ] {
-        let text = format!("{keys}\n{GRASP}");
+        let text = format!("{keys}\n{DESIGN}{DRIVE}");
         let error = scene::parse(&text, "test.toml").expect_err(keys);
         let messages: Vec<&str> = error.problems().iter().map(|p| p.message.as_str()).collect();
         assert_eq!(messages, [problem]);
@@ -139,7 +138,7 @@ fn one_mistake_is_reported_once() {
         rejection_messages("[engine]\nlaw = \"rapir\"\nfriction = 0.8\n"),
         ["\"rapir\" is not a valid value of `engine.law`"]
     );
-    let text = format!("duration = \"0 ms\"\n{GRASP}[validate]\nuntil = \"30 ms\"\n");
+    let text = format!("duration = \"0 ms\"\n{DESIGN}{DRIVE}[validate]\nuntil = \"30 ms\"\n");
     let error = scene::parse(&text, "test.toml").expect_err("duration");
     assert_eq!(error.problems().len(), 1, "{error}");
 }

@@ -8,29 +8,13 @@ use phalanx::scene::{
 use phalanx::shape::PlacedShape;
 use phalanx::sizing::{INTERVALS, Rule, Task, size_with};
 
+use super::common::{DESIGN, DRIVE, assert_round_trip, parse};
 use crate::support::reference_cases::reference_case;
-
-const DESIGN: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
-const DRIVE: &str = "[motor]\ntorque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n";
-
-#[track_caller]
-fn parse(text: &str) -> Scene {
-    scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
 
 /// Parses the gripper of design 95, with `top` above and `rest` below its sections.
 #[track_caller]
 fn scene_with(top: &str, rest: &str) -> Scene {
     parse(&format!("kind = \"gripper\"\n{top}{DESIGN}{DRIVE}{rest}"))
-}
-
-/// Asserts that the shown scene parses to the same scene, bit for bit, except for its source.
-#[track_caller]
-fn assert_round_trip(scene: &Scene) {
-    let text = show(scene);
-    let back = parse(&text);
-    let back = Scene { source: scene.source.clone(), ..back };
-    assert_eq!(format!("{back:?}"), format!("{scene:?}"), "{text}");
 }
 
 #[test]

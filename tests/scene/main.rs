@@ -7,6 +7,7 @@ mod support;
 
 mod bodies;
 mod broken;
+mod common;
 mod engine;
 mod fuzz_corpus;
 mod gripper;

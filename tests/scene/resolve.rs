@@ -7,19 +7,14 @@ use phalanx::scene::{
     self, Actuation, Bounds, Engine, Integrator, Interpolation, Method, Placement, Preset, Scene, SpringKind,
 };
 use phalanx::shape::max_radius;
-use serde_json::Value;
 
-const FINGER: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
-const DRIVE: &str = "[motor]\ntorque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n";
+use super::common::{DESIGN, DRIVE, parse};
+
 const LENGTHS: &str = "[lengths]\nl21 = \"24 mm\"\nl22 = \"7.5 mm\"\nt22 = \"13 mm\"\nphi22 = \"120 deg\"\n[object]\n\
                        centre = [\"-15.5 mm\", \"20 mm\"]\n";
 
-fn parse(text: &str) -> Scene {
-    scene::parse(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}"))
-}
-
 fn scene_with(rest: &str) -> Scene {
-    parse(&format!("{FINGER}{DRIVE}{rest}"))
+    parse(&format!("{DESIGN}{DRIVE}{rest}"))
 }
 
 #[test]
@@ -46,77 +41,6 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     assert_eq!((scene.engine, scene.bounds), (Engine::DEFAULT, Bounds::defaults_for_run(SceneKind::Finger, 0.02)));
     assert_eq!((scene.log.numeric_hz, scene.log.picture_hz), (1e4, 5e3));
     assert_eq!((scene.finger().initial.qd11_rad_s, scene.finger().initial.qd21_rad_s), (0.0, 0.0));
-}
-
-/// Every `default` in the JSON Schema, written into a scene, changes nothing.
-#[test]
-fn documented_defaults_match_the_actual_ones() {
-    fn collect(schema: &Value, path: &str, keys: &mut Vec<(String, String)>) {
-        let Some(properties) = schema["properties"].as_object() else {
-            return;
-        };
-        for (key, property) in properties {
-            let key_path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-            if let Some(default) = property.get("default") {
-                keys.push((key_path.clone(), default.to_string()));
-            }
-            collect(property, &key_path, keys);
-        }
-    }
-    let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
-    let mut keys = Vec::new();
-    collect(&schema["else"]["else"], "", &mut keys);
-    assert!(keys.len() >= 30, "{}", keys.len());
-    let bristles: String = ["", ".proximal", ".distal"]
-        .iter()
-        .map(|section| {
-            format!("contact{section}.friction.mu_static = 0.4\ncontact{section}.friction.law = \"bristle\"\n")
-        })
-        .collect();
-    for (key, value) in keys {
-        // Some defaults apply only together with other keys.
-        let (finger, drive, extra) = match key.as_str() {
-            k if k.starts_with("lengths") => (LENGTHS, DRIVE, ""),
-            "spring.preload" => {
-                (FINGER, "[motor]\ntorque = \"1 N*m\"\n[spring]\ntype = \"torsional\"\nstiffness = \"1 N*m/rad\"\n", "")
-            }
-            "motor.interpolation" => (
-                FINGER,
-                "[spring]\ntorque = \"1 N*m\"\n[motor]\nprofile = \"table\"\ntimes = [\"0 s\"]\ntorques = [\"1 N*m\"]\n",
-                "",
-            ),
-            "closing_time" => (FINGER, "", "sizing = \"rigid\"\n"),
-            "contact.exponent" => (FINGER, DRIVE, "contact.stiffness_si = 1e8\n"),
-            "engine.restitution" => (FINGER, DRIVE, "engine.law = \"rapier\"\n"),
-            "limit.exponent" => (FINGER, DRIVE, "limit.stiffness_si = 1e11\n"),
-            k if k.ends_with("bristle_relaxation") => (FINGER, DRIVE, bristles.as_str()),
-            k if [".v_static", ".v_dynamic", ".law"].iter().any(|end| k.ends_with(&format!("friction{end}"))) => (
-                FINGER,
-                DRIVE,
-                "contact.friction.mu_static = 0.4\ncontact.proximal.friction.mu_static = 0.4\ncontact.distal.friction.mu_static = 0.4\n",
-            ),
-            _ => (FINGER, DRIVE, ""),
-        };
-        let dotted = |text: &str| {
-            let mut section = String::new();
-            let mut out = String::new();
-            for line in text.lines() {
-                match line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
-                    Some(name) if !line.contains('"') => section = format!("{name}."),
-                    _ => out += &format!("{section}{line}\n"),
-                }
-            }
-            out
-        };
-        let plain = dotted(&format!("{finger}{drive}")) + extra;
-        let explicit = format!("{plain}{key} = {value}\n");
-        if extra.contains(&format!("{key} =")) {
-            continue;
-        }
-        let (mut a, mut b) = (parse(&plain), parse(&explicit));
-        (a.source, b.source) = (String::new(), String::new());
-        assert_eq!(a, b, "{key} = {value}");
-    }
 }
 
 #[test]
@@ -249,7 +173,7 @@ fn initial_angles_follow_from_offset_or_given_angles() {
 #[test]
 fn motor_profiles_are_resolved() {
     let motor = |text: &str| {
-        parse(&format!("{FINGER}[spring]\ntype = \"none\"\n[motor]\n{text}\n")).finger().motor.actuation.clone()
+        parse(&format!("{DESIGN}[spring]\ntype = \"none\"\n[motor]\n{text}\n")).finger().motor.actuation.clone()
     };
     let table = "profile = \"table\"\ntimes = [\"0 ms\", \"5 ms\"]\ntorques = [\"0 N*mm\", \"480 N*mm\"]";
     let points = vec![(0.0, 0.0), (0.005, 0.48)];
@@ -269,7 +193,7 @@ fn motor_profiles_are_resolved() {
 #[test]
 fn line_endings_and_byte_order_marks_are_ignored() {
     let unix = scene_with("");
-    let mut dos = parse(&format!("\u{feff}{FINGER}{DRIVE}").replace('\n', "\r\n"));
+    let mut dos = parse(&format!("\u{feff}{DESIGN}{DRIVE}").replace('\n', "\r\n"));
     dos.source = unix.source.clone();
     assert_eq!(dos, unix);
 }

@@ -4,8 +4,10 @@ use std::fs;
 
 use phalanx::cli::scene::{SceneCommand, execute};
 use phalanx::cli::set::SetArgs;
-use phalanx::scene::{self, Scene};
+use phalanx::scene;
 use proptest::prelude::*;
+
+use super::common::{assert_round_trip, parse};
 
 fn shipped_scenes() -> Vec<(String, String)> {
     let mut files: Vec<_> = fs::read_dir("scenes")
@@ -15,21 +17,6 @@ fn shipped_scenes() -> Vec<(String, String)> {
         .collect();
     files.sort();
     files.into_iter().map(|path| (path.display().to_string(), fs::read_to_string(&path).expect("text"))).collect()
-}
-
-fn parse(text: &str) -> Scene {
-    scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// Asserts that the shown scene parses to the same scene, bit for bit (`{:?}` of different `f64` values differs),
-/// except for its source.
-fn assert_round_trip(scene: &Scene) {
-    let text = scene::show(scene);
-    let mut back = parse(&text);
-    assert_eq!(back.source, text);
-    back.source = scene.source.clone();
-    assert_eq!(format!("{back:?}"), format!("{scene:?}"), "{text}");
-    assert_eq!(scene::show(&back), text);
 }
 
 #[test]

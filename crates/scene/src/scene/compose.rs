@@ -67,7 +67,7 @@ pub fn parse_layers<T>(
         let places = without_effect.filter_map(|problem| merged.place(problem.span.as_ref()?, &layers));
         let inherited: Vec<String> =
             places.filter(|place| place.layer < base_layers.len()).map(|place| place.path.join(".")).collect();
-        if !inherited.iter().fold(false, |was_removed, path| merged.remove(path) || was_removed) {
+        if inherited.iter().filter(|path| merged.remove(path)).count() == 0 {
             break;
         }
     }

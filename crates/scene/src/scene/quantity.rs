@@ -110,11 +110,6 @@ pub fn si_values<D, R>(values: &[Quantity<D, R>]) -> Vec<f64> {
     values.iter().map(|value| **value).collect()
 }
 
-/// Quantities with these SI values.
-pub fn quantities<D, R>(values: impl IntoIterator<Item = f64>) -> Vec<Quantity<D, R>> {
-    values.into_iter().map(Quantity::from).collect()
-}
-
 /// A type whose values are written as keywords.
 pub trait Keyword: Clone + 'static {
     const KEYWORDS: &'static [(&'static str, Self)];

@@ -1,25 +1,20 @@
 //! Formats a scene as a complete scene file, as simulated or as written. It parses back to the same scene bit for bit,
 //! except for `source`.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use serde::Serialize;
 use serde_json::Value as Json;
 use toml::de::DeTable;
 use toml::{Table, Value};
 
 use super::keys::{is_table, pair_element};
-use super::keywords::SceneKind;
 use super::locate::locate_problems;
-use super::quantity::Word;
 use super::schema::{effect, field, properties, schema_for, value_properties};
-use super::settings::{
-    BodiesSettings, Bounds, ContactOverride, ContactSettings, DifferentialSettings, FingerSettings, HalfPlaneSettings,
-    MotorSettings, MoveSettings, SceneFile, SceneSettings, TableSettings, VibrationSettings,
-};
+use super::settings::{self, table};
 use super::texts::{find, remove, texts, write_texts};
 use super::value::ValueType;
-use super::{DrivenFinger, PalmMotion, Scene, System, parse_any};
+use super::{Bounds, Differential, DrivenFinger, Keyword, Scene, System, parse_any};
 use crate::law::ContactLaw;
 use crate::units::{self, Dimension, number};
 
@@ -40,131 +35,101 @@ pub fn show(scene: &Scene) -> String {
 
 /// The settings of a scene as simulated, by section, in SI units.
 fn resolved(scene: &Scene) -> Table {
-    Table::try_from(SceneFile::from(scene)).unwrap_or_default()
-}
-
-impl From<&Scene> for SceneFile {
-    fn from(scene: &Scene) -> Self {
-        let (system, kind) = (&scene.system, scene.kind());
-        let mut file = SceneFile {
-            top: SceneSettings {
-                name: Some(scene.name.clone()),
-                description: Some(scene.description.clone()).filter(|text| !text.is_empty()),
-                kind: Some(Word(kind)),
-                duration: scene.duration_s.into(),
-                gravity: system.gravity_m_s2.map(Into::into),
-                palm: Some(system.palm.is_some()),
-                palm_width: Some(system.palm_width_m.into()),
-                ..SceneSettings::default()
-            },
-            integrator: Some(scene.integrator),
-            engine: Some(scene.engine),
-            // A program may have shortened the run.
-            validate: Some(Bounds { until_s: scene.bounds.until_s.min(scene.duration_s), ..scene.bounds }),
-            criteria: Some(scene.thresholds),
-            log: Some(scene.log),
-            ..SceneFile::default()
-        };
-        match &system.fingers[..] {
-            [] => {
-                let discs = system.discs.iter().map(|disc| (disc.name.clone(), disc.into()));
-                file.discs = Some(discs.collect());
-                file.half_plane = system.palm.map(|ground| HalfPlaneSettings { level: ground.level_m.into() });
-                file.finger.contact = system.between_discs.as_ref().map(contact);
-            }
-            [first, others @ ..] => {
-                file.object = Some(system.object().into());
-                let has_motor = system.differential.is_none();
-                if others.iter().all(|finger| finger == first) {
-                    file.finger = finger_settings(first, has_motor);
-                } else {
-                    let [right, left] = [0, 1].map(|side| finger_settings(&system.fingers[side], has_motor));
-                    (file.right, file.left) = (Some(right), Some(left));
-                }
-                if kind == SceneKind::Gripper {
-                    write_gripper(&mut file, system);
+    let system = &scene.system;
+    // A program may have shortened the run.
+    let validate = Bounds { until_s: scene.bounds.until_s.min(scene.duration_s), ..scene.bounds };
+    let gravity: Vec<f64> = system.gravity_m_s2.into();
+    let mut file = table([
+        ("name", scene.name.as_str().into()),
+        ("kind", scene.kind().keyword().into()),
+        ("duration", scene.duration_s.into()),
+        ("gravity", gravity.into()),
+        ("palm", system.palm.is_some().into()),
+        ("palm_width", system.palm_width_m.into()),
+        ("integrator", serialized(&scene.integrator)),
+        ("engine", serialized(&scene.engine)),
+        ("validate", serialized(&validate)),
+        ("criteria", serialized(&scene.thresholds)),
+        ("log", serialized(&scene.log)),
+    ]);
+    if !scene.description.is_empty() {
+        file.insert("description".into(), scene.description.as_str().into());
+    }
+    match &system.fingers[..] {
+        [] => {
+            let discs: Table =
+                system.discs.iter().map(|disc| (disc.name.clone(), settings::disc(disc).into())).collect();
+            file.insert("discs".into(), discs.into());
+            let ground = system.palm.map(|ground| table([("level", ground.level_m.into())]).into());
+            file.extend(ground.map(|ground| ("half_plane".to_string(), ground)));
+            file.extend(system.between_discs.map(|law| ("contact".to_string(), settings::contact(&law).into())));
+        }
+        [first, others @ ..] => {
+            file.insert("object".into(), settings::object(system.object()).into());
+            let has_motor = system.differential.is_none();
+            if others.iter().all(|finger| finger == first) {
+                file.extend(finger(first, has_motor));
+            } else {
+                for (side, driven) in system.fingers_by_side() {
+                    file.insert(side.name().into(), finger(driven, has_motor).into());
                 }
             }
-        }
-        if let Some(motion) = &system.palm_motion {
-            write_palm_motion(&mut file, motion);
-        }
-        file
-    }
-}
-
-fn finger_settings(finger: &DrivenFinger, has_motor: bool) -> FingerSettings {
-    let (linkage, bodies) = (&finger.linkage, &finger.linkage.bodies);
-    let mut laws = contact(&finger.contact.proximal);
-    laws.distal = (finger.contact.distal != finger.contact.proximal).then(|| (&finger.contact.distal).into());
-    FingerSettings {
-        half_width: Some(linkage.lengths.half_width_m.into()),
-        assembly: Some(Word(linkage.assembly)),
-        lengths: Some((&linkage.lengths).into()),
-        bodies: Some(BodiesSettings {
-            l11: (&bodies.l11).into(),
-            l12: (&bodies.l12).into(),
-            l21: (&bodies.l21).into(),
-            l22: (&bodies.l22).into(),
-        }),
-        motor: has_motor.then(|| MotorSettings::from_motor(&finger.motor, finger.motor.inertia_kg_m2)),
-        spring: Some(finger.spring.into()),
-        limit: Some(finger.limit.into()),
-        contact: Some(laws),
-        initial: Some(finger.initial.into()),
-        ..FingerSettings::default()
-    }
-}
-
-/// The common law of all contacts.
-fn contact(law: &ContactLaw) -> ContactSettings {
-    let ContactOverride { law, friction, .. } = law.into();
-    ContactSettings { law, friction, ..ContactSettings::default() }
-}
-
-/// Sets table, differential, and the contacts with palm and table of a gripper.
-fn write_gripper(file: &mut SceneFile, system: &System) {
-    let level = system.table.map(|table| table.level_m.into());
-    file.table = Some(TableSettings { present: level.is_some(), level });
-    file.differential = Some(match &system.differential {
-        None => DifferentialSettings::default(),
-        Some(differential) => {
-            file.finger.motor = Some(MotorSettings::from_motor(&differential.motor, 0.0));
-            DifferentialSettings {
-                present: true,
-                input_inertia: differential.motor.inertia_kg_m2.into(),
-                seesaw_inertia: differential.seesaw_inertia_kg_m2.into(),
+            if !others.is_empty() {
+                add_gripper(&mut file, system);
             }
         }
-    });
-    let [palm, table] = [system.palm, system.table].map(|plane| plane.and_then(|plane| plane.contact));
+    }
+    file.extend(system.palm_motion.iter().flat_map(settings::palm_motion));
+    file
+}
+
+fn serialized(section: &impl Serialize) -> Value {
+    Value::try_from(section).unwrap_or_else(|_| Table::new().into())
+}
+
+fn finger(finger: &DrivenFinger, has_motor: bool) -> Table {
+    let linkage = &finger.linkage;
+    let mut contact = settings::contact(&finger.contact.proximal);
+    if finger.contact.distal != finger.contact.proximal {
+        contact.insert("distal".into(), settings::contact(&finger.contact.distal).into());
+    }
+    let mut sections = table([
+        ("half_width", linkage.lengths.half_width_m.into()),
+        ("assembly", linkage.assembly.keyword().into()),
+        ("lengths", settings::lengths(&linkage.lengths).into()),
+        ("bodies", settings::bodies(&linkage.bodies).into()),
+        ("spring", settings::spring(finger.spring).into()),
+        ("limit", settings::limit(finger.limit).into()),
+        ("contact", contact.into()),
+        ("initial", settings::initial(&finger.initial).into()),
+    ]);
+    if has_motor {
+        sections.insert("motor".into(), settings::motor(&finger.motor, finger.motor.inertia_kg_m2).into());
+    }
+    sections
+}
+
+/// Adds table, differential, and the contacts with palm and table of a gripper.
+fn add_gripper(file: &mut Table, system: &System) {
+    let level_m = system.table.map_or(f64::NAN, |table| table.level_m);
+    let mut differential = table([("present", system.differential.is_some().into())]);
+    if let Some(Differential { motor, seesaw_inertia_kg_m2 }) = &system.differential {
+        let [input, seesaw] = [motor.inertia_kg_m2, *seesaw_inertia_kg_m2].map(Value::from);
+        differential.extend(table([("input_inertia", input), ("seesaw_inertia", seesaw)]));
+        file.insert("motor".into(), settings::motor(motor, 0.0).into());
+    }
+    file.insert("differential".into(), differential.into());
+    let present = system.table.is_some().into();
+    file.insert("table".into(), table([("present", present), ("level", level_m.into())]).into());
     // Fingers that differ would inherit the keys of a common friction law.
     let first = system.fingers[0].contact.proximal;
-    let common = if file.finger.contact.is_some() { first } else { ContactLaw { friction: None, ..first } };
-    let laws = file.finger.contact.get_or_insert_with(|| contact(&common));
-    let differing = |law: Option<ContactLaw>| law.filter(|law| *law != common).map(|law| (&law).into());
-    (laws.palm, laws.table) = (differing(palm), differing(table));
-}
-
-/// Sets moves, vibrations and path; those without a name are numbered.
-fn write_palm_motion(file: &mut SceneFile, motion: &PalmMotion) {
-    let name = |names: &[String], prefix: &str, index: usize| {
-        let is_valid = |name: &&String| {
-            name.starts_with(|first: char| first.is_ascii_alphabetic())
-                && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
-        };
-        names.get(index).filter(is_valid).cloned().unwrap_or_else(|| format!("{prefix}{}", index + 1))
-    };
-    let mut moves: BTreeMap<String, MoveSettings> = BTreeMap::new();
-    for (index, item) in motion.moves.iter().enumerate() {
-        moves.entry(name(&motion.names[0], "m", index)).or_default().add(item);
+    let common = if file.contains_key("contact") { first } else { ContactLaw { friction: None, ..first } };
+    let laws = file.entry("contact").or_insert_with(|| settings::contact(&common).into());
+    for (key, plane) in [("palm", system.palm), ("table", system.table)] {
+        let law = plane.and_then(|plane| plane.contact).filter(|law| *law != common);
+        let law = law.map(|law| (key.to_string(), Value::from(settings::contact(&law))));
+        laws.as_table_mut().into_iter().for_each(|laws| laws.extend(law.clone()));
     }
-    let mut vibrations: BTreeMap<String, VibrationSettings> = BTreeMap::new();
-    for (index, item) in motion.vibrations.iter().enumerate() {
-        vibrations.entry(name(&motion.names[1], "v", index)).or_default().add(item);
-    }
-    (file.moves, file.vibrations) = (Some(moves), Some(vibrations));
-    file.path = motion.path.as_ref().map(Into::into);
 }
 
 /// Writes a table and its sections in the order of the schema; `line` returns the text of a value at a path, or `None`

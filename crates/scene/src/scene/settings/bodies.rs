@@ -1,23 +1,19 @@
 //! The grasped object, discs, ground and table.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use toml::Table;
 
-use super::{FINGER, GRIPPER};
+use super::{FINGER, GRIPPER, list, table};
 use crate::scene::keywords::Motion;
 use crate::scene::quantity::{
-    Acceleration, Angle, AngularRate, Inertia, Length, Mass, Positive, Quantity, Speed, Word,
+    Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed, Word,
 };
 use crate::scene::{Disc, DiscMotion};
 use crate::shape::Shape;
 
-fn radius<R>(shape: &Shape) -> Quantity<Length, R> {
-    let Shape::Disc { radius_m } = shape;
-    (*radius_m).into()
-}
-
 /// The object to be grasped, a fixed disc.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("x-gripper" = { "description": "The object to be grasped, a disc." }))]
 pub struct ObjectSettings {
     /// Whether there is an object; without one the finger moves freely.
@@ -54,33 +50,25 @@ pub struct ObjectSettings {
     pub spin: Option<Quantity<AngularRate>>,
 }
 
-impl From<Option<&Disc>> for ObjectSettings {
-    /// Settings of a given disc; a driven disc becomes fixed, because an object cannot be driven.
-    fn from(disc: Option<&Disc>) -> Self {
-        let Some(disc) = disc else { return ObjectSettings { present: Some(false), ..Self::default() } };
-        let Disc { shape, centre_m, angle_rad, .. } = disc;
-        let mut settings = ObjectSettings {
-            present: Some(true),
-            motion: Some(Word(Motion::Fixed)),
-            radius: Some(radius(shape)),
-            centre: Some(centre_m.map(Quantity::from)),
-            offset: Some(centre_m[0].into()),
-            height: Some(centre_m[1].into()),
-            angle: Some((*angle_rad).into()),
-            ..Self::default()
-        };
-        if let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), velocity_m_s, spin_rad_s } = disc.motion
-        {
-            settings.motion = Some(Word(Motion::Free));
-            (settings.mass, settings.inertia) = (Some(mass_kg.into()), Some(inertia_kg_m2.into()));
-            (settings.velocity, settings.spin) = (Some(velocity_m_s.map(Quantity::from)), Some(spin_rad_s.into()));
-        }
-        settings
+/// Settings of a given object; a driven disc becomes fixed, because an object cannot be driven.
+pub fn object(object: Option<&Disc>) -> Table {
+    let Some(object) = object else { return table([("present", false.into())]) };
+    let mut settings = disc(object);
+    let [offset, height] = object.centre_m;
+    settings.extend(table([
+        ("present", true.into()),
+        ("offset", offset.into()),
+        ("height", height.into()),
+        ("angle", object.angle_rad.into()),
+    ]));
+    if !matches!(object.motion, DiscMotion::Free { inertia_kg_m2: Some(_), .. }) {
+        settings.insert("motion".to_string(), Motion::Fixed.keyword().into());
     }
+    settings
 }
 
 /// A disc.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct DiscSettings {
     #[schemars(extend("x-required" = "add its size: radius = \"10 mm\""))]
     pub radius: Option<Positive<Length>>,
@@ -112,34 +100,32 @@ pub struct DiscSettings {
     pub spin: Option<Quantity<AngularRate>>,
 }
 
-impl From<&Disc> for DiscSettings {
-    fn from(disc: &Disc) -> Self {
-        let mut settings = DiscSettings {
-            radius: Some(radius(&disc.shape)),
-            centre: Some(disc.centre_m.map(Quantity::from)),
-            motion: Word(Motion::Fixed),
-            ..Self::default()
-        };
-        match disc.motion {
-            DiscMotion::Fixed => {}
-            DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => {
-                (settings.motion, settings.spin) = (Word(Motion::Driven), Some(spin_rad_s.into()));
-                settings.velocity = velocity_m_s.map(Quantity::from);
-                settings.acceleration = acceleration_m_s2.map(Quantity::from);
-            }
-            DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => {
-                (settings.motion, settings.mass) = (Word(Motion::Free), Some(mass_kg.into()));
-                settings.velocity = velocity_m_s.map(Quantity::from);
-                (settings.rotates, settings.inertia) = (inertia_kg_m2.is_some(), inertia_kg_m2.map(Quantity::from));
-                settings.spin = inertia_kg_m2.map(|_| spin_rad_s.into());
-            }
-        }
-        settings
-    }
+/// Settings of a given disc.
+pub fn disc(disc: &Disc) -> Table {
+    let Shape::Disc { radius_m } = disc.shape;
+    let mut settings = table([("radius", radius_m.into()), ("centre", list(disc.centre_m))]);
+    settings.extend(match disc.motion {
+        DiscMotion::Fixed => table([("motion", Motion::Fixed.keyword().into())]),
+        DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => table([
+            ("motion", Motion::Driven.keyword().into()),
+            ("velocity", list(velocity_m_s)),
+            ("acceleration", list(acceleration_m_s2)),
+            ("spin", spin_rad_s.into()),
+        ]),
+        DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => table([
+            ("motion", Motion::Free.keyword().into()),
+            ("velocity", list(velocity_m_s)),
+            ("mass", mass_kg.into()),
+            ("rotates", inertia_kg_m2.is_some().into()),
+            ("inertia", inertia_kg_m2.unwrap_or(f64::NAN).into()),
+            ("spin", inertia_kg_m2.map_or(f64::NAN, |_| spin_rad_s).into()),
+        ]),
+    });
+    settings
 }
 
 /// A solid, fixed half plane below a level. An empty section suffices to add it.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct HalfPlaneSettings {
     /// Height y of the surface.
     #[schemars(extend("default" = "0 mm"))]
@@ -148,7 +134,7 @@ pub struct HalfPlaneSettings {
 
 /// A table that supports the object on the side away from the palm: a solid, fixed half plane above a level. An
 /// empty section suffices to add it.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct TableSettings {
     /// Whether there is a table.
     #[schemars(extend("default" = true))]

@@ -1,13 +1,14 @@
 //! Motor, spring and differential.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use toml::Table;
 
-use super::GRIPPER;
+use super::{GRIPPER, list, table};
 use crate::law::Bristle;
 use crate::scene::quantity::{
     Angle, AngularDamping, AngularRate, AngularStiffness, Inertia, Keyword, NotNegative, Positive, Quantity, Time,
-    Torque, Word, quantities,
+    Torque, Word,
 };
 use crate::scene::{Actuation, Brake, Interpolation, Motor, Placement, Spring, SpringKind};
 
@@ -30,7 +31,7 @@ impl Keyword for Interpolation {
 }
 
 /// Motor torque on the driven link; counter-clockwise (closing) is positive.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct MotorSettings {
     /// Torque over time: "constant"; "ramp": rises smoothly during `rise`; "half-sine": one pulse; "reversal": changes
     /// sign at `reverse_at`; "table": `times` and `torques`.
@@ -135,45 +136,46 @@ impl MotorSettings {
             brake,
         })
     }
+}
 
-    /// Settings of a motor, with another inertia.
-    pub fn from_motor(motor: &Motor, inertia_kg_m2: f64) -> Self {
-        let brake = motor.brake;
-        let bristle = brake.and_then(|brake| brake.bristle);
-        let mut settings = MotorSettings {
-            profile: Word(motor.actuation.clone()),
-            inertia: Some(inertia_kg_m2.into()),
-            no_load_speed: motor.no_load_speed_rad_s.map(Quantity::from),
-            brake: Some(Word(brake)),
-            brake_torque: brake.map(|brake| brake.torque_n_m.into()),
-            brake_at: brake.map(|brake| brake.start_s.into()),
-            brake_rise: brake.map(|brake| brake.rise_s.into()),
-            brake_release: brake.and_then(|brake| brake.release_s).map(Quantity::from),
-            brake_v_static: brake.map(|brake| brake.v_static_rad_s.into()),
-            brake_law: brake.map(|brake| Word(brake.bristle)),
-            brake_damping: bristle.map(|bristle| bristle.damping_n_s_per_m.into()),
-            brake_relaxation: bristle.map(|bristle| bristle.relaxation_s.into()),
-            ..MotorSettings::default()
-        };
-        match &motor.actuation {
-            Actuation::Table { points, interpolation } => {
-                settings.times = Some(quantities(points.iter().map(|point| point.0)));
-                settings.torques = Some(quantities(points.iter().map(|point| point.1)));
-                settings.interpolation = Word(*interpolation);
-            }
-            Actuation::Constant { torque_n_m }
-            | Actuation::Ramp { torque_n_m, .. }
-            | Actuation::HalfSine { torque_n_m, .. }
-            | Actuation::Reversal { torque_n_m, .. } => settings.torque = Some((*torque_n_m).into()),
+/// Settings of a given motor, with another inertia.
+pub fn motor(motor: &Motor, inertia_kg_m2: f64) -> Table {
+    let missing = f64::NAN;
+    let mut settings = table([
+        ("profile", motor.actuation.keyword().into()),
+        ("inertia", inertia_kg_m2.into()),
+        ("no_load_speed", motor.no_load_speed_rad_s.unwrap_or(missing).into()),
+        ("brake", motor.brake.keyword().into()),
+    ]);
+    settings.extend(match &motor.actuation {
+        Actuation::Constant { torque_n_m } => table([("torque", (*torque_n_m).into())]),
+        Actuation::Ramp { torque_n_m, rise_s } => table([("torque", (*torque_n_m).into()), ("rise", (*rise_s).into())]),
+        Actuation::HalfSine { torque_n_m, length_s } => {
+            table([("torque", (*torque_n_m).into()), ("pulse", (*length_s).into())])
         }
-        match motor.actuation {
-            Actuation::Ramp { rise_s, .. } => settings.rise = Some(rise_s.into()),
-            Actuation::HalfSine { length_s, .. } => settings.pulse = Some(length_s.into()),
-            Actuation::Reversal { at_s, .. } => settings.reverse_at = Some(at_s.into()),
-            Actuation::Constant { .. } | Actuation::Table { .. } => {}
+        Actuation::Reversal { torque_n_m, at_s } => {
+            table([("torque", (*torque_n_m).into()), ("reverse_at", (*at_s).into())])
         }
-        settings
+        Actuation::Table { points, interpolation } => table([
+            ("times", list(points.iter().map(|point| point.0))),
+            ("torques", list(points.iter().map(|point| point.1))),
+            ("interpolation", interpolation.keyword().into()),
+        ]),
+    });
+    if let Some(brake) = motor.brake {
+        let bristle = |value: fn(Bristle) -> f64| brake.bristle.map_or(missing, value).into();
+        settings.extend(table([
+            ("brake_torque", brake.torque_n_m.into()),
+            ("brake_at", brake.start_s.into()),
+            ("brake_rise", brake.rise_s.into()),
+            ("brake_release", brake.release_s.unwrap_or(missing).into()),
+            ("brake_v_static", brake.v_static_rad_s.into()),
+            ("brake_law", brake.bristle.keyword().into()),
+            ("brake_damping", bristle(|bristle| bristle.damping_n_s_per_m)),
+            ("brake_relaxation", bristle(|bristle| bristle.relaxation_s)),
+        ]));
     }
+    settings
 }
 
 const BRAKE: Brake = Brake {
@@ -221,7 +223,7 @@ impl Keyword for Placement {
 }
 
 /// The spring that straightens the finger.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct SpringSettings {
     /// "constant": a constant torque; "torsional": stiffness × (preload + deflection); "none".
     #[schemars(extend("default" = "constant"))]
@@ -240,24 +242,24 @@ pub struct SpringSettings {
     pub placement: Word<Placement>,
 }
 
-impl From<Option<Spring>> for SpringSettings {
-    fn from(spring: Option<Spring>) -> Self {
-        let (kind, placement) = (spring.map(|spring| spring.kind), spring.map(|spring| spring.placement));
-        let (torque, stiffness, preload) = match kind {
-            Some(SpringKind::Constant { torque_n_m }) => (Some(torque_n_m.into()), None, 0.0),
-            Some(SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad }) => {
-                (None, Some(stiffness_n_m_per_rad.into()), preload_rad)
-            }
-            None => (None, None, 0.0),
-        };
-        let placement = Word(placement.unwrap_or(Placement::Phalanges));
-        SpringSettings { r#type: Word(kind), torque, stiffness, preload: preload.into(), placement }
+/// Settings of a given spring.
+pub fn spring(spring: Option<Spring>) -> Table {
+    let kind = spring.map(|spring| spring.kind);
+    let mut settings = table([("type", kind.keyword().into())]);
+    match kind {
+        Some(SpringKind::Constant { torque_n_m }) => settings.extend(table([("torque", torque_n_m.into())])),
+        Some(SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad }) => {
+            settings.extend(table([("stiffness", stiffness_n_m_per_rad.into()), ("preload", preload_rad.into())]));
+        }
+        None => {}
     }
+    settings.extend(spring.map(|spring| ("placement".to_string(), spring.placement.keyword().into())));
+    settings
 }
 
 /// A differential (seesaw) with [motor] at its input; each finger gets half of the torque. An empty section
 /// suffices to add it.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct DifferentialSettings {
     /// Whether there is a differential.
     #[schemars(extend("default" = true))]

@@ -3,10 +3,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use toml::Table;
 
-use super::{ContactSettings, FINGERS, LimitSettings, MotorSettings, SpringSettings};
-use crate::gripper::{Assembly, Body, BodyOverride, Lengths};
+use super::{ContactSettings, FINGERS, LimitSettings, MotorSettings, SpringSettings, list, table};
+use crate::gripper::{Assembly, Bodies, Body, BodyOverride, Lengths};
 use crate::scene::Initial;
 use crate::scene::quantity::{
     Angle, AngularRate, Density, Inertia, Length, Mass, Plain, Positive, Quantity, Time, Word,
@@ -14,43 +15,43 @@ use crate::scene::quantity::{
 use crate::sizing::Rule;
 
 /// Keys and sections of a finger; in a gripper they apply to both fingers, or to one within `[right]` and `[left]`.
-#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+#[derive(JsonSchema)]
 pub struct FingerSettings {
     /// Half width w of every link; a phalanx is a capsule of this radius.
     #[schemars(extend("default" = "2.5 mm", "x-kinds" = FINGERS))]
-    pub half_width: Option<Positive<Length>>,
+    pub half_width: Positive<Length>,
     /// Assembly mode of the five-bar: "reference": that of the straight configuration; "other": its mirror image.
     #[schemars(extend("default" = "reference", "x-kinds" = FINGERS))]
-    pub assembly: Option<Word<Assembly>>,
+    pub assembly: Word<Assembly>,
     /// Computes the torques of motor and spring (or the stiffness of a torsional spring with a preload), which must not
     /// be given then: the spring keeps the finger straight on a test trajectory up to the object; the motor has the RMS
     /// torque of this "rigid" phase, or of the "whole" trajectory.
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub sizing: Option<Word<Rule>>,
+    pub sizing: Word<Rule>,
     /// Duration of the test trajectory of `sizing`.
     #[schemars(extend("default" = "10 ms", "x-kinds" = FINGERS))]
-    pub closing_time: Option<Positive<Time>>,
+    pub closing_time: Positive<Time>,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub design: Option<DesignSettings>,
+    pub design: DesignSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub lengths: Option<LengthSettings>,
+    pub lengths: LengthSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub material: Option<MaterialSettings>,
+    pub material: MaterialSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub bodies: Option<BodiesSettings>,
+    pub bodies: BodiesSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub motor: Option<MotorSettings>,
+    pub motor: MotorSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub spring: Option<SpringSettings>,
+    pub spring: SpringSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub limit: Option<LimitSettings>,
-    pub contact: Option<ContactSettings>,
+    pub limit: LimitSettings,
+    pub contact: ContactSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub initial: Option<InitialSettings>,
+    pub initial: InitialSettings,
 }
 
 /// The finger by its design variables, adapted to the object. Alternative to [lengths].
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct DesignSettings {
     /// Distance along the palm from the ground joints to the object's centre. Required.
     #[schemars(extend("x-required" = "add the distance to the object: base = \"15.5 mm\""))]
@@ -80,7 +81,7 @@ pub struct DesignSettings {
 }
 
 /// The finger by its link lengths. Alternative to [design].
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct LengthSettings {
     /// Distance along the palm from the ground joints to the object's centre: the position of the object of one finger,
     /// half the palm width of a gripper. Alternative to `object.centre` and `palm_width`.
@@ -106,16 +107,21 @@ pub struct LengthSettings {
     pub phi22: Option<Quantity<Angle>>,
 }
 
-impl From<&Lengths> for LengthSettings {
-    fn from(lengths: &Lengths) -> Self {
-        let Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, .. } = *lengths;
-        let [l12, l21, l22, t22] = [l12_m, l21_m, l22_m, t22_m].map(|length_m| Some(length_m.into()));
-        LengthSettings { base: None, l11: l11_m.into(), l12, l21, l22, t22, phi22: Some(phi22_rad.into()) }
-    }
+/// Settings of given lengths.
+pub fn lengths(lengths: &Lengths) -> Table {
+    let Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, .. } = *lengths;
+    table([
+        ("l11", l11_m.into()),
+        ("l12", l12_m.into()),
+        ("l21", l21_m.into()),
+        ("l22", l22_m.into()),
+        ("t22", t22_m.into()),
+        ("phi22", phi22_rad.into()),
+    ])
 }
 
 /// Density and depth of the links, which determine masses and inertias together with the outlines.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct MaterialSettings {
     #[schemars(extend("default" = "1070 kg/m^3"))]
     pub density: Positive<Density>,
@@ -125,7 +131,7 @@ pub struct MaterialSettings {
 }
 
 /// Mass properties of single bodies that replace those from the outlines.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(JsonSchema)]
 pub struct BodiesSettings {
     pub l11: BodySettings,
     pub l12: BodySettings,
@@ -134,7 +140,7 @@ pub struct BodiesSettings {
 }
 
 /// Mass properties of one body. If only the mass is given, the inertia from the outline is scaled with it.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct BodySettings {
     pub mass: Option<Positive<Mass>>,
     /// Centre of mass relative to the preceding joint: along the link, and to its left.
@@ -153,19 +159,23 @@ impl From<BodySettings> for BodyOverride {
     }
 }
 
-impl From<&Body> for BodySettings {
-    fn from(body: &Body) -> Self {
-        BodySettings {
-            mass: Some(body.mass_kg.into()),
-            com: Some(body.com_m.map(Quantity::from)),
-            inertia: Some(body.inertia_kg_m2.into()),
-        }
-    }
+/// Settings of given bodies.
+pub fn bodies(bodies: &Bodies) -> Table {
+    let body = |body: &Body| {
+        let com = list(body.com_m);
+        table([("mass", body.mass_kg.into()), ("com", com), ("inertia", body.inertia_kg_m2.into())]).into()
+    };
+    table([
+        ("l11", body(&bodies.l11)),
+        ("l12", body(&bodies.l12)),
+        ("l21", body(&bodies.l21)),
+        ("l22", body(&bodies.l22)),
+    ])
 }
 
 /// Initial configuration. Default: straight, 25° before the contact of the proximal phalanx with the object, at
 /// rest.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct InitialSettings {
     /// Angle before the contact of the proximal phalanx with the object, from which the finger starts straight.
     #[schemars(extend("default" = "25 deg"))]
@@ -180,14 +190,8 @@ pub struct InitialSettings {
     pub qd21: Quantity<AngularRate>,
 }
 
-impl From<Initial> for InitialSettings {
-    fn from(initial: Initial) -> Self {
-        InitialSettings {
-            offset: None,
-            q11: Some(initial.q11_rad.into()),
-            q21: Some(initial.q21_rad.into()),
-            qd11: initial.qd11_rad_s.into(),
-            qd21: initial.qd21_rad_s.into(),
-        }
-    }
+/// Settings of a given start.
+pub fn initial(initial: &Initial) -> Table {
+    let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = *initial;
+    table([("q11", q11_rad.into()), ("q21", q21_rad.into()), ("qd11", qd11_rad_s.into()), ("qd21", qd21_rad_s.into())])
 }

@@ -2,9 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use toml::Table;
 
-use super::{FINGERS, GRIPPER};
-use crate::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
+use super::{FINGERS, GRIPPER, table};
+use crate::law::{Bristle, ContactLaw, NormalLaw};
 use crate::scene::quantity::{
     Angle, AngularDamping, Keyword, Length, LinearDamping, NotNegative, Plain, Positive, Pressure, Quantity, Speed,
     Time, Word,
@@ -12,7 +13,7 @@ use crate::scene::quantity::{
 
 /// Laws of both contacts with the object; [contact.proximal] and [contact.distal] override single keys for one
 /// contact.
-#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+#[derive(JsonSchema)]
 #[schemars(extend("x-bodies" = { "description": "Law of every contact." }, "x-gripper" = {
     "description": "Laws of all contacts with the object; [contact.proximal] and [contact.distal] override single keys for \
         these phalanges of both fingers, [contact.palm] and [contact.table] for palm and table."
@@ -21,37 +22,56 @@ pub struct ContactSettings {
     #[serde(flatten)]
     pub law: LawSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub materials: Option<HertzSettings>,
-    pub friction: Option<FrictionSettings>,
+    pub materials: HertzSettings,
+    pub friction: FrictionSettings,
     #[schemars(extend("x-kinds" = FINGERS, "x-overrides" = true))]
-    pub proximal: Option<ContactOverride>,
+    pub proximal: ContactOverride,
     #[schemars(extend("x-kinds" = FINGERS, "x-overrides" = true))]
-    pub distal: Option<ContactOverride>,
+    pub distal: ContactOverride,
     #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
-    pub palm: Option<ContactOverride>,
+    pub palm: ContactOverride,
     #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
-    pub table: Option<ContactOverride>,
+    pub table: ContactOverride,
 }
 
 /// Overrides of [contact] for one contact.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(JsonSchema)]
 pub struct ContactOverride {
     #[serde(flatten)]
     pub law: LawSettings,
-    pub materials: Option<HertzSettings>,
-    pub friction: Option<FrictionSettings>,
+    pub materials: HertzSettings,
+    pub friction: FrictionSettings,
 }
 
-impl From<&ContactLaw> for ContactOverride {
-    fn from(law: &ContactLaw) -> Self {
-        let none = || FrictionSettings { mu_dynamic: Some(0.0.into()), ..FrictionSettings::default() };
-        let friction = law.friction.as_ref().map_or_else(none, FrictionSettings::from);
-        ContactOverride { law: (&law.normal).into(), materials: None, friction: Some(friction) }
-    }
+/// Settings of a given law.
+pub fn contact(law: &ContactLaw) -> Table {
+    let NormalLaw { stiffness_n_per_m_e, exponent, damping_max_n_s_per_m, transition_m } = law.normal;
+    let friction = match &law.friction {
+        None => table([("mu_static", 0.0.into()), ("mu_dynamic", 0.0.into())]),
+        Some(law) => {
+            let bristle = |value: fn(Bristle) -> f64| law.bristle.map_or(f64::NAN, value).into();
+            table([
+                ("mu_static", law.mu_static.into()),
+                ("mu_dynamic", law.mu_dynamic.into()),
+                ("v_static", law.v_static_m_s.into()),
+                ("v_dynamic", law.v_dynamic_m_s.into()),
+                ("law", law.bristle.keyword().into()),
+                ("bristle_damping", bristle(|bristle| bristle.damping_n_s_per_m)),
+                ("bristle_relaxation", bristle(|bristle| bristle.relaxation_s)),
+            ])
+        }
+    };
+    table([
+        ("stiffness_si", stiffness_n_per_m_e.into()),
+        ("exponent", exponent.into()),
+        ("damping", damping_max_n_s_per_m.into()),
+        ("transition", transition_m.into()),
+        ("friction", friction.into()),
+    ])
 }
 
 /// Normal law of one or several contacts.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct LawSettings {
     /// Stiffness k in N/m^e, a plain number because its unit depends on the exponent e; 0 for a damper only.
     #[schemars(extend("default" = 1e8))]
@@ -78,19 +98,8 @@ impl From<&LawSettings> for NormalLaw {
     }
 }
 
-impl From<&NormalLaw> for LawSettings {
-    fn from(law: &NormalLaw) -> Self {
-        LawSettings {
-            stiffness_si: law.stiffness_n_per_m_e.into(),
-            exponent: law.exponent.into(),
-            damping: law.damping_max_n_s_per_m.into(),
-            transition: law.transition_m.into(),
-        }
-    }
-}
-
 /// Coulomb friction. Without this section the contact is frictionless.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionSettings {
     /// Static coefficient, reached at v_static; 0 is frictionless.
     #[schemars(extend("default" = 0.0))]
@@ -115,20 +124,6 @@ pub struct FrictionSettings {
     pub bristle_relaxation: Option<Positive<Time>>,
 }
 
-impl From<&FrictionLaw> for FrictionSettings {
-    fn from(law: &FrictionLaw) -> Self {
-        FrictionSettings {
-            mu_static: law.mu_static.into(),
-            mu_dynamic: Some(law.mu_dynamic.into()),
-            v_static: Some(law.v_static_m_s.into()),
-            v_dynamic: Some(law.v_dynamic_m_s.into()),
-            law: Some(Word(law.bristle)),
-            bristle_damping: law.bristle.map(|bristle| bristle.damping_n_s_per_m.into()),
-            bristle_relaxation: law.bristle.map(|bristle| bristle.relaxation_s.into()),
-        }
-    }
-}
-
 impl Keyword for Option<Bristle> {
     const KEYWORDS: &'static [(&'static str, Self)] =
         &[("regularised", None), ("bristle", Some(Bristle { damping_n_s_per_m: f64::NAN, relaxation_s: f64::NAN }))];
@@ -140,14 +135,14 @@ impl Keyword for Option<Bristle> {
 
 /// Materials and radii of the two surfaces, in place of stiffness and exponent: Hertz contact, k = 4/3 E* √R and e
 /// = 3/2.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(JsonSchema)]
 pub struct HertzSettings {
     pub object: SurfaceSettings,
     pub phalanx: SurfaceSettings,
 }
 
 /// One surface of a Hertz contact.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct SurfaceSettings {
     /// Young's modulus. Required.
     #[schemars(extend("x-required" = "add modulus = \"2.3 GPa\""))]
@@ -160,7 +155,7 @@ pub struct SurfaceSettings {
 }
 
 /// The stop that prevents the distal phalanx from bending backwards, q22 ≥ −phi22: a contact law on the angle.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct LimitSettings {
     /// Whether there is a joint limit.
     #[schemars(extend("default" = true))]
@@ -191,20 +186,14 @@ impl LimitSettings {
     }
 }
 
-impl From<Option<NormalLaw>> for LimitSettings {
-    fn from(law: Option<NormalLaw>) -> Self {
-        let shown = law.unwrap_or(NormalLaw {
-            stiffness_n_per_m_e: 0.0,
-            exponent: 0.0,
-            damping_max_n_s_per_m: 0.0,
-            transition_m: 0.0,
-        });
-        LimitSettings {
-            enabled: law.is_some(),
-            stiffness_si: shown.stiffness_n_per_m_e.into(),
-            exponent: shown.exponent.into(),
-            damping: shown.damping_max_n_s_per_m.into(),
-            transition: shown.transition_m.into(),
-        }
-    }
+/// Settings of a given limit.
+pub fn limit(law: Option<NormalLaw>) -> Table {
+    let Some(law) = law else { return table([("enabled", false.into())]) };
+    table([
+        ("enabled", true.into()),
+        ("stiffness_si", law.stiffness_n_per_m_e.into()),
+        ("exponent", law.exponent.into()),
+        ("damping", law.damping_max_n_s_per_m.into()),
+        ("transition", law.transition_m.into()),
+    ])
 }

@@ -33,15 +33,17 @@ mod run;
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use toml::{Table, Value};
 
-pub use bodies::{DiscSettings, HalfPlaneSettings, ObjectSettings, TableSettings};
-pub use drive::{DifferentialSettings, MotorSettings, SpringSettings};
+pub use bodies::{DiscSettings, HalfPlaneSettings, ObjectSettings, TableSettings, disc, object};
+pub use drive::{DifferentialSettings, MotorSettings, SpringSettings, motor, spring};
 pub use finger::{
-    BodiesSettings, BodySettings, DesignSettings, FingerSettings, InitialSettings, LengthSettings, MaterialSettings,
+    BodySettings, DesignSettings, FingerSettings, InitialSettings, LengthSettings, MaterialSettings, bodies, initial,
+    lengths,
 };
-pub use law::{ContactOverride, ContactSettings, FrictionSettings, LawSettings, LimitSettings, SurfaceSettings};
-pub use motion::{MoveSettings, PathSettings, VibrationSettings};
+pub use law::{ContactSettings, FrictionSettings, LawSettings, LimitSettings, SurfaceSettings, contact, limit};
+pub use motion::{MoveSettings, PathSettings, VibrationSettings, palm_motion};
 pub use run::{
     Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
     Stepping, Thresholds,
@@ -49,6 +51,16 @@ pub use run::{
 
 use super::keywords::SceneKind;
 use super::quantity::{Acceleration, Length, Positive, Quantity, Time, Word};
+
+/// A table of values in SI units, as the settings of a part of a scene; NaN for missing values.
+pub fn table<const N: usize>(values: [(&str, Value); N]) -> Table {
+    values.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
+}
+
+/// Values of a pair or a list in SI units.
+fn list(values: impl IntoIterator<Item = f64>) -> Value {
+    values.into_iter().collect::<Vec<f64>>().into()
+}
 
 /// Kinds of scene in `x-kinds`.
 const FINGER: &str = "finger";
@@ -59,7 +71,7 @@ const NO_OR_TWO_FINGERS: &str = "bodies gripper";
 
 /// A scene of kind "finger": one finger, the object it grasps, and the settings of the simulation. Omitted keys
 /// have their defaults. Quantities are strings with a unit: "15 mm", "120 deg", "480 N*mm".
-#[derive(Debug, Default, Serialize, JsonSchema)]
+#[derive(JsonSchema)]
 #[schemars(
     title = "scene of a finger",
     extend(
@@ -86,41 +98,41 @@ pub struct SceneFile {
         "x-kinds" = BODIES, "minProperties" = 1,
         "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "not": { "const": "plane" } }
     ))]
-    pub discs: Option<BTreeMap<String, DiscSettings>>,
+    pub discs: BTreeMap<String, DiscSettings>,
     #[schemars(extend("x-kinds" = BODIES))]
-    pub half_plane: Option<HalfPlaneSettings>,
+    pub half_plane: HalfPlaneSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
-    pub object: Option<ObjectSettings>,
+    pub object: ObjectSettings,
     #[schemars(extend("x-kinds" = GRIPPER))]
-    pub table: Option<TableSettings>,
+    pub table: TableSettings,
     #[schemars(extend("x-kinds" = GRIPPER))]
-    pub differential: Option<DifferentialSettings>,
+    pub differential: DifferentialSettings,
     /// Settings of the right finger that differ from the common ones. The left finger is described by its mirror image.
     #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
-    pub right: Option<FingerSettings>,
+    pub right: FingerSettings,
     /// Settings of the left finger that differ from the common ones. The left finger is described by its mirror image.
     #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
-    pub left: Option<FingerSettings>,
+    pub left: FingerSettings,
     /// One section per name, chosen freely. A move of the palm from rest to rest along a polynomial of order 7, with zero
     /// rate, acceleration and jerk at both ends. Overlapping moves add up.
     #[schemars(extend("x-kinds" = GRIPPER, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
-    pub moves: Option<BTreeMap<String, MoveSettings>>,
+    pub moves: BTreeMap<String, MoveSettings>,
     /// One section per name, chosen freely. A vibration of the palm, amplitude × sin(2π f (t − start) + phase), with a
     /// ramp over the first periods.
     #[schemars(extend("x-kinds" = GRIPPER, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
-    pub vibrations: Option<BTreeMap<String, VibrationSettings>>,
+    pub vibrations: BTreeMap<String, VibrationSettings>,
     #[schemars(extend("x-kinds" = GRIPPER))]
-    pub path: Option<PathSettings>,
-    pub integrator: Option<Integrator>,
-    pub engine: Option<Engine>,
-    pub validate: Option<Bounds>,
+    pub path: PathSettings,
+    pub integrator: Integrator,
+    pub engine: Engine,
+    pub validate: Bounds,
     #[schemars(extend("x-kinds" = GRIPPER))]
-    pub criteria: Option<Thresholds>,
-    pub log: Option<LogRates>,
+    pub criteria: Thresholds,
+    pub log: LogRates,
 }
 
 /// Settings at the top level.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct SceneSettings {
     /// Scene file that this one extends, relative to its own directory: omitted keys are inherited, except
     /// name and description. A section with `type` or `profile` replaces the inherited section; [lengths] replaces

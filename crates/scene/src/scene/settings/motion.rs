@@ -1,14 +1,15 @@
 //! Motion of the palm of a gripper.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use toml::{Table, Value};
 
+use super::{list, table};
 use crate::numeric::elementary::hypot;
 use crate::scene::quantity::{
-    Acceleration, Angle, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word, quantities,
-    si_values,
+    Acceleration, Angle, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word, si_values,
 };
-use crate::scene::{Axis, Move, Path, Ramp, Vibration};
+use crate::scene::{Axis, Move, PalmMotion, Path, Ramp, Vibration};
 
 /// Coordinates that are not 0.
 fn nonzero(x: f64, y: f64, angle: f64) -> impl Iterator<Item = (Axis, f64)> {
@@ -17,7 +18,7 @@ fn nonzero(x: f64, y: f64, angle: f64) -> impl Iterator<Item = (Axis, f64)> {
 
 /// A move of the palm from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at
 /// both ends. Overlapping moves add up.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct MoveSettings {
     /// Distance along the palm.
     #[schemars(extend("default" = "0 mm"))]
@@ -39,16 +40,6 @@ pub struct MoveSettings {
 }
 
 impl MoveSettings {
-    /// Adds a move along one coordinate.
-    pub fn add(&mut self, item: &Move) {
-        match item.axis {
-            Axis::X => self.x = item.distance.into(),
-            Axis::Y => self.y = item.distance.into(),
-            Axis::Angle => self.angle = item.distance.into(),
-        }
-        (self.start, self.time) = (Some(item.start_s.into()), Some(item.length_s.into()));
-    }
-
     /// Distance of the translation.
     pub fn distance_m(&self) -> f64 {
         hypot(*self.x, *self.y)
@@ -66,7 +57,7 @@ impl MoveSettings {
 }
 
 /// A vibration of the palm, amplitude × sin(2π f (t − start) + phase), with a ramp over the first periods.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct VibrationSettings {
     /// Amplitude along x, in the direction of the palm.
     #[schemars(extend("default" = "0 mm"))]
@@ -95,18 +86,6 @@ pub struct VibrationSettings {
 }
 
 impl VibrationSettings {
-    /// Adds a vibration along one coordinate.
-    pub fn add(&mut self, item: &Vibration) {
-        let Vibration { axis, amplitude, frequency_hz, phase_rad, start_s, ramp_periods, ramp } = *item;
-        match axis {
-            Axis::X => self.x = amplitude.into(),
-            Axis::Y => self.y = amplitude.into(),
-            Axis::Angle => self.angle = amplitude.into(),
-        }
-        (self.frequency, self.phase, self.start) = (Some(frequency_hz.into()), phase_rad.into(), start_s.into());
-        (self.ramp_periods, self.ramp) = (ramp_periods.into(), Word(ramp));
-    }
-
     /// Vibrations along each coordinate that changes.
     pub fn vibrations(&self) -> impl Iterator<Item = Vibration> {
         let frequency_hz = self.frequency.map_or(f64::NAN, |frequency| *frequency);
@@ -129,7 +108,7 @@ impl Keyword for Ramp {
 
 /// A path of the palm: a cubic spline through poses, at rest before the first and after the last; added to moves
 /// and vibrations.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct PathSettings {
     /// Times of the poses, increasing.
     pub times: Option<Vec<Quantity<Time>>>,
@@ -161,14 +140,45 @@ impl PathSettings {
     }
 }
 
-impl From<&Path> for PathSettings {
-    fn from(path: &Path) -> Self {
-        let axis = |axis: usize| path.points().iter().map(move |point| point.1[axis]);
-        PathSettings {
-            times: Some(quantities(path.points().iter().map(|point| point.0))),
-            x: Some(quantities(axis(0))),
-            y: Some(quantities(axis(1))),
-            angle: Some(quantities(axis(2))),
+/// Settings of a given motion: moves, vibrations and path; those without a name are numbered.
+pub fn palm_motion(motion: &PalmMotion) -> Table {
+    let mut settings = table([("moves", Table::new().into()), ("vibrations", Table::new().into())]);
+    let mut add = |section: &str, names: &[String], index: usize, (axis, value): (Axis, f64), more: Table| {
+        let axis = ["x", "y", "angle"][axis as usize];
+        let is_valid = |name: &&String| {
+            name.starts_with(|first: char| first.is_ascii_alphabetic())
+                && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+        };
+        let name = names.get(index).filter(is_valid).cloned().unwrap_or(format!("{}{}", &section[..1], index + 1));
+        if let Some(Value::Table(named)) = settings.get_mut(section) {
+            let item = named.entry(name).or_insert_with(|| Table::new().into());
+            item.as_table_mut().into_iter().for_each(|item| {
+                item.extend(more.clone());
+                item.insert(axis.to_string(), value.into());
+            });
         }
+    };
+    for (index, Move { axis, distance, start_s, length_s }) in motion.moves.iter().enumerate() {
+        let more = table([("start", (*start_s).into()), ("time", (*length_s).into())]);
+        add("moves", &motion.names[0], index, (*axis, *distance), more);
     }
+    for (index, item) in motion.vibrations.iter().enumerate() {
+        let more = table([
+            ("frequency", item.frequency_hz.into()),
+            ("phase", item.phase_rad.into()),
+            ("start", item.start_s.into()),
+            ("ramp_periods", item.ramp_periods.into()),
+            ("ramp", item.ramp.keyword().into()),
+        ]);
+        add("vibrations", &motion.names[1], index, (item.axis, item.amplitude), more);
+    }
+    if let Some(path) = &motion.path {
+        let axis = |axis: usize| list(path.points().iter().map(|point| point.1[axis]));
+        let times = list(path.points().iter().map(|point| point.0));
+        settings.insert(
+            "path".into(),
+            table([("times", times), ("x", axis(0)), ("y", axis(1)), ("angle", axis(2))]).into(),
+        );
+    }
+    settings
 }
