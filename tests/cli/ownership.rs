@@ -53,7 +53,7 @@ fn output_replaces_only_files_of_phalanx() {
     let [log, results, other_log] = ["run.mcap", "results.csv", "bag.mcap"].map(|name| directory.join(name));
     run_ok(&["run", EXPERIMENT_95, "--log", path_text(&log)]);
     run_ok(&["sweep", THESIS, "--limit", "96", "--out", path_text(&results)]);
-    let commands: [(&[&str], &str); 5] = [
+    let commands: [(&[&str], &str); 6] = [
         (&["run", EXPERIMENT_95, "--log"], "again.mcap"),
         (&["replay", path_text(&log), "--html"], "page.html"),
         (&["replay", path_text(&log), "--csv"], "samples.csv"),

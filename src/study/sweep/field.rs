@@ -7,6 +7,7 @@ use crate::scene::Problem;
 use crate::scene::keys::{child_schema, is_table, unknown_key};
 use crate::scene::toml_value::TomlValue;
 pub use crate::scene::value::ValueType as FieldType;
+use crate::scene::value::problem_at;
 use crate::table::{Kind, Value};
 use crate::units::Dimension;
 
@@ -87,24 +88,28 @@ impl Field {
     /// Reads a value of the field from a study file.
     ///
     /// # Errors
-    /// Returns the problems of a value of another type, with their positions.
+    /// Returns the problems of a value of another type.
     pub fn read(&self, value: &Spanned<TomlValue>) -> Result<AxisValue, Vec<Problem>> {
-        let text = to_toml(value.get_ref());
-        let value = match self.field_type.read(&self.path, value)? {
-            toml::Value::Integer(integer) => Value::Integer(integer),
+        let value_si = match self.field_type.read(&self.path, value)? {
             toml::Value::Float(number) => Value::Number(number),
+            toml::Value::Integer(integer) => Value::Integer(integer),
             toml::Value::Boolean(flag) => Value::Flag(flag),
-            toml::Value::String(text) => Value::Text(text),
-            _ => Value::Text(text.clone()),
+            toml::Value::String(text) if text.contains(char::is_control) => {
+                let message = format!("`{}` is several lines, but must be a single line of text", self.path);
+                let help = "write it in one line".to_string();
+                return Err(vec![problem_at(value, message, "a single line of text", help)]);
+            }
+            toml::Value::String(text) => Value::from(text.as_str()),
+            _ => Value::from(to_toml(value.get_ref())),
         };
-        Ok(AxisValue { text, value })
+        Ok(AxisValue { text: to_toml(value.get_ref()), value: value_si })
     }
 }
 
-/// Kind of a result column with values of a type.
-pub(super) fn column_kind(field_type: &FieldType) -> Kind {
+/// Kind of a result column with values of this type.
+pub fn column_kind(field_type: &FieldType) -> Kind {
     match field_type {
-        FieldType::Quantity(_) | FieldType::Number => Kind::Number,
+        FieldType::Quantity(_) | FieldType::Number | FieldType::Percent => Kind::Number,
         FieldType::Integer(..) => Kind::Integer,
         FieldType::Flag => Kind::Flag,
         FieldType::Choice(_) | FieldType::Text | FieldType::List(..) => Kind::Text,
@@ -116,7 +121,7 @@ fn to_toml(value: &TomlValue) -> String {
     match value {
         TomlValue::Text(text) => toml::Value::from(text.as_str()).to_string(),
         TomlValue::Integer(integer) => integer.to_string(),
-        TomlValue::Float(number) | TomlValue::Si(number) => format!("{number:?}"),
+        TomlValue::Float(number) => format!("{number:?}"),
         TomlValue::Flag(flag) => flag.to_string(),
         TomlValue::List(items) => {
             let items: Vec<String> = items.iter().map(|item| to_toml(item.get_ref())).collect();

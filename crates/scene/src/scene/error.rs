@@ -18,6 +18,17 @@ pub struct Problem {
     pub help: String,
 }
 
+impl Problem {
+    pub fn new(
+        span: Option<Range<usize>>,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Problem { span, message: message.into(), label: label.into(), help: help.into() }
+    }
+}
+
 /// Error while reading a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SceneError {

@@ -54,71 +54,57 @@ fn walk<'a>(
             });
             continue;
         };
-        let is_table_expected = is_table(property);
         let span = value.span();
-        match (value.get_mut(), is_table_expected) {
-            (DeValue::Table(inner), true) => walk(inner, property, &other_kinds, schemas, &key_path, problems),
-            (DeValue::Array(items), false) => {
-                if let Some(item_schema) = property.get("items").filter(|item_schema| is_table(item_schema)) {
-                    for item in items.iter_mut() {
-                        if let DeValue::Table(inner) = item.get_mut() {
-                            walk(inner, item_schema, &Vec::new, schemas, &key_path, problems);
-                        }
+        let items = property.get("items").filter(|items| is_table(items));
+        let problem = match (value.get_mut(), is_table(property), items) {
+            (DeValue::Table(inner), true, _) => {
+                walk(inner, property, &other_kinds, schemas, &key_path, problems);
+                None
+            }
+            (DeValue::Array(tables), false, Some(items)) => {
+                for inner in tables.iter_mut() {
+                    if let DeValue::Table(inner) = inner.get_mut() {
+                        walk(inner, items, &Vec::new, schemas, &key_path, problems);
                     }
                 }
+                None
             }
-            (DeValue::Table(_), false) if property.get("items").is_some_and(is_table) => {
-                problems.push(Problem {
-                    span: Some(key.span()),
-                    message: format!("`{key_path}` is a single table, but must be a list of tables"),
-                    label: "expected a list of tables".into(),
-                    help: format!("write its header with two pairs of brackets: [[{key_path}]]"),
-                });
-                continue;
+            (DeValue::Table(_), false, Some(_)) => {
+                let message = format!("`{key_path}` is a single table, but must be a list of tables");
+                let help = format!("write its header with two pairs of brackets: [[{key_path}]]");
+                Some(Problem::new(Some(key.span()), message, "expected a list of tables", help))
             }
-            (DeValue::Table(_), false) => {
-                problems.push(Problem {
-                    span: Some(key.span()),
-                    message: format!("`{key_path}` is a table, but must be a single value"),
-                    label: "expected a single value".into(),
-                    help: format!("write {name} = ..."),
-                });
-                continue;
+            (DeValue::Table(_), false, None) => {
+                let message = format!("`{key_path}` is a table, but must be a single value");
+                Some(Problem::new(Some(key.span()), message, "expected a single value", format!("write {name} = ...")))
             }
-            (_, true) => {
-                problems.push(Problem {
-                    span: Some(span),
-                    message: format!("`{key_path}` is a single value, but must be a table"),
-                    label: "expected a table".into(),
-                    help: format!("begin a section with [{key_path}] and put its keys below"),
-                });
-                continue;
+            (_, true, _) => {
+                let message = format!("`{key_path}` is a single value, but must be a table");
+                let help = format!("begin a section with [{key_path}] and put its keys below");
+                Some(Problem::new(Some(span), message, "expected a table", help))
             }
-            _ => {}
+            _ => None,
+        };
+        match problem {
+            Some(problem) => problems.push(problem),
+            None => _ = table.insert(key, value),
         }
-        table.insert(key, value);
     }
 }
 
 /// Problem for a key that only scenes of another kind have.
 fn other_kind_problem(name: &str, path: &str, span: Range<usize>, kind: &str, other_kind: &str) -> Problem {
-    Problem {
-        span: Some(span),
-        message: format!(
-            "`{}` belongs to scenes of kind \"{other_kind}\", but this one is of kind \"{kind}\"",
-            join(path, name)
-        ),
-        label: "for another kind of scene".into(),
-        help: format!("remove it, or write kind = \"{other_kind}\" at the top of the file"),
-    }
+    let path = join(path, name);
+    let message = format!("`{path}` belongs to scenes of kind \"{other_kind}\", but this one is of kind \"{kind}\"");
+    let help = format!("remove it, or write kind = \"{other_kind}\" at the top of the file");
+    Problem::new(Some(span), message, "for another kind of scene", help)
 }
 
 /// Problem for an unknown key, with a suggestion.
 pub fn unknown_key(name: &str, path: &str, span: Range<usize>, schema: &Value, root: &Value) -> Problem {
     let message = format!("unknown key `{}` {}", name.escape_debug(), location(path));
     if let Some((reason, instead)) = find_unsupported(path, name) {
-        let (message, label) = (format!("{message}: {reason}"), "not supported by phalanx".to_string());
-        return Problem { span: Some(span), message, label, help: instead.to_string() };
+        return Problem::new(Some(span), format!("{message}: {reason}"), "not supported by phalanx", instead);
     }
     let names: Vec<&str> = properties(schema).into_iter().flat_map(Map::keys).map(String::as_str).collect();
     let mut other_locations = Vec::new();
@@ -129,7 +115,7 @@ pub fn unknown_key(name: &str, path: &str, span: Range<usize>, schema: &Value, r
         (Some(near), None) => format!("did you mean `{near}`?"),
         (None, None) => "not a key of a scene".to_string(),
     };
-    Problem { span: Some(span), message, label, help: format!("keys {}: {}", location(path), names.join(", ")) }
+    Problem::new(Some(span), message, label, format!("keys {}: {}", location(path), names.join(", ")))
 }
 
 /// Collects the paths of all tables with a key `name`.

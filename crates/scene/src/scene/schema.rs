@@ -220,8 +220,8 @@ pub fn describe_allowed(schema: &Value) -> String {
         ValueType::Text => "a string".to_string(),
         ValueType::Quantity(dimension) if limits(schema).is_empty() => dimension.name().to_string(),
         ValueType::Quantity(dimension) => format!("{} {described}", dimension.name()),
-        ValueType::Number if limits(schema).is_empty() => described,
-        ValueType::Number => format!("a number {described}"),
+        ValueType::Number | ValueType::Percent if limits(schema).is_empty() => described,
+        ValueType::Number | ValueType::Percent => format!("a number {described}"),
         ValueType::List(item, _) => match *item {
             ValueType::Quantity(dimension) => dimension.name().to_string(),
             _ => "a list".to_string(),

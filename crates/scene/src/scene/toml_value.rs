@@ -16,8 +16,6 @@ pub enum TomlValue {
     List(Vec<Spanned<TomlValue>>),
     /// A table, or a date, which becomes an empty table.
     Table(BTreeMap<String, Spanned<TomlValue>>),
-    /// A value in SI units that is not from a file: the default of the element of a pair that the file does not set.
-    Si(f64),
 }
 
 impl TomlValue {
@@ -29,7 +27,6 @@ impl TomlValue {
             TomlValue::Flag(_) => "a boolean",
             TomlValue::List(_) => "a list",
             TomlValue::Table(_) => "a table or date",
-            TomlValue::Si(_) => "a value in SI",
         }
     }
 }

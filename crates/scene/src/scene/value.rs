@@ -17,6 +17,8 @@ pub enum ValueType {
     Quantity(Dimension),
     /// A plain number: a ratio, or a value in SI units if its unit has a fractional power.
     Number,
+    /// A percentage; only in results of sweeps.
+    Percent,
     /// A whole number within limits.
     Integer(i64, i64),
     Flag,
@@ -72,16 +74,18 @@ impl ValueType {
         };
         match (self, found) {
             (ValueType::Quantity(dimension), _) => read_quantity(key, value, *dimension).map(Value::Float),
-            (ValueType::Number, TomlValue::Integer(integer)) => Ok(Value::Float(*integer as f64)),
-            (ValueType::Number, TomlValue::Float(number)) if number.is_finite() => Ok(Value::Float(*number)),
-            (ValueType::Number, TomlValue::Float(number)) => {
+            (ValueType::Number | ValueType::Percent, TomlValue::Integer(integer)) => Ok(Value::Float(*integer as f64)),
+            (ValueType::Number | ValueType::Percent, TomlValue::Float(number)) if number.is_finite() => {
+                Ok(Value::Float(*number))
+            }
+            (ValueType::Number | ValueType::Percent, TomlValue::Float(number)) => {
                 refuse(&number.to_string(), "finite", "a number", "write a finite number".into())
             }
-            (ValueType::Number, TomlValue::Text(_)) => {
+            (ValueType::Number | ValueType::Percent, TomlValue::Text(_)) => {
                 let help = "write it without quotes and unit, in SI units: 0.8 or 1e8";
                 refuse(found.name(), "a plain number", "a number", help.into())
             }
-            (ValueType::Number, _) => {
+            (ValueType::Number | ValueType::Percent, _) => {
                 refuse(found.name(), "a plain number", "a number", "write a number such as 0.8 or 1e8".into())
             }
             (ValueType::Integer(min, max), TomlValue::Integer(integer)) if (min..=max).contains(&integer) => {
@@ -154,7 +158,9 @@ impl ValueType {
             ValueType::Quantity(dimension) => {
                 text.parse().ok().filter(|si: &f64| si.abs() <= dimension.max_si()).map(Value::Float)
             }
-            ValueType::Number => text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::Float),
+            ValueType::Number | ValueType::Percent => {
+                text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::Float)
+            }
             ValueType::Integer(min, max) => {
                 text.parse().ok().filter(|integer| (min..=max).contains(&integer)).map(Value::Integer)
             }

@@ -2,7 +2,7 @@
 
 use super::super::section_input::SectionInput;
 use super::super::settings::{BodySettings, DesignSettings, LengthSettings, MaterialSettings};
-use super::super::{DrivenFinger, Motor, Side, defaults};
+use super::super::{DrivenFinger, Motor};
 use super::drive::SizingResult;
 use super::object::Target;
 use super::{contact, drive, start};
@@ -151,28 +151,19 @@ fn linkage(input: &SectionInput<'_>, lengths: &FingerLengths) -> Option<Finger> 
     }
 }
 
-/// Data a finger depends on.
-pub struct FingerEnvironment {
-    pub side: Side,
-    pub gravity_m_s2: [f64; 2],
-    /// Whether the finger has a motor of its own.
-    pub has_motor: bool,
-    /// Radius of curvature of the object.
-    pub curvature_m: f64,
-    /// The object it closes on; `None` if that is invalid.
-    pub target: Option<Target>,
-}
-
-/// Resolves a finger with its drive and initial configuration; also returns its sizing.
+/// Resolves a finger with its drive and initial configuration; also returns its sizing. `gravity_m_s2` is in the frame
+/// of the finger, `curvature_m` the radius of curvature of the object, and `target` `None` if it is invalid.
 pub fn driven_finger(
     input: &SectionInput<'_>,
     lengths: &FingerLengths,
-    environment: FingerEnvironment,
+    gravity_m_s2: [f64; 2],
+    has_motor: bool,
+    curvature_m: f64,
+    target: Option<&Target>,
 ) -> (SizingResult, Option<DrivenFinger>) {
-    let FingerEnvironment { side, gravity_m_s2: [x, y], has_motor, curvature_m, target } = environment;
     let linkage = linkage(input, lengths);
-    let finger_and_target = linkage.as_ref().zip(target.as_ref());
-    let sized = drive::size(input, lengths, finger_and_target, [side.mirror() * x, y]);
+    let finger_and_target = linkage.as_ref().zip(target);
+    let sized = drive::size(input, lengths, finger_and_target, gravity_m_s2);
     let motor = if has_motor { drive::motor(&input.subsection("motor"), sized) } else { Some(Motor::NONE) };
     let spring = drive::spring(&input.subsection("spring"), sized);
     let limit = contact::limit(&input.subsection("limit"));
@@ -193,8 +184,7 @@ pub fn driven_finger(
 
 /// Example of a base for messages, with three digits. As in the example of the thesis, it exceeds the smallest base of
 /// a design (D > R, see `gripper::proximal_range`).
-pub fn example_base_m(lengths: Option<&FingerLengths>, reach_m: f64) -> f64 {
-    let half_width_m = lengths.map_or(defaults::HALF_WIDTH_M, |lengths| lengths.half_width_m);
+pub fn example_base_m(half_width_m: f64, reach_m: f64) -> f64 {
     let base_m = (half_width_m * (2.0 * reach_m + half_width_m)).sqrt() + 0.25 * reach_m;
     format!("{base_m:.2e}").parse().unwrap_or(base_m)
 }

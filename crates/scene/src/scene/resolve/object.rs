@@ -81,7 +81,7 @@ pub fn single_object(input: &SectionInput<'_>, object: &Object, finger: &FingerL
         return Some(vec![object.disc.clone()]);
     }
     if finger.base_m.is_none() && lengths.is_present() && !lengths.has("base") {
-        let [base, height] = [example_base_m(Some(finger), shape::max_radius(&placed.shape)), y].map(length);
+        let [base, height] = [example_base_m(finger.half_width_m, shape::max_radius(&placed.shape)), y].map(length);
         let help = format!(
             "add the distance along the palm to the object's centre, such as [lengths] base = \"{base}\", or [object] centre = \
              [\"-{base}\", \"{height}\"], or [object] present = false"
@@ -144,7 +144,7 @@ pub fn palm_width(
     let lacks_base = !input.subsection("lengths").has("base")
         && fingers.iter().any(|finger| finger.lengths.is_some() && finger.base_m.is_none());
     if lacks_base {
-        let example = || example_base_m(Some(right), shape::max_radius(&object.shape));
+        let example = || example_base_m(right.half_width_m, shape::max_radius(&object.shape));
         let base_m = right.base_m.or(left.base_m).unwrap_or_else(example);
         let [base, width] = [base_m, 2.0 * base_m].map(length);
         let help = format!("add it, such as palm_width = \"{width}\", or half of it: [lengths] base = \"{base}\"");

@@ -5,7 +5,7 @@ use super::super::settings::{DifferentialSettings, SceneSettings};
 use super::super::{Differential, DiscMotion, DrivenFinger, HalfPlane, Side, System};
 use super::contact::Level;
 use super::drive::{self, SizingResult};
-use super::finger::{FingerEnvironment, driven_finger, resolve_lengths};
+use super::finger::{driven_finger, resolve_lengths};
 use super::{disc, motion, object};
 use crate::shape;
 
@@ -32,11 +32,12 @@ pub fn system(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSetti
     let differential_settings = differential_settings.filter(|settings| settings.present);
     let curvature_m = shape::curvature_radius(&object.shape);
     let (mut sizings, mut fingers): (Vec<SizingResult>, Vec<Option<DrivenFinger>>) = Default::default();
-    for (index, target) in targets.into_iter().enumerate().take(finger_lengths.len()) {
-        let has_motor = differential_settings.is_none();
-        let environment =
-            FingerEnvironment { side: input.sides()[index], gravity_m_s2, has_motor, curvature_m, target };
-        let (sizing, finger) = driven_finger(&fingers_input[index], &finger_lengths[index], environment);
+    for ((side, finger), (lengths, target)) in
+        input.sides().iter().zip(&fingers_input).zip(finger_lengths.iter().zip(&targets))
+    {
+        let [x, y] = gravity_m_s2;
+        let (gravity, has_motor) = ([side.mirror() * x, y], differential_settings.is_none());
+        let (sizing, finger) = driven_finger(finger, lengths, gravity, has_motor, curvature_m, target.as_ref());
         sizings.push(sizing);
         fingers.push(finger);
     }
