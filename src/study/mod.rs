@@ -34,9 +34,9 @@ pub mod step_size;
 pub mod sweep;
 pub mod volume;
 
-use bisect::bisect;
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
+use bisect::bisect;
 
 /// Returns the scene if it is of a gripper. Messages call it `name` and suggest `example`.
 ///

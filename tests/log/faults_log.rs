@@ -37,7 +37,9 @@ fn reads_a_prefix_of_a_truncated_log() {
         items.assert_prefix_of(complete_items, &format!("cut at {cut}"));
         longest = longest.max(items.0.len());
         match reading {
-            Ok(reading) => assert!(matches!(reading.losses.last(), Some(Loss { kind: LossKind::Truncated, .. })), "cut at {cut}"),
+            Ok(reading) => {
+                assert!(matches!(reading.losses.last(), Some(Loss { kind: LossKind::Truncated, .. })), "cut at {cut}")
+            }
             Err(ReadError::Empty { bytes }) => assert_eq!(bytes, cut as u64),
             Err(ReadError::NotMcap) => assert_eq!(cut, 0),
             Err(error) => panic!("cut at {cut}: {error}"),
