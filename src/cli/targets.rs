@@ -112,7 +112,8 @@ impl OutputDirectory {
             )));
         }
         let refused = |error: io::Error| {
-            Failure::bad_input(format!("{}; give one where you may write", cannot_write(out, error)))
+            let help = "give one where you may write";
+            Failure::bad_input(format!("cannot create the directory {shown_path} or a file in it: {error}; {help}"))
         };
         fs::create_dir_all(out).and_then(|()| tempfile::tempfile_in(out)).map_err(refused)?;
         for name in names {
