@@ -2,9 +2,11 @@
 
 import sys
 
-from .optimization import main, optimize
+from .optimization import optimize
 
 if __name__ == "__main__":
+    from .optimization.command import main
+
     sys.exit(main())
 # `import phalanx.optimize` must not hide the function `phalanx.optimize`.
 sys.modules[__name__] = optimize  # type: ignore[assignment]

@@ -16,7 +16,8 @@ import numpy as np
 import phalanx
 import phalanx.optimize
 from common import ANCHOR, ROOT, SCENES
-from phalanx.optimization import main, report, search, study
+from phalanx.optimization import report, search, study
+from phalanx.optimization.command import main
 
 STUDIES = SCENES / "studies"
 HEAD = 'scene = "../experiment-95.toml"\n'

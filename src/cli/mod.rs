@@ -10,7 +10,6 @@
 mod browser;
 mod capture;
 mod choice_args;
-mod command_output;
 mod completions;
 mod explore;
 mod hold;
@@ -25,6 +24,7 @@ mod new;
 mod no_live;
 mod output;
 mod overrides;
+mod parsers;
 mod progress;
 mod replay;
 mod replay_against;
@@ -35,23 +35,18 @@ mod run;
 mod run_page;
 mod samples;
 pub mod scene;
-mod scene_figure;
 mod select;
 pub mod set;
 mod simulate;
 mod size;
 mod statics;
 mod study;
-mod study_stability;
 mod sweep;
 mod targets;
 mod terminal;
 mod validate;
-mod validate_args;
-mod validate_files;
+mod value_lists;
 mod volume;
-mod volume_args;
-mod volume_files;
 mod watch;
 
 use std::any::TypeId;
@@ -132,7 +127,7 @@ commands! {
     New(new::NewArgs) => new::run,
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
-    Validate(validate_args::ValidateArgs) => validate::run,
+    Validate(validate::ValidateArgs) => validate::run,
     Replay(replay::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(

@@ -6,7 +6,6 @@ use super::Failure;
 use crate::scene::{Construction, Preset, Scene};
 use crate::trace::Model;
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
-pub(super) use crate::units::parse_positive;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PresetArg {
@@ -70,23 +69,22 @@ impl Overrides {
     /// Returns an error if a flag belongs to the model that is not run, or if a flag for fingers is given for a scene
     /// of discs.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
-        let preset = self.preset.map(|preset| match preset {
-            PresetArg::Engineering => Preset::Engineering,
-            PresetArg::Reference => Preset::Reference,
-        });
-        let construction = self.construction.map(|construction| match construction {
-            ConstructionArg::Maximal => Construction::Maximal,
-            ConstructionArg::Reduced => Construction::Reduced,
-        });
+        let Overrides { rtol, step, tolerance, duration, numeric_rate, picture_rate, .. } = self;
         let overrides = overrides::Overrides {
-            preset,
-            rtol: self.rtol,
-            construction,
-            step_s: self.step,
-            tolerance_m: self.tolerance,
-            duration_s: self.duration,
-            numeric_hz: self.numeric_rate,
-            picture_hz: self.picture_rate,
+            preset: self.preset.map(|preset| match preset {
+                PresetArg::Engineering => Preset::Engineering,
+                PresetArg::Reference => Preset::Reference,
+            }),
+            rtol: *rtol,
+            construction: self.construction.map(|construction| match construction {
+                ConstructionArg::Maximal => Construction::Maximal,
+                ConstructionArg::Reduced => Construction::Reduced,
+            }),
+            step_s: *step,
+            tolerance_m: *tolerance,
+            duration_s: *duration,
+            numeric_hz: *numeric_rate,
+            picture_hz: *picture_rate,
         };
         overrides.apply(model, scene).map_err(Failure::bad_input)
     }

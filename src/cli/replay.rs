@@ -35,8 +35,7 @@ pub struct ReplayArgs {
     #[arg(long)]
     pub(super) json: bool,
 
-    /// Simulate the scene again with all settings in the log and compare message by message; the same build gives the
-    /// same bytes
+    /// Simulate the scene again with all settings in the log and compare all samples and events bit for bit
     #[arg(long, group = "mode")]
     pub(super) verify: bool,
 

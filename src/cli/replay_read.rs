@@ -1,6 +1,5 @@
 //! Reading a log for its summary, criteria and page, with progress and interruption.
 
-use std::cell::RefCell;
 use std::io;
 use std::path::Path;
 
@@ -55,32 +54,16 @@ impl LogSink for SummarySink<'_> {
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        check_interrupt(self.interrupt, "a summary of the whole log")?;
+        if let Some(signal) = self.interrupt.signal() {
+            let source = io::Error::other(format!("interrupted by {signal}"));
+            return Err(SinkError { target: "a summary of the whole log".to_string(), source });
+        }
         Sink::sample(&mut self.progress, sample)?;
         self.observer.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.observer.event(event)
-    }
-}
-
-/// Returns a check for every log time, ns, that shows the progress of a comparison and stops it at a signal.
-pub(super) fn comparison_monitor(end_s: Option<f64>, interrupt: &Interrupt) -> impl Fn(u64) -> Result<(), SinkError> {
-    let progress = RefCell::new(Progress::new(end_s.unwrap_or(f64::INFINITY)));
-    move |log_time_ns| {
-        progress.borrow_mut().update(log_time_ns as f64 * 1e-9);
-        check_interrupt(interrupt, "the comparison of the whole log")
-    }
-}
-
-/// Returns an error once a signal has arrived; the error stops the reading of a log.
-fn check_interrupt(interrupt: &Interrupt, target: &str) -> Result<(), SinkError> {
-    match interrupt.signal() {
-        None => Ok(()),
-        Some(signal) => {
-            Err(SinkError { target: target.to_string(), source: io::Error::other(format!("interrupted by {signal}")) })
-        }
     }
 }
 

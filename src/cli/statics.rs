@@ -6,7 +6,6 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::print_result;
-use super::overrides::parse_positive;
 use super::set::{SetArgs, source_files};
 use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status};
@@ -18,6 +17,7 @@ use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::statics::StaticsError;
 use crate::study::posture::{PostureSpec, parse_direction_count, parse_posture};
+use crate::units::parse_positive;
 use crate::units::{self, Dimension};
 
 /// Analyse the static grasp: contact forces, ejection, form and force closure, and admissible accelerations.

@@ -11,7 +11,7 @@ use super::interrupt::Interrupt;
 use super::output::{print, print_note, print_report, print_result};
 use super::progress::RunCounter;
 use super::targets::{NO_DIRECTORY, TargetKind, reserve};
-use super::volume_args::parse_threads_or_all;
+use super::value_lists::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
 use crate::study::parts::{PartOptions, merge, write_part};

@@ -10,7 +10,7 @@
 //! | file | job |
 //! |---|---|
 //! | `explorer`, `presets` | the page that simulates in the browser, its scenes, its WebAssembly module as text |
-//! | `volume`, `volume_data` | the page of grasp-state volumes, its data |
+//! | `volume` | the page of grasp-state volumes |
 //! | `report` | the page of a report, such as a reproduction |
 //! | `html` | JSON, texts, pictures and the `assets` → the file |
 
@@ -19,7 +19,6 @@ mod html;
 mod presets;
 mod report;
 mod volume;
-mod volume_data;
 
 pub use explorer::{InitialScene, explorer_page, is_gzip};
 pub use html::render_page;
@@ -28,7 +27,7 @@ pub use phalanx_show::playback::{
 };
 pub use presets::{Preset, presets, standalone_text};
 pub use report::report_page;
-pub use volume::{VolumePage, volume_page};
+pub use volume::volume_page;
 
 use crate::format::Report;
 

@@ -10,11 +10,7 @@ mod rows;
 pub mod select;
 pub mod simulation;
 pub mod sizing;
-pub mod stability;
-pub mod step_size;
 pub mod sweep;
 pub mod validation;
-pub mod volume;
-pub mod volume_points;
 
 pub use phalanx_show::report::*;

@@ -10,13 +10,9 @@
 //! | `pool` | thread pool of the studies |
 //! | `random` | reproducible random numbers |
 //! | `results` | incremental storage of sweep results |
-//! | `reproduce` | figures of the thesis, recomputed and compared with the printed ones |
 //! | `select` | selection and ranking of the designs of a sweep |
 //! | `size` | sizing of spring and motor for the finger of a scene |
-//! | `stability` | stability and accuracy of the engine model |
-//! | `step_size` | impact force as a function of step size |
 //! | `sweep` | parameter sweeps over fields of a scene |
-//! | `volume` | grasp-state volumes: designs that hold the object |
 
 mod bisect;
 pub mod capture;
@@ -25,14 +21,10 @@ pub mod parts;
 mod pool;
 pub mod posture;
 mod random;
-pub mod reproduce;
 pub mod results;
 pub mod select;
 pub mod size;
-pub mod stability;
-pub mod step_size;
 pub mod sweep;
-pub mod volume;
 
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;

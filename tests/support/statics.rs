@@ -6,7 +6,7 @@ use phalanx::gripper::{
     final_posture, lengths,
 };
 use phalanx::shape::{PlacedShape, max_radius};
-use phalanx::statics::{Certificate, FormClosure, RowKind, Unilateral};
+use phalanx::statics::{Certificate, FormClosure, Unilateral};
 use serde_json::Value;
 
 /// A finger in its final posture on a disc.

@@ -2,19 +2,19 @@
 
 use std::io::Write;
 
-use foxglove::messages::Log;
-use mcap::McapError;
+use foxglove::Encode;
+use foxglove::messages::{Log, log::Level};
 
 use super::lines::{GraspState, describe_event};
-use super::mcap_writer::{ChannelId, McapWriter, Severity};
 use super::messages::{
     CONTACT, DISC, ENERGY, IMPACT, LIMIT, LIMIT_IMPACT, MessageType, SLIP, STATE, contact_numbers, disc_numbers,
     event_flags, limit_numbers, state_numbers,
 };
 use super::pictures::Pictures;
+use super::writer::{ChannelId, LogWriter};
 use phalanx_core::drawing::{self, Drawing};
 use phalanx_core::scene::{self, Scene, System};
-use phalanx_core::trace::{BodyState, Channels as _, Event, FingerState, Layout, Sample};
+use phalanx_core::trace::{BodyState, Channels as _, Event, FingerState, Layout, Sample, SinkError};
 
 /// Content of a channel. Indices are those of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +137,7 @@ pub struct Channels {
 
 impl Channels {
     /// Registers the channels when a log starts.
-    pub fn register<W: Write>(out: &mut McapWriter<W>, scene: &Scene) -> Result<Self, McapError> {
+    pub fn register<W: Write>(out: &mut LogWriter<W>, scene: &Scene) -> Result<Self, SinkError> {
         let system = &scene.system;
         let (layout, contacts) = (Layout::from_system(system), contacts_of(system));
         let mut list = Vec::new();
@@ -152,14 +152,14 @@ impl Channels {
         };
         let pictures =
             Pictures::register(out, &Drawing::from_scene(scene), &drawing::poses(scene, &start), scene.log.picture_hz)?;
-        let lines = out.register_channel::<Log>("/events")?;
+        let lines = out.register("/events", Log::get_schema())?;
         let drawn_contacts = layout.surfaces().filter(|&contact| contacts[contact].is_some()).collect();
         let grasp = (system.fingers.len() == 1).then(GraspState::default);
         Ok(Channels { list, layout, drawn_contacts, pictures, grasp, lines, scene: scene.clone() })
     }
 
     /// Writes a sample.
-    pub fn sample<W: Write>(&mut self, out: &mut McapWriter<W>, sample: &Sample) -> Result<(), McapError> {
+    pub fn sample<W: Write>(&mut self, out: &mut LogWriter<W>, sample: &Sample) -> Result<(), SinkError> {
         let Sample { time_s, fingers, bodies, contacts, energy } = sample;
         for (channel, content) in &self.list {
             let numbers: &[f64] = match *content {
@@ -178,7 +178,7 @@ impl Channels {
     }
 
     /// Writes an event as a message and as text.
-    pub fn event<W: Write>(&mut self, out: &mut McapWriter<W>, event: &Event) -> Result<(), McapError> {
+    pub fn event<W: Write>(&mut self, out: &mut LogWriter<W>, event: &Event) -> Result<(), SinkError> {
         let about_contact = || self.list.iter().filter(|(_, content)| content.contact() == Some(event.contact));
         if about_contact().next().is_some() {
             let is_friction = event.kind.is_friction_event();
@@ -198,10 +198,10 @@ impl Channels {
                 false => contact.name.clone(),
             };
             let text = describe_event(event, &display_name, contact.is_angular);
-            out.write_line(self.lines, event.time_s, Severity::Info, &contact.name, &text)?;
+            out.write_line(self.lines, event.time_s, Level::Info, &contact.name, &text)?;
         }
         match self.grasp.as_mut().and_then(|grasp| grasp.update(event)) {
-            Some(text) => out.write_line(self.lines, event.time_s, Severity::Info, "grasp", &text),
+            Some(text) => out.write_line(self.lines, event.time_s, Level::Info, "grasp", &text),
             None => Ok(()),
         }
     }

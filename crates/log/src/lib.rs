@@ -53,23 +53,21 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `mcap_writer`, `writer`, `threaded`, `file` | MCAP file: chunks and clock, contents, writer thread, path on disk |
-//! | `run`, `simulate` | run and log in one call; simulation with all its sinks |
+//! | `writer`, `threaded`, `file` | MCAP file: contents, chunks and clock; writer thread; path on disk |
+//! | `simulate` | simulation with all its sinks; run and log in one call |
 //! | `channels`, `messages`, `lines` | channels of a scene, their messages, events as text |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
 //! | `metadata`, `settings` | settings of a run, written and read back |
 //! | `reader` | reads intact, truncated and damaged logs into samples and events |
-//! | `verify` | comparison of two logs message by message |
+//! | `verify` | comparison of a log with a new simulation |
 
 mod channels;
 mod file;
 mod lines;
-mod mcap_writer;
 mod messages;
 mod metadata;
 mod pictures;
 mod reader;
-mod run;
 mod settings;
 mod simulate;
 mod threaded;
@@ -81,16 +79,15 @@ pub use file::{
     FileWriter, LogError, LogFile, create, create_with_feed, ensure_replaceable, is_same_file, partial_name,
     resolve_link,
 };
-pub use mcap_writer::{CHUNK_BYTES, McapWriter, MessageFeed, Severity};
+pub use foxglove::messages::log::Level as Severity;
 pub use messages::stamp_ns;
 pub use metadata::{ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, metadata, scene_text};
 pub use reader::{
     LogSink, LogSummary, Loss, LossKind, MAX_RECORD_BYTES, MissingData, ReadError, RunEnd, open_log, read, read_file,
     read_head,
 };
-pub use run::{LoggedRun, LoggedRunError, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
-pub use simulate::{FinishedRun, simulate};
+pub use simulate::{FinishedRun, LoggedRun, LoggedRunError, run_into, run_to, simulate};
 pub use threaded::ThreadedWriter;
-pub use verify::{ComparisonOptions, Difference, EntryDifference, FieldTally, Verification, verify};
-pub use writer::Writer;
+pub use verify::{ComparisonOptions, Difference, EntryDifference, LogComparison, QuantityTally, Verification};
+pub use writer::{CHUNK_BYTES, MessageFeed, Writer};

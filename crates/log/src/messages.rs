@@ -4,11 +4,11 @@
 //! the order of [`MessageType`]. Readers use field names; append new fields at the end.
 
 use foxglove::Schema;
-use prost_reflect::prost::bytes::Buf;
-use prost_reflect::prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
-use prost_reflect::prost::{DecodeError, Message};
-use prost_reflect::prost_types::field_descriptor_proto::{Label, Type};
-use prost_reflect::prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
+use prost::bytes::Buf;
+use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
+use prost::{DecodeError, Message};
+use prost_types::field_descriptor_proto::{Label, Type};
+use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 
 use phalanx_core::trace::{BodyState, ContactSample, Energy, Event, EventKind, FingerState};
 

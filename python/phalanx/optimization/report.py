@@ -8,16 +8,13 @@ import json
 import math
 from collections import defaultdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .. import __version__
-from .search import STATUSES, Found, require
+from .search import STATUSES, ArrowTable, Found, require
 from .study import CLASSES, Constraint, Objective, Optimisation
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 MARK = f"phalanx {__version__}"
 """Mark of the files that this package writes."""
@@ -155,7 +152,7 @@ def scene_file(found: Found, index: int) -> str:
     return f"design-{index + 1:0{len(str(len(found.generation)))}}.toml"
 
 
-def reasons(runs: pa.Table) -> list[dict[str, Any]]:
+def reasons(runs: ArrowTable) -> list[dict[str, Any]]:
     """Groups runs that were not completed, or have no verdict, by status and reason without numbers."""
     groups: dict[tuple[str, str], dict[str, Any]] = {}
     counts: dict[tuple[str, str], int] = defaultdict(int)
@@ -488,7 +485,7 @@ def json_text(found: Found) -> str:
     return json.dumps(document(found), indent=2, ensure_ascii=False) + "\n"
 
 
-def table_bytes(path: Path, table: pa.Table, fingerprint: str, generation: Any = None) -> bytes:
+def table_bytes(path: Path, table: ArrowTable, fingerprint: str, generation: Any = None) -> bytes:
     """Returns the contents of a table file, as CSV or Parquet by the suffix of the path.
 
     `generation` of each design is added to a table of runs.

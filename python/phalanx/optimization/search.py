@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -19,10 +19,9 @@ from .. import _phalanx
 from ..errors import PhalanxError, StudyError
 from .study import CLASSES, Constraint, Objective, Optimisation
 
-if TYPE_CHECKING:
-    import pyarrow as pa
-
 Array: TypeAlias = npt.NDArray[Any]
+ArrowTable: TypeAlias = Any
+"""A table of pyarrow, which has no type stubs."""
 
 STATUSES = ["completed", "filtered", "refused", "failed"]
 """Status of a run."""
@@ -68,7 +67,7 @@ class Scores:
         return self.violation <= 0.0
 
 
-def score(optimisation: Optimisation, runs: pa.Table) -> Scores:
+def score(optimisation: Optimisation, runs: ArrowTable) -> Scores:
     """Scores designs from their runs, which are ordered by design and condition.
 
     The violation is a sum over all conditions: 1 for a run without a verdict (not completed, or the finger cannot grasp
@@ -256,7 +255,7 @@ class Found:
     """All designs of a search."""
 
     optimisation: Optimisation
-    runs: pa.Table
+    runs: ArrowTable
     """One row per run, ordered by design and condition, with the columns of `phalanx sweep`."""
     fields: list[dict[str, Any]]
     """Values of the variables of each design by field, as written in a scene."""
@@ -321,7 +320,7 @@ class Found:
         row = index * len(self.optimisation.conditions)
         return {variable.column: self.runs[variable.column][row].as_py() for variable in self.optimisation.variables}
 
-    def designs(self) -> pa.Table:
+    def designs(self) -> ArrowTable:
         """Returns one row per design.
 
         Columns: number, generation, variables, objectives, worst value of each constraint, runs by status, violation,
@@ -352,7 +351,7 @@ def run(optimisation: Optimisation, threads: int, checkpoint: Checkpoint | None,
 
     start, search = time.monotonic(), _new_search(optimisation)
     stored = iter(checkpoint.tables if checkpoint else [])
-    tables: list[pa.Table] = []
+    tables: list[ArrowTable] = []
     designs: list[dict[str, Any]] = []
     generations: list[int] = []
     new_runs = simulations = feasible = generation = 0
@@ -376,8 +375,8 @@ def run(optimisation: Optimisation, threads: int, checkpoint: Checkpoint | None,
         elif not _matches(optimisation, candidates, table):
             raise StudyError(
                 f"error: the stored generation {generation} has other designs than this search\n"
-                "  = help: the versions of pymoo, cma or numpy differ; install the earlier ones, or discard the results "
-                "with --restart (restart=True)"
+                "  = help: the versions of pymoo, cma or numpy differ; install the earlier ones, or discard the "
+                "results with --restart (restart=True)"
             )
         scores = score(optimisation, table)
         search.tell(scores)
@@ -400,7 +399,7 @@ def run(optimisation: Optimisation, threads: int, checkpoint: Checkpoint | None,
     )
 
 
-def _simulate(optimisation: Optimisation, designs: list[dict[str, Any]], previous: int, threads: int) -> pa.Table:
+def _simulate(optimisation: Optimisation, designs: list[dict[str, Any]], previous: int, threads: int) -> ArrowTable:
     """Simulates designs under all conditions; runs and designs are numbered throughout the search."""
     import pyarrow as pa
 
@@ -415,7 +414,7 @@ def _simulate(optimisation: Optimisation, designs: list[dict[str, Any]], previou
     return table.set_column(0, "run", pa.array(runs + 1)).set_column(1, "design", pa.array(runs // len(conditions) + 1))
 
 
-def _matches(optimisation: Optimisation, candidates: Array, table: pa.Table) -> bool:
+def _matches(optimisation: Optimisation, candidates: Array, table: ArrowTable) -> bool:
     """Whether stored runs are those of the candidates."""
     conditions = len(optimisation.conditions)
     if len(table) != len(candidates) * conditions:
@@ -450,7 +449,7 @@ class Checkpoint:
         import pyarrow as pa
 
         self.path, self._fingerprint = path, fingerprint
-        self.tables: list[pa.Table] = []
+        self.tables: list[ArrowTable] = []
         self._file = path.open("a+b")
         self._lock()
         self._file.seek(0)
@@ -486,7 +485,7 @@ class Checkpoint:
             message = f"error: another search is writing {self.path}\n  = help: wait for it, or choose another output"
             raise StudyError(message) from None
 
-    def append(self, table: pa.Table) -> None:
+    def append(self, table: ArrowTable) -> None:
         """Appends the runs of a generation, and waits until they are on the disk."""
         batch = table.replace_schema_metadata({"phalanx.optimize": self._fingerprint}).combine_chunks().to_batches()[0]
         if self._file.seek(0, os.SEEK_END) == 0:

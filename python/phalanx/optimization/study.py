@@ -14,11 +14,6 @@ from typing import Any, Literal
 from .. import _phalanx
 from ..errors import Problem, SceneError, StudyError
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 CLASSES = ["stable", "semi-stable", "semi-unstable", "unstable"]
 """Classes of a closing, from good to bad."""
 
@@ -438,6 +433,10 @@ def load(path: Path, model: str | None = None) -> Optimisation:
 
 def parse(text: str, file: str, model: str | None = None) -> Optimisation:
     """Checks the text of a study. `file` appears in messages, and the base scene is relative to its directory."""
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

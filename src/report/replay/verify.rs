@@ -4,17 +4,14 @@ use std::fmt::Write;
 use std::path::Path;
 
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, row};
-use crate::format::report::{Report, Table};
-use crate::log::{Difference, EntryDifference, FieldTally, LogSummary, Verification};
+use crate::format::report::{Report, table};
+use crate::log::{Difference, EntryDifference, LogSummary, QuantityTally, Verification};
 
 /// Maximum number of rows of the text table; the JSON document contains all.
 const MAX_ROWS: usize = 15;
-/// Maximum number of displayed characters of a text value.
-const MAX_TEXT_CHARS: usize = 120;
 
 /// Report of a verification.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -56,8 +53,8 @@ impl VerificationReport {
         let path = log.display();
         let mut lines = Vec::new();
         if !self.is_identical {
-            let first = self.found.first_difference.as_ref().map(|Difference { time_s, channel, field, .. }| {
-                format!(": the first difference is at {} in {channel} {field}", format_time(*time_s))
+            let first = self.found.first_difference.as_ref().map(|Difference { time_s, quantity, .. }| {
+                format!(": the first difference is at {} in {quantity}", format_time(*time_s))
             });
             lines.push(format!("error: {path}: the log differs from a new simulation{}", first.unwrap_or_default()));
         }
@@ -70,56 +67,49 @@ impl VerificationReport {
 
     /// Returns the text.
     pub(super) fn section(&self) -> Report {
-        let Verification { messages_compared: compared, messages_differing: differing, .. } = self.found;
         let found = &self.found;
+        let Verification { samples_compared: samples, events_compared: events, .. } = *found;
         let reach = found
             .compared_to_s
             .map_or("nothing was compared".to_string(), |to_s| format!("up to {}", format_time(to_s)));
         let again = format!("simulated again in {}", format_duration(self.wall_s));
         let mut lines = vec![match self.is_identical {
-            true if compared == 0 => "NOTHING COMPARED: the log contains no messages".to_string(),
-            true => {
-                let parts = match found.messages_unnumbered {
-                    0 => "topic, schema, log and publish time, sequence number and payload",
-                    _ => "topic, schema, log and publish time, payload, and the sequence number if the log has one",
-                };
-                let channels = found.channels;
-                format!(
-                    "VERIFIED: {again}; {compared} messages on {channels} channels are bit-identical, {reach}; compared: {parts}"
-                )
-            }
+            true if samples + events == 0 => "NOTHING COMPARED: the log contains no samples".to_string(),
+            true => format!(
+                "VERIFIED: {again}; {samples} samples and {events} events are bit-identical, {reach}; compared: every column \
+                 of the samples, times, speeds and impulses of the events, and the settings"
+            ),
             false => format!(
-                "DIFFERENT: {again}; {differing} of {compared} messages differ, {reach}; {} are only in the log, {} only in \
-                 the new run",
-                found.messages_only_in_log, found.messages_only_in_new_run
+                "DIFFERENT: {again}; {} of {samples} samples and {} of {events} events differ, {reach}; only in the log: {} \
+                 samples and {} events; only in the new run: {} samples and {} events",
+                found.samples_differing,
+                found.events_differing,
+                found.samples_only_in_log,
+                found.events_only_in_log,
+                found.samples_only_in_new_run,
+                found.events_only_in_new_run
             ),
         }];
         if self.phalanx_version_log.as_deref() != Some(self.phalanx_version) {
             let log = self.phalanx_version_log.as_deref().unwrap_or("unknown");
             lines.push(format!("the log was written by phalanx {log}; this is phalanx {}", self.phalanx_version));
         }
-        for (count, before, after) in [
-            (found.messages_reordered, "the order of messages with equal log times, which differs for ", " messages"),
-            (found.messages_unnumbered, "sequence numbers, which ", " messages of the log lack"),
-            (
-                found.messages_not_compared,
-                "the last ",
-                " messages, because a new simulation cannot reproduce the time of the interruption",
-            ),
-        ] {
-            lines.extend((count > 0).then(|| format!("not compared: {before}{count}{after}")));
+        if found.samples_not_compared > 0 {
+            lines.push(format!(
+                "not compared: the last {} samples, because a new simulation cannot reproduce the time of the interruption",
+                found.samples_not_compared
+            ));
         }
         lines.extend(self.incomplete_reason.as_ref().map(|reason| format!("INCOMPLETE: {reason}")));
         lines.extend(found.first_difference.as_ref().map(first_difference));
-        lines.extend(found.schema_differences.iter().cloned());
         for EntryDifference { key, log, new_run } in &found.metadata {
             let [log, new_run] = [log, new_run].map(|entry| entry.as_deref().unwrap_or("absent"));
             lines.push(format!("metadata {key}: {log} in the log, {new_run} in the new run"));
         }
         let mut text = Report::from(lines.join("\n") + "\n");
-        if !found.fields.is_empty() {
+        if !found.quantities.is_empty() {
             text.push('\n');
-            text.push(field_table(&found.fields));
+            text.push(quantity_table(&found.quantities));
         }
         text
     }
@@ -149,11 +139,10 @@ fn format_time(time_s: f64) -> String {
 }
 
 fn first_difference(first: &Difference) -> String {
-    let Difference { time_s, channel, field, log, new_run, absolute, relative } = first;
-    let [log, new_run] = [log, new_run].map(format_value);
-    let time = format_time(*time_s);
-    let mut text =
-        format!("first difference at {time} in {channel} {field}:\n  log       {log}\n  new run   {new_run}");
+    let Difference { time_s, quantity, log, new_run, absolute, relative } = first;
+    let value = |value: &Option<f64>| value.map_or("absent".to_string(), |value| format!("{value:?}"));
+    let (time, log, new_run) = (format_time(*time_s), value(log), value(new_run));
+    let mut text = format!("first difference at {time} in {quantity}:\n  log       {log}\n  new run   {new_run}");
     if let Some(absolute) = absolute {
         let relative = relative.map(|relative| format!(", relative {}", format_number(relative, 3)));
         text += &format!("\n  differ by {}{}", format_number(*absolute, 3), relative.unwrap_or_default());
@@ -161,34 +150,18 @@ fn first_difference(first: &Difference) -> String {
     text
 }
 
-fn format_value(value: &Value) -> String {
-    match value {
-        Value::Null => "absent".to_string(),
-        Value::String(text) if text.chars().count() > MAX_TEXT_CHARS => {
-            text.chars().take(MAX_TEXT_CHARS).chain(['…']).collect()
-        }
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    }
-}
-
-fn field_table(fields: &[FieldTally]) -> Report {
-    let mut rows = vec![row(["channel", "field", "messages", "largest difference", "relative", "at, ms"])];
-    for FieldTally { messages, largest } in fields.iter().take(MAX_ROWS) {
+fn quantity_table(quantities: &[QuantityTally]) -> Report {
+    let mut rows = vec![row(["quantity", "samples", "largest difference", "relative", "at, ms"])];
+    for QuantityTally { samples, largest } in quantities.iter().take(MAX_ROWS) {
         let number = |value: Option<f64>| value.map_or("–".to_string(), |value| format_number(value, 3));
-        rows.push(row([
-            &largest.channel,
-            &largest.field,
-            &messages.to_string(),
-            &number(largest.absolute),
-            &number(largest.relative),
-            &format!("{:.6}", largest.time_s * 1e3),
-        ]));
+        let time_ms = format!("{:.6}", largest.time_s * 1e3);
+        let [absolute, relative] = [largest.absolute, largest.relative].map(number);
+        rows.push(row([&largest.quantity, &samples.to_string(), &absolute, &relative, &time_ms]));
     }
-    let mut text = Report::from(Table::new(&rows).key_columns(2));
-    if fields.len() > MAX_ROWS {
+    let mut text = table(&rows);
+    if quantities.len() > MAX_ROWS {
         // Writing to a report cannot fail.
-        let _ = writeln!(text, "and {} more fields (--json lists all)", fields.len() - MAX_ROWS);
+        let _ = writeln!(text, "and {} more columns (--json lists all)", quantities.len() - MAX_ROWS);
     }
     text
 }

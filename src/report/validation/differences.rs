@@ -102,13 +102,13 @@ pub(super) fn by_key<'a>(figures: impl Iterator<Item = (&'a Figure, Option<f64>)
 }
 
 /// All differences of a setting, with the names of the components.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NamedDifferences {
-    pub layout: Layout,
-    pub found: Differences,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NamedDifferences<'a> {
+    pub layout: &'a Layout,
+    pub found: &'a Differences,
 }
 
-impl NamedDifferences {
+impl NamedDifferences<'_> {
     /// Index of the first body among the coordinates of the path.
     fn first_body(&self) -> usize {
         Angle::ALL.len() * self.layout.fingers.len()
@@ -133,7 +133,7 @@ impl NamedDifferences {
 
     /// Returns the figures of named components as a document.
     fn document(&self, all: &[Figure], names: Vec<(String, usize)>) -> Named<Named<Option<f64>>> {
-        let figures = |index| by_key(figures(all, &self.layout, Some(&self.found), index));
+        let figures = |index| by_key(figures(all, self.layout, Some(self.found), index));
         names.into_iter().map(|(name, index)| (name, figures(index))).collect()
     }
 
@@ -146,7 +146,7 @@ impl NamedDifferences {
         let joints = joints.zip(0..).collect();
         let tables = [(&JOINT[..], joints), (&BODY, self.bodies()), (&CONTACT, self.contacts())];
         let reports = tables.into_iter().filter(|(_, names)| !names.is_empty()).map(|(all, names)| {
-            let figures = |index| figures(all, &self.layout, Some(&self.found), index);
+            let figures = |index| figures(all, self.layout, Some(self.found), index);
             let headers = figures(names[0].1).map(|(figure, _)| figure.header.to_string());
             let mut rows = vec![std::iter::once("difference".to_string()).chain(headers).collect::<Vec<_>>()];
             let occurs = |index| figures(index).any(|(_, value)| value.is_some());
@@ -159,7 +159,7 @@ impl NamedDifferences {
     }
 }
 
-impl Serialize for NamedDifferences {
+impl Serialize for NamedDifferences<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         let joints = |finger: usize| {

@@ -1,35 +1,42 @@
 //! Text report of a validation: short tables with units.
 
-use std::fmt::Write;
-
 use super::differences::{TOTAL, figures};
-use super::document::{FindingReport, ImpactReport, ModelReport, SettingReport, ValidationReport};
+use super::document::{ImpactPair, ValidationReport};
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, row, zero_below_resolution};
 use crate::format::report::{Report, Table, ToReport, table};
-use crate::trace::ContactSummary;
+use crate::invariants::Finding;
+use crate::scene::DiscMotion;
 use crate::trace::columns::columns;
+use crate::trace::{ContactSummary, Model};
 use crate::units::Dimension;
-use crate::validate::{CRITERIA, Check, Criterion, Statistics, Status, Value, wrap_angle};
+use crate::validate::{
+    CRITERIA, Check, Cost, Criterion, LadderOptions, MEMBER_PERTURBATION, Recording, Statistics, Status, Value,
+    configuration_name, ensemble_size, wrap_angle,
+};
 
-impl ToReport for ValidationReport {
+impl ToReport for ValidationReport<'_> {
     fn report(&self) -> Report {
         Report::join(std::iter::once(self.verdict_report()).chain(self.ladder_report()))
     }
 }
 
-impl ValidationReport {
+impl ValidationReport<'_> {
     /// Returns the verdict and the results it is based on.
     pub fn verdict_report(&self) -> Report {
-        let mut sections = vec![Report::from(heading(self)), checks(&self.verdict.checks)];
-        sections.extend(criteria(&self.criteria, self.reason_not_judged));
-        let violations = describe_violations([("analytic", &self.analytic), ("engine", &self.engine)]);
+        let validation = self.validation;
+        let mut sections = vec![Report::from(heading(self)), checks(&validation.verdict.checks)];
+        sections.extend(criteria(&validation.criteria, validation.reason_not_judged));
+        let (reference, engine) = (&validation.reference_invariants, &validation.engine_invariants);
+        let violations = describe_violations("analytic", reference) + &describe_violations("engine", engine);
         sections.extend((!violations.is_empty()).then(|| Report::from(violations)));
         sections.push(side_by_side(self));
-        sections.extend(self.impacts.as_deref().filter(|all| !all.is_empty()).map(impacts));
-        sections.extend(self.statistics.iter().flatten().map(statistics));
-        sections.push(self.differences.tables());
-        let found = &self.differences.found;
+        if self.finger_count() > 0 {
+            sections.extend(impacts(&self.impacts()));
+        }
+        sections.extend(validation.statistics.as_ref().map(statistics));
+        sections.push(self.differences().tables());
+        let found = &validation.differences;
         let base = if self.finger_count() == 0 { "the largest energy" } else { "the work of the motors" };
         let (energy, ratio) = (format_number(found.energy_created_j * 1e3, 3), format_number(found.energy_created, 3));
         Report::join(sections).with(format!("spurious energy: {energy} mJ, {ratio} of {base}\n").as_str())
@@ -37,16 +44,14 @@ impl ValidationReport {
 
     /// Returns the ladder and the list of files; `None` without either.
     pub fn ladder_report(&self) -> Option<Report> {
-        let mut sections = Vec::new();
-        sections.extend(self.ladder_time_s.map(|time_s| settings(self, time_s)));
-        if let (Some(directory), Some(files)) = (&self.directory, &self.files) {
-            sections.push(Report::from(format!("in {directory}: {}\n", files.join(", "))));
-        }
+        let ladder = self.ladder.map(|options| settings(self, options));
+        let files = self.files.as_ref().map(|(directory, files)| format!("in {directory}: {}\n", files.join(", ")));
+        let sections: Vec<Report> = ladder.into_iter().chain(files.map(Report::from)).collect();
         (!sections.is_empty()).then(|| Report::join(sections))
     }
 
     fn finger_count(&self) -> usize {
-        self.differences.layout.fingers.len()
+        self.layout.fingers.len()
     }
 }
 
@@ -56,35 +61,39 @@ fn number(value: Option<f64>, digits: usize) -> String {
 }
 
 fn heading(report: &ValidationReport) -> String {
-    let outcome = if report.passed { "within all bounds" } else { "OUT OF BOUNDS" };
-    let setting = |model: &ModelReport| format!("{}, {} steps", model.setting, model.steps);
+    let ValidationReport { scene, validation, .. } = report;
+    let passed = validation.verdict.passed();
+    let setting = |model: Model, run: &Recording| {
+        format!("{}, {} steps", configuration_name(&report.configuration(model)), run.outcome.work.steps)
+    };
     // The quantity that is varied within the ensemble.
     let varied = if report.finger_count() == 0 { "speeds and gravity" } else { "motor torque" };
-    let step = report.ensemble_torque_step.or(report.ensemble_speed_step).unwrap_or_default();
     format!(
-        "{}: engine against analytic model: {outcome}\nanalytic: {} (the reference)\nengine:   {} (the scene's settings)\n\
-         compared up to {} of {}; differences are the worst of {} runs with {varied} varied in steps of {step:e}\n{}",
-        report.scene,
-        setting(&report.analytic),
-        setting(&report.engine),
-        format_duration(report.until_s),
-        format_duration(report.duration_s),
-        report.ensemble_runs,
-        if report.passed { String::new() } else { format!("{}\n", advice(report)) },
+        "{}: engine against analytic model: {}\nanalytic: {} (the reference)\nengine:   {} (the scene's settings)\n\
+         compared up to {} of {}; differences are the worst of {} runs with {varied} varied in steps of \
+         {MEMBER_PERTURBATION:e}\n{}",
+        scene.name,
+        if passed { "within all bounds" } else { "OUT OF BOUNDS" },
+        setting(Model::Analytic, &validation.reference),
+        setting(Model::Engine, &validation.engine),
+        format_duration(validation.until_s),
+        format_duration(scene.duration_s),
+        ensemble_size(scene),
+        if passed { String::new() } else { format!("{}\n", advice(report)) },
     )
 }
 
 /// Returns which model to trust, and which setting of the engine passes.
 fn advice(report: &ValidationReport) -> String {
     let unit = if report.finger_count() == 0 { "m" } else { "rad" };
-    let agreement = match report.reference_error {
+    let agreement = match report.validation.reference_error() {
         Some(error) => format!("its two integration methods agree to {error:.1e} {unit}"),
         None => "its two integration methods could not be compared".to_string(),
     };
-    if report.trusted_model.is_none() {
+    if report.validation.trusted_model().is_none() {
         return format!("Neither model can be trusted: the analytic model is not a valid reference here; {agreement}.");
     }
-    let engine = match report.finer_settings.last() {
+    let engine = match report.validation.finer_configurations.last() {
         Some(finer) if finer.passed => format!("The engine passes with [engine] {}.", finer.setting),
         Some(finer) => format!("The engine does not pass with [engine] {} either.", finer.setting),
         None => "No finer setting of the engine was run.".to_string(),
@@ -122,15 +131,12 @@ fn criteria(criteria: &[Criterion], reason_not_judged: Option<&str>) -> Option<R
     (rows.len() > 1).then(|| table(&rows).with(note.as_str()))
 }
 
-/// Lists the invariants that each model violated, one per line.
-fn describe_violations(models: [(&str, &ModelReport); 2]) -> String {
-    let lines = models.into_iter().flat_map(|(name, model)| {
-        let violated = model.invariants.iter().filter(|found| !found.is_satisfied);
-        violated.map(move |FindingReport { meaning, line, .. }| {
-            format!("invariant violated by the {name} model ({meaning}): {line}\n")
-        })
-    });
-    lines.collect()
+/// Lists the invariants that a model violated, one per line.
+fn describe_violations(model: &str, invariants: &[Finding]) -> String {
+    let violated = invariants.iter().filter(|found| found.is_violated());
+    let line =
+        |found: &Finding| format!("invariant violated by the {model} model ({}): {found}\n", found.invariant.meaning());
+    violated.map(line).collect()
 }
 
 /// Rows of the table of both models: column of a sample without the name of its component, label with the displayed
@@ -176,10 +182,10 @@ const CONTACTS: [ContactRow; 5] = [
 /// Returns a table of the final state, the contacts and the energies of both models, with their differences. A single
 /// finger shows all contacts, other scenes those that occurred.
 fn side_by_side(report: &ValidationReport) -> Report {
-    let layout = &report.differences.layout;
+    let ValidationReport { scene, layout, validation, .. } = report;
     let columns = columns(layout);
-    let runs = [&report.analytic.outcome, &report.engine.outcome];
-    let end_s = if report.finger_count() == 0 { report.until_s } else { report.duration_s };
+    let runs = [&validation.reference.outcome, &validation.engine.outcome];
+    let end_s = if report.finger_count() == 0 { validation.until_s } else { scene.duration_s };
     let mut rows = vec![row([&format!("at {}", format_duration(end_s)), "analytic", "engine", "difference"])];
     let states = |component: &str, shown: &[StateRow]| -> Vec<Vec<String>> {
         let prefix = if component.is_empty() { String::new() } else { format!("{component}_") };
@@ -193,7 +199,9 @@ fn side_by_side(report: &ValidationReport) -> Report {
         shown.iter().filter_map(state).collect()
     };
     layout.fingers.iter().for_each(|finger| rows.extend(states(finger, &STATES)));
-    let is_moving = |name: &&String| report.analytic.states.bodies.get(name).is_none_or(|body| body.motion != "fixed");
+    let is_fixed =
+        |name: &str| scene.system.discs.iter().any(|disc| disc.name == name && disc.motion == DiscMotion::Fixed);
+    let is_moving = |name: &&String| !is_fixed(name);
     layout.bodies.iter().filter(is_moving).for_each(|body| rows.extend(states(body, &STATES)));
     for index in layout.surfaces() {
         let [Some(analytic), Some(engine)] = runs.map(|run| run.contacts.get(index)) else { continue };
@@ -220,14 +228,14 @@ fn line(component: &str, label: &str, [analytic, difference]: [f64; 2], digits: 
 /// Maximum number of impacts in the table; the JSON document contains all.
 const MAX_IMPACTS: usize = 12;
 
-fn impacts(impacts: &[ImpactReport]) -> Report {
+fn impacts(impacts: &[ImpactPair]) -> Option<Report> {
     let heads = ["impact", "analytic, ms", "engine, ms", "for, µs", "impulse: analytic, mN·s", "engine, mN·s"];
     let mut rows = vec![heads.into_iter().chain(["difference, %"]).map(String::from).collect::<Vec<_>>()];
     for impact in impacts.iter().take(MAX_IMPACTS) {
         let milli = |value: Option<f64>, digits: usize| number(value.map(|value| value * 1e3), digits);
         let both = impact.analytic_n_s.zip(impact.engine_n_s).filter(|(analytic, _)| *analytic != 0.0);
         rows.push(row([
-            &impact.contact,
+            &impact.site,
             &milli(impact.analytic_s, 7),
             &milli(impact.engine_s, 7),
             &format_number(impact.window_s * 1e6, 5),
@@ -237,7 +245,8 @@ fn impacts(impacts: &[ImpactReport]) -> Report {
         ]));
     }
     let omitted = impacts.len().saturating_sub(MAX_IMPACTS);
-    table(&rows).with(if omitted > 0 { format!("and {omitted} more\n") } else { String::new() })
+    let note = if omitted > 0 { format!("and {omitted} more\n") } else { String::new() };
+    (!impacts.is_empty()).then(|| table(&rows).with(note))
 }
 
 fn statistics(found: &Statistics) -> Report {
@@ -259,18 +268,19 @@ fn statistics(found: &Statistics) -> Report {
     table(&rows)
 }
 
-fn settings(report: &ValidationReport, time_s: f64) -> Report {
-    let mut rows = [
+fn settings(report: &ValidationReport, options: LadderOptions) -> Report {
+    let (layout, ladder) = (&report.layout, &report.validation.ladder);
+    let mut rows = vec![
         row(["speed against error", "runs", "steps", "wall, ms", "× real", "× everyday"]),
         row(["", "", "", "", "time", "analytic"]),
     ];
-    for (figure, _) in figures(&TOTAL, &report.differences.layout, None, 0) {
+    for (figure, _) in figures(&TOTAL, layout, None, 0) {
         for (line, part) in rows.iter_mut().zip(figure.header.split_inclusive(' ')) {
             line.push(part.trim_end().to_string());
         }
     }
-    let (mut rows, mut notes, mut family) = (rows.to_vec(), String::new(), "");
-    for SettingReport { row: setting, .. } in &report.settings {
+    let (mut notes, mut family) = (String::new(), "");
+    for setting in ladder {
         if setting.family != family {
             family = setting.family;
             rows.push(row([family]));
@@ -278,19 +288,19 @@ fn settings(report: &ValidationReport, time_s: f64) -> Report {
         let is_scenes = if setting.is_from_scene { " *" } else { "" };
         let is_reference = if setting.is_reference { " (reference)" } else { "" };
         let name = format!("  {}{is_scenes}{is_reference}", setting.setting);
-        rows.push(match (setting.cost.steps, &setting.reason) {
-            (Some(steps), _) => {
+        let Cost { steps, wall_s, real_time_factor, analytic_factor, .. } = setting.cost;
+        rows.push(match steps {
+            Some(steps) => {
                 let runs = if setting.is_reference { "–".to_string() } else { setting.ensemble_runs.to_string() };
-                let cost =
-                    [setting.cost.wall_s.map(|s| s * 1e3), setting.cost.real_time_factor, setting.cost.analytic_factor];
-                let errors = figures(&TOTAL, &report.differences.layout, setting.differences.as_ref(), 0);
+                let cost = [wall_s.map(|wall_s| wall_s * 1e3), real_time_factor, analytic_factor];
+                let errors = figures(&TOTAL, layout, setting.differences.as_ref(), 0);
                 let cells = [name, runs, steps.to_string()].into_iter().chain(cost.map(|value| number(value, 3)));
                 cells.chain(errors.map(|(figure, value)| figure.cell(value))).collect()
             }
-            (None, reason) => {
+            None => {
                 let has_failed = setting.status == Status::Failed;
                 let (cell, note) = if has_failed { ("failed", "") } else { ("omitted", "omitted, ") };
-                let reason = reason.as_deref().unwrap_or_default();
+                let reason = setting.reason.as_deref().unwrap_or_default();
                 notes.push_str(&format!("{family}, {}: {note}{reason}\n", setting.setting));
                 row([&name, "–", "–", cell])
             }
@@ -300,14 +310,13 @@ fn settings(report: &ValidationReport, time_s: f64) -> Report {
     text.push_str(
         "largest differences from the reference over the runs; * the scene's settings; median wall time without a log\n",
     );
-    // Writing to a report cannot fail.
-    if report.quick {
+    if options.quick {
         let reduced = if report.finger_count() == 1 { ", reduced coordinates" } else { "" };
-        let _ = writeln!(text, "omitted by --quick: fixed steps below 1e-5 s{reduced}");
+        text.push_str(&format!("omitted by --quick: fixed steps below 1e-5 s{reduced}\n"));
     }
-    if report.settings.iter().any(|setting| setting.row.status == Status::NoTime) {
-        let limit = format_duration(time_s);
-        let _ = writeln!(text, "settings were omitted to keep the ladder within {limit} (--ladder-time)");
+    if ladder.iter().any(|setting| setting.status == Status::NoTime) {
+        let limit = format_duration(options.time_s);
+        text.push_str(&format!("settings were omitted to keep the ladder within {limit} (--ladder-time)\n"));
     }
     text.push_str(&notes);
     text

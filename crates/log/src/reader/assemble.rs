@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use foxglove::Decode;
 use foxglove::messages::Log;
-use prost_reflect::prost::DecodeError;
+use prost::DecodeError;
 
 use super::LogSink;
 use super::messages::Message;

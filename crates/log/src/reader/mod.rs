@@ -30,8 +30,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 
-use self::assemble::Assembler;
-pub(super) use self::messages::{Message, Messages};
+pub(super) use self::assemble::Assembler;
+pub(super) use self::messages::Messages;
 pub use self::scan::MAX_RECORD_BYTES;
 use self::scan::{Defect, Scan};
 pub use self::summary::{LogSummary, Loss, LossKind, MissingData, ReadError, RunEnd};

@@ -71,10 +71,7 @@ fn residual(found: &FormClosure) -> f64 {
 }
 
 /// Name of each constraint, whether it is a motor, and its value.
-fn constraints<'a>(
-    found: &'a FormClosure,
-    values: &'a [f64],
-) -> impl Iterator<Item = (String, bool, f64)> + 'a {
+fn constraints<'a>(found: &'a FormClosure, values: &'a [f64]) -> impl Iterator<Item = (String, bool, f64)> + 'a {
     let rows = found.rows.iter().zip(values);
     rows.map(|(&row, &value)| (constraint_name(row), RowKind::from(row) == RowKind::Motor, value))
 }
