@@ -50,7 +50,7 @@ pub enum FileKind {
 
 impl FileKind {
     /// Kind of a file in a directory of results, according to its extension.
-    fn from_extension(path: &Path) -> FileKind {
+    pub fn from_extension(path: &Path) -> FileKind {
         match path.extension().and_then(|extension| extension.to_str()) {
             Some("html") => FileKind::Page,
             Some("svg") => FileKind::Picture,

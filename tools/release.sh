@@ -47,8 +47,6 @@ if ! "$generator" --version >/dev/null 2>&1; then
     generator=${CARGO_TARGET_DIR:-target}/release/phalanx
 fi
 "$generator" man "$dist/$name/man/man1" >/dev/null
-# The file by which `phalanx man` recognises its own output directory.
-rm -f "$dist/$name/man/man1/.phalanx"
 for shell in bash elvish fish powershell zsh; do
     "$generator" completions "$shell" >"$dist/$name/completions/phalanx.$shell"
 done

@@ -108,7 +108,7 @@ impl Interrupt {
         match self.signal() {
             None => Ok(()),
             Some(signal) => Err(Failure::incomplete(format!(
-                "interrupted by {signal} while the files were written; existing files are unchanged"
+                "interrupted by {signal} while the files were written; each file is complete, but some are missing or older"
             ))),
         }
     }

@@ -84,13 +84,18 @@ pub fn reserve(
             TargetKind::Results => FileKind::Table,
         };
         check_target(path, kind).map_err(Failure::bad_input)?;
-        // The writer of logs replaces only logs, so --force removes another file beforehand.
-        if kind == FileKind::Log && path.is_file() && ensure_replaceable(path, path).is_err() {
-            fs::remove_file(path).map_err(|error| Failure::bad_input(cannot_write(path, error)))?;
-        }
+        remove_foreign_log(path, kind)?;
     }
     let (_, out, names) = directory;
     out.map(|out| OutputDirectory::open(out, names)).transpose()
+}
+
+/// Removes an accepted file where a log is written: the writer of logs replaces only logs, also with `--force`.
+fn remove_foreign_log(path: &Path, kind: FileKind) -> Result<(), Failure> {
+    match kind == FileKind::Log && path.is_file() && ensure_replaceable(path, path).is_err() {
+        true => fs::remove_file(path).map_err(|error| Failure::bad_input(cannot_write(path, error))),
+        false => Ok(()),
+    }
 }
 
 /// Writable directory for the output files of a command.
@@ -107,7 +112,8 @@ impl OutputDirectory {
             )));
         }
         let refused = |error: io::Error| {
-            Failure::bad_input(format!("{}; give one where you may write", cannot_write(out, error)))
+            let help = "give one where you may write";
+            Failure::bad_input(format!("cannot create the directory {shown_path} or a file in it: {error}; {help}"))
         };
         fs::create_dir_all(out).and_then(|()| tempfile::tempfile_in(out)).map_err(refused)?;
         for name in names {
@@ -119,7 +125,10 @@ impl OutputDirectory {
                 text == start || name.contains('*') && text.starts_with(&*start) && text.ends_with(end)
             };
             let mut existing = entries.map(|entry| entry.path()).filter(matches);
-            existing.try_for_each(|path| check_result_file(&path)).map_err(Failure::bad_input)?;
+            existing.try_for_each(|path| {
+                check_result_file(&path).map_err(Failure::bad_input)?;
+                remove_foreign_log(&path, FileKind::from_extension(&path))
+            })?;
         }
         Ok(OutputDirectory(out.to_path_buf()))
     }
@@ -138,7 +147,9 @@ impl OutputDirectory {
 /// Writes a text file atomically. Reports get the mark of phalanx. Text and JSON files are escaped like printed output,
 /// because terminals may show them; pages and pictures already escape untrusted names.
 pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
-    let text = match path.extension().and_then(|extension| extension.to_str()) {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    // A page or a picture may have any name.
+    let text = match extension.filter(|_| !text.starts_with('<')) {
         Some("txt") => format!("{TEXT_MARK}{}", escape_unsafe_chars(text)).into(),
         Some("md") => format!("{MARKDOWN_MARK}{}", escape_unsafe_chars(text)).into(),
         Some("json") => escape_unsafe_chars(text).replacen('{', JSON_MARK, 1).into(),

@@ -107,7 +107,7 @@ impl Field {
 }
 
 /// Kind of a result column with values of this type.
-pub(super) fn column_kind(field_type: &FieldType) -> Kind {
+pub fn column_kind(field_type: &FieldType) -> Kind {
     match field_type {
         FieldType::Quantity(_) | FieldType::Number | FieldType::Percent => Kind::Number,
         FieldType::Integer(..) => Kind::Integer,

@@ -97,7 +97,9 @@ impl Field {
                 let unit = dimension.units()[0].name;
                 Some(AxisValue { text: format!("\"{si:?} {unit}\""), value: Value::Number(si) })
             }
-            FieldType::Number => Some(AxisValue { text: format!("{si:?}"), value: Value::Number(si) }),
+            FieldType::Number | FieldType::Percent => {
+                Some(AxisValue { text: format!("{si:?}"), value: Value::Number(si) })
+            }
             FieldType::Integer(min, max) => {
                 let integer = si as i64;
                 let fits = integer as f64 == si && (min..=max).contains(&&integer);

@@ -68,6 +68,7 @@ fn result_type(name: &str) -> FieldType {
     match name {
         "status" | "reason" | "grasp" | "class" | "class_reason" | "check" => FieldType::Text,
         "force_positive" | "form_closed" => FieldType::Flag,
+        "rebound_percent" => FieldType::Percent,
         "steps" | "contacts_lost" => FieldType::Integer(0, i64::MAX),
         _ => {
             let has_unit = |dimension: &Dimension| {

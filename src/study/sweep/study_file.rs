@@ -23,7 +23,6 @@ use crate::scene::parse::syntax_problem;
 use crate::scene::schema::{schema_for, unwrap_lines};
 use crate::scene::toml_value::TomlValue;
 use crate::scene::{Problem, SceneError, keys};
-use crate::table::Value;
 use crate::trace::Model;
 
 /// Error in a study file. Formatted like an error of a scene: `error:`, location, source line and help.
@@ -500,14 +499,7 @@ impl Reader<'_> {
 
     /// Reads a value of a field.
     fn read_value(&self, field: &Field, value: &Spanned<TomlValue>) -> Option<AxisValue> {
-        let axis_value = field.read(value).map_err(|problems| self.checker.extend(problems)).ok()?;
-        if matches!(&axis_value.value, Value::Text(text) if text.contains(['\n', '\r'])) {
-            let message = format!("a value of `{}` has more than one line", field.path);
-            let help = "remove the line break: a row of the results is one line";
-            self.checker.push(Some(value.span()), message, "one line", help);
-            return None;
-        }
-        Some(axis_value)
+        field.read(value).map_err(|problems| self.checker.extend(problems)).ok()
     }
 
     /// Reads the sample of all ranges.
