@@ -3,8 +3,6 @@
 use phalanx::format::ToReport;
 use phalanx::grasp::finger::{GraspOverrides, grasp};
 use phalanx::grasp::gripper::{GripperGraspRequest, gripper_grasp};
-use phalanx::report::capture::CaptureReport;
-use phalanx::report::hold::HoldReport;
 use phalanx::report::sizing::SizingReport;
 use phalanx::report::statics::{GripperStaticsReport, StaticsReport};
 use phalanx::report::validation::ValidationReport;
@@ -218,7 +216,7 @@ pub fn hold<'py>(
         HoldError::Stopped { .. } | HoldError::Scene { .. } => errors::run(py, error, None),
         error => errors::argument(py, error),
     })?;
-    conversion::parse_json(py, &HoldReport::from(&result).json())
+    conversion::parse_json(py, &result.json())
 }
 
 fn parse_axis(name: &str) -> Result<Axis, String> {
@@ -265,7 +263,7 @@ pub fn capture<'py>(
         CaptureError::Scene(error) => errors::scene(py, &error),
         error => errors::run(py, error, None),
     })?;
-    conversion::parse_json(py, &CaptureReport::from(&result).json())
+    conversion::parse_json(py, &result.json())
 }
 
 /// Compares the engine with the analytic model (`phalanx validate --json`): `passed`, and each bound and value.

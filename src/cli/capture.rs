@@ -5,16 +5,15 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice_args::ModelArg;
-use super::interrupt::{self, Interrupt};
+use super::interrupt::{interrupted, run_study};
 use super::output::print_result;
-use super::overrides::parse_positive;
-use super::progress::RunCounter;
+use super::parsers::{number, positive};
 use super::set::{SetArgs, source_files};
 use super::targets::reserve;
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::capture::{CaptureReport, capture_csv};
+use crate::report::capture::capture_csv;
 use crate::scene;
 use crate::study::capture::{CaptureError, Plan, SceneSource, capture};
 use crate::study::require_gripper;
@@ -41,15 +40,20 @@ pub struct CaptureArgs {
     set: SetArgs,
 
     /// Largest positioning error, with its unit
-    #[arg(long = "to", value_name = "LENGTH", value_parser = parse_length, default_value = "3.5 mm")]
+    #[arg(long = "to", value_name = "LENGTH", value_parser = length(), default_value = "3.5 mm")]
     max_error_m: f64,
 
     /// Number of object positions over the whole range; must be odd, to include the middle
-    #[arg(long = "places", value_name = "COUNT", value_parser = parse_position_count, default_value = "15")]
+    #[arg(
+        long = "places",
+        value_name = "COUNT",
+        value_parser = number(is_position_count, "an odd number from 3 to 1001, such as 15"),
+        default_value = "15"
+    )]
     position_count: usize,
 
     /// Tolerance of the edges of the captured range, with its unit
-    #[arg(long = "finely", value_name = "LENGTH", value_parser = parse_length, default_value = "0.01 mm")]
+    #[arg(long = "finely", value_name = "LENGTH", value_parser = length(), default_value = "0.01 mm")]
     tolerance_m: f64,
 
     /// Simulation model
@@ -78,58 +82,33 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
         .map_err(Failure::bad_input)?;
     let source = SceneSource { layers: scene::load_layers(&args.scene)?, settings: args.set.settings().to_vec() };
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
-    let interrupt = Interrupt::listen()?;
     let plan =
         Plan { model: args.model.into(), error_m, position_count: args.position_count, tolerance_m: args.tolerance_m };
     let load = |offset_m: f64| source.load_at_offset(error_m, offset_m);
-    let mut counter = RunCounter::new();
-    let mut report_progress = |done: u64, total: u64| counter.update(done as usize, total as usize, "positions");
-    let result = capture(plan, &load, &mut report_progress, &|| interrupt.signal().is_none());
-    counter.clear();
-    let study = result.map_err(|error| match (error, interrupt.signal()) {
-        (CaptureError::Stopped { done, total }, Some(signal)) => {
-            let files = if args.out.is_some() { interrupt::NO_FILE_WRITTEN } else { "" };
-            Failure::incomplete(format!("interrupted by {signal} after {done} of {total} positions{files}"))
-        }
-        (error @ CaptureError::Stopped { .. }, None) => Failure::incomplete(error),
-        (CaptureError::Scene(error), _) => error.into(),
-    })?;
-    let report = CaptureReport::from(&study);
+    let study = run_study(
+        "positions",
+        |progress, keep_running| capture(plan, &load, progress, keep_running),
+        |error, signal| match (error, signal) {
+            (CaptureError::Stopped { done, total }, Some(signal)) => {
+                let message = format!("interrupted by {signal} after {done} of {total} positions");
+                interrupted(&message, args.out.is_some())
+            }
+            (error @ CaptureError::Stopped { .. }, None) => Failure::incomplete(error),
+            (CaptureError::Scene(error), _) => error.into(),
+        },
+    )?;
     if let Some(directory) = directory {
-        let texts = [report.json(), capture_csv(&report), plot::capture(&study), report.report().to_string()];
+        let texts = [study.json(), capture_csv(&study), plot::capture(&study), study.report().to_string()];
         directory.write(&FILES, &texts)?;
     }
-    print_result(&report, args.json)?;
+    print_result(&study, args.json)?;
     Ok(Status::Done)
 }
 
-fn parse_length(text: &str) -> Result<f64, String> {
-    parse_positive(text, Dimension::Length, "must be more than 0; expected a length such as \"3.5 mm\"")
+fn is_position_count(count: &usize) -> bool {
+    (3..=1001).contains(count) && count % 2 == 1
 }
 
-fn parse_position_count(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count @ 3..=1001) if count % 2 == 1 => Ok(count),
-        _ => Err("expected an odd number from 3 to 1001, such as 15".to_string()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rejects_invalid_lengths_and_counts() {
-        assert_eq!((parse_length("3.5 mm"), parse_position_count("15")), (Ok(3.5e-3), Ok(15)));
-        for (result, message) in [
-            (parse_length("0 mm").err(), "more than 0"),
-            (parse_length("3").err(), "no unit"),
-            (parse_position_count("4").err(), "odd"),
-            (parse_position_count("1").err(), "from 3"),
-            (parse_position_count("x").err(), "odd"),
-        ] {
-            let error = result.expect(message);
-            assert!(error.contains(message), "{error}");
-        }
-    }
+fn length() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    positive(Dimension::Length, "a length such as \"3.5 mm\"")
 }

@@ -5,19 +5,16 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::choice_args::ModelArg;
-use super::interrupt::{self, Interrupt};
+use super::interrupt::{interrupted, run_study};
 use super::output::print_result;
-use super::overrides::parse_positive;
-use super::ownership::FileKind;
-use super::progress::RunCounter;
-use super::save::save;
+use super::parsers::{count, number, positive};
 use super::set::{SetArgs, source_files};
-use super::targets::{TargetKind, reserve};
+use super::targets::{FileKind, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::hold::{HoldReport, hold_csv};
-use crate::scene::{Axis, Scene};
+use crate::report::hold::hold_csv;
+use crate::scene::Axis;
 use crate::study::hold::{HoldError, Loads, Plan, hold};
 use crate::study::require_gripper;
 use crate::units::Dimension;
@@ -45,11 +42,23 @@ pub struct HoldArgs {
     set: SetArgs,
 
     /// Duration of a pulse, with its unit
-    #[arg(long, value_name = "TIME", value_parser = parse_duration, default_value = "40 ms", conflicts_with_all = ["vibration", "moves"])]
+    #[arg(
+        long,
+        value_name = "TIME",
+        value_parser = positive(Dimension::Time, "a time such as \"40 ms\""),
+        default_value = "40 ms",
+        conflicts_with_all = ["vibration", "moves"]
+    )]
     pulse: f64,
 
     /// Number of pulse directions, equally spaced from +x (along the palm)
-    #[arg(long, value_name = "COUNT", value_parser = parse_direction_count, default_value = "8", conflicts_with_all = ["vibration", "moves"])]
+    #[arg(
+        long,
+        value_name = "COUNT",
+        value_parser = count(1..=360, "8"),
+        default_value = "8",
+        conflicts_with_all = ["vibration", "moves"]
+    )]
     directions: usize,
 
     /// Apply vibrations at these frequencies instead of pulses; comma-separated, with units
@@ -73,28 +82,33 @@ pub struct HoldArgs {
     moves: bool,
 
     /// Largest slip of the object relative to the gripper, with its unit
-    #[arg(long, value_name = "LENGTH", value_parser = parse_length, default_value = "0.5 mm")]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        value_parser = positive(Dimension::Length, "a length such as \"0.5 mm\""),
+        default_value = "0.5 mm"
+    )]
     slip: f64,
 
     /// Time at which loads begin, with its unit [default: when the object is at rest and the brakes are engaged, or
     /// when the first of the scene's moves has ended; with --move: when the moves begin]
-    #[arg(long, value_name = "TIME", value_parser = parse_start_time)]
+    #[arg(long, value_name = "TIME", value_parser = positive(Dimension::Time, "a time such as \"60 ms\""))]
     at: Option<f64>,
 
     /// Smallest peak acceleration to try, with its unit
-    #[arg(long, value_name = "ACCELERATION", value_parser = parse_acceleration, default_value = "1 m/s^2")]
+    #[arg(long, value_name = "ACCELERATION", value_parser = acceleration(), default_value = "1 m/s^2")]
     from: f64,
 
     /// Largest peak acceleration to try, with its unit
-    #[arg(long, value_name = "ACCELERATION", value_parser = parse_acceleration, default_value = "1000 m/s^2")]
+    #[arg(long, value_name = "ACCELERATION", value_parser = acceleration(), default_value = "1000 m/s^2")]
     to: f64,
 
     /// Number of accelerations to try in this range before bisection; failures closer together than these can be missed
-    #[arg(long, value_name = "COUNT", value_parser = parse_scan_count, default_value = "11")]
+    #[arg(long, value_name = "COUNT", value_parser = count(2..=1000, "11"), default_value = "11")]
     scan: usize,
 
     /// Relative tolerance of the limits
-    #[arg(long, value_name = "FRACTION", value_parser = parse_fraction, default_value = "0.02")]
+    #[arg(long, value_name = "FRACTION", value_parser = fraction(), default_value = "0.02")]
     tol: f64,
 
     /// Simulation model
@@ -145,39 +159,32 @@ impl From<AxisArg> for Axis {
 
 /// Runs `phalanx hold`.
 pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
-    let scene = load_gripper(args)?;
+    let scene = args.set.load_any(&args.scene)?;
+    let scene = require_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml")
+        .map_err(Failure::bad_input)?;
     let plan = build_plan(args)?;
     let svg = ("--svg", args.svg.as_deref(), TargetKind::File(FileKind::Picture));
     let directory =
         reserve(&[("the scene", &source_files(&args.scene))], &[svg], ("--out", args.out.as_deref(), &FILES))?;
-    let interrupt = Interrupt::listen()?;
-    let mut counter = RunCounter::new();
-    let mut report_progress = |done: u64, total: u64| counter.update(done as usize, total as usize, "runs");
-    let result = hold(&scene, plan, &mut report_progress, &|| interrupt.signal().is_none());
-    counter.clear();
-    let study = result.map_err(|error| match (error, interrupt.signal()) {
-        (HoldError::Stopped { done }, Some(signal)) => {
-            let files = if args.out.is_some() { interrupt::NO_FILE_WRITTEN } else { "" };
-            Failure::incomplete(format!("interrupted by {signal} after {done} runs{files}"))
-        }
-        (error @ (HoldError::Stopped { .. } | HoldError::Scene { .. }), _) => Failure::incomplete(error),
-        (error, _) => Failure::bad_input(error),
-    })?;
-    let report = HoldReport::from(&study);
+    let study = run_study(
+        "runs",
+        |progress, keep_running| hold(&scene, plan, progress, keep_running),
+        |error, signal| match (error, signal) {
+            (HoldError::Stopped { done }, Some(signal)) => {
+                interrupted(&format!("interrupted by {signal} after {done} runs"), args.out.is_some())
+            }
+            (error @ (HoldError::Stopped { .. } | HoldError::Scene { .. }), _) => Failure::incomplete(error),
+            (error, _) => Failure::bad_input(error),
+        },
+    )?;
     if let Some(directory) = directory {
-        let texts = [report.json(), hold_csv(&report), plot::hold(&study), report.report().to_string()];
-        directory.write(&FILES, &texts)?;
+        directory.write(&FILES, &[study.json(), hold_csv(&study), plot::hold(&study), study.report().to_string()])?;
     }
     if let Some(path) = &args.svg {
         save(path, &plot::hold(&study))?;
     }
-    print_result(&report, args.json)?;
+    print_result(&study, args.json)?;
     Ok(Status::Done)
-}
-
-fn load_gripper(args: &HoldArgs) -> Result<Scene, Failure> {
-    let scene = args.set.load_any(&args.scene)?;
-    require_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml").map_err(Failure::bad_input)
 }
 
 fn build_plan(args: &HoldArgs) -> Result<Plan, Failure> {
@@ -204,81 +211,21 @@ fn build_plan(args: &HoldArgs) -> Result<Plan, Failure> {
     Ok(plan)
 }
 
-/// Parses a quantity that must be positive; error messages include `example`.
-fn parse_positive_quantity(text: &str, dimension: Dimension, example: &str) -> Result<f64, String> {
-    parse_positive(text, dimension, &format!("must be more than 0; expected {example}"))
+fn acceleration() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    positive(Dimension::Acceleration, "an acceleration such as \"100 m/s^2\"")
 }
 
-fn parse_length(text: &str) -> Result<f64, String> {
-    parse_positive_quantity(text, Dimension::Length, "a length such as \"0.5 mm\"")
-}
-
-fn parse_duration(text: &str) -> Result<f64, String> {
-    parse_positive_quantity(text, Dimension::Time, "a time such as \"40 ms\"")
-}
-
-fn parse_start_time(text: &str) -> Result<f64, String> {
-    parse_positive_quantity(text, Dimension::Time, "a time such as \"60 ms\"")
-}
-
-fn parse_acceleration(text: &str) -> Result<f64, String> {
-    parse_positive_quantity(text, Dimension::Acceleration, "an acceleration such as \"100 m/s^2\"")
+fn fraction() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    number(|fraction| (1e-9..1.0).contains(fraction), "a number from 1e-9 to below 1, such as 0.02")
 }
 
 fn parse_frequencies(text: &str) -> Result<Frequencies, String> {
     let example = "frequencies such as \"50 Hz, 200 Hz\"";
-    let parse_item = |item: &str| parse_positive_quantity(item.trim(), Dimension::Frequency, example);
+    let parse_item = |item: &str| positive(Dimension::Frequency, example)(item.trim());
     let mut values = text.split(',').map(parse_item).collect::<Result<Vec<f64>, _>>()?;
     values.sort_by(f64::total_cmp);
     match values.windows(2).find(|pair| pair[0] == pair[1]) {
         Some(pair) => Err(format!("{} Hz is given twice; expected {example}", pair[0])),
         None => Ok(Frequencies(values)),
-    }
-}
-
-fn parse_direction_count(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count @ 1..=360) => Ok(count),
-        _ => Err("expected a number from 1 to 360, such as 8".to_string()),
-    }
-}
-
-fn parse_scan_count(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count @ 2..=1000) => Ok(count),
-        _ => Err("expected a number from 2 to 1000, such as 11".to_string()),
-    }
-}
-
-fn parse_fraction(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(fraction) if (1e-9..1.0).contains(&fraction) => Ok(fraction),
-        _ => Err("expected a number from 1e-9 to below 1, such as 0.02".to_string()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rejects_invalid_values() {
-        assert_eq!(parse_frequencies("200 Hz, 50 Hz"), Ok(Frequencies(vec![50.0, 200.0])));
-        let parsed = (parse_duration("40 ms"), parse_acceleration("20 m/s^2"), parse_scan_count("2"));
-        assert_eq!(parsed, (Ok(0.04), Ok(20.0), Ok(2)));
-        for (message, error) in [
-            ("more than 0", parse_length("0 mm").err()),
-            ("no unit", parse_acceleration("20").err()),
-            ("more than 0", parse_duration("-1 ms").err()),
-            ("twice", parse_frequencies("50 Hz,50 Hz").err()),
-            ("such as", parse_frequencies("0 Hz").err()),
-            ("1 to 360", parse_direction_count("0").err()),
-            ("from 2", parse_scan_count("1").err()),
-            ("below 1", parse_fraction("1").err()),
-            ("below 1", parse_fraction("nan").err()),
-        ] {
-            let error = error.expect(message);
-            assert!(error.contains(message), "{error}");
-        }
     }
 }

@@ -10,6 +10,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::Failure;
+use super::progress::RunCounter;
 use crate::integrator::Reason;
 
 /// Signals that are handled, with their names in messages.
@@ -41,10 +42,31 @@ fn ignores_hangup() -> bool {
 
 /// Returns the failure of a command that a signal ended after some of its parts.
 pub fn interrupted_failure(task: &str, signal: &str, (done, total): (usize, usize), has_out: bool) -> Failure {
-    let files = if has_out { NO_FILE_WRITTEN } else { "" };
-    Failure::incomplete(format!(
-        "{task} was interrupted by {signal} after {done} of {total} parts; there is no result{files}"
-    ))
+    let message = format!("{task} was interrupted by {signal} after {done} of {total} parts; there is no result");
+    interrupted(&message, has_out)
+}
+
+/// Receives the completed and the total number of parts of a study.
+pub type ReportProgress<'a> = &'a mut (dyn FnMut(u64, u64) + Send);
+
+/// Computes a study with a progress line of its `parts`, until a signal arrives. `failure` converts an error, with the
+/// name of the signal if one has arrived.
+pub fn run_study<T, E>(
+    parts: &str,
+    study: impl FnOnce(ReportProgress<'_>, &(dyn Fn() -> bool + Sync)) -> Result<T, E>,
+    failure: impl FnOnce(E, Option<&'static str>) -> Failure,
+) -> Result<T, Failure> {
+    let interrupt = Interrupt::listen()?;
+    let mut counter = RunCounter::new();
+    let mut progress = |done: u64, total: u64| counter.update(done as usize, total as usize, parts);
+    let result = study(&mut progress, &|| interrupt.signal().is_none());
+    counter.clear();
+    result.map_err(|error| failure(error, interrupt.signal()))
+}
+
+/// Returns the failure of a command that a signal ended. With `--out`, it states that no file was written.
+pub fn interrupted(message: &str, has_out: bool) -> Failure {
+    Failure::incomplete(format!("{message}{}", if has_out { NO_FILE_WRITTEN } else { "" }))
 }
 
 /// Records whether a signal has interrupted the command.

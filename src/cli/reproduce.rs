@@ -8,9 +8,8 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::{print_note, print_result};
-use super::save::{save, write_failure};
 use super::study::{OutputArgs, compute};
-use super::targets::reserve;
+use super::targets::{reserve, save, write_failure};
 use super::value_lists::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};
@@ -63,7 +62,7 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
 }
 
 /// Files in the output directory, without the pictures in figures/.
-const FILES: [&str; 5] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv"];
+const FILES: [&str; 6] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv", "figures/*.svg"];
 
 /// Writes the files of `--out`; the report is written last.
 fn write(out: &Path, found: &Reproduced, report: &ReproductionReport<'_>) -> Result<(), Failure> {

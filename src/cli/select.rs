@@ -6,16 +6,15 @@ use std::slice;
 use clap::Args;
 
 use super::output::print_result;
-use super::ownership::FileKind;
-use super::save::save;
-use super::targets::{TargetKind, reserve};
+use super::parsers::{number, positive};
+use super::targets::{FileKind, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::format::ToReport;
 use crate::plot;
 use crate::report::select::{SelectionReport, ranking_table};
 use crate::study::select::{
-    Bound, CLASSES, SelectError, Selection, SelectionCriteria, Side, Weights, parse_class, select,
+    Bound, CLASSES, PerTerm, SelectError, Selection, SelectionCriteria, Side, TERMS, Weights, parse_class, select,
 };
 use crate::table::{self, Table};
 use crate::units::{self, Dimension};
@@ -63,7 +62,7 @@ pub struct SelectArgs {
     no_pfp: bool,
 
     /// Longest time to stability, with its unit
-    #[arg(long, value_name = "TIME", value_parser = parse_time)]
+    #[arg(long, value_name = "TIME", value_parser = positive(Dimension::Time, "a time such as \"8 ms\""))]
     max_tts: Option<f64>,
 
     /// Largest rebound, in percent
@@ -79,7 +78,12 @@ pub struct SelectArgs {
     weights: Weights,
 
     /// Number of best runs to print
-    #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = parse_count)]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 10,
+        value_parser = number(|_: &usize| true, "a number of runs, 0 or more, such as 10")
+    )]
     best: usize,
 
     /// Write all selected runs to this file, best first, with place, r_WC and its terms before the columns of the
@@ -103,7 +107,7 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::format(path).map_err(Failure::bad_input)?;
     }
-    let ranking = ("--ranking", args.ranking.as_deref(), TargetKind::File(FileKind::Ranking));
+    let ranking = ("--ranking", args.ranking.as_deref(), TargetKind::File(FileKind::Table));
     let results = slice::from_ref(&args.results);
     let directory = reserve(&[("the table of results", results)], &[ranking], ("--out", args.out.as_deref(), &FILES))?;
     let results = table::read(&args.results).map_err(Failure::bad_input)?;
@@ -124,20 +128,19 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
 
 /// Builds the criteria from the arguments.
 fn build_criteria(args: &SelectArgs) -> SelectionCriteria {
-    let optional_bound = |column: &str, side: Side, value: Option<f64>| {
-        value.map(|value| Bound { column: column.to_string(), side, value })
-    };
     let pfp_n = if args.no_pfp { None } else { Some(args.min_pfp.unwrap_or(0.0)) };
-    let standard_bounds = [
-        optional_bound("pfp_n", Side::AtLeast, pfp_n),
-        optional_bound("tts_s", Side::AtMost, args.max_tts),
-        optional_bound("rebound_percent", Side::AtMost, args.max_rebound),
+    let flags = [
+        ("pfp_n", Side::AtLeast, pfp_n),
+        ("tts_s", Side::AtMost, args.max_tts),
+        ("rebound_percent", Side::AtMost, args.max_rebound),
     ];
+    let of_flags = flags.into_iter().filter_map(|(column, side, value)| Some((column.to_string(), side, value?)));
+    let of_flags = of_flags.map(|(column, side, value)| Bound { column, side, value });
     SelectionCriteria {
         force_positive: !args.no_static,
         form_closed: !args.no_form_closed,
         worst_class: Some(args.class),
-        bounds: standard_bounds.into_iter().flatten().chain(args.bound.iter().cloned()).collect(),
+        bounds: of_flags.chain(args.bound.iter().cloned()).collect(),
         weights: args.weights,
     }
 }
@@ -173,10 +176,6 @@ fn write_files(out: &Path, source: &str, results: &Table, selection: &Selection)
     save(&out.join("selection.txt"), &report.report().to_string())
 }
 
-fn parse_count(text: &str) -> Result<usize, String> {
-    text.parse().map_err(|_| "expected a number of runs, 0 or more, such as 10".to_string())
-}
-
 fn parse_class_arg(text: &str) -> Result<Class, String> {
     parse_class(text).ok_or_else(|| format!("expected {}", CLASSES.map(Class::name).join(", ")))
 }
@@ -185,61 +184,44 @@ fn parse_force(text: &str) -> Result<f64, String> {
     units::parse(text, Dimension::Force).map_err(|error| error.to_string())
 }
 
-fn parse_time(text: &str) -> Result<f64, String> {
-    match units::parse(text, Dimension::Time) {
-        Ok(time_s) if time_s > 0.0 => Ok(time_s),
-        Ok(_) => Err("the time to stability must be longer than 0; expected a time such as \"8 ms\"".to_string()),
-        Err(error) => Err(error.to_string()),
-    }
-}
-
 fn parse_percent(text: &str) -> Result<f64, String> {
-    let value = text.trim().trim_end_matches('%').trim_end().parse::<f64>();
-    value
-        .ok()
-        .filter(|value| value.is_finite() && *value >= 0.0)
-        .ok_or("expected a percentage of 0 or more, such as 2.5".to_string())
+    let is_percentage = |value: &f64| value.is_finite() && *value >= 0.0;
+    number(is_percentage, "a percentage of 0 or more, such as 2.5")(text.trim().trim_end_matches('%'))
 }
 
 fn parse_bound(text: &str) -> Result<Bound, String> {
     let expected = "expected a column, >= or <=, and a number in the unit of the column, such as \"mass_kg <= 0.024\"";
-    let (side, operator_index) = match (text.find(">="), text.find("<=")) {
-        (Some(index), None) => (Side::AtLeast, index),
-        (None, Some(index)) => (Side::AtMost, index),
+    let (side, column, value) = match (text.split_once(">="), text.split_once("<=")) {
+        (Some((column, value)), None) => (Side::AtLeast, column.trim(), value),
+        (None, Some((column, value))) => (Side::AtMost, column.trim(), value),
         _ => return Err(expected.to_string()),
     };
-    let (column, value) = (text[..operator_index].trim(), text[operator_index + 2..].trim());
-    let number = value.parse::<f64>().ok().filter(|value| value.is_finite());
-    match number {
-        Some(value) if !column.is_empty() => Ok(Bound { column: column.to_string(), side, value }),
+    match value.trim().parse() {
+        Ok(value) if f64::is_finite(value) && !column.is_empty() => {
+            Ok(Bound { column: column.to_string(), side, value })
+        }
         _ => Err(expected.to_string()),
     }
 }
 
 fn parse_weights(text: &str) -> Result<Weights, String> {
     let expected = "expected terms with weights of 0 or more, such as pfp=2,tts=1,f21=0,f22=0";
-    let mut weights = Weights { pfp: 0.0, tts: 0.0, f21: 0.0, f22: 0.0 };
-    let mut named: Vec<&str> = Vec::new();
+    let mut weights: [Option<f64>; TERMS.len()] = [None; TERMS.len()];
     for item in text.split(',') {
         let (name, value) = item.split_once('=').ok_or(expected)?;
         let (name, value) = (name.trim(), value.trim().parse::<f64>().map_err(|_| expected)?);
-        if named.contains(&name) {
-            return Err(format!("{name} is given twice; {expected}"));
-        }
         if !(value.is_finite() && value >= 0.0) {
             return Err(format!("the weight of {name} is {value}; {expected}"));
         }
-        *match name {
-            "pfp" => &mut weights.pfp,
-            "tts" => &mut weights.tts,
-            "f21" => &mut weights.f21,
-            "f22" => &mut weights.f22,
-            _ => return Err(format!("there is no term `{name}`; {expected}")),
-        } = value;
-        named.push(name);
+        let Some(term) = TERMS.iter().position(|term| term.key == name) else {
+            return Err(format!("there is no term `{name}`; {expected}"));
+        };
+        if weights[term].replace(value).is_some() {
+            return Err(format!("{name} is given twice; {expected}"));
+        }
     }
-    match weights.named().iter().any(|(_, weight)| *weight > 0.0) {
-        true => Ok(weights),
+    match weights.iter().flatten().any(|weight| *weight > 0.0) {
+        true => Ok(PerTerm(weights.map(Option::unwrap_or_default))),
         false => Err(format!("all weights are 0; {expected}")),
     }
 }
@@ -257,7 +239,7 @@ mod tests {
         for text in ["mass_kg", "mass_kg<0.1", "<=3", "mass_kg<=", "mass_kg<=24 g", "a>=1<=2", "mass_kg<=nan"] {
             assert!(parse_bound(text).is_err_and(|error| error.contains("such as")), "{text}");
         }
-        assert_eq!(parse_weights("tts=2, pfp=1"), Ok(Weights { pfp: 1.0, tts: 2.0, f21: 0.0, f22: 0.0 }));
+        assert_eq!(parse_weights("tts=2, pfp=1"), Ok(PerTerm([1.0, 2.0, 0.0, 0.0])));
         for (text, message) in
             [("tts", "such as"), ("tts=-1", "-1"), ("tts=1,tts=2", "twice"), ("mass=1", "no term"), ("tts=0", "all")]
         {

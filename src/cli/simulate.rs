@@ -1,17 +1,17 @@
 //! One simulation of `phalanx run`, `validate --out` or `replay --verify`, with a progress line and interruption by
 //! signals. The library determines the contents of logs and reports.
 
-use crate::scene::keywords::SceneKind;
 use std::io::Write;
 
 use super::interrupt::Interrupt;
 use super::output::print_diagnostic;
 use super::progress::Progress;
-use crate::criteria::{StaticGrasp, static_grasp};
+use crate::criteria::static_grasp;
 use crate::log::ThreadedWriter;
 pub(super) use crate::report::simulation::{CheckPolicy, FailedRun, SimulatedRun};
 use crate::report::simulation::{SimulationOptions, simulate_and_check};
 use crate::scene::Scene;
+use crate::scene::keywords::SceneKind;
 use crate::trace::{Event, Model, Sample, Sink, SinkError};
 
 /// Conditions that end a run early, and whether to check it.
@@ -30,10 +30,13 @@ pub(super) fn simulate<W: Write + Send + 'static>(
     limits: &RunLimits<'_>,
     other_sink: &mut impl Sink,
 ) -> SimulatedRun<W> {
-    if scene.kind() == SceneKind::Finger {
-        warn_if_ungraspable(scene);
+    let object = scene.object().filter(|_| scene.kind() == SceneKind::Finger);
+    if let Some(Err(error)) = object.map(|object| static_grasp(scene, object)) {
+        print_diagnostic(&format!("no dynamic criteria, because the finger cannot grasp this object: {error}"));
     }
-    let mut monitored_sink = MonitoredSink::new(scene.duration_s, limits, other_sink);
+    // The run may end before the duration of the scene.
+    let progress = Progress::new(scene.duration_s.min(limits.until_s));
+    let mut monitored_sink = MonitoredSink { last_s: 0.0, progress, limits, other_sink };
     let options = SimulationOptions {
         check_policy: limits.check_policy,
         keep_running: &|| limits.interrupt.signal().is_none(),
@@ -42,16 +45,6 @@ pub(super) fn simulate<W: Write + Send + 'static>(
     let run = simulate_and_check(model, scene, log, &options, &mut monitored_sink);
     monitored_sink.progress.clear();
     run
-}
-
-/// Computes the static grasp for the criteria of a run. If the finger cannot grasp the object, prints the reason and
-/// returns `None`.
-fn warn_if_ungraspable(scene: &Scene) -> Option<StaticGrasp> {
-    static_grasp(scene, scene.object()?)
-        .map_err(|error| {
-            print_diagnostic(&format!("no dynamic criteria, because the finger cannot grasp this object: {error}"))
-        })
-        .ok()
 }
 
 /// Adds a progress line and interruption to the sinks of a run.
@@ -64,18 +57,10 @@ struct MonitoredSink<'a, A> {
     other_sink: &'a mut A,
 }
 
-impl<'a, A> MonitoredSink<'a, A> {
-    fn new(duration_s: f64, limits: &'a RunLimits<'a>, other_sink: &'a mut A) -> Self {
-        // The run may end before the duration of the scene.
-        let progress = Progress::new(duration_s.min(limits.until_s));
-        MonitoredSink { last_s: 0.0, progress, limits, other_sink }
-    }
-}
-
 impl<A: Sink> Sink for MonitoredSink<'_, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
-        Sink::sample(&mut self.progress, sample)?;
+        self.progress.update(sample.time_s);
         self.other_sink.sample(sample)
     }
 

@@ -6,7 +6,6 @@ use clap::{Args, Subcommand};
 
 use super::interrupt::{Interrupt, interrupted_failure};
 use super::output::print_result;
-use super::overrides::parse_positive;
 use super::progress::RunCounter;
 use super::set::{SetArgs, source_files};
 use super::targets::reserve;
@@ -19,6 +18,7 @@ use crate::thesis::stability::{ACCURACY_RAD, Grid, stability};
 use crate::thesis::step_size::step_size;
 use crate::thesis::{Monitor, StudyError};
 use crate::units::Dimension;
+use crate::units::parse_positive;
 
 /// The shipped scene, built in so that the command works in any directory.
 const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");

@@ -9,12 +9,11 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `explorer`, `presets`, `base85` | the page that simulates in the browser, its scenes, its WebAssembly module as text |
+//! | `explorer`, `presets` | the page that simulates in the browser, its scenes, its WebAssembly module as text |
 //! | `volume` | the page of grasp-state volumes |
 //! | `report` | the page of a report, such as a reproduction |
 //! | `html` | JSON, texts, pictures and the `assets` → the file |
 
-mod base85;
 mod explorer;
 mod html;
 mod presets;

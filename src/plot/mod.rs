@@ -5,7 +5,6 @@
 //! |---|---|
 //! | `capture` | final position of an object over its initial position |
 //! | `speed_error` | wall time against error of all evaluated settings |
-//! | `optimize` | designs by their objectives, and the front |
 //! | `overlay` | two runs over time |
 //! | `select` | results of a selection by criterion, class, force and variable |
 //! | `hold` | loads that a gripper holds: by direction, by frequency, or slip over load |
@@ -16,12 +15,11 @@ mod capture;
 mod difference;
 mod hold;
 mod linkage;
-mod optimize;
 mod overlay;
 mod select;
 mod speed_error;
 
-use phalanx_show::plot::{axis, canvas, curve, outline, svg};
+use phalanx_show::plot::{axis, canvas, outline, series, svg};
 
 pub use capture::capture;
 pub use difference::{
@@ -29,7 +27,6 @@ pub use difference::{
 };
 pub use hold::hold;
 pub use linkage::{LabelBox, Linkage, linkage};
-pub use optimize::optimisation;
 pub use overlay::{overlay, overlay_runs};
 pub use phalanx_show::plot::{
     PICTURE_MARK, PictureFormat, balance, colours, grasp, sizing_spring_types, sizing_springs, sizing_trajectory, theme,

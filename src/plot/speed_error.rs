@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::canvas::{LegendEntry, Marker, THIN_LINE, chart, line, points, vertical_line};
 use super::theme::{AMBER, BLUE, Colour, GREEN, INK, ORANGE, PURPLE, SOFT};
-use crate::validate::{Evaluation, Family, LadderRow, Validation};
+use crate::validate::{Family, LadderRow, Validation};
 
 const HEIGHT: f64 = 600.0;
 
@@ -48,9 +48,9 @@ pub fn speed_error(scene: &str, found: &Validation) -> String {
 }
 
 fn error_and_time(row: &LadderRow) -> Option<(f64, f64)> {
-    let Evaluation::Done { differences: Some(differences), cost } = &row.evaluation else { return None };
+    let (differences, wall_s) = row.differences.as_ref().zip(row.cost.wall_s)?;
     let error = differences.path_max();
-    (error.is_finite() && error > 0.0).then_some((error, cost.wall_s * 1e3))
+    (error.is_finite() && error > 0.0).then_some((error, wall_s * 1e3))
 }
 
 fn style(family: Family) -> (Marker, Colour) {

@@ -1,265 +1,219 @@
-//! Report of the accelerations that a grasp withstands: JSON and CSV.
+//! Report of the accelerations that a grasp withstands: text and CSV.
 
-use serde::Serialize;
+use serde_json::json;
 
-use crate::criteria::Travel;
-use crate::scene::Axis;
-use crate::study::hold::{Evaluation, Hold, Limit, LoadCase, LoadResult, LoadSetup, StartReason, StaticLimit, Verdict};
+use super::rows::csv;
+use crate::format::format_duration;
+use crate::format::numbers::{G_M_S2, format_number};
+use crate::format::report::{Report, ToReport};
+use crate::study::hold::{Hold, Limit, LoadCase, LoadResult, LoadSize, Loads, StartReason, StaticLimit, axis_name};
 
-/// Accelerations of the palm at which an object slips in the hand or is dropped.
-#[derive(Clone, Debug, Serialize)]
-pub struct HoldReport {
-    /// Name of the scene.
-    pub scene: String,
-    pub model: &'static str,
-    /// Start time of the loads.
-    pub begins_s: f64,
-    /// Reason for the start time: `given`, `at rest`, `still moving`, `moved` or `own move`.
-    #[serde(rename = "begins")]
-    pub start_reason: &'static str,
-    /// Largest allowed slip of the object in the hand.
-    pub slip_bound_m: f64,
-    /// Smallest peak acceleration of the scan.
-    pub from_m_s2: f64,
-    /// Largest peak acceleration of the scan.
-    pub to_m_s2: f64,
-    /// Number of loads before the limits are refined by bisection.
-    pub scan: usize,
-    /// Relative tolerance of the limits.
-    pub tolerance: f64,
-    /// Slip in the hand over the same time without a load.
-    pub unloaded_slip: Travel,
-    /// Number of runs under loads.
-    pub runs: usize,
-    /// Number of these runs that were not completed.
-    pub unfinished: usize,
-    pub loads: Vec<LoadReport>,
+impl ToReport for Hold {
+    fn report(&self) -> Report {
+        let start = match self.start_reason {
+            StartReason::Requested => "as requested",
+            StartReason::AtRest => "when the object is at rest",
+            StartReason::StillMoving { .. } => "at the end of the scene, while the object still moves",
+            StartReason::MoveCompleted => "after the first of the scene's moves",
+            StartReason::OwnMove => "at the start of the scene's own moves",
+        };
+        let loads = match self.plan.loads {
+            Loads::Pulses { length_s, .. } => format!("pulses of {}", format_duration(length_s)),
+            Loads::Vibrations { .. } => "vibrations".to_string(),
+            Loads::Move => "moves".to_string(),
+        };
+        let mut text = Report::from(format!("{}: {} model, {loads}\n", self.scene, self.plan.model.name()));
+        text.push(Report::paragraph(&format!(
+            "Loads start at {}, {start}. Without a load, the object slips by {} mm in the same time. {} runs.\nResults by load and peak \
+             acceleration of the palm:\n\n",
+            format_duration(self.setup.start_s),
+            millimetres(self.unloaded.slip.displacement_m),
+            self.results.iter().map(|load| load.evaluations.len()).sum::<usize>()
+        )));
+        for load in &self.results {
+            text.push_str(&format!("{}: {}\n", load_name(&load.case), describe_load(load, self)));
+        }
+        text.push_str("\n");
+        if self.results.iter().any(|load| load.static_limit.is_some()) {
+            text.push(Report::paragraph(
+                "Balance at rest refers to the contacts that are active at the start of the loads, in both directions.\n",
+            ));
+        }
+        for line in smallest_limit(self)
+            .into_iter()
+            .chain(unreached_limits(self))
+            .chain(self.results.iter().flat_map(|load| remarks(load, self)))
+        {
+            text.push(Report::paragraph(&format!("{line}\n")));
+        }
+        text
+    }
 }
 
-/// Results for one kind of load.
-#[derive(Clone, Debug, Serialize)]
-pub struct LoadReport {
-    /// `pulse`, `vibration` or `move`.
-    pub load: &'static str,
-    /// Direction of the first acceleration of a pulse, counter-clockwise from +x.
-    pub direction_rad: Option<f64>,
-    /// Duration of a pulse.
-    pub length_s: Option<f64>,
-    /// Axis of a vibration: `x`, `y` or `angle`.
-    pub axis: Option<&'static str>,
-    pub frequency_hz: Option<f64>,
-    /// Largest load of the scan; smaller than requested if a larger load would press the object against the table.
-    pub to_m_s2: f64,
-    /// Acceleration that contact forces can balance at rest in both directions: `nothing`, `up to` (see
-    /// `quasi_static_m_s2`) or `any`; null for loads that rotate the palm, and where statics has no solution.
-    pub quasi_static: Option<&'static str>,
-    /// Largest balanced acceleration, if it is finite.
-    pub quasi_static_m_s2: Option<f64>,
-    /// Limit at which the object slips by more than the bound or is dropped.
-    pub slips: LimitReport,
-    /// Limit at which the object is dropped.
-    pub drops: LimitReport,
-    /// Runs, sorted by load.
-    pub runs: Vec<LoadRunReport>,
+fn millimetres(metres: f64) -> String {
+    format_number(metres * 1e3, 3)
 }
 
-/// Peak accelerations that bracket a limit.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct LimitReport {
-    /// Largest load below the first failure; null if the smallest load fails.
-    pub held_m_s2: Option<f64>,
-    /// Smallest load that fails; null if no load fails.
-    pub failed_m_s2: Option<f64>,
-    /// `held_m_s2` as the size of the load.
-    pub held_size: Option<SizeReport>,
-    /// Outcome of the failing run: `slip`, or the fate of the object.
-    pub ended_by: Option<&'static str>,
-    /// Whether every load that is withstood is smaller than every load that fails.
-    #[serde(rename = "monotone")]
-    pub is_monotone: bool,
-    /// Largest load above `failed_m_s2` that is withstood.
-    pub held_above_m_s2: Option<f64>,
-    /// Number of loads in between whose runs were not completed.
-    pub unfinished: usize,
+/// Describes the limits under one load.
+fn describe_load(load: &LoadResult, study: &Hold) -> String {
+    let bound = millimetres(study.plan.slip_m);
+    let up_to = |limit: &Limit, size: &str| {
+        let mark = if limit.held_above.is_none() && limit.unknown == 0 { "" } else { " *" };
+        let largest = if limit.failed.is_none() { ", the largest load" } else { "" };
+        limit.held.map(|held| format!("up to {}{mark}{largest}", peak(held, size)))
+    };
+    let size = load.held_size(&load.slips).map_or(String::new(), |size| format!(", {}", format_size(size)));
+    let fate = load.ended_by(&load.drops).unwrap_or("dropped");
+    let slips = match (up_to(&load.slips, &size), load.slips.failed) {
+        (Some(up_to), _) => format!("the object slips less than {bound} mm {up_to}"),
+        (None, Some(failed)) => {
+            format!("the object slips by more than {bound} mm at {}, the smallest load,", peak(failed, ""))
+        }
+        (None, None) => return "no run under this load was completed *".to_string(),
+    };
+    let drops = match (up_to(&load.drops, ""), load.drops.failed) {
+        (Some(_), None) if load.slips.failed.is_none() => ", and is held".to_string(),
+        (Some(up_to), None) => format!(" and is held {up_to}"),
+        (Some(up_to), Some(_)) => format!(" and is held {up_to}, above which it is {fate}"),
+        (None, Some(_)) => format!(" and is {fate} there"),
+        (None, None) => String::new(),
+    };
+    let balanced = match load.static_limit {
+        None => return format!("{slips}{drops}"),
+        Some(StaticLimit::Infeasible) => "nothing".to_string(),
+        Some(StaticLimit::UpTo { acceleration_m_s2 }) => acceleration(acceleration_m_s2),
+        Some(StaticLimit::Unlimited) => "any acceleration".to_string(),
+    };
+    format!("{slips}{drops}; contacts at rest balance {balanced}")
 }
 
-/// Size of a load.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct SizeReport {
-    /// Distance of a pulse.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub distance_m: Option<f64>,
-    /// Translational amplitude of a vibration.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub amplitude_m: Option<f64>,
-    /// Angular amplitude of a vibration.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub amplitude_rad: Option<f64>,
-    /// Duration of a move.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_s: Option<f64>,
+/// Formats an acceleration in m/s².
+fn acceleration(m_s2: f64) -> String {
+    format!("{} m/s²", format_number(m_s2, 4))
 }
 
-/// One run under one load.
-#[derive(Clone, Debug, Serialize)]
-pub struct LoadRunReport {
-    pub peak_m_s2: f64,
-    #[serde(flatten)]
-    pub size: SizeReport,
-    /// `load_result`, `dropped` or `ejected`; null if the run was not completed.
-    pub fate: Option<&'static str>,
-    /// Slip in the hand since the start of the load.
-    pub slip: Option<Travel>,
-    /// Largest rotation of the driven links against their brakes.
-    pub brake_slip_rad: Option<f64>,
-    pub end_s: Option<f64>,
-    pub steps: Option<u64>,
-    /// Reason why the run was not completed.
-    pub reason: Option<String>,
+/// Formats a peak acceleration in m/s² and g.
+fn peak(m_s2: f64, size: &str) -> String {
+    format!("{} ({} g{size})", acceleration(m_s2), format_number(m_s2 / G_M_S2, 3))
 }
 
-impl From<&Hold> for HoldReport {
-    fn from(found: &Hold) -> Self {
-        let runs = || found.results.iter().flat_map(|load| &load.evaluations);
-        HoldReport {
-            scene: found.scene.clone(),
-            model: found.plan.model.name(),
-            begins_s: found.setup.start_s,
-            start_reason: match found.start_reason {
-                StartReason::Requested => "given",
-                StartReason::AtRest => "at rest",
-                StartReason::StillMoving { .. } => "still moving",
-                StartReason::MoveCompleted => "moved",
-                StartReason::OwnMove => "own move",
-            },
-            slip_bound_m: found.plan.slip_m,
-            from_m_s2: found.plan.from_m_s2,
-            to_m_s2: found.plan.to_m_s2,
-            scan: found.plan.scan,
-            tolerance: found.plan.tolerance,
-            unloaded_slip: found.unloaded.slip,
-            runs: runs().count(),
-            unfinished: runs().filter(|run| run.drops() == Verdict::Unknown).count(),
-            loads: found.results.iter().map(|load| LoadReport::new(load, found)).collect(),
+fn format_size(LoadSize { key, value }: LoadSize) -> String {
+    match key {
+        "distance_m" => format!("over {} mm", millimetres(value)),
+        "amplitude_m" => format!("amplitude {} mm", millimetres(value)),
+        "amplitude_rad" => format!("amplitude {}°", format_number(value.to_degrees(), 3)),
+        _ => format!("in {} ms", millimetres(value)),
+    }
+}
+
+/// Returns the name of a load.
+fn load_name(case: &LoadCase) -> String {
+    match *case {
+        LoadCase::Pulse { direction_rad, .. } => {
+            let degrees = (direction_rad.to_degrees() * 10.0).round() / 10.0;
+            let axes = [(0.0, ", +x"), (90.0, ", +y (out of the palm)"), (180.0, ", −x"), (270.0, ", −y (into it)")];
+            format!("{degrees}°{}", axes.iter().find(|(angle, _)| *angle == degrees).map_or("", |(_, name)| name))
+        }
+        LoadCase::Vibration { axis, frequency_hz } => {
+            format!("{}, {} Hz", axis_name(axis), format_number(frequency_hz, 4))
+        }
+        LoadCase::Move => "move".to_string(),
+    }
+}
+
+/// Reports the load with the smallest limit.
+fn smallest_limit(study: &Hold) -> Option<String> {
+    let failed = study.results.iter().filter_map(|load| Some((load, load.slips.failed?)));
+    let Some((load, failed)) = failed.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return Some("No load makes the object slip by more than the bound.".to_string());
+    };
+    let name = load_name(&load.case);
+    match load.slips.held {
+        Some(_) if study.results.len() == 1 => None,
+        Some(held) => Some(format!("Smallest limit: {}, {name}.", peak(held, ""))),
+        None => Some(format!(
+            "Smallest limit: below {}, {name}; start at a smaller load with --from.",
+            acceleration(failed)
+        )),
+    }
+}
+
+/// Reports limits beyond the largest load.
+fn unreached_limits(study: &Hold) -> Option<String> {
+    let is_unreached = |load: &&LoadResult| {
+        load.to_m_s2 == study.plan.to_m_s2 && (load.slips.failed.is_none() || load.drops.failed.is_none())
+    };
+    let count = study.results.iter().filter(is_unreached).count();
+    let plural = if count == 1 { "" } else { "s" };
+    (count > 0).then(|| {
+        format!(
+            "{count} load{plural} of {}: a limit is not reached at {}, the largest load; raise --to.",
+            study.results.len(),
+            acceleration(study.plan.to_m_s2)
+        )
+    })
+}
+
+/// Returns notes on the limits of a load.
+fn remarks(load: &LoadResult, study: &Hold) -> Vec<String> {
+    let (mut notes, name) = (Vec::new(), load_name(&load.case));
+    for (limit, fails) in [(&load.slips, "the object slips or is dropped"), (&load.drops, "the object is dropped")] {
+        if let Some((failed, above)) = limit.failed.zip(limit.held_above) {
+            notes.push(format!(
+                "* {name}: not monotone: {fails} at {}, but not at {}; the limit is the first failure of {} loads, refined by \
+                 bisection.",
+                acceleration(failed),
+                acceleration(above),
+                study.plan.scan
+            ));
+        }
+        if limit.unknown > 0 {
+            let ends: Vec<String> = [limit.held, limit.failed].into_iter().flatten().map(acceleration).collect();
+            notes.push(format!(
+                "* {name}: runs not completed: {}, next to {}; the limit is not refined there.",
+                limit.unknown,
+                ends.join(" and ")
+            ));
         }
     }
-}
-
-impl LoadReport {
-    fn new(result: &LoadResult, study: &Hold) -> Self {
-        let (load, direction_rad, length_s, axis, frequency_hz) = match result.case {
-            LoadCase::Pulse { direction_rad, length_s } => ("pulse", Some(direction_rad), Some(length_s), None, None),
-            LoadCase::Vibration { axis, frequency_hz } => {
-                ("vibration", None, None, Some(axis_key(axis)), Some(frequency_hz))
-            }
-            LoadCase::Move => ("move", None, None, None, None),
-        };
-        let size = |peak_m_s2: f64| SizeReport::new(&result.case, &study.setup, peak_m_s2);
-        let limit = |limit: &Limit| LimitReport {
-            held_m_s2: limit.held,
-            failed_m_s2: limit.failed,
-            held_size: limit.held.map(size),
-            ended_by: limit.failed.and_then(|failed| result.evaluation_at(failed)).and_then(ended_by),
-            is_monotone: limit.held_above.is_none(),
-            held_above_m_s2: limit.held_above,
-            unfinished: limit.unknown,
-        };
-        let run_report = |run: &Evaluation| {
-            let found = run.outcome.as_ref().ok();
-            LoadRunReport {
-                peak_m_s2: run.peak_m_s2,
-                size: size(run.peak_m_s2),
-                fate: found.map(|found| found.fate.name()),
-                slip: found.map(|found| found.slip),
-                brake_slip_rad: found.map(|found| found.brake_slip_rad),
-                end_s: found.map(|found| found.end_s),
-                steps: found.map(|found| found.steps),
-                reason: run.outcome.as_ref().err().cloned(),
-            }
-        };
-        let (slips, drops) = (limit(&result.slips), limit(&result.drops));
-        let runs = result.evaluations.iter().map(run_report).collect();
-        let (quasi_static, quasi_static_m_s2) = match result.static_limit {
-            None => (None, None),
-            Some(StaticLimit::Infeasible) => (Some("nothing"), None),
-            Some(StaticLimit::UpTo { acceleration_m_s2 }) => (Some("up to"), Some(acceleration_m_s2)),
-            Some(StaticLimit::Unlimited) => (Some("any"), None),
-        };
-        let to_m_s2 = result.to_m_s2;
-        LoadReport {
-            load,
-            direction_rad,
-            length_s,
-            axis,
-            frequency_hz,
-            to_m_s2,
-            quasi_static,
-            quasi_static_m_s2,
-            slips,
-            drops,
-            runs,
-        }
+    if load.to_m_s2 < study.plan.to_m_s2 {
+        notes.push(format!(
+            "{name}: loads end at {}, because a larger load would press the object against the table.",
+            acceleration(load.to_m_s2)
+        ));
     }
-}
-
-impl SizeReport {
-    fn new(case: &LoadCase, setup: &LoadSetup, peak_m_s2: f64) -> Self {
-        let size = case.size(setup, peak_m_s2);
-        let is_angular = matches!(case, LoadCase::Vibration { axis: Axis::Angle, .. });
-        let is_vibration = matches!(case, LoadCase::Vibration { .. });
-        SizeReport {
-            distance_m: matches!(case, LoadCase::Pulse { .. }).then_some(size),
-            amplitude_m: (is_vibration && !is_angular).then_some(size),
-            amplitude_rad: is_angular.then_some(size),
-            time_s: matches!(case, LoadCase::Move).then(|| size * setup.scene_motion.moves_end_s()),
-        }
-    }
-}
-
-pub(super) fn axis_key(axis: Axis) -> &'static str {
-    match axis {
-        Axis::X => "x",
-        Axis::Y => "y",
-        Axis::Angle => "angle",
-    }
-}
-
-/// Returns the outcome of a failed run: `slip` or the fate of the object.
-fn ended_by(run: &Evaluation) -> Option<&'static str> {
-    let found = run.outcome.as_ref().ok()?;
-    Some(if run.drops() == Verdict::Held { "slip" } else { found.fate.name() })
+    // Both limits often give the same note.
+    notes.dedup();
+    let reasons = load.evaluations.iter().filter_map(|run| Some((run.peak_m_s2, run.outcome.as_ref().err()?)));
+    notes.extend(reasons.map(|(peak, reason)| format!("{name}, {}: {reason}", acceleration(peak))));
+    notes
 }
 
 /// Returns all runs as CSV, one per line. Unknown values are empty.
-pub fn hold_csv(report: &HoldReport) -> String {
-    let mut text = "load,direction_rad,axis,frequency_hz,peak_m_s2,distance_m,amplitude_m,amplitude_rad,time_s,fate,slip_m,slip_rad,\
-                    brake_slip_rad,end_s,steps,reason\n"
-        .to_string();
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:?}"));
-    for load in &report.loads {
-        for run in &load.runs {
-            let SizeReport { distance_m, amplitude_m, amplitude_rad, time_s } = run.size;
-            let cells = [
-                load.load.to_string(),
-                number(load.direction_rad),
-                load.axis.unwrap_or_default().to_string(),
-                number(load.frequency_hz),
-                number(Some(run.peak_m_s2)),
-                number(distance_m),
-                number(amplitude_m),
-                number(amplitude_rad),
-                number(time_s),
-                run.fate.unwrap_or_default().to_string(),
-                number(run.slip.map(|slip| slip.displacement_m)),
-                number(run.slip.map(|slip| slip.rotation_rad)),
-                number(run.brake_slip_rad),
-                number(run.end_s),
-                run.steps.map_or(String::new(), |steps| steps.to_string()),
-                run.reason.as_ref().map_or(String::new(), |reason| format!("\"{}\"", reason.replace('"', "\"\""))),
-            ];
-            text.push_str(&cells.join(","));
-            text.push('\n');
-        }
-    }
-    text
+pub fn hold_csv(study: &Hold) -> String {
+    let columns = [
+        "load",
+        "direction_rad",
+        "axis",
+        "frequency_hz",
+        "peak_m_s2=run/peak_m_s2",
+        "distance_m=run/distance_m",
+        "amplitude_m=run/amplitude_m",
+        "amplitude_rad=run/amplitude_rad",
+        "time_s=run/time_s",
+        "fate=run/fate",
+        "slip_m=run/slip/displacement_m",
+        "slip_rad=run/slip/rotation_rad",
+        "brake_slip_rad=run/brake_slip_rad",
+        "end_s=run/end_s",
+        "steps=run/steps",
+        "reason=run/reason",
+    ];
+    let runs = study.results.iter().flat_map(|load| load.evaluations.iter().map(|run| (&load.case, run)));
+    let rows = runs.map(|(case, run)| {
+        let mut row = json!(case);
+        row["run"] = json!(run);
+        row
+    });
+    csv(rows, &columns)
 }

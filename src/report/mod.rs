@@ -4,10 +4,9 @@
 
 pub mod capture;
 pub mod hold;
-mod hold_text;
-pub mod optimize;
 pub mod replay;
 pub mod reproduce;
+mod rows;
 pub mod select;
 pub mod simulation;
 pub mod sizing;

@@ -1,8 +1,8 @@
 //! Differences between a run and its reference.
 
-use super::{Angle, Impact, Impacts, Rate, Recording, RunningDifference};
+use super::{Impact, Impacts, Recording, wrap_angle};
 use crate::check::REFERENCE_LENGTH_M;
-use crate::trace::{ContactSummary, Event, Outcome, Sample, Sink, SinkError};
+use crate::trace::{ContactSummary, Event, FingerState, Outcome, Sample, Sink, SinkError};
 
 /// Impacts of a finger with less than this fraction of the largest impulse, and pairs of bodies with less than this
 /// fraction of the largest impulse or force of all pairs, are not compared.
@@ -11,6 +11,70 @@ const SIGNIFICANT: f64 = 0.01;
 const ROUNDING_M: f64 = 1e-15;
 /// A reference force below this counts as zero, and the difference is absolute, in N.
 const ZERO_FORCE_N: f64 = 1e-6;
+
+/// A compared joint of a finger.
+#[derive(Clone, Copy, Debug)]
+pub struct Angle {
+    name: &'static str,
+    angle_rad: fn(&FingerState) -> f64,
+    rate_rad_s: fn(&FingerState) -> f64,
+}
+
+impl Angle {
+    /// All compared joints, in the order of [`Differences::path`].
+    pub const ALL: [Angle; 3] = [
+        Angle { name: "q11", angle_rad: |finger| finger.q11_rad, rate_rad_s: |finger| finger.qd11_rad_s },
+        Angle { name: "q21", angle_rad: |finger| finger.q21_rad, rate_rad_s: |finger| finger.qd21_rad_s },
+        Angle { name: "q22", angle_rad: |finger| finger.q22_rad, rate_rad_s: |finger| finger.qd22_rad_s },
+    ];
+
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
+/// The difference of one quantity over a run. NaN counts as infinite.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct RunningDifference {
+    max: f64,
+    max_at_s: f64,
+    end: f64,
+    /// ∫ difference² dt by the trapezoidal rule, from `start_s` to `time_s`.
+    square_s: f64,
+    start_s: Option<f64>,
+    time_s: f64,
+}
+
+impl RunningDifference {
+    /// Adds the difference at a time. Times must not decrease.
+    fn push(&mut self, time_s: f64, difference: f64) {
+        let difference = distance(difference, 0.0);
+        match self.start_s {
+            Some(_) => {
+                self.square_s += 0.5 * (time_s - self.time_s) * (self.end * self.end + difference * difference);
+            }
+            None => self.start_s = Some(time_s),
+        }
+        if difference > self.max {
+            (self.max, self.max_at_s) = (difference, time_s);
+        }
+        (self.end, self.time_s) = (difference, time_s);
+    }
+
+    /// Root mean square over the time so far, weighted by time.
+    fn rms(&self) -> f64 {
+        let length = self.time_s - self.start_s.unwrap_or_default();
+        match (self.square_s / length).sqrt() {
+            _ if length <= 0.0 => self.end,
+            rms if rms.is_nan() => f64::INFINITY,
+            rms => rms,
+        }
+    }
+
+    fn error(&self) -> CoordinateError {
+        CoordinateError { max: self.max, max_at_s: self.max_at_s, rms: self.rms(), end: self.end }
+    }
+}
 
 /// Error of one coordinate over a run: an angle in rad, the centre of a body in m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,6 +87,14 @@ pub struct CoordinateError {
     pub rms: f64,
     /// Difference at the end of the compared time.
     pub end: f64,
+}
+
+impl CoordinateError {
+    fn worst(&self, other: &Self) -> Self {
+        let max_at_s = if other.max > self.max { other.max_at_s } else { self.max_at_s };
+        let (rms, end) = (self.rms.max(other.rms), self.end.max(other.end));
+        CoordinateError { max: self.max.max(other.max), max_at_s, rms, end }
+    }
 }
 
 /// Differences of a run from its reference, or the worst of several runs. A value is infinite where only one of the two
@@ -63,10 +135,6 @@ impl Differences {
         !self.rate_rms_rad_s.is_empty()
     }
 
-    pub(super) fn has_bodies(&self) -> bool {
-        !self.angle_end_rad.is_empty()
-    }
-
     /// Largest difference of an angle of any finger.
     pub fn angle_max(&self) -> f64 {
         self.path[..self.rate_rms_rad_s.len()].iter().map(|error| error.max).fold(0.0, f64::max)
@@ -79,45 +147,27 @@ impl Differences {
 
     /// Returns the maximum of each difference.
     pub fn worst(&self, other: &Self) -> Self {
-        let mut worst = self.clone();
-        for (worst, other) in worst.path.iter_mut().zip(&other.path) {
-            if other.max > worst.max {
-                (worst.max, worst.max_at_s) = (other.max, other.max_at_s);
-            }
-            worst.rms = worst.rms.max(other.rms);
-            worst.end = worst.end.max(other.end);
+        let each = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a.max(*b)).collect();
+        let each_known =
+            |a: &[Option<f64>], b: &[Option<f64>]| a.iter().zip(b).map(|(a, b)| largest(&[*a, *b])).collect();
+        Differences {
+            path: self.path.iter().zip(&other.path).map(|(a, b)| a.worst(b)).collect(),
+            rate_rms_rad_s: each(&self.rate_rms_rad_s, &other.rate_rms_rad_s),
+            angle_end_rad: each(&self.angle_end_rad, &other.angle_end_rad),
+            contact_time_s: each_known(&self.contact_time_s, &other.contact_time_s),
+            impulse: each_known(&self.impulse, &other.impulse),
+            final_force: each_known(&self.final_force, &other.final_force),
+            peak_force: each_known(&self.peak_force, &other.peak_force),
+            loop_gap_m: self.loop_gap_m.max(other.loop_gap_m),
+            energy_created_j: self.energy_created_j.max(other.energy_created_j),
+            energy_created: self.energy_created.max(other.energy_created),
         }
-        let figures =
-            [(&mut worst.rate_rms_rad_s, &other.rate_rms_rad_s), (&mut worst.angle_end_rad, &other.angle_end_rad)];
-        for (worst, other) in figures {
-            worst.iter_mut().zip(other).for_each(|(worst, other)| *worst = worst.max(*other));
-        }
-        let figures = [
-            (&mut worst.contact_time_s, &other.contact_time_s),
-            (&mut worst.impulse, &other.impulse),
-            (&mut worst.final_force, &other.final_force),
-            (&mut worst.peak_force, &other.peak_force),
-        ];
-        for (worst, other) in figures {
-            worst.iter_mut().zip(other).for_each(|(worst, other)| *worst = larger(*worst, *other));
-        }
-        worst.loop_gap_m = self.loop_gap_m.max(other.loop_gap_m);
-        worst.energy_created_j = self.energy_created_j.max(other.energy_created_j);
-        worst.energy_created = self.energy_created.max(other.energy_created);
-        worst
     }
 }
 
 /// Returns the largest of the values that are present.
 pub fn largest(values: &[Option<f64>]) -> Option<f64> {
-    values.iter().copied().fold(None, larger)
-}
-
-fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.max(b)),
-        (value, None) | (None, value) => value,
-    }
+    values.iter().copied().flatten().reduce(f64::max)
 }
 
 /// A [`Sink`] that compares a run with its reference without storing its samples.
@@ -137,13 +187,13 @@ impl<'a> Comparison<'a> {
     /// Creates a comparison of trajectories up to `until_s`.
     pub fn new(reference: &'a Recording, until_s: f64) -> Self {
         let Sample { fingers, bodies, .. } = &reference.outcome.last;
-        let (angles, rates) = (Angle::ALL.len() * fingers.len(), Rate::ALL.len() * fingers.len());
+        let angles = Angle::ALL.len() * fingers.len();
         Self {
             reference,
             until_s,
             cursor: 0,
             path: vec![RunningDifference::default(); angles + bodies.len()],
-            rates: vec![RunningDifference::default(); rates],
+            rates: vec![RunningDifference::default(); angles],
             impacts: Impacts::default(),
             excess_j: 0.0,
             motor_work_j: 0.0,
@@ -151,83 +201,94 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// Maximum penetration of a contact in either model, m.
-    fn max_penetration_m(&self, index: usize, outcome: &Outcome) -> f64 {
-        let runs = [outcome, &self.reference.outcome];
-        let depths = runs.map(|run| run.contacts.get(index).map_or(f64::NAN, |contact| contact.max_penetration_m));
-        depths[0].max(depths[1])
+    /// Returns a figure of a contact in the run and in the reference.
+    fn both(&self, index: usize, outcome: &Outcome, figure: fn(&ContactSummary) -> f64) -> [f64; 2] {
+        [outcome, &self.reference.outcome].map(|run| run.contacts.get(index).map_or(f64::NAN, figure))
     }
 
-    /// Whether the contact force of a pair of discs is negligible in both models: the pair overlaps by rounding only,
-    /// or its largest force is negligible compared with its spring force alone. In the latter case the contact law
-    /// clamps the force to zero, and the remaining force during separation is too short to be resolved by steps.
-    fn is_force_negligible(&self, index: usize, outcome: &Outcome) -> bool {
+    /// Whether a contact of discs overlaps by rounding only in both models.
+    fn is_rounding(&self, index: usize, outcome: &Outcome) -> bool {
+        let [depth_m, expected_m] = self.both(index, outcome, |contact| contact.max_penetration_m);
+        depth_m.max(expected_m) <= ROUNDING_M
+    }
+
+    /// Relative difference of a figure of a contact over the run; `None` where the figure is negligible compared with
+    /// the largest of all contacts, or the contact force of a pair of discs is negligible in both models.
+    ///
+    /// The force of a pair is negligible if the discs overlap by rounding only, or if the largest force is negligible
+    /// compared with the spring force alone. In the latter case the contact law clamps the force to zero, and the
+    /// remaining force during separation is too short to be resolved by steps.
+    fn total(&self, index: usize, outcome: &Outcome, figure: fn(&ContactSummary) -> f64) -> Option<f64> {
         let peak_spring_n = self.reference.peak_spring_n.get(index).copied().unwrap_or(0.0);
-        let runs = [outcome, &self.reference.outcome];
-        let peaks = runs.map(|run| run.contacts.get(index).map_or(f64::NAN, |contact| contact.peak_normal_n));
-        let is_rounding = peak_spring_n > 0.0 && self.max_penetration_m(index, outcome) <= ROUNDING_M;
-        is_rounding || peaks.iter().all(|peak| *peak < SIGNIFICANT * peak_spring_n)
+        let peaks = self.both(index, outcome, |contact| contact.peak_normal_n);
+        if (peak_spring_n > 0.0 && self.is_rounding(index, outcome))
+            || peaks.iter().all(|peak| *peak < SIGNIFICANT * peak_spring_n)
+        {
+            return None;
+        }
+        let negligible = SIGNIFICANT * self.reference.outcome.contacts.iter().map(figure).fold(0.0, f64::max);
+        match self.both(index, outcome, figure) {
+            [found, expected] if expected > 0.0 && expected >= negligible => Some(distance(found, expected) / expected),
+            [found, _] => (found > negligible && found > 0.0).then_some(f64::INFINITY),
+        }
+    }
+
+    /// Difference of the times of first contact; `None` if both are after the compared time.
+    fn first_contact(&self, index: usize, outcome: &Outcome) -> Option<f64> {
+        let first_s = |outcome: &Outcome| outcome.contacts.get(index).and_then(|contact| contact.first_s);
+        match (first_s(outcome), first_s(&self.reference.outcome)) {
+            (Some(t), Some(expected)) => (t.min(expected) <= self.until_s).then(|| distance(t, expected)),
+            // Discs that overlap by rounding only do not count as in contact.
+            _ if self.reference.peak_spring_n.get(index).is_some() && self.is_rounding(index, outcome) => None,
+            (Some(t), None) | (None, Some(t)) => (t <= self.until_s).then_some(f64::INFINITY),
+            (None, None) => None,
+        }
+    }
+
+    /// Worst relative difference of the impulse over the significant impacts of a contact.
+    fn worst_impulse(&self, contact: usize) -> Option<f64> {
+        let expected = &self.reference.impacts;
+        let ends_within = |impact: &&Impact| impact.end_s() <= self.until_s;
+        let largest = expected.all.iter().filter(ends_within).map(Impact::impulse_n_s).fold(0.0, f64::max);
+        let found = self.impacts.of_contact(contact).map(Some).chain(std::iter::repeat(None));
+        let pairs = expected.of_contact(contact).filter(ends_within).zip(found);
+        let differences = pairs.filter_map(|(expected, found)| {
+            let impulse = expected.impulse_n_s();
+            let is_significant = impulse > 0.0 && impulse >= SIGNIFICANT * largest;
+            is_significant
+                .then(|| found.map_or(f64::INFINITY, |found| distance(found.impulse_n_s(), impulse) / impulse))
+        });
+        differences.reduce(f64::max)
+    }
+
+    /// Relative difference of a normal force at the end of the run; `None` if that is beyond the compared time.
+    fn final_force(&self, index: usize, last: &Sample) -> Option<f64> {
+        let (contact, expected) = (last.contacts.get(index)?, self.reference.outcome.last.contacts.get(index)?);
+        // The gap is infinite without an object.
+        let has_object = expected.gap_m.is_finite() || contact.gap_m.is_finite();
+        let scale = if expected.normal_n > ZERO_FORCE_N { expected.normal_n } else { 1.0 };
+        (has_object && last.time_s <= self.until_s).then(|| distance(contact.normal_n, expected.normal_n) / scale)
     }
 
     /// Returns the differences after the end of the run.
     pub fn finish(self, outcome: &Outcome) -> Differences {
         let reference = &self.reference.outcome;
-        let compared: Vec<usize> =
-            (0..reference.contacts.len()).filter(|&index| !reference.last.is_stop(index)).collect();
         let has_fingers = !reference.last.fingers.is_empty();
-        let compare_totals = |quantity: fn(&ContactSummary) -> f64| -> Vec<Option<f64>> {
-            let largest = reference.contacts.iter().map(quantity).fold(0.0, f64::max);
-            let compare_total = |&index: &usize| {
-                let found = outcome.contacts.get(index).map_or(f64::NAN, quantity);
-                if self.is_force_negligible(index, outcome) {
-                    return None;
-                }
-                relative_difference(found, quantity(&reference.contacts[index]), largest)
-            };
-            compared.iter().map(compare_total).collect()
-        };
-        let first_s = |outcome: &Outcome, index: usize| outcome.contacts.get(index).and_then(|contact| contact.first_s);
-        // Discs that overlap by rounding only do not count as in contact.
-        let contact_time = |&index: &usize| {
-            let (found, expected) = (first_s(outcome, index), first_s(reference, index));
-            let is_missing_in_one = found.is_some() != expected.is_some();
-            let is_between_discs = self.reference.peak_spring_n.get(index).is_some();
-            if is_missing_in_one && is_between_discs && self.max_penetration_m(index, outcome) <= ROUNDING_M {
-                None
-            } else {
-                first_contact_difference(found, expected, self.until_s)
-            }
-        };
-        let ends_within = outcome.last.time_s <= self.until_s;
-        let final_force = |&index: &usize| match ends_within {
-            true => final_force_difference(&outcome.last, &reference.last, index),
-            // The end of the run is beyond the compared time.
-            false => None,
-        };
-        let angles = outcome.last.bodies.iter().zip(&reference.last.bodies);
-        let error = |running: &RunningDifference| CoordinateError {
-            max: running.max,
-            max_at_s: running.max_at_s,
-            rms: running.rms(),
-            end: running.end,
+        let surfaces = || (0..reference.contacts.len()).filter(|&index| !reference.last.is_stop(index));
+        let bodies = outcome.last.bodies.iter().zip(&reference.last.bodies);
+        let impulse = |index: usize| match has_fingers {
+            true => self.worst_impulse(index),
+            false => self.total(index, outcome, |contact| contact.impulse_n_s),
         };
         let energy_j = if has_fingers { self.motor_work_j } else { self.energy_j };
         Differences {
-            path: self.path.iter().map(error).collect(),
+            path: self.path.iter().map(RunningDifference::error).collect(),
             rate_rms_rad_s: self.rates.iter().map(RunningDifference::rms).collect(),
-            angle_end_rad: angles.map(|(found, expected)| distance(found.angle_rad, expected.angle_rad)).collect(),
-            contact_time_s: compared.iter().map(contact_time).collect(),
-            impulse: match has_fingers {
-                true => {
-                    let worst = |&index: &usize| {
-                        worst_impulse_difference(&self.impacts, &self.reference.impacts, index, self.until_s)
-                    };
-                    compared.iter().map(worst).collect()
-                }
-                false => compare_totals(|contact| contact.impulse_n_s),
-            },
-            final_force: compared.iter().map(final_force).collect(),
-            peak_force: compare_totals(|contact| contact.peak_normal_n),
+            angle_end_rad: bodies.map(|(found, expected)| distance(found.angle_rad, expected.angle_rad)).collect(),
+            contact_time_s: surfaces().map(|index| self.first_contact(index, outcome)).collect(),
+            impulse: surfaces().map(impulse).collect(),
+            final_force: surfaces().map(|index| self.final_force(index, &outcome.last)).collect(),
+            peak_force: surfaces().map(|index| self.total(index, outcome, |contact| contact.peak_normal_n)).collect(),
             loop_gap_m: outcome.loop_gap_m,
             energy_created_j: self.excess_j,
             energy_created: if self.excess_j > 0.0 { self.excess_j / energy_j } else { 0.0 },
@@ -251,7 +312,7 @@ impl Sink for Comparison<'_> {
             running.push(sample.time_s, error);
         }
         let fingers = sample.fingers.iter().zip(&expected.fingers);
-        let rates = fingers.flat_map(|(a, b)| Rate::ALL.map(|rate| rate.value(a) - rate.value(b)));
+        let rates = fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| (joint.rate_rad_s)(a) - (joint.rate_rad_s)(b)));
         for (running, error) in self.rates.iter_mut().zip(rates) {
             running.push(sample.time_s, error);
         }
@@ -263,11 +324,12 @@ impl Sink for Comparison<'_> {
     }
 }
 
-/// Returns the errors of the coordinates of a sample: q11, q21, q22 of every finger, then the distances between the
-/// centres of all bodies.
+/// Returns the errors of the coordinates of a sample: q11, q21, q22 of every finger modulo a full turn, then the
+/// distances between the centres of all bodies.
 pub fn coordinate_errors(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
     let fingers = sample.fingers.iter().zip(&expected.fingers);
-    let angles = fingers.flat_map(|(a, b)| Angle::ALL.map(|angle| angle.difference(a, b)));
+    let angles =
+        fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| wrap_angle((joint.angle_rad)(a) - (joint.angle_rad)(b))));
     let centres = sample.bodies.iter().zip(&expected.bodies).map(|(a, b)| {
         let [x, y] = [0, 1].map(|k| a.centre_m[k] - b.centre_m[k]);
         x.hypot(y)
@@ -284,51 +346,6 @@ pub fn compare(run: &Recording, reference: &Recording, until_s: f64) -> Differen
     }
     comparison.impacts = run.impacts.clone();
     comparison.finish(&run.outcome)
-}
-
-fn final_force_difference(last: &Sample, expected: &Sample, index: usize) -> Option<f64> {
-    let (contact, expected) = (last.contacts.get(index)?, expected.contacts.get(index)?);
-    // The gap is infinite without an object.
-    let has_object = expected.gap_m.is_finite() || contact.gap_m.is_finite();
-    let scale = if expected.normal_n > ZERO_FORCE_N { expected.normal_n } else { 1.0 };
-    has_object.then(|| distance(contact.normal_n, expected.normal_n) / scale)
-}
-
-/// Difference of two times of first contact; `None` if both are after the compared time.
-fn first_contact_difference(time_s: Option<f64>, expected_s: Option<f64>, until_s: f64) -> Option<f64> {
-    match (time_s, expected_s) {
-        (Some(t), Some(expected)) => (t.min(expected) <= until_s).then(|| distance(t, expected)),
-        (Some(t), None) | (None, Some(t)) => (t <= until_s).then_some(f64::INFINITY),
-        (None, None) => None,
-    }
-}
-
-/// Worst relative difference of the impulse over the significant impacts of a contact.
-fn worst_impulse_difference(impacts: &Impacts, expected: &Impacts, contact: usize, until_s: f64) -> Option<f64> {
-    let ends_within = |impact: &&Impact| impact.end_s() <= until_s;
-    let largest = expected.all.iter().filter(ends_within).map(Impact::impulse_n_s).fold(0.0, f64::max);
-    let mut found = impacts.of_contact(contact);
-    let mut worst = None;
-    for expected in expected.of_contact(contact).filter(ends_within) {
-        let found = found.next();
-        let impulse = expected.impulse_n_s();
-        if impulse > 0.0 && impulse >= SIGNIFICANT * largest {
-            let difference = found.map_or(f64::INFINITY, |found| distance(found.impulse_n_s(), impulse) / impulse);
-            worst = larger(worst, Some(difference));
-        }
-    }
-    worst
-}
-
-/// Difference relative to the expected value; `None` where the latter is negligible compared with the largest value.
-fn relative_difference(found: f64, expected: f64, largest: f64) -> Option<f64> {
-    if expected > 0.0 && expected >= SIGNIFICANT * largest {
-        Some(distance(found, expected) / expected)
-    } else if found > SIGNIFICANT * largest && found > 0.0 {
-        Some(f64::INFINITY)
-    } else {
-        None
-    }
 }
 
 /// |a − b|; infinite where that is NaN.
@@ -380,5 +397,27 @@ mod tests {
         let reference = recording(0.0, [pair(None, 0.0); 3]);
         let found = recording(0.0, [pair(Some(0.1), 1.0), pair(None, 0.0), pair(None, 0.0)]);
         assert_eq!(largest(&compare(&found, &reference, 1.0).impulse), Some(f64::INFINITY));
+    }
+
+    #[test]
+    fn rms_is_weighted_by_time() {
+        let mut running = RunningDifference::default();
+        // 3 for one second in a hundred samples, then 0 for three seconds in one sample.
+        for k in 0..=100 {
+            running.push(0.01 * f64::from(k), -3.0);
+        }
+        running.push(1.0, 0.0);
+        running.push(4.0, 0.0);
+        assert!((running.rms() - 1.5).abs() < 1e-12, "{}", running.rms());
+        assert_eq!((running.max, running.max_at_s, running.end), (3.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn nan_is_an_infinite_difference() {
+        let mut running = RunningDifference::default();
+        running.push(0.0, 0.0);
+        running.push(1.0, f64::NAN);
+        running.push(2.0, 0.0);
+        assert_eq!((running.max, running.max_at_s, running.rms()), (f64::INFINITY, 1.0, f64::INFINITY));
     }
 }

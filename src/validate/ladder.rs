@@ -1,10 +1,27 @@
-//! The solver configurations of the ladder: both models, from coarse to fine.
+//! The ladder: solver configurations of both models from coarse to fine, their errors and their wall times.
 
-use super::ensemble_size;
+use std::time::Instant;
+
+use serde::Serialize;
+
 use super::scenes::{contact_static_friction, is_single_finger, modify, reference_scene};
+use super::validation::{compare_with_reference, worst_over_members};
+use super::{Differences, SyncKeepRunning, Validation, ValidationError};
+use super::{compared_scene, ensemble_size, scene_sampled_at_steps};
 use crate::scene::ENGINE_MAX_STEP_S;
 use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
-use crate::trace::Model;
+use crate::trace::{Cancellable, KeepRunning, Model, RunError, run};
+
+/// Default time limit of a ladder, s: enough for all configurations of a finger except the shortest fixed steps.
+pub const LADDER_TIME_S: f64 = 10.0;
+/// Wall time spent on repeated runs of one configuration, s.
+const TIMING_BUDGET_S: f64 = 0.2;
+/// [`TIMING_BUDGET_S`] of a quick ladder.
+const QUICK_TIMING_BUDGET_S: f64 = 0.03;
+/// Maximum number of timed runs of one configuration.
+const MAX_TIMED_RUNS: usize = 15;
+/// Runs of the analytic model per timed run. Each takes a fraction of a millisecond.
+const ANALYTIC_RUNS_PER_RUN: usize = 3;
 
 /// Configurations with more predicted steps than this are skipped.
 pub const MAX_PREDICTED_STEPS: f64 = 2e6;
@@ -78,12 +95,8 @@ impl SolverConfiguration {
         let is_long =
             matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > MAX_ENSEMBLE_STEPS);
         let members = if is_long && !is_from_scene { 1 } else { ensemble_size(scene) };
-        SolverConfiguration {
-            family: Family::from_engine(&engine),
-            settings: Settings::Engine(engine),
-            is_from_scene,
-            members,
-        }
+        let (family, settings) = (Family::from_engine(&engine), Settings::Engine(engine));
+        SolverConfiguration { family, settings, is_from_scene, members }
     }
 
     fn analytic(integrator: Integrator, scene: &Scene) -> Self {
@@ -114,14 +127,12 @@ impl SolverConfiguration {
     /// Predicts the number of steps of a run; `None` if it cannot be predicted. `scene_steps` is the number of steps of
     /// the engine at the scene's own settings.
     pub fn predicted_steps(&self, scene: &Scene, scene_steps: u64) -> Option<f64> {
-        match (self.settings, scene.engine.stepping) {
-            (Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }), _) => {
-                Some(scene.duration_s / step_s)
+        let Settings::Engine(Engine { stepping, .. }) = self.settings else { return None };
+        match (stepping, scene.engine.stepping) {
+            (Stepping::Fixed { step_s }, _) => Some(scene.duration_s / step_s),
+            (Stepping::Adaptive { tolerance_m, .. }, Stepping::Adaptive { tolerance_m: of_scene_m, .. }) => {
+                Some(scene_steps as f64 * (of_scene_m / tolerance_m).sqrt())
             }
-            (
-                Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, .. }, .. }),
-                Stepping::Adaptive { tolerance_m: scene_tolerance_m, .. },
-            ) => Some(scene_steps as f64 * (scene_tolerance_m / tolerance_m).sqrt()),
             _ => None,
         }
     }
@@ -137,35 +148,37 @@ pub fn reference_configuration(scene: &Scene) -> SolverConfiguration {
     SolverConfiguration::analytic(reference_scene(scene).integrator, scene)
 }
 
-/// Returns the name of a configuration without its family.
-pub fn configuration_name(configuration: &SolverConfiguration) -> String {
+/// Parameters that distinguish a configuration within its family: label, key in `[engine]`, and value.
+fn parameters(configuration: &SolverConfiguration) -> Vec<(&'static str, &'static str, String)> {
     match configuration.settings {
-        Settings::Analytic(Integrator { method: Method::Rodas5p, rtol, .. }) => format!("rodas5p rtol {rtol:e}"),
-        Settings::Analytic(Integrator { method: Method::RadauIIa5, rtol, .. }) => format!("radau5 rtol {rtol:e}"),
-        Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => format!("dt {step_s:e} s"),
+        Settings::Analytic(Integrator { method: Method::Rodas5p, rtol, .. }) => {
+            vec![("rodas5p rtol", "rtol", format!("{rtol:e}"))]
+        }
+        Settings::Analytic(Integrator { method: Method::RadauIIa5, rtol, .. }) => {
+            vec![("radau5 rtol", "rtol", format!("{rtol:e}"))]
+        }
+        Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => {
+            vec![("dt", "step", format!("{step_s:e} s"))]
+        }
         Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
-            let tolerance = format!("tolerance {tolerance_m:e} m");
-            match max_step_s == ENGINE_MAX_STEP_S {
-                true => tolerance,
-                false => format!("{tolerance}, dt to {max_step_s:e} s"),
-            }
+            let max_step = ("dt to", "max_step", format!("{max_step_s:e} s"));
+            let has_max_step = max_step_s != ENGINE_MAX_STEP_S;
+            let tolerance = ("tolerance", "tolerance", format!("{tolerance_m:e} m"));
+            std::iter::once(tolerance).chain(has_max_step.then_some(max_step)).collect()
         }
     }
 }
 
+/// Returns the name of a configuration without its family.
+pub fn configuration_name(configuration: &SolverConfiguration) -> String {
+    let names = parameters(configuration).into_iter().map(|(label, _, value)| format!("{label} {value}"));
+    names.collect::<Vec<_>>().join(", ")
+}
+
 /// Returns the keys of `[engine]` for this stepping, for a scene with the same kind of stepping.
-pub fn engine_keys(configuration: &SolverConfiguration) -> String {
-    match configuration.settings {
-        Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => format!("step = \"{step_s:e} s\""),
-        Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
-            let max_step = match max_step_s == ENGINE_MAX_STEP_S {
-                true => String::new(),
-                false => format!(", max_step = \"{max_step_s:e} s\""),
-            };
-            format!("tolerance = \"{tolerance_m:e} m\"{max_step}")
-        }
-        Settings::Analytic(_) => configuration_name(configuration),
-    }
+pub(super) fn engine_keys(configuration: &SolverConfiguration) -> String {
+    let keys = parameters(configuration).into_iter().map(|(_, key, value)| format!("{key} = \"{value}\""));
+    keys.collect::<Vec<_>>().join(", ")
 }
 
 /// Returns all configurations for a scene, grouped by family, including the scene's own. `quick` omits those that take
@@ -188,11 +201,8 @@ pub fn ladder_configurations(scene: &Scene, quick: bool) -> Vec<SolverConfigurat
         engines.insert(last_of_family.map_or(engines.len(), |index| index + 1), scene_engine);
     }
     let engines = engines.into_iter().map(|engine| SolverConfiguration::engine(engine, scene));
-    engines
-        .chain(
-            analytic_integrators(scene).into_iter().map(|integrator| SolverConfiguration::analytic(integrator, scene)),
-        )
-        .collect()
+    let analytic = analytic_integrators(scene).into_iter();
+    engines.chain(analytic.map(|integrator| SolverConfiguration::analytic(integrator, scene))).collect()
 }
 
 /// Returns configurations of the engine finer than the scene's, each by a factor of ten, from coarse to fine, up to
@@ -278,4 +288,217 @@ fn analytic_integrators(scene: &Scene) -> Vec<Integrator> {
 /// Returns a value times a power of ten, rounded to ten digits so that tables show no rounding errors.
 fn scaled(value: f64, factor: f64) -> f64 {
     if factor == 1.0 { value } else { format!("{:.9e}", value * factor).parse().unwrap_or(value * factor) }
+}
+
+/// Selects the configurations of a ladder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LadderOptions {
+    /// Whether to omit configurations that take long, regardless of the time limit.
+    pub quick: bool,
+    /// Time limit, s. Configurations are started as long as the expected total time is below it.
+    pub time_s: f64,
+}
+
+/// Progress of the evaluation of a ladder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress<'a> {
+    pub done: usize,
+    pub total: usize,
+    /// Name of the next family.
+    pub next: &'a str,
+}
+
+/// Whether a configuration was evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    Done,
+    Failed,
+    /// Skipped because it is predicted to take more than [`MAX_PREDICTED_STEPS`].
+    TooLong,
+    /// Skipped because it was expected to exceed the time limit of the ladder.
+    NoTime,
+}
+
+/// Cost of a configuration without any output; all `None` if it was not evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Cost {
+    pub steps: Option<u64>,
+    /// Median wall time of the timed runs.
+    pub wall_s: Option<f64>,
+    /// Number of timed runs.
+    pub timed_runs: Option<usize>,
+    /// Ratio of simulated time to wall time.
+    pub real_time_factor: Option<f64>,
+    /// Ratio of the wall time to that of the analytic model at its engineering preset, measured between the timed runs.
+    pub analytic_factor: Option<f64>,
+}
+
+/// A configuration, its cost, and its differences from the reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LadderRow {
+    #[serde(skip)]
+    pub configuration: SolverConfiguration,
+    pub family: &'static str,
+    pub setting: String,
+    pub model: &'static str,
+    /// Whether the scene requests this configuration.
+    #[serde(rename = "own")]
+    pub is_from_scene: bool,
+    /// Whether this configuration is the reference itself.
+    #[serde(rename = "reference")]
+    pub is_reference: bool,
+    pub status: Status,
+    /// Reason why the configuration has no results.
+    pub reason: Option<String>,
+    /// Number of runs; the worst counts.
+    pub ensemble_runs: usize,
+    #[serde(flatten)]
+    pub cost: Cost,
+    /// Worst differences of the ensemble; `None` for the reference and without results.
+    #[serde(skip)]
+    pub differences: Option<Differences>,
+}
+
+impl LadderRow {
+    fn new(configuration: SolverConfiguration, status: Status, reason: Option<String>) -> Self {
+        LadderRow {
+            family: configuration.family.name(),
+            setting: configuration_name(&configuration),
+            model: configuration.model().name(),
+            is_from_scene: configuration.is_from_scene,
+            is_reference: configuration.is_reference(),
+            status,
+            reason,
+            ensemble_runs: configuration.members,
+            cost: Cost::default(),
+            differences: None,
+            configuration,
+        }
+    }
+}
+
+/// Adds the ladder to a validation: other configurations of both models, compared with the same references and timed,
+/// but not judged. They run sequentially, because their times are measured, in order of their predicted number of
+/// steps.
+///
+/// # Errors
+/// Returns an error if the scene's own configuration failed or `keep_running` returned false. A failure of any other
+/// configuration is reported in its row.
+pub fn run_ladder(
+    validation: &mut Validation,
+    full_scene: &Scene,
+    options: LadderOptions,
+    report_progress: &mut dyn FnMut(Progress),
+    keep_running: SyncKeepRunning,
+) -> Result<(), ValidationError> {
+    let scene = &compared_scene(full_scene);
+    let configurations = ladder_configurations(scene, options.quick);
+    let (total, start) = (configurations.len(), Instant::now());
+    let scene_steps = validation.engine.outcome.work.steps;
+    // The scene's own configuration and the reference are always run, because their times are always reported.
+    let is_always_run = |it: &SolverConfiguration| it.is_from_scene || it.is_reference();
+    let steps = |it: &SolverConfiguration| match it.predicted_steps(scene, scene_steps) {
+        _ if is_always_run(it) => -1.0,
+        predicted => predicted.map_or(0.0, |steps| steps * it.members as f64),
+    };
+    let mut order: Vec<(usize, SolverConfiguration)> = configurations.into_iter().enumerate().collect();
+    order.sort_by(|(_, a), (_, b)| steps(a).total_cmp(&steps(b)));
+    let mut rows = Vec::with_capacity(total);
+    // Wall time per step of the engine at the scene's settings.
+    let mut step_wall_s = 0.0;
+    for (done, (index, configuration)) in order.into_iter().enumerate() {
+        report_progress(Progress { done, total, next: configuration.family.name() });
+        let remaining_s = options.time_s - start.elapsed().as_secs_f64();
+        let has_time = remaining_s > 0.0 && steps(&configuration) * step_wall_s < remaining_s;
+        let row = match is_always_run(&configuration) || has_time {
+            true => evaluate(configuration, scene, validation, options.quick, keep_running)?,
+            false => {
+                let reason = "beyond the time limit of the ladder".to_string();
+                LadderRow::new(configuration, Status::NoTime, Some(reason))
+            }
+        };
+        if let (true, Some(wall_s), Some(steps)) = (row.is_from_scene, row.cost.wall_s, row.cost.steps) {
+            step_wall_s = wall_s / steps.max(1) as f64;
+        }
+        rows.push((index, row));
+    }
+    rows.sort_by_key(|(index, _)| *index);
+    validation.ladder = rows.into_iter().map(|(_, row)| row).collect();
+    Ok(())
+}
+
+/// Compares and times one configuration.
+fn evaluate(
+    configuration: SolverConfiguration,
+    scene: &Scene,
+    validation: &Validation,
+    quick: bool,
+    keep_running: SyncKeepRunning,
+) -> Result<LadderRow, ValidationError> {
+    let predicted = configuration.predicted_steps(scene, validation.engine.outcome.work.steps);
+    if let Some(steps) = predicted.filter(|&steps| steps > MAX_PREDICTED_STEPS && !configuration.is_from_scene) {
+        let reason = format!("would take {steps:.1e} steps");
+        return Ok(LadderRow::new(configuration, Status::TooLong, Some(reason)));
+    }
+    let differences = match (configuration.is_from_scene, configuration.is_reference()) {
+        (true, _) => Ok(Some(validation.differences.clone())),
+        (_, true) => Ok(None),
+        _ => compare_with_reference(&configuration, scene, &validation.reference, keep_running)
+            .and_then(|first| worst_over_members(first, &configuration, &validation.other_members, keep_running))
+            .map(Some),
+    };
+    let model = configuration.model();
+    let timed = differences.and_then(|differences| {
+        Ok((differences, measure_cost(model, &configuration.apply(scene), quick, keep_running)?))
+    });
+    match timed {
+        Ok((differences, cost)) => {
+            Ok(LadderRow { differences, cost, ..LadderRow::new(configuration, Status::Done, None) })
+        }
+        Err(error) if error.is_stop() || configuration.is_from_scene => Err(ValidationError { model, error }),
+        Err(error) => Ok(LadderRow::new(configuration, Status::Failed, Some(error.to_string()))),
+    }
+}
+
+/// Measures the cost of a scene with one of the models: the median over the runs that fit into the time budget, at
+/// least one. Sampling for a log is excluded, because its cost depends on the log rate and not on the solver
+/// configuration. Ends early if `keep_running` returns false.
+fn measure_cost(model: Model, scene: &Scene, quick: bool, keep_running: KeepRunning) -> Result<Cost, RunError> {
+    let budget_s = if quick { QUICK_TIMING_BUDGET_S } else { TIMING_BUDGET_S };
+    let scene = &scene_sampled_at_steps(scene);
+    let engineering_scene = modify(scene, |scene| scene.apply_preset(Preset::Engineering));
+    let timed_steps = |model: Model, scene: &Scene, times: &mut Vec<f64>| {
+        let start = Instant::now();
+        let outcome = run(model, scene, &mut Cancellable { sink: &mut (), keep_running })?;
+        times.push(start.elapsed().as_secs_f64());
+        Ok::<_, RunError>(outcome.work.steps)
+    };
+    let (mut times, mut analytic_times) = (Vec::new(), Vec::new());
+    let (mut steps, mut required_runs) = (0, 1);
+    while times.len() < required_runs {
+        steps = timed_steps(model, scene, &mut times)?;
+        if times.len() == 1 {
+            required_runs = ((budget_s / times[0]) as usize).clamp(1, MAX_TIMED_RUNS);
+        }
+        for _ in 0..ANALYTIC_RUNS_PER_RUN {
+            timed_steps(Model::Analytic, &engineering_scene, &mut analytic_times)?;
+        }
+    }
+    // The first run warms the caches and is discarded if there are enough others.
+    if times.len() > 2 {
+        times.remove(0);
+    }
+    let timed_runs = times.len();
+    let [wall_s, analytic_wall_s] = [times, analytic_times].map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    });
+    Ok(Cost {
+        steps: Some(steps),
+        wall_s: Some(wall_s),
+        timed_runs: Some(timed_runs),
+        real_time_factor: Some(scene.duration_s / wall_s),
+        analytic_factor: Some(wall_s / analytic_wall_s),
+    })
 }

@@ -22,59 +22,39 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `scenes` | variants of a scene that a validation runs, and its bounds |
-//! | `recording` | a sink that stores a whole run, on a grid dense enough for interpolation |
-//! | `ensemble` | the members of the ensemble: the scene with slightly changed motor torque, or speeds and gravity |
-//! | `statistics` | means over many runs, for trajectories that are too sensitive to be compared |
-//! | `impacts` | normal impulse of every impact, measured during a run |
-//! | `running_difference` | maximum, RMS and final value of a difference over a run |
+//! | `scenes` | variants of a scene that a validation runs, the members of the ensemble, and bounds |
+//! | `recording` | a whole run with its impacts, on a grid dense enough for interpolation |
 //! | `difference` | all differences between a run and its reference |
-//! | `memory` | limit on the number of stored samples |
-//! | `criteria` | comparison of the criteria of both runs |
-//! | `ladder` | the solver configurations of the ladder |
-//! | `cost` | wall time of a configuration, next to that of the analytic model at its engineering preset |
-//! | `validation` | the validation of a scene: verdict and ladder |
-//! | `verdict` | measured differences against bounds |
+//! | `statistics` | means over many runs, for trajectories that are too sensitive to be compared |
+//! | `verdict` | measured differences and criteria of both runs against bounds |
+//! | `validation` | the verdict of a scene |
+//! | `ladder` | other solver configurations, their errors and wall times |
 
-mod cost;
-mod criteria;
 mod difference;
-mod ensemble;
-mod impacts;
 mod ladder;
-mod memory;
 mod recording;
-mod running_difference;
 mod scenes;
 mod statistics;
 mod validation;
 mod verdict;
 
 pub use crate::numeric::plane::wrap_angle;
-pub use cost::{Cost, measure_cost};
-pub use criteria::{
-    Criterion, MAX_LOST_CONTACTS_DIFFERENCE, MAX_LOST_TIME_DIFFERENCE, MIN_LOSS_SCALE, Value, compare_criteria,
-    criteria_checks, reason_not_judged,
-};
-pub use difference::{Comparison, CoordinateError, Differences, compare, coordinate_errors, largest};
-pub use ensemble::{ENSEMBLE_SIZE, GRIPPER_ENSEMBLE_SIZE, MEMBER_PERTURBATION, ensemble_member, ensemble_size};
-pub use impacts::{IMPACT_S, Impact, Impacts};
+pub use difference::{Angle, Comparison, CoordinateError, Differences, compare, coordinate_errors, largest};
 pub use ladder::{
-    Family, MAX_PREDICTED_STEPS, Settings, SolverConfiguration, configuration_name, engine_keys, finer_configurations,
-    ladder_configurations, reference_configuration, scene_configuration,
+    Cost, Family, LADDER_TIME_S, LadderOptions, LadderRow, MAX_PREDICTED_STEPS, Progress, Settings,
+    SolverConfiguration, Status, configuration_name, finer_configurations, ladder_configurations,
+    reference_configuration, run_ladder, scene_configuration,
 };
-pub use memory::check_sample_count;
-pub use recording::{Recording, record, record_cancellable};
-pub use running_difference::{Angle, Rate, RunningDifference};
+pub use recording::{IMPACT_S, Impact, Impacts, Recording, record, record_cancellable};
 pub use scenes::{
-    check_invariants, compared_scene, path_bound, reference_scene, sampled_scene, scene_sampled_at_steps,
+    ENSEMBLE_SIZE, GRIPPER_ENSEMBLE_SIZE, MEMBER_PERTURBATION, check_invariants, check_sample_count, compared_scene,
+    ensemble_member, ensemble_size, path_bound, reference_scene, sampled_scene, scene_sampled_at_steps,
 };
 pub use statistics::{
-    MAX_STANDARD_ERRORS, MeanAndDeviation, STATISTIC_NAMES, STATISTICS_RUNS, Statistic, Statistics, TORQUE_SPREAD,
-    compare_statistics,
+    MAX_STANDARD_ERRORS, STATISTIC_NAMES, STATISTICS_RUNS, Statistic, Statistics, TORQUE_SPREAD, compare_statistics,
 };
-pub use validation::{
-    Evaluation, LADDER_TIME_S, LadderOptions, LadderRow, Progress, SyncKeepRunning, Validation, ValidationError,
-    run_ladder, validate,
+pub use validation::{FinerConfiguration, SyncKeepRunning, Validation, ValidationError, validate};
+pub use verdict::{
+    CRITERIA, Check, Criterion, CriterionKind, MAX_LOST_CONTACTS_DIFFERENCE, MAX_LOST_TIME_DIFFERENCE, MIN_LOSS_SCALE,
+    Value, Verdict, check_bounds, compare_criteria, criteria_checks, reason_not_judged,
 };
-pub use verdict::{Check, Verdict, check_bounds};

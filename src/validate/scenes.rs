@@ -1,12 +1,21 @@
-//! Variants of a scene that a validation runs, and bounds in the unit of its errors.
+//! Variants of a scene that a validation runs, the members of its ensemble, and bounds in the unit of its errors.
 
 use super::Recording;
-use crate::check::{REFERENCE_LENGTH_M, reference_length_m};
+use crate::check::{REFERENCE_LENGTH_M, perturbed, reference_length_m};
 use crate::gripper::FingerContact;
 use crate::invariants::{Finding, Invariants};
+use crate::limits::MAX_VALIDATED_SAMPLES;
 use crate::scene::keywords::SceneKind;
-use crate::scene::{GripperContact, Preset, Scene, Side};
+use crate::scene::{DiscMotion, GripperContact, Preset, Scene, Side};
 use crate::trace::{Model, Sink};
+
+/// Number of runs of a scene with a finger or discs; the worst one determines the result.
+pub const ENSEMBLE_SIZE: usize = 5;
+/// Number of runs of a gripper scene, which take 50 times as long: the scene itself and one perturbed scene.
+pub const GRIPPER_ENSEMBLE_SIZE: usize = 2;
+/// Relative difference between the motor torques of consecutive members. It shifts the integrator's steps, but its
+/// effect is far below any bound.
+pub const MEMBER_PERTURBATION: f64 = 1e-9;
 
 /// Maximum number of samples of a reference grid: five references at 500 bytes a sample stay below 250 MB.
 const MAX_REFERENCE_SAMPLES: f64 = 1e5;
@@ -21,6 +30,52 @@ pub fn compared_scene(scene: &Scene) -> Scene {
             scene.duration_s = scene.bounds.until_s.min(scene.duration_s);
         }
     })
+}
+
+/// Returns the number of runs of a scene; the worst one determines the result.
+pub fn ensemble_size(scene: &Scene) -> usize {
+    if scene.kind() == SceneKind::Gripper { GRIPPER_ENSEMBLE_SIZE } else { ENSEMBLE_SIZE }
+}
+
+/// Returns the scene of member `index`; member 0 is the scene itself. The motor torque is scaled, or for scenes of discs
+/// all velocities and gravity.
+pub fn ensemble_member(scene: &Scene, index: usize) -> Scene {
+    let perturbation = index as f64 * MEMBER_PERTURBATION;
+    if !scene.system.fingers.is_empty() {
+        return perturbed(scene, perturbation);
+    }
+    let scale = |vector: &mut [f64; 2]| vector.iter_mut().for_each(|component| *component *= 1.0 + perturbation);
+    modify(scene, |member| {
+        scale(&mut member.system.gravity_m_s2);
+        for disc in &mut member.system.discs {
+            match &mut disc.motion {
+                DiscMotion::Fixed => {}
+                DiscMotion::Driven { velocity_m_s, acceleration_m_s2, .. } => {
+                    scale(velocity_m_s);
+                    scale(acceleration_m_s2);
+                }
+                DiscMotion::Free { velocity_m_s, .. } => scale(velocity_m_s),
+            }
+        }
+    })
+}
+
+/// Checks that a validation of the scene fits into memory, because whole runs are stored to be compared.
+///
+/// # Errors
+/// Returns an error if the number of samples exceeds [`MAX_VALIDATED_SAMPLES`].
+pub fn check_sample_count(scene: &Scene) -> Result<(), String> {
+    let (numeric_hz, duration_s) = (scene.log.numeric_hz, scene.duration_s);
+    let samples = numeric_hz * duration_s;
+    let allowed_hz = (MAX_VALIDATED_SAMPLES / duration_s).floor();
+    match samples <= MAX_VALIDATED_SAMPLES {
+        true => Ok(()),
+        false => Err(format!(
+            "the scene requests {samples:.0} samples of a run ({numeric_hz:e} Hz over {duration_s} s), but a validation stores \
+             several runs in memory and accepts at most {MAX_VALIDATED_SAMPLES:e}; lower numeric_rate in [log] to {allowed_hz:e} \
+             Hz, or shorten the run"
+        )),
+    }
 }
 
 /// Returns the margin of each invariant in a recorded run.

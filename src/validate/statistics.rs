@@ -5,10 +5,12 @@
 //! therefore run [`STATISTICS_RUNS`] times with torques spread evenly over ±[`TORQUE_SPREAD`]. The spread is the same
 //! for both models and far wider than their errors. The means are compared by the standard error of their difference.
 
+use serde::Serialize;
+
 use crate::check::perturbed;
 use crate::scene::{LogRates, Scene};
 use crate::trace::{Cancellable, KeepRunning};
-use crate::trace::{Event, EventKind, FingerContact, Model, Outcome, RunError, Sample, Sink, SinkError, run};
+use crate::trace::{Event, EventKind, FingerContact, Model, RunError, Sample, Sink, SinkError, run};
 
 /// Number of runs of each model.
 pub const STATISTICS_RUNS: usize = 24;
@@ -31,30 +33,32 @@ pub const STATISTIC_NAMES: [&str; 6] = [
     "mean_kinetic_j",
 ];
 
-/// Mean and standard deviation of a statistic over the runs of one model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeanAndDeviation {
-    pub mean: f64,
-    pub deviation: f64,
-}
-
-/// One statistic in both models.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One statistic in both models: its mean and standard deviation over the runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Statistic {
+    /// Name with unit.
+    #[serde(rename = "figure")]
     pub name: &'static str,
-    pub analytic: MeanAndDeviation,
-    pub engine: MeanAndDeviation,
+    pub analytic_mean: f64,
+    pub analytic_deviation: f64,
+    pub engine_mean: f64,
+    pub engine_deviation: f64,
     /// Absolute difference of the means, in standard errors of that difference.
     pub standard_errors: f64,
 }
 
 /// Statistics of runs that are too sensitive to be compared individually.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statistics {
     /// Start of the evaluated time, s.
     pub from_s: f64,
-    /// Number of torques for which both models completed the run.
+    /// Number of torques.
     pub runs: usize,
+    /// Half the relative spread of the torques.
+    pub torque_spread: f64,
+    /// Number of torques for which both models completed the run.
+    pub completed: usize,
+    #[serde(rename = "figures")]
     pub statistics: Vec<Statistic>,
 }
 
@@ -66,7 +70,8 @@ impl Statistics {
 }
 
 /// Runs both models over the spread of torques and compares them from `bounds.until_s` on. Torques for which one of the
-/// models does not complete the run (a fold of the linkage) are excluded and not counted in [`Statistics::runs`].
+/// models does not complete the run (a fold of the linkage) are excluded and not counted in
+/// [`Statistics::completed`].
 ///
 /// # Errors
 /// Returns an error if a run was interrupted.
@@ -82,38 +87,43 @@ pub fn compare_statistics(scene: &Scene, keep_running: KeepRunning) -> Result<St
             _ => {}
         }
     }
-    let over_runs =
-        |model: usize, index: usize| MeanAndDeviation::from_values(pairs.iter().map(|pair| pair[model][index]));
-    let statistics = STATISTIC_NAMES.into_iter().enumerate().map(|(index, name)| {
-        let (analytic, engine) = (over_runs(0, index), over_runs(1, index));
-        Statistic { name, analytic, engine, standard_errors: standard_errors(&analytic, &engine, pairs.len()) }
-    });
-    Ok(Statistics { from_s: scene.bounds.until_s, runs: pairs.len(), statistics: statistics.collect() })
+    let statistic = |(index, name): (usize, &'static str)| {
+        Statistic::new(name, [0, 1].map(|model| pairs.iter().map(|pair| pair[model][index]).collect()))
+    };
+    Ok(Statistics {
+        from_s: scene.bounds.until_s,
+        runs: STATISTICS_RUNS,
+        torque_spread: TORQUE_SPREAD,
+        completed: pairs.len(),
+        statistics: STATISTIC_NAMES.into_iter().enumerate().map(statistic).collect(),
+    })
 }
 
-impl MeanAndDeviation {
-    fn from_values(values: impl Iterator<Item = f64> + Clone) -> Self {
-        let count = values.clone().count().max(1) as f64;
-        let mean = values.clone().sum::<f64>() / count;
-        let square: f64 = values.map(|value| (value - mean).powi(2)).sum();
-        Self { mean, deviation: (square / (count - 1.0).max(1.0)).sqrt() }
+impl Statistic {
+    /// Compares the values of the runs of both models by the standard error of the difference of their means (Welch).
+    /// That is infinite for different values without scatter, and for fewer than half of the runs.
+    fn new(name: &'static str, [analytic, engine]: [Vec<f64>; 2]) -> Self {
+        let runs = analytic.len();
+        let [(analytic_mean, analytic_deviation), (engine_mean, engine_deviation)] =
+            [analytic, engine].map(|values| mean_and_deviation(&values));
+        let difference = (analytic_mean - engine_mean).abs();
+        let error = analytic_deviation.hypot(engine_deviation) / (runs as f64).sqrt();
+        // Values without scatter must agree to rounding.
+        let rounding = 1e-6 * analytic_mean.abs().max(engine_mean.abs());
+        let standard_errors = match difference <= rounding {
+            _ if runs < STATISTICS_RUNS / 2 => f64::INFINITY,
+            true => 0.0,
+            false => difference / error,
+        };
+        Statistic { name, analytic_mean, analytic_deviation, engine_mean, engine_deviation, standard_errors }
     }
 }
 
-/// Difference of two means in its standard errors (Welch). Infinite for different values without scatter, and for fewer
-/// than half of the runs.
-fn standard_errors(a: &MeanAndDeviation, b: &MeanAndDeviation, runs: usize) -> f64 {
-    let difference = (a.mean - b.mean).abs();
-    let error = (a.deviation.hypot(b.deviation)) / (runs as f64).sqrt();
-    // Values without scatter must agree to rounding.
-    let rounding = 1e-6 * a.mean.abs().max(b.mean.abs());
-    if runs < STATISTICS_RUNS / 2 {
-        f64::INFINITY
-    } else if difference <= rounding {
-        0.0
-    } else {
-        difference / error
-    }
+fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (square / (count - 1.0).max(1.0)).sqrt())
 }
 
 /// Returns the statistics of one run from `bounds.until_s` on.
@@ -121,7 +131,12 @@ fn statistics_of_run(model: Model, scene: &Scene, keep_running: KeepRunning) -> 
     let mut sums = StatisticSums { from_s: scene.bounds.until_s, ..StatisticSums::default() };
     let sampled = Scene { log: LogRates { numeric_hz: INTEGRATION_HZ, ..scene.log }, ..scene.clone() };
     let outcome = run(model, &sampled, &mut Cancellable { sink: &mut sums, keep_running })?;
-    Ok(sums.statistics(&outcome))
+    let first = sums.first.unwrap_or_else(Sample::with_one_finger);
+    let length_s = outcome.last.time_s - first.time_s;
+    let [proximal_n_s, distal_n_s] = [FingerContact::Proximal, FingerContact::Distal]
+        .map(|contact| outcome.last.contact(contact).impulse_n_s - first.contact(contact).impulse_n_s);
+    let [proximal, distal] = sums.touchdowns;
+    Ok([proximal, distal, proximal_n_s, distal_n_s, sums.q21_rad_s / length_s, sums.kinetic_j_s / length_s])
 }
 
 /// Accumulates the statistics of a run from a time on.
@@ -130,31 +145,13 @@ struct StatisticSums {
     from_s: f64,
     /// The first sample from `from_s` on.
     first: Option<Sample>,
-    /// The latest sample.
-    last: Option<Sample>,
+    /// Time, q21 and kinetic energy of the latest sample.
+    last: Option<[f64; 3]>,
     touchdowns: [f64; 2],
     /// ∫ q21 dt.
     q21_rad_s: f64,
     /// ∫ kinetic energy dt.
     kinetic_j_s: f64,
-}
-
-impl StatisticSums {
-    fn statistics(&self, outcome: &Outcome) -> [f64; 6] {
-        let default_sample = Sample::with_one_finger();
-        let first = self.first.as_ref().unwrap_or(&default_sample);
-        let length_s = outcome.last.time_s - first.time_s;
-        let [proximal, distal] = self.touchdowns;
-        [
-            proximal,
-            distal,
-            outcome.last.contact(FingerContact::Proximal).impulse_n_s
-                - first.contact(FingerContact::Proximal).impulse_n_s,
-            outcome.last.contact(FingerContact::Distal).impulse_n_s - first.contact(FingerContact::Distal).impulse_n_s,
-            self.q21_rad_s / length_s,
-            self.kinetic_j_s / length_s,
-        ]
-    }
 }
 
 impl Sink for StatisticSums {
@@ -163,14 +160,11 @@ impl Sink for StatisticSums {
             return Ok(());
         }
         self.first.get_or_insert_with(|| sample.clone());
-        let before = self.last.as_ref().unwrap_or(sample);
-        let half = 0.5 * (sample.time_s - before.time_s);
-        self.q21_rad_s += half * (before.finger().q21_rad + sample.finger().q21_rad);
-        self.kinetic_j_s += half * (before.energy.kinetic_j + sample.energy.kinetic_j);
-        match &mut self.last {
-            Some(last) => last.clone_from(sample),
-            None => self.last = Some(sample.clone()),
-        }
+        let now = [sample.time_s, sample.finger().q21_rad, sample.energy.kinetic_j];
+        let [time_s, q21_rad, kinetic_j] = self.last.replace(now).unwrap_or(now);
+        let half = 0.5 * (now[0] - time_s);
+        self.q21_rad_s += half * (q21_rad + now[1]);
+        self.kinetic_j_s += half * (kinetic_j + now[2]);
         Ok(())
     }
 
@@ -191,16 +185,18 @@ mod tests {
 
     #[test]
     fn means_are_compared_with_their_standard_error() {
-        let values = |shift: f64| (0..STATISTICS_RUNS).map(move |i| shift + (i % 4) as f64);
-        let (a, b) = (MeanAndDeviation::from_values(values(0.0)), MeanAndDeviation::from_values(values(1.0)));
-        assert!((a.mean - 1.5).abs() < 1e-12 && (b.mean - 2.5).abs() < 1e-12);
-        let error = (2.0 * a.deviation.powi(2) / STATISTICS_RUNS as f64).sqrt();
-        assert!((standard_errors(&a, &b, STATISTICS_RUNS) - 1.0 / error).abs() < 1e-12);
-        assert_eq!(standard_errors(&a, &a, STATISTICS_RUNS), 0.0);
+        let values = |shift: f64| (0..STATISTICS_RUNS).map(|i| shift + (i % 4) as f64).collect::<Vec<_>>();
+        let errors = |a: Vec<f64>, b: Vec<f64>| Statistic::new("", [a, b]).standard_errors;
+        let found = Statistic::new("", [values(0.0), values(1.0)]);
+        assert!((found.analytic_mean - 1.5).abs() < 1e-12 && (found.engine_mean - 2.5).abs() < 1e-12);
+        let error = (2.0 * found.analytic_deviation.powi(2) / STATISTICS_RUNS as f64).sqrt();
+        assert!((found.standard_errors - 1.0 / error).abs() < 1e-12);
+        assert_eq!(errors(values(0.0), values(0.0)), 0.0);
         // Values without scatter must agree, and too few runs are inconclusive.
-        let fixed = |mean: f64| MeanAndDeviation { mean, deviation: 0.0 };
-        assert_eq!(standard_errors(&fixed(3.0), &fixed(4.0), STATISTICS_RUNS), f64::INFINITY);
-        assert_eq!(standard_errors(&fixed(3.0), &fixed(3.0), STATISTICS_RUNS), 0.0);
-        assert_eq!(standard_errors(&a, &a, STATISTICS_RUNS / 2 - 1), f64::INFINITY);
+        let fixed = |mean: f64| vec![mean; STATISTICS_RUNS];
+        assert_eq!(errors(fixed(3.0), fixed(4.0)), f64::INFINITY);
+        assert_eq!(errors(fixed(3.0), fixed(3.0)), 0.0);
+        let few = || values(0.0)[..STATISTICS_RUNS / 2 - 1].to_vec();
+        assert_eq!(errors(few(), few()), f64::INFINITY);
     }
 }

@@ -1,18 +1,29 @@
-//! Comparison of measured differences with the bounds of the scene.
+//! Comparison of measured differences and of the criteria of both runs with the bounds of the scene.
 
-use super::{Differences, MAX_STANDARD_ERRORS, Statistics, largest};
+use serde::Serialize;
+
+use super::{Differences, MAX_STANDARD_ERRORS, Recording, Statistics, largest};
 use crate::check;
+use crate::criteria::{Criteria, EPSILON_RAD, Fate, GraspCriteria, Rebound, is_form_closed};
 use crate::invariants::Finding;
-use crate::scene::Bounds;
+use crate::scene::keywords::SceneKind;
+use crate::scene::{Bounds, Scene};
+use crate::trace::Layout;
 
 /// Largest allowed error of the reference, as a fraction of the largest allowed error of the engine.
 pub const MAX_REFERENCE_ERROR_SHARE: f64 = 0.1;
-
 /// Bounds that do not depend on the engine. If one fails, the analytic model is not a valid reference.
 pub const REFERENCE_BOUNDS: [&str; 2] = ["reference", "analytic_invariants"];
+/// Largest difference of the number of lost contacts, as a fraction of the larger number or of [`MIN_LOSS_SCALE`],
+/// whichever is larger. A difference of one always passes; a difference of two in four fails.
+pub const MAX_LOST_CONTACTS_DIFFERENCE: f64 = 0.25;
+/// Smallest denominator of [`MAX_LOST_CONTACTS_DIFFERENCE`].
+pub const MIN_LOSS_SCALE: u32 = 4;
+/// Largest difference of the time during which a contact is lost, as a fraction of the duration.
+pub const MAX_LOST_TIME_DIFFERENCE: f64 = 0.02;
 
 /// One bound and the measured value.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Check {
     /// The key of the bound, with its unit.
     pub bound: &'static str,
@@ -21,17 +32,19 @@ pub struct Check {
     /// Measured value; `None` if the scene does not have the quantity; infinite if only one of the models has it.
     pub measured: Option<f64>,
     pub limit: f64,
+    /// Whether the bound holds. It always holds for a quantity that the scene does not have.
+    pub passed: bool,
 }
 
 impl Check {
-    /// Whether the bound holds. It always holds for a quantity that the scene does not have.
-    pub fn passed(&self) -> bool {
-        self.measured.is_none_or(|measured| measured <= self.limit)
+    fn new(bound: &'static str, meaning: &'static str, measured: Option<f64>, limit: f64) -> Self {
+        Check { bound, meaning, measured, limit, passed: measured.is_none_or(|measured| measured <= limit) }
     }
 }
 
 /// The verdict: all bounds with their measured values.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
 pub struct Verdict {
     pub checks: Vec<Check>,
 }
@@ -39,59 +52,57 @@ pub struct Verdict {
 impl Verdict {
     /// Whether every bound holds.
     pub fn passed(&self) -> bool {
-        self.checks.iter().all(Check::passed)
+        self.checks.iter().all(|check| check.passed)
     }
 
     /// Whether any of these bounds fails.
     pub fn fails(&self, bounds: &[&str]) -> bool {
-        self.checks.iter().any(|check| bounds.contains(&check.bound) && !check.passed())
+        self.checks.iter().any(|check| bounds.contains(&check.bound) && !check.passed)
+    }
+
+    /// Adds a bound.
+    fn with(mut self, bound: &'static str, meaning: &'static str, measured: f64, limit: f64) -> Self {
+        self.checks.push(Check::new(bound, meaning, Some(measured), limit));
+        self
     }
 
     /// Adds the bound of the reference: its difference from another integration method is limited to a fraction of
     /// `bound`, the largest allowed error of the engine. A reference that could not be checked fails.
-    pub fn with_reference(mut self, found: &check::Check, bound: f64) -> Self {
+    pub(super) fn with_reference(self, found: &check::Check, bound: f64) -> Self {
         let measured = match found.verdict {
             check::Verdict::Unknown => f64::INFINITY,
             _ => found.errors.path / bound,
         };
         let meaning = "difference of the reference from another method, as a fraction of the bound of the engine";
-        self.checks.push(Check {
-            bound: "reference",
-            meaning,
-            measured: Some(measured),
-            limit: MAX_REFERENCE_ERROR_SHARE,
-        });
-        self
+        self.with("reference", meaning, measured, MAX_REFERENCE_ERROR_SHARE)
     }
 
     /// Adds the bounds of the criteria of both runs.
-    pub fn with_criteria(mut self, checks: Vec<Check>) -> Self {
-        self.checks.extend(checks);
+    pub(super) fn with_criteria(mut self, found: &[Criterion]) -> Self {
+        self.checks.extend(criteria_checks(found));
         self
     }
 
     /// Adds the bound of the invariants of a run: the worst of them, as a fraction of its limit.
-    pub fn with_invariants(mut self, bound: &'static str, found: &[Finding]) -> Self {
+    pub(super) fn with_invariants(self, bound: &'static str, found: &[Finding]) -> Self {
         let worst = found.iter().map(Finding::ratio_to_limit).fold(0.0, f64::max);
-        let meaning = "worst invariant, as a fraction of its limit";
-        self.checks.push(Check { bound, meaning, measured: Some(worst), limit: 1.0 });
-        self
+        self.with(bound, "worst invariant, as a fraction of its limit", worst, 1.0)
     }
 
     /// Adds the bound of the statistics, if there are any.
-    pub fn with_statistics(mut self, found: Option<&Statistics>) -> Self {
-        let Some(found) = found else { return self };
-        let (bound, measured) = ("statistics", Some(found.worst()));
+    pub(super) fn with_statistics(self, found: Option<&Statistics>) -> Self {
         let meaning = "largest difference of a mean over many runs, in standard errors";
-        self.checks.push(Check { bound, meaning, measured, limit: MAX_STANDARD_ERRORS });
-        self
+        match found {
+            Some(found) => self.with("statistics", meaning, found.worst(), MAX_STANDARD_ERRORS),
+            None => self,
+        }
     }
 }
 
 /// Judges the differences of the engine at the settings of the scene: angles and final forces of fingers, positions of
 /// bodies, and peak forces in scenes of discs.
 pub fn check_bounds(found: &Differences, bounds: &Bounds) -> Verdict {
-    let (has_fingers, has_bodies) = (found.has_fingers(), found.has_bodies());
+    let (has_fingers, has_bodies) = (found.has_fingers(), !found.angle_end_rad.is_empty());
     let [position, impulse] = match has_fingers {
         true => ["largest position difference of the object", "relative difference of the impulse of an impact"],
         false => ["largest position difference of a disc", "relative difference of the impulse of a pair"],
@@ -109,6 +120,171 @@ pub fn check_bounds(found: &Differences, bounds: &Bounds) -> Verdict {
         (has_fingers, "loop_gap_m", "largest opening of a joint", Some(found.loop_gap_m), bounds.loop_gap_m),
     ];
     let checks = all.into_iter().filter(|(is_applicable, ..)| *is_applicable);
-    let check = |(_, bound, meaning, measured, limit)| Check { bound, meaning, measured, limit };
+    let check = |(_, bound, meaning, measured, limit)| Check::new(bound, meaning, measured, limit);
     Verdict { checks: checks.map(check).collect() }
+}
+
+/// A criterion that both models must agree on.
+pub struct CriterionKind {
+    /// Key of its bound, with its unit.
+    pub bound: &'static str,
+    pub meaning: &'static str,
+    /// Name in tables, with the displayed unit.
+    pub label: &'static str,
+    /// Displayed value per SI value.
+    pub scale: f64,
+    pub digits: usize,
+}
+
+/// All criteria, in the order of their bounds in a verdict.
+pub const CRITERIA: [CriterionKind; 7] = [
+    kind("class", "class in both models: 0 equal, 1 different", ("class", 1.0, 5)),
+    kind("fate", "fate of the object in both models: 0 equal, 1 different", ("fate", 1.0, 5)),
+    kind("stability_time_s", "difference of the time to stability", ("time to stability, ms", 1e3, 8)),
+    kind("form_closed", "form closure in both models: 0 equal, 1 different", ("form-closed", 1.0, 1)),
+    kind("contacts_lost", "relative difference of the number of lost contacts", ("contacts lost", 1.0, 6)),
+    kind(
+        "lost_time",
+        "difference of the time during which a contact is lost, as a fraction of the duration",
+        ("lost for, ms", 1e3, 5),
+    ),
+    kind("restitution", "largest difference of a coefficient of restitution", ("restitution", 1.0, 5)),
+];
+
+const fn kind(
+    bound: &'static str,
+    meaning: &'static str,
+    (label, scale, digits): (&'static str, f64, usize),
+) -> CriterionKind {
+    CriterionKind { bound, meaning, label, scale, digits }
+}
+
+/// The value of a criterion in one model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    Label(&'static str),
+    /// Number in SI units; `None` if the run does not have the quantity.
+    Number(Option<f64>),
+}
+
+/// One criterion in both models.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Criterion {
+    /// Key of its bound, with its unit.
+    #[serde(rename = "criterion")]
+    pub bound: &'static str,
+    /// Name of the pair or contact; `None` for criteria of the whole scene.
+    #[serde(rename = "of")]
+    pub subject: Option<String>,
+    pub analytic: Value,
+    pub engine: Value,
+    /// Difference compared with the limit: 0 or 1 for labels, otherwise the absolute difference; infinite if only one
+    /// model has a value.
+    pub difference: f64,
+    pub limit: f64,
+}
+
+impl Criterion {
+    fn from_labels(bound: &'static str, [analytic, engine]: [&'static str; 2]) -> Self {
+        let difference = if analytic == engine { 0.0 } else { 1.0 };
+        let (analytic, engine) = (Value::Label(analytic), Value::Label(engine));
+        Criterion { bound, subject: None, analytic, engine, difference, limit: 0.0 }
+    }
+
+    fn from_numbers(bound: &'static str, [analytic, engine]: [Option<f64>; 2], limit: f64) -> Self {
+        let difference = match (analytic, engine) {
+            (Some(analytic), Some(engine)) => (engine - analytic).abs(),
+            (None, None) => 0.0,
+            _ => f64::INFINITY,
+        };
+        let (analytic, engine) = (Value::Number(analytic), Value::Number(engine));
+        Criterion { bound, subject: None, analytic, engine, difference, limit }
+    }
+}
+
+/// Compares the criteria of both runs of a scene; empty if there are none, as for a finger without an object.
+pub fn compare_criteria(scene: &Scene, analytic: &Recording, engine: &Recording) -> Vec<Criterion> {
+    let runs = [analytic, engine];
+    let (Some(analytic), Some(engine)) = (&analytic.run_criteria, &engine.run_criteria) else { return Vec::new() };
+    match (scene.kind(), &analytic.criteria, &engine.criteria, &analytic.grasp, &engine.grasp) {
+        (SceneKind::Finger, Some(analytic), Some(engine), ..) => compare_finger(scene, [analytic, engine]),
+        (SceneKind::Gripper, .., Some(analytic), Some(engine)) => compare_gripper(scene, runs, [analytic, engine]),
+        (SceneKind::Finger | SceneKind::Gripper, ..) => Vec::new(),
+        (SceneKind::Bodies, ..) => {
+            let layout = Layout::from_system(&scene.system);
+            let contacts = layout.contacts.into_iter().zip(analytic.rebounds.iter().zip(&engine.rebounds));
+            let restitutions = contacts.filter_map(|(contact, (analytic, engine))| {
+                let values = [analytic, engine].map(Rebound::restitution);
+                let found = Criterion::from_numbers("restitution", values, scene.bounds.restitution);
+                let has_value = values.iter().any(Option::is_some);
+                has_value.then_some(Criterion { subject: Some(contact.name), ..found })
+            });
+            restitutions.collect()
+        }
+    }
+}
+
+fn compare_finger(scene: &Scene, both: [&Criteria; 2]) -> Vec<Criterion> {
+    vec![
+        Criterion::from_labels("class", both.map(|found| found.class.name())),
+        Criterion::from_numbers("stability_time_s", both.map(|found| found.tts_s), scene.bounds.stability_time_s),
+    ]
+}
+
+fn compare_gripper(scene: &Scene, runs: [&Recording; 2], both: [&GraspCriteria; 2]) -> Vec<Criterion> {
+    let mut compared = vec![
+        Criterion::from_labels("fate", both.map(|found| found.fate.name())),
+        Criterion::from_numbers("stability_time_s", both.map(|found| found.tts_s), scene.bounds.stability_time_s),
+    ];
+    // Fingers that have released the object cannot be form-closed.
+    let is_held = |found: &GraspCriteria| found.fate == Fate::Held && found.cycle.release_s.is_none();
+    if both.into_iter().all(is_held) {
+        let form_closed = runs.map(|run| match is_form_closed(scene, &run.outcome.last) {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "undecided",
+        });
+        compared.push(Criterion::from_labels("form_closed", form_closed));
+    }
+    let losses = both.map(|found| found.contacts.iter().map(|contact| contact.times_lost).sum::<u32>());
+    let scale = losses[0].max(losses[1]).max(MIN_LOSS_SCALE);
+    let counts = losses.map(|count| Some(f64::from(count)));
+    let lost = Criterion::from_numbers("contacts_lost", counts, MAX_LOST_CONTACTS_DIFFERENCE);
+    compared.push(Criterion { difference: f64::from(losses[0].abs_diff(losses[1])) / f64::from(scale), ..lost });
+    // Select the contact with the largest difference.
+    let contacts = both[0].contacts.iter().zip(&both[1].contacts);
+    let lost_times = contacts.map(|(a, b)| (a.id, [a.lost_s, b.lost_s]));
+    let worst = lost_times.max_by(|(_, [a, b]), (_, [c, d])| (a - b).abs().total_cmp(&(c - d).abs()));
+    compared.extend(worst.map(|(contact, times)| {
+        let lost = Criterion::from_numbers("lost_time", times.map(Some), MAX_LOST_TIME_DIFFERENCE);
+        let subject = Some(contact.name().to_string());
+        Criterion { subject, difference: lost.difference / scene.duration_s, ..lost }
+    }));
+    compared
+}
+
+/// Returns why the criteria of two accurate runs of a scene may differ, so that they are reported without being judged;
+/// `None` where they are judged.
+pub fn reason_not_judged(scene: &Scene, reference: &check::Check) -> Option<&'static str> {
+    let Scene { bounds, duration_s, .. } = scene;
+    if scene.kind() != SceneKind::Bodies && bounds.until_s < *duration_s {
+        Some("the runs are not compared to their end")
+    } else if reference.verdict == check::Verdict::Chaotic {
+        Some("the outcome is chaotic")
+    } else if scene.kind() == SceneKind::Finger && bounds.angle_rad >= EPSILON_RAD {
+        Some("the bound of the angles is not below the 0.2 deg band in which the finger counts as in position")
+    } else {
+        None
+    }
+}
+
+/// Returns the criteria as bounds of the verdict: the worst of each kind.
+pub fn criteria_checks(found: &[Criterion]) -> Vec<Check> {
+    let check = |&CriterionKind { bound, meaning, .. }: &CriterionKind| {
+        let of_bound = found.iter().filter(|criterion| criterion.bound == bound);
+        let limit = of_bound.clone().next()?.limit;
+        Some(Check::new(bound, meaning, of_bound.map(|criterion| criterion.difference).reduce(f64::max), limit))
+    };
+    CRITERIA.iter().filter_map(check).collect()
 }

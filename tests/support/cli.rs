@@ -45,3 +45,37 @@ pub fn write(directory: &Path, name: &str, text: &str) -> String {
     fs::write(&path, text).expect("written");
     path.to_str().expect("a path of plain text").to_string()
 }
+
+/// Runs a command that must succeed; returns its standard output.
+#[track_caller]
+pub fn succeed(args: &[&str]) -> String {
+    let output = phalanx(args);
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+    stdout(&output).to_string()
+}
+
+/// Runs a command that must succeed with `--json`; returns its document.
+#[track_caller]
+pub fn succeed_json(args: &[&str]) -> Value {
+    let text = succeed(&[args, &["--json"]].concat());
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+}
+
+/// Asserts that a command rejects its input: exit status 2, an error that contains all `parts`, and no output.
+#[track_caller]
+pub fn assert_rejected(args: &[&str], parts: &[&str]) {
+    let output = phalanx(args);
+    let message = stderr(&output).replace('\n', " ");
+    assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{args:?}: {message}");
+    for part in parts {
+        assert!(message.contains(part), "{args:?}: {part:?} is not in {message}");
+    }
+}
+
+/// Asserts that a text contains all parts.
+#[track_caller]
+pub fn assert_contains(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "no {part:?} in\n{text}");
+    }
+}

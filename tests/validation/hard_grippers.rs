@@ -105,7 +105,7 @@ fn both_models_agree_on_every_gripper() {
         let actual = record_run(Model::Engine, &sampled_scene(Model::Engine, &scene));
         assert_no_violations(&check_invariants(&scene, Model::Engine, &actual), &format!("{name}, engine"));
         let verdict = check_bounds(&compare(&actual, &expected, scene.bounds.until_s), &scene.bounds);
-        let failed_checks = verdict.checks.iter().filter(|check| !check.passed());
+        let failed_checks = verdict.checks.iter().filter(|check| !check.passed);
         let criteria_of_both = [(&reference, &expected), (&scene, &actual)].map(|(scene, run)| criteria(scene, run));
         failures.extend(
             criteria_difference(&criteria_of_both, scene.thresholds.loss_time_s)

@@ -43,7 +43,7 @@ fn assert_models_agree(name: &str) -> (Scene, Recording, Recording) {
     let run = record_run(Model::Engine, &sampled_scene(Model::Engine, &scene));
     assert_no_violations(&check_invariants(&scene, Model::Engine, &run), &format!("{name}, engine"));
     let verdict = check_bounds(&compare(&run, &expected, scene.bounds.until_s), &scene.bounds);
-    let failed_checks: Vec<_> = verdict.checks.iter().filter(|check| !check.passed()).collect();
+    let failed_checks: Vec<_> = verdict.checks.iter().filter(|check| !check.passed).collect();
     assert!(failed_checks.is_empty(), "{name}: {failed_checks:?}");
     (scene, expected, run)
 }

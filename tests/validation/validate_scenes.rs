@@ -29,7 +29,7 @@ fn all_shipped_scenes_are_within_their_bounds() {
                 check_invariants(&scene, model, run).into_iter().filter(Finding::is_violated).collect();
             assert!(violations.is_empty(), "{}: {violations:?}", path.display());
         }
-        let failed_checks: Vec<_> = verdict.checks.iter().filter(|check| !check.passed()).collect();
+        let failed_checks: Vec<_> = verdict.checks.iter().filter(|check| !check.passed).collect();
         assert!(failed_checks.is_empty(), "{}: {failed_checks:?}", path.display());
         count += 1;
     }

@@ -1,14 +1,16 @@
 //! Report of a validation: one document, printed as text or JSON, and the time series of both models side by side.
+//!
+//! | file | content |
+//! |---|---|
+//! | `document` | the document and its parts |
+//! | `differences` | figures of differences: keys of the document and columns of tables |
+//! | `text` | the text report |
+//! | `series` | time series of both models |
 
 mod differences;
 mod document;
-mod errors;
-mod invariants;
-mod numbers;
 mod series;
-mod side_by_side;
-mod statistics;
 mod text;
 
 pub use document::ValidationReport;
-pub use series::{COLUMNS, write_series};
+pub use series::write_series;

@@ -1,130 +1,99 @@
 //! Text report of a validation: short tables with units.
 
-use std::fmt::Write;
-
-use super::document::{
-    CheckReport, CriterionReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport, ValueReport,
-};
-use super::invariants::FindingReport;
-use super::numbers::number;
-use super::side_by_side::{differences, side_by_side};
-use super::statistics::statistics_table;
+use super::differences::{TOTAL, figures};
+use super::document::{ImpactPair, ValidationReport};
 use crate::format::format_duration;
-use crate::format::numbers::{format_number, row};
+use crate::format::numbers::{format_number, row, zero_below_resolution};
 use crate::format::report::{Report, Table, ToReport, table};
+use crate::invariants::Finding;
+use crate::scene::DiscMotion;
+use crate::trace::columns::columns;
+use crate::trace::{ContactSummary, Model};
+use crate::units::Dimension;
+use crate::validate::{
+    CRITERIA, Check, Cost, Criterion, LadderOptions, MEMBER_PERTURBATION, Recording, Statistics, Status, Value,
+    configuration_name, ensemble_size, wrap_angle,
+};
 
-impl ToReport for ValidationReport {
+impl ToReport for ValidationReport<'_> {
     fn report(&self) -> Report {
         Report::join(std::iter::once(self.verdict_report()).chain(self.ladder_report()))
     }
 }
 
-impl ValidationReport {
+impl ValidationReport<'_> {
     /// Returns the verdict and the results it is based on.
     pub fn verdict_report(&self) -> Report {
-        let mut sections = vec![Report::from(heading(self)), checks(&self.verdict)];
-        sections.extend(criteria(&self.criteria, self.reason_not_judged));
-        let violated_invariants =
-            describe_violations([("analytic", &self.analytic.invariants), ("engine", &self.engine.invariants)]);
-        if !violated_invariants.is_empty() {
-            sections.push(Report::from(violated_invariants));
-        }
+        let validation = self.validation;
+        let mut sections = vec![Report::from(heading(self)), checks(&validation.verdict.checks)];
+        sections.extend(criteria(&validation.criteria, validation.reason_not_judged));
+        let (reference, engine) = (&validation.reference_invariants, &validation.engine_invariants);
+        let violations = describe_violations("analytic", reference) + &describe_violations("engine", engine);
+        sections.extend((!violations.is_empty()).then(|| Report::from(violations)));
         sections.push(side_by_side(self));
-        sections.extend(self.impacts.as_deref().filter(|all| !all.is_empty()).map(impacts));
-        sections.extend(self.statistics.iter().flatten().map(statistics_table));
-        sections.push(differences(&self.differences));
-        Report::join(sections)
+        if self.finger_count() > 0 {
+            sections.extend(impacts(&self.impacts()));
+        }
+        sections.extend(validation.statistics.as_ref().map(statistics));
+        sections.push(self.differences().tables());
+        let found = &validation.differences;
+        let base = if self.finger_count() == 0 { "the largest energy" } else { "the work of the motors" };
+        let (energy, ratio) = (format_number(found.energy_created_j * 1e3, 3), format_number(found.energy_created, 3));
+        Report::join(sections).with(format!("spurious energy: {energy} mJ, {ratio} of {base}\n").as_str())
     }
 
     /// Returns the ladder and the list of files; `None` without either.
     pub fn ladder_report(&self) -> Option<Report> {
-        let omitted = match self.is_single_finger() {
-            true => "fixed steps below 1e-5 s, reduced coordinates",
-            false => "fixed steps below 1e-5 s",
-        };
-        let mut sections = Vec::new();
-        sections.extend(self.ladder_time_s.map(|time_s| settings(self, time_s, self.quick.then_some(omitted))));
-        if let (Some(directory), Some(files)) = (&self.directory, &self.files) {
-            sections.push(Report::from(format!("in {directory}: {}\n", files.join(", "))));
-        }
+        let ladder = self.ladder.map(|options| settings(self, options));
+        let files = self.files.as_ref().map(|(directory, files)| format!("in {directory}: {}\n", files.join(", ")));
+        let sections: Vec<Report> = ladder.into_iter().chain(files.map(Report::from)).collect();
         (!sections.is_empty()).then(|| Report::join(sections))
     }
+
+    fn finger_count(&self) -> usize {
+        self.layout.fingers.len()
+    }
 }
 
-/// Returns the criteria of both models side by side; `None` if there are none.
-fn criteria(criteria: &[CriterionReport], reason_not_judged: Option<&str>) -> Option<Report> {
-    let mut rows = vec![row(["criterion", "analytic", "engine"])];
-    for criterion in criteria {
-        let (meaning, scale, digits) = match criterion.criterion {
-            "stability_time_s" => ("time to stability, ms", 1e3, 8),
-            "lost_time" => ("lost for, ms", 1e3, 5),
-            "contacts_lost" => ("contacts lost", 1.0, 6),
-            "form_closed" => ("form-closed", 1.0, 1),
-            other => (other, 1.0, 5),
-        };
-        let name = match &criterion.subject {
-            Some(subject) => format!("{} {meaning}", subject.replace('_', " ")),
-            None => meaning.to_string(),
-        };
-        let cell = |value: ValueReport| match value {
-            ValueReport::Label(label) => label.to_string(),
-            ValueReport::Number(value) => number(value.map(|value| value * scale), digits),
-        };
-        rows.push(row([&name, &cell(criterion.analytic), &cell(criterion.engine)]));
-    }
-    if rows.len() < 2 {
-        return None;
-    }
-    let mut text = table(&rows);
-    if let Some(reason) = reason_not_judged {
-        text.push_str(&format!("criteria are not judged: {reason}\n"));
-    }
-    Some(text)
-}
-
-/// Setting and number of steps of a model.
-fn setting_and_steps(model: &ModelReport) -> String {
-    format!("{}, {} steps", model.setting, model.steps)
+/// Formats a number, or a dash for `None`.
+fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or("–".to_string(), |value| format_number(value, digits))
 }
 
 fn heading(report: &ValidationReport) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "{}: engine against analytic model: {}",
-        report.scene,
-        if report.passed { "within all bounds" } else { "OUT OF BOUNDS" }
-    );
-    let _ = writeln!(text, "analytic: {} (the reference)", setting_and_steps(&report.analytic));
-    let _ = writeln!(text, "engine:   {} (the scene's settings)", setting_and_steps(&report.engine));
+    let ValidationReport { scene, validation, .. } = report;
+    let passed = validation.verdict.passed();
+    let setting = |model: Model, run: &Recording| {
+        format!("{}, {} steps", configuration_name(&report.configuration(model)), run.outcome.work.steps)
+    };
     // The quantity that is varied within the ensemble.
-    let varied = if report.has_discs_only() { "speeds and gravity" } else { "motor torque" };
-    let step = report.ensemble_torque_step.or(report.ensemble_speed_step).unwrap_or_default();
-    let _ = writeln!(
-        text,
-        "compared up to {} of {}; differences are the worst of {} runs with {varied} varied in steps of {step:e}",
-        format_duration(report.until_s),
-        format_duration(report.duration_s),
-        report.ensemble_runs,
-    );
-    if !report.passed {
-        let _ = writeln!(text, "{}", advice(report));
-    }
-    text
+    let varied = if report.finger_count() == 0 { "speeds and gravity" } else { "motor torque" };
+    format!(
+        "{}: engine against analytic model: {}\nanalytic: {} (the reference)\nengine:   {} (the scene's settings)\n\
+         compared up to {} of {}; differences are the worst of {} runs with {varied} varied in steps of \
+         {MEMBER_PERTURBATION:e}\n{}",
+        scene.name,
+        if passed { "within all bounds" } else { "OUT OF BOUNDS" },
+        setting(Model::Analytic, &validation.reference),
+        setting(Model::Engine, &validation.engine),
+        format_duration(validation.until_s),
+        format_duration(scene.duration_s),
+        ensemble_size(scene),
+        if passed { String::new() } else { format!("{}\n", advice(report)) },
+    )
 }
 
 /// Returns which model to trust, and which setting of the engine passes.
 fn advice(report: &ValidationReport) -> String {
-    let unit = if report.has_discs_only() { "m" } else { "rad" };
-    let agreement = match report.reference_error {
+    let unit = if report.finger_count() == 0 { "m" } else { "rad" };
+    let agreement = match report.validation.reference_error() {
         Some(error) => format!("its two integration methods agree to {error:.1e} {unit}"),
         None => "its two integration methods could not be compared".to_string(),
     };
-    if report.trusted_model.is_none() {
+    if report.validation.trusted_model().is_none() {
         return format!("Neither model can be trusted: the analytic model is not a valid reference here; {agreement}.");
     }
-    let engine = match report.finer_settings.last() {
+    let engine = match report.validation.finer_configurations.last() {
         Some(finer) if finer.passed => format!("The engine passes with [engine] {}.", finer.setting),
         Some(finer) => format!("The engine does not pass with [engine] {} either.", finer.setting),
         None => "No finer setting of the engine was run.".to_string(),
@@ -132,139 +101,223 @@ fn advice(report: &ValidationReport) -> String {
     format!("Trust the analytic model: {agreement}. {engine}")
 }
 
-fn checks(checks: &[CheckReport]) -> Report {
+fn checks(checks: &[Check]) -> Report {
     let mut rows = vec![row(["bound", "measured", "limit", ""])];
-    for check in checks {
+    rows.extend(checks.iter().map(|check| {
         let measured = match check.measured {
             Some(value) if value.is_infinite() => "missing in one".to_string(),
             Some(value) => format_number(value, 3),
             None => "none".to_string(),
         };
         let passed = if check.passed { "pass" } else { "FAIL" };
-        rows.push(row([
-            &format!("{} ({})", check.bound, check.meaning),
-            &measured,
-            &format_number(check.limit, 3),
-            passed,
-        ]));
-    }
+        row([&format!("{} ({})", check.bound, check.meaning), &measured, &format_number(check.limit, 3), passed])
+    }));
     table(&rows)
 }
 
-/// Lists the invariants that each model violated, one per line.
-fn describe_violations(models: [(&str, &[FindingReport]); 2]) -> String {
-    let mut text = String::new();
-    for (name, invariants) in models {
-        for found in invariants.iter().filter(|found| !found.is_satisfied) {
-            let _ = writeln!(text, "invariant violated by the {name} model ({}): {}", found.meaning, found.line);
+/// Returns the criteria of both models side by side; `None` if there are none.
+fn criteria(criteria: &[Criterion], reason_not_judged: Option<&str>) -> Option<Report> {
+    let mut rows = vec![row(["criterion", "analytic", "engine"])];
+    rows.extend(criteria.iter().filter_map(|criterion| {
+        let kind = CRITERIA.iter().find(|kind| kind.bound == criterion.bound)?;
+        let subject = criterion.subject.as_ref().map_or(String::new(), |name| format!("{} ", name.replace('_', " ")));
+        let cell = |value: Value| match value {
+            Value::Label(label) => label.to_string(),
+            Value::Number(value) => number(value.map(|value| value * kind.scale), kind.digits),
+        };
+        Some(row([&format!("{subject}{}", kind.label), &cell(criterion.analytic), &cell(criterion.engine)]))
+    }));
+    let note = reason_not_judged.map_or(String::new(), |reason| format!("criteria are not judged: {reason}\n"));
+    (rows.len() > 1).then(|| table(&rows).with(note.as_str()))
+}
+
+/// Lists the invariants that a model violated, one per line.
+fn describe_violations(model: &str, invariants: &[Finding]) -> String {
+    let violated = invariants.iter().filter(|found| found.is_violated());
+    let line =
+        |found: &Finding| format!("invariant violated by the {model} model ({}): {found}\n", found.invariant.meaning());
+    violated.map(line).collect()
+}
+
+/// Rows of the table of both models: column of a sample without the name of its component, label with the displayed
+/// unit, displayed value per SI value, and number of digits.
+type StateRow = (&'static str, &'static str, f64, usize);
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+const STATES: [StateRow; 13] = [
+    ("q11_rad", "q11, deg", DEGREES, 8),
+    ("q21_rad", "q21, deg", DEGREES, 8),
+    ("q22_rad", "q22, deg", DEGREES, 8),
+    ("qd11_rad_s", "qd11, rad/s", 1.0, 4),
+    ("qd21_rad_s", "qd21, rad/s", 1.0, 4),
+    ("x_m", "x, mm", 1e3, 8),
+    ("y_m", "y, mm", 1e3, 8),
+    ("angle_rad", "angle, deg", DEGREES, 8),
+    ("vx_m_s", "vx, m/s", 1.0, 6),
+    ("vy_m_s", "vy, m/s", 1.0, 6),
+    ("spin_rad_s", "spin, rad/s", 1.0, 6),
+    ("normal_n", "normal, N", 1.0, 7),
+    ("tangential_n", "friction, N", 1.0, 4),
+];
+
+const ENERGIES: [StateRow; 4] = [
+    ("kinetic_j", "kinetic energy, mJ", 1e3, 6),
+    ("dissipated_j", "dissipated, mJ", 1e3, 6),
+    ("motor_work_j", "work of the drives, mJ", 1e3, 6),
+    ("balance_j", "balance, mJ", 1e3, 3),
+];
+
+/// Figures of a contact over the run: label, displayed value per SI value, number of digits (0: a count), value.
+type ContactRow = (&'static str, f64, usize, fn(&ContactSummary) -> Option<f64>);
+
+const CONTACTS: [ContactRow; 5] = [
+    ("first contact, ms", 1e3, 8, |contact| contact.first_s),
+    ("touch-downs", 1.0, 0, |contact| Some(contact.touchdowns.into())),
+    ("impulse, mN·s", 1e3, 6, |contact| Some(contact.impulse_n_s)),
+    ("peak, N", 1.0, 6, |contact| Some(contact.peak_normal_n)),
+    ("depth, µm", 1e6, 6, |contact| contact.depth_m()),
+];
+
+/// Returns a table of the final state, the contacts and the energies of both models, with their differences. A single
+/// finger shows all contacts, other scenes those that occurred.
+fn side_by_side(report: &ValidationReport) -> Report {
+    let ValidationReport { scene, layout, validation, .. } = report;
+    let columns = columns(layout);
+    let runs = [&validation.reference.outcome, &validation.engine.outcome];
+    let end_s = if report.finger_count() == 0 { validation.until_s } else { scene.duration_s };
+    let mut rows = vec![row([&format!("at {}", format_duration(end_s)), "analytic", "engine", "difference"])];
+    let states = |component: &str, shown: &[StateRow]| -> Vec<Vec<String>> {
+        let prefix = if component.is_empty() { String::new() } else { format!("{component}_") };
+        let state = |&(name, label, scale, digits): &StateRow| {
+            let column = columns.iter().find(|column| column.name == format!("{prefix}{name}"))?;
+            let [analytic, engine] = runs.map(|run| zero_below_resolution(column.value(&run.last), Dimension::Length));
+            let difference = if scale == DEGREES { wrap_angle(engine - analytic) } else { engine - analytic };
+            let analytic = if scale == DEGREES { wrap_angle(analytic) } else { analytic };
+            Some(line(component, label, [analytic, difference].map(|value| value * scale), digits))
+        };
+        shown.iter().filter_map(state).collect()
+    };
+    layout.fingers.iter().for_each(|finger| rows.extend(states(finger, &STATES)));
+    let is_fixed =
+        |name: &str| scene.system.discs.iter().any(|disc| disc.name == name && disc.motion == DiscMotion::Fixed);
+    let is_moving = |name: &&String| !is_fixed(name);
+    layout.bodies.iter().filter(is_moving).for_each(|body| rows.extend(states(body, &STATES)));
+    for index in layout.surfaces() {
+        let [Some(analytic), Some(engine)] = runs.map(|run| run.contacts.get(index)) else { continue };
+        if report.finger_count() == 1 || analytic.touchdowns + engine.touchdowns > 0 {
+            let name = &layout.contacts[index].name;
+            rows.extend(states(name, &STATES));
+            rows.extend(CONTACTS.iter().filter_map(|(label, scale, digits, value)| {
+                let [analytic, engine] = [value(analytic)?, value(engine)?].map(|value| value * scale);
+                Some(line(name, label, [analytic, engine - analytic], *digits))
+            }));
         }
     }
-    text
+    rows.extend(states("", &ENERGIES));
+    table(&rows)
+}
+
+/// Returns a row with a quantity of both models and its difference.
+fn line(component: &str, label: &str, [analytic, difference]: [f64; 2], digits: usize) -> Vec<String> {
+    let format = |value: f64| if digits == 0 { format!("{value}") } else { format_number(value, digits) };
+    let label = format!("{} {label}", component.replace('_', " "));
+    row([label.trim_start(), &format(analytic), &format(analytic + difference), &format_number(difference, 3)])
 }
 
 /// Maximum number of impacts in the table; the JSON document contains all.
 const MAX_IMPACTS: usize = 12;
 
-fn impacts(impacts: &[ImpactReport]) -> Report {
-    let mut rows = vec![row([
-        "impact",
-        "analytic, ms",
-        "engine, ms",
-        "for, µs",
-        "impulse: analytic, mN·s",
-        "engine, mN·s",
-        "difference, %",
-    ])];
-    let or_dash =
-        |value: Option<f64>, digits: usize| value.map_or("–".to_string(), |value| format_number(value, digits));
+fn impacts(impacts: &[ImpactPair]) -> Option<Report> {
+    let heads = ["impact", "analytic, ms", "engine, ms", "for, µs", "impulse: analytic, mN·s", "engine, mN·s"];
+    let mut rows = vec![heads.into_iter().chain(["difference, %"]).map(String::from).collect::<Vec<_>>()];
     for impact in impacts.iter().take(MAX_IMPACTS) {
-        let difference = match (impact.analytic_n_s, impact.engine_n_s) {
-            (Some(analytic), Some(engine)) if analytic != 0.0 => Some(100.0 * (engine / analytic - 1.0)),
-            _ => None,
-        };
+        let milli = |value: Option<f64>, digits: usize| number(value.map(|value| value * 1e3), digits);
+        let both = impact.analytic_n_s.zip(impact.engine_n_s).filter(|(analytic, _)| *analytic != 0.0);
         rows.push(row([
-            &impact.contact,
-            &or_dash(impact.analytic_s.map(|s| s * 1e3), 7),
-            &or_dash(impact.engine_s.map(|s| s * 1e3), 7),
+            &impact.site,
+            &milli(impact.analytic_s, 7),
+            &milli(impact.engine_s, 7),
             &format_number(impact.window_s * 1e6, 5),
-            &or_dash(impact.analytic_n_s.map(|n_s| n_s * 1e3), 5),
-            &or_dash(impact.engine_n_s.map(|n_s| n_s * 1e3), 5),
-            &or_dash(difference, 3),
+            &milli(impact.analytic_n_s, 5),
+            &milli(impact.engine_n_s, 5),
+            &number(both.map(|(analytic, engine)| 100.0 * (engine / analytic - 1.0)), 3),
         ]));
     }
-    let mut text = table(&rows);
-    if impacts.len() > MAX_IMPACTS {
-        let _ = writeln!(text, "and {} more", impacts.len() - MAX_IMPACTS);
-    }
-    text
+    let omitted = impacts.len().saturating_sub(MAX_IMPACTS);
+    let note = if omitted > 0 { format!("and {omitted} more\n") } else { String::new() };
+    (!impacts.is_empty()).then(|| table(&rows).with(note))
 }
 
-fn settings(report: &ValidationReport, time_s: f64, omitted: Option<&str>) -> Report {
-    let settings = &report.settings;
-    let mut text = Report::default();
+fn statistics(found: &Statistics) -> Report {
+    let heading = format!(
+        "mean ± deviation from {} on, for {} of {} runs with torques over ±{} %",
+        format_duration(found.from_s),
+        found.completed,
+        found.runs,
+        format_number(100.0 * found.torque_spread, 2)
+    );
+    let mut rows = vec![row([&heading, "analytic", "engine", "difference, standard errors"])];
+    let with_deviation =
+        |mean: f64, deviation: f64| format!("{} ± {}", format_number(mean, 4), format_number(deviation, 2));
+    rows.extend(found.statistics.iter().map(|it| {
+        let analytic = with_deviation(it.analytic_mean, it.analytic_deviation);
+        let engine = with_deviation(it.engine_mean, it.engine_deviation);
+        row([it.name, &analytic, &engine, &format_number(it.standard_errors, 2)])
+    }));
+    table(&rows)
+}
+
+fn settings(report: &ValidationReport, options: LadderOptions) -> Report {
+    let (layout, ladder) = (&report.layout, &report.validation.ladder);
     let mut rows = vec![
         row(["speed against error", "runs", "steps", "wall, ms", "× real", "× everyday"]),
         row(["", "", "", "", "time", "analytic"]),
     ];
-    let headers = settings.first().map(|setting| setting.errors.headers()).unwrap_or_default();
-    for (line, header) in rows.iter_mut().zip(headers) {
-        line.extend(header);
+    for (figure, _) in figures(&TOTAL, layout, None, 0) {
+        for (line, part) in rows.iter_mut().zip(figure.header.split_inclusive(' ')) {
+            line.push(part.trim_end().to_string());
+        }
     }
-    let mut notes = Vec::new();
-    let mut family = "";
-    for setting in settings {
+    let (mut notes, mut family) = (String::new(), "");
+    for setting in ladder {
         if setting.family != family {
             family = setting.family;
             rows.push(row([family]));
         }
-        rows.push(cells(setting));
-        match (setting.status, &setting.reason) {
-            (Status::Done, _) | (_, None) => {}
-            (Status::Failed, Some(reason)) => notes.push(format!("{}, {}: {reason}", family, setting.setting)),
-            (Status::TooLong | Status::NoTime, Some(reason)) => {
-                notes.push(format!("{}, {}: omitted, {reason}", family, setting.setting))
+        let is_scenes = if setting.is_from_scene { " *" } else { "" };
+        let is_reference = if setting.is_reference { " (reference)" } else { "" };
+        let name = format!("  {}{is_scenes}{is_reference}", setting.setting);
+        let Cost { steps, wall_s, real_time_factor, analytic_factor, .. } = setting.cost;
+        rows.push(match steps {
+            Some(steps) => {
+                let runs = if setting.is_reference { "–".to_string() } else { setting.ensemble_runs.to_string() };
+                let cost = [wall_s.map(|wall_s| wall_s * 1e3), real_time_factor, analytic_factor];
+                let errors = figures(&TOTAL, layout, setting.differences.as_ref(), 0);
+                let cells = [name, runs, steps.to_string()].into_iter().chain(cost.map(|value| number(value, 3)));
+                cells.chain(errors.map(|(figure, value)| figure.cell(value))).collect()
             }
-        }
+            None => {
+                let has_failed = setting.status == Status::Failed;
+                let (cell, note) = if has_failed { ("failed", "") } else { ("omitted", "omitted, ") };
+                let reason = setting.reason.as_deref().unwrap_or_default();
+                notes.push_str(&format!("{family}, {}: {note}{reason}\n", setting.setting));
+                row([&name, "–", "–", cell])
+            }
+        });
     }
-    text.push(Table::new(&rows).header_rows(2));
+    let mut text = Report::from(Table::new(&rows).header_rows(2));
     text.push_str(
         "largest differences from the reference over the runs; * the scene's settings; median wall time without a log\n",
     );
-    if let Some(omitted) = omitted {
-        let _ = writeln!(text, "omitted by --quick: {omitted}");
+    if options.quick {
+        let reduced = if report.finger_count() == 1 { ", reduced coordinates" } else { "" };
+        text.push_str(&format!("omitted by --quick: fixed steps below 1e-5 s{reduced}\n"));
     }
-    if settings.iter().any(|setting| setting.status == Status::NoTime) {
-        let _ = writeln!(
-            text,
-            "settings were omitted to keep the ladder within {} (--ladder-time)",
-            format_duration(time_s)
-        );
+    if ladder.iter().any(|setting| setting.status == Status::NoTime) {
+        let limit = format_duration(options.time_s);
+        text.push_str(&format!("settings were omitted to keep the ladder within {limit} (--ladder-time)\n"));
     }
-    for note in notes {
-        let _ = writeln!(text, "{note}");
-    }
+    text.push_str(&notes);
     text
-}
-
-fn cells(setting: &SettingReport) -> Vec<String> {
-    let mark = if setting.is_from_scene { " *" } else { "" };
-    let name = format!("  {}{mark}", setting.setting);
-    let (Some(steps), Some(wall_s)) = (setting.steps, setting.wall_s) else {
-        let status = if setting.status == Status::Failed { "failed" } else { "omitted" };
-        return row([&name, "–", "–", status]);
-    };
-    let runs = if setting.is_reference { "–".to_string() } else { setting.ensemble_runs.to_string() };
-    let mut cells = row([
-        &name,
-        &runs,
-        &steps.to_string(),
-        &format_number(wall_s * 1e3, 3),
-        &number(setting.real_time_factor, 3),
-        &number(setting.analytic_factor, 3),
-    ]);
-    cells.extend(setting.errors.cells());
-    if setting.is_reference {
-        cells[0].push_str(" (reference)");
-    }
-    cells
 }

@@ -1,10 +1,13 @@
-//! Loads: palm motions with a given peak acceleration, applied once the gripper holds the object.
+//! Loads: palm motions with a given peak acceleration, applied once the gripper holds the object; scaled, delayed and
+//! fading motions.
 
 use std::f64::consts::TAU;
 
-use super::motion::{delay, fade_out, scale_time};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
 use crate::numeric::elementary::{powi, sin_cos};
-use crate::scene::{Axis, Move, PalmMotion, Ramp, Vibration};
+use crate::scene::{Axis, Move, PalmMotion, Path, Ramp, Vibration};
 
 /// Number of periods of a vibration at full amplitude.
 const FULL_PERIODS: f64 = 10.0;
@@ -21,6 +24,50 @@ pub enum LoadCase {
     Vibration { axis: Axis, frequency_hz: f64 },
     /// The scene's own move, faster or slower.
     Move,
+}
+
+impl Serialize for LoadCase {
+    /// Serialises `load` (`pulse`, `vibration` or `move`), `direction_rad`, `length_s`, `axis` and `frequency_hz`, which
+    /// are null for other kinds.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (load, [direction_rad, length_s, frequency_hz], axis) = match *self {
+            LoadCase::Pulse { direction_rad, length_s } => ("pulse", [Some(direction_rad), Some(length_s), None], None),
+            LoadCase::Vibration { axis, frequency_hz } => {
+                ("vibration", [None, None, Some(frequency_hz)], Some(axis_name(axis)))
+            }
+            LoadCase::Move => ("move", [None; 3], None),
+        };
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("load", load)?;
+        map.serialize_entry("direction_rad", &direction_rad)?;
+        map.serialize_entry("length_s", &length_s)?;
+        map.serialize_entry("axis", &axis)?;
+        map.serialize_entry("frequency_hz", &frequency_hz)?;
+        map.end()
+    }
+}
+
+/// Returns the name of an axis of the palm.
+pub fn axis_name(axis: Axis) -> &'static str {
+    match axis {
+        Axis::X => "x",
+        Axis::Y => "y",
+        Axis::Angle => "angle",
+    }
+}
+
+/// Size of a load, under a key with its unit: `distance_m` of a pulse, `amplitude_m` or `amplitude_rad` of a vibration,
+/// `time_s` of a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadSize {
+    pub key: &'static str,
+    pub value: f64,
+}
+
+impl Serialize for LoadSize {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map([(self.key, self.value)])
+    }
 }
 
 /// Palm motion of a load.
@@ -58,6 +105,18 @@ impl LoadCase {
             }
             LoadCase::Move => (setup.scene_peak_m_s2 / peak_m_s2).sqrt(),
         }
+    }
+
+    /// Returns the size of the load with its key; a move has its duration.
+    pub(super) fn named_size(&self, setup: &LoadSetup, peak_m_s2: f64) -> LoadSize {
+        let size = self.size(setup, peak_m_s2);
+        let (key, value) = match self {
+            LoadCase::Pulse { .. } => ("distance_m", size),
+            LoadCase::Vibration { axis: Axis::Angle, .. } => ("amplitude_rad", size),
+            LoadCase::Vibration { .. } => ("amplitude_m", size),
+            LoadCase::Move => ("time_s", size * setup.scene_motion.moves_end_s()),
+        };
+        LoadSize { key, value }
     }
 
     /// Returns the complete palm motion of the load.
@@ -102,6 +161,54 @@ impl LoadCase {
             }
         }
     }
+}
+
+/// Maps the times of moves and path, and the start times of vibrations, whose frequencies are kept. `factor` scales the
+/// durations of moves.
+fn map_times(motion: &PalmMotion, factor: f64, map: impl Fn(f64) -> f64) -> PalmMotion {
+    let mut mapped = motion.clone();
+    for segment in &mut mapped.moves {
+        (segment.start_s, segment.length_s) = (map(segment.start_s), segment.length_s * factor);
+    }
+    mapped.vibrations.iter_mut().for_each(|vibration| vibration.start_s = map(vibration.start_s));
+    let points = motion.path.as_ref().map(|path| path.points().iter().map(|(time_s, pose)| (map(*time_s), *pose)));
+    mapped.path = points.and_then(|points| Path::new(points.collect()));
+    mapped
+}
+
+/// Scales the times of a motion by `factor`, measured from 0.
+fn scale_time(motion: &PalmMotion, factor: f64) -> PalmMotion {
+    map_times(motion, factor, |time_s| time_s * factor)
+}
+
+/// Delays a motion.
+pub(super) fn delay(motion: &PalmMotion, by_s: f64) -> PalmMotion {
+    map_times(motion, 1.0, |time_s| time_s + by_s)
+}
+
+/// Returns a vibration that fades out, and the time at which it has ended. The fade starts after a whole number of
+/// periods, not before `from_s`: from there on, the same vibration with opposite sign and the same ramp cancels it.
+fn fade_out(vibration: &Vibration, from_s: f64) -> ([Vibration; 2], f64) {
+    let periods = ((from_s - vibration.start_s) * vibration.frequency_hz - 1e-9).ceil().max(0.0);
+    let start_s = vibration.start_s + periods / vibration.frequency_hz;
+    let opposite = Vibration { amplitude: -vibration.amplitude, start_s, ..*vibration };
+    ([*vibration, opposite], start_s + vibration.ramp_periods / vibration.frequency_hz)
+}
+
+/// Returns the moves and the path alone.
+fn without_vibrations(motion: &PalmMotion) -> PalmMotion {
+    PalmMotion { vibrations: Vec::new(), ..motion.clone() }
+}
+
+/// Largest acceleration of a point of the palm in the world during the moves and the path, m/s².
+pub(super) fn peak_acceleration(motion: &PalmMotion, point_m: [f64; 2]) -> f64 {
+    let moves = without_vibrations(motion);
+    moves.peak_acceleration_m_s2(point_m, moves.moves_end_s())
+}
+
+/// Returns the start time of the moves and the path, if there are any.
+pub(super) fn moves_start(motion: &PalmMotion) -> Option<f64> {
+    Some(without_vibrations(motion).start_s()).filter(|start_s| start_s.is_finite())
 }
 
 #[cfg(test)]
@@ -163,5 +270,66 @@ mod tests {
             assert!(moves.len() == 1 && moves[0].axis == axis, "{quarter}: {moves:?}");
             assert_eq!(moves[0].distance > 0.0, quarter < 2);
         }
+    }
+
+    fn motion() -> PalmMotion {
+        let path = Path::new(vec![(0.01, [0.0; 3]), (0.2, [0.1, -0.02, 0.3]), (0.4, [0.05, 0.0, 0.0])]);
+        let shake = Vibration {
+            axis: Axis::Y,
+            amplitude: 1e-3,
+            frequency_hz: 40.0,
+            phase_rad: 0.3,
+            start_s: 0.1,
+            ramp_periods: 2.0,
+            ramp: Ramp::Quintic,
+        };
+        let across = Move { axis: Axis::X, distance: 0.3, start_s: 0.05, length_s: 0.2 };
+        PalmMotion { moves: vec![across], vibrations: vec![shake], path, ..PalmMotion::default() }
+    }
+
+    #[test]
+    fn doubled_duration_quarters_the_acceleration() {
+        let slow = PalmMotion { vibrations: Vec::new(), ..motion() };
+        let twice = delay(&scale_time(&slow, 2.0), 0.5);
+        for time_s in [0.03, 0.1, 0.17, 0.33] {
+            let (original, scaled) = (slow.pose(time_s), twice.pose(0.5 + 2.0 * time_s));
+            for axis in 0..3 {
+                assert!((original.position[axis] - scaled.position[axis]).abs() < 1e-14, "{time_s}");
+                assert!((original.rate[axis] - 2.0 * scaled.rate[axis]).abs() < 1e-11, "{time_s}");
+                assert!((original.acceleration[axis] - 4.0 * scaled.acceleration[axis]).abs() < 1e-9, "{time_s}");
+            }
+        }
+        let ratio = peak_acceleration(&slow, [0.01, 0.02]) / peak_acceleration(&scale_time(&slow, 2.0), [0.01, 0.02]);
+        assert!((ratio - 4.0).abs() < 1e-9, "{ratio}");
+        let later = &delay(&scale_time(&motion(), 2.0), 0.5).vibrations[0];
+        assert_eq!((later.start_s, later.frequency_hz), (0.7, 40.0));
+    }
+
+    #[test]
+    fn peak_acceleration_of_translations_and_rotations() {
+        let single_move = |axis, distance| PalmMotion {
+            moves: vec![Move { axis, distance, start_s: 0.0, length_s: 0.2 }],
+            ..PalmMotion::default()
+        };
+        let unit = Move::unit_peak_acceleration();
+        let found = peak_acceleration(&single_move(Axis::Y, 0.3), [0.0, 0.02]);
+        assert!((found / (unit * 0.3 / 0.04) - 1.0).abs() < 1e-6, "{found}");
+        // The rotation about the centre of the palm is so small that the centripetal acceleration is negligible.
+        let found = peak_acceleration(&single_move(Axis::Angle, 1e-6), [0.0, 0.02]);
+        assert!((found / (unit * 1e-6 * 0.02 / 0.04) - 1.0).abs() < 1e-6, "{found}");
+    }
+
+    #[test]
+    fn faded_vibration_is_unchanged_before_and_zero_after_the_fade() {
+        let shake = motion().vibrations[0];
+        let (both, end_s) = fade_out(&shake, 0.333);
+        assert!(both[1].start_s >= 0.333 && both[1].start_s < 0.333 + 1.0 / 40.0);
+        let motion = |vibrations: Vec<Vibration>| PalmMotion { vibrations, ..PalmMotion::default() };
+        let (alone, faded) = (motion(vec![shake]), motion(both.to_vec()));
+        assert_eq!(alone.pose(0.32), faded.pose(0.32));
+        let after = faded.pose(end_s + 0.0123);
+        assert!(after.position[1].abs() < 1e-15 && after.acceleration[1].abs() < 1e-9, "{after:?}");
+        // A whole number of periods is not rounded up.
+        assert_eq!(fade_out(&shake, 0.1 + 8.0 / 40.0).0[1].start_s, 0.1 + 8.0 / 40.0);
     }
 }

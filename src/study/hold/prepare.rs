@@ -1,16 +1,40 @@
-//! Preparation of a scene for loads: start time, motion and fixed drives.
+//! Preparation of a scene for loads: start time, motion and fixed drives, and what limits the loads at their start.
 
-use super::error::HoldError;
-use super::load::LoadSetup;
-use super::motion::{delay, peak_acceleration};
-use super::plan::{Loads, Plan};
-use super::prepared::{PreparedScene, StartReason};
-use super::rest::RestDetector;
-use crate::criteria::{Fate, GraspTracker};
-use crate::grasp::run;
-use crate::numeric::elementary::hypot;
+use super::load::{Load, LoadCase, LoadSetup, delay, moves_start, peak_acceleration};
+use super::plan::{HoldError, Loads, Plan, REST_SPEED_M_S};
+use super::{KeepRunning, run_scene};
+use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
+use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Actuation, Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Scene, torque};
+use crate::shape::support;
+use crate::statics::{AccelerationLimit, balanced_acceleration};
+use crate::study::bisect;
+use crate::trace::{Event, Sample, Sink, SinkError};
+
+/// Reason for the start time of the loads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StartReason {
+    /// The start time was requested.
+    Requested,
+    /// All holding contacts are closed, the brakes are engaged, and the object stays slower than [`REST_SPEED_M_S`].
+    AtRest,
+    /// The scene ends while the object still moves.
+    StillMoving { speed_m_s: f64 },
+    /// The first of the scene's moves has ended and the brakes are engaged.
+    MoveCompleted,
+    /// The scene's first own move starts.
+    OwnMove,
+}
+
+/// Common start of all runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PreparedScene {
+    /// Scene without palm motion, with the drives fixed from the start of the loads.
+    pub scene: Scene,
+    pub setup: LoadSetup,
+    pub start_reason: StartReason,
+}
 
 /// Standard pick-and-place cycle of robots, 25/305/25 mm, as in scenes/gripper/cycle.toml.
 fn standard_cycle() -> PalmMotion {
@@ -23,19 +47,13 @@ fn standard_cycle() -> PalmMotion {
     PalmMotion { moves, ..PalmMotion::default() }
 }
 
-/// Finds the start time of the loads and prepares the scene for them; `None` if interrupted.
-pub(super) fn prepare(
-    scene: &Scene,
-    plan: &Plan,
-    keep_running: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<PreparedScene>, HoldError> {
+/// Finds the start time of the loads and prepares the scene for them.
+pub(super) fn prepare(scene: &Scene, plan: &Plan, keep_running: KeepRunning<'_>) -> Result<PreparedScene, HoldError> {
     if scene.require_kind(SceneKind::Gripper)?.system.grasped().motion == DiscMotion::Fixed {
         return Err(HoldError::FixedObject);
     }
     let cycle = scene.cycle();
-    let Some((start_s, start_reason)) = load_start(scene, plan, &cycle, keep_running)? else {
-        return Ok(None);
-    };
+    let (start_s, start_reason) = load_start(scene, plan, &cycle, keep_running)?;
     if let Some(release_s) = cycle.release_s.filter(|release_s| *release_s <= start_s) {
         return Err(HoldError::ReleasedBeforeLoad { start_s, release_s });
     }
@@ -44,8 +62,10 @@ pub(super) fn prepare(
         Some(start_s) => delay(&palm_motion, -start_s),
         None => standard_cycle(),
     };
-    let prior_motion =
-        if plan.loads == Loads::Move { PalmMotion::default() } else { completed_motion(&palm_motion, start_s) };
+    let prior_motion = match plan.loads {
+        Loads::Move => PalmMotion::default(),
+        _ => completed_motion(&palm_motion, start_s),
+    };
     let centre_m = scene.system.grasped().centre_m;
     let setup = LoadSetup {
         start_s,
@@ -54,62 +74,73 @@ pub(super) fn prepare(
         scene_motion,
         lever_m: hypot(centre_m[0], centre_m[1]),
     };
-    Ok(Some(PreparedScene { scene: with_fixed_drives(scene, start_s), setup, start_reason }))
+    Ok(PreparedScene { scene: with_fixed_drives(scene, start_s), setup, start_reason })
 }
 
-/// Returns the start time of the moves and the path, if there are any.
-fn moves_start(motion: &PalmMotion) -> Option<f64> {
-    let moves = PalmMotion { vibrations: Vec::new(), ..motion.clone() };
-    Some(moves.start_s()).filter(|start_s| start_s.is_finite())
+/// Evaluates the grasp criteria and the time from which the object stays slower than [`REST_SPEED_M_S`] up to the last
+/// sample.
+struct RestDetector {
+    tracker: GraspTracker,
+    rest_start_s: Option<f64>,
 }
 
-/// Returns the start time of the loads; `None` if interrupted.
+impl Sink for RestDetector {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        let [x, y] = sample.bodies[0].velocity_m_s;
+        let is_at_rest = hypot(x, y) < REST_SPEED_M_S;
+        self.rest_start_s = is_at_rest.then(|| self.rest_start_s.unwrap_or(sample.time_s));
+        self.tracker.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.tracker.event(event)
+    }
+}
+
+/// Returns the start time of the loads.
 fn load_start(
     scene: &Scene,
     plan: &Plan,
     cycle: &Cycle,
-    keep_running: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<(f64, StartReason)>, HoldError> {
+    keep_running: KeepRunning<'_>,
+) -> Result<(f64, StartReason), HoldError> {
     if let Some(start_s) = plan.start_s {
-        return Ok(Some((start_s, StartReason::Requested)));
+        return Ok((start_s, StartReason::Requested));
     }
     let palm_motion = scene.system.palm_motion.as_ref();
     let blocked_s = cycle.blocked_s.into_iter().flatten().fold(0.0, f64::max);
     if let Some(start_s) = palm_motion.and_then(moves_start) {
-        return Ok(Some(match plan.loads {
+        return Ok(match plan.loads {
             Loads::Move => (start_s, StartReason::OwnMove),
             _ => (first_move_end_s(palm_motion, start_s).max(blocked_s), StartReason::MoveCompleted),
-        }));
+        });
     }
     let end_s = cycle.release_s.unwrap_or(scene.duration_s).min(scene.duration_s);
     let resting_scene = scene.with_palm_motion(None, end_s);
-    let mut detector = RestDetector::new(GraspTracker::for_scene(&resting_scene));
-    match run(plan.model, &resting_scene, &mut detector, keep_running) {
-        None => return Ok(None),
-        Some(Err(reason)) => return Err(HoldError::Scene { reason }),
-        Some(Ok(_)) => {}
-    }
-    let Some(criteria) = detector.criteria().filter(|criteria| criteria.fate == Fate::Held) else {
-        let fate = detector.criteria().map_or(Fate::NotGrasped, |criteria| criteria.fate);
-        return Err(HoldError::NotGrasped { end_s, fate });
+    let mut detector = RestDetector { tracker: GraspTracker::for_scene(&resting_scene), rest_start_s: None };
+    run_scene(plan.model, &resting_scene, &mut detector, keep_running)?;
+    let criteria = match detector.tracker.criteria() {
+        Some(criteria) if criteria.fate == Fate::Held => criteria,
+        other => {
+            let fate = other.map_or(Fate::NotGrasped, |criteria| criteria.fate);
+            return Err(HoldError::NotGrasped { end_s, fate });
+        }
     };
     let stable_s = criteria.tts_s.map(|tts_s| tts_s.max(blocked_s)).filter(|stable_s| *stable_s < end_s);
-    Ok(Some(match detector.rest_start_s().zip(stable_s) {
+    Ok(match detector.rest_start_s.zip(stable_s) {
         // Rounded up to whole milliseconds: the time is no more precise, and the value is shown to the user.
         Some((rest_s, stable_s)) => ((rest_s.max(stable_s) * 1e3).ceil() / 1e3, StartReason::AtRest),
         None => (end_s, StartReason::StillMoving { speed_m_s: criteria.end_speed_m_s() }),
-    }))
+    })
 }
 
 /// Returns the end time of the moves that start at `start_s`, the earliest start.
 fn first_move_end_s(motion: Option<&PalmMotion>, start_s: f64) -> f64 {
     let moves = motion.iter().flat_map(|motion| &motion.moves);
-    let first_end_s = moves
-        .filter(|segment| segment.start_s == start_s)
-        .map(|segment| segment.start_s + segment.length_s)
-        .reduce(f64::max);
+    let first = moves.filter(|segment| segment.start_s == start_s);
     // A path has no separate segments.
-    first_end_s.unwrap_or_else(|| motion.map_or(0.0, PalmMotion::moves_end_s))
+    let path_end_s = || motion.map_or(0.0, PalmMotion::moves_end_s);
+    first.map(|segment| segment.start_s + segment.length_s).reduce(f64::max).unwrap_or_else(path_end_s)
 }
 
 /// Returns the moves and the path that have ended at a time, and the vibrations that have started.
@@ -141,16 +172,98 @@ fn with_fixed_drives(scene: &Scene, time_s: f64) -> Scene {
 fn fixed_actuation(actuation: &Actuation, time_s: f64) -> Actuation {
     let now = torque(actuation, time_s).0;
     match actuation {
-        Actuation::Constant { .. } => actuation.clone(),
-        // A ramp ends at its constant torque anyway.
-        Actuation::Ramp { .. } => actuation.clone(),
         Actuation::Table { points, interpolation } => {
             let before = points.iter().copied().filter(|point| point.0 < time_s);
             Actuation::Table { points: before.chain([(time_s, now)]).collect(), interpolation: *interpolation }
         }
         Actuation::Reversal { at_s, torque_n_m } if *at_s > time_s => Actuation::Constant { torque_n_m: *torque_n_m },
-        Actuation::Reversal { .. } | Actuation::HalfSine { .. } => actuation.clone(),
+        // A ramp ends at its constant torque anyway.
+        other => other.clone(),
     }
+}
+
+/// Minimum clearance from the table, m: an allowance for the object sinking in the hand.
+const MIN_CLEARANCE_M: f64 = 0.5e-3;
+/// Number of time steps at which the clearance of a load is checked.
+const CLEARANCE_SAMPLES: usize = 1000;
+/// Relative tolerance of the largest load that keeps the object clear of the table.
+const CLEARANCE_TOLERANCE: f64 = 1e-3;
+
+/// Returns the largest load of a case: the plan's, or the largest that keeps the object clear of the table. A load that
+/// presses the object against the table would test the table and not the hand. The scene's own move is not limited,
+/// because it may start and end on the table.
+///
+/// # Errors
+/// Returns an error if the smallest load of the plan already presses the object against the table.
+pub(super) fn largest_clear_load(prepared: &PreparedScene, plan: &Plan, case: &LoadCase) -> Result<f64, HoldError> {
+    let is_clear = |peak_m_s2: f64| is_clear(prepared, &case.load(&prepared.setup, peak_m_s2));
+    if plan.loads == Loads::Move || is_clear(plan.to_m_s2) {
+        return Ok(plan.to_m_s2);
+    }
+    let smallest = plan.from_m_s2 * (1.0 + CLEARANCE_TOLERANCE);
+    if !is_clear(smallest) {
+        return Err(HoldError::PressedAgainstTable { peak_m_s2: plan.from_m_s2 });
+    }
+    let next =
+        |clear: f64, pressed: f64| (pressed - clear > CLEARANCE_TOLERANCE * clear).then(|| (clear * pressed).sqrt());
+    let bracket = bisect([smallest, plan.to_m_s2], next, |load| Some(is_clear(load)));
+    Ok(bracket.map_or(smallest, |[clear, _]| clear))
+}
+
+/// Returns whether the object, fixed in the hand, stays clear of the table from the start of the load.
+fn is_clear(prepared: &PreparedScene, load: &Load) -> bool {
+    let Some(table) = &prepared.scene.system.table else { return true };
+    let (object, start_s) = (prepared.scene.system.grasped().placed(), prepared.setup.start_s);
+    (0..=CLEARANCE_SAMPLES).all(|index| {
+        let time_s = start_s + (load.end_s - start_s) * index as f64 / CLEARANCE_SAMPLES as f64;
+        let [_, height, turn] = load.motion.pose(time_s).position;
+        let (sin, cos) = sin_cos(turn);
+        let [x, y] = object.centre_m;
+        height + sin * x + cos * y + support(&object, [sin, cos]).distance < table.level_m - MIN_CLEARANCE_M
+    })
+}
+
+/// Largest acceleration that contact forces can balance with the hand at rest, in both directions along a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StaticLimit {
+    /// Even a palm at rest is not balanced.
+    Infeasible,
+    UpTo {
+        acceleration_m_s2: f64,
+    },
+    /// Any acceleration is balanced.
+    Unlimited,
+}
+
+/// Returns the quasi-static limit of a load for the active contacts of a sample; `None` for loads that rotate the palm
+/// or change their direction, and where statics has no solution. Engaged brakes hold up to their torque; if a motor has
+/// no engaged brake, all motors apply only their actuation torque.
+pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &LoadCase) -> Option<StaticLimit> {
+    let (sin, cos) = match case {
+        LoadCase::Pulse { direction_rad, .. } => sin_cos(*direction_rad),
+        LoadCase::Vibration { axis: Axis::X, .. } => (0.0, 1.0),
+        LoadCase::Vibration { axis: Axis::Y, .. } => (1.0, 0.0),
+        LoadCase::Vibration { axis: Axis::Angle, .. } | LoadCase::Move => return None,
+    };
+    let is_engaged = |blocked_s: Option<f64>| blocked_s.is_some_and(|blocked_s| blocked_s <= prepared.setup.start_s);
+    let all_engaged = prepared.scene.cycle().blocked_s.into_iter().all(is_engaged);
+    let driven = if all_engaged { DriveMode::Blocked } else { DriveMode::AtTorque };
+    let hand = sampled_hand_at_rest(&prepared.scene, sample, driven)?;
+    // A load accelerates in one direction and brakes in the other.
+    let mut smallest = StaticLimit::Unlimited;
+    for direction in [[cos, sin], [-cos, -sin]] {
+        smallest = match (smallest, balanced_acceleration(&hand, direction).ok()?.largest) {
+            (StaticLimit::Infeasible, _) | (_, AccelerationLimit::Infeasible) => StaticLimit::Infeasible,
+            (found, AccelerationLimit::Unlimited) => found,
+            (StaticLimit::UpTo { acceleration_m_s2: a }, AccelerationLimit::Limited(limit)) => {
+                StaticLimit::UpTo { acceleration_m_s2: a.min(limit.acceleration_m_s2) }
+            }
+            (StaticLimit::Unlimited, AccelerationLimit::Limited(limit)) => {
+                StaticLimit::UpTo { acceleration_m_s2: limit.acceleration_m_s2 }
+            }
+        };
+    }
+    Some(smallest)
 }
 
 #[cfg(test)]

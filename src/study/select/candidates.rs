@@ -1,27 +1,45 @@
-//! Reads runs, axes and conditions from a table of results.
+//! Runs, axes and conditions of a table of results.
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
-use super::SelectError;
-use super::classes::CLASSES;
+use serde::{Serialize, Serializer};
+
 use crate::criteria::Class;
+use crate::format::Quantity;
 use crate::study::sweep::Status;
-use crate::table::{Table, Value};
+use crate::table::{Table, TableError, Value};
 
-/// Axis of a study: a column and its values in the order of the runs.
-#[derive(Clone, Debug, PartialEq)]
+/// Dynamic classes from best to worst.
+pub const CLASSES: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];
+
+/// Axis of a study: a column and its values in the order of the runs. Serialised with the number of values.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Axis {
     /// Scene field with unit suffix, such as `design.base_m`.
     pub column: String,
+    #[serde(serialize_with = "length")]
     pub values: Vec<Value>,
     /// Whether it varies within a design. Such axes define the conditions.
+    #[serde(rename = "again")]
     pub varies_within_design: bool,
+}
+
+fn length<S: Serializer>(values: &[Value], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_u64(values.len() as u64)
 }
 
 /// Values of the axes that vary within a design; empty if there are none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
     pub values: Vec<(String, Value)>,
+}
+
+/// Returns the name of a condition, such as `mu_static 0.8`; "all runs" for a condition without values.
+pub fn condition_name(condition: &Condition) -> String {
+    let name = |(column, value): &(String, Value)| Quantity::for_column(column).name_and_value(value);
+    let names: Vec<String> = condition.values.iter().map(name).collect();
+    if names.is_empty() { "all runs".to_string() } else { names.join(", ") }
 }
 
 /// One run. Missing figures are `None`.
@@ -65,7 +83,7 @@ pub fn parse_class(name: &str) -> Option<Class> {
 }
 
 /// Content of a table of results.
-pub struct ResultRuns {
+pub(super) struct ResultRuns {
     pub axes: Vec<Axis>,
     pub conditions: Vec<Condition>,
     /// Runs sorted by number.
@@ -73,31 +91,13 @@ pub struct ResultRuns {
 }
 
 /// Reads axes, conditions and runs from a table of results.
-pub fn read_results(table: &Table) -> Result<ResultRuns, SelectError> {
+pub(super) fn read_results(table: &Table) -> Result<ResultRuns, SelectError> {
     let (design, first_result) = (table.column("design")?, table.column("l12_m")?);
     if first_result < design {
         return Err(SelectError::ColumnOrder);
     }
-    let columns = Columns {
-        run: table.integers("run")?,
-        design: table.integers("design")?,
-        status: table.texts("status")?,
-        force_positive: table.flags("force_positive")?,
-        form_closed: table.flags("form_closed")?,
-        class: table.texts("class")?,
-        class_reason: optional_texts(table, "class_reason")?,
-        reason: optional_texts(table, "reason")?,
-        tts: table.numbers("tts_s")?,
-        f21: table.numbers("f21_n")?,
-        f22: table.numbers("f22_n")?,
-        pfp: table.numbers("pfp_n")?,
-    };
-    if table.rows.is_empty() {
-        return Err(SelectError::Empty);
-    }
     let axis_columns = design + 1..first_result;
-    let read_row = |row: usize| read_candidate(&columns, row, table.rows[row][axis_columns.clone()].to_vec());
-    let mut runs: Vec<Candidate> = (0..table.rows.len()).map(read_row).collect::<Result<_, _>>()?;
+    let mut runs = read_candidates(table, axis_columns.clone())?;
     runs.sort_by_key(|run| (run.run, run.row));
     if let Some(pair) = runs.windows(2).find(|pair| pair[0].run == pair[1].run) {
         return Err(SelectError::DuplicateRun { run: pair[0].run, first: pair[0].row + 1, second: pair[1].row + 1 });
@@ -108,81 +108,76 @@ pub fn read_results(table: &Table) -> Result<ResultRuns, SelectError> {
     Ok(ResultRuns { axes, conditions, runs })
 }
 
-/// Columns required for a selection.
-struct Columns<'a> {
-    run: Vec<Option<i64>>,
-    design: Vec<Option<i64>>,
-    status: Vec<Option<&'a str>>,
-    force_positive: Vec<Option<bool>>,
-    form_closed: Vec<Option<bool>>,
-    class: Vec<Option<&'a str>>,
-    class_reason: Vec<Option<&'a str>>,
-    reason: Vec<Option<&'a str>>,
-    tts: Vec<Option<f64>>,
-    f21: Vec<Option<f64>>,
-    f22: Vec<Option<f64>>,
-    pfp: Vec<Option<f64>>,
-}
-
-/// Column of texts; empty in every row if there is no such column.
-fn optional_texts<'a>(table: &'a Table, name: &str) -> Result<Vec<Option<&'a str>>, SelectError> {
-    match table.columns.iter().any(|column| column.name == name) {
-        true => Ok(table.texts(name)?),
-        false => Ok(vec![None; table.rows.len()]),
+/// Reads and checks all runs of a table; their condition is assigned later.
+fn read_candidates(table: &Table, axis_columns: Range<usize>) -> Result<Vec<Candidate>, SelectError> {
+    let optional_texts = |name: &str| match table.find(name) {
+        Some(_) => table.texts(name),
+        None => Ok(vec![None; table.rows.len()]),
+    };
+    let (numbers, designs) = (table.integers("run")?, table.integers("design")?);
+    let statuses = table.texts("status")?;
+    let (force_positive, form_closed) = (table.flags("force_positive")?, table.flags("form_closed")?);
+    let classes = table.texts("class")?;
+    let (class_reasons, reasons) = (optional_texts("class_reason")?, optional_texts("reason")?);
+    let (tts, f21) = (("tts_s", table.numbers("tts_s")?), ("f21_n", table.numbers("f21_n")?));
+    let (f22, pfp) = (("f22_n", table.numbers("f22_n")?), ("pfp_n", table.numbers("pfp_n")?));
+    if table.rows.is_empty() {
+        return Err(SelectError::Empty);
     }
-}
-
-/// Reads and validates one run.
-fn read_candidate(columns: &Columns, row: usize, axes: Vec<Value>) -> Result<Candidate, SelectError> {
-    let missing = |column: &'static str| SelectError::MissingValue { row: row + 1, column };
-    let run = columns.run[row].ok_or_else(|| missing("run"))?;
-    let unknown = |column: &'static str, found: &str, allowed: &'static str| SelectError::UnknownName {
-        run,
-        column,
-        found: found.to_string(),
-        allowed,
+    let read_row = |row: usize| {
+        let missing = |column: &'static str| SelectError::MissingValue { row: row + 1, column };
+        let run = numbers[row].ok_or_else(|| missing("run"))?;
+        let unknown = |column: &'static str, found: &str, allowed: &'static str| SelectError::UnknownName {
+            run,
+            column,
+            found: found.to_string(),
+            allowed,
+        };
+        let status = statuses[row].ok_or_else(|| missing("status"))?;
+        let status = Status::ALL
+            .into_iter()
+            .find(|known| known.name() == status)
+            .ok_or_else(|| unknown("status", status, "completed, filtered, refused or failed"))?;
+        let class = classes[row].map(|name| {
+            parse_class(name).ok_or_else(|| unknown("class", name, "stable, semi-stable, semi-unstable or unstable"))
+        });
+        let finite = |(column, values): &(&'static str, Vec<Option<f64>>)| match values[row] {
+            Some(value) if !value.is_finite() => Err(SelectError::NotFinite { run, column, value }),
+            value => Ok(value),
+        };
+        let candidate = Candidate {
+            run,
+            design: designs[row].ok_or_else(|| missing("design"))?,
+            row,
+            condition: 0,
+            axes: table.rows[row][axis_columns.clone()].to_vec(),
+            status,
+            force_positive: force_positive[row],
+            form_closed: form_closed[row],
+            class: class.transpose()?,
+            class_reason: class_reasons[row].map(String::from),
+            reason: reasons[row].map(String::from),
+            tts_s: finite(&tts)?,
+            f21_n: finite(&f21)?,
+            f22_n: finite(&f22)?,
+            pfp_n: finite(&pfp)?,
+        };
+        let is_missing = [
+            ("force_positive", candidate.force_positive.is_none()),
+            ("form_closed", candidate.form_closed.is_none()),
+            ("class", candidate.class.is_none()),
+            ("f21_n", candidate.f21_n.is_none()),
+            ("f22_n", candidate.f22_n.is_none()),
+            ("pfp_n", candidate.pfp_n.is_none()),
+        ];
+        // A completed row without a reason must have all figures; otherwise it is unfinished.
+        let requires_all = status == Status::Completed && candidate.reason.is_none();
+        match is_missing.iter().find(|(_, missing)| requires_all && *missing) {
+            Some(&(column, _)) => Err(SelectError::Unfinished { row: row + 1, run, column }),
+            None => Ok(candidate),
+        }
     };
-    let status_text = columns.status[row].ok_or_else(|| missing("status"))?;
-    let status = Status::ALL.into_iter().find(|status| status.name() == status_text);
-    let status = status.ok_or_else(|| unknown("status", status_text, "completed, filtered, refused or failed"))?;
-    let class = columns.class[row].map(|name| {
-        parse_class(name).ok_or_else(|| unknown("class", name, "stable, semi-stable, semi-unstable or unstable"))
-    });
-    let finite = |column: &'static str, value: Option<f64>| match value {
-        Some(value) if !value.is_finite() => Err(SelectError::NotFinite { run, column, value }),
-        other => Ok(other),
-    };
-    let candidate = Candidate {
-        run,
-        design: columns.design[row].ok_or_else(|| missing("design"))?,
-        row,
-        condition: 0,
-        axes,
-        status,
-        force_positive: columns.force_positive[row],
-        form_closed: columns.form_closed[row],
-        class: class.transpose()?,
-        class_reason: columns.class_reason[row].map(String::from),
-        reason: columns.reason[row].map(String::from),
-        tts_s: finite("tts_s", columns.tts[row])?,
-        f21_n: finite("f21_n", columns.f21[row])?,
-        f22_n: finite("f22_n", columns.f22[row])?,
-        pfp_n: finite("pfp_n", columns.pfp[row])?,
-    };
-    let is_missing = [
-        ("force_positive", candidate.force_positive.is_none()),
-        ("form_closed", candidate.form_closed.is_none()),
-        ("class", candidate.class.is_none()),
-        ("f21_n", candidate.f21_n.is_none()),
-        ("f22_n", candidate.f22_n.is_none()),
-        ("pfp_n", candidate.pfp_n.is_none()),
-    ];
-    // A completed row without a reason must have all figures; otherwise it is unfinished.
-    let requires_all = status == Status::Completed && candidate.reason.is_none();
-    match is_missing.iter().find(|(_, missing)| requires_all && *missing) {
-        Some(&(column, _)) => Err(SelectError::Unfinished { row: row + 1, run, column }),
-        None => Ok(candidate),
-    }
+    (0..table.rows.len()).map(read_row).collect()
 }
 
 /// Collects the values of an axis in order of first appearance.
@@ -220,4 +215,40 @@ fn assign_conditions(axes: &[Axis], runs: &mut [Candidate]) -> Result<Vec<Condit
         }
     }
     Ok(conditions)
+}
+
+/// Error while selecting runs.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SelectError {
+    #[error("{0}; a selection requires the results of `phalanx sweep`")]
+    Table(#[from] TableError),
+    #[error(
+        "the column `l12_m` is before `design`: the axes of the study are the columns between `design` and `l12_m`, \
+         in that order, as `phalanx sweep` writes them"
+    )]
+    ColumnOrder,
+    #[error("the results have no rows: run `phalanx sweep` first")]
+    Empty,
+    #[error("row {row} has no `{column}`: the row is not finished; let `phalanx sweep` resume and write it again")]
+    MissingValue { row: usize, column: &'static str },
+    #[error("run {run}: `{column}` is `{found}`, expected {allowed}")]
+    UnknownName { run: i64, column: &'static str, found: String, allowed: &'static str },
+    #[error("run {run}: `{column}` is {value}, expected a finite number or an empty cell")]
+    NotFinite { run: i64, column: &'static str, value: f64 },
+    #[error(
+        "row {row} (run {run}) is completed, but has neither `{column}` nor a `reason`: the row is not finished; repeat the sweep \
+         (`phalanx sweep --restart`)"
+    )]
+    Unfinished { row: usize, run: i64, column: &'static str },
+    #[error("run {run} occurs twice, in rows {first} and {second}: remove one of them")]
+    DuplicateRun { run: i64, first: usize, second: usize },
+    #[error(
+        "design {design} occurs twice with the same value of every axis, as runs {first} and {second}: use the results of one study, \
+         which contain each design once per condition"
+    )]
+    DuplicateDesign { design: i64, first: i64, second: i64 },
+    #[error("the weight of {name} is {value}, but weights must be finite and not negative")]
+    Weight { name: &'static str, value: f64 },
+    #[error("all weights are 0: at least one weight must be positive")]
+    NoWeight,
 }

@@ -1,10 +1,14 @@
-//! Selection criteria and their evaluation.
+//! Selection criteria: their keys, names and evaluation.
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use super::candidates::Candidate;
 use super::{SelectError, Weights};
 use crate::criteria::Class;
+use crate::format::Quantity;
 use crate::study::sweep::Status;
-use crate::table::Table;
+use crate::table::{Table, Value};
 
 /// Criteria for a design. The default is that of thesis §4.3: form-closed, statically stable, dynamically stable or
 /// semi-stable, and a palm force ≥ 0 from the final simulated forces.
@@ -47,16 +51,6 @@ pub enum Side {
     AtMost,
 }
 
-impl Side {
-    /// Relational symbol.
-    pub fn sign(self) -> &'static str {
-        match self {
-            Side::AtLeast => "≥",
-            Side::AtMost => "≤",
-        }
-    }
-}
-
 /// A single criterion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Criterion {
@@ -90,41 +84,89 @@ impl SelectionCriteria {
         list.extend(self.worst_class.filter(|&class| class != Class::Unstable).map(Criterion::Class));
         let implies_settling = list.iter().any(|criterion| matches!(criterion, Criterion::Class(_)));
         list.extend(self.bounds.iter().cloned().map(Criterion::Bound));
-        list.extend((!implies_settling && self.weights.tts > 0.0).then_some(Criterion::Settled));
+        let is_weighted = self.weights.named().iter().any(|(term, weight)| *term == "tts" && *weight > 0.0);
+        list.extend((!implies_settling && is_weighted).then_some(Criterion::Settled));
         list
     }
 }
 
 impl Criterion {
+    /// Returns the key in documents and the name in tables.
+    fn key_and_name(&self) -> (&str, String) {
+        let (key, name) = match self {
+            Criterion::Completed => ("completed", "simulated to the end"),
+            Criterion::Graspable => ("graspable", "can grasp its object"),
+            Criterion::ForcePositive => ("force_positive", "statically stable"),
+            Criterion::FormClosed => ("form_closed", "form-closed"),
+            Criterion::Settled => ("settled", "comes to rest"),
+            Criterion::Class(Class::Stable) => ("class", "stable"),
+            Criterion::Class(worst) => return ("class", format!("at least {}", worst.name())),
+            Criterion::Bound(Bound { column, side, value }) => {
+                let quantity = Quantity::for_column(column);
+                let gap = if quantity.unit.is_empty() { "" } else { " " };
+                let name = if column == "pfp_n" { "PFP" } else { &quantity.name };
+                let sign = if *side == Side::AtLeast { "≥" } else { "≤" };
+                let value = quantity.value(&Value::Number(*value), 6);
+                return (column, format!("{name} {sign} {value}{gap}{}", quantity.unit));
+            }
+        };
+        (key, name.to_string())
+    }
+
+    /// Returns the key: `completed`, `graspable`, `force_positive`, `form_closed`, `class`, `settled`, or the column of
+    /// a bound.
+    pub fn key(&self) -> &str {
+        self.key_and_name().0
+    }
+
     /// Evaluates the criterion for a run; `bounded_value` is the value of the bounded column.
     pub(super) fn evaluate(&self, run: &Candidate, bounded_value: Option<f64>) -> Verdict {
         let completed = run.status == Status::Completed;
-        let verdict = |holds: Option<bool>| match holds {
-            Some(true) => Verdict::Holds,
-            Some(false) => Verdict::Fails,
-            None => Verdict::Unknown,
-        };
-        match self {
-            Criterion::Completed => verdict(Some(completed)),
-            Criterion::Graspable => verdict(completed.then(|| !run.cannot_grasp())),
-            Criterion::ForcePositive => verdict(run.force_positive),
-            Criterion::FormClosed => verdict(run.form_closed),
+        let holds = match self {
+            Criterion::Completed => Some(completed),
+            Criterion::Graspable => completed.then(|| !run.cannot_grasp()),
+            Criterion::ForcePositive => run.force_positive,
+            Criterion::FormClosed => run.form_closed,
+            Criterion::Settled => completed.then_some(run.tts_s.is_some()),
             // The variants are declared in the order of `CLASSES`.
-            Criterion::Class(worst) => verdict(run.class.map(|class| class as u8 <= *worst as u8)),
+            Criterion::Class(worst) => run.class.map(|class| class as u8 <= *worst as u8),
             Criterion::Bound(Bound { side, value, column }) => {
                 match bounded_value.filter(|number| number.is_finite()) {
-                    Some(number) if *side == Side::AtLeast => verdict(Some(number >= *value)),
-                    Some(number) => verdict(Some(number <= *value)),
+                    Some(number) if *side == Side::AtLeast => Some(number >= *value),
+                    Some(number) => Some(number <= *value),
                     // A completed run that does not settle exceeds any bound on these columns.
-                    None if completed && (column == "tts_s" || column == "t_geo_s" || column == "rebound_percent") => {
-                        Verdict::Fails
+                    None => {
+                        let may_be_missing = ["tts_s", "t_geo_s", "rebound_percent"].contains(&column.as_str());
+                        (completed && may_be_missing).then_some(false)
                     }
-                    None => Verdict::Unknown,
                 }
             }
-            Criterion::Settled if completed => verdict(Some(run.tts_s.is_some())),
-            Criterion::Settled => Verdict::Unknown,
-        }
+        };
+        holds.map_or(Verdict::Unknown, |holds| if holds { Verdict::Holds } else { Verdict::Fails })
+    }
+}
+
+/// Returns the name of a criterion in tables.
+pub fn criterion_name(criterion: &Criterion) -> String {
+    criterion.key_and_name().1
+}
+
+/// Serialises key, name, and the lowest accepted class or the bound in its unit.
+impl Serialize for Criterion {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (key, name) = self.key_and_name();
+        let (at_least, at_most) = match self {
+            Criterion::Class(worst) => (Some(Value::from(worst.name())), None),
+            Criterion::Bound(Bound { side: Side::AtLeast, value, .. }) => (Some(Value::Number(*value)), None),
+            Criterion::Bound(Bound { side: Side::AtMost, value, .. }) => (None, Some(*value)),
+            _ => (None, None),
+        };
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("criterion", key)?;
+        map.serialize_entry("words", &name)?;
+        map.serialize_entry("at_least", &at_least)?;
+        map.serialize_entry("at_most", &at_most)?;
+        map.end()
     }
 }
 

@@ -3,31 +3,28 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `candidates` | runs, axes and conditions from a table of results |
-//! | `criteria` | criteria and their evaluation |
+//! | `candidates` | runs, axes and conditions of a table of results |
+//! | `criteria` | criteria: keys, names and evaluation |
 //! | `ranking` | score r_WC and ranks of the selected runs |
-//! | `tally` | runs removed by each criterion, runs per class |
-//! | `error` | errors |
 //!
 //! Only the table is required: the axes are the columns between `design` and `l12_m`. Axes that vary within a design,
 //! such as the friction in the study of the thesis, define the **conditions**; every design occurs once per condition.
 
 mod candidates;
-mod classes;
 mod criteria;
-mod error;
 mod ranking;
-mod tally;
 
-pub use candidates::{Axis, Candidate, Condition, parse_class};
-pub use classes::CLASSES;
-pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict};
-pub use error::SelectError;
-pub use ranking::{Figures, Ranked, ScoreTerms, Weights, rank};
-pub use tally::{ClassCounts, Tally};
+use std::cmp::Reverse;
+use std::collections::HashSet;
 
-use crate::study::sweep::Reason;
+use serde::{Serialize, Serializer};
+
+use crate::study::sweep::{Reason, Status, group_reasons};
 use crate::table::Table;
+
+pub use candidates::{Axis, CLASSES, Candidate, Condition, SelectError, condition_name, parse_class};
+pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict, criterion_name};
+pub use ranking::{PerTerm, Ranked, TERMS, Term, Weights};
 
 /// A finished selection.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,17 +93,18 @@ pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection
     let verdicts: Vec<Vec<Verdict>> = runs.iter().map(evaluate).collect();
     let selected: Vec<usize> =
         (0..runs.len()).filter(|&run| verdicts[run].iter().all(|&verdict| verdict == Verdict::Holds)).collect();
-    let figures: Vec<Figures> = selected.iter().map(|&run| Figures::from_candidate(&runs[run])).collect();
-    let mut ranking = rank(&figures, &criteria.weights);
+    let figure = |run: &Candidate, term: usize| (TERMS[term].figure)(run).unwrap_or(f64::NAN);
+    let figures: Vec<_> = selected.iter().map(|&run| [0, 1, 2, 3].map(|term| figure(&runs[run], term))).collect();
+    let mut ranking = ranking::rank(&figures, &criteria.weights);
     for ranked in &mut ranking {
         ranked.run_index = selected[ranked.run_index];
     }
     Ok(Selection {
-        tallies: tally::tallies(&list, &verdicts),
-        classes: tally::count_classes(&runs, conditions.len()),
-        cannot_grasp: tally::cannot_grasp_reasons(&runs),
-        class_reasons: tally::class_reasons(&runs),
-        missing_runs: tally::missing_runs(&runs),
+        tallies: tallies(&list, &verdicts),
+        classes: count_classes(&runs, conditions.len()),
+        cannot_grasp: cannot_grasp_reasons(&runs),
+        class_reasons: class_reasons(&runs),
+        missing_runs: missing_runs(&runs),
         weights: criteria.weights,
         criteria: list,
         axes,
@@ -115,4 +113,127 @@ pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection
         verdicts,
         ranking,
     })
+}
+
+/// Counts of one criterion.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tally {
+    #[serde(flatten)]
+    pub criterion: Criterion,
+    /// Runs by verdict of this criterion alone.
+    pub holds: usize,
+    pub fails: usize,
+    pub unknown: usize,
+    /// Runs that meet this criterion and all previous ones.
+    #[serde(rename = "left")]
+    pub remaining: usize,
+    /// Runs that fail only this criterion.
+    #[serde(rename = "removed_by_it_alone")]
+    pub removed_alone: usize,
+}
+
+impl Tally {
+    /// Runs that do not meet this criterion, regardless of the others.
+    pub fn removed(&self) -> usize {
+        self.fails + self.unknown
+    }
+}
+
+/// Counts of every criterion.
+fn tallies(criteria: &[Criterion], verdicts: &[Vec<Verdict>]) -> Vec<Tally> {
+    let tally = |index: usize| {
+        let count = |verdict: Verdict| verdicts.iter().filter(|run| run[index] == verdict).count();
+        let holds = |verdict: &Verdict| *verdict == Verdict::Holds;
+        let fails_only_this = |run: &&Vec<Verdict>| {
+            !holds(&run[index]) && run.iter().enumerate().all(|(other, verdict)| other == index || holds(verdict))
+        };
+        Tally {
+            criterion: criteria[index].clone(),
+            holds: count(Verdict::Holds),
+            fails: count(Verdict::Fails),
+            unknown: count(Verdict::Unknown),
+            removed_alone: verdicts.iter().filter(fails_only_this).count(),
+            remaining: verdicts.iter().filter(|run| run[..=index].iter().all(holds)).count(),
+        }
+    };
+    (0..criteria.len()).map(tally).collect()
+}
+
+/// Counts of the runs of one condition.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ClassCounts {
+    pub runs: usize,
+    /// Runs by status, in the order of [`Status::ALL`].
+    #[serde(serialize_with = "by_status")]
+    pub statuses: [usize; 4],
+    /// Completed runs without a class.
+    pub cannot_grasp: usize,
+    pub statically_stable: usize,
+    pub statically_unstable: usize,
+    pub form_closed: usize,
+    /// Runs by dynamic class, in the order of [`CLASSES`].
+    #[serde(flatten, serialize_with = "by_class")]
+    pub dynamic: [usize; 4],
+}
+
+fn by_status<S: Serializer>(counts: &[usize; 4], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(Status::ALL.map(Status::name).into_iter().zip(counts))
+}
+
+fn by_class<S: Serializer>(counts: &[usize; 4], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(CLASSES.map(|class| class.name().replace('-', "_")).into_iter().zip(counts))
+}
+
+impl ClassCounts {
+    /// Number of stable and semi-stable runs.
+    pub fn dynamically_stable(&self) -> usize {
+        self.dynamic[0] + self.dynamic[1]
+    }
+}
+
+/// Counts of every condition.
+fn count_classes(runs: &[Candidate], conditions: usize) -> Vec<ClassCounts> {
+    let count_condition = |condition: usize| {
+        let members: Vec<&Candidate> = runs.iter().filter(|run| run.condition == condition).collect();
+        let count = |test: &dyn Fn(&Candidate) -> bool| members.iter().filter(|run| test(run)).count();
+        ClassCounts {
+            runs: members.len(),
+            cannot_grasp: count(&Candidate::cannot_grasp),
+            statuses: Status::ALL.map(|status| count(&|run| run.status == status)),
+            dynamic: CLASSES.map(|class| count(&|run| run.class == Some(class))),
+            statically_stable: count(&|run| run.force_positive == Some(true)),
+            statically_unstable: count(&|run| run.force_positive == Some(false)),
+            form_closed: count(&|run| run.form_closed == Some(true)),
+        }
+    };
+    (0..conditions).map(count_condition).collect()
+}
+
+/// Reasons for a missing class of completed runs, most frequent first.
+fn cannot_grasp_reasons(runs: &[Candidate]) -> Vec<Reason> {
+    let unclassified = runs.iter().filter(|run| run.cannot_grasp());
+    let mut reasons = group_reasons(
+        unclassified.filter_map(|run| Some((run.run.unsigned_abs(), run.status.name(), run.reason.as_deref()?))),
+    );
+    reasons.sort_by_key(|reason| (Reverse(reason.runs), reason.first_run));
+    reasons
+}
+
+/// Reasons for the classes, best class first, most frequent reason first.
+fn class_reasons(runs: &[Candidate]) -> Vec<Reason> {
+    let mut reasons = group_reasons(
+        runs.iter().filter_map(|run| Some((run.run.unsigned_abs(), run.class?.name(), run.class_reason.as_deref()?))),
+    );
+    let rank = |name: &str| CLASSES.iter().position(|class| class.name() == name);
+    reasons.sort_by_key(|reason| (rank(&reason.status), Reverse(reason.runs), reason.first_run));
+    reasons
+}
+
+/// Run numbers missing between 1 and the largest one.
+fn missing_runs(runs: &[Candidate]) -> Vec<i64> {
+    let present: HashSet<i64> = runs.iter().map(|run| run.run).collect();
+    let last = runs.iter().map(|run| run.run).max().unwrap_or(0);
+    // Limits the list if a table contains a wrong, very large run number.
+    let limit = 1_000_000;
+    (1..=last).filter(|run| !present.contains(run)).take(limit).collect()
 }

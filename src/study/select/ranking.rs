@@ -1,68 +1,65 @@
 //! Weighted score r_WC (4.2) with errata 11, and the resulting ranks.
 
+use serde::{Serialize, Serializer};
+
 use super::{Candidate, SelectError};
 
-/// Weights of the terms of r_WC; only their ratios matter. The thesis uses equal weights.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Weights {
-    pub pfp: f64,
-    pub tts: f64,
-    pub f21: f64,
-    pub f22: f64,
+/// One term of r_WC: a figure of a run, scaled by its range over the selected runs.
+pub struct Term {
+    /// Key in documents, in columns and in `--weights`.
+    pub key: &'static str,
+    /// Symbol of the figure.
+    pub symbol: &'static str,
+    /// Displayed unit of the figure, and displayed value per SI value.
+    pub unit: (&'static str, f64),
+    pub figure: fn(&Candidate) -> Option<f64>,
+    /// Whether the largest value is the best: the term is then r, otherwise 1 − r.
+    pub is_larger_better: bool,
 }
 
+/// The terms of r_WC.
+pub const TERMS: [Term; 4] = [
+    Term { key: "pfp", symbol: "PFP", unit: ("N", 1.0), figure: |run| run.pfp_n, is_larger_better: true },
+    Term { key: "tts", symbol: "tts", unit: ("ms", 1e3), figure: |run| run.tts_s, is_larger_better: false },
+    Term { key: "f21", symbol: "F21", unit: ("N", 1.0), figure: |run| run.f21_n, is_larger_better: false },
+    Term { key: "f22", symbol: "F22", unit: ("N", 1.0), figure: |run| run.f22_n, is_larger_better: true },
+];
+
+/// Values in the order of [`TERMS`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PerTerm(pub [f64; 4]);
+
+impl PerTerm {
+    /// Key and value of each term.
+    pub fn named(&self) -> [(&'static str, f64); 4] {
+        [0, 1, 2, 3].map(|index| (TERMS[index].key, self.0[index]))
+    }
+}
+
+impl Serialize for PerTerm {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.named())
+    }
+}
+
+/// Weights of the terms of r_WC; only their ratios matter.
+pub type Weights = PerTerm;
+
 impl Default for Weights {
+    /// The equal weights of the thesis.
     fn default() -> Self {
-        Weights { pfp: 1.0, tts: 1.0, f21: 1.0, f22: 1.0 }
+        PerTerm([1.0; 4])
     }
 }
 
 impl Weights {
-    /// Name and weight of each term.
-    pub fn named(&self) -> [(&'static str, f64); 4] {
-        [("pfp", self.pfp), ("tts", self.tts), ("f21", self.f21), ("f22", self.f22)]
-    }
-
     pub(super) fn check(&self) -> Result<(), SelectError> {
-        if let Some(&(name, value)) = self.named().iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
-            return Err(SelectError::Weight { name, value });
-        }
-        match self.named().iter().all(|&(_, value)| value == 0.0) {
-            true => Err(SelectError::NoWeight),
-            false => Ok(()),
+        match self.named().iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
+            Some(&(name, value)) => Err(SelectError::Weight { name, value }),
+            None if self.0 == [0.0; 4] => Err(SelectError::NoWeight),
+            None => Ok(()),
         }
     }
-}
-
-/// Figures that determine the rank. A missing figure is NaN and must have zero weight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figures {
-    pub pfp_n: f64,
-    pub tts_s: f64,
-    pub f21_n: f64,
-    pub f22_n: f64,
-}
-
-impl Figures {
-    /// Figures of a run.
-    pub fn from_candidate(run: &Candidate) -> Figures {
-        let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
-        Figures {
-            pfp_n: or_nan(run.pfp_n),
-            tts_s: or_nan(run.tts_s),
-            f21_n: or_nan(run.f21_n),
-            f22_n: or_nan(run.f22_n),
-        }
-    }
-}
-
-/// Terms of r_WC, each from 0 (worst of the selected runs) to 1 (best): r(PFP), 1 − r(tts), 1 − r(F21), r(F22).
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct ScoreTerms {
-    pub pfp: f64,
-    pub tts: f64,
-    pub f21: f64,
-    pub f22: f64,
 }
 
 /// A selected run with its rank.
@@ -72,39 +69,38 @@ pub struct Ranked {
     pub rank: usize,
     /// Index of the run in the ranked set.
     pub run_index: usize,
-    pub terms: ScoreTerms,
+    /// Terms of r_WC, each from 0 (worst of the selected runs) to 1 (best).
+    pub terms: PerTerm,
     pub r_wc: f64,
 }
 
 /// Values of r_WC closer than this differ by rounding only and are ties.
 const TIE_TOLERANCE: f64 = 1e-12;
 
-/// Ranks by r_WC = Σ w term / Σ w, best first; ties keep their input order.
+/// Ranks by r_WC = Σ w term / Σ w, best first; ties keep their input order. The set contains the figures of each run; a
+/// missing figure is NaN and must have zero weight.
 ///
 /// Each figure is scaled by its range over the set: r = (x − min)/(max − min). If all values are equal, for example in
 /// a set of one, the term is ½ for every run.
-pub fn rank(set: &[Figures], weights: &Weights) -> Vec<Ranked> {
-    let ratio = |figure: fn(&Figures) -> f64| {
-        let (low, high) = set.iter().map(figure).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (f64::min(low, value), f64::max(high, value))
+pub(super) fn rank(set: &[[f64; 4]], weights: &Weights) -> Vec<Ranked> {
+    let ranges = [0, 1, 2, 3].map(|term| {
+        let values = || set.iter().map(|figures| figures[term]);
+        (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
+    });
+    let score = |(run_index, figures): (usize, &[f64; 4])| {
+        let terms = [0, 1, 2, 3].map(|term| {
+            let (low, high) = ranges[term];
+            let ratio = match figures[term] {
+                value if value.is_nan() => f64::NAN,
+                value if high > low => (value - low) / (high - low),
+                _ => 0.5,
+            };
+            if TERMS[term].is_larger_better { ratio } else { 1.0 - ratio }
         });
-        move |figures: &Figures| match figure(figures) {
-            value if value.is_nan() => f64::NAN,
-            value if high > low => (value - low) / (high - low),
-            _ => 0.5,
-        }
-    };
-    let (pfp, tts) = (ratio(|figures| figures.pfp_n), ratio(|figures| figures.tts_s));
-    let (f21, f22) = (ratio(|figures| figures.f21_n), ratio(|figures| figures.f22_n));
-    let score = |(run_index, figures): (usize, &Figures)| {
-        let terms =
-            ScoreTerms { pfp: pfp(figures), tts: 1.0 - tts(figures), f21: 1.0 - f21(figures), f22: f22(figures) };
-        let weighted_terms =
-            [(weights.pfp, terms.pfp), (weights.tts, terms.tts), (weights.f21, terms.f21), (weights.f22, terms.f22)];
-        let nonzero = weighted_terms.iter().filter(|(weight, _)| *weight > 0.0);
+        let nonzero = weights.0.iter().zip(terms).filter(|(weight, _)| **weight > 0.0);
         let (sum, total) =
             nonzero.fold((0.0, 0.0), |(sum, total), (weight, term)| (sum + weight * term, total + weight));
-        Ranked { rank: 0, run_index, terms, r_wc: sum / total }
+        Ranked { rank: 0, run_index, terms: PerTerm(terms), r_wc: sum / total }
     };
     let mut ranking: Vec<Ranked> = set.iter().enumerate().map(score).collect();
     ranking.sort_by(|a, b| b.r_wc.total_cmp(&a.r_wc));
@@ -120,29 +116,24 @@ pub fn rank(set: &[Figures], weights: &Weights) -> Vec<Ranked> {
 mod tests {
     use super::*;
 
-    fn figures(rows: &[[f64; 4]]) -> Vec<Figures> {
-        rows.iter().map(|&[pfp_n, tts_s, f21_n, f22_n]| Figures { pfp_n, tts_s, f21_n, f22_n }).collect()
-    }
-
     /// Calculated by hand. Ranges: PFP 0…10, tts 5…9 ms, F21 10…30, F22 2…6.
     /// A: PFP 1, tts ½, F21 0, F22 ½ → 2/4. B: 0, 1, ½, 0 → 1.5/4. C: ½, 0, 1, 1 → 2.5/4.
     #[test]
     fn errata_11_prefers_large_f22_and_small_f21() {
-        let set = figures(&[[10.0, 7e-3, 30.0, 4.0], [0.0, 5e-3, 20.0, 2.0], [5.0, 9e-3, 10.0, 6.0]]);
+        let set = [[10.0, 7e-3, 30.0, 4.0], [0.0, 5e-3, 20.0, 2.0], [5.0, 9e-3, 10.0, 6.0]];
         let ranking = rank(&set, &Weights::default());
         let order: Vec<_> = ranking.iter().map(|ranked| (ranked.rank, ranked.run_index)).collect();
         assert_eq!(order, [(1, 2), (2, 0), (3, 1)]);
         for (ranked, expected) in ranking.iter().zip([0.625, 0.5, 0.375]) {
             assert!((ranked.r_wc - expected).abs() < 1e-14, "{ranked:?}");
         }
-        let best = ranking[0].terms;
-        assert_eq!((best.pfp, best.tts, best.f21, best.f22), (0.5, 0.0, 1.0, 1.0));
+        assert_eq!(ranking[0].terms.0, [0.5, 0.0, 1.0, 1.0]);
     }
 
     #[test]
     fn only_ratios_of_weights_affect_the_ranking() {
-        let set = figures(&[[10.0, 7e-3, 30.0, 4.0], [0.0, 5e-3, 20.0, 2.0], [5.0, 9e-3, 10.0, 6.0]]);
-        let rank_with = |pfp, tts, f21, f22| rank(&set, &Weights { pfp, tts, f21, f22 });
+        let set = [[10.0, 7e-3, 30.0, 4.0], [0.0, 5e-3, 20.0, 2.0], [5.0, 9e-3, 10.0, 6.0]];
+        let rank_with = |pfp, tts, f21, f22| rank(&set, &PerTerm([pfp, tts, f21, f22]));
         // Calculated by hand. tts alone: B 1, A ½, C 0; weights PFP 3 and tts 1: A 3.5/4, B 1/4, C 1.5/4.
         assert_eq!(rank_with(0.0, 2.0, 0.0, 0.0).iter().map(|r| r.run_index).collect::<Vec<_>>(), [1, 0, 2]);
         let scores: Vec<_> = rank_with(3.0, 1.0, 0.0, 0.0).iter().map(|r| (r.run_index, r.r_wc)).collect();
@@ -152,25 +143,24 @@ mod tests {
 
     #[test]
     fn ties_share_a_rank_in_input_order() {
-        let set =
-            figures(&[[1.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [0.0, 5e-3, 1.0, 1.0]]);
+        let set = [[1.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [0.0, 5e-3, 1.0, 1.0]];
         let ranking = rank(&set, &Weights::default());
         let order: Vec<_> = ranking.iter().map(|ranked| (ranked.rank, ranked.run_index)).collect();
         assert_eq!(order, [(1, 1), (1, 2), (3, 0), (4, 3)]);
-        assert!(ranking.iter().all(|ranked| ranked.terms.tts == 0.5), "equal tts");
+        assert!(ranking.iter().all(|ranked| ranked.terms.0[1] == 0.5), "equal tts");
     }
 
     #[test]
     fn a_single_run_scores_one_half_and_an_empty_set_has_no_ranking() {
-        let alone = rank(&figures(&[[3.0, 7e-3, 20.0, 8.0]]), &Weights::default());
+        let alone = rank(&[[3.0, 7e-3, 20.0, 8.0]], &Weights::default());
         assert_eq!((alone.len(), alone[0].rank, alone[0].r_wc), (1, 1, 0.5));
         assert!(rank(&[], &Weights::default()).is_empty());
     }
 
     #[test]
     fn a_missing_figure_with_zero_weight_has_no_effect() {
-        let set = figures(&[[1.0, f64::NAN, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0]]);
-        let ranking = rank(&set, &Weights { tts: 0.0, ..Weights::default() });
+        let set = [[1.0, f64::NAN, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0]];
+        let ranking = rank(&set, &PerTerm([1.0, 0.0, 1.0, 1.0]));
         assert_eq!(ranking.iter().map(|r| r.run_index).collect::<Vec<_>>(), [1, 0]);
         assert!((ranking[0].r_wc - 2.0 / 3.0).abs() < 1e-14);
     }

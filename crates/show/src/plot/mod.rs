@@ -11,6 +11,7 @@
 //! | `outline` | bodies as filled outlines, and arrows |
 //! | `balance` | accelerations that a gripper's grasp withstands in all directions |
 //! | `grasp` | a grasp at rest: fingers, forces, a free motion |
+//! | `series` | charts and stacked panels of curves and markers with their legend |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 
 pub mod axis;
@@ -20,6 +21,7 @@ pub mod colours;
 pub mod curve;
 mod grasp;
 pub mod outline;
+pub mod series;
 mod sizing;
 pub mod svg;
 pub mod theme;

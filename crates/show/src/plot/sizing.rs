@@ -1,10 +1,8 @@
 //! A sizing along its test trajectory (thesis Figs. 3.1–3.3).
 
 use super::axis::Axis;
-use super::canvas::{
-    AXIS_HEIGHT, Area, LEGEND_WIDTH, LegendEntry, Marker, THIN_LINE, TITLE_HEIGHT, WIDTH, frame, legend, line, picture,
-    vertical_line,
-};
+use super::canvas::{Marker, THIN_LINE, TITLE_HEIGHT, picture};
+use super::series::{Panel, Series, Stack};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, PURPLE, SOFT};
 use crate::sizing::{Profile, ProfilePoint};
 
@@ -12,8 +10,6 @@ use crate::sizing::{Profile, ProfilePoint};
 const SINGLE_PANEL_HEIGHT: f64 = 350.0;
 /// Height of each of several panels, without axis labels.
 const PANEL_HEIGHT: f64 = 177.0;
-/// Line style of the curves.
-const THICK_LINE: Marker = Marker::Line { width: 2.0 };
 
 type Curve<'a> = (&'a str, Colour, Vec<(f64, f64)>);
 
@@ -64,22 +60,19 @@ pub fn sizing_spring_types(scene: &str, profile: &Profile) -> String {
 /// Draws stacked panels with the legend of the first.
 fn draw_panels(title: &str, panel_height: f64, profile: &Profile, panels: &[(&str, &[Curve<'_>])]) -> String {
     let x = Axis::linear("time, ms", [0.0, profile.closing.trajectory.length_s * 1e3]);
-    picture(title, TITLE_HEIGHT + panel_height * panels.len() as f64 + AXIS_HEIGHT, |svg| {
-        for (index, (label, curves)) in panels.iter().enumerate() {
-            let is_last = index + 1 == panels.len();
-            let height = if is_last { panel_height + AXIS_HEIGHT } else { panel_height };
-            let area = Area { left: 0.0, top: panel_height * index as f64, width: WIDTH - LEGEND_WIDTH, height };
-            let y = Axis::linear(label, curves.iter().flat_map(|curve| curve.2.iter().map(|point| point.1)));
-            let frame = frame(svg, area, &x, &y, is_last);
-            vertical_line(svg, &frame, profile.closing.contact_s() * 1e3, SOFT);
-            for (_, colour, points) in *curves {
-                line(svg, &frame, points.iter().copied(), THICK_LINE, *colour);
-            }
+    let panel = |(index, (label, curves)): (usize, &(&str, &[Curve]))| {
+        let mut series = vec![Series::vertical(SOFT, profile.closing.contact_s() * 1e3)];
+        for (name, colour, points) in *curves {
+            let curve = Series::new(Marker::Line { width: 2.0 }, *colour, points.iter().copied());
+            series.push(if index == 0 { curve.named(*name) } else { curve });
         }
-        let lines = panels[0].1.iter().map(|(name, colour, _)| LegendEntry::new(THICK_LINE, *colour, name));
-        let entries: Vec<LegendEntry> = lines.chain([LegendEntry::new(THIN_LINE, SOFT, "proximal contact")]).collect();
-        legend(svg, [WIDTH - LEGEND_WIDTH, 0.0], LEGEND_WIDTH, &entries);
-    })
+        series.extend((index == 0).then(|| Series::key(THIN_LINE, SOFT, "proximal contact")));
+        let values = curves.iter().flat_map(|curve| curve.2.iter().map(|point| point.1));
+        Panel { heading: None, y: Axis::linear(label, values), series }
+    };
+    let panels: Vec<Panel> = panels.iter().enumerate().map(panel).collect();
+    let stack = Stack { top: 0.0, heading: 0.0, panel: panel_height, has_legends: true };
+    picture(title, TITLE_HEIGHT + stack.height(panels.len()), |svg| stack.draw(svg, &x, &panels))
 }
 
 /// Points (time in ms, value) where a value exists.
