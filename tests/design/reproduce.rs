@@ -47,27 +47,25 @@ fn check_expected_values(all: &[Comparison]) {
     assert!(
         (computed("sweep.stable_mu_0") - 53.0).abs() <= 3.0 && (computed("sweep.stable_mu_0.8") - 94.0).abs() <= 3.0
     );
-    for (base, percentages) in [
-        ("12", [95.82, 96.61, 9.88]),
-        ("15.5", [87.58, 95.28, 22.44]),
-        ("19", [78.00, 87.51, 1.10]),
-        ("22.5", [53.08, 62.54, 0.0]),
+    // One of 8,000 points is 0.0125 %.
+    for (quantity, friction, percentages) in [
+        ("stable", ".mu_0", [95.82, 87.58, 78.00, 53.08]),
+        ("stable", ".mu_0.8", [96.61, 95.28, 87.51, 62.54]),
+        ("closed", "", [9.88, 22.44, 1.10, 0.0]),
     ] {
-        let keys = [
-            format!("volume.stable_percent.base_{base}_mm.mu_0"),
-            format!("volume.stable_percent.base_{base}_mm.mu_0.8"),
-            format!("volume.closed_percent.base_{base}_mm"),
-        ];
-        // One of 8,000 points is 0.0125 %.
-        assert!(
-            keys.iter().zip(percentages).all(|(key, percentage)| (computed(key) - percentage).abs() <= 0.05),
-            "base {base} mm"
-        );
+        for (base, percentage) in ["12", "15.5", "19", "22.5"].iter().zip(percentages) {
+            let key = format!("volume.{quantity}_percent.base_{base}_mm{friction}");
+            assert!((computed(&key) - percentage).abs() <= 0.05, "{key}");
+        }
     }
-    assert!((computed("design.trajectory_min_rad").to_degrees() - 26.03).abs() < 5e-3);
-    assert!((computed("design.trajectory_max_rad").to_degrees() - 74.63).abs() < 5e-3);
-    for (key, grams) in [("design.mass_min_kg", 20.64), ("design.mass_max_kg", 27.45), ("design.mass_kg", 24.64)] {
-        assert!((computed(key) * 1e3 - grams).abs() < 5e-3, "{key}");
+    for (key, scale, expected) in [
+        ("design.trajectory_min_rad", 180.0 / std::f64::consts::PI, 26.03),
+        ("design.trajectory_max_rad", 180.0 / std::f64::consts::PI, 74.63),
+        ("design.mass_min_kg", 1e3, 20.64),
+        ("design.mass_max_kg", 1e3, 27.45),
+        ("design.mass_kg", 1e3, 24.64),
+    ] {
+        assert!((computed(key) * scale - expected).abs() < 5e-3, "{key}");
     }
 }
 

@@ -37,10 +37,13 @@ pub struct Monitor<'a> {
     keep_running: KeepRunning<'a>,
 }
 
+/// Receives the number of completed parts, the total number of parts, and the name of the current part.
+type Report<'a> = Box<dyn FnMut(usize, usize, &str) + Send + 'a>;
+
 struct Progress<'a> {
     done: usize,
     total: usize,
-    report: Box<dyn FnMut(usize, usize, &str) + Send + 'a>,
+    report: Report<'a>,
 }
 
 impl<'a> Monitor<'a> {

@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::format::report::{Cell, CellStyle};
 use crate::text::UNITS;
 
 /// One figure of the thesis: a row of `thesis.csv`, with numbers in the unit of the thesis. The key contains the SI unit
@@ -177,6 +178,17 @@ impl Comparison {
             true => self.reason.to_string(),
             false => format!("{} (errata {})", self.reason, errata.join(", ")),
         }
+    }
+
+    /// Returns a cell with the computed value, styled by its verdict.
+    pub fn cell(&self) -> Cell {
+        let style = match self.verdict {
+            Verdict::Inside => CellStyle::Good,
+            Verdict::Outside => CellStyle::Bad,
+            Verdict::NotJudged => CellStyle::Plain,
+        };
+        let figure = Some((self.key.to_string(), self.computed));
+        Cell { text: self.ours_text(), figure, style, ..Cell::default() }
     }
 
     fn rounded(&self, value: f64) -> String {

@@ -4,7 +4,7 @@ use super::figures::{Comparison, Verdict};
 use super::{Closing, MAX_TTS_DIFFERENCE_S, OtherSizing, Reproduction, closing, runs, volumes};
 use crate::format::format_duration;
 use crate::format::numbers::format_number;
-use crate::format::report::{Cell, CellStyle, Report};
+use crate::format::report::{Cell, Report};
 use crate::plot;
 use crate::sizing::ProfilePoint;
 use crate::text::count_and_share;
@@ -76,7 +76,7 @@ fn comparison_table(section: Report, caption: &str, comparisons: &[&Comparison])
         vec![
             Cell::prose(comparison.quantity),
             Cell::new(comparison.thesis_text()),
-            computed_cell(comparison),
+            comparison.cell(),
             Cell::new(comparison.expected_text()),
             Cell::prose(comparison.source),
             Cell::prose(letter(comparison.reason_text())),
@@ -93,21 +93,6 @@ fn comparison_table(section: Report, caption: &str, comparisons: &[&Comparison])
 /// Returns the letter that identifies a reason.
 fn note_letter(index: usize) -> String {
     char::from(b'a' + (index % 26) as u8).to_string()
-}
-
-/// Returns a cell with the computed value, styled by its verdict.
-pub fn computed_cell(comparison: &Comparison) -> Cell {
-    let style = match comparison.verdict {
-        Verdict::Inside => CellStyle::Good,
-        Verdict::Outside => CellStyle::Bad,
-        Verdict::NotJudged => CellStyle::Plain,
-    };
-    Cell {
-        text: comparison.ours_text(),
-        figure: Some((comparison.key.to_string(), comparison.computed)),
-        style,
-        ..Cell::default()
-    }
 }
 
 fn summary(found: &Reproduction) -> Report {

@@ -74,15 +74,16 @@ pub fn describe_checks(checks: &Checks) -> String {
     )];
     for (verdict, runs) in [("uncertain", uncertain), ("chaotic", chaotic), ("not checkable", unknown)] {
         if !runs.is_empty() {
-            parts.push(format!("{verdict}: runs {}", join_runs(runs)));
+            parts.push(format!("{verdict}: runs {}", list_runs(runs)));
         }
     }
     parts.join("; ") + "."
 }
 
 /// Returns run numbers as a list.
-pub fn join_runs(runs: &[i64]) -> String {
-    runs.iter().map(i64::to_string).collect::<Vec<_>>().join(", ")
+pub fn list_runs(runs: &[i64]) -> String {
+    let numbers = runs.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
+    if runs.is_empty() { "none".to_string() } else { numbers }
 }
 
 /// Adds a table of static and dynamic stability without and with friction.
@@ -178,11 +179,8 @@ pub fn selection(found: &Reproduction) -> Report {
         let cells = name.iter().chain(&ranked.axes).chain(&results).map(Cell::new);
         cells.chain([Cell::new(format!("{:.3}", ranked.r_wc))]).collect()
     };
-    let rows: Vec<Vec<Cell>> = simulations.ranking.iter().take(MAX_RANKED).map(row).collect();
-    let section = match rows.is_empty() {
-        true => section,
-        false => section.with_table("Selected runs, best first.", &header, rows),
-    };
+    let rows = simulations.ranking.iter().take(MAX_RANKED).map(row).collect();
+    let section = section.with_table("Selected runs, best first.", &header, rows);
     let caption = "Designs that each criterion removes, without and with friction (Fig. 4.6).";
     simulations.add_picture(section, "criteria.svg", caption)
 }

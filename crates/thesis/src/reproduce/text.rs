@@ -1,6 +1,6 @@
 //! Text report of a reproduction.
 
-use super::runs::{describe_checks, join_runs};
+use super::runs::{describe_checks, list_runs};
 use super::{Comparison, MAX_TTS_DIFFERENCE_S, Reproduction, Verdict};
 use crate::format::format_duration;
 use crate::format::numbers::row;
@@ -18,22 +18,16 @@ impl ToReport for Reproduction {
         let chaos = &self.near_chaotic;
         let changed: Vec<i64> = chaos.class_changes.iter().map(|change| change.run).collect();
         let mut add = |line: String| text.push_str(&(line + "\n"));
-        add(match changed.is_empty() {
-            true => "no run changes its class with the tolerances".to_string(),
-            false => format!(
-                "runs whose class changes with the method, the tolerance or a torque perturbed by up to 1e-7: {}",
-                join_runs(&changed)
-            ),
-        });
+        add(format!(
+            "runs whose class changes with the method, the tolerance or a torque perturbed by up to 1e-7: {}",
+            list_runs(&changed)
+        ));
         add(describe_checks(&self.checks));
-        let limit = format_duration(MAX_TTS_DIFFERENCE_S);
-        add(match chaos.drifting_runs.is_empty() {
-            true => format!("no time to stability changes by more than {limit}"),
-            false => format!(
-                "runs whose time to stability changes by more than {limit}: {}",
-                join_runs(&chaos.drifting_runs)
-            ),
-        });
+        add(format!(
+            "runs whose time to stability changes by more than {}: {}",
+            format_duration(MAX_TTS_DIFFERENCE_S),
+            list_runs(&chaos.drifting_runs)
+        ));
         for (counts, condition) in chaos.conditions.iter().zip(&self.simulations.conditions) {
             let spread = || counts.by_variation.iter().chain([&counts.study]);
             add(format!(

@@ -1,7 +1,6 @@
 //! Section of the paper on grasp-state volumes (thesis §3.4, Tables 3.3–3.5, Fig. 3.4).
 
 use super::designs::CELLS_PER_AXIS;
-use super::paper::computed_cell;
 use super::{Comparison, Grid, Reproduction};
 use crate::format::report::{Cell, Report};
 use crate::text::rounded_mm;
@@ -73,7 +72,7 @@ fn base_table(section: Report, caption: &str, quantity: &str, frictions: &[&str]
         let comparisons: Vec<Option<&Comparison>> =
             frictions.iter().map(|friction| found.find(&format!("volume.{quantity}.{base}{friction}"))).collect();
         let cells = comparisons.iter().flat_map(|comparison| match comparison {
-            Some(of) => [Cell::new(of.thesis_text()), computed_cell(of), Cell::new(of.expected_text())],
+            Some(of) => [Cell::new(of.thesis_text()), of.cell(), Cell::new(of.expected_text())],
             None => ["–"; 3].map(Cell::new),
         });
         let is_known = comparisons.iter().any(Option::is_some);

@@ -146,16 +146,10 @@ fn missing_fingers(volume: &Volume) -> Vec<MissingFingers> {
     reasons
 }
 
-/// Returns the volumes of all bases for each friction coefficient, in the order of the volumes.
+/// Returns the volumes of all bases for each friction coefficient. The base varies slowest in `volumes`.
 pub fn by_friction(volumes: &[Volume]) -> Vec<Vec<&Volume>> {
-    let mut groups: Vec<Vec<&Volume>> = Vec::new();
-    for volume in volumes {
-        match groups.iter_mut().find(|group| group[0].mu_static == volume.mu_static) {
-            Some(group) => group.push(volume),
-            None => groups.push(vec![volume]),
-        }
-    }
-    groups
+    let frictions = volumes.iter().take_while(|volume| volume.base_m == volumes[0].base_m).count();
+    (0..frictions).map(|friction| volumes.iter().skip(friction).step_by(frictions).collect()).collect()
 }
 
 /// Returns the intersection over the bases for each friction coefficient, in their order.

@@ -7,6 +7,7 @@ use std::ops::Range;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 
+use super::counts::by_friction;
 use super::point::{COLUMNS, DESIGN_COLUMNS, FLAGS, GraspState, Point, Quantity};
 use super::{Axes, Volume};
 use crate::plot::colours;
@@ -20,8 +21,7 @@ const MAX_AXIS_VALUES: usize = 40;
 /// volumes give equal bytes.
 pub fn page_data(volumes: &[Volume]) -> String {
     let Some(first) = volumes.first() else { return "{}".to_string() };
-    let of_first_base = volumes.iter().take_while(|volume| volume.base_m == first.base_m);
-    let mu_static: Vec<f64> = of_first_base.map(|volume| volume.mu_static).collect();
+    let mu_static: Vec<f64> = by_friction(volumes).iter().map(|bases| bases[0].mu_static).collect();
     let shown = first.axes.all().map(|axis| axis.spaced_indices(MAX_AXIS_VALUES));
     let axes =
         [("l21 in its range", ""), ("φ22", "rad"), ("r_l", "")].into_iter().zip(first.axes.all()).zip(&shown).map(

@@ -7,7 +7,7 @@ use super::point::Quantity;
 use super::{Axes, Axis, Volume};
 use crate::plot::axis::Axis as Ticks;
 use crate::plot::canvas::{
-    TITLE_HEIGHT, WIDTH, colour_key, picture, text_centred, text_left_of, text_right_of, tile_border, tiles,
+    TITLE_HEIGHT, colour_key, picture, text_centred, text_left_of, text_right_of, tile_border, tiles,
 };
 use crate::plot::colours::Scale;
 use crate::plot::svg::{Pixel, Svg};
@@ -24,11 +24,8 @@ const FOOTER_HEIGHT: f64 = 58.0;
 const LEFT_MARGIN: f64 = 118.0;
 /// Gap between adjacent panels, in pixels.
 const PANEL_GAP: f64 = 10.0;
-/// Width of the colour bar with its labels and of the margin right of it, in pixels.
-const COLOUR_BAR_WIDTH: f64 = 112.0 + 14.0;
-/// Width and height of a panel, in pixels.
-const PANEL_SIZE: f64 =
-    ((WIDTH - LEFT_MARGIN - COLOUR_BAR_WIDTH - PANEL_GAP * (MAX_COLUMNS - 1) as f64) / MAX_COLUMNS as f64).floor();
+/// Width and height of a panel, in pixels; five panels, the margin and the colour bar fit the width of the picture.
+const PANEL_SIZE: f64 = 135.0;
 /// Height of the legend at the bottom, in pixels.
 const LEGEND_HEIGHT: f64 = 34.0;
 /// Text size, in pixels.

@@ -108,9 +108,11 @@ pub fn solve_grasp(closed: &ClosedFinger, mu_static: f64) -> Point {
     Ok(GraspState { sized: closed.sized, forces })
 }
 
-/// Columns of the table of points and of the page: names with units, and values in SI units. The first
-/// [`DESIGN_COLUMNS`] do not depend on friction.
-pub const COLUMNS: [(&str, fn(&GraspState) -> f64); 11] = [
+/// A column of the table of points and of the page: its name with the unit, and its value in SI units or its property.
+pub type Column<T> = (&'static str, fn(&GraspState) -> T);
+
+/// Quantities of a point. The first [`DESIGN_COLUMNS`] do not depend on friction.
+pub const COLUMNS: [Column<f64>; 11] = [
     ("l11_m", |state| state.sized.lengths.l11_m),
     ("l12_m", |state| state.sized.lengths.l12_m),
     ("l21_m", |state| state.sized.lengths.l21_m),
@@ -127,8 +129,8 @@ pub const COLUMNS: [(&str, fn(&GraspState) -> f64); 11] = [
 /// Number of columns that do not depend on friction.
 pub const DESIGN_COLUMNS: usize = 8;
 
-/// Properties of a point in the table of points and on the page.
-pub const FLAGS: [(&str, fn(&GraspState) -> bool); 3] = [
+/// Properties of a point.
+pub const FLAGS: [Column<bool>; 3] = [
     ("force_positive", GraspState::is_stable),
     ("palm_force_positive", |state| state.forces.is_palm_force_positive()),
     ("form_closed", |state| state.sized.form_closed),
