@@ -50,6 +50,8 @@ fn column(run: &Value, index: &Value) -> Vec<f64> {
     if values.len() == 1 { vec![values[0]; samples] } else { values }
 }
 
+type Quantity = (&'static str, fn(&ContactSample) -> f64);
+
 fn list(value: &Value) -> &[Value] {
     value.as_array().expect("a list")
 }
@@ -79,7 +81,7 @@ fn page_contains_every_sample_bit_for_bit() {
         for name in ["object", "l11", "l12", "l21", "l22"] {
             assert!(names.contains(&name), "{name}");
         }
-        let quantities: [(&str, fn(&ContactSample) -> f64); 8] = [
+        let quantities: [Quantity; 8] = [
             ("gap_m", |contact| contact.gap_m),
             ("gap_rate_m_s", |contact| contact.gap_rate_m_s),
             ("normal_n", |contact| contact.normal_n),
