@@ -186,11 +186,14 @@ fn exit_status(
     error: Option<&document::Failure>,
     log_result: Result<(), SinkError>,
 ) -> Result<Status, Failure> {
+    let location = log_location(args, log_result.is_ok());
     match (error, log_result) {
-        (Some(error), log_result) => {
-            Err(Failure::incomplete(stop_message(error, duration_s) + &log_location(args, log_result.is_ok())))
+        (Some(document::Failure { time_s, reason }), _) => {
+            let (stop_time, duration) = (format_duration(*time_s), format_duration(duration_s));
+            let message = format!("the simulation stopped at {stop_time} of {duration}: {reason}{location}");
+            Err(Failure::incomplete(message))
         }
-        (None, Err(error)) => Err(Failure::incomplete(format!("{error}{}", log_location(args, false)))),
+        (None, Err(error)) => Err(Failure::incomplete(format!("{error}{location}"))),
         (None, Ok(())) => Ok(Status::Done),
     }
 }
@@ -206,12 +209,6 @@ pub(super) fn log_failure(error: LogError) -> Failure {
         LogError::Start(_) => Failure::incomplete(error),
         _ => Failure::bad_input(error),
     }
-}
-
-/// Message with the time and reason at which a run stopped.
-fn stop_message(failure: &document::Failure, duration_s: f64) -> String {
-    let (stop_time, duration) = (format_duration(failure.time_s), format_duration(duration_s));
-    format!("the simulation stopped at {stop_time} of {duration}: {}", failure.reason)
 }
 
 /// Message with the location of the log of an incomplete run. `is_finished`: whether the log itself was finished.

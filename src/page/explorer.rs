@@ -2,9 +2,10 @@
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::Serialize;
+use serde_json::json;
 
 use super::html::{PageScript, VIEWER_SCRIPTS, escape_for_script, fill_template, page_style};
-use super::presets::{Preset, presets};
+use super::presets::presets;
 use crate::criteria::{Class, Fate};
 use crate::format::escape_markup;
 use crate::limits::MAX_SCENE_BYTES;
@@ -57,27 +58,6 @@ impl InitialScene {
     }
 }
 
-#[derive(Serialize)]
-struct Data<'a> {
-    module: String,
-    start: &'a InitialScene,
-    presets: Vec<PresetData<'a>>,
-    /// Names of results, from good to bad, and the CSS variable of the colour of each.
-    #[serde(rename = "inks")]
-    result_colours: Vec<(&'a str, &'a str)>,
-    largest_scene_bytes: u64,
-    version: &'a str,
-}
-
-#[derive(Serialize)]
-struct PresetData<'a> {
-    name: &'a str,
-    file: &'a str,
-    group: &'a str,
-    title: &'a str,
-    text: &'a str,
-}
-
 /// Assigns a colour to each of the names of results, which are ordered from good to bad.
 fn result_colours<'a>(names: &[&'a str]) -> Vec<(&'a str, &'a str)> {
     let colour = |rank: usize| if rank + 1 == names.len() { VERDICTS[VERDICTS.len() - 1] } else { VERDICTS[rank] };
@@ -94,21 +74,17 @@ pub fn explorer_page(module: &[u8], start: &InitialScene, version: &str) -> Stri
     let presets = presets();
     let initial_preset = presets.iter().find(|preset| preset.file == start.file);
     let title = initial_preset.map_or(&start.file, |preset| &preset.name);
-    let data = Data {
-        module: BASE64_STANDARD.encode(module),
-        start,
-        presets: presets
-            .iter()
-            .map(|Preset { name, file, group, title, text }| PresetData { name, file, group, title, text })
-            .collect(),
-        result_colours: [&CLASSES.map(Class::name)[..], &Fate::NAMES, &["yes", "no"]]
-            .into_iter()
-            .flat_map(result_colours)
-            .collect(),
-        largest_scene_bytes: MAX_SCENE_BYTES,
-        version,
-    };
-    let data = escape_for_script(&serde_json::to_string(&data).expect("plain data with string keys"));
+    // Names of results, from good to bad, and the CSS variable of the colour of each.
+    let names = [&CLASSES.map(Class::name)[..], &Fate::NAMES, &["yes", "no"]];
+    let data = json!({
+        "module": BASE64_STANDARD.encode(module),
+        "start": start,
+        "presets": presets,
+        "inks": names.into_iter().flat_map(result_colours).collect::<Vec<_>>(),
+        "largest_scene_bytes": MAX_SCENE_BYTES,
+        "version": version,
+    });
+    let data = escape_for_script(&data.to_string());
     let PageScript { nonce, script } = PageScript::new(&data, &[&VIEWER_SCRIPTS[..], &SCRIPTS].concat());
     let fields = [
         ("nonce", nonce),

@@ -1,7 +1,5 @@
 //! Assembles a page from assets, texts and data; escapes all input.
 
-use std::fmt::Write;
-
 use super::{Note, Page, Picture};
 use crate::format::{Report, escape_markup, is_unsafe_char};
 use crate::plot::theme::variables;
@@ -109,39 +107,28 @@ fn description_html(text: &str) -> String {
 
 /// Sections with the summaries of the runs.
 fn summaries_html(page: &Page) -> String {
-    let mut text = String::new();
-    for playback in page.runs.iter().filter(|playback| !playback.summary.is_empty()) {
-        write_section(&mut text, &format!("Summary: {}", playback.label), &playback.summary);
-    }
-    text
+    let runs = page.runs.iter().filter(|playback| !playback.summary.is_empty());
+    runs.map(|playback| section(&format!("Summary: {}", playback.label), &playback.summary)).collect()
 }
 
 pub(super) fn notes_html(notes: &[Note]) -> String {
-    let mut text = String::new();
-    for note in notes {
-        write_section(&mut text, &note.title, &note.text);
-    }
-    text
+    notes.iter().map(|note| section(&note.title, &note.text)).collect()
 }
 
-/// Appends a section of text and tables; wide tables scroll horizontally.
-fn write_section(out: &mut String, title: &str, body: &Report) {
-    let (title, body) = (escape_markup(title), body.html(title));
-    // Writing to a string cannot fail.
-    let _ = writeln!(out, "<section class=\"text\"><h2>{title}</h2>\n{body}</section>");
+/// A section of text and tables; wide tables scroll horizontally.
+fn section(title: &str, body: &Report) -> String {
+    format!("<section class=\"text\"><h2>{}</h2>\n{}</section>\n", escape_markup(title), body.html(title))
 }
 
 pub(super) fn pictures_html(pictures: &[Picture]) -> String {
-    let mut text = String::new();
-    for picture in pictures {
+    let picture = |picture: &Picture| {
         let title = escape_markup(&picture.title);
-        let _ = writeln!(
-            text,
-            "<section class=\"picture\"><h2>{title}</h2><div class=\"sheet\" tabindex=\"0\" role=\"img\" aria-label=\"{title}\">{}</div></section>",
+        format!(
+            "<section class=\"picture\"><h2>{title}</h2><div class=\"sheet\" tabindex=\"0\" role=\"img\" aria-label=\"{title}\">{}</div></section>\n",
             picture.svg
-        );
-    }
-    text
+        )
+    };
+    pictures.iter().map(picture).collect()
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use serde::Serialize;
+
 use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Layer, Scene, SceneError};
 
@@ -44,7 +46,7 @@ shipped_scenes![
 ];
 
 /// A standalone scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Preset {
     /// Path under `scenes`.
     pub file: String,

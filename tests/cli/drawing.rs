@@ -4,8 +4,8 @@ use phalanx::drawing::{self, BodyRole, Drawing, Pose, Shape};
 use phalanx::gripper::{Posture, joint_positions};
 use phalanx::scene::{self, Scene};
 use phalanx::shape::max_radius;
-use phalanx::trace::{FingerContact, Model, run};
-use phalanx::validate::Recording;
+use phalanx::trace::{FingerContact, FingerState, Model};
+use phalanx::validate::record;
 
 fn load(name: &str) -> Scene {
     scene::load(format!("scenes/{name}.toml")).unwrap()
@@ -39,20 +39,12 @@ fn joints_and_contact_points_match_the_drawn_bodies() {
     );
     assert_eq!(drawing.contacts, ["proximal", "distal"]);
     let lengths = scene.finger().linkage.lengths;
-    let mut recording = Recording::default();
-    run(Model::Analytic, &scene, &mut recording).unwrap();
+    let recording = record(Model::Analytic, &scene).unwrap();
     for sample in &recording.samples {
         let poses = drawing::poses(&scene, sample);
         assert_eq!(poses.len(), drawing.bodies.len());
-        let joints = joint_positions(
-            &lengths,
-            &Posture {
-                q11_rad: sample.finger().q11_rad,
-                q21_rad: sample.finger().q21_rad,
-                q12_rad: sample.finger().q12_rad,
-                q22_rad: sample.finger().q22_rad,
-            },
-        );
+        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = *sample.finger();
+        let joints = joint_positions(&lengths, &Posture { q11_rad, q21_rad, q12_rad, q22_rad });
         let [coupler, distal] = [poses[3], poses[5]];
         assert!(distance(coupler.position_m, joints.a12_m) < 1e-12);
         assert!(distance(distal.position_m, joints.a22_m) < 1e-12);
@@ -63,12 +55,7 @@ fn joints_and_contact_points_match_the_drawn_bodies() {
         {
             let capsule = drawing.bodies[body].shapes.last().unwrap();
             let distance_m = distance_from_surface(capsule, &poses[body], contact.point_m);
-            assert!(
-                distance_m < 1e-12,
-                "{} at {} s: {distance_m} m from the surface",
-                drawing.bodies[body].name,
-                sample.time_s
-            );
+            assert!(distance_m < 1e-12, "{body} at {} s: {distance_m} m from the surface", sample.time_s);
         }
     }
 }
@@ -78,8 +65,7 @@ fn view_contains_start_grasp_and_object() {
     let scene = load("experiment-95");
     let drawing = Drawing::from_scene(&scene);
     let [low, high] = drawing.extent_m;
-    let mut recording = Recording::default();
-    run(Model::Analytic, &scene, &mut recording).unwrap();
+    let recording = record(Model::Analytic, &scene).unwrap();
     let object = scene.object().unwrap();
     for k in 0..2 {
         let radius_m = max_radius(&object.shape);
@@ -87,16 +73,12 @@ fn view_contains_start_grasp_and_object() {
     }
     for sample in [recording.samples.first().unwrap(), recording.samples.last().unwrap()] {
         for (body, pose) in drawing.bodies.iter().zip(drawing::poses(&scene, sample)) {
-            for shape in &body.shapes {
-                if let Shape::Polygon { corners_m } = shape {
-                    for corner in corners_m.iter().map(|corner| pose.apply(*corner)) {
-                        assert!(
-                            (0..2).all(|k| low[k] <= corner[k] && corner[k] <= high[k]),
-                            "{} {corner:?}",
-                            body.name
-                        );
-                    }
-                }
+            let corners = body.shapes.iter().filter_map(|shape| match shape {
+                Shape::Polygon { corners_m } => Some(corners_m),
+                _ => None,
+            });
+            for corner in corners.flatten().map(|corner| pose.apply(*corner)) {
+                assert!((0..2).all(|k| low[k] <= corner[k] && corner[k] <= high[k]), "{} {corner:?}", body.name);
             }
         }
     }
@@ -105,10 +87,8 @@ fn view_contains_start_grasp_and_object() {
 #[test]
 fn arrows_are_bounded_and_keep_their_sign() {
     let drawing = Drawing::from_scene(&load("experiment-95"));
-    let standard_force_n = 0.48 / 0.015;
-    assert!(
-        (drawing.arrow_m(standard_force_n) - 0.5 * load("experiment-95").finger().linkage.lengths.l21_m).abs() < 1e-12
-    );
+    let l21_m = load("experiment-95").finger().linkage.lengths.l21_m;
+    assert!((drawing.arrow_m(0.48 / 0.015) - 0.5 * l21_m).abs() < 1e-12, "the arrow of a usual force");
     assert_eq!(drawing.arrow_m(1e6), drawing.longest_arrow_m);
     assert_eq!(drawing.arrow_m(-1e6), -drawing.longest_arrow_m);
 }
@@ -126,8 +106,7 @@ fn scene_without_object_draws_only_the_finger() {
 fn disc_poses_match_samples() {
     let scene = scene::load_any("scenes/laws/two-free.toml").unwrap();
     let drawing = Drawing::from_scene(&scene);
-    let mut recording = Recording::default();
-    run(Model::Analytic, &scene, &mut recording).unwrap();
+    let recording = record(Model::Analytic, &scene).unwrap();
     let offset = usize::from(scene.system.palm.is_some());
     assert_eq!(drawing.bodies.len(), scene.system.discs.len() + offset);
     for sample in &recording.samples {
@@ -137,11 +116,8 @@ fn disc_poses_match_samples() {
         }
         let (pair, contact) = (scene.system.pairs()[0], &sample.contacts[0]);
         let index = offset + pair.disc;
-        let distance_m = distance_from_surface(
-            &drawing.bodies[index].shapes[0],
-            &drawing::poses(&scene, sample)[index],
-            contact.point_m,
-        );
+        let pose = &drawing::poses(&scene, sample)[index];
+        let distance_m = distance_from_surface(&drawing.bodies[index].shapes[0], pose, contact.point_m);
         assert!(distance_m < 1e-12, "{distance_m}");
     }
     assert!(drawing.arrow_m_per_n > 0.0 && drawing.arrow_m_per_n.is_finite());

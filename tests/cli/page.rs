@@ -1,7 +1,7 @@
 //! Contents of the page with the moving bodies, read back from its bytes.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use phalanx::drawing::poses;
+use phalanx::drawing::{Pose, poses};
 use phalanx::page::{MAX_SAMPLES, Note, Page, Picture, Playback, PlaybackRecorder, build_playback, render_page};
 use phalanx::scene::{self, Scene};
 use phalanx::trace::{ContactSample, FingerContact, Model, Sink, run};
@@ -50,12 +50,24 @@ fn column(run: &Value, index: &Value) -> Vec<f64> {
     if values.len() == 1 { vec![values[0]; samples] } else { values }
 }
 
+type Quantity = (&'static str, fn(&ContactSample) -> f64);
+
 fn list(value: &Value) -> &[Value] {
     value.as_array().expect("a list")
 }
 
 fn bits(values: impl IntoIterator<Item = f64>) -> Vec<u64> {
     values.into_iter().map(f64::to_bits).collect()
+}
+
+/// Asserts that the bodies of a run have these poses, bit for bit.
+#[track_caller]
+fn assert_poses(run: &Value, poses: &[Vec<Pose>]) {
+    for (index, body) in list(&run["bodies"]).iter().enumerate() {
+        assert_eq!(bits(column(run, &body["x_m"])), bits(poses.iter().map(|all| all[index].position_m[0])));
+        assert_eq!(bits(column(run, &body["y_m"])), bits(poses.iter().map(|all| all[index].position_m[1])));
+        assert_eq!(bits(column(run, &body["angle_rad"])), bits(poses.iter().map(|all| all[index].angle_rad)));
+    }
 }
 
 #[test]
@@ -70,16 +82,12 @@ fn page_contains_every_sample_bit_for_bit() {
         assert_eq!(run["recorded"], samples.len());
         assert_eq!(bits(column(run, &run["time_s"])), bits(samples.iter().map(|s| s.time_s)));
         let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
-        for (index, body) in list(&run["bodies"]).iter().enumerate() {
-            assert_eq!(bits(column(run, &body["x_m"])), bits(poses.iter().map(|all| all[index].position_m[0])));
-            assert_eq!(bits(column(run, &body["y_m"])), bits(poses.iter().map(|all| all[index].position_m[1])));
-            assert_eq!(bits(column(run, &body["angle_rad"])), bits(poses.iter().map(|all| all[index].angle_rad)));
-        }
+        assert_poses(run, &poses);
         let names: Vec<&str> = list(&run["bodies"]).iter().map(|body| body["name"].as_str().expect("a name")).collect();
         for name in ["object", "l11", "l12", "l21", "l22"] {
             assert!(names.contains(&name), "{name}");
         }
-        let quantities: [(&str, fn(&ContactSample) -> f64); 8] = [
+        let quantities: [Quantity; 8] = [
             ("gap_m", |contact| contact.gap_m),
             ("gap_rate_m_s", |contact| contact.gap_rate_m_s),
             ("normal_n", |contact| contact.normal_n),
@@ -145,8 +153,7 @@ fn scene_text_is_never_markup() {
     let mut scene = load_discs("laws/two-free");
     scene.name = untrusted_text.to_string();
     scene.system.discs[0].name = untrusted_text.to_string();
-    let mut recording = Recording::default();
-    run(Model::Analytic, &scene, &mut recording).expect("a run");
+    let recording = record(Model::Analytic, &scene).expect("a run");
     let named = build_playback(untrusted_text, &scene, &recording.samples, &recording.events, untrusted_text);
     let plain = build_playback("label", &load_discs("laws/two-free"), &recording.samples, &recording.events, "text");
     let contents = Page {
@@ -202,8 +209,7 @@ fn a_swing_without_an_object_has_no_contacts() {
 #[test]
 fn page_contains_discs_bit_for_bit() {
     let scene = load_discs("laws/rolling");
-    let mut recording = Recording::default();
-    run(Model::Analytic, &scene, &mut recording).expect("a run");
+    let recording = record(Model::Analytic, &scene).expect("a run");
     let (count, step) = (recording.samples.len(), recording.samples.len().div_ceil(MAX_SAMPLES));
     let samples: Vec<_> = recording.samples.iter().step_by(step).cloned().collect();
     assert!(count > 100);
@@ -211,10 +217,7 @@ fn page_contains_discs_bit_for_bit() {
     let document = data(&render_page(&page_with_runs("rolling", vec![playback])));
     let run = &document["runs"][0];
     let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
-    for (index, body) in list(&run["bodies"]).iter().enumerate() {
-        assert_eq!(bits(column(run, &body["x_m"])), bits(poses.iter().map(|all| all[index].position_m[0])));
-        assert_eq!(bits(column(run, &body["angle_rad"])), bits(poses.iter().map(|all| all[index].angle_rad)));
-    }
+    assert_poses(run, &poses);
     let wheel = list(&run["contacts"]).iter().find(|contact| contact["name"] == "wheel-plane").expect("a pair");
     assert_eq!(bits(column(run, &wheel["normal_n"])), bits(samples.iter().map(|s| s.contacts[0].normal_n)));
 }

@@ -145,16 +145,19 @@ fn profile_starts_and_ends_at_rest_and_contains_the_contact() {
 #[test]
 fn errors_name_the_reason() {
     let design = design_95();
-    let finger = finger(&design);
-    let task = Task::thesis(disc(&design));
-    let error = |finger: &Finger, task: &Task| size(finger, task, Rule::Rigid).unwrap_err().to_string();
-    assert!(error(&finger, &Task { closing_s: 0.0, ..task }).starts_with("closing_s is 0, but must be"));
-    assert!(error(&finger, &Task { opening_rad: -0.1, ..task }).contains("must start more than 0 deg before it"));
-    let other = Finger { assembly: Assembly::Other, ..finger };
-    assert_eq!(size(&other, &task, Rule::Rigid), Err(SizingError::OtherAssembly));
+    let (finger, task) = (finger(&design), Task::thesis(disc(&design)));
     let mut unreachable = task;
     unreachable.object.centre_m[0] = -0.2;
-    assert!(error(&finger, &unreachable).contains("misses the object"));
+    for (task, reason) in [
+        (Task { closing_s: 0.0, ..task }, "closing_s is 0, but must be"),
+        (Task { opening_rad: -0.1, ..task }, "must start more than 0 deg before it"),
+        (unreachable, "misses the object"),
+    ] {
+        let error = size(&finger, &task, Rule::Rigid).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+    let other = Finger { assembly: Assembly::Other, ..finger };
+    assert_eq!(size(&other, &task, Rule::Rigid), Err(SizingError::OtherAssembly));
 }
 
 const DESIGN: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";

@@ -6,8 +6,7 @@ use phalanx::fivebar::kinematics::{directions, passive_rates, reference_gamma};
 use phalanx::gripper::{Lengths, Placement, Spring, SpringKind};
 use phalanx::shape::max_radius;
 use phalanx::statics::{
-    Ejection, StaticsError, birglen, contact_jacobian, drive_loads, equilibrium, equilibrium_with_mu, palm_force,
-    static_kinematics,
+    Ejection, birglen, contact_jacobian, drive_loads, equilibrium, equilibrium_with_mu, palm_force, static_kinematics,
 };
 
 fn is_near(actual: f64, expected: f64, relative: f64) -> bool {
@@ -226,35 +225,37 @@ fn birglens_transmission_matches_the_loop_rates() {
 #[test]
 fn ejection_names_the_phalanx_with_a_tensile_force() {
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
-    let ejection = |loads| equilibrium(&finger, &end, loads, 0.0).unwrap().ejection();
-    assert_eq!(ejection([0.3474, 0.2]), Ejection::None);
-    assert_eq!(ejection([0.3474, -5.0]), Ejection::Proximal);
-    assert_eq!(ejection([-0.1, 5.0]), Ejection::Distal);
-    assert_eq!(ejection([-0.1, -5.0]), Ejection::Both);
-    assert_eq!(ejection([0.0, 0.0]), Ejection::None);
+    for (loads, expected) in [
+        ([0.3474, 0.2], Ejection::None),
+        ([0.3474, -5.0], Ejection::Proximal),
+        ([-0.1, 5.0], Ejection::Distal),
+        ([-0.1, -5.0], Ejection::Both),
+        ([0.0, 0.0], Ejection::None),
+    ] {
+        assert_eq!(equilibrium(&finger, &end, loads, 0.0).unwrap().ejection(), expected, "{loads:?}");
+    }
 }
 
 #[test]
 fn errors_name_the_reason() {
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
-    let message =
-        |result: Result<_, StaticsError>| result.map(|_: phalanx::statics::Equilibrium| ()).unwrap_err().to_string();
-    assert!(message(equilibrium(&finger, &end, [f64::NAN, 0.0], 0.0)).contains("load on q11 is NaN"));
-    assert!(message(equilibrium(&finger, &end, [0.1, 0.0], -0.1)).contains("mu_static is -0.1"));
-    assert!(message(equilibrium_with_mu(&finger, &end, [0.1, 0.0], [0.1, f64::INFINITY])).contains("mu_static is inf"));
-    assert!(drive_loads(&finger, &end, f64::INFINITY, None).is_err());
-
-    let on_joint = phalanx::gripper::FinalPosture { l_c22_m: 0.0, ..end };
-    assert!(message(equilibrium(&finger, &on_joint, [0.1, 0.0], 0.0)).contains("0.00e0 mm from its joint"));
-    assert!(equilibrium(&finger, &on_joint, [0.1, 0.0], 0.5).is_ok(), "friction on the surface has a lever arm");
-
-    // l12 and l22 in line; l11 and l12 in line.
-    let mut folded = end;
+    let [mut folded, mut dead_point] = [end, end];
     folded.posture.q12_rad = end.posture.q21_rad + end.posture.q22_rad - end.posture.q11_rad;
-    assert!(message(equilibrium(&finger, &folded, [0.1, 0.0], 0.0)).contains("l12 and l22 are in line"));
-    let mut dead_point = end;
     dead_point.posture.q12_rad = 0.0;
-    assert!(message(equilibrium(&finger, &dead_point, [0.1, 0.0], 0.0)).contains("l11 and l12 are in line"));
+    let on_joint = phalanx::gripper::FinalPosture { l_c22_m: 0.0, ..end };
+    for (end, load, mu, reason) in [
+        (end, f64::NAN, [0.0; 2], "load on q11 is NaN"),
+        (end, 0.1, [-0.1; 2], "mu_static is -0.1"),
+        (end, 0.1, [0.1, f64::INFINITY], "mu_static is inf"),
+        (on_joint, 0.1, [0.0; 2], "0.00e0 mm from its joint"),
+        (folded, 0.1, [0.0; 2], "l12 and l22 are in line"),
+        (dead_point, 0.1, [0.0; 2], "l11 and l12 are in line"),
+    ] {
+        let error = equilibrium_with_mu(&finger, &end, [load, 0.0], mu).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+    assert!(drive_loads(&finger, &end, f64::INFINITY, None).is_err());
+    assert!(equilibrium(&finger, &on_joint, [0.1, 0.0], 0.5).is_ok(), "friction on the surface has a lever arm");
 }
 
 #[test]

@@ -97,13 +97,6 @@ fn design_95_at_rest_differs_from_its_simulation_only_by_penetration_and_weight(
     let weightless = weightless(&scene);
     assert_near([at_rest.f21_n, at_rest.f22_n], balance(&weightless, &end), 1e-12);
     assert_near([at_rest.f21_n, at_rest.f22_n], balance(&weightless, &penetrated), 3e-3);
-    let contributions = [balance(&scene, &end), balance(&weightless, &penetrated)];
-    println!(
-        "at rest {at_rest:?}, with weight {:?}, with penetration {:?}, simulated {:?}",
-        contributions[0],
-        contributions[1],
-        forces(&last)
-    );
     assert_near(forces(&last), at_rest, 1e-2);
 }
 
@@ -137,6 +130,5 @@ fn stiffer_contacts_reduce_the_difference() {
         (f21 / static_forces.f21_n - 1.0).abs().max((f22 / static_forces.f22_n - 1.0).abs())
     };
     let (soft, stiffer) = (deviation(&soft), deviation(&stiffer));
-    println!("deviation {soft:e}, with stiff contacts {stiffer:e}");
     assert!(stiffer < 0.5 * soft, "{soft:e} {stiffer:e}");
 }

@@ -1,6 +1,6 @@
 //! Every field of a scene: its type, allowed values and current value.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::scene::schema::schema_for;
 use crate::scene::{Keyword, Scene, show_written};
@@ -66,33 +66,25 @@ fn collect(
     found: &mut Vec<Value>,
 ) {
     let join = |key: &str| if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
-    let child_table = |table: Option<&toml::Table>, key: &str| table.and_then(|table| table.get(key).cloned());
-    let mut names = keys(schema);
+    let properties = schema.get("properties").and_then(Value::as_object).into_iter().flatten();
+    let mut names: Vec<(&String, &Value)> = properties.collect();
     // Tables named by the user, such as discs: one for each name in the scene.
     let free_schema = schema.get("additionalProperties").filter(|schema_value| schema_value.is_object());
     if let (Some(item_schema), Some(resolved)) = (free_schema, resolved) {
-        names.extend(resolved.keys().map(|key| (key.clone(), item_schema.clone())));
+        names.extend(resolved.keys().map(|key| (key, item_schema)));
     }
-    for (key, property) in &names {
-        let (value, written_value) = (child_table(resolved, key), child_table(written, key));
+    for (key, property) in names {
+        let [value, written_value] = [resolved, written].map(|table| table.and_then(|table| table.get(key)));
         if path.is_empty() && UNUSED.contains(&key.as_str()) {
             continue;
         }
         if is_table(property) {
-            let (value, written_value) = (
-                value.as_ref().and_then(toml::Value::as_table),
-                written_value.as_ref().and_then(toml::Value::as_table),
-            );
+            let [value, written_value] = [value, written_value].map(|value| value.and_then(toml::Value::as_table));
             collect(property, &join(key), value, written_value, found);
         } else if !(path.is_empty() && ["name", "description", "kind", "extends"].contains(&key.as_str())) {
-            found.push(field(path, key, &join(key), property, value.as_ref(), written_value.is_some()));
+            found.push(field(path, key, &join(key), property, value, written_value.is_some()));
         }
     }
-}
-
-fn keys(schema: &Value) -> Vec<(String, Value)> {
-    let keys: Option<&Map<String, Value>> = schema.get("properties").and_then(Value::as_object);
-    keys.into_iter().flatten().map(|(key, property)| (key.clone(), property.clone())).collect()
 }
 
 fn is_table(property: &Value) -> bool {
@@ -147,10 +139,7 @@ fn number_and_unit(value: Option<&toml::Value>) -> (Option<f64>, String) {
     match value {
         Some(toml::Value::String(text)) => {
             let (number, unit) = split_quantity(text);
-            match number.parse::<f64>() {
-                Ok(number) => (Some(number), unit.to_string()),
-                Err(_) => (None, String::new()),
-            }
+            number.parse().map_or((None, String::new()), |number| (Some(number), unit.to_string()))
         }
         Some(toml::Value::Integer(number)) => (Some(*number as f64), String::new()),
         Some(toml::Value::Float(number)) => (Some(*number), String::new()),

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::decimate::{MAX_SAMPLES, select_samples};
-use super::panels::{PanelPlan, panels};
+use super::panels::{PanelPlan, Scale, panels};
 use crate::drawing::{self, Drawing, Pose};
 use crate::format::Report;
 use crate::format::object::Named;
@@ -75,20 +75,6 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    Linear,
-    /// Linear about 0, logarithmic beyond: shows 8 N and 8 kN in one plot, with their signs.
-    Logarithmic,
-}
-
-/// Serialised as whether the scale is logarithmic.
-impl Serialize for Scale {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_bool(*self == Scale::Logarithmic)
-    }
-}
-
 /// One curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series {
@@ -117,14 +103,17 @@ pub struct EventMarker {
 /// Maximum number of pairs of discs shown if no pair has contact.
 const MAX_IDLE_PAIRS: usize = 6;
 
-const POSITIONS: [(&str, fn(&Pose) -> f64); 3] =
+/// Key of a quantity, and the function that extracts it.
+type Quantity<T> = (&'static str, fn(&T) -> f64);
+
+const POSITIONS: [Quantity<Pose>; 3] =
     [("x_m", |pose| pose.position_m[0]), ("y_m", |pose| pose.position_m[1]), ("angle_rad", |pose| pose.angle_rad)];
-const RATES: [(&str, fn(&Pose) -> f64); 3] = [
+const RATES: [Quantity<Pose>; 3] = [
     ("vx_m_s", |rate| rate.position_m[0]),
     ("vy_m_s", |rate| rate.position_m[1]),
     ("spin_rad_s", |rate| rate.angle_rad),
 ];
-const CONTACT_QUANTITIES: [(&str, fn(&ContactSample) -> f64); 8] = [
+const CONTACT_QUANTITIES: [Quantity<ContactSample>; 8] = [
     ("gap_m", |contact| contact.gap_m),
     ("gap_rate_m_s", |contact| contact.gap_rate_m_s),
     ("normal_n", |contact| contact.normal_n),
@@ -191,14 +180,14 @@ pub fn build_playback(
     let body = |(index, body): (usize, drawing::Body)| {
         let quantities =
             POSITIONS.iter().map(|quantity| (quantity, &poses)).chain(RATES.iter().map(|rate| (rate, &rates)));
-        let column = |((key, value), all): (&(&str, fn(&Pose) -> f64), &Vec<Vec<Pose>>)| {
+        let column = |((key, value), all): (&Quantity<Pose>, &Vec<Vec<Pose>>)| {
             (key.to_string(), table.push(all.iter().map(|poses| value(&poses[index]))))
         };
         Body { body, columns: quantities.map(column).collect() }
     };
     let bodies = drawing.bodies.into_iter().enumerate().map(body).collect();
     let contact = |(index, name): &(usize, String)| {
-        let column = |(key, value): &(&str, fn(&ContactSample) -> f64)| {
+        let column = |(key, value): &Quantity<ContactSample>| {
             (key.to_string(), table.push(selected.iter().map(|sample| value(&sample.contacts[*index]))))
         };
         ContactSeries { name: name.clone(), columns: CONTACT_QUANTITIES.iter().map(column).collect() }

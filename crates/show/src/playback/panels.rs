@@ -1,9 +1,24 @@
 //! The plots of a run: the same quantities of several contacts, bodies or fingers over time.
 
-use super::build::Scale;
+use serde::{Serialize, Serializer};
+
 use crate::numeric::plane::wrap_angle;
 use crate::scene::{GripperContact, Side, System};
 use crate::trace::{BodyState, ContactSample, Energy, FingerContact, FingerState, Sample};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    Linear,
+    /// Linear about 0, logarithmic beyond: shows 8 N and 8 kN in one plot, with their signs.
+    Logarithmic,
+}
+
+/// Serialised as whether the scale is logarithmic.
+impl Serialize for Scale {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_bool(*self == Scale::Logarithmic)
+    }
+}
 
 /// Function that extracts a number from a sample.
 pub(super) type Value = Box<dyn Fn(&Sample) -> f64>;

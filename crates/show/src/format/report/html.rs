@@ -66,14 +66,8 @@ fn table(table: &Table, title: &str, number: usize) -> String {
     let heads = header(table, columns);
     let rows: String = rows.iter().map(|row| body_row(row, columns)).collect();
     format!(
-        "{caption}<div class=\"grid\" tabindex=\"0\" role=\"region\" {name}><table>\n{heads}<tbody>\n{rows}</tbody>{}</table></div>\n",
-        separator(table)
+        "{caption}<div class=\"grid\" tabindex=\"0\" role=\"region\" {name}><table>\n{heads}<tbody>\n{rows}</tbody>\n</table></div>\n"
     )
-}
-
-/// Separator between elements of a table: a line end if the table has no caption, else empty.
-fn separator(table: &Table) -> &'static str {
-    if table.caption.is_empty() { "\n" } else { "" }
 }
 
 /// Renders the header as one row. Prose columns are aligned left.
@@ -84,12 +78,11 @@ fn header(table: &Table, columns: usize) -> String {
     let cell = |column: usize| {
         let class = if table.is_prose_column(column) { " class=\"words\"" } else { "" };
         match table.header_text(column) {
-            text if text.is_empty() && table.caption.is_empty() => "<td></td>".to_string(),
+            text if text.is_empty() => "<td></td>".to_string(),
             text => format!("<th scope=\"col\"{class}>{}</th>", escape_markup(&text)),
         }
     };
-    let separator = separator(table);
-    format!("<thead>{separator}<tr>{}</tr>{separator}</thead>\n", (0..columns).map(cell).collect::<String>())
+    format!("<thead>\n<tr>{}</tr>\n</thead>\n", (0..columns).map(cell).collect::<String>())
 }
 
 fn body_row(row: &[Cell], columns: usize) -> String {
