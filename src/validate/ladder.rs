@@ -151,20 +151,17 @@ pub fn reference_configuration(scene: &Scene) -> SolverConfiguration {
 /// Parameters that distinguish a configuration within its family: label, key in `[engine]`, and value.
 fn parameters(configuration: &SolverConfiguration) -> Vec<(&'static str, &'static str, String)> {
     match configuration.settings {
-        Settings::Analytic(Integrator { method: Method::Rodas5p, rtol, .. }) => {
-            vec![("rodas5p rtol", "rtol", format!("{rtol:e}"))]
-        }
-        Settings::Analytic(Integrator { method: Method::RadauIIa5, rtol, .. }) => {
-            vec![("radau5 rtol", "rtol", format!("{rtol:e}"))]
+        Settings::Analytic(Integrator { method, rtol, .. }) => {
+            let label = if method == Method::Rodas5p { "rodas5p rtol" } else { "radau5 rtol" };
+            vec![(label, "rtol", format!("{rtol:e}"))]
         }
         Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => {
             vec![("dt", "step", format!("{step_s:e} s"))]
         }
         Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
             let max_step = ("dt to", "max_step", format!("{max_step_s:e} s"));
-            let has_max_step = max_step_s != ENGINE_MAX_STEP_S;
-            let tolerance = ("tolerance", "tolerance", format!("{tolerance_m:e} m"));
-            std::iter::once(tolerance).chain(has_max_step.then_some(max_step)).collect()
+            let max_step = (max_step_s != ENGINE_MAX_STEP_S).then_some(max_step);
+            [Some(("tolerance", "tolerance", format!("{tolerance_m:e} m"))), max_step].into_iter().flatten().collect()
         }
     }
 }
@@ -184,25 +181,54 @@ pub(super) fn engine_keys(configuration: &SolverConfiguration) -> String {
 /// Returns all configurations for a scene, grouped by family, including the scene's own. `quick` omits those that take
 /// long.
 pub fn ladder_configurations(scene: &Scene, quick: bool) -> Vec<SolverConfiguration> {
+    // The number of solver iterations is the scene's if its contact model is of the same kind.
+    let engine = |construction: Construction, response: Response, stepping: Stepping| {
+        let is_same_contact = matches!(response, Response::Laws) == matches!(scene.engine.response, Response::Laws);
+        let iterations = if is_same_contact { scene.engine.iterations } else { Engine::default_iterations(response) };
+        Engine { construction, response, stepping, iterations, ..scene.engine }
+    };
+    let fixed = |construction: Construction, response: Response, steps_s: &[f64]| {
+        let allowed = steps_s.iter().filter(|&&step_s| !quick || step_s >= MIN_QUICK_STEP_S);
+        allowed.map(|&step_s| engine(construction, response, Stepping::Fixed { step_s })).collect::<Vec<_>>()
+    };
     let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
-    let mut engines = adaptive_step_engines(scene);
-    engines.extend(fixed_step_engines(scene, maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
+    // Adaptive steps are coarser and finer than the scene's, or than the default if the scene has fixed steps.
+    let adaptive = match scene.engine.stepping {
+        Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
+        adaptive @ Stepping::Adaptive { .. } => adaptive,
+    };
+    let factors: &[f64] = if is_single_finger(scene) { &[100.0, 10.0, 1.0, 0.1] } else { &[100.0, 1.0, 0.01] };
+    let scaled = factors.iter().map(|&factor| scaled_stepping(scene, adaptive, factor));
+    let mut engines: Vec<Engine> = scaled.map(|stepping| engine(maximal, Response::Laws, stepping)).collect();
+    engines.extend(fixed(maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7]));
     if is_single_finger(scene) && !quick {
-        engines.extend(fixed_step_engines(scene, reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
+        engines.extend(fixed(reduced, Response::Laws, &[1e-4, 1e-5, 1e-6]));
     }
     if let Some(friction) = contact_static_friction(scene) {
-        let native = Response::Rapier { friction, restitution: 0.0 };
-        engines.extend(fixed_step_engines(scene, maximal, native, &[1e-4, 1e-5, 1e-6], quick));
+        engines.extend(fixed(maximal, Response::Rapier { friction, restitution: 0.0 }, &[1e-4, 1e-5, 1e-6]));
     }
-    let scene_engine = scene.engine;
-    if !engines.contains(&scene_engine) {
-        let family = Family::from_engine(&scene_engine);
+    if !engines.contains(&scene.engine) {
+        let family = Family::from_engine(&scene.engine);
         let last_of_family = engines.iter().rposition(|engine| Family::from_engine(engine) == family);
-        engines.insert(last_of_family.map_or(engines.len(), |index| index + 1), scene_engine);
+        engines.insert(last_of_family.map_or(engines.len(), |index| index + 1), scene.engine);
     }
-    let engines = engines.into_iter().map(|engine| SolverConfiguration::engine(engine, scene));
-    let analytic = analytic_integrators(scene).into_iter();
-    engines.chain(analytic.map(|integrator| SolverConfiguration::analytic(integrator, scene))).collect()
+    // The engineering preset with all tolerances scaled, and two configurations with the method of the reference.
+    let (engineering, reference) = (Integrator::preset(Preset::Engineering), reference_scene(scene).integrator);
+    let with_rtol = |preset: Integrator, rtol: f64| {
+        let factor = rtol / preset.rtol;
+        Integrator {
+            preset: if factor == 1.0 { preset.preset } else { Preset::Engineering },
+            rtol,
+            atol_angle_rad: rounded(preset.atol_angle_rad, factor),
+            atol_rate_rad_s: rounded(preset.atol_rate_rad_s, factor),
+            max_steps: scene.integrator.max_steps,
+            ..preset
+        }
+    };
+    let rodas = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8].map(|rtol| with_rtol(engineering, rtol));
+    let radau = [1e-8, reference.rtol].map(|rtol| with_rtol(reference, rtol));
+    let analytic = rodas.into_iter().chain(radau).map(|integrator| SolverConfiguration::analytic(integrator, scene));
+    engines.into_iter().map(|engine| SolverConfiguration::engine(engine, scene)).chain(analytic).collect()
 }
 
 /// Returns configurations of the engine finer than the scene's, each by a factor of ten, from coarse to fine, up to
@@ -212,81 +238,31 @@ pub fn finer_configurations(scene: &Scene, scene_steps: u64) -> Vec<SolverConfig
     if matches!(scene.engine.response, Response::Rapier { .. }) {
         return Vec::new();
     }
-    let refine = |factor: f64| match scene.engine.stepping {
-        Stepping::Fixed { step_s } => Stepping::Fixed { step_s: scaled(step_s, factor) },
-        Stepping::Adaptive { tolerance_m, max_step_s } => {
-            // Without joints, the longest step limits the accuracy, not the tolerance.
-            let step_factor = if is_single_finger(scene) { 1.0 } else { factor.sqrt() };
-            Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s: scaled(max_step_s, step_factor) }
-        }
+    let refine = |factor: f64| {
+        let stepping = scaled_stepping(scene, scene.engine.stepping, factor);
+        SolverConfiguration::engine(Engine { stepping, ..scene.engine }, scene)
     };
-    let configurations = [0.1, 0.01, 1e-3, 1e-4]
-        .map(|factor| SolverConfiguration::engine(Engine { stepping: refine(factor), ..scene.engine }, scene));
     let is_short = |configuration: &SolverConfiguration| {
         configuration.predicted_steps(scene, scene_steps).is_none_or(|steps| steps <= MAX_FINER_STEPS)
     };
-    configurations.into_iter().filter(is_short).collect()
+    [0.1, 0.01, 1e-3, 1e-4].map(refine).into_iter().filter(is_short).collect()
 }
 
-/// Adaptive stepping with coarser and finer tolerances than the scene's, or than the default if the scene has fixed
-/// steps. Without joints, the tolerance rarely limits a step, so the longest step is scaled with its square root.
-fn adaptive_step_engines(scene: &Scene) -> Vec<Engine> {
-    let stepping = match scene.engine.stepping {
-        Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
-        adaptive @ Stepping::Adaptive { .. } => adaptive,
-    };
-    let Stepping::Adaptive { tolerance_m, max_step_s } = stepping else { return Vec::new() };
-    let scaled_engine = |[factor, step_factor]: [f64; 2]| {
-        let (tolerance_m, max_step_s) = (scaled(tolerance_m, factor), scaled(max_step_s, step_factor));
-        engine(scene, Construction::Maximal, Response::Laws, Stepping::Adaptive { tolerance_m, max_step_s })
-    };
-    match is_single_finger(scene) {
-        true => [100.0, 10.0, 1.0, 0.1].map(|factor| scaled_engine([factor, 1.0])).to_vec(),
-        false => [[100.0, 10.0], [1.0, 1.0], [0.01, 0.1]].map(scaled_engine).to_vec(),
+/// Returns a stepping with its step or tolerance scaled. Without joints, the tolerance rarely limits a step, so the
+/// longest step is scaled with its square root.
+fn scaled_stepping(scene: &Scene, stepping: Stepping, factor: f64) -> Stepping {
+    let step_factor = if is_single_finger(scene) { 1.0 } else { factor.sqrt() };
+    match stepping {
+        Stepping::Fixed { step_s } => Stepping::Fixed { step_s: rounded(step_s, factor) },
+        Stepping::Adaptive { tolerance_m, max_step_s } => Stepping::Adaptive {
+            tolerance_m: rounded(tolerance_m, factor),
+            max_step_s: rounded(max_step_s, step_factor),
+        },
     }
 }
 
-fn fixed_step_engines(
-    scene: &Scene,
-    construction: Construction,
-    response: Response,
-    steps_s: &[f64],
-    quick: bool,
-) -> Vec<Engine> {
-    let allowed = steps_s.iter().filter(|&&step_s| !quick || step_s >= MIN_QUICK_STEP_S);
-    allowed.map(|&step_s| engine(scene, construction, response, Stepping::Fixed { step_s })).collect()
-}
-
-/// Returns the engine of the scene with another construction and stepping. The number of solver iterations is the
-/// scene's if its contact model is of the same kind, and the default otherwise.
-fn engine(scene: &Scene, construction: Construction, response: Response, stepping: Stepping) -> Engine {
-    let scene_engine = scene.engine;
-    let is_same_contact = matches!(response, Response::Laws) == matches!(scene_engine.response, Response::Laws);
-    let iterations = if is_same_contact { scene_engine.iterations } else { Engine::default_iterations(response) };
-    Engine { construction, response, stepping, iterations, ..scene_engine }
-}
-
-/// Returns the engineering preset with all tolerances scaled, and two configurations with the method of the reference.
-fn analytic_integrators(scene: &Scene) -> Vec<Integrator> {
-    let (engineering, reference) = (Integrator::preset(Preset::Engineering), reference_scene(scene).integrator);
-    let with_rtol = |preset: Integrator, rtol: f64| {
-        let factor = rtol / preset.rtol;
-        Integrator {
-            preset: if factor == 1.0 { preset.preset } else { Preset::Engineering },
-            rtol,
-            atol_angle_rad: scaled(preset.atol_angle_rad, factor),
-            atol_rate_rad_s: scaled(preset.atol_rate_rad_s, factor),
-            max_steps: scene.integrator.max_steps,
-            ..preset
-        }
-    };
-    let rodas = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8].map(|rtol| with_rtol(engineering, rtol));
-    let radau = [1e-8, reference.rtol].map(|rtol| with_rtol(reference, rtol));
-    rodas.into_iter().chain(radau).collect()
-}
-
-/// Returns a value times a power of ten, rounded to ten digits so that tables show no rounding errors.
-fn scaled(value: f64, factor: f64) -> f64 {
+/// Returns a value times a factor, rounded to ten digits so that tables show no rounding errors.
+fn rounded(value: f64, factor: f64) -> f64 {
     if factor == 1.0 { value } else { format!("{:.9e}", value * factor).parse().unwrap_or(value * factor) }
 }
 
@@ -297,15 +273,6 @@ pub struct LadderOptions {
     pub quick: bool,
     /// Time limit, s. Configurations are started as long as the expected total time is below it.
     pub time_s: f64,
-}
-
-/// Progress of the evaluation of a ladder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress<'a> {
-    pub done: usize,
-    pub total: usize,
-    /// Name of the next family.
-    pub next: &'a str,
 }
 
 /// Whether a configuration was evaluated.
@@ -380,7 +347,7 @@ impl LadderRow {
 
 /// Adds the ladder to a validation: other configurations of both models, compared with the same references and timed,
 /// but not judged. They run sequentially, because their times are measured, in order of their predicted number of
-/// steps.
+/// steps. `report_progress` receives the number of evaluated and of all configurations, and the family of the next.
 ///
 /// # Errors
 /// Returns an error if the scene's own configuration failed or `keep_running` returned false. A failure of any other
@@ -389,7 +356,7 @@ pub fn run_ladder(
     validation: &mut Validation,
     full_scene: &Scene,
     options: LadderOptions,
-    report_progress: &mut dyn FnMut(Progress),
+    report_progress: &mut dyn FnMut(usize, usize, &str),
     keep_running: SyncKeepRunning,
 ) -> Result<(), ValidationError> {
     let scene = &compared_scene(full_scene);
@@ -408,7 +375,7 @@ pub fn run_ladder(
     // Wall time per step of the engine at the scene's settings.
     let mut step_wall_s = 0.0;
     for (done, (index, configuration)) in order.into_iter().enumerate() {
-        report_progress(Progress { done, total, next: configuration.family.name() });
+        report_progress(done, total, configuration.family.name());
         let remaining_s = options.time_s - start.elapsed().as_secs_f64();
         let has_time = remaining_s > 0.0 && steps(&configuration) * step_wall_s < remaining_s;
         let row = match is_always_run(&configuration) || has_time {

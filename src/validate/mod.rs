@@ -41,9 +41,9 @@ mod verdict;
 pub use crate::numeric::plane::wrap_angle;
 pub use difference::{Angle, Comparison, CoordinateError, Differences, compare, coordinate_errors, largest};
 pub use ladder::{
-    Cost, Family, LADDER_TIME_S, LadderOptions, LadderRow, MAX_PREDICTED_STEPS, Progress, Settings,
-    SolverConfiguration, Status, configuration_name, finer_configurations, ladder_configurations,
-    reference_configuration, run_ladder, scene_configuration,
+    Cost, Family, LADDER_TIME_S, LadderOptions, LadderRow, MAX_PREDICTED_STEPS, Settings, SolverConfiguration, Status,
+    configuration_name, finer_configurations, ladder_configurations, reference_configuration, run_ladder,
+    scene_configuration,
 };
 pub use recording::{IMPACT_S, Impact, Impacts, Recording, record, record_cancellable};
 pub use scenes::{
