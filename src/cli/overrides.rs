@@ -1,6 +1,7 @@
 //! Flags of `phalanx run` that override fields of the scene.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::Failure;
 use crate::scene::{Construction, Preset, Scene};
@@ -8,37 +9,29 @@ use crate::trace::Model;
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
 pub(super) use crate::units::parse_positive;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum PresetArg {
-    /// For everyday runs
-    Engineering,
-    /// Tight tolerances, for reference results
-    Reference,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ConstructionArg {
-    /// Free bodies; every joint is a constraint
-    Maximal,
-    /// Joint coordinates of a tree, closed by one constraint
-    Reduced,
+/// Returns a parser of one of two named values.
+fn one_of<T: Copy + Send + Sync + 'static>(choices: [(&'static str, T); 2]) -> impl TypedValueParser<Value = T> {
+    let [(first, _), (second, _)] = choices;
+    PossibleValuesParser::new([first, second]).map(move |name| choices[usize::from(name == second)].1)
 }
 
 /// Settings of the simulation given on the command line.
 #[derive(Debug, Args)]
 pub struct Overrides {
-    /// Preset of integrator method and tolerances of the analytic model [default: as in the scene]
-    #[arg(long, value_enum)]
-    preset: Option<PresetArg>,
+    /// Preset of integrator method and tolerances of the analytic model: engineering for everyday runs, reference for
+    /// reference results with tight tolerances [default: as in the scene]
+    #[arg(long, value_parser = one_of([("engineering", Preset::Engineering), ("reference", Preset::Reference)]))]
+    preset: Option<Preset>,
 
     /// Relative tolerance of the analytic model [default: from the scene or preset]; absolute tolerances are scaled by
     /// the same factor
     #[arg(long, value_name = "X", value_parser = rtol)]
     rtol: Option<String>,
 
-    /// Coordinates of the engine model [default: as in the scene]
-    #[arg(long, value_enum)]
-    construction: Option<ConstructionArg>,
+    /// Coordinates of the engine model: maximal for free bodies, whose joints are all constraints; reduced for joint
+    /// coordinates of a tree, closed by one constraint [default: as in the scene]
+    #[arg(long, value_parser = one_of([("maximal", Construction::Maximal), ("reduced", Construction::Reduced)]))]
+    construction: Option<Construction>,
 
     /// Use fixed steps of this size in the engine model, such as "1 us" [default: stepping of the scene]
     #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
@@ -70,22 +63,15 @@ impl Overrides {
     /// Returns an error if a flag belongs to the model that is not run, or if a flag for fingers is given for a scene
     /// of discs.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
-        let Overrides { rtol, step, tolerance, duration, numeric_rate, picture_rate, .. } = self;
         let overrides = overrides::Overrides {
-            preset: self.preset.map(|preset| match preset {
-                PresetArg::Engineering => Preset::Engineering,
-                PresetArg::Reference => Preset::Reference,
-            }),
-            rtol: rtol.clone(),
-            construction: self.construction.map(|construction| match construction {
-                ConstructionArg::Maximal => Construction::Maximal,
-                ConstructionArg::Reduced => Construction::Reduced,
-            }),
-            step: step.clone(),
-            tolerance: tolerance.clone(),
-            duration_s: *duration,
-            numeric_rate: numeric_rate.clone(),
-            picture_rate: picture_rate.clone(),
+            preset: self.preset,
+            rtol: self.rtol.clone(),
+            construction: self.construction,
+            step: self.step.clone(),
+            tolerance: self.tolerance.clone(),
+            duration_s: self.duration,
+            numeric_rate: self.numeric_rate.clone(),
+            picture_rate: self.picture_rate.clone(),
         };
         overrides.apply(model, scene).map_err(Failure::bad_input)
     }
