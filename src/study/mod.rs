@@ -11,6 +11,7 @@
 //! | `optimize` | optimal designs over ranges of scene fields |
 //! | `pool` | thread pool of the studies |
 //! | `provenance` | provenance file of sweep results |
+//! | `quantity` | short names and common units of columns and keys |
 //! | `random` | reproducible random numbers |
 //! | `reproduce` | figures of the thesis, recomputed and compared with the printed ones |
 //! | `select` | selection and ranking of the designs of a sweep |
@@ -30,6 +31,7 @@ pub mod parts;
 mod pool;
 pub mod posture;
 pub mod provenance;
+pub mod quantity;
 mod random;
 pub mod reproduce;
 pub mod select;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::ladder::{LadderRow, engine_keys};
+use super::configuration::{LadderRow, engine_keys};
 use super::scenes::{modify, reference_path_bound};
 use super::verdict::{Evidence, REFERENCE_BOUNDS, judge};
 use super::{
