@@ -287,7 +287,7 @@ pub fn validate<'py>(
     let validation = interruptible::run(py, |keep_running| {
         let mut validation = phalanx::validate::validate(&scene.scene, keep_running)?;
         if let Some(options) = ladder_options {
-            run_ladder(&mut validation, &scene.scene, options, &mut |_| {}, keep_running)?;
+            run_ladder(&mut validation, &scene.scene, options, &mut |_, _, _| {}, keep_running)?;
         }
         Ok(validation)
     })?;

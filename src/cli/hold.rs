@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::choice_args::ModelArg;
 use super::interrupt::{interrupted, run_study};
@@ -15,7 +16,7 @@ use crate::format::ToReport;
 use crate::plot;
 use crate::report::hold::hold_csv;
 use crate::scene::Axis;
-use crate::study::hold::{HoldError, Loads, Plan, hold};
+use crate::study::hold::{HoldError, Loads, Plan, axis_name, hold};
 use crate::study::require_gripper;
 use crate::units::Dimension;
 
@@ -72,9 +73,17 @@ pub struct HoldArgs {
     )]
     vibration: Option<Frequencies>,
 
-    /// Axes of the vibrations; angle is the rotation about the middle of the palm
-    #[arg(long, value_enum, value_name = "AXES", value_delimiter = ',', default_value = "x,y", requires = "vibration")]
-    along: Vec<AxisArg>,
+    /// Axes of the vibrations: x along the palm, y perpendicular to it; angle is the rotation about the middle of the
+    /// palm
+    #[arg(
+        long,
+        value_parser = PossibleValuesParser::new(AXES.map(axis_name)).map(|name| parse_axis(&name)),
+        value_name = "AXES",
+        value_delimiter = ',',
+        default_value = "x,y",
+        requires = "vibration"
+    )]
+    along: Vec<Axis>,
 
     /// Scale the duration of the scene's own moves instead of applying pulses; a scene without moves gets 25 mm up,
     /// 305 mm across and 25 mm down
@@ -133,28 +142,14 @@ pub struct HoldArgs {
 /// Files in the output directory.
 const FILES: [&str; 4] = ["hold.json", "hold.csv", "hold.svg", "hold.txt"];
 
-/// Distinct frequencies in Hz, in ascending order.
+/// Frequencies in Hz, in ascending order.
 #[derive(Clone, Debug, PartialEq)]
 struct Frequencies(Vec<f64>);
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum AxisArg {
-    /// Along the palm
-    X,
-    /// Perpendicular to the palm
-    Y,
-    /// Rotation about the middle of the palm
-    Angle,
-}
+const AXES: [Axis; 3] = [Axis::X, Axis::Y, Axis::Angle];
 
-impl From<AxisArg> for Axis {
-    fn from(arg: AxisArg) -> Self {
-        match arg {
-            AxisArg::X => Axis::X,
-            AxisArg::Y => Axis::Y,
-            AxisArg::Angle => Axis::Angle,
-        }
-    }
+fn parse_axis(name: &str) -> Axis {
+    AXES.into_iter().find(|axis| axis_name(*axis) == name).unwrap_or(Axis::X)
 }
 
 /// Runs `phalanx hold`.
@@ -190,8 +185,7 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
 fn build_plan(args: &HoldArgs) -> Result<Plan, Failure> {
     let loads = match (&args.vibration, args.moves) {
         (Some(Frequencies(frequencies_hz)), _) => {
-            let axes = args.along.iter().map(|axis| Axis::from(*axis)).collect();
-            Loads::Vibrations { axes, frequencies_hz: frequencies_hz.clone() }
+            Loads::Vibrations { axes: args.along.clone(), frequencies_hz: frequencies_hz.clone() }
         }
         (None, true) => Loads::Move,
         (None, false) => Loads::Pulses { directions: args.directions, length_s: args.pulse },
@@ -224,8 +218,5 @@ fn parse_frequencies(text: &str) -> Result<Frequencies, String> {
     let parse_item = |item: &str| positive(Dimension::Frequency, example)(item.trim());
     let mut values = text.split(',').map(parse_item).collect::<Result<Vec<f64>, _>>()?;
     values.sort_by(f64::total_cmp);
-    match values.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(format!("{} Hz is given twice; expected {example}", pair[0])),
-        None => Ok(Frequencies(values)),
-    }
+    Ok(Frequencies(values))
 }

@@ -1,43 +1,36 @@
 //! Flags of `phalanx run` that override fields of the scene.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::Failure;
 use crate::scene::{Construction, Preset, Scene};
 use crate::trace::Model;
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum PresetArg {
-    /// For everyday runs
-    Engineering,
-    /// Tight tolerances, for reference results
-    Reference,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ConstructionArg {
-    /// Free bodies; every joint is a constraint
-    Maximal,
-    /// Joint coordinates of a tree, closed by one constraint
-    Reduced,
+/// Returns a parser of one of two named values.
+fn one_of<T: Copy + Send + Sync + 'static>(choices: [(&'static str, T); 2]) -> impl TypedValueParser<Value = T> {
+    let [(first, _), (second, _)] = choices;
+    PossibleValuesParser::new([first, second]).map(move |name| choices[usize::from(name == second)].1)
 }
 
 /// Settings of the simulation given on the command line.
 #[derive(Debug, Args)]
 pub struct Overrides {
-    /// Preset of integrator method and tolerances of the analytic model [default: as in the scene]
-    #[arg(long, value_enum)]
-    preset: Option<PresetArg>,
+    /// Preset of integrator method and tolerances of the analytic model: engineering for everyday runs, reference for
+    /// reference results with tight tolerances [default: as in the scene]
+    #[arg(long, value_parser = one_of([("engineering", Preset::Engineering), ("reference", Preset::Reference)]))]
+    preset: Option<Preset>,
 
     /// Relative tolerance of the analytic model [default: from the scene or preset]; absolute tolerances are scaled by
     /// the same factor
     #[arg(long, value_name = "X", value_parser = rtol)]
     rtol: Option<f64>,
 
-    /// Coordinates of the engine model [default: as in the scene]
-    #[arg(long, value_enum)]
-    construction: Option<ConstructionArg>,
+    /// Coordinates of the engine model: maximal for free bodies, whose joints are all constraints; reduced for joint
+    /// coordinates of a tree, closed by one constraint [default: as in the scene]
+    #[arg(long, value_parser = one_of([("maximal", Construction::Maximal), ("reduced", Construction::Reduced)]))]
+    construction: Option<Construction>,
 
     /// Use fixed steps of this size in the engine model, such as "1 us" [default: stepping of the scene]
     #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
@@ -69,22 +62,15 @@ impl Overrides {
     /// Returns an error if a flag belongs to the model that is not run, or if a flag for fingers is given for a scene
     /// of discs.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
-        let Overrides { rtol, step, tolerance, duration, numeric_rate, picture_rate, .. } = self;
         let overrides = overrides::Overrides {
-            preset: self.preset.map(|preset| match preset {
-                PresetArg::Engineering => Preset::Engineering,
-                PresetArg::Reference => Preset::Reference,
-            }),
-            rtol: *rtol,
-            construction: self.construction.map(|construction| match construction {
-                ConstructionArg::Maximal => Construction::Maximal,
-                ConstructionArg::Reduced => Construction::Reduced,
-            }),
-            step_s: *step,
-            tolerance_m: *tolerance,
-            duration_s: *duration,
-            numeric_hz: *numeric_rate,
-            picture_hz: *picture_rate,
+            preset: self.preset,
+            rtol: self.rtol,
+            construction: self.construction,
+            step_s: self.step,
+            tolerance_m: self.tolerance,
+            duration_s: self.duration,
+            numeric_hz: self.numeric_rate,
+            picture_hz: self.picture_rate,
         };
         overrides.apply(model, scene).map_err(Failure::bad_input)
     }

@@ -24,7 +24,7 @@ use crate::scene::{Preset, Scene};
 use crate::trace::overrides::duration;
 use crate::trace::{Model, RunError};
 use crate::validate::{
-    LADDER_TIME_S, LadderOptions, Progress, Validation, ValidationError, check_sample_count, run_ladder, validate,
+    LADDER_TIME_S, LadderOptions, Validation, ValidationError, check_sample_count, run_ladder, validate,
 };
 
 /// Compare the engine with the analytic model and check the differences against the scene's bounds; --ladder compares
@@ -114,7 +114,7 @@ fn run_ladder_with_progress(
 ) -> Result<(), Failure> {
     let mut counter = RunCounter::new();
     let mut last = (0, 0);
-    let mut report_progress = |Progress { done, total, next }: Progress| {
+    let mut report_progress = |done: usize, total: usize, next: &str| {
         last = (done, total);
         counter.update(done, total, next);
     };

@@ -1,17 +1,10 @@
 //! Formatting for reports, pictures and pages.
 //!
-//! This module adds the parts needed by studies to `phalanx_show::format`.
-//!
-//! | file | job |
-//! |---|---|
-//! | `quantity` | short names and common units of columns and keys |
+//! This module adds the names of columns, criteria and conditions of studies to `phalanx_show::format`.
 
-pub mod quantity;
-
-pub use phalanx_show::format::{Report, ToReport, escape_markup, format_duration, is_unsafe_char, numbers, report};
-pub use quantity::Quantity;
-
+pub use crate::study::quantity::{self, Quantity};
 pub use crate::study::select::{condition_name, criterion_name};
+pub use phalanx_show::format::{Report, ToReport, escape_markup, format_duration, is_unsafe_char, numbers, report};
 
 /// Returns a count as a share of `total`, in percent with one decimal; a dash if `total` is 0.
 pub fn percent_of(count: usize, total: usize) -> String {

@@ -9,7 +9,8 @@ use crate::study::capture::{Capture, Placement};
 
 /// Draws the results of a capture study; objects that do not move are on the grey line.
 pub fn capture(found: &Capture) -> String {
-    let ended = |placement: &Placement| placement.outcome.as_ref().ok().map(|found| found.centre_m[0] * 1e3);
+    let ended =
+        |placement: &Placement| placement.outcome.as_ref().ok().map(|found| found.criteria.end.centre_m[0] * 1e3);
     let reach = found.plan.error_m * 1e3;
     let captured = found.placements.iter().filter(|placement| placement.is_captured());
     let x = Axis::from_range("object at the start, mm from the middle", -1.1 * reach, 1.1 * reach);
@@ -30,10 +31,10 @@ pub fn capture(found: &Capture) -> String {
 
 fn style(placement: &Placement) -> (Marker, Colour, &'static str) {
     match &placement.outcome {
-        Ok(found) if found.fate == Fate::Held && found.form_closed == Some(true) => {
+        Ok(found) if found.criteria.fate == Fate::Held && found.form_closed == Some(true) => {
             (Marker::Circle, GREEN, "held, form-closed")
         }
-        Ok(found) if found.fate == Fate::Held => (Marker::Circle, BLUE, "held"),
+        Ok(found) if found.criteria.fate == Fate::Held => (Marker::Circle, BLUE, "held"),
         Ok(_) => (Marker::Cross, ORANGE, "not held"),
         Err(_) => (Marker::Cross, SOFT, "simulation not completed"),
     }

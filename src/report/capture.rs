@@ -4,6 +4,7 @@ use serde_json::json;
 
 use super::rows::csv;
 use super::tables::milliseconds;
+use crate::criteria::GraspCriteria;
 use crate::format::numbers::{format_number, row, zero_below_resolution};
 use crate::format::report::{Report, Table, ToReport};
 use crate::study::capture::{Capture, Edge, Placement};
@@ -24,17 +25,17 @@ impl ToReport for Capture {
         ];
         let or_dash = |value: Option<f64>| value.map_or("–".to_string(), millimetres);
         for Placement { offset_m, geometric_form_closed, outcome } in &self.placements {
-            let found = outcome.as_ref().ok();
+            let found = outcome.as_ref().ok().map(|found| &found.criteria);
             rows.push(row([
                 &signed(*offset_m),
                 yes_or_no(*geometric_form_closed),
                 found.map_or("failed", |found| found.fate.name()),
-                &found.map_or("–".to_string(), |found| signed(found.centre_m[0])),
-                &or_dash(found.map(|found| found.centre_m[1])),
-                &or_dash(found.map(|found| found.speed_m_s)),
+                &found.map_or("–".to_string(), |found| signed(found.end.centre_m[0])),
+                &or_dash(found.map(|found| found.end.centre_m[1])),
+                &or_dash(found.map(GraspCriteria::end_speed_m_s)),
                 &milliseconds(found.and_then(|found| found.tts_s)),
                 &or_dash(found.and_then(|found| Some(found.slip?.displacement_m))),
-                yes_or_no(found.and_then(|found| found.form_closed)),
+                yes_or_no(outcome.as_ref().ok().and_then(|found| found.form_closed)),
             ]));
         }
         text.push(Table::new(&rows).header_rows(2));
@@ -83,7 +84,8 @@ fn captured_range(study: &Capture) -> String {
 /// Reports how far the held objects are centred.
 fn centring(study: &Capture) -> String {
     let held = study.placements.iter().filter(|placement| placement.is_captured() && placement.offset_m != 0.0);
-    let ends = held.filter_map(|it| Some((it.offset_m.abs(), it.outcome.as_ref().ok()?.centre_m[0].abs())));
+    let ends =
+        held.filter_map(|it| Some((it.offset_m.abs(), it.outcome.as_ref().ok()?.criteria.end.centre_m[0].abs())));
     let Some(worst_m) = ends.clone().map(|(_, end)| end).max_by(f64::total_cmp) else {
         return "Centred: no object that starts away from the middle is held.".to_string();
     };

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::criteria::{Fate, GraspCriteria, GraspTracker, Travel, is_form_closed};
+use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
 use crate::grasp::{geometric_posture, run};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
@@ -66,16 +66,10 @@ pub struct Placement {
 }
 
 /// Outcome of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RunOutcome {
-    pub fate: Fate,
-    pub tts_s: Option<f64>,
-    /// Position of the object at the end, m.
-    pub centre_m: [f64; 2],
-    pub angle_rad: f64,
-    pub speed_m_s: f64,
-    /// Slip after the time from which the object is held to the end.
-    pub slip: Option<Travel>,
+    /// Fate, time to stability, final state and slip of the object.
+    pub criteria: GraspCriteria,
     /// Form closure by the contacts active at the end; `None` if the object is not held.
     pub form_closed: Option<bool>,
     pub steps: u64,
@@ -84,7 +78,7 @@ pub struct RunOutcome {
 impl Placement {
     /// Whether the object is held at the end.
     pub fn is_captured(&self) -> bool {
-        self.outcome.as_ref().is_ok_and(|outcome| outcome.fate == Fate::Held)
+        self.outcome.as_ref().is_ok_and(|outcome| outcome.criteria.fate == Fate::Held)
     }
 }
 
@@ -110,16 +104,17 @@ impl Serialize for Capture {
 impl Serialize for Placement {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let found = self.outcome.as_ref().ok();
+        let criteria = found.map(|found| &found.criteria);
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("offset_m", &self.offset_m)?;
         map.serialize_entry("form_closed_there", &self.geometric_form_closed)?;
-        map.serialize_entry("fate", &found.map(|found| found.fate.name()))?;
-        map.serialize_entry("tts_s", &found.and_then(|found| found.tts_s))?;
-        map.serialize_entry("x_m", &found.map(|found| found.centre_m[0]))?;
-        map.serialize_entry("y_m", &found.map(|found| found.centre_m[1]))?;
-        map.serialize_entry("angle_rad", &found.map(|found| found.angle_rad))?;
-        map.serialize_entry("speed_m_s", &found.map(|found| found.speed_m_s))?;
-        map.serialize_entry("slip", &found.and_then(|found| found.slip))?;
+        map.serialize_entry("fate", &criteria.map(|found| found.fate.name()))?;
+        map.serialize_entry("tts_s", &criteria.and_then(|found| found.tts_s))?;
+        map.serialize_entry("x_m", &criteria.map(|found| found.end.centre_m[0]))?;
+        map.serialize_entry("y_m", &criteria.map(|found| found.end.centre_m[1]))?;
+        map.serialize_entry("angle_rad", &criteria.map(|found| found.end.angle_rad))?;
+        map.serialize_entry("speed_m_s", &criteria.map(GraspCriteria::end_speed_m_s))?;
+        map.serialize_entry("slip", &criteria.and_then(|found| found.slip))?;
         map.serialize_entry("form_closed", &found.and_then(|found| found.form_closed))?;
         map.serialize_entry("steps", &found.map(|found| found.steps))?;
         map.serialize_entry("reason", &self.outcome.as_ref().err())?;
@@ -224,7 +219,8 @@ fn find_edge(
     let Some(lost) = outward.get(captured).filter(|_| captured > 0) else {
         return Some(Edge { captured_m, lost_m: None });
     };
-    let next = |captured: f64, lost: f64| ((lost - captured).abs() > plan.tolerance_m).then(|| 0.5 * (captured + lost));
+    let next =
+        |captured: f64, lost: f64| ((lost - captured).abs() > plan.tolerance_m).then_some(0.5 * (captured + lost));
     let is_captured = |offset_m| Some(simulate_placement(plan.model, offset_m, load, keep_running)?.is_captured());
     let [captured_m, lost_m] = bisect([captured_m, lost.offset_m], next, is_captured)?;
     Some(Edge { captured_m, lost_m: Some(lost_m) })
@@ -248,17 +244,8 @@ fn simulate_placement(
     let mut tracker = GraspTracker::for_scene(&scene);
     let outcome = run(model, &scene, &mut tracker, keep_running)?.and_then(|outcome| {
         let criteria = tracker.criteria().ok_or("the run has no samples")?;
-        let GraspCriteria { fate, tts_s, end, slip, .. } = &criteria;
-        Ok(RunOutcome {
-            fate: *fate,
-            tts_s: *tts_s,
-            centre_m: end.centre_m,
-            angle_rad: end.angle_rad,
-            speed_m_s: criteria.end_speed_m_s(),
-            slip: *slip,
-            form_closed: is_form_closed(&scene, &outcome.last).filter(|_| *fate == Fate::Held),
-            steps: outcome.work.steps,
-        })
+        let form_closed = is_form_closed(&scene, &outcome.last).filter(|_| criteria.fate == Fate::Held);
+        Ok(RunOutcome { criteria, form_closed, steps: outcome.work.steps })
     });
     Some(Placement { offset_m, geometric_form_closed: geometric_form_closed(&scene), outcome })
 }

@@ -8,6 +8,7 @@
 //! | `hold` | largest acceleration under which a gripper holds its object |
 //! | `parts` | sweeps distributed over several machines: parts of a study and their merge |
 //! | `pool` | thread pool of the studies |
+//! | `quantity` | short names and common units of columns and keys |
 //! | `random` | reproducible random numbers |
 //! | `results` | incremental storage of sweep results |
 //! | `select` | selection and ranking of the designs of a sweep |
@@ -20,6 +21,7 @@ pub mod hold;
 pub mod parts;
 mod pool;
 pub mod posture;
+pub mod quantity;
 mod random;
 pub mod results;
 pub mod select;

@@ -1,15 +1,11 @@
-//! The ladder: solver configurations of both models from coarse to fine, their errors and their wall times.
+//! The ladder: other configurations of both models, their errors and their wall times.
 
 use std::time::Instant;
 
-use serde::Serialize;
-
-use super::scenes::{contact_static_friction, is_single_finger, modify, reference_scene};
-use super::validation::{compare_with_reference, worst_over_members};
-use super::{Differences, SyncKeepRunning, Validation, ValidationError};
-use super::{compared_scene, ensemble_size, scene_sampled_at_steps};
-use crate::scene::ENGINE_MAX_STEP_S;
-use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
+use super::configuration::{Cost, LadderRow, MAX_PREDICTED_STEPS, SolverConfiguration, Status, ladder_configurations};
+use super::scenes::{compared_scene, modify, scene_sampled_at_steps};
+use super::validation::{SyncKeepRunning, Validation, ValidationError, compare_with_reference, worst_over_members};
+use crate::scene::{Preset, Scene};
 use crate::trace::{Cancellable, KeepRunning, Model, RunError, run};
 
 /// Default time limit of a ladder, s: enough for all configurations of a finger except the shortest fixed steps.
@@ -23,273 +19,6 @@ const MAX_TIMED_RUNS: usize = 15;
 /// Runs of the analytic model per timed run. Each takes a fraction of a millisecond.
 const ANALYTIC_RUNS_PER_RUN: usize = 3;
 
-/// Configurations with more predicted steps than this are skipped.
-pub const MAX_PREDICTED_STEPS: f64 = 2e6;
-/// Finer configurations are run after a failed verdict only up to this number of predicted steps.
-const MAX_FINER_STEPS: f64 = 2e5;
-/// Configurations with more fixed steps than this are run once instead of with the whole ensemble.
-const MAX_ENSEMBLE_STEPS: f64 = 15e3;
-/// Shortest fixed step of a quick ladder, s; slightly less than 1e-5 s to allow for rounding.
-const MIN_QUICK_STEP_S: f64 = 0.999e-5;
-
-/// Configurations that differ in numerical parameters only.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
-    /// Maximal coordinates, contact laws of the scene, adaptive steps.
-    EngineAdaptive,
-    /// Maximal coordinates, contact laws of the scene, fixed steps.
-    EngineFixed,
-    /// Reduced coordinates, contact laws of the scene.
-    Reduced,
-    /// Contact model of rapier.
-    Native,
-    Analytic,
-}
-
-impl Family {
-    pub const ALL: [Family; 5] =
-        [Family::EngineAdaptive, Family::EngineFixed, Family::Reduced, Family::Native, Family::Analytic];
-
-    /// Name in tables and plots.
-    pub fn name(self) -> &'static str {
-        match self {
-            Family::EngineAdaptive => "engine, adaptive steps",
-            Family::EngineFixed => "engine, fixed steps",
-            Family::Reduced => "engine, reduced coordinates",
-            Family::Native => "engine, native contact",
-            Family::Analytic => "analytic",
-        }
-    }
-
-    fn from_engine(engine: &Engine) -> Family {
-        match (engine.response, engine.construction, engine.stepping) {
-            (Response::Rapier { .. }, ..) => Family::Native,
-            (_, Construction::Reduced, _) => Family::Reduced,
-            (.., Stepping::Adaptive { .. }) => Family::EngineAdaptive,
-            (.., Stepping::Fixed { .. }) => Family::EngineFixed,
-        }
-    }
-}
-
-/// The parameters of a configuration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Settings {
-    Analytic(Integrator),
-    Engine(Engine),
-}
-
-/// One configuration of a model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolverConfiguration {
-    pub family: Family,
-    pub settings: Settings,
-    /// Whether the scene requests this configuration. Only that configuration is judged.
-    pub is_from_scene: bool,
-    /// Number of runs; the worst one determines the result.
-    pub members: usize,
-}
-
-impl SolverConfiguration {
-    fn engine(engine: Engine, scene: &Scene) -> Self {
-        let is_from_scene = engine == scene.engine;
-        let is_long =
-            matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > MAX_ENSEMBLE_STEPS);
-        let members = if is_long && !is_from_scene { 1 } else { ensemble_size(scene) };
-        let (family, settings) = (Family::from_engine(&engine), Settings::Engine(engine));
-        SolverConfiguration { family, settings, is_from_scene, members }
-    }
-
-    fn analytic(integrator: Integrator, scene: &Scene) -> Self {
-        let settings = Settings::Analytic(integrator);
-        SolverConfiguration { family: Family::Analytic, settings, is_from_scene: false, members: ensemble_size(scene) }
-    }
-
-    pub fn model(&self) -> Model {
-        match self.settings {
-            Settings::Analytic(_) => Model::Analytic,
-            Settings::Engine(_) => Model::Engine,
-        }
-    }
-
-    /// Returns the scene with this configuration.
-    pub fn apply(&self, scene: &Scene) -> Scene {
-        modify(scene, |scene| match self.settings {
-            Settings::Analytic(integrator) => scene.integrator = integrator,
-            Settings::Engine(engine) => scene.engine = engine,
-        })
-    }
-
-    /// Whether this is the reference configuration, which has no error by definition.
-    pub fn is_reference(&self) -> bool {
-        matches!(self.settings, Settings::Analytic(integrator) if integrator.preset == Preset::Reference)
-    }
-
-    /// Predicts the number of steps of a run; `None` if it cannot be predicted. `scene_steps` is the number of steps of
-    /// the engine at the scene's own settings.
-    pub fn predicted_steps(&self, scene: &Scene, scene_steps: u64) -> Option<f64> {
-        let Settings::Engine(Engine { stepping, .. }) = self.settings else { return None };
-        match (stepping, scene.engine.stepping) {
-            (Stepping::Fixed { step_s }, _) => Some(scene.duration_s / step_s),
-            (Stepping::Adaptive { tolerance_m, .. }, Stepping::Adaptive { tolerance_m: of_scene_m, .. }) => {
-                Some(scene_steps as f64 * (of_scene_m / tolerance_m).sqrt())
-            }
-            _ => None,
-        }
-    }
-}
-
-/// Returns the configuration that the scene requests.
-pub fn scene_configuration(scene: &Scene) -> SolverConfiguration {
-    SolverConfiguration::engine(scene.engine, scene)
-}
-
-/// Returns the configuration of the reference.
-pub fn reference_configuration(scene: &Scene) -> SolverConfiguration {
-    SolverConfiguration::analytic(reference_scene(scene).integrator, scene)
-}
-
-/// Parameters that distinguish a configuration within its family: label, key in `[engine]`, and value.
-fn parameters(configuration: &SolverConfiguration) -> Vec<(&'static str, &'static str, String)> {
-    match configuration.settings {
-        Settings::Analytic(Integrator { method: Method::Rodas5p, rtol, .. }) => {
-            vec![("rodas5p rtol", "rtol", format!("{rtol:e}"))]
-        }
-        Settings::Analytic(Integrator { method: Method::RadauIIa5, rtol, .. }) => {
-            vec![("radau5 rtol", "rtol", format!("{rtol:e}"))]
-        }
-        Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => {
-            vec![("dt", "step", format!("{step_s:e} s"))]
-        }
-        Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
-            let max_step = ("dt to", "max_step", format!("{max_step_s:e} s"));
-            let has_max_step = max_step_s != ENGINE_MAX_STEP_S;
-            let tolerance = ("tolerance", "tolerance", format!("{tolerance_m:e} m"));
-            std::iter::once(tolerance).chain(has_max_step.then_some(max_step)).collect()
-        }
-    }
-}
-
-/// Returns the name of a configuration without its family.
-pub fn configuration_name(configuration: &SolverConfiguration) -> String {
-    let names = parameters(configuration).into_iter().map(|(label, _, value)| format!("{label} {value}"));
-    names.collect::<Vec<_>>().join(", ")
-}
-
-/// Returns the keys of `[engine]` for this stepping, for a scene with the same kind of stepping.
-pub(super) fn engine_keys(configuration: &SolverConfiguration) -> String {
-    let keys = parameters(configuration).into_iter().map(|(_, key, value)| format!("{key} = \"{value}\""));
-    keys.collect::<Vec<_>>().join(", ")
-}
-
-/// Returns all configurations for a scene, grouped by family, including the scene's own. `quick` omits those that take
-/// long.
-pub fn ladder_configurations(scene: &Scene, quick: bool) -> Vec<SolverConfiguration> {
-    let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
-    let mut engines = adaptive_step_engines(scene);
-    engines.extend(fixed_step_engines(scene, maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
-    if is_single_finger(scene) && !quick {
-        engines.extend(fixed_step_engines(scene, reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
-    }
-    if let Some(friction) = contact_static_friction(scene) {
-        let native = Response::Rapier { friction, restitution: 0.0 };
-        engines.extend(fixed_step_engines(scene, maximal, native, &[1e-4, 1e-5, 1e-6], quick));
-    }
-    let scene_engine = scene.engine;
-    if !engines.contains(&scene_engine) {
-        let family = Family::from_engine(&scene_engine);
-        let last_of_family = engines.iter().rposition(|engine| Family::from_engine(engine) == family);
-        engines.insert(last_of_family.map_or(engines.len(), |index| index + 1), scene_engine);
-    }
-    let engines = engines.into_iter().map(|engine| SolverConfiguration::engine(engine, scene));
-    let analytic = analytic_integrators(scene).into_iter();
-    engines.chain(analytic.map(|integrator| SolverConfiguration::analytic(integrator, scene))).collect()
-}
-
-/// Returns configurations of the engine finer than the scene's, each by a factor of ten, from coarse to fine, up to
-/// 200,000 predicted steps. There are none for rapier's own contact model, which does not converge to the scene's
-/// contact law.
-pub fn finer_configurations(scene: &Scene, scene_steps: u64) -> Vec<SolverConfiguration> {
-    if matches!(scene.engine.response, Response::Rapier { .. }) {
-        return Vec::new();
-    }
-    let refine = |factor: f64| match scene.engine.stepping {
-        Stepping::Fixed { step_s } => Stepping::Fixed { step_s: scaled(step_s, factor) },
-        Stepping::Adaptive { tolerance_m, max_step_s } => {
-            // Without joints, the longest step limits the accuracy, not the tolerance.
-            let step_factor = if is_single_finger(scene) { 1.0 } else { factor.sqrt() };
-            Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s: scaled(max_step_s, step_factor) }
-        }
-    };
-    let configurations = [0.1, 0.01, 1e-3, 1e-4]
-        .map(|factor| SolverConfiguration::engine(Engine { stepping: refine(factor), ..scene.engine }, scene));
-    let is_short = |configuration: &SolverConfiguration| {
-        configuration.predicted_steps(scene, scene_steps).is_none_or(|steps| steps <= MAX_FINER_STEPS)
-    };
-    configurations.into_iter().filter(is_short).collect()
-}
-
-/// Adaptive stepping with coarser and finer tolerances than the scene's, or than the default if the scene has fixed
-/// steps. Without joints, the tolerance rarely limits a step, so the longest step is scaled with its square root.
-fn adaptive_step_engines(scene: &Scene) -> Vec<Engine> {
-    let stepping = match scene.engine.stepping {
-        Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
-        adaptive @ Stepping::Adaptive { .. } => adaptive,
-    };
-    let Stepping::Adaptive { tolerance_m, max_step_s } = stepping else { return Vec::new() };
-    let scaled_engine = |[factor, step_factor]: [f64; 2]| {
-        let (tolerance_m, max_step_s) = (scaled(tolerance_m, factor), scaled(max_step_s, step_factor));
-        engine(scene, Construction::Maximal, Response::Laws, Stepping::Adaptive { tolerance_m, max_step_s })
-    };
-    match is_single_finger(scene) {
-        true => [100.0, 10.0, 1.0, 0.1].map(|factor| scaled_engine([factor, 1.0])).to_vec(),
-        false => [[100.0, 10.0], [1.0, 1.0], [0.01, 0.1]].map(scaled_engine).to_vec(),
-    }
-}
-
-fn fixed_step_engines(
-    scene: &Scene,
-    construction: Construction,
-    response: Response,
-    steps_s: &[f64],
-    quick: bool,
-) -> Vec<Engine> {
-    let allowed = steps_s.iter().filter(|&&step_s| !quick || step_s >= MIN_QUICK_STEP_S);
-    allowed.map(|&step_s| engine(scene, construction, response, Stepping::Fixed { step_s })).collect()
-}
-
-/// Returns the engine of the scene with another construction and stepping. The number of solver iterations is the
-/// scene's if its contact model is of the same kind, and the default otherwise.
-fn engine(scene: &Scene, construction: Construction, response: Response, stepping: Stepping) -> Engine {
-    let scene_engine = scene.engine;
-    let is_same_contact = matches!(response, Response::Laws) == matches!(scene_engine.response, Response::Laws);
-    let iterations = if is_same_contact { scene_engine.iterations } else { Engine::default_iterations(response) };
-    Engine { construction, response, stepping, iterations, ..scene_engine }
-}
-
-/// Returns the engineering preset with all tolerances scaled, and two configurations with the method of the reference.
-fn analytic_integrators(scene: &Scene) -> Vec<Integrator> {
-    let (engineering, reference) = (Integrator::preset(Preset::Engineering), reference_scene(scene).integrator);
-    let with_rtol = |preset: Integrator, rtol: f64| {
-        let factor = rtol / preset.rtol;
-        Integrator {
-            preset: if factor == 1.0 { preset.preset } else { Preset::Engineering },
-            rtol,
-            atol_angle_rad: scaled(preset.atol_angle_rad, factor),
-            atol_rate_rad_s: scaled(preset.atol_rate_rad_s, factor),
-            max_steps: scene.integrator.max_steps,
-            ..preset
-        }
-    };
-    let rodas = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8].map(|rtol| with_rtol(engineering, rtol));
-    let radau = [1e-8, reference.rtol].map(|rtol| with_rtol(reference, rtol));
-    rodas.into_iter().chain(radau).collect()
-}
-
-/// Returns a value times a power of ten, rounded to ten digits so that tables show no rounding errors.
-fn scaled(value: f64, factor: f64) -> f64 {
-    if factor == 1.0 { value } else { format!("{:.9e}", value * factor).parse().unwrap_or(value * factor) }
-}
-
 /// Selects the configurations of a ladder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LadderOptions {
@@ -299,88 +28,9 @@ pub struct LadderOptions {
     pub time_s: f64,
 }
 
-/// Progress of the evaluation of a ladder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress<'a> {
-    pub done: usize,
-    pub total: usize,
-    /// Name of the next family.
-    pub next: &'a str,
-}
-
-/// Whether a configuration was evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Status {
-    Done,
-    Failed,
-    /// Skipped because it is predicted to take more than [`MAX_PREDICTED_STEPS`].
-    TooLong,
-    /// Skipped because it was expected to exceed the time limit of the ladder.
-    NoTime,
-}
-
-/// Cost of a configuration without any output; all `None` if it was not evaluated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Cost {
-    pub steps: Option<u64>,
-    /// Median wall time of the timed runs.
-    pub wall_s: Option<f64>,
-    /// Number of timed runs.
-    pub timed_runs: Option<usize>,
-    /// Ratio of simulated time to wall time.
-    pub real_time_factor: Option<f64>,
-    /// Ratio of the wall time to that of the analytic model at its engineering preset, measured between the timed runs.
-    pub analytic_factor: Option<f64>,
-}
-
-/// A configuration, its cost, and its differences from the reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LadderRow {
-    #[serde(skip)]
-    pub configuration: SolverConfiguration,
-    pub family: &'static str,
-    pub setting: String,
-    pub model: &'static str,
-    /// Whether the scene requests this configuration.
-    #[serde(rename = "own")]
-    pub is_from_scene: bool,
-    /// Whether this configuration is the reference itself.
-    #[serde(rename = "reference")]
-    pub is_reference: bool,
-    pub status: Status,
-    /// Reason why the configuration has no results.
-    pub reason: Option<String>,
-    /// Number of runs; the worst counts.
-    pub ensemble_runs: usize,
-    #[serde(flatten)]
-    pub cost: Cost,
-    /// Worst differences of the ensemble; `None` for the reference and without results.
-    #[serde(skip)]
-    pub differences: Option<Differences>,
-}
-
-impl LadderRow {
-    fn new(configuration: SolverConfiguration, status: Status, reason: Option<String>) -> Self {
-        LadderRow {
-            family: configuration.family.name(),
-            setting: configuration_name(&configuration),
-            model: configuration.model().name(),
-            is_from_scene: configuration.is_from_scene,
-            is_reference: configuration.is_reference(),
-            status,
-            reason,
-            ensemble_runs: configuration.members,
-            cost: Cost::default(),
-            differences: None,
-            configuration,
-        }
-    }
-}
-
 /// Adds the ladder to a validation: other configurations of both models, compared with the same references and timed,
 /// but not judged. They run sequentially, because their times are measured, in order of their predicted number of
-/// steps.
+/// steps. `report_progress` receives the number of evaluated and of all configurations, and the family of the next.
 ///
 /// # Errors
 /// Returns an error if the scene's own configuration failed or `keep_running` returned false. A failure of any other
@@ -389,7 +39,7 @@ pub fn run_ladder(
     validation: &mut Validation,
     full_scene: &Scene,
     options: LadderOptions,
-    report_progress: &mut dyn FnMut(Progress),
+    report_progress: &mut dyn FnMut(usize, usize, &str),
     keep_running: SyncKeepRunning,
 ) -> Result<(), ValidationError> {
     let scene = &compared_scene(full_scene);
@@ -408,7 +58,7 @@ pub fn run_ladder(
     // Wall time per step of the engine at the scene's settings.
     let mut step_wall_s = 0.0;
     for (done, (index, configuration)) in order.into_iter().enumerate() {
-        report_progress(Progress { done, total, next: configuration.family.name() });
+        report_progress(done, total, configuration.family.name());
         let remaining_s = options.time_s - start.elapsed().as_secs_f64();
         let has_time = remaining_s > 0.0 && steps(&configuration) * step_wall_s < remaining_s;
         let row = match is_always_run(&configuration) || has_time {

@@ -27,9 +27,11 @@
 //! | `difference` | all differences between a run and its reference |
 //! | `statistics` | means over many runs, for trajectories that are too sensitive to be compared |
 //! | `verdict` | measured differences and criteria of both runs against bounds |
+//! | `configuration` | solver configurations and their results |
 //! | `validation` | the verdict of a scene |
-//! | `ladder` | other solver configurations, their errors and wall times |
+//! | `ladder` | evaluation of other configurations: errors and wall times |
 
+mod configuration;
 mod difference;
 mod ladder;
 mod recording;
@@ -39,12 +41,12 @@ mod validation;
 mod verdict;
 
 pub use crate::numeric::plane::wrap_angle;
-pub use difference::{Angle, Comparison, CoordinateError, Differences, compare, coordinate_errors, largest};
-pub use ladder::{
-    Cost, Family, LADDER_TIME_S, LadderOptions, LadderRow, MAX_PREDICTED_STEPS, Progress, Settings,
-    SolverConfiguration, Status, configuration_name, finer_configurations, ladder_configurations,
-    reference_configuration, run_ladder, scene_configuration,
+pub use configuration::{
+    Cost, Family, LadderRow, MAX_PREDICTED_STEPS, Settings, SolverConfiguration, Status, configuration_name,
+    finer_configurations, ladder_configurations, reference_configuration, scene_configuration,
 };
+pub use difference::{Angle, Comparison, CoordinateError, Differences, compare, coordinate_errors, largest};
+pub use ladder::{LADDER_TIME_S, LadderOptions, run_ladder};
 pub use recording::{IMPACT_S, Impact, Impacts, Recording, record, record_cancellable};
 pub use scenes::{
     ENSEMBLE_SIZE, GRIPPER_ENSEMBLE_SIZE, MEMBER_PERTURBATION, check_invariants, check_sample_count, compared_scene,

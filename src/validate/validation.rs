@@ -3,14 +3,13 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::ladder::{LadderRow, engine_keys};
+use super::configuration::{LadderRow, engine_keys};
 use super::scenes::{modify, reference_path_bound};
-use super::verdict::REFERENCE_BOUNDS;
+use super::verdict::{Evidence, REFERENCE_BOUNDS, judge};
 use super::{
-    Comparison, Criterion, Differences, Recording, SolverConfiguration, Statistics, Verdict, check_bounds,
-    check_invariants, compare, compare_criteria, compare_statistics, compared_scene, ensemble_member, ensemble_size,
-    finer_configurations, path_bound, reason_not_judged, record_cancellable, reference_scene, sampled_scene,
-    scene_configuration,
+    Comparison, Criterion, Differences, Recording, SolverConfiguration, Statistics, Verdict, check_invariants, compare,
+    compare_criteria, compare_statistics, compared_scene, ensemble_member, ensemble_size, finer_configurations,
+    path_bound, reason_not_judged, record_cancellable, reference_scene, sampled_scene, scene_configuration,
 };
 use crate::check;
 use crate::invariants::Finding;
@@ -123,12 +122,15 @@ pub fn validate(full_scene: &Scene, keep_running: SyncKeepRunning) -> Result<Val
     let judge_engine = |engine: &Recording, differences: &Differences| {
         let criteria = compare_criteria(scene, &reference, engine);
         let engine_invariants = check_invariants(scene, Model::Engine, engine);
-        let verdict = check_bounds(differences, &scene.bounds)
-            .with_criteria(if reason_not_judged.is_none() { &criteria } else { &[] })
-            .with_reference(&reference_check, reference_path_bound(full_scene))
-            .with_invariants("analytic_invariants", &reference_invariants)
-            .with_invariants("engine_invariants", &engine_invariants)
-            .with_statistics(statistics.as_ref());
+        let evidence = Evidence {
+            reference_check: &reference_check,
+            path_bound: reference_path_bound(full_scene),
+            criteria: if reason_not_judged.is_none() { &criteria } else { &[] },
+            reference_invariants: &reference_invariants,
+            engine_invariants: &engine_invariants,
+            statistics: statistics.as_ref(),
+        };
+        let verdict = judge(differences, &scene.bounds, &evidence);
         (verdict, criteria, engine_invariants)
     };
     let (verdict, criteria, engine_invariants) = judge_engine(&engine, &differences);

@@ -59,44 +59,6 @@ impl Verdict {
     pub fn fails(&self, bounds: &[&str]) -> bool {
         self.checks.iter().any(|check| bounds.contains(&check.bound) && !check.passed)
     }
-
-    /// Adds a bound.
-    fn with(mut self, bound: &'static str, meaning: &'static str, measured: f64, limit: f64) -> Self {
-        self.checks.push(Check::new(bound, meaning, Some(measured), limit));
-        self
-    }
-
-    /// Adds the bound of the reference: its difference from another integration method is limited to a fraction of
-    /// `bound`, the largest allowed error of the engine. A reference that could not be checked fails.
-    pub(super) fn with_reference(self, found: &check::Check, bound: f64) -> Self {
-        let measured = match found.verdict {
-            check::Verdict::Unknown => f64::INFINITY,
-            _ => found.errors.path / bound,
-        };
-        let meaning = "difference of the reference from another method, as a fraction of the bound of the engine";
-        self.with("reference", meaning, measured, MAX_REFERENCE_ERROR_SHARE)
-    }
-
-    /// Adds the bounds of the criteria of both runs.
-    pub(super) fn with_criteria(mut self, found: &[Criterion]) -> Self {
-        self.checks.extend(criteria_checks(found));
-        self
-    }
-
-    /// Adds the bound of the invariants of a run: the worst of them, as a fraction of its limit.
-    pub(super) fn with_invariants(self, bound: &'static str, found: &[Finding]) -> Self {
-        let worst = found.iter().map(Finding::ratio_to_limit).fold(0.0, f64::max);
-        self.with(bound, "worst invariant, as a fraction of its limit", worst, 1.0)
-    }
-
-    /// Adds the bound of the statistics, if there are any.
-    pub(super) fn with_statistics(self, found: Option<&Statistics>) -> Self {
-        let meaning = "largest difference of a mean over many runs, in standard errors";
-        match found {
-            Some(found) => self.with("statistics", meaning, found.worst(), MAX_STANDARD_ERRORS),
-            None => self,
-        }
-    }
 }
 
 /// Judges the differences of the engine at the settings of the scene: angles and final forces of fingers, positions of
@@ -122,6 +84,41 @@ pub fn check_bounds(found: &Differences, bounds: &Bounds) -> Verdict {
     let checks = all.into_iter().filter(|(is_applicable, ..)| *is_applicable);
     let check = |(_, bound, meaning, measured, limit)| Check::new(bound, meaning, measured, limit);
     Verdict { checks: checks.map(check).collect() }
+}
+
+/// What a verdict is based on besides the differences of the engine.
+pub(super) struct Evidence<'a> {
+    pub reference_check: &'a check::Check,
+    /// Largest allowed error of the engine, in the unit of the check of the reference.
+    pub path_bound: f64,
+    /// Criteria of both runs; empty if they are not judged.
+    pub criteria: &'a [Criterion],
+    pub reference_invariants: &'a [Finding],
+    pub engine_invariants: &'a [Finding],
+    pub statistics: Option<&'a Statistics>,
+}
+
+/// Judges the differences of the engine and the evidence. The error of the reference is limited to a fraction of that
+/// of the engine; a reference that could not be checked fails.
+pub(super) fn judge(found: &Differences, bounds: &Bounds, evidence: &Evidence) -> Verdict {
+    let worst = |found: &[Finding]| found.iter().map(Finding::ratio_to_limit).fold(0.0, f64::max);
+    let reference = match evidence.reference_check.verdict {
+        check::Verdict::Unknown => f64::INFINITY,
+        _ => evidence.reference_check.errors.path / evidence.path_bound,
+    };
+    let of_reference = "difference of the reference from another method, as a fraction of the bound of the engine";
+    let of_invariants = "worst invariant, as a fraction of its limit";
+    let of_statistics = "largest difference of a mean over many runs, in standard errors";
+    let mut checks = check_bounds(found, bounds).checks;
+    checks.extend(criteria_checks(evidence.criteria));
+    checks.extend([
+        Check::new("reference", of_reference, Some(reference), MAX_REFERENCE_ERROR_SHARE),
+        Check::new("analytic_invariants", of_invariants, Some(worst(evidence.reference_invariants)), 1.0),
+        Check::new("engine_invariants", of_invariants, Some(worst(evidence.engine_invariants)), 1.0),
+    ]);
+    let statistics = evidence.statistics.map(Statistics::worst);
+    checks.extend(statistics.map(|worst| Check::new("statistics", of_statistics, Some(worst), MAX_STANDARD_ERRORS)));
+    Verdict { checks }
 }
 
 /// A criterion that both models must agree on.

@@ -4,7 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, variant, write};
+use crate::support::cli::{
+    EXPERIMENT_95, assert_rejected, directory, phalanx, run_json, stderr, stdout, variant, write,
+};
 use phalanx::scene;
 
 /// Runs the command in a session without a screen or browser, except for the given variables.
@@ -45,9 +47,7 @@ fn new_scene_runs_unchanged_and_has_comments() {
     assert_eq!(scene.name, "my gripper");
     // The scene equals experiment-95, whose outcome is known.
     assert_eq!(scene.finger().linkage, scene::load(EXPERIMENT_95).expect("experiment-95").finger().linkage);
-    let output = phalanx(&["run", file, "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(json(&output)["criteria"]["class"], "stable");
+    assert_eq!(run_json(&["run", file, "--json"])["criteria"]["class"], "stable");
 }
 
 #[test]
@@ -60,9 +60,7 @@ fn new_scene_does_not_replace_files() {
         (directory.to_str().expect("UTF-8 path"), "a file or directory of that name already exists"),
         (missing_path.as_str(), "give a file in a directory where you may write"),
     ] {
-        let output = phalanx(&["new", file]);
-        assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{file}");
-        assert!(stderr(&output).contains(file) && stderr(&output).contains(part), "{}", stderr(&output));
+        assert_rejected(&["new", file], &[file, part]);
     }
     assert_eq!(fs::read_to_string(&existing).expect("the file"), "my work");
 }
@@ -90,8 +88,7 @@ fn run_writes_page() {
         };
         assert!(data(&run_page).is_some());
         assert_eq!(data(&run_page), data(&log_page), "{scene}, {model}");
-        let output = phalanx(&["run", scene, "--model", model, "--html", &page, "--json"]);
-        assert_eq!(json(&output)["page"], page.as_str());
+        assert_eq!(run_json(&["run", scene, "--model", model, "--html", &page, "--json"])["page"], page.as_str());
     }
 }
 
@@ -207,10 +204,8 @@ fn missing_browser_is_reported_before_simulation() {
 
 #[test]
 fn missing_explorer_module_error_names_install_command() {
-    let output = phalanx(&["explore", "--module", "nowhere.wasm.gz", "-o", "page.html"]);
     let command = "tools/explorer.sh --install";
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains(command), "{}", stderr(&output));
+    assert_rejected(&["explore", "--module", "nowhere.wasm.gz", "-o", "page.html"], &[command]);
     let readme = include_str!("../../README.md");
     let places = ["\ncargo install --path . --locked\n", command, "\nphalanx explore\n"]
         .map(|find_command| readme.find(find_command));

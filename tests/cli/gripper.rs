@@ -4,16 +4,10 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, write};
+use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, json, phalanx, run_json, stderr, stdout, write};
 
 const GRIPPER: &str = "scenes/gripper/offset.toml";
 const HOLD: &str = "scenes/gripper/hold.toml";
-
-fn run_json(args: &[&str]) -> Value {
-    let output = phalanx(args);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
-    json(&output)
-}
 
 #[test]
 fn replay_report_equals_run_report() {
@@ -216,9 +210,7 @@ fn capture_writes_table_and_picture() {
         (vec!["capture", GRIPPER, "--to", "9 mm"], "ground joint"),
         (vec!["capture", GRIPPER, "--places", "4"], "odd number"),
     ] {
-        let output = phalanx(&args);
-        assert_eq!(output.status.code(), Some(2), "{args:?}");
-        assert!(stderr(&output).contains(message), "{args:?}: {}", stderr(&output));
+        assert_rejected(&args, &[message]);
     }
 }
 
@@ -312,12 +304,14 @@ fn vibrations_and_moves_report_their_figures() {
         (vec!["hold", GRIPPER, "--along", "x"], "--vibration"),
         (vec!["hold", GRIPPER, "--vibration", "50 Hz", "--along", "x,x"], "an axis twice"),
         (vec!["hold", GRIPPER, "--slip", "0 mm"], "more than 0"),
+        (vec!["hold", GRIPPER, "--directions", "0"], "from 1 to 360"),
+        (vec!["hold", GRIPPER, "--scan", "1"], "from 2 to 1000"),
+        (vec!["hold", GRIPPER, "--tol", "1"], "below 1"),
+        (vec!["hold", GRIPPER, "--vibration", "50 Hz,50 Hz"], "given twice"),
         (vec!["hold", HOLD, "--vibration", "1e-300 Hz"], "more than the 3600 s allowed; set a higher frequency"),
         (vec!["hold", HOLD, "--move", "--from", "1e-300 m/s^2"], "a larger --from"),
     ] {
-        let output = phalanx(&args);
-        assert_eq!(output.status.code(), Some(2), "{args:?}");
-        assert!(stderr(&output).contains(message), "{args:?}: {}", stderr(&output));
+        assert_rejected(&args, &[message]);
     }
     let limited = phalanx(&["hold", HOLD, "--directions", "2", "--scan", "2", "--to", "2 m/s^2"]);
     for part in

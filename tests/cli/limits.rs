@@ -7,22 +7,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::support::cli::{EXPERIMENT_95, directory, phalanx, stderr, stdout, variant, write};
+use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, phalanx, stderr, variant, write};
 use phalanx::limits;
 use phalanx::units::Dimension;
-
-#[track_caller]
-fn assert_rejected(args: &[&str], parts: &[&str]) {
-    let start = Instant::now();
-    let output = phalanx(args);
-    let message = stderr(&output);
-    assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{args:?}: {message}");
-    for part in parts {
-        assert!(message.contains(part), "{args:?}: no {part:?} in {message}");
-    }
-    assert!(message.len() < 20_000, "{args:?}: {} bytes", message.len());
-    assert!(start.elapsed() < Duration::from_secs(10), "{args:?}: {:?}", start.elapsed());
-}
 
 #[test]
 fn limits_page_matches_constants() {
@@ -93,10 +80,7 @@ fn endless_and_invalid_files_are_rejected_quickly() {
         fs::File::create(&oversized).and_then(|file| file.set_len(1 << 40)).expect("a sparse file");
         assert_rejected(&["explore", "--module", oversized.to_str().expect("UTF-8 path")], &["larger than 16 MiB"]);
     }
-    let mut keys = String::new();
-    for key in 0..70_000 {
-        writeln!(keys, "k{key} = 1").expect("formatted");
-    }
+    let keys: String = (0..70_000).map(|key| format!("k{key} = 1\n")).collect();
     let scene = write(&directory, "keys.toml", &keys);
     assert_rejected(&["run", &scene], &["unknown key `k0`", "100 problems or more; the first 20 are shown"]);
 }

@@ -187,7 +187,7 @@ fn plot_escapes_scene_name() {
     scene.name = untrusted_text.to_string();
     let mut validation = phalanx::validate::validate(&scene, &|| true).expect("a validation of a scene of discs");
     let plan = phalanx::validate::LadderOptions { quick: true, time_s: 1.0 };
-    phalanx::validate::run_ladder(&mut validation, &scene, plan, &mut |_| {}, &|| true).expect("its ladder");
+    phalanx::validate::run_ladder(&mut validation, &scene, plan, &mut |_, _, _| {}, &|| true).expect("its ladder");
     let svg = phalanx::plot::speed_error(&scene.name, &validation);
     assert!(!svg.contains("<script") && svg.contains("&lt;script&gt;"));
 }

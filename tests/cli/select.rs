@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::cli::{directory, json, phalanx, stderr, stdout};
+use crate::support::cli::{assert_rejected, directory, json, phalanx, stderr, stdout};
 use crate::support::sweep_results::{SweepRun, results_table, successful_run};
 use phalanx::table;
 
@@ -54,18 +54,14 @@ fn empty_selection_is_status_1_and_bad_input_status_2() {
     assert_eq!((any.status.code(), &json(&any)["selected"]), (Some(0), &3.into()));
     for (args, message) in [
         (vec!["select", "none.csv"], "none.csv"),
-        (vec!["select", NOT_A_TABLE], "Cargo.toml"),
+        (vec!["select", "Cargo.toml"], "Cargo.toml"),
         (vec!["select", &file, "--class", "good"], "semi-stable"),
         (vec!["select", &file, "--max-tts", "8"], "unit"),
+        (vec!["select", &file, "--max-tts", "0 s"], "more than 0"),
         (vec!["select", &file, "--bound", "weight_kg <= 1"], "weight_kg"),
         (vec!["select", &file, "--weights", "pfp=0"], "all weights are 0"),
         (vec!["select", &file, "--ranking", "best.txt"], ".parquet"),
     ] {
-        let output = phalanx(&args);
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(message), "{args:?}: {}", stderr(&output));
-        assert!(stdout(&output).is_empty());
+        assert_rejected(&args, &[message]);
     }
 }
-
-const NOT_A_TABLE: &str = "Cargo.toml";

@@ -6,7 +6,7 @@ use std::path::Path;
 use phalanx::scene;
 use serde_json::Value;
 
-use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, write};
+use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, json, phalanx, run_json, stderr, stdout, write};
 
 /// Writes experiment-95 without its name, so that scenes are named after their files.
 fn write_unnamed_scene(directory: &Path) -> String {
@@ -16,9 +16,7 @@ fn write_unnamed_scene(directory: &Path) -> String {
 }
 
 fn final_state(args: &[&str]) -> Value {
-    let output = phalanx(&[&["run"], args, &["--json", "--no-check"]].concat());
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
-    json(&output)["final"].clone()
+    run_json(&[&["run"], args, &["--json", "--no-check"]].concat())["final"].clone()
 }
 
 #[test]
@@ -67,9 +65,7 @@ fn every_scene_command_accepts_set() {
         run_text(&["scene", "show", EXPERIMENT_95, "--figure", &figure]);
         fs::read_to_string(&figure).expect("drawn")
     });
-    let without_scene = phalanx(&["volume", "--set", "duration=7 ms"]);
-    assert_eq!(without_scene.status.code(), Some(2));
-    assert!(stderr(&without_scene).contains("none is given"), "{}", stderr(&without_scene));
+    assert_rejected(&["volume", "--set", "duration=7 ms"], &["none is given"]);
 }
 
 #[test]
@@ -92,11 +88,7 @@ fn set_errors_equal_file_errors() {
         ("mu_static", ["there is no `=`", "contact.friction.mu_static=0.6"]),
         ("a b=1", ["`a b` is not a field", "separated by points"]),
     ] {
-        let output = phalanx(&["run", EXPERIMENT_95, "--set", field]);
-        assert_eq!(output.status.code(), Some(2), "{field}");
-        for part in parts {
-            assert!(stderr(&output).contains(part), "{field}: {part}\n{}", stderr(&output));
-        }
+        assert_rejected(&["run", EXPERIMENT_95, "--set", field], &parts);
     }
 }
 
@@ -216,11 +208,7 @@ fn errors_name_the_file_of_the_field() {
         (&missing_base, &["cannot read the scene", "nowhere.toml", "lost.toml:2:11", "relative to the directory"]),
         (&invalid_extends, &["extends", "number.toml:1:11"]),
     ] {
-        let output = phalanx(&["scene", "check", file]);
-        assert_eq!(output.status.code(), Some(2), "{file}");
-        for part in parts {
-            assert!(stderr(&output).contains(part), "{file}: {part}\n{}", stderr(&output));
-        }
+        assert_rejected(&["scene", "check", file], parts);
     }
     assert!(!stderr(&phalanx(&["scene", "check", &base])).contains("own.toml"));
     let text = scene::parse_any("extends = \"base.toml\"\n", "text.toml").expect_err("not a file").to_string();

@@ -4,21 +4,9 @@ use std::fs;
 use std::io::Read;
 use std::process::{Command, Stdio};
 
-use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, variant, write};
+use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, json, phalanx, stderr, stdout, variant, write};
 use mcap::MessageStream;
 use serde_json::Value;
-
-/// Asserts that a command is rejected with status 2, an empty stdout, and a message that contains each of `parts`.
-#[track_caller]
-fn assert_rejected(args: &[&str], parts: &[&str]) {
-    let output = phalanx(args);
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
-    assert_eq!(stdout(&output), "", "{args:?}");
-    for part in parts {
-        assert!(stderr(&output).contains(part), "no {part:?} in\n{}", stderr(&output));
-    }
-    assert!(stderr(&output).starts_with("error: "), "{}", stderr(&output));
-}
 
 #[test]
 fn bad_arguments_are_rejected() {

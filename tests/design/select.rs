@@ -64,25 +64,27 @@ fn criteria_can_be_removed_and_added() {
         runs.sort_unstable();
         runs
     };
-    let default_criteria = SelectionCriteria::default;
-    assert_eq!(selected_runs(default_criteria()), [1, 7]);
-    assert_eq!(selected_runs(SelectionCriteria { force_positive: false, ..default_criteria() }), [1, 2, 7]);
-    assert_eq!(selected_runs(SelectionCriteria { form_closed: false, ..default_criteria() }), [1, 3, 7]);
-    assert_eq!(selected_runs(SelectionCriteria { bounds: vec![], ..default_criteria() }), [1, 5, 7]);
-    assert_eq!(
-        selected_runs(SelectionCriteria { worst_class: Some(Class::SemiUnstable), ..default_criteria() }),
-        [1, 4, 7]
-    );
-    assert_eq!(selected_runs(SelectionCriteria { worst_class: Some(Class::Stable), ..default_criteria() }), [1]);
+    let base = SelectionCriteria::default;
+    let bound = |column: &str, value: f64| SelectionCriteria {
+        bounds: vec![Bound { column: column.to_string(), side: Side::AtMost, value }],
+        ..base()
+    };
     // Without a class criterion, the ranking requires a time to stability.
-    let any = SelectionCriteria { worst_class: None, form_closed: false, ..default_criteria() };
-    assert_eq!(selected_runs(any.clone()), [1, 3, 4, 7]);
-    let weights = PerTerm([1.0, 0.0, 1.0, 1.0]);
-    assert_eq!(selected_runs(SelectionCriteria { weights, ..any }), [1, 3, 4, 6, 7]);
-    let light = Bound { column: "mass_kg".to_string(), side: Side::AtMost, value: 0.0215 };
-    assert_eq!(selected_runs(SelectionCriteria { bounds: vec![light], ..default_criteria() }), [1]);
-    let time_limit = Bound { column: "tts_s".to_string(), side: Side::AtMost, value: 1e-3 };
-    assert_eq!(selected_runs(SelectionCriteria { bounds: vec![time_limit], ..default_criteria() }), Vec::<i64>::new());
+    let any = SelectionCriteria { worst_class: None, form_closed: false, ..base() };
+    for (criteria, expected) in [
+        (base(), &[1, 7][..]),
+        (SelectionCriteria { force_positive: false, ..base() }, &[1, 2, 7]),
+        (SelectionCriteria { form_closed: false, ..base() }, &[1, 3, 7]),
+        (SelectionCriteria { bounds: vec![], ..base() }, &[1, 5, 7]),
+        (SelectionCriteria { worst_class: Some(Class::SemiUnstable), ..base() }, &[1, 4, 7]),
+        (SelectionCriteria { worst_class: Some(Class::Stable), ..base() }, &[1]),
+        (any.clone(), &[1, 3, 4, 7]),
+        (SelectionCriteria { weights: PerTerm([1.0, 0.0, 1.0, 1.0]), ..any }, &[1, 3, 4, 6, 7]),
+        (bound("mass_kg", 0.0215), &[1]),
+        (bound("tts_s", 1e-3), &[]),
+    ] {
+        assert_eq!(selected_runs(criteria.clone()), expected, "{criteria:?}");
+    }
 }
 
 /// Calculated by hand for runs 1 to 3: PFP 10, 0, 5; tts 7, 5, 9 ms; F21 30, 20, 10; F22 4, 2, 6.

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -19,6 +20,29 @@ pub fn stdout(output: &Output) -> &str {
 
 pub fn stderr(output: &Output) -> &str {
     std::str::from_utf8(&output.stderr).expect("text")
+}
+
+/// Asserts that a command is rejected soon, with status 2, an empty stdout, and a short message that contains each of
+/// `parts`.
+#[track_caller]
+pub fn assert_rejected(args: &[&str], parts: &[&str]) {
+    let start = Instant::now();
+    let output = phalanx(args);
+    let message = stderr(&output);
+    assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{args:?}: {message}");
+    assert!(message.starts_with("error: ") && message.len() < 20_000, "{args:?}: {message}");
+    assert!(start.elapsed() < Duration::from_secs(10), "{args:?}: {:?}", start.elapsed());
+    for part in parts {
+        assert!(message.contains(part), "{args:?}: no {part:?} in {message}");
+    }
+}
+
+/// Runs a command that succeeds and parses its JSON document.
+#[track_caller]
+pub fn run_json(args: &[&str]) -> Value {
+    let output = phalanx(args);
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+    json(&output)
 }
 
 /// Parses stdout as one JSON document.

@@ -30,18 +30,18 @@ use std::sync::mpsc::Sender;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::criteria::{Fate, GraspTracker, Travel};
+use crate::criteria::{Fate, GraspTracker};
 use crate::grasp::run;
 use crate::numeric::elementary::{ln, log2};
 use crate::scene::Scene;
 use crate::study::pool;
-use crate::trace::{Model, Outcome, Sink};
+use crate::trace::Model;
 use crate::units::MAX_TIME_S;
 
 use prepare::PreparedScene;
 
 pub use load::{Load, LoadCase, LoadSetup, LoadSize, axis_name};
-pub use plan::{HoldError, KeepRunning, Loads, Plan, REST_SPEED_M_S, SETTLING_S};
+pub use plan::{HoldError, KeepRunning, LoadOutcome, Loads, Plan, REST_SPEED_M_S, SETTLING_S};
 pub use prepare::{StartReason, StaticLimit};
 pub use search::{Limit, Verdict};
 
@@ -80,18 +80,6 @@ pub struct Evaluation {
     /// The outcome, or the reason why the run was not completed.
     #[serde(flatten, serialize_with = "outcome_or_reason")]
     pub outcome: Result<LoadOutcome, String>,
-}
-
-/// Outcome of a completed run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LoadOutcome {
-    pub fate: Fate,
-    /// Slip in the hand since the start of the load: `grasp.cycle.carried` of a run.
-    pub slip: Travel,
-    /// Largest rotation of a driven link against its brake; 0 without brakes.
-    pub brake_slip_rad: f64,
-    pub end_s: f64,
-    pub steps: u64,
 }
 
 impl Evaluation {
@@ -279,7 +267,7 @@ fn run_study(
         Ok(outcome) => outcome,
     };
     let start = prepared.scene.with_palm_motion(Some(prepared.setup.prior_motion.clone()), prepared.setup.start_s);
-    let at_start = run_scene(plan.model, &start, &mut GraspTracker::for_scene(&start), keep_running)?.last;
+    let at_start = prepare::run_scene(plan.model, &start, &mut GraspTracker::for_scene(&start), keep_running)?.last;
     let results = cases.iter().zip(largest_loads).map(|(case, to_m_s2)| LoadResult {
         case: *case,
         to_m_s2,
@@ -369,15 +357,4 @@ fn simulate(
             steps: outcome.work.steps,
         })
     }))
-}
-
-/// Runs a scene without a load to its end.
-fn run_scene(
-    model: Model,
-    scene: &Scene,
-    sink: &mut impl Sink,
-    keep_running: KeepRunning<'_>,
-) -> Result<Outcome, HoldError> {
-    let outcome = run(model, scene, sink, keep_running).ok_or(HoldError::Stopped { done: 0 })?;
-    outcome.map_err(|reason| HoldError::Scene { reason })
 }

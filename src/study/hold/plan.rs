@@ -1,7 +1,6 @@
 //! Parameters and errors of a hold study.
 
-use super::LoadOutcome;
-use crate::criteria::Fate;
+use crate::criteria::{Fate, Travel};
 use crate::scene::{Axis, WrongKind};
 use crate::trace::Model;
 use crate::units::MAX_TIME_S;
@@ -100,6 +99,18 @@ impl Plan {
 
 fn has_duplicates<T: PartialEq>(values: &[T]) -> bool {
     values.iter().enumerate().any(|(index, value)| values[..index].contains(value))
+}
+
+/// Outcome of a completed run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadOutcome {
+    pub fate: Fate,
+    /// Slip in the hand since the start of the load: `grasp.cycle.carried` of a run.
+    pub slip: Travel,
+    /// Largest rotation of a driven link against its brake; 0 without brakes.
+    pub brake_slip_rad: f64,
+    pub end_s: f64,
+    pub steps: u64,
 }
 
 /// Error during a hold study.

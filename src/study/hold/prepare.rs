@@ -1,16 +1,16 @@
 //! Preparation of a scene for loads: start time, motion and fixed drives, and what limits the loads at their start.
 
 use super::load::{Load, LoadCase, LoadSetup, delay, moves_start, peak_acceleration};
-use super::plan::{HoldError, Loads, Plan, REST_SPEED_M_S};
-use super::{KeepRunning, run_scene};
+use super::plan::{HoldError, KeepRunning, Loads, Plan, REST_SPEED_M_S};
 use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
+use crate::grasp::run;
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Actuation, Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Scene, torque};
 use crate::shape::support;
 use crate::statics::{AccelerationLimit, balanced_acceleration};
 use crate::study::bisect;
-use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
 
 /// Reason for the start time of the loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +34,17 @@ pub struct PreparedScene {
     pub scene: Scene,
     pub setup: LoadSetup,
     pub start_reason: StartReason,
+}
+
+/// Runs a scene without a load to its end.
+pub(super) fn run_scene(
+    model: Model,
+    scene: &Scene,
+    sink: &mut impl Sink,
+    keep_running: KeepRunning<'_>,
+) -> Result<Outcome, HoldError> {
+    let outcome = run(model, scene, sink, keep_running).ok_or(HoldError::Stopped { done: 0 })?;
+    outcome.map_err(|reason| HoldError::Scene { reason })
 }
 
 /// Standard pick-and-place cycle of robots, 25/305/25 mm, as in scenes/gripper/cycle.toml.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use serde::{Serialize, Serializer};
 
 use crate::criteria::Class;
-use crate::format::Quantity;
+use crate::study::quantity::Quantity;
 use crate::study::sweep::Status;
 use crate::table::{Table, TableError, Value};
 

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use super::candidates::Candidate;
 use super::{SelectError, Weights};
 use crate::criteria::Class;
-use crate::format::Quantity;
+use crate::study::quantity::Quantity;
 use crate::study::sweep::Status;
 use crate::table::{Table, Value};
 

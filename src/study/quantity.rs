@@ -1,9 +1,9 @@
 //! Short names and common units of columns and keys.
 
-use super::numbers::{format_number, zero_below_resolution};
-use crate::study::sweep::{FieldType, column_type};
+use super::sweep::{FieldType, column_type};
 use crate::table::Value;
 use crate::units::Dimension;
+use phalanx_show::format::numbers::{format_number, zero_below_resolution};
 
 /// Display format of a column of SI values.
 #[derive(Clone, Debug, PartialEq)]
