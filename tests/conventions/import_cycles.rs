@@ -210,7 +210,7 @@ fn source_files_have_no_import_cycles() {
         ("crates/scene/src", 150),
         ("crates/core/src", 200),
         ("crates/show/src", 60),
-        ("crates/log/src", 50),
+        ("crates/log/src", 30),
         ("crates/thesis/src", 40),
         ("src", 250),
     ] {

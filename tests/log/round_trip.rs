@@ -1,13 +1,14 @@
 //! Reads logs with the mcap crate and decodes every message by its embedded descriptor, with a protobuf library that
 //! the writer does not use.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use crate::support::synthetic::{lift_off, reload, sample, scene, touch_down};
 use mcap::{MessageStream, Summary};
 use phalanx::log::{RunInfo, Severity, Writer, metadata};
 use phalanx::scene::Scene;
-use phalanx::trace::{Event, FingerContact, Sample, Sink};
+use phalanx::scene::keywords::SceneKind;
+use phalanx::trace::{Event, FingerContact, Layout, Recording, Sample, Sink};
 use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
 
 enum Record {
@@ -96,89 +97,33 @@ fn read(bytes: &[u8]) -> Vec<Decoded> {
         .collect()
 }
 
-/// Expected messages of a sample by topic.
-fn expected_messages(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
-    let contact = |contact: &phalanx::trace::ContactSample| {
-        vec![
-            ("timestamp", sample.time_s),
-            ("gap_m", contact.gap_m),
-            ("gap_rate_m_s", contact.gap_rate_m_s),
-            ("slip_m_s", contact.slip_m_s),
-            ("normal_n", contact.normal_n),
-            ("tangential_n", contact.tangential_n),
-            ("point_x_m", contact.point_m[0]),
-            ("point_y_m", contact.point_m[1]),
-            ("normal_x", contact.normal[0]),
-            ("normal_y", contact.normal[1]),
-            ("impulse_n_s", contact.impulse_n_s),
-        ]
-    };
-    vec![
-        (
-            "/state",
-            vec![
-                ("timestamp", sample.time_s),
-                ("q11_rad", sample.finger().q11_rad),
-                ("q21_rad", sample.finger().q21_rad),
-                ("q12_rad", sample.finger().q12_rad),
-                ("q22_rad", sample.finger().q22_rad),
-                ("q13_rad", sample.finger().q13_rad),
-                ("qd11_rad_s", sample.finger().qd11_rad_s),
-                ("qd21_rad_s", sample.finger().qd21_rad_s),
-                ("qd12_rad_s", sample.finger().qd12_rad_s),
-                ("qd22_rad_s", sample.finger().qd22_rad_s),
-                ("motor_torque_n_m", sample.finger().motor_torque_n_m),
-            ],
-        ),
-        ("/contact/proximal", contact(sample.contact(FingerContact::Proximal))),
-        ("/contact/distal", contact(sample.contact(FingerContact::Distal))),
-        (
-            "/limit",
-            vec![
-                ("timestamp", sample.time_s),
-                ("gap_rad", sample.contact(FingerContact::Limit).gap_m),
-                ("gap_rate_rad_s", sample.contact(FingerContact::Limit).gap_rate_m_s),
-                ("torque_n_m", sample.contact(FingerContact::Limit).normal_n),
-                ("impulse_n_m_s", sample.contact(FingerContact::Limit).impulse_n_s),
-            ],
-        ),
-        (
-            "/energy",
-            vec![
-                ("timestamp", sample.time_s),
-                ("kinetic_j", sample.energy.kinetic_j),
-                ("gravity_j", sample.energy.gravity_j),
-                ("spring_j", sample.energy.spring_j),
-                ("elastic_j", sample.energy.elastic_j),
-                ("dissipated_j", sample.energy.dissipated_j),
-                ("motor_work_j", sample.energy.motor_work_j),
-                ("balance_j", sample.energy.balance_j),
-            ],
-        ),
-    ]
-}
-
 #[test]
 fn every_value_is_read_back_unchanged() {
     let records = test_records();
     let messages = read(&write(&scene(), &records));
-    let mut expected: BTreeMap<&str, Vec<Vec<(&str, f64)>>> = BTreeMap::new();
+    let mut recording = Recording::new(&Layout::from_kind(SceneKind::Finger));
     for record in &records {
         if let Record::Sample(sample) = record {
-            for (topic, fields) in expected_messages(sample) {
-                expected.entry(topic).or_default().push(fields);
-            }
+            recording.sample(sample).expect("recorded");
         }
     }
-    for (topic, expected) in expected {
-        let actual: Vec<_> = messages.iter().filter(|m| m.topic == topic).collect();
-        assert_eq!(actual.len(), expected.len(), "{topic}");
-        for (actual, expected) in actual.iter().zip(expected) {
-            let actual = actual.numbers();
-            assert_eq!(actual.len(), expected.len(), "{topic}");
-            for ((name, value), (expected_name, expected_value)) in actual.iter().zip(expected) {
-                assert_eq!(name, expected_name, "{topic}");
-                assert_eq!(value.to_bits(), expected_value.to_bits(), "{topic} {name}");
+    // Fields are columns of the table of samples, without the name of the contact.
+    for (topic, prefix, count) in [
+        ("/state", "", 11),
+        ("/contact/proximal", "proximal_", 11),
+        ("/contact/distal", "distal_", 11),
+        ("/limit", "limit_", 5),
+        ("/energy", "", 8),
+    ] {
+        let on_topic: Vec<_> = messages.iter().filter(|message| message.topic == topic).collect();
+        assert_eq!(on_topic.len(), recording.time().len(), "{topic}");
+        for (index, message) in on_topic.into_iter().enumerate() {
+            let numbers = message.numbers();
+            assert_eq!((numbers.len(), numbers[0].0.as_str()), (count, "timestamp"), "{topic}");
+            for (name, value) in numbers {
+                let column = if name == "timestamp" { "time_s".to_string() } else { format!("{prefix}{name}") };
+                let expected = recording.column(&column).unwrap_or_else(|| panic!("no {column}"))[index];
+                assert_eq!(value.to_bits(), expected.to_bits(), "{topic} {name}");
             }
         }
     }
@@ -209,26 +154,10 @@ fn events_are_written_as_text_and_as_messages() {
     let messages = read(&write(&scene(), &test_records()));
     let on_topic = |topic: &'static str| messages.iter().filter(move |m| m.topic == topic);
     let impacts: Vec<_> = on_topic("/impact/proximal").map(Decoded::numbers).collect();
-    let with_names = |values: [(&str, f64); 5]| values.map(|(name, value)| (name.to_string(), value)).to_vec();
-    assert_eq!(
-        impacts,
-        [
-            with_names([
-                ("timestamp", 5.00001e-3),
-                ("pressed", 1.0),
-                ("touch_down", 1.0),
-                ("approach_speed_m_s", 1.25),
-                ("impulse_n_s", 0.0)
-            ]),
-            with_names([
-                ("timestamp", 5.00002e-3),
-                ("pressed", 0.0),
-                ("touch_down", 0.0),
-                ("approach_speed_m_s", 0.0),
-                ("impulse_n_s", 3.5e-3)
-            ]),
-        ]
-    );
+    let names = ["timestamp", "pressed", "touch_down", "approach_speed_m_s", "impulse_n_s"].map(String::from);
+    let with_names = |values: [f64; 5]| names.iter().cloned().zip(values).collect::<Vec<_>>();
+    let expected = [[5.00001e-3, 1.0, 1.0, 1.25, 0.0], [5.00002e-3, 0.0, 0.0, 0.0, 3.5e-3]];
+    assert_eq!(impacts, expected.map(with_names));
     let limit: Vec<_> = on_topic("/impact/limit").collect();
     assert_eq!(limit[0].number("approach_speed_rad_s"), 12.5);
     assert_eq!((limit[1].number("pressed"), limit[1].number("touch_down")), (1.0, 0.0));
@@ -281,29 +210,16 @@ fn log_contains_only_topics_of_the_scene() {
         assert!(used.is_subset(&declared));
         declared
     };
-    let all = [
-        "/contact/distal",
-        "/contact/proximal",
-        "/energy",
-        "/events",
-        "/forces",
-        "/impact/distal",
-        "/impact/limit",
-        "/impact/proximal",
-        "/limit",
-        "/scene",
-        "/state",
-        "/tf",
-        "/tf_static",
-    ];
-    let set = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<BTreeSet<_>>();
-    assert_eq!(topics(&scene()), set(&all));
+    let set = |names: &str| names.split(' ').map(String::from).collect::<BTreeSet<_>>();
+    let contacts = "/contact/distal /contact/proximal /forces /impact/distal /impact/limit /impact/proximal /limit";
+    let drawn = "/energy /events /scene /state /tf /tf_static";
+    assert_eq!(topics(&scene()), set(&format!("{contacts} {drawn}")));
     let mut swing = scene();
     swing.system.discs.clear();
     swing.finger_mut().limit = None;
-    assert_eq!(topics(&swing), set(&["/energy", "/events", "/scene", "/state", "/tf", "/tf_static"]));
+    assert_eq!(topics(&swing), set(drawn));
     swing.log.picture_hz = 0.0;
-    assert_eq!(topics(&swing), set(&["/energy", "/events", "/state"]));
+    assert_eq!(topics(&swing), set("/energy /events /state"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use phalanx::log::{LogError, LoggedRunError, read_file, run_into, run_to};
+use phalanx::log::{LoggedRunError, read_file, run_into, run_to};
 use phalanx::scene::{Actuation, Scene, load, load_any};
 use phalanx::shape::{Shape, max_radius};
 use phalanx::trace::{FingerContact, Model, RunError};
@@ -44,17 +44,17 @@ fn assert_verifies(log: &Path) {
 #[test]
 fn writes_the_same_log_as_the_command() {
     let directory = directory("run_to_command");
-    for model in [Model::Analytic, Model::Engine] {
-        let path = directory.join("library.mcap");
-        run_to(&finger(), model, &path).expect("a run");
-        assert!(
-            fs::read(&path).expect("a log") == write_log_with_command(&directory, FINGER_SCENE, model),
-            "{model:?}"
-        );
+    let path = directory.join("library.mcap");
+    for (model, (file, scene)) in [Model::Analytic, Model::Engine]
+        .into_iter()
+        .flat_map(|model| [(FINGER_SCENE, finger()), (DISC_SCENE, discs())].map(|scene| (model, scene)))
+    {
+        let run = run_to(&scene, model, &path).expect("a run");
+        let bytes = fs::read(&path).expect("a log");
+        assert!(bytes == write_log_with_command(&directory, file, model), "{file} {model:?}");
         assert_verifies(&path);
-        run_to(&discs(), model, &path).expect("a run");
-        assert!(fs::read(&path).expect("a log") == write_log_with_command(&directory, DISC_SCENE, model), "{model:?}");
-        assert_verifies(&path);
+        let (same, in_memory) = run_into(&scene, model, Vec::new()).expect("a run");
+        assert!(same == run && in_memory == bytes, "{file} {model:?}");
     }
     let remaining = fs::read_dir(&directory).expect("a directory").map(|entry| entry.expect("an entry").file_name());
     assert!(remaining.into_iter().all(|name| !name.to_string_lossy().ends_with(".partial")));
@@ -91,17 +91,6 @@ fn logs_of_modified_scenes_verify() {
 }
 
 #[test]
-fn run_into_writes_the_same_bytes() {
-    let directory = directory("run_to_bytes");
-    let path = directory.join("run.mcap");
-    let (scene, model) = (finger(), Model::Analytic);
-    let run = run_to(&scene, model, &path).expect("a run");
-    let (same, bytes) = run_into(&scene, model, Vec::new()).expect("a run");
-    assert_eq!(same, run);
-    assert!(bytes == fs::read(&path).expect("a log"));
-}
-
-#[test]
 fn stopped_run_is_an_error_and_its_log_contains_the_reason() {
     let directory = directory("run_to_stopped");
     let path = directory.join("stopped.mcap");
@@ -116,16 +105,4 @@ fn stopped_run_is_an_error_and_its_log_contains_the_reason() {
     // The new run stops at the same step.
     let output = phalanx(&["replay", path.to_str().expect("text"), "--verify", "--json"]);
     assert!(output.status.success(), "{}", stderr(&output));
-}
-
-#[test]
-fn does_not_overwrite_other_files() {
-    let directory = directory("run_to_refused");
-    let path = directory.join("thesis.tex");
-    fs::write(&path, "years of work").expect("written");
-    let error = run_to(&finger(), Model::Analytic, &path).expect_err("rejected");
-    assert!(matches!(error, LoggedRunError::Log(LogError::NotPhalanxLog { .. })), "{error}");
-    assert_eq!(fs::read_to_string(&path).expect("the file is unchanged"), "years of work");
-    let error = run_to(&finger(), Model::Analytic, directory.join("not/there.mcap")).expect_err("rejected");
-    assert!(error.to_string().contains("mkdir -p"), "{error}");
 }

@@ -6,12 +6,12 @@ use foxglove::Encode;
 use foxglove::messages::{Log, log::Level};
 
 use super::lines::{GraspState, describe_event};
+use super::mcap_file::{ChannelId, McapFile};
 use super::messages::{
     CONTACT, DISC, ENERGY, IMPACT, LIMIT, LIMIT_IMPACT, MessageType, SLIP, STATE, contact_numbers, disc_numbers,
     event_flags, limit_numbers, state_numbers,
 };
 use super::pictures::Pictures;
-use super::writer::{ChannelId, LogWriter};
 use phalanx_core::drawing::{self, Drawing};
 use phalanx_core::scene::{self, Scene, System};
 use phalanx_core::trace::{BodyState, Channels as _, Event, FingerState, Layout, Sample, SinkError};
@@ -137,7 +137,7 @@ pub struct Channels {
 
 impl Channels {
     /// Registers the channels when a log starts.
-    pub fn register<W: Write>(out: &mut LogWriter<W>, scene: &Scene) -> Result<Self, SinkError> {
+    pub fn register<W: Write>(out: &mut McapFile<W>, scene: &Scene) -> Result<Self, SinkError> {
         let system = &scene.system;
         let (layout, contacts) = (Layout::from_system(system), contacts_of(system));
         let mut list = Vec::new();
@@ -159,7 +159,7 @@ impl Channels {
     }
 
     /// Writes a sample.
-    pub fn sample<W: Write>(&mut self, out: &mut LogWriter<W>, sample: &Sample) -> Result<(), SinkError> {
+    pub fn sample<W: Write>(&mut self, out: &mut McapFile<W>, sample: &Sample) -> Result<(), SinkError> {
         let Sample { time_s, fingers, bodies, contacts, energy } = sample;
         for (channel, content) in &self.list {
             let numbers: &[f64] = match *content {
@@ -178,7 +178,7 @@ impl Channels {
     }
 
     /// Writes an event as a message and as text.
-    pub fn event<W: Write>(&mut self, out: &mut LogWriter<W>, event: &Event) -> Result<(), SinkError> {
+    pub fn event<W: Write>(&mut self, out: &mut McapFile<W>, event: &Event) -> Result<(), SinkError> {
         let about_contact = || self.list.iter().filter(|(_, content)| content.contact() == Some(event.contact));
         if about_contact().next().is_some() {
             let is_friction = event.kind.is_friction_event();

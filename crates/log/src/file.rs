@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use fs4::FileExt;
 use fs4::TryLockError;
 
+use super::mcap_file::MessageFeed;
 use super::metadata::{METADATA_NAME, RunInfo};
 use super::threaded::ThreadedWriter;
-use super::writer::MessageFeed;
 use phalanx_core::trace::SinkError;
 
 /// Bytes at the start of a log that identify its writer.

@@ -53,7 +53,7 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `writer`, `threaded`, `file` | MCAP file: contents, chunks and clock; writer thread; path on disk |
+//! | `mcap_file`, `writer`, `threaded`, `file` | MCAP file: chunks and clock; contents; writer thread; path on disk |
 //! | `simulate` | simulation with all its sinks; run and log in one call |
 //! | `channels`, `messages`, `lines` | channels of a scene, their messages, events as text |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
@@ -64,6 +64,7 @@
 mod channels;
 mod file;
 mod lines;
+mod mcap_file;
 mod messages;
 mod metadata;
 mod pictures;
@@ -80,6 +81,7 @@ pub use file::{
     resolve_link,
 };
 pub use foxglove::messages::log::Level as Severity;
+pub use mcap_file::{CHUNK_BYTES, MessageFeed};
 pub use messages::stamp_ns;
 pub use metadata::{ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, metadata, scene_text};
 pub use reader::{
@@ -90,4 +92,4 @@ pub use settings::{Settings, SettingsError, Solver, settings};
 pub use simulate::{FinishedRun, LoggedRun, LoggedRunError, run_into, run_to, simulate};
 pub use threaded::ThreadedWriter;
 pub use verify::{ComparisonOptions, Difference, EntryDifference, LogComparison, QuantityTally, Verification};
-pub use writer::{CHUNK_BYTES, MessageFeed, Writer};
+pub use writer::Writer;

@@ -12,8 +12,9 @@ use std::time::{Duration, Instant};
 
 use foxglove::messages::log::Level;
 
+use super::mcap_file::MessageFeed;
 use super::metadata::RunInfo;
-use super::writer::{MessageFeed, Writer};
+use super::writer::Writer;
 use phalanx_core::trace::{Event, Sample, Sink, SinkError};
 
 /// A batch is sent when it has this many entries.

@@ -18,7 +18,7 @@ use foxglove::Encode;
 use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Vector3};
 
 use self::arrows::Arrows;
-use super::writer::{ChannelId, LogWriter, to_timestamp};
+use super::mcap_file::{ChannelId, McapFile, to_timestamp};
 use phalanx_core::drawing::{Drawing, Pose};
 use phalanx_core::numeric::elementary::sin_cos;
 use phalanx_core::trace::{ContactSample, SinkError};
@@ -52,7 +52,7 @@ pub struct Pictures {
 impl Pictures {
     /// Registers the channels and writes the fixed frames; returns `None` if pictures are disabled (`picture_hz` ≤ 0).
     pub fn register<W: Write>(
-        out: &mut LogWriter<W>,
+        out: &mut McapFile<W>,
         drawing: &Drawing,
         start: &[Pose],
         picture_hz: f64,
@@ -87,7 +87,7 @@ impl Pictures {
     /// Draws a sample if a picture is due; `contacts` are in the order of the drawing.
     pub fn sample<'a, W: Write>(
         &mut self,
-        out: &mut LogWriter<W>,
+        out: &mut McapFile<W>,
         time_s: f64,
         poses: impl FnOnce() -> Vec<Pose>,
         contacts: impl Iterator<Item = &'a ContactSample> + Clone,

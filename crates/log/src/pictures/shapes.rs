@@ -25,8 +25,8 @@ pub fn scene(drawing: &Drawing) -> SceneUpdate {
 }
 
 fn entity(body: &Body, drawing: &Drawing, view_m: f64) -> SceneEntity {
-    let colour = colour(body.role);
-    let z = layer(body.role) * LAYER_SPACING * view_m;
+    let (colour, layer) = style(body.role);
+    let z = layer * LAYER_SPACING * view_m;
     let (mut triangles, mut lines) = (Vec::new(), Vec::new());
     for (index, shape) in body.shapes.iter().enumerate() {
         // The contact surface is drawn above the outline of the body's mass.
@@ -71,16 +71,10 @@ fn outline(shape: &Shape, [low, high]: [[f64; 2]; 2]) -> Vec<[f64; 2]> {
         Shape::Disc { radius_m } => arc([0.0; 2], *radius_m, 0.0, TAU, CIRCLE_CORNERS),
         Shape::Capsule { from_m, to_m, radius_m } => {
             let direction_rad = atan2(to_m[1] - from_m[1], to_m[0] - from_m[0]);
-            let mut corners =
-                arc(*to_m, *radius_m, direction_rad - 0.5 * PI, direction_rad + 0.5 * PI, CIRCLE_CORNERS / 2);
-            corners.extend(arc(
-                *from_m,
-                *radius_m,
-                direction_rad + 0.5 * PI,
-                direction_rad + 1.5 * PI,
-                CIRCLE_CORNERS / 2,
-            ));
-            corners
+            let half = |centre: [f64; 2], from_rad: f64| {
+                arc(centre, *radius_m, direction_rad + from_rad, direction_rad + (from_rad + PI), CIRCLE_CORNERS / 2)
+            };
+            [half(*to_m, -0.5 * PI), half(*from_m, 0.5 * PI)].concat()
         }
         Shape::HalfPlane { level_m } => {
             let floor = low[1].min(level_m - 0.05 * (high[0] - low[0]));
@@ -100,34 +94,22 @@ fn arc([x, y]: [f64; 2], radius: f64, from: f64, to: f64, corners: usize) -> Vec
         .collect()
 }
 
-/// Returns the colour of a part: the same as in all other pictures, saturated enough for a dark background.
-fn colour(part: BodyRole) -> Color {
-    let rgb = |r: u8, g: u8, b: u8| Color { r: r.into(), g: g.into(), b: b.into(), a: 255.0 };
-    let Color { r, g, b, a } = match part {
-        BodyRole::Driver => rgb(122, 134, 150),
-        BodyRole::Coupler => rgb(160, 170, 184),
-        BodyRole::Proximal => rgb(0, 114, 178),
-        BodyRole::Distal => rgb(213, 94, 0),
-        BodyRole::Object => rgb(190, 170, 120),
-        BodyRole::Palm => rgb(120, 120, 120),
-        BodyRole::Disc => rgb(86, 180, 233),
+/// Returns the colour and the layer of a part. Colours are the same as in all other pictures, saturated enough for a
+/// dark background; driver and coupler are behind the phalanges.
+fn style(part: BodyRole) -> (Color, f64) {
+    let ([r, g, b], layer) = match part {
+        BodyRole::Palm => ([120.0, 120.0, 120.0], -2.0),
+        BodyRole::Object => ([190.0, 170.0, 120.0], -1.0),
+        BodyRole::Disc => ([86.0, 180.0, 233.0], -1.0),
+        BodyRole::Driver => ([122.0, 134.0, 150.0], 0.0),
+        BodyRole::Coupler => ([160.0, 170.0, 184.0], 1.0),
+        BodyRole::Proximal => ([0.0, 114.0, 178.0], 2.0),
+        BodyRole::Distal => ([213.0, 94.0, 0.0], 3.0),
     };
-    Color { r: r / 255.0, g: g / 255.0, b: b / 255.0, a: a / 255.0 }
+    (Color { r: r / 255.0, g: g / 255.0, b: b / 255.0, a: 1.0 }, layer)
 }
 
-/// Returns the layer of a part; driver and coupler are behind the phalanges.
-fn layer(part: BodyRole) -> f64 {
-    match part {
-        BodyRole::Palm => -2.0,
-        BodyRole::Object | BodyRole::Disc => -1.0,
-        BodyRole::Driver => 0.0,
-        BodyRole::Coupler => 1.0,
-        BodyRole::Proximal => 2.0,
-        BodyRole::Distal => 3.0,
-    }
-}
-
-pub(super) fn identity() -> Pose {
+fn identity() -> Pose {
     Pose {
         position: Some(Vector3 { x: 0.0, y: 0.0, z: 0.0 }),
         orientation: Some(Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }),

@@ -10,25 +10,16 @@ use foxglove::Decode;
 use foxglove::messages::Log;
 use prost::DecodeError;
 
-use super::LogSink;
 use super::messages::Message;
-use super::missing::{MissingTracker, has_duplicates};
-use super::scan::{Defect, MAX_RECORD_BYTES, Scan};
-use super::summary::{LogSummary, Loss, RunEnd};
+use super::missing::{KnownChannel, MissingTracker, has_duplicates};
+use super::scan::{MAX_RECORD_BYTES, Scan};
+use super::summary::{Defect, LogSink, LogSummary, Loss, RunEnd};
 use crate::channels::{ChannelContent, channel_list, contacts_of};
 use crate::lines::is_friction_line;
 use crate::messages::{contact, decode, decode_impact, decode_slip, disc, energy, limit, state};
 use phalanx_core::scene::keywords::SceneKind;
 use phalanx_core::scene::parse_any;
 use phalanx_core::trace::{ContactChannel, ContactSample, Event, EventKind, Layout, Sample, SinkError};
-
-/// A channel of the log that phalanx knows.
-#[derive(Clone, Debug)]
-pub struct KnownChannel {
-    pub id: u16,
-    pub topic: String,
-    pub content: ChannelContent,
-}
 
 /// Assembles messages, which arrive grouped by log time.
 pub struct Assembler {

@@ -6,11 +6,18 @@
 
 use std::collections::BTreeMap;
 
-use super::assemble::KnownChannel;
 use super::scan::SequenceStats;
 use super::summary::{LogSummary, MissingData};
 use crate::channels::ChannelContent;
 use phalanx_core::trace::Layout;
+
+/// A channel of the log that phalanx knows.
+#[derive(Clone, Debug)]
+pub struct KnownChannel {
+    pub id: u16,
+    pub topic: String,
+    pub content: ChannelContent,
+}
 
 /// Counts the received components of samples, events and event lines.
 pub struct MissingTracker {

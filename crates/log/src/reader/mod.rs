@@ -33,45 +33,10 @@ use std::path::Path;
 pub(super) use self::assemble::Assembler;
 pub(super) use self::messages::Messages;
 pub use self::scan::MAX_RECORD_BYTES;
-use self::scan::{Defect, Scan};
-pub use self::summary::{LogSummary, Loss, LossKind, MissingData, ReadError, RunEnd};
+use self::scan::Scan;
+use self::summary::Defect;
+pub use self::summary::{LogSink, LogSummary, Loss, LossKind, MissingData, ReadError, RunEnd};
 use super::file::partial_name;
-use phalanx_core::trace::{Event, Layout, Recording, Sample, Sink, SinkError};
-
-/// Receiver of the contents of a log of any kind of scene, in order of time.
-pub trait LogSink {
-    /// Receives the layout of the samples; called once, before the first sample or event.
-    fn layout(&mut self, _: &Layout) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    /// Receives an event; its contact is an index into the layout.
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
-
-impl LogSink for () {}
-
-/// Replaces the recording by the contents of the log.
-impl LogSink for Recording {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        *self = Recording::new(layout);
-        Ok(())
-    }
-
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        Sink::sample(self, sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        Sink::event(self, event)
-    }
-}
 
 /// Reads a log file into a sink.
 ///

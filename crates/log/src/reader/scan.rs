@@ -8,7 +8,7 @@ use mcap::records::{ChunkHeader, ChunkIndex, MessageHeader, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, parse_record};
 
-use super::summary::{LogSummary, Loss, LossKind, ReadError};
+use super::summary::{Defect, LogSummary, Loss, LossKind, ReadError};
 use crate::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME};
 
 /// Maximum size of a record or chunk, compressed or not: sixty times what phalanx writes.
@@ -26,42 +26,6 @@ pub struct SequenceStats {
     pub messages: u64,
     pub min_sequence: u32,
     pub max_sequence: u32,
-}
-
-/// Reason why a part of a log cannot be used.
-#[derive(Clone, Debug)]
-pub struct Defect {
-    pub kind: LossKind,
-    pub reason: String,
-}
-
-impl Defect {
-    pub fn damaged(reason: impl Into<String>) -> Self {
-        Defect { kind: LossKind::Damaged, reason: reason.into() }
-    }
-}
-
-impl From<McapError> for Defect {
-    fn from(error: McapError) -> Self {
-        match error {
-            McapError::UnsupportedCompression(name) => {
-                Defect { kind: LossKind::UnsupportedCompression, reason: name.chars().take(40).collect() }
-            }
-            McapError::BadDataCrc { .. } => Defect::damaged(
-                "the checksum of the data section does not match, but all chunks are valid: the change is outside the \
-                 chunks, for example in the metadata",
-            ),
-            McapError::BadSummaryCrc { .. } => Defect::damaged("the checksum of the index does not match"),
-            McapError::BadChunkCrc { .. } => Defect::damaged("the checksum of a chunk does not match"),
-            McapError::BadAttachmentCrc { .. } => Defect::damaged("the checksum of the attached scene does not match"),
-            McapError::BadMagic => Defect::damaged("it does not end with the MCAP magic bytes"),
-            McapError::RecordTooLarge { len, .. } => Defect::damaged(format!("a record claims {len} bytes")),
-            McapError::ChunkTooLarge(len) => Defect::damaged(format!("a chunk claims {len} bytes")),
-            McapError::DecompressionError(_) | McapError::Io(_) => Defect::damaged("a chunk cannot be decompressed"),
-            McapError::Parse(_) => Defect::damaged("the fields of a record are invalid"),
-            other => Defect::damaged(other.to_string()),
-        }
-    }
 }
 
 /// Results of the first pass.

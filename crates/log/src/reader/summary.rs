@@ -1,17 +1,52 @@
-//! Result of reading a log: contents, losses, or an error.
+//! Receiver of a log, and the result of reading it: contents, losses, or an error.
 
 use std::collections::BTreeMap;
 use std::io;
 use std::path::PathBuf;
 
+use mcap::McapError;
 use serde::Serialize;
 
-use super::scan::Defect;
 use crate::METADATA_NAME;
 use crate::channels::ChannelContent;
 use phalanx_core::scene::Keyword;
 use phalanx_core::scene::keywords::SceneKind;
-use phalanx_core::trace::SinkError;
+use phalanx_core::trace::{Event, Layout, Recording, Sample, Sink, SinkError};
+
+/// Receiver of the contents of a log of any kind of scene, in order of time.
+pub trait LogSink {
+    /// Receives the layout of the samples; called once, before the first sample or event.
+    fn layout(&mut self, _: &Layout) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    /// Receives an event; its contact is an index into the layout.
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+impl LogSink for () {}
+
+/// Replaces the recording by the contents of the log.
+impl LogSink for Recording {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        *self = Recording::new(layout);
+        Ok(())
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        Sink::sample(self, sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        Sink::event(self, event)
+    }
+}
 
 /// Contents and losses of a log.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -132,6 +167,42 @@ impl Loss {
             ),
         };
         Loss { at_byte, kind: defect.kind, description }
+    }
+}
+
+/// Reason why a part of a log cannot be used.
+#[derive(Clone, Debug)]
+pub struct Defect {
+    pub kind: LossKind,
+    pub reason: String,
+}
+
+impl Defect {
+    pub fn damaged(reason: impl Into<String>) -> Self {
+        Defect { kind: LossKind::Damaged, reason: reason.into() }
+    }
+}
+
+impl From<McapError> for Defect {
+    fn from(error: McapError) -> Self {
+        match error {
+            McapError::UnsupportedCompression(name) => {
+                Defect { kind: LossKind::UnsupportedCompression, reason: name.chars().take(40).collect() }
+            }
+            McapError::BadDataCrc { .. } => Defect::damaged(
+                "the checksum of the data section does not match, but all chunks are valid: the change is outside the \
+                 chunks, for example in the metadata",
+            ),
+            McapError::BadSummaryCrc { .. } => Defect::damaged("the checksum of the index does not match"),
+            McapError::BadChunkCrc { .. } => Defect::damaged("the checksum of a chunk does not match"),
+            McapError::BadAttachmentCrc { .. } => Defect::damaged("the checksum of the attached scene does not match"),
+            McapError::BadMagic => Defect::damaged("it does not end with the MCAP magic bytes"),
+            McapError::RecordTooLarge { len, .. } => Defect::damaged(format!("a record claims {len} bytes")),
+            McapError::ChunkTooLarge(len) => Defect::damaged(format!("a chunk claims {len} bytes")),
+            McapError::DecompressionError(_) | McapError::Io(_) => Defect::damaged("a chunk cannot be decompressed"),
+            McapError::Parse(_) => Defect::damaged("the fields of a record are invalid"),
+            other => Defect::damaged(other.to_string()),
+        }
     }
 }
 
