@@ -8,7 +8,6 @@
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error of all evaluated settings |
 //! | `overlay` | two runs over time |
-//! | `series` | charts and stacked panels of curves and markers with their legend |
 //! | `select` | results of a selection by criterion, class, force and variable |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
@@ -24,14 +23,13 @@ mod hold;
 mod linkage;
 mod overlay;
 mod select;
-mod series;
 mod sizing;
 mod speed_error;
 mod stability;
 mod step_size;
 mod volume;
 
-use phalanx_show::plot::{axis, canvas, curve, outline, svg};
+use phalanx_show::plot::{axis, canvas, curve, outline, series, svg};
 
 pub use capture::capture;
 pub use closings::closings;
