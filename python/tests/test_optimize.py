@@ -481,6 +481,8 @@ class Studies(InDirectory):
             ("a = [", None, None, "invalid TOML"),
             (f'scene = "no.toml"\n{VARIABLE}{OBJECTIVE}', 1, "scene", r"no\.toml does not exist"),
             (f'{VARIABLE}{OBJECTIVE}[scene.design]\nbas = "1 mm"\n', 8, "scene.design.bas", "unknown key `bas`"),
+            (f"{VARIABLE}{OBJECTIVE}[scene]\nduration = {10**30}\n", 7, "scene", "value of the base scene is invalid"),
+            (f"variables = []\n{HEAD}{OBJECTIVE}", None, None, r"there are no \[\[variables\]\]"),
         ]:
             with self.subTest(text=text), self.assertRaisesRegex(phalanx.StudyError, message) as caught:
                 parse(text)
