@@ -487,7 +487,11 @@ class Checkpoint:
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
+        """Closes the file; an empty one is deleted."""
+        is_empty = self._file.seek(0, os.SEEK_END) == 0
         self._file.close()
+        if is_empty:
+            self.path.unlink(missing_ok=True)
 
 
 def open_checkpoint(path: Path, runs: Path, fingerprint: str) -> Checkpoint:
