@@ -275,6 +275,7 @@ class Files(InDirectory):
         self.assertEqual(status, 2)
         self.assertIn("another study", message)
         self.assertIn("--restart", message)
+        self.assertFalse(partial.exists())
 
     def test_picture_page_and_scenes_show_the_front(self):
         path = self.small_study(16, 6)
@@ -308,10 +309,12 @@ class Files(InDirectory):
             self.assertEqual(phalanx.run(scene).criteria["tts_s"], row["tts_s"])
         self.assertEqual(len(list(scenes.iterdir())), len(front) + 1)
         self.assertEqual(len(out.read_text().splitlines()), 97)
-        # The same search gives the same bytes, also as PNG.
+        # The same search gives the same bytes, also as PNG; scenes of another front are removed.
+        (scenes / "design-99.toml").write_text("# Design 99 (phalanx)\n")
         before = [target.read_bytes() for target in targets[:3]]
         png = self.directory / "front.png"
         self.assertEqual(self.command(path, *flags, "--restart", "--quiet")[0], 0)
+        self.assertEqual(len(list(scenes.iterdir())), len(front) + 1)
         self.assertEqual(before, [target.read_bytes() for target in targets[:3]])
         self.assertEqual(self.command(path, "--out", out, "--plot", png)[0], 0)
         self.assertTrue(png.read_bytes().startswith(b"\x89PNG"))
@@ -478,6 +481,8 @@ class Studies(InDirectory):
             ("a = [", None, None, "invalid TOML"),
             (f'scene = "no.toml"\n{VARIABLE}{OBJECTIVE}', 1, "scene", r"no\.toml does not exist"),
             (f'{VARIABLE}{OBJECTIVE}[scene.design]\nbas = "1 mm"\n', 8, "scene.design.bas", "unknown key `bas`"),
+            (f"{VARIABLE}{OBJECTIVE}[scene]\nduration = {10**30}\n", 7, "scene", "value of the base scene is invalid"),
+            (f"variables = []\n{HEAD}{OBJECTIVE}", None, None, r"there are no \[\[variables\]\]"),
         ]:
             with self.subTest(text=text), self.assertRaisesRegex(phalanx.StudyError, message) as caught:
                 parse(text)

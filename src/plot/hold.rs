@@ -26,16 +26,19 @@ pub fn hold(found: &Hold) -> String {
     }
 }
 
+/// A limit of a load.
+type LimitOf = fn(&LoadResult) -> Limit;
+
 /// Draws the largest acceleration held in each direction as a polar plot.
 fn polar(found: &Hold) -> String {
-    let limits: [(Colour, fn(&LoadResult) -> Limit); 3] =
+    let limits: [(Colour, LimitOf); 3] =
         [(GREEN, at_rest), (ORANGE, |result| result.drops), (BLUE, |result| result.slips)];
     let all = || limits.iter().flat_map(|(_, limit)| found.results.iter().map(limit));
     let reach = 1.08 * all().filter_map(|limit| limit.held.or(limit.failed)).fold(found.plan.from_m_s2, f64::max);
     let x = Axis::from_range("acceleration along the palm, m/s²", -reach, reach);
     let y = Axis::from_range("acceleration out of the palm, m/s²", -reach, reach);
     let mut series: Vec<Series> = x.ticks.iter().filter(|tick| **tick > 0.0).map(|ring| circle(*ring)).collect();
-    series.extend(limits.iter().flat_map(|(colour, limit)| polar_curve(found, *colour, limit)));
+    series.extend(limits.iter().flat_map(|(colour, limit)| polar_curve(found, *colour, *limit)));
     series.push(Series::key(Marker::Circle, BLUE, format!("slips less than {} mm", found.plan.slip_m * 1e3)));
     series.push(Series::key(Marker::Circle, ORANGE, "is not dropped"));
     let simulated: Vec<Limit> = found.results.iter().flat_map(|result| [result.slips, result.drops]).collect();
@@ -72,7 +75,7 @@ fn at_rest(result: &LoadResult) -> Limit {
 }
 
 /// A closed curve of limits with their markers, interrupted at directions without a limit.
-fn polar_curve(found: &Hold, colour: Colour, limit: impl Fn(&LoadResult) -> Limit) -> Vec<Series> {
+fn polar_curve(found: &Hold, colour: Colour, limit: LimitOf) -> Vec<Series> {
     let point_at = |result: &LoadResult| {
         let LoadCase::Pulse { direction_rad, .. } = result.case else { return None };
         let limit = limit(result);

@@ -18,13 +18,6 @@ type Quantity = (String, Box<dyn Fn(&Sample) -> f64>);
 /// Name and value of a quantity of a finger.
 type FingerQuantity = (&'static str, fn(&FingerState) -> f64);
 
-/// Quantities of one panel; their curves have successive colours.
-struct PanelQuantities {
-    label: &'static str,
-    is_logarithmic: bool,
-    quantities: Vec<Quantity>,
-}
-
 /// Draws the two models of a validation.
 pub fn overlay(scene: &Scene, found: &Validation) -> String {
     let title = format!("{}: analytic model and engine", scene.name);
@@ -36,7 +29,7 @@ pub fn overlay(scene: &Scene, found: &Validation) -> String {
 /// Draws two runs of this layout. Surfaces without contact are omitted if others have contact.
 pub fn overlay_runs(title: String, labels: [&str; 2], layout: &Layout, runs: [&Recording; 2], end_s: f64) -> String {
     let x = Axis::linear("time, ms", [0.0, end_s * 1e3]);
-    let mut panels: Vec<Panel> = panels(layout, runs).iter().map(|quantities| panel(quantities, runs)).collect();
+    let mut panels = panels(layout, runs);
     if let Some(first) = panels.first_mut() {
         first.series.splice(..0, [Series::key(FIRST, INK, labels[0]), Series::key(SECOND, INK, labels[1])]);
     }
@@ -44,10 +37,11 @@ pub fn overlay_runs(title: String, labels: [&str; 2], layout: &Layout, runs: [&R
     picture(&title, TITLE_HEIGHT + stack.height(panels.len()), |svg| stack.draw(svg, &x, &panels))
 }
 
-fn panel(PanelQuantities { label, is_logarithmic, quantities }: &PanelQuantities, runs: [&Recording; 2]) -> Panel {
+/// Curves of quantities in both runs, with successive colours.
+fn panel(label: &str, is_logarithmic: bool, runs: [&Recording; 2], quantities: &[Quantity]) -> Panel {
     let both = || runs.into_iter().flat_map(|run| &run.samples);
     let values = quantities.iter().flat_map(|(_, value)| both().map(value));
-    let y = if *is_logarithmic { Axis::logarithmic(label, values, 7.0) } else { Axis::linear(label, values) };
+    let y = if is_logarithmic { Axis::logarithmic(label, values, 7.0) } else { Axis::linear(label, values) };
     let coloured = || quantities.iter().zip(SERIES.into_iter().cycle());
     let curves = runs.into_iter().zip([FIRST, SECOND]).flat_map(|(run, marker)| {
         coloured().map(move |((_, value), colour)| {
@@ -59,64 +53,61 @@ fn panel(PanelQuantities { label, is_logarithmic, quantities }: &PanelQuantities
 }
 
 /// Panels of joints, object, forces, gaps and energies; those that do not apply to the scene are omitted.
-fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<PanelQuantities> {
+fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
     let discs = layout.fingers.is_empty();
     let mut panels = Vec::new();
+    let mut add = |label: &str, is_logarithmic, quantities: Vec<Quantity>| {
+        panels.push(panel(label, is_logarithmic, runs, &quantities));
+    };
     if !discs {
-        panels.push(joints(
-            layout,
-            "joint angle, deg",
-            [
-                ("q11", |finger| wrap_angle(finger.q11_rad).to_degrees()),
-                ("q21", |finger| wrap_angle(finger.q21_rad).to_degrees()),
-                ("q22", |finger| wrap_angle(finger.q22_rad).to_degrees()),
-            ],
-        ));
+        let angles: [FingerQuantity; 3] = [
+            ("q11", |finger| wrap_angle(finger.q11_rad).to_degrees()),
+            ("q21", |finger| wrap_angle(finger.q21_rad).to_degrees()),
+            ("q22", |finger| wrap_angle(finger.q22_rad).to_degrees()),
+        ];
+        add("joint angle, deg", false, joints(layout, angles));
     }
     if layout.fingers.len() == 1 {
-        panels.push(joints(
-            layout,
-            "joint rate, rad/s",
-            [
-                ("qd11", |finger| finger.qd11_rad_s),
-                ("qd21", |finger| finger.qd21_rad_s),
-                ("qd22", |finger| finger.qd22_rad_s),
-            ],
-        ));
+        let rates: [FingerQuantity; 3] = [
+            ("qd11", |finger| finger.qd11_rad_s),
+            ("qd21", |finger| finger.qd21_rad_s),
+            ("qd22", |finger| finger.qd22_rad_s),
+        ];
+        add("joint rate, rad/s", false, joints(layout, rates));
     } else if !discs {
-        let object: [fn(&Sample) -> f64; 2] = [|s| s.bodies[0].centre_m[0] * 1e3, |s| s.bodies[0].centre_m[1] * 1e3];
-        panels.push(sample_panel("object, mm", ["x", "y"], object));
+        let centre = |axis: usize| move |sample: &Sample| sample.bodies[0].centre_m[axis] * 1e3;
+        add("object, mm", false, vec![quantity("x", centre(0)), quantity("y", centre(1))]);
     }
     let shown_contacts = shown_contacts(layout, runs);
-    let contacts = |label, is_logarithmic, value: fn(&ContactSample) -> f64| {
-        let quantity = |&index: &usize| -> Quantity {
+    let contacts = |value: fn(&ContactSample) -> f64| -> Vec<Quantity> {
+        let contact = |&index: &usize| {
             let name = &layout.contacts[index].name;
             let name = if discs { name.clone() } else { name.replace('_', " ") };
-            (name, Box::new(move |sample| value(&sample.contacts[index])))
+            quantity(name, move |sample| value(&sample.contacts[index]))
         };
-        PanelQuantities { label, is_logarithmic, quantities: shown_contacts.iter().map(quantity).collect() }
+        shown_contacts.iter().map(contact).collect()
     };
     if !shown_contacts.is_empty() {
-        panels.push(contacts("normal force, N", !discs, |contact| contact.normal_n));
-        panels.push(contacts("gap, mm", false, |contact| contact.gap_m * 1e3));
+        add("normal force, N", !discs, contacts(|contact| contact.normal_n));
+        add("gap, mm", false, contacts(|contact| contact.gap_m * 1e3));
         let has_friction = |sample: &Sample| sample.contacts.iter().any(|contact| contact.tangential_n != 0.0);
         if discs && runs.iter().any(|run| run.samples.iter().any(has_friction)) {
-            panels.push(contacts("friction force, N", false, |contact| contact.tangential_n));
+            add("friction force, N", false, contacts(|contact| contact.tangential_n));
         }
     }
-    let names = ["kinetic", if discs { "drive work" } else { "motor work" }, "dissipated", "balance"];
-    let energies: [fn(&Sample) -> f64; 4] = [
-        |s| s.energy.kinetic_j * 1e3,
-        |s| s.energy.motor_work_j * 1e3,
-        |s| s.energy.dissipated_j * 1e3,
-        |s| s.energy.balance_j * 1e3,
+    let mut energies = vec![
+        quantity("kinetic", |sample| sample.energy.kinetic_j * 1e3),
+        quantity(if discs { "drive work" } else { "motor work" }, |sample| sample.energy.motor_work_j * 1e3),
+        quantity("dissipated", |sample| sample.energy.dissipated_j * 1e3),
+        quantity("balance", |sample| sample.energy.balance_j * 1e3),
     ];
-    let mut energies = sample_panel("energy, mJ", names, energies);
-    if discs {
-        energies.quantities.push(("contact".to_string(), Box::new(|sample| sample.energy.elastic_j * 1e3)));
-    }
-    panels.push(energies);
+    energies.extend(discs.then(|| quantity("contact", |sample| sample.energy.elastic_j * 1e3)));
+    add("energy, mJ", false, energies);
     panels
+}
+
+fn quantity(name: impl Into<String>, value: impl Fn(&Sample) -> f64 + 'static) -> Quantity {
+    (name.into(), Box::new(value))
 }
 
 /// Surfaces that have contact in a run, or all surfaces if none has; always all surfaces for a single finger with an
@@ -130,23 +121,13 @@ fn shown_contacts(layout: &Layout, runs: [&Recording; 2]) -> Vec<usize> {
     if in_contact.is_empty() || layout.fingers.len() == 1 { all } else { in_contact }
 }
 
-fn sample_panel<const N: usize>(
-    label: &'static str,
-    names: [&str; N],
-    values: [fn(&Sample) -> f64; N],
-) -> PanelQuantities {
-    let quantity = |(name, value): (&str, fn(&Sample) -> f64)| -> Quantity { (name.to_string(), Box::new(value)) };
-    PanelQuantities { label, is_logarithmic: false, quantities: names.into_iter().zip(values).map(quantity).collect() }
-}
-
-/// Panel of the joints of every finger.
-fn joints(layout: &Layout, label: &'static str, values: [FingerQuantity; 3]) -> PanelQuantities {
-    let fingers = layout.fingers.iter().enumerate();
-    let quantity = |(index, finger): (usize, &String)| {
-        values.map(|(joint, value)| -> Quantity {
-            let name = [finger, joint].join(" ").trim_start().to_string();
-            (name, Box::new(move |sample| value(&sample.fingers[index])))
+/// Quantities of the joints of every finger.
+fn joints(layout: &Layout, values: [FingerQuantity; 3]) -> Vec<Quantity> {
+    let of_finger = |(index, finger): (usize, &String)| {
+        values.map(|(joint, value)| {
+            let name = [finger, joint].join(" ");
+            quantity(name.trim_start(), move |sample| value(&sample.fingers[index]))
         })
     };
-    PanelQuantities { label, is_logarithmic: false, quantities: fingers.flat_map(quantity).collect() }
+    layout.fingers.iter().enumerate().flat_map(of_finger).collect()
 }

@@ -40,6 +40,9 @@ _UNITS = {
     "n": ("N", 1.0),
 }
 
+# Colours of pictures and their replacements on a dark background.
+_DARK = {"#ffffff": "#1b1f26", "#000000": "#eceff3", "#b2b2b2": "#6b7480", "#1f77b4": "#56b4e9", "#ff7f0e": "#ff9a52"}
+
 
 class _Quantity:
     """Display format of a column of SI values."""
@@ -435,8 +438,20 @@ def picture(found: Found, format: str, has_links: bool = False) -> bytes:
     with matplotlib.rc_context({"svg.hashsalt": "phalanx", "svg.fonttype": "none"}):
         metadata = {"Creator": MARK, "Date": None} if format == "svg" else {"Software": MARK}
         figure.savefig(buffer, format=format, dpi=120, metadata=metadata)
-    dark = b"@media (prefers-color-scheme: dark) {svg {filter: invert(1) hue-rotate(180deg)}}</style>"
-    return buffer.getvalue().replace(b"</style>", dark, 1) if format == "svg" else buffer.getvalue()
+    return _with_dark_scheme(buffer.getvalue()) if format == "svg" else buffer.getvalue()
+
+
+def _with_dark_scheme(svg: bytes) -> bytes:
+    """Adds the colours of a standalone picture for viewers with a dark scheme."""
+    rules = [
+        f'svg:root [style*="{attribute}: {light}"] {{ {attribute}: {dark} !important; }}'
+        for light, dark in _DARK.items()
+        for attribute in ("fill", "stroke")
+    ]
+    # Matplotlib omits the fill of black text and markers.
+    rules.append(f'svg:root :is(text, use):not([style*="fill:"]) {{ fill: {_DARK["#000000"]}; }}')
+    style = "<style>@media (prefers-color-scheme: dark) {\n" + "\n".join(rules) + "\n}</style>\n"
+    return svg.replace(b" <defs>", f" {style} <defs>".encode(), 1)
 
 
 def page(found: Found) -> str:

@@ -14,6 +14,9 @@ from .study import Optimisation
 
 _Path: TypeAlias = str | os.PathLike[str]
 
+# Names of the scenes of a front.
+_DESIGNS = "design-*.toml"
+
 
 class Optimum:
     """The results of an optimisation."""
@@ -139,6 +142,10 @@ def run(
             contents |= {outputs.scenes / name: text.encode() for name, text in report.scenes(found).items()}
         for path, content in contents.items():
             _write(path, content)
+        if outputs.scenes:
+            # Designs of an earlier search are not on this front.
+            for path in set(outputs.scenes.glob(_DESIGNS)) - set(contents):
+                path.unlink()
         if partial:
             partial.unlink(missing_ok=True)
     finally:
@@ -176,7 +183,7 @@ def _require_targets(optimisation: Optimisation, targets: dict[str, Path], force
 def _require_scene_targets(optimisation: Optimisation, directory: Path, force: bool) -> None:
     if directory.exists() and not directory.is_dir():
         raise StudyError(f"error: scenes: {directory} is not a directory\n  = help: choose another directory")
-    for path in [directory / "start.toml", *sorted(directory.glob("design-*.toml"))]:
+    for path in [directory / "start.toml", *sorted(directory.glob(_DESIGNS))]:
         if any(os.path.realpath(path) == os.path.realpath(file) for file in optimisation.files):
             raise StudyError(f"error: scenes: {path} is an input of the search\n  = help: choose another directory")
         if not (force or _is_own(path)):

@@ -456,7 +456,7 @@ class Checkpoint:
         end = 0
         try:
             with pa.ipc.open_stream(pa.PythonFile(self._file, mode="r")) as reader:
-                self.require_same_search(reader.schema.metadata, self.path)
+                require_same_search(reader.schema.metadata, path, fingerprint)
                 end = self._file.tell()
                 for batch in reader:
                     self.tables.append(pa.Table.from_batches([batch]))
@@ -464,14 +464,6 @@ class Checkpoint:
         except (pa.ArrowInvalid, OSError):
             pass
         self._file.truncate(end)
-
-    def require_same_search(self, metadata: dict[bytes, bytes] | None, path: Path) -> None:
-        """Refuses stored results of another search."""
-        if (metadata or {}).get(b"phalanx.optimize") != self._fingerprint.encode():
-            raise StudyError(
-                f"error: {path} contains the runs of another study, scene, model or version\n"
-                "  = help: choose another output, or discard these results with --restart (restart=True)"
-            )
 
     def _lock(self) -> None:
         """Prevents two searches from writing the same file, where the system supports locks."""
@@ -495,21 +487,33 @@ class Checkpoint:
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
+        """Closes the file; an empty one is deleted."""
+        is_empty = self._file.seek(0, os.SEEK_END) == 0
         self._file.close()
+        if is_empty:
+            self.path.unlink(missing_ok=True)
 
 
 def open_checkpoint(path: Path, runs: Path, fingerprint: str) -> Checkpoint:
     """Opens the checkpoint of a search; finished results in the Parquet file `runs` replace its generations."""
-    checkpoint = Checkpoint(path, fingerprint)
-    if runs.exists() and not checkpoint.tables:
+    finished = None
+    if runs.exists() and not path.exists():
         import pyarrow.parquet
 
         finished = pyarrow.parquet.read_table(runs)
-        checkpoint.require_same_search(finished.schema.metadata, runs)
-        generations = finished["generation"].to_numpy()
+        require_same_search(finished.schema.metadata, runs, fingerprint)
+    checkpoint = Checkpoint(path, fingerprint)
+    if finished is not None:
+        counts = np.unique(finished["generation"].to_numpy(), return_index=True, return_counts=True)
         finished = finished.drop_columns("generation")
-        checkpoint.tables = [
-            finished.slice(int(first), int(count))
-            for _, first, count in zip(*np.unique(generations, return_index=True, return_counts=True), strict=True)
-        ]
+        checkpoint.tables = [finished.slice(int(first), int(count)) for _, first, count in zip(*counts, strict=True)]
     return checkpoint
+
+
+def require_same_search(metadata: dict[bytes, bytes] | None, path: Path, fingerprint: str) -> None:
+    """Refuses stored results of another search."""
+    if (metadata or {}).get(b"phalanx.optimize") != fingerprint.encode():
+        raise StudyError(
+            f"error: {path} contains the runs of another study, scene, model or version\n"
+            "  = help: choose another output, or discard these results with --restart (restart=True)"
+        )

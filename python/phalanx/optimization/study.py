@@ -351,9 +351,9 @@ class _Checker:
         defaults = {name: key.default for name, key in keys.items() if key.default is not None}
         return {**defaults, **values}
 
-    def require(self, table: dict[str, Any], path: str, given: dict[str, Any], key: str, help: str) -> Any:
+    def require(self, table: dict[str, Any], path: str, key: str, help: str) -> Any:
         """Returns a required value, or None after reporting that it is missing."""
-        if key not in given:
+        if key not in table:
             self.add(path, f"`{key}` is missing", help)
         return table.get(key)
 
@@ -462,7 +462,7 @@ def parse(text: str, file: str, model: str | None = None) -> Optimisation:
         ("variables", "the fields to vary: [[variables]] with field, from and to"),
         ("objectives", 'a figure to minimise or maximise: [[objectives]] with column = "tts_s"'),
     ]:
-        if name not in document:
+        if document.get(name, []) == []:
             checker.add("", f"there are no [[{name}]]", f"add {example}")
     checker.finish()
 
@@ -513,6 +513,10 @@ def _base_scene(scene: str | dict[str, Any], variables: list[tuple[str, Any]], c
             table = _inserted(table, variable["field"].split("."), variable["start"])
     try:
         base = _phalanx.Scene.from_dict(table, checker.file)
+    except (OverflowError, TypeError, ValueError) as error:
+        checker.add("scene", f"a value of the base scene is invalid: {error}", "write strings, numbers, flags or lists")
+        checker.finish()
+        raise
     except SceneError as error:
         for problem in error.problems:
             if problem["file"] != checker.file:
@@ -683,9 +687,7 @@ def _condition_rows(
 ) -> list[dict[str, Any]]:
     """Returns the values of the fields of one axis of conditions."""
     if "fields" in table:
-        rows = checker.require(
-            table, where, table, "rows", "give a row of values for each condition: rows = [[.., ..], ..]"
-        )
+        rows = checker.require(table, where, "rows", "give a row of values for each condition: rows = [[.., ..], ..]")
         if rows is None:
             return []
         if not all(isinstance(row, list) and len(row) == len(paths) for row in rows):
@@ -706,7 +708,7 @@ def _condition_rows(
         checker.add(where, "`values` is missing", "give values = [..], or a range: from, to and count")
         return []
     range_ = _range(table, where, column, checker, "list its values: values = [..]")
-    count = checker.require(table, where, table, "count", "give the number of values of the range: count = 3")
+    count = checker.require(table, where, "count", "give the number of values of the range: count = 3")
     if range_ is None or count is None:
         return []
     if not 2 <= count <= MAX_RUNS:

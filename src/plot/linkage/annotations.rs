@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::label_placement::{LabelRequest, Point};
 use super::mechanism::Mechanism;
 use crate::drawing::{Drawing, poses_for_postures};
-use crate::numeric::plane::{add, scale};
+use crate::numeric::plane::{add, dot, scale, sub};
 use crate::plot::outline::{MARGIN, View, mirrored, outlines};
 use crate::plot::svg::Paint;
 use crate::plot::theme::{Colour, OBJECT, SOFT};
@@ -46,9 +46,6 @@ pub(super) struct Line {
     pub points: Vec<Point>,
 }
 
-/// An outline and its paint.
-pub(super) type Body = (Vec<Point>, Paint);
-
 /// A symbol with the request for its placement.
 pub(super) struct Label {
     pub symbol: &'static str,
@@ -57,13 +54,28 @@ pub(super) struct Label {
 }
 
 pub(super) struct Annotations {
-    pub bodies: Vec<Body>,
+    /// Outlines and their paints.
+    pub bodies: Vec<(Vec<Point>, Paint)>,
     pub lines: Vec<Line>,
     pub labels: Vec<Label>,
     pub joints: Vec<Point>,
     pub size: [f64; 2],
     /// Height of the surface of the palm in pixels, if the scene has one.
     pub palm: Option<f64>,
+}
+
+impl Annotations {
+    fn line(&mut self, stroke: Stroke, points: impl Into<Vec<Point>>) {
+        self.lines.push(Line { stroke, points: points.into() });
+    }
+
+    /// Adds a label with an anchor in pixels and a preferred direction in world coordinates.
+    fn label(&mut self, symbol: &'static str, kind: Stroke, anchor: Point, [x, y]: Point) {
+        // Characters of common fonts are about 0.6 times as wide as high.
+        let width = 0.62 * LABEL_PX * symbol.chars().count() as f64;
+        let request = LabelRequest { anchor, direction: [x, -y], width, height: LABEL_PX };
+        self.labels.push(Label { symbol, kind, request });
+    }
 }
 
 pub(super) fn annotations(scene: &Scene, m: &Mechanism) -> Annotations {
@@ -98,7 +110,7 @@ fn view(m: &Mechanism, outlines: &[(Vec<Point>, Colour)]) -> View {
 }
 
 /// Returns the object and the links, with the outline of the other finger behind them.
-fn bodies(m: &Mechanism, outlines: &[(Vec<Point>, Colour)], view: &View) -> Vec<Body> {
+fn bodies(m: &Mechanism, outlines: &[(Vec<Point>, Colour)], view: &View) -> Vec<(Vec<Point>, Paint)> {
     let pixels = |outline: &[Point]| outline.iter().map(|point| view.pixel(*point)).collect::<Vec<Point>>();
     let other = Paint::line(SOFT, 1.2).dashed("4 4").faded(0.7);
     let links = outlines.iter().filter(|(_, fill)| *fill != OBJECT);
@@ -109,15 +121,8 @@ fn bodies(m: &Mechanism, outlines: &[(Vec<Point>, Colour)], view: &View) -> Vec<
     others.chain(outlines.iter().map(|(outline, fill)| (pixels(outline), Paint::fill(*fill).with_edge(SOFT)))).collect()
 }
 
-/// Creates a label with an anchor in pixels and a preferred direction in world coordinates.
-fn label(symbol: &'static str, kind: Stroke, anchor: Point, [x, y]: Point) -> Label {
-    // Characters of common fonts are about 0.6 times as wide as high.
-    let width = 0.62 * LABEL_PX * symbol.chars().count() as f64;
-    Label { symbol, kind, request: LabelRequest { anchor, direction: [x, -y], width, height: LABEL_PX } }
-}
-
 fn middle(a: Point, b: Point) -> Point {
-    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+    scale(add(a, b), 0.5)
 }
 
 fn unit_vector(angle: f64) -> Point {
@@ -134,13 +139,12 @@ fn links(m: &Mechanism, view: &View, result: &mut Annotations) {
         ("l22", j.a22_m, j.a13_m),
         ("t22", j.a22_m, j.tip_m),
     ] {
-        result.lines.push(Line { stroke: Stroke::Link, points: vec![view.pixel(from), view.pixel(to)] });
+        result.line(Stroke::Link, [view.pixel(from), view.pixel(to)]);
         let midpoint = middle(from, to);
         // The normal points to the outer side of the four-bar linkage.
         let normal = [from[1] - to[1], to[0] - from[0]];
-        let side =
-            ((midpoint[0] - interior_point[0]) * normal[0] + (midpoint[1] - interior_point[1]) * normal[1]).signum();
-        result.labels.push(label(name, Stroke::Link, view.pixel(midpoint), normal.map(|k| side * k)));
+        let side = dot(sub(midpoint, interior_point), normal).signum();
+        result.label(name, Stroke::Link, view.pixel(midpoint), scale(normal, side));
     }
 }
 
@@ -158,15 +162,15 @@ fn angles(m: &Mechanism, view: &View, result: &mut Annotations) {
         let [x, y] = view.pixel(joint);
         let point_on_arc = |angle: f64, radius: f64| [x + radius * angle.cos(), y - radius * angle.sin()];
         if reference > 0.0 {
-            result.lines.push(Line { stroke: Stroke::Reference, points: vec![[x, y], point_on_arc(from, reference)] });
+            result.line(Stroke::Reference, [[x, y], point_on_arc(from, reference)]);
         }
         let turn_angle = if turn_angle.abs() > 2.0 * PI { turn_angle % (2.0 * PI) } else { turn_angle };
         let pieces = (turn_angle.abs() / 0.05).ceil().max(2.0) as usize;
-        let points = (0..=pieces).map(|k| point_on_arc(from + turn_angle * k as f64 / pieces as f64, radius)).collect();
-        result.lines.push(Line { stroke: Stroke::Angle, points });
+        let points = (0..=pieces).map(|k| point_on_arc(from + turn_angle * k as f64 / pieces as f64, radius));
+        result.line(Stroke::Angle, points.collect::<Vec<Point>>());
         // The arcs of φ22 and q22 overlap: label each where the other is absent.
         let label_angle = from + if name == "φ22" { 0.75 } else { 0.5 } * turn_angle;
-        result.labels.push(label(name, Stroke::Angle, point_on_arc(label_angle, radius), unit_vector(label_angle)));
+        result.label(name, Stroke::Angle, point_on_arc(label_angle, radius), unit_vector(label_angle));
     }
 }
 
@@ -176,31 +180,29 @@ fn forces(m: &Mechanism, view: &View, result: &mut Annotations) {
     for (name, (contact_point, direction)) in ["F21", "F22"].into_iter().zip(contacts) {
         let from = view.pixel(*contact_point);
         let tip = [from[0] + 62.0 * direction[0], from[1] - 62.0 * direction[1]];
-        result.lines.push(Line { stroke: Stroke::Force, points: vec![from, tip] });
-        result.labels.push(label(name, Stroke::Force, tip, *direction));
+        result.line(Stroke::Force, [from, tip]);
+        result.label(name, Stroke::Force, tip, *direction);
     }
 }
 
 fn dimensions(m: &Mechanism, view: &View, result: &mut Annotations) {
-    let w = m.lengths.half_width_m;
     // The half width, near the end of the proximal phalanx, on the side opposite to the object.
     let direction_rad = m.posture.q21_rad;
-    let distance_m = 0.8 * m.lengths.l21_m;
-    let centre = [distance_m * direction_rad.cos(), distance_m * direction_rad.sin()];
-    let direction = unit_vector(direction_rad - FRAC_PI_2);
-    let edge = [centre[0] + w * direction[0], centre[1] + w * direction[1]];
-    result.lines.push(Line { stroke: Stroke::Dimension, points: vec![view.pixel(centre), view.pixel(edge)] });
-    result.labels.push(label("w", Stroke::Dimension, view.pixel(edge), direction));
+    let centre = scale(unit_vector(direction_rad), 0.8 * m.lengths.l21_m);
+    let normal = unit_vector(direction_rad - FRAC_PI_2);
+    let edge = view.pixel(add(centre, scale(normal, m.lengths.half_width_m)));
+    result.line(Stroke::Dimension, [view.pixel(centre), edge]);
+    result.label("w", Stroke::Dimension, edge, normal);
     let Some(object) = m.object else { return };
     // The base: distance between the joint on the palm and the middle of the gripper.
     let y = result.size[1] - 26.0;
     let (left, right) = (view.pixel(object.centre_m), view.pixel([0.0; 2]));
-    result.lines.push(Line { stroke: Stroke::Reference, points: vec![left, [left[0], y + 6.0]] });
-    result.lines.push(Line { stroke: Stroke::Reference, points: vec![right, [right[0], y + 6.0]] });
-    result.lines.push(Line { stroke: Stroke::Dimension, points: vec![[left[0], y], [right[0], y]] });
-    result.labels.push(label("base", Stroke::Dimension, middle([left[0], y], [right[0], y]), [0.0, -1.0]));
+    result.line(Stroke::Reference, [left, [left[0], y + 6.0]]);
+    result.line(Stroke::Reference, [right, [right[0], y + 6.0]]);
+    result.line(Stroke::Dimension, [[left[0], y], [right[0], y]]);
+    result.label("base", Stroke::Dimension, middle([left[0], y], [right[0], y]), [0.0, -1.0]);
     let Some(radius_m) = circle_radius(&object.shape) else { return };
     let rim_point = view.pixel(add(object.centre_m, scale(unit_vector(0.75 * PI), radius_m)));
-    result.lines.push(Line { stroke: Stroke::Dimension, points: vec![left, rim_point] });
-    result.labels.push(label("radius", Stroke::Dimension, middle(left, rim_point), [0.5, 1.0]));
+    result.line(Stroke::Dimension, [left, rim_point]);
+    result.label("radius", Stroke::Dimension, middle(left, rim_point), [0.5, 1.0]);
 }

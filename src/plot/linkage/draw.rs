@@ -4,6 +4,7 @@ use super::Linkage;
 use super::annotations::{Annotations, LABEL_PX, Line, Stroke};
 use super::label_placement::{Point, place_labels};
 use super::mechanism::Mechanism;
+use crate::format::Quantity;
 use crate::plot::canvas::{centred_style, fitted_text, text_left_of, text_right_of, text_width};
 use crate::plot::outline::arrow_head;
 use crate::plot::svg::{Paint, Svg, TextStyle, document};
@@ -56,11 +57,8 @@ pub(super) fn draw(scene: &Scene, m: &Mechanism, annotations: &Annotations) -> L
                 let leader_end = [x + part * (ax - x), y + part * (ay - y)];
                 stroke(svg, &Line { stroke: Stroke::Leader, points: vec![leader_end, [ax, ay]] });
             }
-            svg.text(
-                label.symbol,
-                label_box.centre,
-                TextStyle { has_halo: true, ..centred_style(LABEL_PX, ink(label.kind)) },
-            );
+            let style = TextStyle { has_halo: true, ..centred_style(LABEL_PX, ink(label.kind)) };
+            svg.text(label.symbol, label_box.centre, style);
         }
         // The outline of the distal body encloses its mass: the triangle of its joints and its tip, widened by w.
         let text =
@@ -114,8 +112,9 @@ type Row = (&'static str, Colour, &'static str, String);
 
 fn table(scene: &Scene, m: &Mechanism, has_no_forces: bool) -> Vec<Row> {
     let (l, q) = (&m.lengths, &m.posture);
-    let mm = |metres: f64| format!("{} mm", four_digits(metres * 1e3));
-    let deg = |radians: f64| format!("{}°", four_digits(radians.to_degrees()));
+    let (length, angle) = (Quantity::for_column("l12_m"), Quantity::for_column("trajectory_rad"));
+    let mm = |length_m: f64| format!("{} mm", length.number(length_m, 4).replace('-', "−"));
+    let deg = |angle_rad: f64| format!("{}°", angle.number(angle_rad, 4).replace('-', "−"));
     let mut rows: Vec<Row> = vec![
         ("l11", INK, "driven by the motor", mm(l.l11_m)),
         ("l12", INK, "coupler", mm(l.l12_m)),
@@ -141,12 +140,4 @@ fn table(scene: &Scene, m: &Mechanism, has_no_forces: bool) -> Vec<Row> {
         rows.push(("F22", FORCE, "object on distal phalanx", String::new()));
     }
     rows
-}
-
-/// Formats a number with four digits, without trailing zeros.
-fn four_digits(value: f64) -> String {
-    let exponent = value.abs().max(1e-3).log10().floor() as i32;
-    let text = format!("{value:.*}", usize::try_from(3 - exponent).unwrap_or(0).min(4));
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".to_string() } else { text.replace('-', "−") }
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::gripper::{Joints, Lengths, Posture, close_loop, final_posture, joint_positions, straight_posture};
+use crate::numeric::plane::{add, scale, sub};
 use crate::scene::Scene;
 use crate::shape::PlacedShape;
 
@@ -20,32 +21,23 @@ pub(super) struct Mechanism {
 }
 
 pub(super) fn mechanism(scene: &Scene) -> Mechanism {
-    let (lengths, assembly) = (scene.finger().linkage.lengths, scene.finger().linkage.assembly);
+    let finger = scene.finger();
+    let (lengths, assembly) = (finger.linkage.lengths, finger.linkage.assembly);
     let object = scene.object().map(|object| object.placed());
     let grasp = object.and_then(|object| Some((object, final_posture(&lengths, assembly, object).ok()?)));
-    let start = || close_loop(&lengths, assembly, scene.finger().initial.q11_rad, scene.finger().initial.q21_rad).ok();
+    let start = || close_loop(&lengths, assembly, finger.initial.q11_rad, finger.initial.q21_rad).ok();
     // A scene whose initial linkage does not close is rejected elsewhere; the upright finger can always be drawn.
     let upright = || straight_posture(&lengths, FRAC_PI_2).ok();
+    let stretched = Posture { q11_rad: 0.0, q21_rad: FRAC_PI_2, q12_rad: FRAC_PI_2, q22_rad: -lengths.phi22_rad };
     let (posture, posture_name) = match &grasp {
         Some((_, end)) => (end.posture, "at its grasp"),
-        None => (
-            start().or_else(upright).unwrap_or(Posture {
-                q11_rad: 0.0,
-                q21_rad: FRAC_PI_2,
-                q12_rad: FRAC_PI_2,
-                q22_rad: -lengths.phi22_rad,
-            }),
-            "at its start",
-        ),
+        None => (start().or_else(upright).unwrap_or(stretched), "at its start"),
     };
     let joints = joint_positions(&lengths, &posture);
     let contacts = grasp.map(|(object, end)| {
         let contact = |from: [f64; 2], to: [f64; 2], part_m: f64, length_m: f64| {
-            let part = part_m / length_m;
-            let on = [from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])];
-            let direction = [on[0] - object.centre_m[0], on[1] - object.centre_m[1]];
-            let size = direction[0].hypot(direction[1]);
-            let direction = direction.map(|k| k / size);
+            let outward = sub(add(from, scale(sub(to, from), part_m / length_m)), object.centre_m);
+            let direction = outward.map(|k| k / outward[0].hypot(outward[1]));
             (object.furthest_point_m(direction), direction)
         };
         [

@@ -2,6 +2,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `series` | charts and stacked panels of curves and markers with their legend |
 //! | `svg` | SVG elements, paths and texts |
 //! | `theme` | colours for light and dark backgrounds, and their CSS variables |
 //! | `axis` | ranges and ticks, linear and logarithmic |
