@@ -146,7 +146,7 @@ fn reports_problems_with_their_location() {
         (ratio(""), ":2:1", "`values` is missing"),
         (axis("values = [1]"), ":2:1", "`field` is missing"),
         (axis("fields = [\"palm\", \"half_width\"]"), ":2:1", "`rows` is missing"),
-        (axis("fields = [\"palm\", 3]\nrows = [[true, 1]]"), ":3:19", "must be a single line of text"),
+        (axis("fields = [\"palm\", 3]\nrows = [[true, 1]]"), ":3:19", "must be a string"),
         (axis("fields = [\"palm\", \"palm\"]\nrows = [[true, true]]"), ":3:19", "given twice"),
         (axis("fields = [\"palm\", \"half_width\"]\nrows = [[true]]"), ":4:9", "a row has 1 values, but 2 fields"),
         (
@@ -162,7 +162,7 @@ fn reports_problems_with_their_location() {
         ("[filter]\nform_closed = 1\n".to_string(), ":3:15", "must be true or false"),
         ("[set]\ndesign.base = \"1 kg\"\n".to_string(), ":3:15", "a mass … expected a length"),
         ("[set]\ndesin.base = \"1 mm\"\n".to_string(), ":3:1", "unknown key `desin` … did you mean `design`?"),
-        ("name = 3\n".to_string(), ":2:8", "`name` is 3 … must be a single line of text"),
+        ("name = 3\n".to_string(), ":2:8", "`name` is a bare number … must be a string"),
         ("kind = 3\n".to_string(), ":2:1", "unknown key `kind`"),
         ("x = \n".to_string(), ":2:5", "not valid TOML"),
     ] {
@@ -189,7 +189,7 @@ fn reports_problems_of_the_base_scene_in_its_own_file() {
     let message = error("name = \"x\"\n");
     assert!(message.contains("`scene` is missing"), "{message}");
     let message = error("scene = 3\n");
-    assert!(message.contains("study.toml:1:9") && message.contains("`scene` is 3"), "{message}");
+    assert!(message.contains("study.toml:1:9") && message.contains("`scene` is a bare number"), "{message}");
     let message = load("scenes/studies/none.toml").expect_err("no such file").to_string();
     assert!(message.contains("cannot read study") && message.contains("there is no such file"), "{message}");
 }
