@@ -77,7 +77,8 @@ fn recorded_settings_are_restored() {
         let recorded = record(&engine);
         let entry = |name: &str| recorded.iter().find(|(known, _)| known == name).map(|(_, text)| text.clone());
         assert!(entry(has).is_some() && entry(lacks).is_none(), "{recorded:?}");
-        let restored = restore(|name| entry(name).ok_or(name.to_string()), |name, value, allowed| name + &value + &allowed);
+        let restored =
+            restore(|name| entry(name).ok_or(name.to_string()), |name, value, allowed| name + &value + &allowed);
         assert_eq!(restored, Ok(engine));
         let negative = restore::<Engine, _>(
             |name| Ok(if name == "engine_max_steps" { "0".to_string() } else { entry(name).expect("recorded") }),

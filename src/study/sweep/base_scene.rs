@@ -7,12 +7,12 @@ use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 use toml::{Spanned, Table, Value};
 
 use super::field::{FieldType, join};
+use crate::scene::Keyword;
 use crate::scene::keywords::SceneKind;
 use crate::scene::parse::syntax_problem;
 use crate::scene::precedence::replaced_keys;
 use crate::scene::schema::{other_schemas, schema_for};
 use crate::scene::toml_value::TomlValue;
-use crate::scene::Keyword;
 use crate::scene::{Layer, Problem, SceneError, keys, parse_layers};
 
 /// A base scene.
@@ -88,8 +88,11 @@ pub fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, problems: &m
             _ if schema["type"].is_array() => {}
             _ => {
                 let of_any = is_list && items.is_none();
-                let field_type =
-                    if of_any { FieldType::List(Box::new(FieldType::Text), None) } else { FieldType::from_schema(schema) };
+                let field_type = if of_any {
+                    FieldType::List(Box::new(FieldType::Text), None)
+                } else {
+                    FieldType::from_schema(schema)
+                };
                 if let Ok(toml_value) = TomlValue::deserialize(ValueDeserializer::from(value.clone())) {
                     let checked = field_type.read(&path, &Spanned::new(value.span(), toml_value));
                     problems.extend(checked.err().into_iter().flatten());
