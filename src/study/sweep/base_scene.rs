@@ -7,12 +7,13 @@ use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 use toml::{Spanned, Table, Value};
 
 use super::field::{FieldType, join};
+use crate::scene::Keyword;
 use crate::scene::keywords::SceneKind;
 use crate::scene::parse::syntax_problem;
 use crate::scene::precedence::replaced_keys;
 use crate::scene::schema::{other_schemas, schema_for};
 use crate::scene::toml_value::TomlValue;
-use crate::scene::{Keyword, Layer, Problem, SceneError, keys, parse_layers};
+use crate::scene::{Layer, Problem, SceneError, keys, parse_layers};
 
 /// A base scene.
 pub struct Base {

@@ -14,7 +14,7 @@ use super::keywords::SceneKind::{self, Bodies, Finger, Gripper};
 use super::quantity::Keyword;
 use super::settings::{Engine, Integrator, LogRates, SceneFile};
 use super::value::{ValueType, from_json};
-use crate::units::{Dimension, format, number};
+use crate::units::{format, number};
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
 pub fn schema() -> String {
@@ -44,6 +44,7 @@ pub fn schema_for(kind: SceneKind) -> &'static Value {
     SCHEMAS[kind as usize].get_or_init(|| {
         let settings = SchemaSettings::draft07().for_serialize().with(|settings| settings.inline_subschemas = true);
         let mut schema = settings.into_generator().into_root_schema_for::<SceneFile>().to_value();
+        unwrap_lines(&mut schema);
         adapt(&mut schema, kind, false);
         schema
     })
@@ -59,7 +60,6 @@ pub fn other_schemas(kind: SceneKind) -> Vec<(&'static str, &'static Value)> {
 /// the name of their field, and defaults are also given in SI units. In a part that `overrides` another one, keys have no
 /// defaults, and the contacts common to both fingers are left out.
 fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
-    unwrap_lines(schema);
     let Some(map) = schema.as_object_mut() else { return };
     let overrides = overrides || map.contains_key("x-overrides");
     let own = SceneKind::ALL.map(|kind| (kind, map.remove(&format!("x-{}", kind.keyword()))));
@@ -314,15 +314,18 @@ pub fn restore<T: SettingsSection, E>(
 /// if they differ from those of a finger.
 pub fn markdown() -> String {
     let mut sections: Vec<(String, String)> = Vec::new();
-    for (kind, of) in [(Finger, "finger"), (Bodies, "scene of discs"), (Gripper, "gripper")] {
-        let top = (format!("Top level of a {}", if kind == Bodies { "scene of discs" } else { of }), schema_for(kind));
+    for (kind, top, of) in [
+        (Finger, "scene of a finger", ""),
+        (Bodies, "scene of discs", " of a scene of discs"),
+        (Gripper, "scene of a gripper", " of a gripper"),
+    ] {
+        let top = (format!("Top level of a {top}"), schema_for(kind));
         let mut found = vec![top];
         collect_sections(schema_for(kind), "", &mut found);
         for (title, schema) in found {
             let text = markdown_section(schema);
             if !sections.iter().any(|(_, known)| *known == text) {
-                let title =
-                    if kind == Finger || title.starts_with("Top") { title } else { format!("{title} of a {of}") };
+                let title = if title.starts_with("Top") { title } else { title + of };
                 sections.push((title, text));
             }
         }
@@ -360,10 +363,4 @@ fn markdown_section(schema: &Value) -> String {
         let _ = writeln!(text, "| `{key}` | {default} | {} | {} |", describe_allowed(property), description(property));
     }
     text
-}
-
-/// Dimension of the quantities of a schema, from its units.
-pub fn dimension(schema: &Value) -> Option<Dimension> {
-    let unit = schema["x-units"][0].as_str()?;
-    Dimension::ALL.into_iter().find(|dimension| dimension.units()[0].name == unit)
 }

@@ -6,7 +6,6 @@ use serde_json::Value as Json;
 use toml::{Spanned, Value};
 
 use super::error::Problem;
-use super::schema::dimension;
 use super::suggest::{closest_match, find_unsupported};
 use super::toml_value::TomlValue;
 use crate::units::{self, Dimension};
@@ -178,6 +177,12 @@ fn read_items(key: &str, item: &ValueType, items: &[Spanned<TomlValue>]) -> Read
     let (values, problems): (Vec<_>, Vec<_>) = items.iter().map(|value| item.read(key, value)).partition(Result::is_ok);
     let problems: Vec<Problem> = problems.into_iter().filter_map(Result::err).flatten().collect();
     if problems.is_empty() { Ok(Value::Array(values.into_iter().flatten().collect())) } else { Err(problems) }
+}
+
+/// Dimension of the quantities of a schema, from its units.
+fn dimension(schema: &Json) -> Option<Dimension> {
+    let unit = schema["x-units"][0].as_str()?;
+    Dimension::ALL.into_iter().find(|dimension| dimension.units()[0].name == unit)
 }
 
 /// Reads a value of a schema, such as a default, in SI units.

@@ -10,6 +10,6 @@ mod format;
 mod parse;
 mod table;
 
-pub use format::{format, number};
+pub use format::format;
 pub use parse::{QuantityError, parse, parse_positive, split_quantity};
-pub use table::{Dimension, G_M_S2, MAX_TIME_S, Unit};
+pub use table::{Dimension, G_M_S2, MAX_TIME_S, Unit, number};

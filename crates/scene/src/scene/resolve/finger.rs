@@ -2,10 +2,6 @@
 
 use super::super::section_input::SectionInput;
 use super::super::settings::{BodySettings, DesignSettings, LengthSettings, MaterialSettings};
-use super::super::{DrivenFinger, Motor};
-use super::drive::SizingResult;
-use super::object::Target;
-use super::{contact, drive, start};
 use crate::gripper::{self, Assembly, BodyOverride, Design, DesignError, Finger, Lengths, MassError, ProximalLength};
 use crate::numeric::elementary::{cos, hypot, sin};
 use crate::scene::quantity::{Length, Positive, Time, Word};
@@ -134,7 +130,7 @@ pub fn mass_settings(input: &SectionInput<'_>) -> (MaterialSettings, [BodyOverri
 }
 
 /// Resolves the bodies from outlines, material and overrides.
-fn linkage(input: &SectionInput<'_>, lengths: &FingerLengths) -> Option<Finger> {
+pub fn linkage(input: &SectionInput<'_>, lengths: &FingerLengths) -> Option<Finger> {
     let (material, overrides) = mass_settings(input);
     let (assembly, lengths) = (lengths.assembly, lengths.lengths?);
     match gripper::bodies_with_overrides(&lengths, *material.density, *material.depth, &overrides) {
@@ -149,37 +145,6 @@ fn linkage(input: &SectionInput<'_>, lengths: &FingerLengths) -> Option<Finger> 
             None
         }
     }
-}
-
-/// Resolves a finger with its drive and initial configuration; also returns its sizing. `gravity_m_s2` is in the frame
-/// of the finger, `curvature_m` the radius of curvature of the object, and `target` `None` if it is invalid.
-pub fn driven_finger(
-    input: &SectionInput<'_>,
-    lengths: &FingerLengths,
-    gravity_m_s2: [f64; 2],
-    has_motor: bool,
-    curvature_m: f64,
-    target: Option<&Target>,
-) -> (SizingResult, Option<DrivenFinger>) {
-    let linkage = linkage(input, lengths);
-    let finger_and_target = linkage.as_ref().zip(target);
-    let sized = drive::size(input, lengths, finger_and_target, gravity_m_s2);
-    let motor = if has_motor { drive::motor(&input.subsection("motor"), sized) } else { Some(Motor::NONE) };
-    let spring = drive::spring(&input.subsection("spring"), sized);
-    let limit = contact::limit(&input.subsection("limit"));
-    let contact = contact::finger_laws(&input.subsection("contact"), curvature_m);
-    let initial = start::initial(input, lengths, finger_and_target, limit);
-    let finger = || {
-        Some(DrivenFinger {
-            linkage: linkage?,
-            motor: motor?,
-            spring: spring?,
-            limit,
-            contact: contact?,
-            initial: initial?,
-        })
-    };
-    (sized, finger())
 }
 
 /// Example of a base for messages, with three digits. As in the example of the thesis, it exceeds the smallest base of

@@ -2,11 +2,12 @@
 
 use super::super::section_input::{SceneInput, SectionInput};
 use super::super::settings::{DifferentialSettings, SceneSettings};
-use super::super::{Differential, DiscMotion, DrivenFinger, HalfPlane, Side, System};
+use super::super::{Differential, DiscMotion, DrivenFinger, HalfPlane, Motor, Side, System};
 use super::contact::Level;
 use super::drive::{self, SizingResult};
-use super::finger::{driven_finger, resolve_lengths};
-use super::{disc, motion, object};
+use super::finger::{self, FingerLengths, resolve_lengths};
+use super::object::Target;
+use super::{contact, disc, motion, object, start};
 use crate::shape;
 
 /// Resolves the system; `None` if any part is invalid.
@@ -80,6 +81,37 @@ pub fn system(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSetti
         palm_motion,
         gravity_m_s2,
     })
+}
+
+/// Resolves a finger with its drive and initial configuration; also returns its sizing. `gravity_m_s2` is in the frame
+/// of the finger, `curvature_m` the radius of curvature of the object, and `target` `None` if it is invalid.
+fn driven_finger(
+    input: &SectionInput<'_>,
+    lengths: &FingerLengths,
+    gravity_m_s2: [f64; 2],
+    has_motor: bool,
+    curvature_m: f64,
+    target: Option<&Target>,
+) -> (SizingResult, Option<DrivenFinger>) {
+    let linkage = finger::linkage(input, lengths);
+    let finger_and_target = linkage.as_ref().zip(target);
+    let sized = drive::size(input, lengths, finger_and_target, gravity_m_s2);
+    let motor = if has_motor { drive::motor(&input.subsection("motor"), sized) } else { Some(Motor::NONE) };
+    let spring = drive::spring(&input.subsection("spring"), sized);
+    let limit = contact::limit(&input.subsection("limit"));
+    let contact = contact::finger_laws(&input.subsection("contact"), curvature_m);
+    let initial = start::initial(input, lengths, finger_and_target, limit);
+    let finger = || {
+        Some(DrivenFinger {
+            linkage: linkage?,
+            motor: motor?,
+            spring: spring?,
+            limit,
+            contact: contact?,
+            initial: initial?,
+        })
+    };
+    (sized, finger())
 }
 
 /// Resolves the differential: the motor at the input, sized for both fingers, and the seesaw.

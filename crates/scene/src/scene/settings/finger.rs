@@ -139,7 +139,8 @@ pub struct BodiesSettings {
     pub l22: BodySettings,
 }
 
-/// Mass properties of one body. If only the mass is given, the inertia from the outline is scaled with it.
+/// Mass properties of one body: `l11`, `l12`, `l21` or `l22`. If only the mass is given, the inertia from the outline is
+/// scaled with it.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct BodySettings {
     pub mass: Option<Positive<Mass>>,

@@ -106,7 +106,7 @@ impl Keyword for Method {
     const KEYWORDS: &'static [(&'static str, Self)] = &[("rodas5p", Method::Rodas5p), ("radau5", Method::RadauIIa5)];
 }
 
-/// Settings of the engine model.
+/// Construction, contact law and stepping of the engine model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "EngineSettings", into = "EngineSettings")]
 #[schemars(with = "EngineSettings")]
