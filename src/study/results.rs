@@ -240,15 +240,15 @@ impl Store {
         let mut bytes = Vec::new();
         self.file.read_to_end(&mut bytes).map_err(failed)?;
         let partial = self.partial.display();
-        let magic_bytes = &bytes[..bytes.len().min(MAGIC.len())];
-        if !MAGIC.as_bytes().starts_with(magic_bytes) && !is_forced() {
+        let is_foreign = !MAGIC.as_bytes().starts_with(&bytes[..bytes.len().min(MAGIC.len())]);
+        if is_foreign && !is_forced() {
             return Err(ResultsError::Refused(format!(
                 "{partial} is the file for unfinished results, but contains other data; move it, give another --out, or \
                  replace it with --force"
             )));
         }
         // A truncated header has no rows after it.
-        let is_empty = restart || header.as_bytes().starts_with(&bytes) && bytes.len() < header.len();
+        let is_empty = restart || is_foreign || header.as_bytes().starts_with(&bytes) && bytes.len() < header.len();
         let end = if is_empty {
             0
         } else {

@@ -200,6 +200,7 @@ fn results_of_another_study_are_kept() {
     fs::write(partial(&other), "another file\n").expect("the file is writable");
     assert_rejected(&sweep(&study, &other, &["--restart"]), &["contains other data"]);
     assert_eq!(fs::read_to_string(partial(&other)).expect("the file exists"), "another file\n");
+    assert_eq!(sweep(&study, &other, &["--force"]).status.code(), Some(0));
 }
 
 #[test]
