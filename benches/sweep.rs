@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use phalanx::scene;
-use phalanx::study::sweep::{Study, load, run, table};
+use phalanx::study::sweep::{Study, load, run_while, table};
 
 const ROUNDS: usize = 11;
 
@@ -43,7 +43,10 @@ fn main() {
 fn sweep_time(study: &Study, threads: usize) -> f64 {
     let start = Instant::now();
     let mut rows = Vec::with_capacity(study.runs() as usize);
-    run(study, threads, &HashSet::new(), |row| rows.push(row));
+    run_while(study, threads, u64::MAX, &HashSet::new(), &|| true, |row| {
+        rows.push(row);
+        true
+    });
     black_box(table(study, &rows));
     assert_eq!(rows.len() as u64, study.runs());
     start.elapsed().as_secs_f64()

@@ -12,7 +12,8 @@ use phalanx::gripper::{Assembly, Design, Finger, bodies, final_posture, lengths}
 use phalanx::scene::Template;
 use phalanx::sizing::{Rule, size};
 use phalanx::statics::form_closure;
-use phalanx::study::volume::{Axes, VolumeRequest, close_finger, design_at, solve_grasp, volumes};
+use phalanx::thesis::Monitor;
+use phalanx::thesis::volume::{Axes, VolumeRequest, close_finger, design_at, solve_grasp, volumes};
 
 #[derive(Debug, Parser)]
 struct Args {
@@ -132,7 +133,7 @@ fn scaling(rule: Rule, args: &Args) {
     for _ in 0..args.repetitions {
         for (&threads, times) in threads.iter().zip(&mut times) {
             let start = Instant::now();
-            black_box(volumes(&request, threads as usize)).expect("the thesis's volumes");
+            black_box(volumes(&request, threads as usize, &Monitor::silent(&|| true))).expect("the thesis's volumes");
             times.push(start.elapsed().as_secs_f64());
         }
     }

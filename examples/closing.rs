@@ -4,8 +4,7 @@
 
 use std::error::Error;
 
-use phalanx::scene;
-use phalanx::trace::{FingerContact, Model, Outcome, run};
+use phalanx::prelude::*;
 
 /// Simulates a closing with the analytic model.
 pub fn closing() -> Result<Outcome, Box<dyn Error>> {

@@ -4,8 +4,7 @@
 
 use std::error::Error;
 
-use phalanx::scene;
-use phalanx::trace::{Model, Outcome, Recording, record};
+use phalanx::prelude::*;
 
 /// Simulates and records a closing with the engine.
 pub fn closing() -> Result<(Outcome, Recording), Box<dyn Error>> {

@@ -5,8 +5,8 @@
 use std::error::Error;
 
 use phalanx::criteria::Rebounds;
-use phalanx::scene::{self, DiscMotion};
-use phalanx::trace::{Model, run};
+use phalanx::prelude::*;
+use phalanx::scene::DiscMotion;
 
 /// Approach and separation speed, m/s, and peak force, N.
 pub struct Bounce {

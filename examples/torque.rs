@@ -5,8 +5,8 @@
 
 use std::error::Error;
 
-use phalanx::scene::{self, Actuation};
-use phalanx::trace::{FingerContact, Model, run};
+use phalanx::prelude::*;
+use phalanx::scene::Actuation;
 
 /// Result of one closing.
 pub struct Row {

@@ -1,15 +1,169 @@
-//! Atomic output files: written to a temporary file in the same directory, then renamed.
+//! Output files: written to a temporary file beside the target, synced and renamed. An existing file is replaced only if
+//! its first bytes show that phalanx wrote it.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf, absolute, is_separator};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use fs4::{FileExt, TryLockError};
+use parquet::file::reader::{FileReader, SerializedFileReader};
 
-use crate::log::{is_same_file, resolve_link};
+use crate::log::{ensure_replaceable, is_same_file, resolve_link};
+use crate::trace::columns::are_sample_columns;
 
-/// Affixes of the names of temporary files and directories, with six random characters between them.
-const TEMPORARY_AFFIXES: (&str, &str) = (".phalanx-", ".tmp");
+/// Number of bytes at the start of a file that contain its mark.
+const HEAD_BYTES: u64 = 4096;
+
+/// Mark in the head of every page.
+const PAGE_MARK: &str = "<meta name=\"generator\" content=\"phalanx\">";
+/// First line of the text reports in a directory of results.
+pub const TEXT_MARK: &str = "Report by phalanx\n\n";
+/// First line of the Markdown reports in a directory of results.
+pub const MARKDOWN_MARK: &str = "<!-- Report by phalanx -->\n\n";
+/// Start of the JSON reports in a directory of results.
+pub const JSON_MARK: &str = "{\n  \"generator\": \"phalanx\",";
+/// Line in the head of every manual page.
+const MANUAL_MARK: &str = "\n.TH phalanx";
+
+/// First columns of the tables that phalanx writes, apart from samples.
+const TABLE_HEADS: [&str; 8] = [
+    "run,design,",
+    "place,r_wc,",
+    "base_m,mu_static,",
+    "offset_m,form_closed_there,",
+    "load,direction_rad,",
+    "formulation,rtol,",
+    "step_s,stiffness_factor,",
+    "time_s,q11_rad,",
+];
+
+/// Kind of an output file, which its first bytes identify.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    Page,
+    Picture,
+    Log,
+    Table,
+    /// A text, JSON or Markdown document in a directory of results.
+    Report,
+}
+
+impl FileKind {
+    /// Kind of a file in a directory of results, according to its extension.
+    fn from_extension(path: &Path) -> FileKind {
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("html") => FileKind::Page,
+            Some("svg") => FileKind::Picture,
+            Some("mcap") => FileKind::Log,
+            Some("csv" | "parquet") => FileKind::Table,
+            _ => FileKind::Report,
+        }
+    }
+
+    /// Whether an existing file is of this kind and was written by phalanx.
+    fn is_own_file(self, path: &Path) -> io::Result<bool> {
+        let mut bytes = Vec::new();
+        File::open(path)?.take(HEAD_BYTES).read_to_end(&mut bytes)?;
+        let head = String::from_utf8_lossy(&bytes);
+        Ok(match self {
+            FileKind::Page => head.contains(PAGE_MARK),
+            FileKind::Picture => head.starts_with("<svg") && head.contains(phalanx_show::plot::PICTURE_MARK),
+            FileKind::Log => ensure_replaceable(path, path).is_ok(),
+            FileKind::Table if bytes.starts_with(b"PAR1") => is_own_parquet(path),
+            FileKind::Table => is_own_header(head.lines().next().unwrap_or_default()),
+            FileKind::Report => {
+                [TEXT_MARK, MARKDOWN_MARK, JSON_MARK].iter().any(|mark| head.starts_with(mark))
+                    || head.contains(MANUAL_MARK)
+            }
+        })
+    }
+}
+
+/// Whether phalanx wrote a table with this header line.
+fn is_own_header(header: &str) -> bool {
+    let is_comparison = header.starts_with("time_s,") && header.ends_with("_engine");
+    let is_known = TABLE_HEADS.iter().any(|head| header.starts_with(head));
+    is_known || is_comparison || are_sample_columns(&header.split(',').collect::<Vec<_>>())
+}
+
+/// Whether phalanx wrote a Parquet file. The root of its schema is the mark.
+fn is_own_parquet(path: &Path) -> bool {
+    let reader = File::open(path).ok().and_then(|file| SerializedFileReader::new(file).ok());
+    reader.is_some_and(|reader| reader.metadata().file_metadata().schema().name() == "phalanx")
+}
+
+/// Whether files of other programs are replaced too; set once, before a command starts.
+static FORCE: AtomicBool = AtomicBool::new(false);
+
+/// Allows the replacement of files that phalanx did not write (`--force`).
+pub fn set_force() {
+    FORCE.store(true, Ordering::Relaxed);
+}
+
+/// Whether [`set_force`] was called.
+pub fn is_forced() -> bool {
+    FORCE.load(Ordering::Relaxed)
+}
+
+/// Checks that a file of this kind can be written to a path, without changing an existing file.
+///
+/// # Errors
+/// Returns an error if the path cannot be written, or contains a file of another kind or of another program. Such a
+/// file is accepted after [`set_force`].
+pub fn check_target(path: &Path, kind: FileKind) -> Result<(), String> {
+    let checked = check_writable(path).and_then(|()| check_replaceable(path, kind, "name"));
+    checked.map_err(|reason| cannot_write(path, reason))
+}
+
+/// Like [`check_target`] for a file in a directory of results, whose kind follows from its extension.
+pub fn check_result_file(path: &Path) -> Result<(), String> {
+    match path.is_dir() {
+        true => Err("that is a directory; give another --out, or move it away".to_string()),
+        false => check_replaceable(path, FileKind::from_extension(path), "--out"),
+    }
+    .map_err(|reason| cannot_write(path, reason))
+}
+
+/// Message for a path that cannot be written.
+pub fn cannot_write(path: &Path, reason: impl std::fmt::Display) -> String {
+    format!("cannot write {}: {reason}", path.display())
+}
+
+/// Checks that an existing file may be replaced. Empty files may be, and pipes and devices are written directly. Messages
+/// recommend another `choice`.
+fn check_replaceable(path: &Path, kind: FileKind, choice: &str) -> Result<(), String> {
+    if !fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > 0) || is_forced() {
+        return Ok(());
+    }
+    match kind.is_own_file(path) {
+        Ok(true) => Ok(()),
+        Ok(false) => Err(format!(
+            "the existing file is not a {} written by phalanx, so it is not replaced; give another {choice}, or replace it \
+             with --force",
+            format!("{kind:?}").to_lowercase()
+        )),
+        Err(error) => Err(format!("the existing file cannot be read ({error}); give another {choice}")),
+    }
+}
+
+/// Checks that a path is in an existing, writable directory and not a directory itself.
+fn check_writable(path: &Path) -> Result<(), String> {
+    let text = path.to_string_lossy();
+    if path.is_dir() || text.ends_with(is_separator) || text.ends_with("/.") || path.file_name().is_none() {
+        return Err("that is a directory; give the name of a file in it".to_string());
+    }
+    if let Some(directory) = path.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
+        let directory = directory.display();
+        return Err(format!(
+            "the directory {directory} does not exist; create it first (mkdir -p {directory}) or give another path"
+        ));
+    }
+    if is_special(path) {
+        return Ok(());
+    }
+    let created = resolve_link(path).and_then(|target| create_temporary(&target).map(drop));
+    created.map_err(|error| format!("{error}; give a file in a directory where you may write"))
+}
 
 /// Writes a file with `fill` and replaces an existing file atomically.
 ///
@@ -37,102 +191,14 @@ pub fn read_at_most(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> 
     Ok((bytes.len() as u64 <= max_bytes).then_some(bytes))
 }
 
-/// A writer that computes the checksum (CRC-32) of the written bytes, which avoids reading the file again.
-pub struct ChecksumWriter<'a> {
-    out: &'a mut (dyn Write + Send),
-    crc: crc32fast::Hasher,
-    bytes: u64,
-}
-
-impl<'a> ChecksumWriter<'a> {
-    pub fn new(out: &'a mut (dyn Write + Send)) -> Self {
-        ChecksumWriter { out, crc: crc32fast::Hasher::new(), bytes: 0 }
-    }
-
-    /// Returns the number of written bytes.
-    pub fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
-    /// Returns the checksum of all written bytes.
-    pub fn crc(&self) -> u32 {
-        self.crc.clone().finalize()
-    }
-}
-
-impl Write for ChecksumWriter<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let count = self.out.write(bytes)?;
-        self.crc.update(&bytes[..count]);
-        self.bytes += count as u64;
-        Ok(count)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
-    }
-}
-
-/// Returns the checksum (CRC-32) of the first `max_bytes` bytes of a file, and the number of bytes read.
-pub fn checksum(path: &Path, max_bytes: u64) -> io::Result<(u32, u64)> {
-    let mut hasher = crc32fast::Hasher::new();
-    let mut file = File::open(path)?.take(max_bytes);
-    let mut buffer = vec![0; 1 << 16];
-    let mut read = 0;
-    loop {
-        match file.read(&mut buffer) {
-            Ok(0) => return Ok((hasher.finalize(), read)),
-            Ok(count) => {
-                hasher.update(&buffer[..count]);
-                read += count as u64;
-            }
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
-}
-
-/// Checks that a file can be written to a path, without changing an existing file.
-///
-/// # Errors
-/// Returns an error if the path is a directory, its directory does not exist, or the directory is not writable.
-pub fn check_writable(path: &Path) -> Result<(), String> {
-    let text = path.to_string_lossy();
-    if path.is_dir() || text.ends_with(is_separator) || text.ends_with("/.") || path.file_name().is_none() {
-        return Err("that is a directory; give the name of a file in it".to_string());
-    }
-    if let Some(directory) = path.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
-        let directory = directory.display();
-        return Err(format!(
-            "the directory {directory} does not exist; create it first (mkdir -p {directory}) or give another path"
-        ));
-    }
-    // Pipes and devices are written directly.
-    if is_special(path) {
-        return Ok(());
-    }
-    let created = resolve_link(path).and_then(|target| create_temporary(&target).map(drop));
-    created.map_err(|error| format!("{error}; give a file in a directory where you may write"))
-}
-
-/// Whether two paths refer to the same file, existing or not. Compares resolved paths and file identities (hard links),
-/// and ignores case on case-insensitive file systems. Pipes and devices are not overwritten and never count as the
-/// same.
+/// Whether two paths refer to the same file, existing or not. Compares resolved paths and file identities (hard links).
+/// Pipes and devices are not overwritten and never count as the same.
 pub fn refer_to_same_file(first: &Path, second: &Path) -> bool {
     if is_special(first) || is_special(second) {
         return false;
     }
     let [first, second] = [first, second].map(canonical_path);
-    let lower = |path: &Path| path.to_string_lossy().to_lowercase();
-    let ignores_case = || {
-        create_temporary(&first).is_ok_and(|temporary| {
-            let name = temporary.path().file_name().unwrap_or_default().to_string_lossy().to_uppercase();
-            temporary.path().with_file_name(name).exists()
-        })
-    };
-    first == second
-        || cfg!(unix) && File::open(&first).is_ok_and(|file| is_same_file(&file, &second))
-        || first.parent() == second.parent() && lower(&first) == lower(&second) && ignores_case()
+    first == second || cfg!(unix) && File::open(&first).is_ok_and(|file| is_same_file(&file, &second))
 }
 
 /// Resolves links and dots in the existing part of a path.
@@ -153,70 +219,13 @@ pub fn is_special(path: &Path) -> bool {
 fn create_temporary(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let directory = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = target.file_name().map(PathBuf::from).unwrap_or_default();
-    let prefix = format!(".{}{}", name.display(), TEMPORARY_AFFIXES.0);
-    remove_stale(directory, &prefix);
+    let prefix = format!(".{}.phalanx-", name.display());
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(TEMPORARY_AFFIXES.1);
+    builder.prefix(&prefix).suffix(".tmp");
     // Temporary files are private by default; results get the permissions of the umask.
     #[cfg(unix)]
-    let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
-    #[cfg(unix)]
-    builder.permissions(permissions);
-    loop {
-        let file = builder.tempfile_in(directory).map_err(without_temporary_path)?;
-        if is_claimed(file.as_file(), file.path()) {
-            return Ok(file);
-        }
-    }
-}
-
-/// A directory for files until they are moved to their targets. It is locked while it exists and removed with its
-/// contents.
-#[derive(Debug)]
-pub struct StagingDirectory {
-    directory: tempfile::TempDir,
-    /// Dropped after the directory is removed.
-    _lock: Option<File>,
-}
-
-impl StagingDirectory {
-    /// Creates a staging directory in `parent`.
-    pub fn create_in(parent: &Path) -> io::Result<Self> {
-        remove_stale(parent, TEMPORARY_AFFIXES.0);
-        loop {
-            let directory =
-                tempfile::Builder::new().prefix(TEMPORARY_AFFIXES.0).suffix(TEMPORARY_AFFIXES.1).tempdir_in(parent)?;
-            let lock = File::open(directory.path()).ok();
-            if lock.as_ref().is_none_or(|lock| is_claimed(lock, directory.path())) {
-                return Ok(StagingDirectory { directory, _lock: lock });
-            }
-        }
-    }
-
-    pub fn path(&self) -> &Path {
-        self.directory.path()
-    }
-}
-
-/// Locks a new temporary file until the process ends. Returns false if another process has removed it as stale in the
-/// meantime. File systems without locks never report a file as stale.
-fn is_claimed(file: &File, path: &Path) -> bool {
-    !matches!(FileExt::try_lock(file), Err(TryLockError::WouldBlock)) && is_same_file(file, path)
-}
-
-/// Removes temporary files and directories of killed processes, which can be locked.
-fn remove_stale(directory: &Path, prefix: &str) {
-    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
-        let (name, path) = (entry.file_name(), entry.path());
-        let random = name.to_str().and_then(|name| name.strip_prefix(prefix)?.strip_suffix(TEMPORARY_AFFIXES.1));
-        let is_temporary = random.is_some_and(|random| random.len() == 6 && random.chars().all(char::is_alphanumeric));
-        let Some(kind) = entry.file_type().ok().filter(|kind| is_temporary && !kind.is_symlink()) else { continue };
-        let Ok(file) = File::open(&path) else { continue };
-        if FileExt::try_lock(&file).is_ok() {
-            // It may have been removed already, and a remaining file is harmless.
-            let _ = if kind.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
-        }
-    }
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(directory).map_err(without_temporary_path)
 }
 
 /// Removes the path of the temporary file from an error.

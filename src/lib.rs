@@ -7,11 +7,10 @@
 //! Simulation of a closing finger from a scene file:
 //!
 //! ```
-//! use phalanx::scene;
-//! use phalanx::trace::{self, FingerContact};
+//! use phalanx::prelude::*;
 //!
 //! let scene = scene::load("scenes/experiment-95.toml")?;
-//! let outcome = trace::run_analytic(&scene, &mut ())?;
+//! let outcome = run(Model::Analytic, &scene, &mut ())?;
 //! let distal = outcome.finger_contact(FingerContact::Distal);
 //! assert_eq!(distal.touchdowns, 1);
 //! assert!((distal.first_s.unwrap() - 6.883746e-3).abs() < 1e-8);
@@ -22,8 +21,7 @@
 //! A scene of discs, to study a contact law alone:
 //!
 //! ```
-//! use phalanx::scene;
-//! use phalanx::trace::{Model, run};
+//! use phalanx::prelude::*;
 //!
 //! let scene = scene::load_any("scenes/laws/spring.toml")?;
 //! let outcome = run(Model::Analytic, &scene, &mut ())?;
@@ -45,6 +43,7 @@ pub mod limits;
 pub mod live;
 pub mod page;
 pub mod plot;
+pub mod prelude;
 pub mod report;
 pub mod scene;
 pub mod study;
@@ -56,3 +55,4 @@ pub use phalanx_core::{
     sizing, statics, trace, units,
 };
 pub use phalanx_log as log;
+pub use phalanx_thesis as thesis;

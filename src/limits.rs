@@ -3,7 +3,7 @@
 pub use crate::check::MAX_CHECKED_STEPS;
 pub use crate::log::MAX_RECORD_BYTES;
 pub use crate::study::sweep::{MAX_RUNS, MAX_SHARDED_RUNS};
-pub use crate::study::volume::MAX_POINTS;
+pub use crate::thesis::volume::MAX_POINTS;
 pub use crate::units::MAX_TIME_S;
 pub use phalanx_core::limits::{MAX_DISCS, MAX_PICTURES, MAX_PROBLEMS, MAX_SAMPLES, MAX_SHOWN_PROBLEMS};
 

@@ -5,7 +5,7 @@
 
 BEFORE and AFTER are two `phalanx` programs. Both run the same commands, each in its own directory. The script compares what they print
 and write, byte by byte: `run --json` and the text output, the samples of `replay --csv`, `scene show` and `check`, `statics`, `size`,
-the pages of runs, then `scene schema`, `volume`, `sweep` and `select`, `capture`, `hold`, `optimize` and `reproduce`. Times and the
+the pages of runs, then `scene schema`, `volume`, `sweep` and `select`, `capture`, `hold` and `reproduce`. Times and the
 name of the program are removed first. Logs contain the version of the program, so they are compared only with --logs. With --figures,
 only numbers and JSON keys are compared, without the program of pages and without checksums, so that a change of wording is not a
 difference. The exit status is 1 if anything differs; every difference is printed.
@@ -55,7 +55,6 @@ def commands():
     yield "thesis", ["sweep", "scenes/studies/thesis.toml", "--out", "{}/thesis.csv"], thesis, [*thesis, "--json"]
     yield "capture", ["capture", "scenes/gripper/design-95.toml", "--json"]
     yield "hold", ["hold", "scenes/gripper/hold.toml", "--json"]
-    yield "optimize", ["optimize", "scenes/studies/optimize-95.toml", "--out", "{}/best.csv", "--json"]
     yield "reproduce", ["reproduce", "--out", "{}/reproduce"]
 
 

@@ -37,7 +37,7 @@ if [ "${1:-}" = core ]; then
     say "tests"
     # The long tests: random scenes and campaigns, killed processes and full disks, complete validations and
     # reproductions.
-    long='campaign|random_scenes|hard_grippers|faults_process|replay_recover|validate_command|sweep_resume|reproduce|optimize_search'
+    long='campaign|random_scenes|hard_grippers|faults_process|validate_command|sweep_resume|reproduce'
     if cargo nextest --version >/dev/null 2>&1; then
         cargo nextest run --workspace --locked --no-fail-fast --tests -E "not test(/^($long)::/)"
     else

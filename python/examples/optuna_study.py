@@ -20,7 +20,7 @@ from grid import DESIGN_95, VARIABLES, evaluate_designs, load_scene
 
 # Trials per evaluation.
 BATCH_SIZE = 20
-# Cost of one violated criterion, ms, as in cma_es.py.
+# Cost of one violated criterion, ms.
 PENALTY_MS = 100.0
 
 

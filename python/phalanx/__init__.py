@@ -31,6 +31,7 @@ from ._phalanx import (
 )
 from .errors import PhalanxError, RunError, SceneError, StudyError
 from .events import Event
+from .optimization import optimize
 
 __all__ = [
     "Event",
@@ -45,6 +46,7 @@ __all__ = [
     "capture",
     "evaluate",
     "hold",
+    "optimize",
     "read_log",
     "run",
     "size",

@@ -18,6 +18,7 @@ __all__ = [
     "Scene",
     "Table",
     "__version__",
+    "_column_value",
     "_study_files",
     "capture",
     "evaluate",
@@ -276,13 +277,15 @@ def evaluate(
     threads: int = 0,
     columns: Sequence[str] | None = None,
     check: bool = False,
+    filter: dict[str, bool] | None = None,
 ) -> Table:
     """Simulates many designs of a scene on native threads and returns a table with one row per design, in order.
 
     fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
     All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
     strings with units. threads: 0 for one per core. columns: return only these columns. check: check every run (three
-    more runs each).
+    more runs each). filter: static criteria of a finger, such as `{"form_closed": True}`; other designs are not
+    simulated and have the status "filtered".
 
     A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception; a
     design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises
@@ -340,6 +343,12 @@ def sweep_merge(
 
     out and OUT.study.json get the same bytes as from an uninterrupted sweep. parts: files or directories, in any order.
     Raises StudyError that names missing, duplicate, damaged or foreign parts. Returns `parts`, `bytes` and `runs`.
+    """
+
+def _column_value(name: str, column: str, toml: str) -> float:
+    """Returns the SI value of a number or quantity in a column of results.
+
+    `toml` is its text in a study, `name` its name in messages.
     """
 
 def _study_files(study: _Path) -> list[Path]:

@@ -1,6 +1,9 @@
 //! Simulates many designs of a scene, with field values from arrays.
 
-use phalanx::study::sweep::{AxisValue, Field, FieldType, MAX_RUNS, columns, in_memory_study};
+use std::collections::BTreeMap;
+
+use phalanx::scene::keywords::SceneKind;
+use phalanx::study::sweep::{AxisValue, Field, FieldType, Filter, MAX_RUNS, column_type, columns, in_memory_study};
 use phalanx::table::Value;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyIterator, PyList, PyString, PyTuple};
@@ -14,13 +17,15 @@ use super::{conversion, errors, study};
 /// fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
 /// All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
 /// strings with units. threads: 0 for one per core. columns: return only these columns. check: check every run (three
-/// more runs each).
+/// more runs each). filter: static criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated
+/// and have the status "filtered".
 ///
 /// A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception; a
 /// design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises
 /// StudyError for an unknown field or arrays of different lengths, and SceneError for an invalid scene.
 #[pyfunction]
-#[pyo3(signature = (scene, fields, *, model = "analytic", threads = 0, columns = None, check = false))]
+#[pyo3(signature = (scene, fields, *, model = "analytic", threads = 0, columns = None, check = false, filter = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments")]
 pub fn evaluate(
     py: Python<'_>,
     scene: SceneLike,
@@ -29,6 +34,7 @@ pub fn evaluate(
     threads: usize,
     columns: Option<Vec<String>>,
     check: bool,
+    filter: Option<BTreeMap<String, bool>>,
 ) -> PyResult<Table> {
     let scene = scene.get(py)?;
     let paths = fields.keys().extract::<Vec<String>>()?;
@@ -39,6 +45,7 @@ pub fn evaluate(
         error => errors::sweep(py, error),
     })?;
     study.checked = check;
+    study.filter = read_filter(py, study.kind, filter.unwrap_or_default())?;
     require_known_columns(py, &study, columns.as_deref())?;
     let values: Vec<FieldValues> = fields
         .values()
@@ -51,6 +58,43 @@ pub fn evaluate(
     let study = study.with_rows(rows);
     let results = study::run_rows(py, &study, threads, u64::MAX)?;
     Table::new(py, results, columns.as_deref())
+}
+
+/// Reads the static criteria of the designs to simulate.
+fn read_filter(py: Python<'_>, kind: SceneKind, criteria: BTreeMap<String, bool>) -> PyResult<Filter> {
+    let mut filter = Filter::default();
+    for (name, required) in criteria {
+        match name.as_str() {
+            _ if kind != SceneKind::Finger => {
+                let message = "error: a filter concerns the statics of one finger, but the scene is a gripper\n  = help: remove it";
+                return Err(errors::sweep(py, message));
+            }
+            "force_positive" => filter.force_positive = Some(required),
+            "palm_force_positive" => filter.palm_force_positive = Some(required),
+            "form_closed" => filter.form_closed = Some(required),
+            _ => {
+                let help = "the criteria are force_positive, palm_force_positive and form_closed";
+                return Err(errors::sweep(
+                    py,
+                    format!("error: `{name}` is not a criterion of a filter\n  = help: {help}"),
+                ));
+            }
+        }
+    }
+    Ok(filter)
+}
+
+/// Returns the SI value of a number or quantity in a column of results; `toml` is its text in a study, `name` its name in
+/// messages.
+#[pyfunction]
+pub fn _column_value(py: Python<'_>, name: &str, column: &str, toml: &str) -> PyResult<f64> {
+    let field = Field { path: name.to_string(), field_type: column_type(column).unwrap_or(FieldType::Number) };
+    match field.parse_toml(toml).map(|parsed| parsed.value) {
+        Ok(Value::Number(number)) => Ok(number),
+        Ok(Value::Integer(integer)) => Ok(integer as f64),
+        Ok(_) => Err(errors::sweep(py, format!("`{name}` is not numeric"))),
+        Err(message) => Err(errors::sweep(py, message)),
+    }
 }
 
 fn require_known_columns(
@@ -83,7 +127,7 @@ impl FieldValues {
             false => value,
         };
         let is_sequence = value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>();
-        let is_list_field = matches!(field.field_type, FieldType::List(_));
+        let is_list_field = matches!(field.field_type, FieldType::List(..));
         let contains_lists = || {
             value.get_item(0).is_ok_and(|first| first.is_instance_of::<PyList>() || first.is_instance_of::<PyTuple>())
         };

@@ -35,7 +35,7 @@ mod _phalanx {
     #[pymodule_export]
     use super::documents::{capture, hold, size, statics, validate};
     #[pymodule_export]
-    use super::evaluate::evaluate;
+    use super::evaluate::{_column_value, evaluate};
     #[pymodule_export]
     use super::result::Result;
     #[pymodule_export]

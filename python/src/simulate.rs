@@ -11,7 +11,7 @@ use phalanx::report::replay::{LogObserver, scene_in_log};
 use phalanx::report::simulation::{CheckPolicy, SimulationOptions, simulate_and_check};
 use phalanx::scene::{Construction, Preset, Scene};
 use phalanx::trace::overrides::{self, Overrides};
-use phalanx::trace::{Event, Layout, Model, Recording, Sample, Sink, SinkError};
+use phalanx::trace::{Cancellable, Event, Layout, Model, Recording, Sample, Sink, SinkError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
@@ -61,7 +61,7 @@ pub fn run(
 ) -> PyResult<Result> {
     let argument_error = |message: String| errors::argument(py, message);
     let model = self::model(py, model)?;
-    let parse = |name: &str, text: Option<&str>, parser: fn(&str) -> std::result::Result<String, String>| {
+    let parse = |name: &str, text: Option<&str>, parser: fn(&str) -> std::result::Result<f64, String>| {
         text.map(parser).transpose().map_err(|error| errors::argument(py, format!("{name}: {error}")))
     };
     let rtol = rtol.map(|value| -> PyResult<String> {
@@ -77,11 +77,11 @@ pub fn run(
             .map(|name| conversion::parse_keyword::<Construction>("construction", name))
             .transpose()
             .map_err(argument_error)?,
-        step: parse("step", step, overrides::step)?,
-        tolerance: parse("tolerance", tolerance, overrides::tolerance)?,
+        step_s: parse("step", step, overrides::step)?,
+        tolerance_m: parse("tolerance", tolerance, overrides::tolerance)?,
         duration_s: duration.map(overrides::duration).transpose().map_err(argument_error)?,
-        numeric_rate: parse("numeric_rate", numeric_rate, overrides::numeric_rate)?,
-        picture_rate: parse("picture_rate", picture_rate, overrides::picture_rate)?,
+        numeric_hz: parse("numeric_rate", numeric_rate, overrides::numeric_rate)?,
+        picture_hz: parse("picture_rate", picture_rate, overrides::picture_rate)?,
     };
     let loaded = scene.get(py)?;
     let file_name = Path::new(loaded.file()).file_name().map(|name| name.to_string_lossy().into_owned());
@@ -129,11 +129,10 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         let layout = Layout::from_kind(head.kind());
         let recorders = Recorders { recording: Recording::new(&layout), playback: PlaybackRecorder::default() };
         let mut reader = Reader { layout, recorders, observer, keep_running };
-        let reading = log::read_any_file(&path, &mut reader)?;
-        let Reader { layout, recorders, observer, .. } = reader;
+        let reading = log::read_file(&path, &mut reader)?;
+        let Reader { layout, recorders, mut observer, .. } = reader;
         // The page needs all data of the samples.
-        let drawable = reading.missing.iter().all(|missing| missing.subject == log::TopicSubject::Run);
-        let scene = scene.filter(|_| drawable);
+        let scene = scene.filter(|_| reading.is_drawable());
         Ok::<_, log::ReadError>((layout, recorders, observer.report(path.display().to_string(), &reading), scene))
     })?;
     let (layout, recorders, report, scene) = contents.map_err(|error| match &error {
@@ -162,20 +161,20 @@ fn simulate<S: Sink>(
     input: &RunInput,
     log_path: Option<&Path>,
     check_policy: CheckPolicy,
-    sink: S,
+    mut sink: S,
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> std::result::Result<(RunReport, S), String> {
     let scene = &input.scene;
     let info = RunInfo { scene, scene_file: &input.scene_file, model: input.model.name() };
     let log = log_path.map(|path| log::create(path, &info)).transpose().map_err(|error| error.to_string())?;
-    let mut sink = CancellableSink { sink, keep_running };
+    let mut cancellable = Cancellable { sink: &mut sink, keep_running: &|| keep_running() };
     let options =
         SimulationOptions { check_policy, keep_running: &|| keep_running(), describe_reason: &ToString::to_string };
-    let run = simulate_and_check(input.model, scene, log, &options, &mut sink);
+    let run = simulate_and_check(input.model, scene, log, &options, &mut cancellable);
     let mut report = run.report(input.model, scene);
     report.log = log_path.map(|path| path.display().to_string());
     run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit)).map_err(|error| error.to_string())?;
-    Ok((report, sink.sink))
+    Ok((report, sink))
 }
 
 /// Records the columns of a run and the data of its page.
@@ -193,26 +192,6 @@ impl Sink for Recorders {
     fn event(&mut self, event: &Event) -> std::result::Result<(), SinkError> {
         Sink::event(&mut self.recording, event)?;
         self.playback.event(event)
-    }
-}
-
-/// A sink that ends its run when `keep_running` returns false.
-struct CancellableSink<'a, S> {
-    sink: S,
-    keep_running: &'a (dyn Fn() -> bool + Sync),
-}
-
-impl<S: Sink> Sink for CancellableSink<'_, S> {
-    fn sample(&mut self, sample: &Sample) -> std::result::Result<(), SinkError> {
-        self.sink.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> std::result::Result<(), SinkError> {
-        self.sink.event(event)
-    }
-
-    fn should_continue(&self) -> bool {
-        (self.keep_running)()
     }
 }
 

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use phalanx::study::parts::{self, MergeResult, PartError, PartOptions, WrittenPart};
-use phalanx::study::store::{OpenedResults, StoreError, open};
+use phalanx::study::parts::{self, MergeResult, PartOptions, WrittenPart};
+use phalanx::study::results::{OpenedResults, ResultsError, open};
 use phalanx::study::sweep::{
     Row, Study, check_unsharded, files, load as load_study_file, run_while, shard, sorted_table,
 };
@@ -80,8 +80,8 @@ fn run_to_file(
     limit: u64,
     restart: bool,
 ) -> PyResult<table::Table> {
-    let store_error = |error: StoreError| errors::sweep(py, format!("error: {error}"));
-    let mut store = match open(study, out, limit, restart).map_err(store_error)? {
+    let results_error = |error: ResultsError| results_error(py, &error);
+    let mut store = match open(study, out, limit, restart).map_err(results_error)? {
         OpenedResults::Complete(table) => return Ok(table),
         OpenedResults::Incomplete(store) => store,
     };
@@ -100,7 +100,7 @@ fn run_to_file(
     if let Some(error) = write_error {
         return Err(errors::sweep(py, format!("error: cannot write {}: {error}", store.partial_path().display())));
     }
-    store.finish(study).map_err(store_error)
+    store.finish(study).map_err(results_error)
 }
 
 /// Simulates one part of a study and writes it atomically as a Parquet file (`phalanx sweep --shard k/n`).
@@ -123,11 +123,11 @@ pub fn sweep_shard<'py>(
     restart: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = load(py, &study, model, check)?;
-    let shard = shard(&study, k, n).map_err(|error| part_error(py, &error.into()))?;
+    let shard = shard(&study, k, n).map_err(|error| results_error(py, &error.into()))?;
     let options = PartOptions { threads, restart };
     let written =
         interruptible::run(py, |keep_running| parts::write_part(&study, shard, &out, options, keep_running, |_| {}))?;
-    let WrittenPart { part, stats, .. } = written.map_err(|error| part_error(py, &error))?;
+    let WrittenPart { part, stats, .. } = written.map_err(|error| results_error(py, &error))?;
     let info = conversion::parse_json(py, &serde_json::to_string(&part).unwrap_or_default())?.cast_into::<PyDict>()?;
     info.set_item("made_now", stats.map_or(0, |stats| stats.runs))?;
     Ok(info)
@@ -151,7 +151,7 @@ pub fn sweep_merge<'py>(
     let study = load(py, &study, model, check)?;
     let merged =
         interruptible::run(py, |keep_running| parts::merge(&study, &parts, &out, &|| keep_running(), &mut |_| {}))?;
-    let MergeResult { parts, bytes, summary } = merged.map_err(|error| part_error(py, &error))?;
+    let MergeResult { parts, bytes, summary } = merged.map_err(|error| results_error(py, &error))?;
     let info = PyDict::new(py);
     info.set_item("parts", parts)?;
     info.set_item("bytes", bytes)?;
@@ -185,6 +185,6 @@ pub fn study_info<'py>(
     Ok(info)
 }
 
-fn part_error(py: Python<'_>, error: &PartError) -> PyErr {
+fn results_error(py: Python<'_>, error: &ResultsError) -> PyErr {
     errors::sweep(py, format!("error: {error}"))
 }

@@ -59,24 +59,15 @@ fn arrow_column(column: &Column, index: usize, rows: &[Vec<Value>]) -> (Field, A
     let cells = rows.iter().map(|row| row.get(index).unwrap_or(&Value::Missing));
     let (data_type, array): (DataType, ArrayRef) = match column.kind {
         Kind::Integer => {
-            let integer = |cell: &Value| if let Value::Integer(integer) = cell { Some(*integer) } else { None };
-            (DataType::Int64, Arc::new(cells.map(integer).collect::<PrimitiveArray<Int64Type>>()))
+            (DataType::Int64, Arc::new(cells.map(Value::as_integer).collect::<PrimitiveArray<Int64Type>>()))
         }
         Kind::Number => {
-            let number = |cell: &Value| if let Value::Number(number) = cell { Some(*number) } else { None };
-            (DataType::Float64, Arc::new(cells.map(number).collect::<PrimitiveArray<Float64Type>>()))
+            (DataType::Float64, Arc::new(cells.map(Value::as_number).collect::<PrimitiveArray<Float64Type>>()))
         }
-        Kind::Flag => {
-            let flag = |cell: &Value| if let Value::Flag(flag) = cell { Some(*flag) } else { None };
-            (DataType::Boolean, Arc::new(cells.map(flag).collect::<BooleanArray>()))
-        }
-        Kind::Text => (DataType::Utf8, Arc::new(cells.map(text).collect::<StringArray>())),
+        Kind::Flag => (DataType::Boolean, Arc::new(cells.map(Value::as_flag).collect::<BooleanArray>())),
+        Kind::Text => (DataType::Utf8, Arc::new(cells.map(Value::as_text).collect::<StringArray>())),
     };
     (Field::new(&column.name, data_type, true), array)
-}
-
-fn text(cell: &Value) -> Option<&str> {
-    if let Value::Text(text) = cell { Some(text) } else { None }
 }
 
 /// Converts a batch to a table of the library, for writing and printing.

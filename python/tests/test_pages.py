@@ -28,6 +28,18 @@ class Pages(unittest.TestCase):
                 if "savefig" in blocks[0]:
                     self.assertTrue((Path(directory) / "q11.png").read_bytes().startswith(b"\x89PNG"))
 
+    def test_search_of_the_tutorial_prints_what_the_page_shows(self):
+        page = (ROOT / "book" / "pages" / "choosing.md").read_text()
+        command, shown = re.search(r"```sh\npython (-m phalanx\.optimize .*)\n```\n\n```text\n((?:.*\n)*?)```", page).groups()
+        with tempfile.TemporaryDirectory() as directory:
+            for name, text in re.findall(r"^```toml file=(\S+)\n(.*?)^```$", page, re.DOTALL | re.MULTILINE):
+                (Path(directory) / name).write_text(text)
+            call = [sys.executable, *command.split()]
+            result = subprocess.run(call, cwd=directory, capture_output=True, text=True, check=False)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(shown, result.stdout)
+            self.assertEqual(len(list((Path(directory) / "best").iterdir())), 2)
+
     def test_first_plot_takes_five_lines(self):
         first = BLOCK.findall((ROOT / "python" / "README.md").read_text())[0]
         self.assertEqual(len(first.strip().splitlines()), 5)

@@ -10,7 +10,7 @@ import numpy as np
 import pandas
 import phalanx
 import pyarrow
-from common import ANCHOR, SCENES, THESIS, command
+from common import ANCHOR, GRIPPER, SCENES, THESIS, command
 
 
 class Evaluate(unittest.TestCase):
@@ -64,6 +64,19 @@ class Evaluate(unittest.TestCase):
         self.assertEqual(list(steps["status"]), ["failed", "completed", "refused"])
         with self.assertRaises(TypeError):
             phalanx.evaluate(scene, {"design.base": base})
+
+    def test_filtered_designs_are_not_simulated(self):
+        base = [12e-3, 20e-3]
+        form_closed = phalanx.evaluate(ANCHOR, {"design.base": base})["form_closed"]
+        table = phalanx.evaluate(ANCHOR, {"design.base": base}, filter={"form_closed": True})
+        self.assertEqual(list(table["status"] == "completed"), list(form_closed))
+        self.assertEqual(table.summary["by_status"]["filtered"], 2 - sum(form_closed))
+        for scene, criterion, message in [
+            (ANCHOR, "form_close", "`form_close` is not a criterion of a filter(.|\n)*palm_force_positive"),
+            (GRIPPER, "form_closed", "statics of one finger"),
+        ]:
+            with self.assertRaisesRegex(phalanx.StudyError, message):
+                phalanx.evaluate(scene, {"duration": []}, filter={criterion: True})
 
     def test_design_that_cannot_grasp_has_a_reason_and_no_class(self):
         scene = SCENES / "long-fingers.toml"

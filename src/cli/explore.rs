@@ -8,11 +8,9 @@ use clap::Args;
 
 use super::browser::Browser;
 use super::output::print_report;
-use super::ownership::FileKind;
 use super::run_page::{create_temporary_page, open_page};
-use super::save::save;
 use super::set::{SetArgs, source_files};
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status, VERSION};
 use crate::files::read_at_most;
 use crate::format::Report;

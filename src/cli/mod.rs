@@ -22,47 +22,31 @@ mod new;
 #[cfg(all(test, feature = "live"))]
 #[allow(dead_code)]
 mod no_live;
-mod optimize;
 mod output;
-mod output_directory;
 mod overrides;
-mod ownership;
 mod parsers;
 mod progress;
 mod replay;
 mod replay_against;
-mod replay_args;
-mod replay_loaded_log;
-mod replay_page;
-mod replay_pair;
 mod replay_read;
-mod replay_recover;
 mod replay_verify;
 mod reproduce;
 mod run;
 mod run_page;
 mod samples;
-mod save;
 pub mod scene;
 mod select;
 pub mod set;
 mod simulate;
 mod size;
 mod statics;
-mod statics_gripper;
 mod study;
-mod study_args;
-mod study_stability;
 mod sweep;
-mod sweep_merge;
-mod sweep_progress;
-mod sweep_shard;
 mod targets;
 mod terminal;
 mod validate;
+mod value_lists;
 mod volume;
-mod volume_args;
-mod volume_files;
 mod watch;
 
 use std::any::TypeId;
@@ -113,6 +97,10 @@ struct Cli {
     #[arg(short, long, global = true, display_order = 900)]
     quiet: bool,
 
+    /// Replace existing output files even if phalanx did not write them; inputs are never replaced
+    #[arg(long, global = true, display_order = 901)]
+    force: bool,
+
     #[command(subcommand)]
     command: Command,
 }
@@ -140,7 +128,7 @@ commands! {
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
     Validate(validate::ValidateArgs) => validate::run,
-    Replay(replay_args::ReplayArgs) => replay::run,
+    Replay(replay::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(
         subcommand,
@@ -155,7 +143,6 @@ commands! {
     Volume(volume::VolumeArgs) => volume::run,
     Sweep(sweep::SweepArgs) => sweep::run,
     Select(select::SelectArgs) => select::run,
-    Optimize(optimize::OptimizeArgs) => optimize::run,
     Reproduce(reproduce::ReproduceArgs) => reproduce::run,
     /// Study how settings affect a result
     #[command(
@@ -210,6 +197,9 @@ pub fn main() -> ExitCode {
     if cli.quiet {
         output::set_quiet();
     }
+    if cli.force {
+        crate::files::set_force();
+    }
     let status = cli.command.run().unwrap_or_else(|failure| {
         output::print_diagnostic(&failure.message);
         failure.status
@@ -255,6 +245,11 @@ fn suggest_subcommand(mut error: clap::Error) -> clap::Error {
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
         && error.get(ContextKind::SuggestedSubcommand).is_none()
     {
+        if word == "optimize" {
+            let tip = "the search is part of the Python package: `python -m phalanx.optimize STUDY`, after `pip install phalanx[optimize]`";
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+            return error;
+        }
         let command = Cli::command();
         // In `phalanx scene shwo`, the second word is the mistyped one.
         let parent_name = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).filter(|first| first != word);

@@ -8,6 +8,7 @@ use clap::Args;
 
 use super::output::print;
 use super::{Failure, Status};
+use crate::files::is_forced;
 
 /// A working gripper scene; comments explain the choices that most grippers need.
 const SCENE: &str = include_str!("new.toml");
@@ -16,7 +17,7 @@ const SCENE: &str = include_str!("new.toml");
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open")]
 pub struct NewArgs {
-    /// File to write; an existing file is not replaced
+    /// File to write; an existing file is replaced only with --force
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,
 }
@@ -25,14 +26,15 @@ pub struct NewArgs {
 pub fn run(args: &NewArgs) -> Result<Status, Failure> {
     let path = args.file.display();
     let bad_input = |reason: &str, advice: &str| Failure::bad_input(format!("cannot write {path}: {reason}; {advice}"));
-    // `create_new` because an existing file must never be replaced.
     let mut file =
-        OpenOptions::new().write(true).create_new(true).open(&args.file).map_err(|error| match error.kind() {
-            ErrorKind::AlreadyExists => {
-                bad_input("a file or directory of that name already exists", "give another name")
-            }
-            _ => bad_input(&error.to_string(), "give a file in a directory where you may write"),
-        })?;
+        OpenOptions::new().write(true).create_new(!is_forced()).create(true).truncate(true).open(&args.file).map_err(
+            |error| match error.kind() {
+                ErrorKind::AlreadyExists => {
+                    bad_input("a file or directory of that name already exists", "give another name")
+                }
+                _ => bad_input(&error.to_string(), "give a file in a directory where you may write"),
+            },
+        )?;
     if let Err(error) = file.write_all(SCENE.as_bytes()).and_then(|()| file.sync_all()) {
         let _ = fs::remove_file(&args.file);
         return Err(Failure::incomplete(format!("cannot write {path}: {error}")));

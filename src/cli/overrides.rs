@@ -7,7 +7,6 @@ use super::Failure;
 use crate::scene::{Construction, Preset, Scene};
 use crate::trace::Model;
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
-pub(super) use crate::units::parse_positive;
 
 /// Returns a parser of one of two named values.
 fn one_of<T: Copy + Send + Sync + 'static>(choices: [(&'static str, T); 2]) -> impl TypedValueParser<Value = T> {
@@ -26,7 +25,7 @@ pub struct Overrides {
     /// Relative tolerance of the analytic model [default: from the scene or preset]; absolute tolerances are scaled by
     /// the same factor
     #[arg(long, value_name = "X", value_parser = rtol)]
-    rtol: Option<String>,
+    rtol: Option<f64>,
 
     /// Coordinates of the engine model: maximal for free bodies, whose joints are all constraints; reduced for joint
     /// coordinates of a tree, closed by one constraint [default: as in the scene]
@@ -35,12 +34,12 @@ pub struct Overrides {
 
     /// Use fixed steps of this size in the engine model, such as "1 us" [default: stepping of the scene]
     #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
-    step: Option<String>,
+    step: Option<f64>,
 
     /// Use adaptive steps in the engine model, with this largest opening of a joint per step, such as "0.02 um"
     /// [default: stepping of the scene]
     #[arg(long, value_name = "LENGTH", value_parser = tolerance)]
-    tolerance: Option<String>,
+    tolerance: Option<f64>,
 
     /// Duration of the run with its unit, such as "30 ms" [default: as in the scene]
     #[arg(long, value_name = "TIME", value_parser = duration)]
@@ -49,11 +48,11 @@ pub struct Overrides {
     /// Samples per simulated second in the log, such as "20 kHz" [default: as in the scene]; during impacts every step
     /// is also logged
     #[arg(long, value_name = "FREQUENCY", value_parser = numeric_rate)]
-    numeric_rate: Option<String>,
+    numeric_rate: Option<f64>,
 
     /// Pictures per simulated second in the log, such as "1 kHz" ("0 Hz": none) [default: as in the scene]
     #[arg(long, value_name = "FREQUENCY", value_parser = picture_rate)]
-    picture_rate: Option<String>,
+    picture_rate: Option<f64>,
 }
 
 impl Overrides {
@@ -65,13 +64,13 @@ impl Overrides {
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
         let overrides = overrides::Overrides {
             preset: self.preset,
-            rtol: self.rtol.clone(),
+            rtol: self.rtol,
             construction: self.construction,
-            step: self.step.clone(),
-            tolerance: self.tolerance.clone(),
+            step_s: self.step,
+            tolerance_m: self.tolerance,
             duration_s: self.duration,
-            numeric_rate: self.numeric_rate.clone(),
-            picture_rate: self.picture_rate.clone(),
+            numeric_hz: self.numeric_rate,
+            picture_hz: self.picture_rate,
         };
         overrides.apply(model, scene).map_err(Failure::bad_input)
     }

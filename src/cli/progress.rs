@@ -21,21 +21,19 @@ const UPDATE_INTERVAL: Duration = Duration::from_millis(200);
 /// Length of the progress bar for a whole run.
 const BAR_LENGTH: f64 = 1e4;
 
-/// Progress line that is shown after [`DISPLAY_DELAY`] and cleared at the end; `None` if it is not to be shown.
-struct ProgressLine(Option<VisibleBar>);
-
-struct VisibleBar {
+/// Progress line that is shown after [`DISPLAY_DELAY`], if at all, and cleared at the end.
+struct ProgressLine {
     bar: ProgressBar,
     /// Dropped with the line, which ends the thread that shows the bar.
-    _closed: Sender<()>,
+    closed: Option<Sender<()>>,
 }
 
 impl ProgressLine {
-    fn new() -> Self {
+    fn new(length: u64) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden()).with_style(style());
         if is_quiet() || !io::stderr().is_terminal() {
-            return ProgressLine(None);
+            return ProgressLine { bar, closed: None };
         }
-        let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::hidden()).with_style(style());
         let (closed, receiver) = channel();
         let shown_bar = bar.clone();
         thread::spawn(move || {
@@ -44,13 +42,12 @@ impl ProgressLine {
                 shown_bar.enable_steady_tick(UPDATE_INTERVAL);
             }
         });
-        ProgressLine(Some(VisibleBar { bar, _closed: closed }))
+        ProgressLine { bar, closed: Some(closed) }
     }
 
     fn clear(&mut self) {
-        if let Some(VisibleBar { bar, .. }) = self.0.take() {
-            bar.finish_and_clear();
-        }
+        self.closed = None;
+        self.bar.finish_and_clear();
     }
 }
 
@@ -89,16 +86,12 @@ pub struct Progress {
 
 impl Progress {
     pub fn new(duration_s: f64) -> Self {
-        let line = ProgressLine::new();
-        if let Some(VisibleBar { bar, .. }) = &line.0 {
-            bar.set_length(BAR_LENGTH as u64);
-        }
-        Progress { duration_s, line }
+        Progress { duration_s, line: ProgressLine::new(BAR_LENGTH as u64) }
     }
 
     /// Shows the simulated time.
     pub fn update(&mut self, time_s: f64) {
-        let Some(VisibleBar { bar, .. }) = &self.line.0 else { return };
+        let ProgressLine { bar, closed: Some(_) } = &self.line else { return };
         let position = (BAR_LENGTH * (time_s / self.duration_s).clamp(0.0, 1.0)) as u64;
         // Samples are far more frequent than changes of the line.
         if position != bar.position() || position == 0 {
@@ -140,11 +133,11 @@ pub struct RunCounter {
 
 impl RunCounter {
     pub fn new() -> Self {
-        RunCounter { line: ProgressLine::new(), has_started: false }
+        RunCounter { line: ProgressLine::new(1), has_started: false }
     }
 
     pub fn update(&mut self, done: usize, total: usize, next: &str) {
-        let Some(VisibleBar { bar, .. }) = &self.line.0 else { return };
+        let bar = &self.line.bar;
         bar.set_length(total as u64);
         bar.set_message(match next.is_empty() {
             true => format!("{done} of {total}"),

@@ -1,26 +1,24 @@
 //! `phalanx replay --against`: compares two logs, with differences and plots.
 
+use std::io;
 use std::path::Path;
 
 use super::interrupt::Interrupt;
 use super::output::print_result;
-use super::ownership::FileKind;
-use super::replay_args::{ReplayArgs, print_defects};
-use super::replay_loaded_log::LoadedLog;
-use super::replay_page::{LogPlaybackRecorder, ensure_drawable};
-use super::replay_pair::{comparison_notes, retain_common};
-use super::replay_read::read_head;
-use super::save::{PAGE_FILE, save};
-use super::targets::{TargetKind, reserve};
+use super::replay::{ReplayArgs, print_defects};
+use super::replay_read::{LogPlaybackRecorder, SummarySink, Tee, ensure_drawable, read_failure, read_head};
+use super::targets::{FileKind, PAGE_FILE, TargetKind, reserve, save};
 use super::{Failure, Status};
-use crate::format::ToReport;
-use crate::log::LogSummary;
+use crate::format::{ToReport, format_duration};
+use crate::limits::MAX_COMPARED_VALUES;
+use crate::log::{LogSink, LogSummary, read_file};
 use crate::page::{Note, Page, render_page};
 use crate::plot::{self, DifferencePlot};
 use crate::report::replay::{LogComparisonReport, ReplayReport, TrajectoryDifference, compare_summaries};
 use crate::scene::Keyword;
 use crate::scene::keywords::SceneKind;
-use crate::validate::{Angle, compare};
+use crate::trace::{Event, FingerContact, Layout, Sample, Sink, SinkError};
+use crate::validate::{Angle, Recording, compare};
 
 /// Files in the output directory.
 const FILES: [&str; 5] = ["report.txt", "report.json", PAGE_FILE, "overlay.svg", "difference.svg"];
@@ -71,7 +69,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             None => None,
         };
     }
-    let logs = [0, 1].map(|k| loaded[k].sink.report(paths[k].display().to_string(), &loaded[k].summary));
+    let logs = [0, 1].map(|k| loaded[k].report(paths[k]));
     let labels = choose_labels(paths, &logs);
     let mut notes = comparison_notes(&loaded, &labels);
     let compared_to_s = loaded.iter().filter_map(|log| log.summary.last_s).fold(f64::INFINITY, f64::min);
@@ -115,7 +113,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
         report.page = Some(target.display().to_string());
     }
     print_result(&report, args.json)?;
-    let statuses = [0, 1].map(|k| print_defects(paths[k], &loaded[k].summary, &report.logs[k]));
+    let statuses = [0, 1].map(|k| print_defects(paths[k], &report.logs[k]));
     Ok(if statuses == [Status::Done; 2] { Status::Done } else { Status::CheckFailed })
 }
 
@@ -199,4 +197,186 @@ fn compute_differences(
         until_s,
     });
     (differences, [overlay, difference])
+}
+
+/// A log that is loaded completely into memory.
+struct LoadedLog<'a> {
+    sink: SummarySink<'a>,
+    summary: LogSummary,
+    recording: Recording,
+    layout: Layout,
+    value_count: usize,
+    exceeds_limit: bool,
+}
+
+impl<'a> LoadedLog<'a> {
+    /// Reads a log and also passes it to `recorder`.
+    fn read(path: &Path, interrupt: &'a Interrupt, recorder: &mut impl LogSink) -> Result<Self, Failure> {
+        let mut loaded = LoadedLog {
+            sink: SummarySink::new(path, interrupt)?,
+            summary: LogSummary::default(),
+            recording: Recording::default(),
+            layout: Layout::from_kind(read_head(path)?.kind()),
+            value_count: 0,
+            exceeds_limit: false,
+        };
+        let summary = read_file(path, &mut Tee(&mut loaded, recorder));
+        loaded.sink.clear_progress();
+        loaded.summary = match summary {
+            Err(_) if loaded.exceeds_limit => {
+                return Err(Failure::bad_input(format!(
+                    "{} is too long to be compared: both logs are loaded into memory, with at most {MAX_COMPARED_VALUES} figures each \
+                     (476,000 samples of a finger); log at a lower rate, or compare the tables that --csv writes",
+                    path.display()
+                )));
+            }
+            summary => summary.map_err(|error| read_failure(path, &error))?,
+        };
+        if let Some(outcome) = loaded.sink.summary().outcome() {
+            loaded.recording.outcome = outcome.clone();
+        }
+        Ok(loaded)
+    }
+
+    fn report(&mut self, path: &Path) -> ReplayReport {
+        self.sink.report(path, &self.summary)
+    }
+
+    fn count_values(&mut self, values: usize) -> Result<(), SinkError> {
+        self.value_count += values;
+        self.exceeds_limit = self.value_count > MAX_COMPARED_VALUES;
+        match self.exceeds_limit {
+            true => Err(SinkError { target: "the log to memory".to_string(), source: io::ErrorKind::Other.into() }),
+            false => Ok(()),
+        }
+    }
+}
+
+impl LogSink for LoadedLog<'_> {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.layout = layout.clone();
+        self.sink.layout(layout)
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        let Sample { fingers, bodies, contacts, .. } = sample;
+        self.count_values(8 + 10 * fingers.len() + 6 * bodies.len() + 10 * contacts.len())?;
+        self.recording.sample(sample)?;
+        self.sink.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.count_values(8)?;
+        self.recording.event(event)?;
+        self.sink.event(event)
+    }
+}
+
+/// Returns notes on different durations, losses and scenes, and on parts that only one of the logs contains.
+fn comparison_notes(logs: &[LoadedLog<'_>; 2], labels: &[String; 2]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let summaries = logs.each_ref().map(|log| &log.summary);
+    let scenes = summaries.map(|summary| summary.scene.as_ref().map(|(_, text)| text));
+    if let [Some(a), Some(b)] = scenes
+        && a != b
+    {
+        notes.push("the scenes differ: two variants".to_string());
+    }
+    if let [Some(a), Some(b)] = summaries.map(|summary| summary.last_s)
+        && a != b
+    {
+        notes.push(format!(
+            "{} ends at {}, {} at {}: final values are at the end of each log",
+            labels[0],
+            format_duration(a),
+            labels[1],
+            format_duration(b)
+        ));
+    }
+    for ((log, summary), label) in logs.iter().zip(summaries).zip(labels) {
+        match &summary.run_end {
+            _ if !summary.is_complete() => notes.push(format!("a part of {label} is lost")),
+            None => notes.push(format!("{label} does not state how its run ended")),
+            Some(ended) if ended.stopped.is_some() => notes.push(format!("the run of {label} was not completed")),
+            Some(_) => {}
+        }
+        notes.extend(
+            summary.missing.iter().map(|missing| format!("missing in {label}: {} {}", missing.topic, missing.defect)),
+        );
+        if summary.samples == 0 {
+            notes.push(format!("{label} has no samples"));
+        }
+        if summary.kind() != SceneKind::Bodies && log.recording.samples.first().is_some_and(|first| first.time_s > 0.0)
+        {
+            notes.push(format!("{label} does not begin at 0"));
+        }
+    }
+    if summaries[0].kind() == SceneKind::Finger && summaries.iter().all(|summary| summary.samples > 0) {
+        let last = logs.each_ref().map(|log| &log.recording.outcome.last);
+        let objects = last.map(|sample| sample.contact(FingerContact::Proximal).gap_m.is_finite());
+        let limits = last.map(|sample| sample.contact(FingerContact::Limit).gap_m.is_finite());
+        for (part, is_present) in [("an object", objects), ("a joint limit", limits)] {
+            if is_present[0] != is_present[1] {
+                notes.push(format!("only {} has {part}", labels[usize::from(is_present[1])]));
+            }
+        }
+    }
+    notes
+}
+
+/// Retains only the discs and pairs that both logs contain, in the same order. Returns notes on the removed ones.
+fn retain_common(logs: &mut [LoadedLog<'_>; 2], labels: &[String; 2]) -> Vec<String> {
+    let [first, second] = logs.each_ref().map(|log| log.layout.clone());
+    if first == second {
+        return Vec::new();
+    }
+    let mut notes = Vec::new();
+    for ((items, others), label) in [(&first, &second), (&second, &first)].into_iter().zip(labels) {
+        let discs = missing_names(&items.bodies, &others.bodies, |name| name);
+        let pairs = missing_names(&items.contacts, &others.contacts, |contact| &contact.name);
+        for (part, names) in [("disc", discs), ("pair", pairs)] {
+            if !names.is_empty() {
+                notes.push(format!("only {label} has the {part} {names}"));
+            }
+        }
+    }
+    let layout = Layout {
+        bodies: intersection(&first.bodies, &second.bodies),
+        contacts: intersection(&first.contacts, &second.contacts),
+        ..first
+    };
+    for log in logs {
+        let bodies = indices_of(&layout.bodies, &log.layout.bodies);
+        let contacts = indices_of(&layout.contacts, &log.layout.contacts);
+        let retain = |sample: &mut Sample| {
+            sample.bodies = bodies.iter().filter_map(|&k| sample.bodies.get(k).copied()).collect();
+            sample.contacts = contacts.iter().filter_map(|&k| sample.contacts.get(k).copied()).collect();
+        };
+        log.recording.samples.iter_mut().for_each(retain);
+        let outcome = &mut log.recording.outcome;
+        retain(&mut outcome.last);
+        outcome.contacts = contacts.iter().filter_map(|&k| outcome.contacts.get(k).copied()).collect();
+        log.recording.events.retain_mut(|event| {
+            let index = contacts.iter().position(|&k| k == event.contact);
+            event.contact = index.unwrap_or(event.contact);
+            index.is_some()
+        });
+        log.layout = layout.clone();
+    }
+    notes
+}
+
+/// Names of the items that `others` does not contain.
+fn missing_names<T: PartialEq>(items: &[T], others: &[T], name: impl Fn(&T) -> &String) -> String {
+    let names = items.iter().filter(|item| !others.contains(item)).map(name);
+    names.cloned().collect::<Vec<_>>().join(", ")
+}
+
+fn intersection<T: PartialEq + Clone>(items: &[T], others: &[T]) -> Vec<T> {
+    items.iter().filter(|item| others.contains(item)).cloned().collect()
+}
+
+/// Indices of `items` in `all`.
+fn indices_of<T: PartialEq>(items: &[T], all: &[T]) -> Vec<usize> {
+    items.iter().filter_map(|item| all.iter().position(|other| other == item)).collect()
 }

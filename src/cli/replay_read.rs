@@ -1,16 +1,18 @@
-//! Reading a log for its summary and criteria, with progress and interruption.
+//! Reading a log for its summary, criteria and page, with progress and interruption.
 
-use std::cell::RefCell;
 use std::io;
 use std::path::Path;
 
-use super::Failure;
 use super::interrupt::Interrupt;
 use super::output::print_diagnostic;
 use super::progress::Progress;
-use crate::log::{self, LogSink, LogSummary, ReadError};
+use super::{Failure, Status};
+use crate::format::Report;
+use crate::log::{ChannelContent, LogSink, LogSummary, MissingData, ReadError};
+use crate::page::{Playback, PlaybackRecorder};
 pub(super) use crate::report::replay::scene_in_log;
 use crate::report::replay::{LogObserver, ReplayReport, Summary};
+use crate::scene::Scene;
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 
 /// A log sink that collects the summary of a run, shows progress and stops at a signal.
@@ -41,12 +43,8 @@ impl<'a> SummarySink<'a> {
     }
 
     /// Returns the report on the log.
-    pub fn report(&self, name: String, summary: &LogSummary) -> ReplayReport {
-        self.observer.report(name, summary)
-    }
-
-    fn check_interrupt(&self) -> Result<(), SinkError> {
-        check_interrupt(self.interrupt, "a summary of the whole log")
+    pub fn report(&mut self, path: &Path, summary: &LogSummary) -> ReplayReport {
+        self.observer.report(path.display().to_string(), summary)
     }
 }
 
@@ -56,54 +54,16 @@ impl LogSink for SummarySink<'_> {
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.check_interrupt()?;
+        if let Some(signal) = self.interrupt.signal() {
+            let source = io::Error::other(format!("interrupted by {signal}"));
+            return Err(SinkError { target: "a summary of the whole log".to_string(), source });
+        }
         Sink::sample(&mut self.progress, sample)?;
         self.observer.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.observer.event(event)
-    }
-}
-
-/// Reads a log into a summary.
-pub(super) fn read_log(path: &Path, sink: &mut SummarySink<'_>) -> Result<LogSummary, Failure> {
-    let summary = log::read_any_file(path, sink).map_err(|error| read_failure(path, &error));
-    sink.progress.clear();
-    summary
-}
-
-/// Shows the progress of reading a log message by message and stops at a signal.
-pub(super) struct ReadMonitor<'a> {
-    progress: RefCell<Progress>,
-    interrupt: &'a Interrupt,
-    /// Output that an interrupt leaves unwritten, for error messages.
-    target: &'a str,
-}
-
-impl<'a> ReadMonitor<'a> {
-    pub fn new(duration_s: Option<f64>, interrupt: &'a Interrupt, target: &'a str) -> Self {
-        ReadMonitor { progress: RefCell::new(Progress::new(duration_s.unwrap_or(f64::INFINITY))), interrupt, target }
-    }
-
-    pub fn update(&self, log_time_ns: u64) -> Result<(), SinkError> {
-        self.progress.borrow_mut().update(log_time_ns as f64 * 1e-9);
-        check_interrupt(self.interrupt, self.target)
-    }
-
-    /// Clears the progress line.
-    pub fn clear_progress(&self) {
-        self.progress.borrow_mut().clear();
-    }
-}
-
-/// Returns an error once a signal has arrived; the error stops the reading of a log.
-fn check_interrupt(interrupt: &Interrupt, target: &str) -> Result<(), SinkError> {
-    match interrupt.signal() {
-        None => Ok(()),
-        Some(signal) => {
-            Err(SinkError { target: target.to_string(), source: io::Error::other(format!("interrupted by {signal}")) })
-        }
     }
 }
 
@@ -118,4 +78,94 @@ pub(super) fn read_failure(path: &Path, error: &ReadError) -> Failure {
 /// Reads the head of a log: its metadata and its scene.
 pub(super) fn read_head(log: &Path) -> Result<LogSummary, Failure> {
     crate::log::read_head(log).map_err(|error| read_failure(log, &error))
+}
+
+/// Records a log for a page in bounded memory; samples of long runs are decimated.
+pub(super) struct LogPlaybackRecorder {
+    scene: Scene,
+    recorder: Box<PlaybackRecorder>,
+    /// Whether the layout of the samples matches the scene.
+    matches_scene: bool,
+}
+
+/// Returns an error if a topic is missing, because a page needs all parts of a sample.
+pub(super) fn ensure_drawable(path: &Path, summary: &LogSummary) -> Result<(), Failure> {
+    let is_drawn = |missing: &&MissingData| missing.content != ChannelContent::Lines;
+    let Some(missing) = summary.missing.iter().find(is_drawn) else { return Ok(()) };
+    let (topic, defect) = (&missing.topic, &missing.defect);
+    let message = format!("error: {}: no page can be written: missing data: {topic} {defect}", path.display());
+    Err(Failure { message, status: Status::CheckFailed })
+}
+
+impl LogPlaybackRecorder {
+    /// Creates a recorder for the scene in the head of a log.
+    ///
+    /// # Errors
+    /// Returns an error if the log has no readable scene of its kind.
+    pub fn new(path: &Path, head: &LogSummary) -> Result<Self, Failure> {
+        let bad_input =
+            |reason: String| Failure::bad_input(format!("{}: there is nothing to draw: {reason}", path.display()));
+        match scene_in_log(head) {
+            Some(Ok(scene)) if scene.kind() == head.kind() => {
+                Ok(LogPlaybackRecorder { scene, recorder: Box::default(), matches_scene: true })
+            }
+            Some(Ok(_)) => {
+                Err(bad_input("the kind of the scene in the log differs from the kind in its metadata".to_string()))
+            }
+            Some(Err(error)) => {
+                Err(bad_input(format!("the scene in the log cannot be read by this version of phalanx:\n{error}")))
+            }
+            None => Err(bad_input("the part of the log with its scene is lost".to_string())),
+        }
+    }
+
+    /// Returns the name and description of the scene.
+    pub fn name_and_description(&self) -> (String, String) {
+        (self.scene.name.clone(), self.scene.description.clone())
+    }
+
+    pub fn into_playback(self, path: &Path, label: &str, summary: impl Into<Report>) -> Result<Playback, Failure> {
+        match self.matches_scene {
+            true => Ok(self.recorder.into_playback(label, &self.scene, summary)),
+            false => Err(Failure::bad_input(format!(
+                "{}: there is nothing to draw: the samples do not match the scene in the log",
+                path.display()
+            ))),
+        }
+    }
+}
+
+impl LogSink for LogPlaybackRecorder {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.matches_scene = Layout::from_system(&self.scene.system) == *layout;
+        Ok(())
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        if self.matches_scene { self.recorder.sample(sample) } else { Ok(()) }
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        if self.matches_scene { self.recorder.event(event) } else { Ok(()) }
+    }
+}
+
+/// Passes a log to two sinks.
+pub(super) struct Tee<'a, A, B>(pub &'a mut A, pub &'a mut B);
+
+impl<A: LogSink, B: LogSink> LogSink for Tee<'_, A, B> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.sample(sample)?;
+        self.1.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.0.event(event)?;
+        self.1.event(event)
+    }
+
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.0.layout(layout)?;
+        self.1.layout(layout)
+    }
 }

@@ -1,57 +1,62 @@
-//! `phalanx replay --verify`: simulates the run of a log again and compares both runs message by message.
+//! `phalanx replay --verify`: simulates the run of a log again and compares both runs sample by sample.
 
-use std::fs::File;
-use std::io::{BufReader, Seek};
 use std::path::Path;
 use std::time::Instant;
 
 use super::interrupt::Interrupt;
 use super::output::{print_diagnostic, print_result};
-use super::replay_args::{ReplayArgs, print_defects};
-use super::replay_read::{ReadMonitor, SummarySink, read_failure, read_head, read_log, scene_in_log};
-use super::simulate::{CheckPolicy, FailedRun, RunLimits, SimulatedRun, simulate};
+use super::replay::{ReplayArgs, print_defects};
+use super::replay_read::{SummarySink, read_failure, read_head, scene_in_log};
+use super::simulate::{CheckPolicy, FailedRun, RunLimits, simulate};
 use super::{Failure, Status};
 use crate::log::{
-    self, ComparisonOptions, LogComparison, LogSummary, RunInfo, Settings, ThreadedWriter, gaps, settings, stamp_ns,
+    ComparisonOptions, LogComparison, LogFile, LogSummary, RunInfo, Settings, open_log, read_file, settings, stamp_ns,
 };
 use crate::report::replay::VerificationReport;
 use crate::scene::Scene;
-use crate::trace::SinkError;
-
-/// Name of the log of the new run in error messages.
-const NEW_LOG: &str = "the log of the new run to a temporary file (TMPDIR sets its directory)";
 
 /// Runs `phalanx replay --verify`.
 pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failure> {
     let path = &args.log;
+    let to_failure = |error| read_failure(path, &error);
     let (scene, settings) = load_scene_and_settings(path, &read_head(path)?)?;
     let mut summary_sink = SummarySink::new(path, interrupt)?;
-    let summary = read_log(path, &mut summary_sink)?;
+    let summary = read_file(path, &mut summary_sink).map_err(to_failure);
+    summary_sink.clear_progress();
+    let summary = summary?;
 
     let start = Instant::now();
-    let mut report = summary_sink.report(path.display().to_string(), &summary);
+    let mut report = summary_sink.report(path, &summary);
     let options = comparison_options(&summary, report.is_inconsistent);
     // An incomplete log is simulated only up to its last sample.
     let until_s =
         if options.has_run_end && options.before_ns.is_none() { f64::INFINITY } else { summary.last_s.unwrap_or(0.0) };
-    let file = simulate_again(&scene, &settings, &RunLimits { interrupt, until_s, check_policy: CheckPolicy::Never })?;
+    let model = settings.model();
+    let info = RunInfo { scene: &scene, scene_file: &settings.scene_file, model: model.name() };
+    let mut comparison = LogComparison::new(open_log(path).map_err(to_failure)?, &info, options).map_err(to_failure)?;
+    let limits = RunLimits { interrupt, until_s, check_policy: CheckPolicy::Never };
+    let run = simulate::<LogFile>(model, &scene, None, &limits, &mut comparison);
+    if let Some(signal) = interrupt.signal() {
+        return Err(Failure::incomplete(format!(
+            "interrupted by {signal} while the run was simulated again; nothing was compared"
+        )));
+    }
+    let new_end = match run.result {
+        Ok(_) => "completed".to_string(),
+        Err(FailedRun { partial_outcome: None, error }) => return Err(Failure::incomplete(error.reason)),
+        Err(FailedRun { error, .. }) => error.reason,
+    };
     let wall_s = start.elapsed().as_secs_f64();
-
-    let monitor = ReadMonitor::new(summary.last_s, interrupt, "the comparison of the whole log");
-    let check = |log_time_ns| monitor.update(log_time_ns);
-    let mut comparison = LogComparison::new(BufReader::new(file), options, &check).map_err(read_new_log_failure)?;
-    let result = log::read_any_file(path, &mut comparison);
-    monitor.clear_progress();
-    result.map_err(|error| read_failure(path, &error))?;
-    let verified = comparison.finish().map_err(read_new_log_failure)?;
+    let log_end = summary.run_end.as_ref().map(|end| end.stopped.clone().unwrap_or_else(|| "completed".to_string()));
+    let found = comparison.finish(log_end, new_end).map_err(to_failure)?;
 
     let inconsistency = report.error.as_ref().filter(|_| report.is_inconsistent).map(|error| error.reason.as_str());
-    let verification = VerificationReport::new(&verified, &summary, inconsistency, wall_s);
+    let verification = VerificationReport::new(found, &summary, inconsistency, wall_s);
     let (is_identical, is_complete) = (verification.is_identical, verification.is_complete);
     let messages = verification.error_messages(path);
     report.verification = Some(verification);
     print_result(&report, args.json)?;
-    let status = print_defects(path, &summary, &report);
+    let status = print_defects(path, &report);
     messages.iter().for_each(|message| print_diagnostic(message));
     Ok(if is_identical && is_complete { status } else { Status::CheckFailed })
 }
@@ -93,39 +98,5 @@ fn comparison_options(summary: &LogSummary, is_inconsistent: bool) -> Comparison
     ComparisonOptions {
         before_ns: summary.last_s.filter(|_| interrupted || is_inconsistent).map(stamp_ns),
         has_run_end: summary.run_end.is_some(),
-        gaps: summary.recovered.as_ref().map(gaps).unwrap_or_default(),
     }
-}
-
-/// Simulates into a temporary file, which is deleted when closed.
-fn simulate_again(scene: &Scene, settings: &Settings, limits: &RunLimits<'_>) -> Result<File, Failure> {
-    let (model, scene_file) = (settings.model(), settings.scene_file.as_str());
-    let write_failure = |error: SinkError| Failure::incomplete(format!("{error}; free some space there or set TMPDIR"));
-    let file =
-        tempfile::tempfile().map_err(|source| write_failure(SinkError { target: NEW_LOG.to_string(), source }))?;
-    let info = RunInfo { scene, scene_file, model: model.name() };
-    let writer = ThreadedWriter::start(file, NEW_LOG, &info, None, || {}).map_err(write_failure)?;
-    let log = take_log(simulate(model, scene, Some(writer), limits, &mut ()));
-    if let Some(signal) = limits.interrupt.signal() {
-        return Err(Failure::incomplete(format!(
-            "interrupted by {signal} while the run was simulated again; nothing was compared"
-        )));
-    }
-    let mut file = log.map_err(write_failure)?.ok_or_else(|| Failure::incomplete("the new run wrote no log"))?;
-    file.rewind().map_err(read_new_log_failure)?;
-    Ok(file)
-}
-
-/// Returns the log of a run. A run that stopped early also has a valid log, unless writing the log failed.
-fn take_log(run: SimulatedRun<File>) -> Result<Option<File>, SinkError> {
-    match run.result {
-        Err(FailedRun { partial_outcome: None, error }) => {
-            Err(SinkError { target: NEW_LOG.to_string(), source: std::io::Error::other(error.reason) })
-        }
-        _ => run.log,
-    }
-}
-
-fn read_new_log_failure(error: std::io::Error) -> Failure {
-    Failure::incomplete(format!("cannot read {NEW_LOG}: {error}"))
 }

@@ -10,12 +10,11 @@ use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
 use super::output::print_result;
 use super::overrides::Overrides;
-use super::ownership::FileKind;
 use super::run_page::PageArgs;
 use super::samples::{self, write_table};
 use super::set::{SetArgs, source_files};
 use super::simulate::{CheckPolicy, RunLimits, simulate};
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve};
 use super::{Failure, Status, run_page, watch};
 use crate::format::{ToReport, format_duration};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
@@ -116,7 +115,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let csv = samples::csv_file(args.csv.as_deref(), args.json)?;
     let targets = [
         ("--log", args.log.as_deref(), TargetKind::Log),
-        ("--csv", csv, TargetKind::File(FileKind::Samples)),
+        ("--csv", csv, TargetKind::File(FileKind::Table)),
         ("--html", args.page.html.as_deref(), TargetKind::File(FileKind::Page)),
     ];
     reserve(&[("the scene", &source_files(&args.scene))], &targets, NO_DIRECTORY)?;

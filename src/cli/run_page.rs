@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::browser::Browser;
-use super::save::save;
+use super::targets::save;
 use super::{Failure, Status};
 use crate::page::{Page, Playback, render_page};
 

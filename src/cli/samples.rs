@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Failure;
 use super::output::stdout;
-use super::save::write_failure;
+use super::targets::write_failure;
 use crate::files::{replace_file, without_temporary_path};
 use crate::log::LogSink;
 use crate::report::samples::{csv_head, csv_sample};

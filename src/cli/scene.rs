@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 
 use super::output::{print, print_diagnostic, print_report};
-use super::ownership::FileKind;
 use super::set::{SetArgs, source_files};
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve};
 use super::{Failure, Status};
 use crate::files::replace_file;
 use crate::format::Report;

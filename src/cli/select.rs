@@ -6,10 +6,8 @@ use std::slice;
 use clap::Args;
 
 use super::output::print_result;
-use super::ownership::FileKind;
 use super::parsers::{number, positive};
-use super::save::save;
-use super::targets::{TargetKind, reserve};
+use super::targets::{FileKind, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::format::ToReport;
@@ -109,7 +107,7 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::format(path).map_err(Failure::bad_input)?;
     }
-    let ranking = ("--ranking", args.ranking.as_deref(), TargetKind::File(FileKind::Ranking));
+    let ranking = ("--ranking", args.ranking.as_deref(), TargetKind::File(FileKind::Table));
     let results = slice::from_ref(&args.results);
     let directory = reserve(&[("the table of results", results)], &[ranking], ("--out", args.out.as_deref(), &FILES))?;
     let results = table::read(&args.results).map_err(Failure::bad_input)?;

@@ -6,7 +6,6 @@ use clap::Args;
 
 use super::choice_args::RuleArg;
 use super::output::print_result;
-use super::overrides::parse_positive;
 use super::set::{SetArgs, source_files};
 use super::targets::reserve;
 use super::{Failure, Status};
@@ -15,6 +14,7 @@ use crate::plot;
 use crate::report::sizing::{SizingReport, sizing_csv};
 use crate::study::size::{SizingOptions, size_finger};
 use crate::units::Dimension;
+use crate::units::parse_positive;
 
 /// Size the spring and motor of a finger from a test trajectory.
 ///

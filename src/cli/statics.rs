@@ -4,18 +4,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::interrupt::Interrupt;
 use super::output::print_result;
-use super::ownership::FileKind;
-use super::save::save;
 use super::set::{SetArgs, source_files};
-use super::statics_gripper::{self, GripperArgs, SharedArgs};
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::grasp::finger::{GraspOverrides, GraspStudyError, grasp};
+use crate::grasp::gripper::{GripperGraspError, GripperGraspRequest, gripper_grasp};
 use crate::plot;
-use crate::report::statics::StaticsReport;
+use crate::report::statics::{GripperStaticsReport, StaticsReport};
+use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::statics::StaticsError;
+use crate::study::posture::{PostureSpec, parse_direction_count, parse_posture};
+use crate::units::parse_positive;
 use crate::units::{self, Dimension};
 
 /// Analyse the static grasp: contact forces, ejection, form and force closure, and admissible accelerations.
@@ -69,9 +71,43 @@ pub struct StaticsArgs {
     gripper: GripperArgs,
 }
 
-impl StaticsArgs {
-    fn shared(&self) -> SharedArgs<'_> {
-        SharedArgs { mu_static: &self.mu_static, motor_n_m: self.motor, svg: self.svg.as_deref(), json: self.json }
+/// Arguments for grippers only.
+#[derive(Clone, Debug, Args)]
+pub struct GripperArgs {
+    /// Posture: "run" is the posture of a run of the scene; "geometric" has all phalanges on the object at its position
+    /// in the scene; or angles with units, such as "q11=2 deg, q21=65 deg" for both fingers, q11_r, q21_r, q11_l, q21_l
+    /// for one finger, and x and y for the object's centre
+    #[arg(long, value_name = "POSTURE", value_parser = parse_posture, default_value = "run", help_heading = "For a gripper")]
+    posture: PostureSpec,
+
+    /// Time of the run, with its unit [default: its end, or when the fingers release the object]
+    #[arg(long, value_name = "TIME", value_parser = parse_time, help_heading = "For a gripper")]
+    at: Option<f64>,
+
+    /// Largest gap at which a surface counts as in contact [default: 0.05 mm for given angles; for a run only surfaces
+    /// with a contact force]
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length, help_heading = "For a gripper")]
+    within: Option<f64>,
+
+    /// Angle between neighbouring directions of acceleration, with its unit; must divide a full turn
+    #[arg(long, value_name = "ANGLE", value_parser = parse_direction_count, default_value = "15 deg", help_heading = "For a gripper")]
+    every: usize,
+}
+
+/// Largest angle between neighbouring directions in a picture, degrees.
+const MAX_PICTURE_SPACING_DEG: f64 = 1.0;
+
+impl GripperArgs {
+    /// Returns the first of these flags that differs from its default; such a flag is an error for other kinds of
+    /// scene.
+    pub fn first_given_flag(&self) -> Option<&'static str> {
+        let flags = [
+            (self.posture != PostureSpec::Run, "--posture"),
+            (self.at.is_some(), "--at"),
+            (self.within.is_some(), "--within"),
+            (self.every != 24, "--every"),
+        ];
+        flags.into_iter().find(|(given, _)| *given).map(|(_, flag)| flag)
     }
 }
 
@@ -81,16 +117,17 @@ pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
     reserve(&[("the scene", &source_files(&args.scene))], &[svg], NO_DIRECTORY)?;
     let scene = args.set.load_any(&args.scene)?;
     match scene.kind() {
-        SceneKind::Finger => {}
-        SceneKind::Gripper => return statics_gripper::run(&scene, &args.gripper, &args.shared()),
-        SceneKind::Bodies => {
-            return Err(Failure::bad_input(format!(
-                "{} is a scene of discs (kind = \"bodies\"), but statics needs the grasp of a finger or a gripper; give a scene \
-                 such as scenes/experiment-95.toml or scenes/gripper/design-95.toml",
-                args.scene.display()
-            )));
-        }
+        SceneKind::Finger => run_finger(args, &scene),
+        SceneKind::Gripper => run_gripper(args, &scene),
+        SceneKind::Bodies => Err(Failure::bad_input(format!(
+            "{} is a scene of discs (kind = \"bodies\"), but statics needs the grasp of a finger or a gripper; give a scene \
+             such as scenes/experiment-95.toml or scenes/gripper/design-95.toml",
+            args.scene.display()
+        ))),
     }
+}
+
+fn run_finger(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
     if let Some(flag) = args.gripper.first_given_flag() {
         return Err(Failure::bad_input(format!(
             "{flag} needs a gripper, but {} is a scene of one finger, whose posture follows from the geometry; remove the flag, or \
@@ -99,22 +136,52 @@ pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
         )));
     }
     let overrides = GraspOverrides { mu_static: args.mu_static.clone(), motor_n_m: args.motor };
-    let grasp_statics = grasp(&scene, &overrides).map_err(grasp_failure)?;
-    let mut report = StaticsReport::new(&grasp_statics);
-    if let Some(path) = &args.svg {
-        save(path, &plot::grasp(&scene, &grasp_statics, plot::PictureFormat::Standalone))?;
-        report.svg = Some(path.display().to_string());
-    }
-    print_result(&report, args.json)?;
-    Ok(Status::Done)
-}
-
-fn grasp_failure(error: GraspStudyError) -> Failure {
-    match &error {
+    let grasp = grasp(scene, &overrides).map_err(|error| match &error {
         GraspStudyError::Statics { error: StaticsError::Undecided { .. } | StaticsError::Program { .. }, .. } => {
             Failure::incomplete(error)
         }
         _ => Failure::bad_input(error),
+    })?;
+    let svg = args.save_picture(|| plot::grasp(scene, &grasp, plot::PictureFormat::Standalone))?;
+    print_result(&StaticsReport { svg, ..StaticsReport::new(&grasp) }, args.json)?;
+    Ok(Status::Done)
+}
+
+fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
+    let GripperArgs { posture, at, within, every } = &args.gripper;
+    let interrupt = Interrupt::listen()?;
+    // A picture needs more directions than a table.
+    let refinement = match args.svg {
+        Some(_) => (360.0 / MAX_PICTURE_SPACING_DEG / *every as f64).ceil().max(1.0) as usize,
+        None => 1,
+    };
+    let request = GripperGraspRequest {
+        posture: posture.to_grasp_posture(*at, *within).map_err(Failure::bad_input)?,
+        mu_static: args.mu_static.clone(),
+        motor_n_m: args.motor,
+        directions: every * refinement,
+    };
+    let grasp = gripper_grasp(scene, &request, &|| interrupt.signal().is_none()).map_err(|error| {
+        match (&error, interrupt.signal()) {
+            (GripperGraspError::Stopped, Some(signal)) => Failure::incomplete(format!("interrupted by {signal}")),
+            (GripperGraspError::Run { .. } | GripperGraspError::Stopped, _)
+            | (GripperGraspError::Statics { error: StaticsError::Balance { .. }, .. }, _) => Failure::incomplete(error),
+            _ => Failure::bad_input(error),
+        }
+    })?;
+    let svg = args.save_picture(|| plot::balance(scene, &grasp, plot::PictureFormat::Standalone))?;
+    let mut report = GripperStaticsReport::new(&grasp, refinement);
+    report.svg = svg;
+    print_result(&report, args.json)?;
+    Ok(Status::Done)
+}
+
+impl StaticsArgs {
+    /// Writes the picture if it was requested, and returns its path.
+    fn save_picture(&self, draw: impl FnOnce() -> String) -> Result<Option<String>, Failure> {
+        let Some(path) = &self.svg else { return Ok(None) };
+        save(path, &draw())?;
+        Ok(Some(path.display().to_string()))
     }
 }
 
@@ -127,4 +194,24 @@ fn parse_friction(text: &str) -> Result<f64, String> {
 
 fn parse_torque(text: &str) -> Result<f64, String> {
     units::parse(text, Dimension::Torque).map_err(|error| error.to_string())
+}
+
+fn parse_time(text: &str) -> Result<f64, String> {
+    parse_positive(text, Dimension::Time, "must be more than 0; expected a time such as \"20 ms\"")
+}
+
+fn parse_length(text: &str) -> Result<f64, String> {
+    parse_positive(text, Dimension::Length, "must be more than 0; expected a length such as \"0.05 mm\"")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rejects_invalid_times_and_lengths() {
+        assert_eq!((parse_time("20 ms"), parse_length("1 mm")), (Ok(0.02), Ok(1e-3)));
+        assert!(parse_time("0 ms").expect_err("zero time").contains("more than 0"));
+        assert!(parse_length("0 mm").expect_err("zero length").contains("more than 0"));
+    }
 }

@@ -1,34 +1,115 @@
-//! `phalanx study`: effects of settings on results.
+//! `phalanx study`: effects of settings on results; and what all commands of the thesis share.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::interrupt::{self, Interrupt};
+use super::interrupt::{Interrupt, interrupted_failure};
 use super::output::print_result;
 use super::progress::RunCounter;
 use super::set::{SetArgs, source_files};
-use super::study_stability::{self, StabilityArgs};
 use super::targets::reserve;
+use super::value_lists::{parse_number, parse_quantity};
 use super::{Failure, Status};
 use crate::format::ToReport;
-use crate::plot;
-use crate::report::step_size::step_size_csv;
 use crate::scene::Keyword;
-use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
-use crate::study::step_size::{StudyError, step_size};
+use crate::thesis::stability::{ACCURACY_RAD, Grid, stability};
+use crate::thesis::step_size::step_size;
+use crate::thesis::{Monitor, StudyError};
+use crate::units::Dimension;
+use crate::units::parse_positive;
 
 /// The shipped scene, built in so that the command works in any directory.
 const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
 
-/// Files in the output directory.
-const FILES: [&str; 4] = ["step-size.txt", "step-size.json", "step-size.csv", "step-size.svg"];
+/// Output of a study.
+#[derive(Debug, Args)]
+pub struct OutputArgs {
+    /// Write the files named below to this directory, which is created if needed; an existing file is replaced only when
+    /// the new one is complete
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+
+    /// Print one JSON document with SI units in its keys instead of tables
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs a computation with a progress line. A signal interrupts it.
+///
+/// # Errors
+/// Returns the failure of the command; the message of an interruption begins with `task`.
+pub fn compute<T>(
+    task: &str,
+    output: &OutputArgs,
+    interrupt: &Interrupt,
+    work: impl FnOnce(&Monitor) -> Result<T, StudyError>,
+) -> Result<T, Failure> {
+    let mut counter = RunCounter::new();
+    let keep_running = || interrupt.signal().is_none();
+    let result = work(&Monitor::new(|done, total, name| counter.update(done, total, name), &keep_running));
+    counter.clear();
+    result.map_err(|error| match (error, interrupt.signal()) {
+        (StudyError::Stopped { done, total }, Some(signal)) => {
+            interrupted_failure(task, signal, (done, total), output.out.is_some())
+        }
+        (error @ StudyError::Unsuitable(_), _) => Failure::bad_input(error),
+        (error, _) => Failure::incomplete(error),
+    })
+}
 
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
     Stability(StabilityArgs),
     StepSize(StepSizeArgs),
+}
+
+/// Map where the engine is stable and accurate over step size, contact stiffness and contact damping.
+///
+/// Runs the scene of a finger with the engine at fixed steps. The stiffness k and the largest damping c_max of both
+/// contacts are scaled by each pair of factors; the joint limit keeps its law. The reference for each pair is the
+/// analytic model at its reference preset, up to `[validate] until`.
+///
+/// A run is "failed" if it ended with an error, if a number was not finite, if mechanical energy exceeded the motor's
+/// work by more than 10 % of the energy exchanged in the reference run, if the dissipated energy decreased by more than
+/// that, or if the penetration of a contact or the joint limit was larger than the total energy allows. A run is
+/// "accurate" if it has not failed and its joint angles stay within the bound at all times. All other runs are stable
+/// but inaccurate. Pairs without a completed reference are not judged.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  phalanx study stability scenes/experiment-95.toml\n  phalanx study stability \
+                  scenes/experiment-95.toml --out map\n  phalanx study stability scenes/experiment-95.toml --steps \"100 us, 10 us\" \
+                  --stiffness 1,100 --damping 0,1 --json\n\n--out writes table.txt, stability.json, stability.csv and stability.svg. Exit status: 0 done, even if runs of the map failed; 2 bad input; 3 \
+                  interrupted, or files could not be written.")]
+pub struct StabilityArgs {
+    /// Scene file (TOML) of a finger with an object
+    scene: PathBuf,
+
+    #[command(flatten)]
+    set: SetArgs,
+
+    /// Fixed steps, comma-separated, with units [default: 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6 and 1e-6 s]
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = parse_step, conflicts_with = "quick")]
+    steps: Vec<f64>,
+
+    /// Factors of the contact stiffness k, comma-separated, above 0 [default: 0.01, 1, 100, 1e4]
+    #[arg(long, value_name = "FACTORS", value_delimiter = ',', value_parser = parse_stiffness)]
+    stiffness: Vec<f64>,
+
+    /// Factors of the contact damping c_max, comma-separated, 0 or more [default: 0, 0.001, 1, 10]
+    #[arg(long, value_name = "FACTORS", value_delimiter = ',', value_parser = parse_damping)]
+    damping: Vec<f64>,
+
+    /// Largest angle difference of an accurate run, with its unit [default: 1e-3 rad]
+    #[arg(long, value_name = "ANGLE", value_parser = parse_accuracy)]
+    accurate: Option<f64>,
+
+    #[command(flatten)]
+    output: OutputArgs,
+
+    /// Omit steps below 1e-5 s
+    #[arg(long)]
+    quick: bool,
 }
 
 /// Compare the force of an impact at different step sizes and for several formulations (thesis, Fig. B.3).
@@ -40,7 +121,7 @@ pub enum StudyCommand {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx study step-size\n  phalanx study step-size my-impact.toml --out study\n  phalanx study \
-                  step-size --quick --json > study.json"
+                  step-size --quick --json > study.json\n\n--out writes step-size.txt, .json, .csv and .svg."
 )]
 pub struct StepSizeArgs {
     /// Disc scene file (TOML) with an impact that rebounds [default: the shipped scenes/laws/step-size.toml]
@@ -49,13 +130,8 @@ pub struct StepSizeArgs {
     #[command(flatten)]
     set: SetArgs,
 
-    /// Write step-size.txt, .json, .csv and .svg to this directory, which is created if needed
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
-    /// Print one JSON document with SI units in its keys instead of tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 
     /// Omit fixed steps below 0.01 % of the simulated time
     #[arg(long)]
@@ -65,52 +141,90 @@ pub struct StepSizeArgs {
 /// Runs `phalanx study`.
 pub fn run(command: &StudyCommand) -> Result<Status, Failure> {
     match command {
-        StudyCommand::Stability(args) => study_stability::run(args),
+        StudyCommand::Stability(args) => run_stability(args),
         StudyCommand::StepSize(args) => run_step_size(args),
     }
 }
 
-fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
-    let scene = load_scene(args.scene.as_deref(), &args.set)?;
-    let inputs = args.scene.as_deref().map(source_files).unwrap_or_default();
-    let directory = reserve(&[("the scene", &inputs)], &[], ("--out", args.out.as_deref(), &FILES))?;
-    let interrupt = Interrupt::listen()?;
-    let mut counter = RunCounter::new();
-    let mut done_and_total = (0, 0);
-    let mut report_progress = |done, total, next: &str| {
-        done_and_total = (done, total);
-        counter.update(done, total, next);
-    };
-    let result = step_size(&scene, args.quick, &mut report_progress, &|| interrupt.signal().is_none());
-    counter.clear();
-    let study = result.map_err(|error| match (error, interrupt.signal()) {
-        (StudyError::Simulation { .. }, Some(signal)) => {
-            interrupt::interrupted_failure("the study", signal, done_and_total, args.out.is_some())
-        }
-        (error @ (StudyError::NoImpact | StudyError::Kind(_)), _) => Failure::bad_input(error),
-        (error @ StudyError::Simulation { .. }, None) => Failure::incomplete(error),
-    })?;
-    if let Some(directory) = directory {
-        let texts = [study.report().to_string(), study.json(), step_size_csv(&study), plot::step_size(&study)];
-        directory.write(&FILES, &texts)?;
+fn run_stability(args: &StabilityArgs) -> Result<Status, Failure> {
+    let scene = args.set.load_any(&args.scene)?;
+    if scene.kind() != SceneKind::Finger {
+        return Err(Failure::bad_input(format!(
+            "{} is {}; this study needs the scene of a finger (kind = \"finger\"), such as \
+             scenes/experiment-95.toml",
+            args.scene.display(),
+            if scene.kind() == SceneKind::Gripper { "the scene of a gripper" } else { "a scene of discs" }
+        )));
     }
-    print_result(&study, args.json)?;
+    let files = ["stability.json", "stability.csv", "stability.svg", "table.txt"];
+    let out = args.output.out.as_deref();
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], ("--out", out, &files))?;
+    let interrupt = Interrupt::listen()?;
+    let (grid, accuracy_rad) = (build_grid(args), args.accurate.unwrap_or(ACCURACY_RAD));
+    let study =
+        compute("the study", &args.output, &interrupt, |monitor| stability(&scene, &grid, accuracy_rad, monitor))?;
+    if let Some(directory) = directory {
+        directory.write(&files, &[study.json(), study.csv(), study.picture(), study.report().to_string()])?;
+    }
+    print_result(&study, args.output.json)?;
     Ok(Status::Done)
 }
 
-/// Loads the scene of discs from a file, or the shipped one.
-fn load_scene(path: Option<&Path>, set: &SetArgs) -> Result<Scene, Failure> {
-    let scene = match path {
-        Some(path) => set.load_any(path)?,
-        None => set.parse_any(STEP_SIZE_SCENE, "step-size.toml")?,
+fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
+    let (scene, inputs) = match &args.scene {
+        Some(path) => (args.set.load_any(path)?, source_files(path)),
+        None => (args.set.parse_any(STEP_SIZE_SCENE, "step-size.toml")?, Vec::new()),
     };
-    match scene.kind() {
-        SceneKind::Bodies => Ok(scene),
-        kind => Err(Failure::bad_input(format!(
+    if scene.kind() != SceneKind::Bodies {
+        return Err(Failure::bad_input(format!(
             "{} is the scene of a {}; this study needs a scene of discs (kind = \"bodies\"), such as \
              scenes/laws/step-size.toml",
-            path.unwrap_or(Path::new("")).display(),
-            kind.keyword(),
-        ))),
+            args.scene.as_deref().unwrap_or(Path::new("")).display(),
+            scene.kind().keyword(),
+        )));
     }
+    let files = ["step-size.txt", "step-size.json", "step-size.csv", "step-size.svg"];
+    let directory = reserve(&[("the scene", &inputs)], &[], ("--out", args.output.out.as_deref(), &files))?;
+    let interrupt = Interrupt::listen()?;
+    let study = compute("the study", &args.output, &interrupt, |monitor| step_size(&scene, args.quick, monitor))?;
+    if let Some(directory) = directory {
+        directory.write(&files, &[study.report().to_string(), study.json(), study.csv(), study.picture()])?;
+    }
+    print_result(&study, args.output.json)?;
+    Ok(Status::Done)
+}
+
+/// Builds the grid: the given values, else those of the standard grid.
+fn build_grid(args: &StabilityArgs) -> Grid {
+    let mut grid = Grid::standard(args.quick);
+    let lists = [
+        (&mut grid.steps_s, &args.steps),
+        (&mut grid.stiffness_factors, &args.stiffness),
+        (&mut grid.damping_factors, &args.damping),
+    ];
+    for (values, given) in lists.into_iter().filter(|(_, given)| !given.is_empty()) {
+        values.clone_from(given);
+        values.sort_by(f64::total_cmp);
+    }
+    if !args.steps.is_empty() {
+        grid.steps_s.reverse();
+    }
+    grid
+}
+
+fn parse_step(item: &str) -> Result<f64, String> {
+    let expected = "times such as \"100 us, 10 us\"";
+    parse_quantity(item, Dimension::Time, |step_s| step_s > 0.0, "a step must be longer than 0", expected)
+}
+
+fn parse_stiffness(item: &str) -> Result<f64, String> {
+    parse_number(item, |factor| factor > 0.0, "a factor above 0", "factors such as 0.01,1,100")
+}
+
+fn parse_damping(item: &str) -> Result<f64, String> {
+    parse_number(item, |factor| factor >= 0.0, "a factor of 0 or more", "factors such as 0,1,10")
+}
+
+fn parse_accuracy(text: &str) -> Result<f64, String> {
+    parse_positive(text, Dimension::Angle, "the bound must be more than 0; expected an angle such as \"1e-3 rad\"")
 }

@@ -1,24 +1,22 @@
-//! `phalanx sweep`: performs all runs of a study and writes a table of them.
+//! `phalanx sweep`: performs all runs of a study or one part of them, writes a table of them, and joins parts.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use clap::{Args, Subcommand};
 
 use super::choice_args::ModelArg;
 use super::interrupt::Interrupt;
 use super::output::{print, print_note, print_report, print_result};
-use super::study_args::StudyArgs;
-use super::sweep_merge::{self, MergeArgs};
-use super::sweep_progress::SweepProgress;
-use super::sweep_shard::{self, ShardArg, ShardOutput, parse_shard};
+use super::progress::RunCounter;
 use super::targets::{NO_DIRECTORY, TargetKind, reserve};
-use super::volume_args::parse_threads_or_all;
+use super::value_lists::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
-use crate::study::store::{OpenedResults, Store, StoreError, open};
-use crate::study::sweep::{self, RunStats, Study, StudyError, Summary, run_while, summary};
-use crate::table::Table;
+use crate::study::parts::{PartOptions, merge, write_part};
+use crate::study::results::{OpenedResults, ResultsError, Store, open};
+use crate::study::sweep::{self, Row, Study, StudyError, run_while, shard, summary};
 
 /// Number of rows that `--list` shows by default.
 const DEFAULT_LISTED_RUNS: u64 = 12;
@@ -73,10 +71,23 @@ pub struct SweepArgs {
 
     /// Simulate only shard K of N and write it atomically to one Parquet file; an existing shard is not replaced
     #[arg(long, value_name = "K/N", value_parser = parse_shard, conflicts_with_all = ["limit", "list", "schema"])]
-    shard: Option<ShardArg>,
+    shard: Option<(u64, u64)>,
 
-    #[command(flatten)]
-    study_args: StudyArgs,
+    /// Discard the results of earlier commands and start again
+    #[arg(long)]
+    restart: bool,
+
+    /// List the planned runs without running them
+    #[arg(long)]
+    list: bool,
+
+    /// Print the JSON Schema of study files, for editors
+    #[arg(long, conflicts_with_all = ["study", "out", "list"])]
+    schema: bool,
+
+    /// Print one JSON document with SI units in its keys instead of tables
+    #[arg(long, conflicts_with = "list")]
+    json: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -84,11 +95,47 @@ enum SweepCommand {
     Merge(MergeArgs),
 }
 
-impl From<StoreError> for Failure {
-    fn from(error: StoreError) -> Self {
+/// Join the shards of a study (`phalanx sweep --shard`) into its complete results.
+///
+/// OUT and OUT.study.json have the same bytes as those of a single sweep. Shards can be given in any order and may be of
+/// different counts N, if each run is in exactly one of them. If a shard is missing, duplicate, damaged or from another
+/// study, it is named and nothing is written. Memory use does not grow with the study.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx sweep merge scenes/studies/thesis.toml part-*.parquet --out thesis.csv\n  phalanx sweep \
+                  merge scenes/studies/thesis.toml parts/ --out thesis.parquet --json\n\nExit status: 0 all runs are in \
+                  the table; 2 bad input, or a shard is missing; 3 interrupted, or the table could not be written."
+)]
+struct MergeArgs {
+    /// Study file (TOML) of the shards
+    study: PathBuf,
+
+    /// Files written by `phalanx sweep STUDY --shard K/N`, or directories of such files
+    #[arg(value_name = "SHARD", required = true)]
+    parts: Vec<PathBuf>,
+
+    /// Write the results to this file, as CSV or Parquet according to its extension
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+
+    /// Simulation model of the shards, if it is not the one in the study
+    #[arg(long, value_enum)]
+    model: Option<ModelArg>,
+
+    /// The shards were written with --check
+    #[arg(long)]
+    check: bool,
+
+    /// Print one JSON document with SI units in its keys instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+impl From<ResultsError> for Failure {
+    fn from(error: ResultsError) -> Self {
         match error {
-            StoreError::Refused(message) => Failure::bad_input(message),
-            StoreError::WriteFailed(message) => Failure::incomplete(message),
+            ResultsError::Refused(_) => Failure::bad_input(error),
+            ResultsError::WriteFailed(_) | ResultsError::Stopped { .. } => Failure::incomplete(error),
         }
     }
 }
@@ -103,48 +150,61 @@ impl From<StudyError> for Failure {
 /// Runs `phalanx sweep`.
 pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
     if let Some(SweepCommand::Merge(args)) = &args.command {
-        return sweep_merge::run(args);
+        return run_merge(args);
     }
     let Some(file) = &args.study else {
         print(&sweep::schema())?;
         return Ok(Status::Done);
     };
-    let mut study = sweep::load(file)?;
-    if let Some(model) = args.model {
-        study.model = model.into();
-    }
-    study.checked = args.check;
-    let (Some(out), false) = (&args.out, args.study_args.list) else {
+    let study = load(file, args.model, args.check)?;
+    let (Some(out), false) = (&args.out, args.list) else {
         print_report(&sweep_list(&study, args.limit.unwrap_or(DEFAULT_LISTED_RUNS)))?;
         return Ok(Status::Done);
     };
     reserve(&[("the study", &sweep::source_files(file))], &[("--out", Some(out), TargetKind::Results)], NO_DIRECTORY)?;
     if let Some(shard) = args.shard {
-        let output =
-            ShardOutput { out, threads: args.threads, restart: args.study_args.restart, json: args.study_args.json };
-        return sweep_shard::run(&study, shard, &output);
+        return run_shard(args, &study, shard, out);
     }
     let run_limit = args.limit.unwrap_or(u64::MAX);
-    match open(&study, out, run_limit, args.study_args.restart)? {
+    let (table, work) = match open(&study, out, run_limit, args.restart)? {
+        OpenedResults::Incomplete(store) => run_missing(args, &study, store, run_limit)?,
         OpenedResults::Complete(table) => {
             print_note(&format!(
                 "{} already contains all runs of this study; nothing was run. --restart runs them again.",
                 out.display()
             ));
-            print_summary(args, &study, out, &table, SweepWork::new(0, 0, 0, 0.0))
+            (table, SweepWork::new(0, 0, 0, 0.0))
         }
-        OpenedResults::Incomplete(store) => run_missing(args, &study, out, store, run_limit),
+    };
+    let summary = summary(&table).map_err(Failure::incomplete)?;
+    let has_result =
+        [sweep::Status::Completed, sweep::Status::Filtered].map(|status| summary.count_with_status(status));
+    let is_useless = summary.runs > 0 && has_result == [0, 0];
+    print_result(&SweepReport::new(&study, out, summary, work), args.json)?;
+    match is_useless {
+        true => Err(Failure::incomplete(format!(
+            "no run could be completed; {} contains the reason for each run",
+            out.display()
+        ))),
+        false => Ok(Status::Done),
     }
 }
 
-/// Performs the missing runs.
+/// Loads a study with the model and the checks of the command line.
+fn load(file: &Path, model: Option<ModelArg>, check: bool) -> Result<Study, Failure> {
+    let mut study = sweep::load(file)?;
+    study.model = model.map_or(study.model, Into::into);
+    study.checked = check;
+    Ok(study)
+}
+
+/// Performs the missing runs and returns all results.
 fn run_missing(
     args: &SweepArgs,
     study: &Study,
-    out: &Path,
     mut store: Store,
     run_limit: u64,
-) -> Result<Status, Failure> {
+) -> Result<(crate::table::Table, SweepWork), Failure> {
     let completed: HashSet<u64> = store.completed_runs().collect();
     let interrupt = Interrupt::listen()?;
     let mut progress = SweepProgress::new(study.runs().min(run_limit), completed.len() as u64);
@@ -158,44 +218,106 @@ fn run_missing(
         write_error.is_none()
     });
     progress.counter.clear();
-    let resume_hint = format!(
-        "{} of {} runs are in {}; the same command resumes from there",
-        progress.done,
-        progress.total,
-        store.partial_path().display()
-    );
+    let partial = store.partial_path().display();
+    let resume_hint =
+        format!("{} of {} runs are in {partial}; the same command resumes from there", progress.done, progress.total);
     if let Some(error) = write_error {
-        return Err(Failure::incomplete(format!(
-            "cannot write {}: {error}; {resume_hint}",
-            store.partial_path().display()
-        )));
+        return Err(Failure::incomplete(format!("cannot write {partial}: {error}; {resume_hint}")));
     }
     if let (false, Some(signal)) = (stats.complete, interrupt.signal()) {
         return Err(Failure::incomplete(format!("the sweep was interrupted by {signal}; {resume_hint}")));
     }
-    let table = store.finish(study)?;
-    let RunStats { runs, threads, wall_s, .. } = stats;
-    print_summary(args, study, out, &table, SweepWork::new(runs, progress.simulations, threads, wall_s))
+    let work = SweepWork::new(stats.runs, progress.simulations, stats.threads, stats.wall_s);
+    Ok((store.finish(study)?, work))
 }
 
-/// Prints a summary of the results.
-fn print_summary(
-    args: &SweepArgs,
-    study: &Study,
-    out: &Path,
-    table: &Table,
-    work: SweepWork,
-) -> Result<Status, Failure> {
-    let sweep_summary = summary(table).map_err(Failure::incomplete)?;
-    let has_no_result = has_no_result(&sweep_summary);
-    let report = SweepReport::new(study, out, sweep_summary, work);
-    print_result(&report, args.study_args.json)?;
-    match has_no_result {
-        true => Err(Failure::incomplete(format!(
-            "no run could be completed; {} contains the reason for each run",
+/// Runs `phalanx sweep --shard`.
+fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: &Path) -> Result<Status, Failure> {
+    let shard = shard(study, number, count).map_err(Failure::bad_input)?;
+    let interrupt = Interrupt::listen()?;
+    let mut progress = SweepProgress::new(shard.runs(), 0);
+    let options = PartOptions { threads: args.threads, restart: args.restart };
+    let part = write_part(study, shard, out, options, &|| interrupt.signal().is_none(), |row| progress.record(row));
+    progress.counter.clear();
+    let part = part.map_err(|error| match (error, interrupt.signal()) {
+        (ResultsError::Stopped { done, total }, Some(signal)) => Failure::incomplete(format!(
+            "shard {number}/{count} was interrupted by {signal} after {done} of its {total} runs; shards are written only when \
+             complete, so no file was written; run the same command again"
+        )),
+        (error, _) => error.into(),
+    })?;
+    if part.stats.is_none() {
+        print_note(&format!(
+            "{} already contains shard {number}/{count} of this study; nothing was run. --restart runs it again.",
             out.display()
-        ))),
-        false => Ok(Status::Done),
+        ));
+    }
+    let work = part.stats.map_or(SweepWork::new(0, 0, 0, 0.0), |stats| {
+        SweepWork::new(stats.runs, progress.simulations, stats.threads, stats.wall_s)
+    });
+    let report = SweepReport { shard: Some(shard), ..SweepReport::new(study, out, part.summary, work) };
+    print_result(&report, args.json)?;
+    Ok(Status::Done)
+}
+
+/// Runs `phalanx sweep merge`.
+fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
+    let study = load(&args.study, args.model, args.check)?;
+    let inputs = [("the study", &sweep::source_files(&args.study)[..]), ("a shard", &args.parts)];
+    reserve(&inputs, &[("--out", Some(&args.out), TargetKind::Results)], NO_DIRECTORY)?;
+    let interrupt = Interrupt::listen()?;
+    let mut counter = RunCounter::new();
+    let mut report_progress = |rows: u64| counter.update(rows as usize, study.runs() as usize, "rows joined");
+    let merged = merge(&study, &args.parts, &args.out, &|| interrupt.signal().is_none(), &mut report_progress);
+    counter.clear();
+    let merged = merged.map_err(|error| match (error, interrupt.signal()) {
+        (ResultsError::Stopped { done, total }, Some(signal)) => Failure::incomplete(format!(
+            "the merge was interrupted by {signal} after {done} of {total} runs; {} is unchanged; run the same command again \
+             to join the shards",
+            args.out.display()
+        )),
+        (error, _) => error.into(),
+    })?;
+    let report = SweepReport {
+        parts: Some(merged.parts),
+        ..SweepReport::new(&study, &args.out, merged.summary, SweepWork::new(0, 0, 0, 0.0))
+    };
+    print_result(&report, args.json)?;
+    Ok(Status::Done)
+}
+
+/// Progress of a sweep or of a part of one.
+struct SweepProgress {
+    counter: RunCounter,
+    total: u64,
+    done: u64,
+    simulations: u64,
+    failed: u64,
+    refused: u64,
+    next_update: Instant,
+}
+
+impl SweepProgress {
+    /// Creates the progress; `done` runs were completed by earlier commands.
+    fn new(total: u64, done: u64) -> Self {
+        let mut counter = RunCounter::new();
+        counter.update(done as usize, total as usize, "");
+        SweepProgress { counter, total, done, simulations: 0, failed: 0, refused: 0, next_update: Instant::now() }
+    }
+
+    /// Counts a new row.
+    fn record(&mut self, row: &Row) {
+        self.done += 1;
+        self.failed += u64::from(row.status == sweep::Status::Failed);
+        self.refused += u64::from(row.status == sweep::Status::Refused);
+        self.simulations += u64::from(matches!(row.status, sweep::Status::Completed | sweep::Status::Failed));
+        let now = Instant::now();
+        // Updates more frequent than this cannot be read.
+        if now >= self.next_update {
+            self.next_update = now + Duration::from_millis(100);
+            let text = format!("{} failed, {} refused", self.failed, self.refused);
+            self.counter.update(self.done as usize, self.total as usize, &text);
+        }
     }
 }
 
@@ -204,8 +326,13 @@ fn parse_run_limit(text: &str) -> Result<u64, String> {
     number.ok_or("expected a number of runs, 1 or more; omit the flag to perform all runs".to_string())
 }
 
-/// Returns whether all runs of a sweep were refused or failed.
-fn has_no_result(summary: &Summary) -> bool {
-    use sweep::Status::{Completed, Filtered};
-    summary.runs > 0 && summary.count_with_status(Completed) == 0 && summary.count_with_status(Filtered) == 0
+/// Parses `3/7`. Accepts digits only, without leading zeros, so that each part has exactly one name.
+fn parse_shard(text: &str) -> Result<(u64, u64), String> {
+    let parse_digits = |digits: &str| digits.parse().ok().filter(|number: &u64| number.to_string() == digits);
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((parse_digits(k)?, parse_digits(n)?)));
+    numbers.filter(|(number, count)| 0 < *number && number <= count).ok_or_else(|| {
+        "expected K/N with K from 1 to N, both as digits without signs, spaces or leading zeros, such as 1/8 for the \
+         first of eight shards"
+            .to_string()
+    })
 }

@@ -1,22 +1,31 @@
-//! Checks all output files of a command together before any computation: no output may overwrite another output or an
-//! input.
+//! Output files of a command. All of them are checked together before any computation: no output may overwrite another
+//! output, an input, or a file of another program. The files of a directory are written together.
 
+use std::fmt::Display;
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use super::output_directory::{CHECKSUM_FILE, OutputDirectory, matches_pattern};
-use super::ownership::{FileKind, check_target};
-use crate::files::refer_to_same_file;
-use crate::log::partial_name;
-use crate::study::store::companion_files;
+use super::output::escape_unsafe_chars;
+pub use crate::files::FileKind;
+use crate::files::{
+    JSON_MARK, MARKDOWN_MARK, TEXT_MARK, cannot_write, check_result_file, check_target, refer_to_same_file,
+    replace_file,
+};
+use crate::log::{ensure_replaceable, partial_name};
+use crate::study::results::companion_files;
+
+/// Page with two overlaid runs.
+pub(super) const PAGE_FILE: &str = "page.html";
 
 /// Kind of the file that a flag names; some kinds come with companion files.
 #[derive(Clone, Copy, Debug)]
 pub enum TargetKind {
     File(FileKind),
-    /// A log; the log writer checks which files it may replace.
+    /// A log with its unfinished file.
     Log,
-    /// Results of a sweep with the files of their checkpoint and study; their store checks which files it may replace.
+    /// Results of a sweep with the files of its unfinished results and its study.
     Results,
 }
 
@@ -28,77 +37,117 @@ pub type Directory<'a> = (&'a str, Option<&'a Path>, &'a [&'a str]);
 /// No directory.
 pub const NO_DIRECTORY: Directory<'static> = ("", None, &[]);
 
-/// Files written for one flag.
-struct FlagFiles<'a> {
-    flag: &'a str,
-    path: &'a Path,
-    files: Vec<PathBuf>,
-    /// Name patterns of further files in the directory `path`.
-    names: &'a [&'a str],
-}
-
-impl FlagFiles<'_> {
-    /// Returns the first of `others` that is one of these files.
-    fn find_conflict<'f>(&self, others: &'f [PathBuf]) -> Option<&'f PathBuf> {
-        others.iter().find(|path| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let is_inside = || path.parent().is_some_and(|parent| refer_to_same_file(self.path, &parent.join(".")));
-            self.files.iter().any(|file| refer_to_same_file(file, path))
-                || self.names.iter().any(|pattern| matches_pattern(pattern, &name)) && is_inside()
-        })
-    }
-}
-
 /// Checks the targets of a command and opens its output directory.
 ///
 /// # Errors
 /// Returns an error if two targets are the same file, a target is an input, a target cannot be written, or a target is
-/// a foreign file. `inputs` lists the name of each input in messages and its files.
+/// a file of another program. `inputs` lists the name of each input in messages and its files.
 pub fn reserve(
     inputs: &[(&str, &[PathBuf])],
     targets: &[Target<'_>],
     directory: Directory<'_>,
 ) -> Result<Option<OutputDirectory>, Failure> {
-    let mut all: Vec<FlagFiles<'_>> = Vec::new();
+    // Flag, its path, and each file that it writes.
+    let mut outputs: Vec<(&str, &Path, PathBuf)> = Vec::new();
     for (flag, path, kind) in targets.iter().filter_map(|(flag, path, kind)| Some((*flag, (*path)?, kind))) {
-        let mut files = vec![path.to_path_buf()];
+        outputs.push((flag, path, path.to_path_buf()));
         match kind {
-            TargetKind::Log => files.push(partial_name(path)),
-            TargetKind::Results => files.extend(companion_files(path)),
+            TargetKind::Log => outputs.push((flag, path, partial_name(path))),
+            TargetKind::Results => outputs.extend(companion_files(path).map(|file| (flag, path, file))),
             TargetKind::File(_) => {}
         }
-        all.push(FlagFiles { flag, path, files, names: &[] });
     }
     if let (flag, Some(path), names) = directory {
         let new_directories =
             path.ancestors().filter(|ancestor| !ancestor.as_os_str().is_empty() && !ancestor.is_dir());
-        let exact_names = names.iter().chain(&[CHECKSUM_FILE]).filter(|name| !name.contains('*'));
-        let files = exact_names.map(|name| path.join(name)).chain(new_directories.map(Path::to_path_buf)).collect();
-        all.push(FlagFiles { flag, path, files, names });
+        let files = names.iter().map(|name| path.join(name)).chain(new_directories.map(Path::to_path_buf));
+        outputs.extend(files.map(|file| (flag, path, file)));
     }
-    for (index, output) in all.iter().enumerate() {
-        let conflict_with_input = |(input, files): &(&str, &[PathBuf])| {
-            Some((output.find_conflict(files)?.clone(), format!("{input} itself, which must not change")))
-        };
-        let conflict_with_output = |other: &FlagFiles<'_>| {
-            let file = output.find_conflict(&other.files).or(other.find_conflict(&output.files))?;
-            Some((file.clone(), format!("also the file of {} {}", other.flag, other.path.display())))
-        };
-        let conflict = inputs.iter().find_map(conflict_with_input);
-        if let Some((file, owner)) = conflict.or_else(|| all[..index].iter().find_map(conflict_with_output)) {
-            let writes = match refer_to_same_file(output.path, &file) {
-                true => String::new(),
-                false => format!("writes {}, which ", file.display()),
-            };
-            let (flag, path) = (output.flag, output.path.display());
+    for (index, (flag, path, file)) in outputs.iter().enumerate() {
+        let is_input = |(_, files): &&(&str, &[PathBuf])| files.iter().any(|input| refer_to_same_file(input, file));
+        let is_output =
+            |(other, _, output): &&(&str, &Path, PathBuf)| other != flag && refer_to_same_file(output, file);
+        let input = inputs.iter().find(is_input).map(|(input, _)| format!("{input} itself, which must not change"));
+        let output = || outputs[..index].iter().find(is_output);
+        let owner =
+            input.or_else(|| output().map(|(other, path, _)| format!("also the file of {other} {}", path.display())));
+        if let Some(owner) = owner {
+            let writes = if *path == file { String::new() } else { format!("writes {}, which ", file.display()) };
+            let path = path.display();
             return Err(Failure::bad_input(format!("{flag} {path} {writes}is {owner}; give another file")));
         }
     }
-    for (_, path, kind) in targets {
-        if let (Some(path), TargetKind::File(kind)) = (path, kind) {
-            check_target(path, *kind)?;
+    for (path, kind) in targets.iter().filter_map(|(_, path, kind)| Some(((*path)?, kind))) {
+        let kind = match kind {
+            TargetKind::File(kind) => *kind,
+            TargetKind::Log => FileKind::Log,
+            TargetKind::Results => FileKind::Table,
+        };
+        check_target(path, kind).map_err(Failure::bad_input)?;
+        // The writer of logs replaces only logs, so --force removes another file beforehand.
+        if kind == FileKind::Log && path.is_file() && ensure_replaceable(path, path).is_err() {
+            fs::remove_file(path).map_err(|error| Failure::bad_input(cannot_write(path, error)))?;
         }
     }
     let (_, out, names) = directory;
     out.map(|out| OutputDirectory::open(out, names)).transpose()
+}
+
+/// Writable directory for the output files of a command.
+#[derive(Debug)]
+pub struct OutputDirectory(PathBuf);
+
+impl OutputDirectory {
+    /// Creates the directory if needed. Called before any computation.
+    fn open(out: &Path, names: &[&str]) -> Result<OutputDirectory, Failure> {
+        let shown_path = out.display();
+        if out.exists() && !out.is_dir() {
+            return Err(Failure::bad_input(format!(
+                "cannot write the results to {shown_path}: that is a file; remove it first or give another directory"
+            )));
+        }
+        let refused = |error: io::Error| {
+            Failure::bad_input(format!("{}; give one where you may write", cannot_write(out, error)))
+        };
+        fs::create_dir_all(out).and_then(|()| tempfile::tempfile_in(out)).map_err(refused)?;
+        for name in names {
+            let (start, end) = name.split_once('*').unwrap_or((name, ""));
+            let start = out.join(start);
+            let entries = fs::read_dir(start.parent().unwrap_or(out)).into_iter().flatten().flatten();
+            let matches = |path: &PathBuf| {
+                let (text, start) = (path.to_string_lossy(), start.to_string_lossy());
+                text == start || name.contains('*') && text.starts_with(&*start) && text.ends_with(end)
+            };
+            let mut existing = entries.map(|entry| entry.path()).filter(matches);
+            existing.try_for_each(|path| check_result_file(&path)).map_err(Failure::bad_input)?;
+        }
+        Ok(OutputDirectory(out.to_path_buf()))
+    }
+
+    /// Calls `write` with the directory.
+    pub fn write_with(self, write: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
+        write(&self.0)
+    }
+
+    /// Writes each text to the file of its name.
+    pub fn write(self, names: &[&str], texts: &[String]) -> Result<(), Failure> {
+        names.iter().zip(texts).try_for_each(|(name, text)| save(&self.0.join(name), text))
+    }
+}
+
+/// Writes a text file atomically. Reports get the mark of phalanx. Text and JSON files are escaped like printed output,
+/// because terminals may show them; pages and pictures already escape untrusted names.
+pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
+    let text = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("txt") => format!("{TEXT_MARK}{}", escape_unsafe_chars(text)).into(),
+        Some("md") => format!("{MARKDOWN_MARK}{}", escape_unsafe_chars(text)).into(),
+        Some("json") => escape_unsafe_chars(text).replacen('{', JSON_MARK, 1).into(),
+        _ => std::borrow::Cow::Borrowed(text),
+    };
+    replace_file(path, |out| out.write_all(text.as_bytes())).map_err(|error| write_failure(path, error))
+}
+
+/// Returns the failure of a file that cannot be written.
+pub(super) fn write_failure(path: &Path, error: impl Display) -> Failure {
+    Failure::incomplete(cannot_write(path, error))
 }

@@ -1,27 +1,31 @@
 //! `phalanx volume`: computes which designs hold the object, over three design variables for each base and friction
 //! coefficient.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
 
 use super::choice_args::RuleArg;
-use super::interrupt::{self, Interrupt};
+use super::interrupt::Interrupt;
 use super::output::{print_diagnostic, print_result};
-use super::progress::RunCounter;
 use super::set::{SetArgs, source_files};
+use super::study::{OutputArgs, compute};
 use super::targets::reserve;
-use super::volume_args::{
-    AxisLimits, DataArg, Resolution, ValueList, parse_angle_limits, parse_bases, parse_fraction_limits,
-    parse_frictions, parse_ratio_limits, parse_resolution, parse_threads,
-};
-use super::volume_files::{FILES, write};
+use super::targets::save;
+use super::value_lists::{parse_limits, parse_number, parse_quantity, parse_threads};
 use super::{Failure, Status};
-use crate::report::volume::{Timing, VolumeReport, VolumeShareReport};
+use crate::format::ToReport;
+use crate::page::{Note, volume_page};
 use crate::scene::Template;
 use crate::sizing::Rule;
-use crate::study::volume::{Axes, Quantity, VolumeError, VolumeRequest, all_cores, volumes_with};
+use crate::table::{self, Column, Kind, Table, Value};
+use crate::thesis::monitor::all_cores;
+use crate::thesis::volume::{
+    Axes, COLUMNS, FLAGS, Quantity, Timing, Volume, VolumeCounts, VolumeReport, VolumeRequest, by_friction, page_data,
+    slices, volumes,
+};
 use crate::units::{self, Dimension};
 
 /// Compute which designs hold the object: grasp-state volumes over l21, phi22 and the arm ratio.
@@ -38,9 +42,9 @@ use crate::units::{self, Dimension};
 #[command(
     after_help = "Examples:\n  phalanx volume\n  phalanx volume --out volumes\n  phalanx volume --base \"15.5 mm\" \
                   --mu-static 0.8 --resolution 40 --colour-by pfp,form-closed --out volumes --data parquet\n  phalanx volume \
-                  scenes/experiment-95.toml --phi22 \"80 deg, 130 deg\" --json > volume.json\n\n--out writes tables, all points \
-                  as a data file, slices as pictures (SVG), and page.html, which shows the volumes in three dimensions in \
-                  any browser. Exit status: 0 done; 2 bad input; 3 interrupted, or files could not be written."
+                  scenes/experiment-95.toml --phi22 \"80 deg, 130 deg\" --json > volume.json\n\n--out writes table.txt, \
+                  table.json, all points as points.csv (or .parquet), slices as pictures (slices-*.svg), and page.html, which \
+                  shows the volumes in three dimensions in any browser. Exit status: 0 done; 2 bad input; 3 interrupted, or files could not be written."
 )]
 pub struct VolumeArgs {
     /// Scene file (TOML) of a finger with a [design]; it defines everything that is not varied
@@ -51,29 +55,29 @@ pub struct VolumeArgs {
 
     /// Distances from the ground joints to the object's centre, comma-separated, with units; can be repeated [default:
     /// "12 mm, 15.5 mm, 19 mm, 22.5 mm", or the base of the scene]
-    #[arg(long, value_name = "LENGTHS", value_parser = parse_bases)]
-    base: Vec<ValueList>,
+    #[arg(long, value_name = "LENGTHS", value_delimiter = ',', value_parser = parse_base)]
+    base: Vec<f64>,
 
     /// Coefficients of static friction, comma-separated; can be repeated [default: 0,0.4,0.8, or the coefficient of the
     /// scene]
-    #[arg(long, value_name = "NUMBERS", value_parser = parse_frictions)]
-    mu_static: Vec<ValueList>,
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = parse_friction)]
+    mu_static: Vec<f64>,
 
     /// Number of points along each axis, including both ends: one number, or three for l21, phi22 and arm ratio
     #[arg(long, value_name = "POINTS", value_parser = parse_resolution, default_value = "20")]
-    resolution: Resolution,
+    resolution: [usize; 3],
 
     /// Limits of l21 as fractions of the range that its base allows [default: 0,1]
     #[arg(long, value_name = "FROM,TO", value_parser = parse_fraction_limits)]
-    l21: Option<AxisLimits>,
+    l21: Option<[f64; 2]>,
 
     /// Limits of phi22 with units [default: "90 deg, 120 deg"]
     #[arg(long, value_name = "FROM,TO", value_parser = parse_angle_limits)]
-    phi22: Option<AxisLimits>,
+    phi22: Option<[f64; 2]>,
 
     /// Limits of the arm ratio l22/l11 [default: 1/3 and 2/3]
     #[arg(long, value_name = "FROM,TO", value_parser = parse_ratio_limits)]
-    arm_ratio: Option<AxisLimits>,
+    arm_ratio: Option<[f64; 2]>,
 
     /// Rule for sizing motor and spring [default: the rule of the scene, else rigid]
     #[arg(long, value_enum)]
@@ -84,75 +88,70 @@ pub struct VolumeArgs {
         long,
         visible_alias = "color-by",
         value_name = "QUANTITY",
-        value_enum,
+        value_parser = quantity_parser(),
         value_delimiter = ',',
         default_value = "pfp",
         requires = "out"
     )]
     colour_by: Vec<Quantity>,
 
-    /// Write table.txt, table.json, points.csv (or .parquet), slices-*.svg and page.html to this directory, which is
-    /// created if needed; an existing file is replaced only when the new one is complete
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
     /// Format of the file with all points
     #[arg(long, value_enum, default_value_t = DataArg::Csv, requires = "out")]
     data: DataArg,
 
-    /// Print one JSON document with SI units in its keys instead of tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 
     /// Number of threads [default: all cores]; the result does not depend on it
     #[arg(long, value_name = "NUMBER", value_parser = parse_threads)]
     threads: Option<usize>,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum DataArg {
+    /// Comma-separated values: text that any program reads
+    Csv,
+    /// Binary columns: smaller and faster to read with data tools
+    Parquet,
+}
+
+/// Files in the output directory.
+const FILES: [&str; 6] = ["table.txt", "table.json", "points.csv", "points.parquet", "page.html", "slices-*.svg"];
+
 /// Runs `phalanx volume`.
 pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let request = build_request(args)?;
     let inputs = args.scene.as_deref().map(source_files).unwrap_or_default();
-    let directory = reserve(&[("the scene", &inputs)], &[], ("--out", args.out.as_deref(), &FILES))?;
+    let out = args.output.out.as_deref();
+    let directory = reserve(&[("the scene", &inputs)], &[], ("--out", out, &FILES))?;
     let interrupt = Interrupt::listen()?;
     let threads = args.threads.unwrap_or_else(all_cores);
-    let mut counter = RunCounter::new();
     let start = Instant::now();
-    let mut report_progress = |done, total| counter.update(done, total, "designs");
-    let result = volumes_with(&request, threads, &mut report_progress, &|| interrupt.signal().is_none());
-    counter.clear();
-    let volumes = result.map_err(|error| match (error, interrupt.signal()) {
-        (VolumeError::Stopped { done, total }, Some(signal)) => {
-            let files = if args.out.is_some() { interrupt::NO_FILE_WRITTEN } else { "" };
-            Failure::incomplete(format!("interrupted by {signal} after {done} of {total} designs{files}"))
-        }
-        (error @ VolumeError::Stopped { .. }, None) => Failure::incomplete(error),
-        (error, _) => Failure::bad_input(error),
-    })?;
+    let volumes = compute("the study", &args.output, &interrupt, |monitor| volumes(&request, threads, monitor))?;
     let wall_s = start.elapsed().as_secs_f64();
     let mut report = VolumeReport::new(&request, &volumes);
     check_designs_exist(&report)?;
-    if let (Some(out), Some(directory)) = (&args.out, directory) {
+    if let (Some(out), Some(directory)) = (out, directory) {
         report.directory = Some(out.display().to_string());
-        directory
-            .write_with(|out| write(out, &request, &volumes, &args.colour_by, args.data, &mut report, &interrupt))?;
+        directory.write_with(|out| write(out, &request, &volumes, args, &mut report, &interrupt))?;
     }
     report.timing = Some(Timing { wall_s, threads });
-    print_result(&report, args.json)?;
+    print_result(&report, args.output.json)?;
     Ok(Status::Done)
 }
 
 /// Returns an error if no design exists at any base. Prints a warning for each single base without designs.
 fn check_designs_exist(report: &VolumeReport) -> Result<(), Failure> {
-    let empty: Vec<_> = report.volumes.iter().filter(|volume| volume.fractions.fingers == 0).collect();
-    let describe = |volume: &VolumeShareReport| {
-        let reason = volume.missing_finger_reasons.first().map_or("", |entry| entry.reason.as_str());
+    let empty = report.volumes.iter().filter(|volume| volume.counts.fingers == 0);
+    let describe = |volume: &VolumeCounts| {
+        let reason = volume.missing_fingers.first().map_or("", |missing| missing.reason.as_str());
         format!("no design exists at a base of {}: {reason}", units::format(volume.base_m, Dimension::Length))
     };
-    let mut messages: Vec<String> = empty.iter().map(|volume| describe(volume)).collect();
+    let mut messages: Vec<String> = empty.map(describe).collect();
+    let is_empty = messages.len() == report.volumes.len();
     // The existence of a design does not depend on friction, so the messages repeat for each coefficient.
     messages.dedup();
-    if empty.len() == report.volumes.len() {
+    if is_empty {
         let messages = messages.join("\n");
         return Err(Failure::bad_input(format!(
             "{messages}; give another --base, or other limits with --l21, --phi22 or --arm-ratio"
@@ -174,26 +173,22 @@ fn build_request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
             ));
         }
     };
-    let flatten = |lists: &[ValueList]| lists.iter().flat_map(|ValueList(values)| values.clone()).collect::<Vec<_>>();
-    let (bases_m, mu_static) = (flatten(&args.base), flatten(&args.mu_static));
-    let mut axes = Axes::thesis(args.resolution.0);
+    let mut axes = Axes::thesis(args.resolution);
     for (axis, limits) in
         [(&mut axes.l21_fraction, args.l21), (&mut axes.phi22_rad, args.phi22), (&mut axes.arm_ratio, args.arm_ratio)]
     {
-        if let Some(AxisLimits(from, to)) = limits {
-            (axis.from, axis.to) = (from, to);
-        }
+        [axis.from, axis.to] = limits.unwrap_or([axis.from, axis.to]);
     }
+    let given = |values: &[f64]| Some(values.to_vec()).filter(|values| !values.is_empty());
+    let (bases_m, mu_static) = match &args.scene {
+        Some(_) => (vec![template.design.base_m], None),
+        None => (defaults.bases_m, Some(defaults.mu_static)),
+    };
     Ok(VolumeRequest {
-        bases_m: match (bases_m.is_empty(), &args.scene) {
-            (false, _) => bases_m,
-            (true, Some(_)) => vec![template.design.base_m],
-            (true, None) => defaults.bases_m,
-        },
-        mu_static: match (mu_static.is_empty(), &args.scene) {
-            (false, _) => mu_static,
-            (true, Some(_)) => vec![single_friction(&template)?],
-            (true, None) => defaults.mu_static,
+        bases_m: given(&args.base).unwrap_or(bases_m),
+        mu_static: match given(&args.mu_static).or(mu_static) {
+            Some(mu_static) => mu_static,
+            None => vec![single_friction(&template)?],
         },
         rule: args.sizing.map(Rule::from).or(template.rule).unwrap_or(defaults.rule),
         template,
@@ -210,5 +205,132 @@ fn single_friction(template: &Template) -> Result<f64, Failure> {
             "the scene has mu_static = {proximal} at the proximal contact and {distal} at the distal one, but a volume has one \
              coefficient; choose it with --mu-static"
         ))),
+    }
+}
+
+/// Writes all files and lists them in the report; the tables are written last.
+fn write(
+    out: &Path,
+    request: &VolumeRequest,
+    volumes: &[Volume],
+    args: &VolumeArgs,
+    report: &mut VolumeReport,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let points = if args.data == DataArg::Csv { "points.csv" } else { "points.parquet" };
+    report.files = ["table.txt", "table.json", "page.html", points].map(String::from).to_vec();
+    for &quantity in &args.colour_by {
+        let [key, ..] = quantity.names();
+        let mut save_slices = |region: &str, rows: &[Vec<&Volume>]| -> Result<(), Failure> {
+            interrupt.check()?;
+            let file = format!("slices-{region}-{key}.svg");
+            save(&out.join(&file), &slices(rows, quantity))?;
+            report.files.push(file);
+            Ok(())
+        };
+        for of_base in volumes.chunks(request.mu_static.len()) {
+            let base_mm = (of_base[0].base_m * 1e9).round() / 1e6;
+            save_slices(&format!("{base_mm}mm"), &of_base.iter().map(|volume| vec![volume]).collect::<Vec<_>>())?;
+        }
+        if request.bases_m.len() > 1 {
+            save_slices("intersection", &by_friction(volumes))?;
+        }
+    }
+    interrupt.check()?;
+    table::write(&out.join(points), &points_table(volumes)).map_err(Failure::incomplete)?;
+    interrupt.check()?;
+    let description = format!(
+        "Designs that hold the object, over three design variables. Every cell is a design that is sized by the rule “{}” and closed \
+         on the object in equilibrium.",
+        report.sizing
+    );
+    // Pages are shared, so the page contains neither local paths nor names of files.
+    let shares = VolumeReport { directory: None, ..report.clone() }.report();
+    let title = format!("Grasp-state volumes: {}", request.template.name);
+    let notes = [Note { title: "Shares".to_string(), text: shares }];
+    save(&out.join("page.html"), &volume_page(&title, &description, &page_data(volumes), &notes))?;
+    save(&out.join("table.json"), &report.json())?;
+    save(&out.join("table.txt"), &report.report().to_string())
+}
+
+/// Returns the table of all points of all volumes, in order. Columns of a state are missing where no finger exists;
+/// `reason` is missing where one exists.
+fn points_table(volumes: &[Volume]) -> Table {
+    let axes = ["base_m", "mu_static", "l21_fraction", "phi22_rad", "arm_ratio"];
+    let numbers = axes.into_iter().chain(COLUMNS.map(|(name, _)| name)).map(|name| Column::new(name, Kind::Number));
+    let flags = FLAGS.map(|(name, _)| Column::new(name, Kind::Flag));
+    let columns: Vec<Column> = numbers.chain(flags).chain([Column::new("reason", Kind::Text)]).collect();
+    let mut rows = Vec::with_capacity(volumes.iter().map(|volume| volume.points.len()).sum());
+    for volume in volumes {
+        for (index, point) in volume.points.iter().enumerate() {
+            let axes = [volume.base_m, volume.mu_static].into_iter().chain(volume.axes.at(index));
+            let mut row: Vec<Value> = axes.map(Value::Number).collect();
+            if let Ok(state) = point {
+                row.extend(COLUMNS.map(|(_, value)| Value::Number(value(state))));
+                row.extend(FLAGS.map(|(_, test)| Value::Flag(test(state))));
+            }
+            row.resize(columns.len() - 1, Value::Missing);
+            row.push(point.as_ref().map_or_else(|reason| Value::Text(reason.to_string()), |_| Value::Missing));
+            rows.push(row);
+        }
+    }
+    Table::new(columns, rows)
+}
+
+/// Returns the parser of quantities by their keys.
+fn quantity_parser() -> impl TypedValueParser<Value = Quantity> {
+    let help = |quantity| match quantity {
+        Quantity::Pfp => "Palm force positiveness, N; if negative, the fingers would pull the object off the palm",
+        Quantity::F21 => "Normal force of the proximal phalanx, N",
+        Quantity::F22 => "Normal force of the distal phalanx, N",
+        Quantity::Spring => "Torque of the spring, N·mm",
+        Quantity::Motor => "Torque of the motor, N·mm",
+        Quantity::Mass => "Mass of a finger, g",
+        Quantity::FormClosed => "Whether the object is immobilised even without friction",
+    };
+    let values = Quantity::ALL.map(|quantity| PossibleValue::new(quantity.names()[0]).help(help(quantity)));
+    let find = |key: String| Quantity::ALL.into_iter().find(|quantity| quantity.names()[0] == key);
+    PossibleValuesParser::new(values).map(move |key| find(key).expect("one of the possible values"))
+}
+
+fn parse_base(item: &str) -> Result<f64, String> {
+    let expected = "lengths such as \"12 mm, 15.5 mm\"";
+    parse_quantity(item, Dimension::Length, |base_m| base_m > 0.0, "the base must be more than 0", expected)
+}
+
+fn parse_friction(item: &str) -> Result<f64, String> {
+    parse_number(item, |mu| mu >= 0.0, "a coefficient of 0 or more", "coefficients such as 0,0.4,0.8")
+}
+
+fn parse_fraction_limits(text: &str) -> Result<[f64; 2], String> {
+    let expected = "two numbers between 0 and 1, such as 0,1";
+    let is_valid = |fraction| (0.0..=1.0).contains(&fraction);
+    parse_limits(text, expected, |item| parse_number(item, is_valid, "a number between 0 and 1", expected))
+}
+
+fn parse_angle_limits(text: &str) -> Result<[f64; 2], String> {
+    let (expected, requirement) =
+        ("two angles such as \"90 deg, 120 deg\"", "phi22 must be between 0 and 180 deg, both excluded");
+    let is_valid = |angle_rad| angle_rad > 0.0 && angle_rad < std::f64::consts::PI;
+    parse_limits(text, expected, |item| parse_quantity(item, Dimension::Angle, is_valid, requirement, expected))
+}
+
+fn parse_ratio_limits(text: &str) -> Result<[f64; 2], String> {
+    let expected = "two numbers above 0, such as 0.333,0.667";
+    parse_limits(text, expected, |item| parse_number(item, |ratio| ratio > 0.0, "a number above 0", expected))
+}
+
+/// Parses one number of points for all axes, or three.
+fn parse_resolution(text: &str) -> Result<[usize; 3], String> {
+    let expected = "expected one number of points for all axes, such as 20, or three numbers for l21, phi22 and the arm ratio, \
+                    such as 20,31,20; each must be 1 or more";
+    let points = |item: &str| match item.trim().parse::<usize>() {
+        Ok(points) if points > 0 => Ok(points),
+        _ => Err(format!("`{}` is not a valid number of points; {expected}", item.trim())),
+    };
+    match text.split(',').map(points).collect::<Result<Vec<_>, _>>()?[..] {
+        [all] => Ok([all; 3]),
+        [l21, phi22, arm] => Ok([l21, phi22, arm]),
+        ref counts => Err(format!("{} numbers of points were given; {expected}", counts.len())),
     }
 }

@@ -1,8 +1,8 @@
 //! The explorer: a self-contained page that simulates while its sliders move.
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::Serialize;
 
-use super::base85::encode_base85;
 use super::html::{PageScript, VIEWER_SCRIPTS, escape_for_script, fill_template, page_style};
 use super::presets::{Preset, presets};
 use crate::criteria::{Class, Fate};
@@ -15,9 +15,8 @@ const TEMPLATE: &str = include_str!("assets/explorer/page.html");
 const STYLES: [&str; 3] =
     [include_str!("assets/texts.css"), include_str!("assets/layout.css"), include_str!("assets/explorer/layout.css")];
 /// Scripts after [`VIEWER_SCRIPTS`], in order of dependence; all share one scope.
-const SCRIPTS: [&str; 19] = [
+const SCRIPTS: [&str; 18] = [
     include_str!("assets/explorer/worker.js"),
-    include_str!("assets/explorer/base85.js"),
     include_str!("assets/explorer/worker_queue.js"),
     include_str!("assets/explorer/scene_settings.js"),
     include_str!("assets/explorer/range.js"),
@@ -61,7 +60,6 @@ impl InitialScene {
 #[derive(Serialize)]
 struct Data<'a> {
     module: String,
-    module_bytes: usize,
     start: &'a InitialScene,
     presets: Vec<PresetData<'a>>,
     /// Names of results, from good to bad, and the CSS variable of the colour of each.
@@ -97,8 +95,7 @@ pub fn explorer_page(module: &[u8], start: &InitialScene, version: &str) -> Stri
     let initial_preset = presets.iter().find(|preset| preset.file == start.file);
     let title = initial_preset.map_or(&start.file, |preset| &preset.name);
     let data = Data {
-        module: encode_base85(module),
-        module_bytes: module.len(),
+        module: BASE64_STANDARD.encode(module),
         start,
         presets: presets
             .iter()

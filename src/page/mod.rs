@@ -9,18 +9,16 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `explorer`, `presets`, `base85` | the page that simulates in the browser, its scenes, its WebAssembly module as text |
-//! | `volume`, `volume_data` | the page of grasp-state volumes, its data |
+//! | `explorer`, `presets` | the page that simulates in the browser, its scenes, its WebAssembly module as text |
+//! | `volume` | the page of grasp-state volumes |
 //! | `report` | the page of a report, such as a reproduction |
 //! | `html` | JSON, texts, pictures and the `assets` → the file |
 
-mod base85;
 mod explorer;
 mod html;
 mod presets;
 mod report;
 mod volume;
-mod volume_data;
 
 pub use explorer::{InitialScene, explorer_page, is_gzip};
 pub use html::render_page;
@@ -29,7 +27,7 @@ pub use phalanx_show::playback::{
 };
 pub use presets::{Preset, presets, standalone_text};
 pub use report::report_page;
-pub use volume::{VolumePage, volume_page};
+pub use volume::volume_page;
 
 use crate::format::Report;
 

@@ -1,14 +1,13 @@
 //! The difference of two runs over time, with touch-downs.
 
 use super::axis::Axis;
-use super::canvas::{LegendEntry, Marker, THIN_LINE, chart, horizontal_line, line, vertical_line};
-use super::curve::decimate;
+use super::canvas::Marker;
+use super::series::{Series, series_chart};
 use super::theme::{INK, SERIES, SOFT};
 use crate::scene::Scene;
 use crate::trace::{EventKind, Layout};
 use crate::validate::{Angle, Recording, Validation, coordinate_errors};
 
-const HEIGHT: f64 = 560.0;
 /// Maximum number of decades shown; smaller values are clamped to the lower edge.
 const MAX_DECADES: f64 = 8.0;
 /// Maximum number of touch-downs drawn per contact; more would hide the curves.
@@ -91,27 +90,16 @@ pub fn plot_differences(found: &DifferencePlot<'_>) -> String {
     let all = found.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
     let y = Axis::logarithmic(found.label, all.chain(found.bound), MAX_DECADES);
     let x = Axis::linear("time, ms", [0.0, found.until_s * 1e3]);
-    chart(&found.title, HEIGHT, &x, &y, |svg, frame| {
-        let mut entries = Vec::new();
-        for (contact, colour) in found.touchdowns.iter().zip([SOFT, INK].into_iter().cycle()) {
-            for t in contact.times_s.iter().take(MAX_TOUCHDOWNS).map(|time_s| time_s * 1e3) {
-                vertical_line(svg, frame, t, colour);
-            }
-            if !contact.times_s.is_empty() {
-                entries.push(LegendEntry::new(THIN_LINE, colour, &format!("touch-down {}", contact.name)));
-            }
-        }
-        if let Some(bound) = found.bound {
-            let marker = Marker::FaintLine { width: 4.0 };
-            horizontal_line(svg, frame, y.coordinate(bound), marker, INK);
-            entries.push(LegendEntry::new(marker, INK, "bound of the scene"));
-        }
-        for (curve, colour) in found.curves.iter().zip(SERIES.into_iter().cycle()) {
-            let points = curve.points.iter().map(|&(time_s, value)| (time_s * 1e3, y.coordinate(value)));
-            let marker = Marker::Line { width: 2.0 };
-            line(svg, frame, decimate(points.collect()), marker, colour);
-            entries.push(LegendEntry::new(marker, colour, &curve.name));
-        }
-        entries
-    })
+    let mut series = Vec::new();
+    for (contact, colour) in found.touchdowns.iter().zip([SOFT, INK].into_iter().cycle()) {
+        let times = contact.times_s.iter().take(MAX_TOUCHDOWNS);
+        let name = format!("touch-down {}", contact.name);
+        series.extend(times.map(|time_s| Series::vertical(colour, time_s * 1e3).named(&name)));
+    }
+    let bound = |bound| Series::horizontal(Marker::FaintLine { width: 4.0 }, INK, bound).named("bound of the scene");
+    series.extend(found.bound.map(bound));
+    series.extend(found.curves.iter().zip(SERIES.into_iter().cycle()).map(|(curve, colour)| {
+        Series::over_time(Marker::Line { width: 2.0 }, colour, curve.points.iter().copied()).named(&curve.name)
+    }));
+    series_chart(&found.title, 560.0, &x, &y, &series)
 }

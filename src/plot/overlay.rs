@@ -1,18 +1,14 @@
 //! Two runs over time in stacked panels: the first run as wide faint curves, the second as thin curves on top.
 
 use super::axis::Axis;
-use super::canvas::{
-    Area, LEGEND_WIDTH, LegendEntry, Marker, THIN_LINE, TITLE_HEIGHT, WIDTH, frame, legend, line, picture,
-};
-use super::curve::time_series;
-use super::svg::Svg;
+use super::canvas::{Marker, THIN_LINE, TITLE_HEIGHT, picture};
+use super::series::{Panel, Series, Stack};
 use super::theme::{INK, SERIES};
 use crate::scene::Scene;
 use crate::trace::{ContactSample, FingerState, Layout, Sample};
 use crate::validate::{Recording, Validation, wrap_angle};
 
 const PANEL_HEIGHT: f64 = 230.0;
-const FOOTER_HEIGHT: f64 = 40.0;
 const FIRST: Marker = Marker::FaintLine { width: 6.0 };
 const SECOND: Marker = THIN_LINE;
 
@@ -22,8 +18,8 @@ type Quantity = (String, Box<dyn Fn(&Sample) -> f64>);
 /// Name and value of a quantity of a finger.
 type FingerQuantity = (&'static str, fn(&FingerState) -> f64);
 
-/// One panel; its curves have successive colours.
-struct Panel {
+/// Quantities of one panel; their curves have successive colours.
+struct PanelQuantities {
     label: &'static str,
     is_logarithmic: bool,
     quantities: Vec<Quantity>,
@@ -39,48 +35,31 @@ pub fn overlay(scene: &Scene, found: &Validation) -> String {
 
 /// Draws two runs of this layout. Surfaces without contact are omitted if others have contact.
 pub fn overlay_runs(title: String, labels: [&str; 2], layout: &Layout, runs: [&Recording; 2], end_s: f64) -> String {
-    let panels = panels(layout, runs);
     let x = Axis::linear("time, ms", [0.0, end_s * 1e3]);
-    picture(&title, TITLE_HEIGHT + PANEL_HEIGHT * panels.len() as f64 + FOOTER_HEIGHT, |svg| {
-        let mut entries = vec![LegendEntry::new(FIRST, INK, labels[0]), LegendEntry::new(SECOND, INK, labels[1])];
-        for (index, panel) in panels.iter().enumerate() {
-            let has_labels = index + 1 == panels.len();
-            svg.translated([0.0, PANEL_HEIGHT * index as f64], |svg| {
-                draw(svg, panel, runs, &x, has_labels, std::mem::take(&mut entries))
-            });
-        }
-    })
+    let mut panels: Vec<Panel> = panels(layout, runs).iter().map(|quantities| panel(quantities, runs)).collect();
+    if let Some(first) = panels.first_mut() {
+        first.series.splice(..0, [Series::key(FIRST, INK, labels[0]), Series::key(SECOND, INK, labels[1])]);
+    }
+    let stack = Stack { top: 0.0, heading: 0.0, panel: PANEL_HEIGHT, has_legends: true };
+    picture(&title, TITLE_HEIGHT + stack.height(panels.len()), |svg| stack.draw(svg, &x, &panels))
 }
 
-fn draw(
-    svg: &mut Svg,
-    panel: &Panel,
-    runs: [&Recording; 2],
-    x: &Axis,
-    has_labels: bool,
-    mut entries: Vec<LegendEntry>,
-) {
+fn panel(PanelQuantities { label, is_logarithmic, quantities }: &PanelQuantities, runs: [&Recording; 2]) -> Panel {
     let both = || runs.into_iter().flat_map(|run| &run.samples);
-    let values = panel.quantities.iter().flat_map(|(_, value)| both().map(value));
-    let y = match panel.is_logarithmic {
-        true => Axis::logarithmic(panel.label, values, 7.0),
-        false => Axis::linear(panel.label, values),
-    };
-    let height = if has_labels { PANEL_HEIGHT + FOOTER_HEIGHT } else { PANEL_HEIGHT };
-    let frame = frame(svg, Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND_WIDTH, height }, x, &y, has_labels);
-    let coloured = || panel.quantities.iter().zip(SERIES.into_iter().cycle());
-    for (run, marker) in runs.into_iter().zip([FIRST, SECOND]) {
-        for ((_, value), colour) in coloured() {
-            let points = run.samples.iter().map(|sample| (sample.time_s, value(sample)));
-            line(svg, &frame, time_series(points, &y), marker, colour);
-        }
-    }
-    entries.extend(coloured().map(|((name, _), colour)| LegendEntry::new(Marker::Line { width: 2.0 }, colour, name)));
-    legend(svg, [WIDTH - LEGEND_WIDTH, 0.0], LEGEND_WIDTH, &entries);
+    let values = quantities.iter().flat_map(|(_, value)| both().map(value));
+    let y = if *is_logarithmic { Axis::logarithmic(label, values, 7.0) } else { Axis::linear(label, values) };
+    let coloured = || quantities.iter().zip(SERIES.into_iter().cycle());
+    let curves = runs.into_iter().zip([FIRST, SECOND]).flat_map(|(run, marker)| {
+        coloured().map(move |((_, value), colour)| {
+            Series::over_time(marker, colour, run.samples.iter().map(|sample| (sample.time_s, value(sample))))
+        })
+    });
+    let keys = coloured().map(|((name, _), colour)| Series::key(Marker::Line { width: 2.0 }, colour, name));
+    Panel { heading: None, series: curves.chain(keys).collect(), y }
 }
 
 /// Panels of joints, object, forces, gaps and energies; those that do not apply to the scene are omitted.
-fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
+fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<PanelQuantities> {
     let discs = layout.fingers.is_empty();
     let mut panels = Vec::new();
     if !discs {
@@ -115,7 +94,7 @@ fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
             let name = if discs { name.clone() } else { name.replace('_', " ") };
             (name, Box::new(move |sample| value(&sample.contacts[index])))
         };
-        Panel { label, is_logarithmic, quantities: shown_contacts.iter().map(quantity).collect() }
+        PanelQuantities { label, is_logarithmic, quantities: shown_contacts.iter().map(quantity).collect() }
     };
     if !shown_contacts.is_empty() {
         panels.push(contacts("normal force, N", !discs, |contact| contact.normal_n));
@@ -151,13 +130,17 @@ fn shown_contacts(layout: &Layout, runs: [&Recording; 2]) -> Vec<usize> {
     if in_contact.is_empty() || layout.fingers.len() == 1 { all } else { in_contact }
 }
 
-fn sample_panel<const N: usize>(label: &'static str, names: [&str; N], values: [fn(&Sample) -> f64; N]) -> Panel {
+fn sample_panel<const N: usize>(
+    label: &'static str,
+    names: [&str; N],
+    values: [fn(&Sample) -> f64; N],
+) -> PanelQuantities {
     let quantity = |(name, value): (&str, fn(&Sample) -> f64)| -> Quantity { (name.to_string(), Box::new(value)) };
-    Panel { label, is_logarithmic: false, quantities: names.into_iter().zip(values).map(quantity).collect() }
+    PanelQuantities { label, is_logarithmic: false, quantities: names.into_iter().zip(values).map(quantity).collect() }
 }
 
 /// Panel of the joints of every finger.
-fn joints(layout: &Layout, label: &'static str, values: [FingerQuantity; 3]) -> Panel {
+fn joints(layout: &Layout, label: &'static str, values: [FingerQuantity; 3]) -> PanelQuantities {
     let fingers = layout.fingers.iter().enumerate();
     let quantity = |(index, finger): (usize, &String)| {
         values.map(|(joint, value)| -> Quantity {
@@ -165,5 +148,5 @@ fn joints(layout: &Layout, label: &'static str, values: [FingerQuantity; 3]) -> 
             (name, Box::new(move |sample| value(&sample.fingers[index])))
         })
     };
-    Panel { label, is_logarithmic: false, quantities: fingers.flat_map(quantity).collect() }
+    PanelQuantities { label, is_logarithmic: false, quantities: fingers.flat_map(quantity).collect() }
 }

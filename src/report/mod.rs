@@ -4,18 +4,13 @@
 
 pub mod capture;
 pub mod hold;
-pub mod optimize;
 pub mod replay;
 pub mod reproduce;
 mod rows;
 pub mod select;
 pub mod simulation;
 pub mod sizing;
-pub mod stability;
-pub mod step_size;
 pub mod sweep;
 pub mod validation;
-pub mod volume;
-pub mod volume_points;
 
 pub use phalanx_show::report::*;

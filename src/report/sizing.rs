@@ -1,8 +1,9 @@
 //! Report of a sizing: tables, JSON and CSV.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::csv;
+use super::named::Object;
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, row};
 use crate::format::report::{Report, ToReport, table};
@@ -11,8 +12,7 @@ use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
 use crate::study::size::FingerSizing;
 
 /// The sizing of a finger and the current torques of its scene.
-#[derive(Clone, Debug, Serialize)]
-#[serde(into = "SizingDocument")]
+#[derive(Clone, Debug)]
 pub struct SizingReport<'a> {
     pub scene: &'a str,
     pub profile: &'a Profile,
@@ -78,7 +78,7 @@ impl ToReport for SizingReport<'_> {
         text.push('\n');
         let or_dash = |n_m: Option<f64>| n_m.map_or("–".to_string(), torque);
         let line = |name: &str, rule: Rule, sizing: &Sizing| {
-            let marker = if rule == self.rule { "  <-" } else { "" };
+            let marker = if rule == self.rule { "<-" } else { "" };
             row([name, &torque(sizing.motor_n_m), &torque(sizing.spring_n_m), marker])
         };
         text.push(table(&[
@@ -115,109 +115,59 @@ impl ToReport for SizingReport<'_> {
     }
 }
 
-#[derive(Serialize)]
-struct SizingDocument {
-    scene: String,
-    rule: &'static str,
-    motor_n_m: f64,
-    spring_n_m: f64,
-    rigid: TorquesDocument,
-    whole: TorquesDocument,
-    given: TorquesDocument,
-    convergence_relative: f64,
-    intervals: usize,
-    trajectory: TrajectoryDocument,
-    placements: Vec<PlacementDocument>,
-    spring_types: Vec<SpringTypeDocument>,
-}
-
-#[derive(Serialize)]
-struct TorquesDocument {
-    motor_n_m: Option<f64>,
-    spring_n_m: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct TrajectoryDocument {
-    closing_s: f64,
-    contact_s: f64,
-    stroke_rad: f64,
-    start_q11_rad: f64,
-    start_q21_rad: f64,
-    contact_q11_rad: f64,
-    contact_q21_rad: f64,
-    end_q11_rad: f64,
-    end_q21_rad: f64,
-    end_q22_rad: f64,
-}
-
-#[derive(Serialize)]
-struct PlacementDocument {
-    placement: &'static str,
-    spring_n_m: f64,
-}
-
-#[derive(Serialize)]
-struct SpringTypeDocument {
-    spring: &'static str,
-    stiffness_n_m_per_rad: f64,
-    preload_rad: Option<f64>,
-    motor_peak_after_contact_n_m: f64,
-    motor_rms_after_contact_n_m: f64,
-}
-
-impl From<SizingReport<'_>> for SizingDocument {
-    fn from(report: SizingReport<'_>) -> Self {
-        let profile = report.profile;
-        let closing = &profile.closing;
-        let torques = |sizing: &Sizing| TorquesDocument {
-            motor_n_m: Some(sizing.motor_n_m),
-            spring_n_m: Some(sizing.spring_n_m),
+impl Serialize for SizingReport<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let SizingReport { scene, profile, rule, .. } = *self;
+        let (closing, end) = (&profile.closing, &profile.closing.end.posture);
+        let torques = |motor_n_m: Option<f64>, spring_n_m: Option<f64>| {
+            Object::default().with("motor_n_m", motor_n_m).with("spring_n_m", spring_n_m)
         };
-        let chosen = match report.rule {
+        let sized = |sizing: &Sizing| torques(Some(sizing.motor_n_m), Some(sizing.spring_n_m));
+        let chosen = match rule {
             Rule::Rigid => profile.rigid,
             Rule::Whole => profile.whole,
         };
-        let [constant, torsional] = torques_after_contact(profile);
-        let spring_type = |spring, stiffness_n_m_per_rad, preload_rad, [peak, rms]: [f64; 2]| SpringTypeDocument {
-            spring,
-            stiffness_n_m_per_rad,
-            preload_rad,
-            motor_peak_after_contact_n_m: peak,
-            motor_rms_after_contact_n_m: rms,
+        let trajectory = Object::default()
+            .with("closing_s", closing.trajectory.length_s)
+            .with("contact_s", closing.contact_s())
+            .with("stroke_rad", closing.trajectory.stroke_rad)
+            .with("start_q11_rad", closing.start.q11_rad)
+            .with("start_q21_rad", closing.start.q21_rad)
+            .with("contact_q11_rad", closing.trajectory.at(closing.contact_x).angle_rad)
+            .with("contact_q21_rad", closing.q21_contact_rad)
+            .with("end_q11_rad", end.q11_rad)
+            .with("end_q21_rad", end.q21_rad)
+            .with("end_q22_rad", end.q22_rad);
+        let placements = Placement::ALL.into_iter().zip(profile.placements_n_m).map(|(placement, spring_n_m)| {
+            Object::default().with("placement", placement.name()).with("spring_n_m", spring_n_m)
+        });
+        let spring_type = |name: &'static str, stiffness: f64, preload_rad: Option<f64>, [peak, rms]: [f64; 2]| {
+            Object::default()
+                .with("spring", name)
+                .with("stiffness_n_m_per_rad", stiffness)
+                .with("preload_rad", preload_rad)
+                .with("motor_peak_after_contact_n_m", peak)
+                .with("motor_rms_after_contact_n_m", rms)
         };
-        SizingDocument {
-            scene: report.scene.to_string(),
-            rule: report.rule.name(),
-            motor_n_m: chosen.motor_n_m,
-            spring_n_m: chosen.spring_n_m,
-            rigid: torques(&profile.rigid),
-            whole: torques(&profile.whole),
-            given: TorquesDocument { motor_n_m: report.scene_motor_n_m, spring_n_m: report.scene_spring_n_m },
-            convergence_relative: profile.convergence,
-            intervals: crate::sizing::INTERVALS,
-            trajectory: TrajectoryDocument {
-                closing_s: closing.trajectory.length_s,
-                contact_s: closing.contact_s(),
-                stroke_rad: closing.trajectory.stroke_rad,
-                start_q11_rad: closing.start.q11_rad,
-                start_q21_rad: closing.start.q21_rad,
-                contact_q11_rad: closing.trajectory.at(closing.contact_x).angle_rad,
-                contact_q21_rad: closing.q21_contact_rad,
-                end_q11_rad: closing.end.posture.q11_rad,
-                end_q21_rad: closing.end.posture.q21_rad,
-                end_q22_rad: closing.end.posture.q22_rad,
-            },
-            placements: Placement::ALL
-                .into_iter()
-                .zip(profile.placements_n_m)
-                .map(|(placement, spring_n_m)| PlacementDocument { placement: placement.name(), spring_n_m })
-                .collect(),
-            spring_types: vec![
-                spring_type("constant", 0.0, None, constant),
-                spring_type("torsional", profile.torsional_n_m_per_rad, Some(report.preload_rad), torsional),
-            ],
-        }
+        let [constant, torsional] = torques_after_contact(profile);
+        let spring_types = [
+            spring_type("constant", 0.0, None, constant),
+            spring_type("torsional", profile.torsional_n_m_per_rad, Some(self.preload_rad), torsional),
+        ];
+        Object::default()
+            .with("scene", scene)
+            .with("rule", rule.name())
+            .with("motor_n_m", chosen.motor_n_m)
+            .with("spring_n_m", chosen.spring_n_m)
+            .with("rigid", sized(&profile.rigid))
+            .with("whole", sized(&profile.whole))
+            .with("given", torques(self.scene_motor_n_m, self.scene_spring_n_m))
+            .with("convergence_relative", profile.convergence)
+            .with("intervals", crate::sizing::INTERVALS)
+            .with("trajectory", trajectory)
+            .with("placements", placements.collect::<Vec<_>>())
+            .with("spring_types", spring_types)
+            .serialize(serializer)
     }
 }
 
@@ -232,8 +182,7 @@ pub fn sizing_csv(profile: &Profile) -> String {
         let motion = [point.time_s, point.q11_rad, point.q21_rad, point.q22_rad, point.qd11_rad_s, point.qdd11_rad_s2];
         let motor = [point.net_n_m.unwrap_or(f64::NAN), point.constant_n_m, point.torsional_n_m];
         let cells: Vec<String> = motion.into_iter().chain(springs).chain(motor).map(csv::cell).collect();
-        text.push_str(&cells.join(","));
-        text.push('\n');
+        text.extend([&cells.join(","), "\n"]);
     }
     text
 }

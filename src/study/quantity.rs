@@ -51,7 +51,7 @@ impl Quantity {
         let last = name.rsplit('.').next().unwrap_or(name);
         let (suffix, (unit, scale), dimension) = match field_type {
             FieldType::Quantity(dimension) => (dimension.suffix(), display_unit(*dimension), Some(*dimension)),
-            FieldType::Percent => ("percent", ("%", 1.0), None),
+            FieldType::Number if last.ends_with("_percent") => ("percent", ("%", 1.0), None),
             _ => ("", ("", 1.0), None),
         };
         let unprefixed =

@@ -1,13 +1,12 @@
-//! Tables as CSV: separated by commas, one line per row, column names in the first line.
+//! Tables as CSV: separated by commas, one line per row, column names in the first line. Texts that spreadsheets would
+//! evaluate as formulas are written with a leading apostrophe, which reading removes.
 
-use std::borrow::Cow;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 
-use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord, Terminator, Writer, WriterBuilder};
+use csv::{ErrorKind, ReaderBuilder, StringRecord, Terminator, Writer, WriterBuilder};
 
-use super::formula_escape::{FORMULA_PREFIXES, is_escaped, unescape};
-use super::value::{self, infer_kind};
+use super::value::{escape, infer_kind, parse_cell, unescape};
 use super::{Column, Kind, Origin, Table, TableError, Value};
 use crate::files::read_at_most;
 use crate::limits::MAX_TABLE_BYTES;
@@ -17,83 +16,57 @@ use crate::limits::MAX_TABLE_BYTES;
 /// # Errors
 /// Returns an error if the file cannot be read, or is not a table; the error contains the location.
 pub fn read_csv(path: &Path, known: &[Column]) -> Result<Table, TableError> {
-    let file = path.display().to_string();
-    let read_error = |reason: String| TableError::Read { file: file.clone(), reason };
-    if path.is_dir() {
-        return Err(read_error("it is a directory; name a file in it".to_string()));
-    }
-    let bytes = read_at_most(path, MAX_TABLE_BYTES).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => read_error("there is no such file; check the path".to_string()),
-        _ => read_error(error.to_string()),
-    })?;
-    let most = MAX_TABLE_BYTES >> 20;
-    let too_large = || read_error(format!("it is larger than {most} MiB; select fewer rows or columns"));
-    let bytes = bytes.ok_or_else(too_large)?;
-    parse(&bytes, &file, known)
+    let bytes = read_at_most(path, MAX_TABLE_BYTES).map_err(|error| TableError::unopened(path, &error))?;
+    parse(&bytes.ok_or_else(|| TableError::too_large(path))?, &path.display().to_string(), known)
 }
 
 /// Parses the bytes of a CSV file.
-pub(super) fn parse(bytes: &[u8], file: &str, known: &[Column]) -> Result<Table, TableError> {
+fn parse(bytes: &[u8], file: &str, known: &[Column]) -> Result<Table, TableError> {
     let mut reader = ReaderBuilder::new().from_reader(bytes);
-    let names = names(&mut reader, file)?;
-    let (mut records, mut lines) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(|error| convert_error(&error, file))?;
-        lines.push(record.position().map_or(0, |position| position.line()));
-        records.push(record);
-    }
-    let kind =
-        |(index, name): (usize, &String)| {
-            known.iter().find(|column| column.name == *name).map(|column| column.kind).unwrap_or_else(|| {
-                infer_kind(records.iter().filter_map(|record| record.get(index))).unwrap_or(Kind::Text)
-            })
-        };
+    let header = reader.headers().map_err(|error| convert_error(&error, file))?;
+    let names = header.iter().map(|name| unescape(name.trim()).to_string()).collect();
+    let names = check_names(names, file)?;
+    let records: Vec<StringRecord> =
+        reader.records().collect::<Result<_, _>>().map_err(|error| convert_error(&error, file))?;
+    let kind = |(index, name): (usize, &String)| {
+        let known = known.iter().find(|column| column.name == *name).map(|column| column.kind);
+        let inferred = || infer_kind(records.iter().filter_map(|record| record.get(index)));
+        known.or_else(inferred).unwrap_or(Kind::Text)
+    };
     let kinds: Vec<Kind> = names.iter().enumerate().map(kind).collect();
-    let columns = names.into_iter().zip(kinds).map(|(name, kind)| Column { name, kind }).collect();
-    let mut table = Table { columns, rows: Vec::new(), origin: Origin { file: file.to_string(), lines } };
-    table.rows =
-        records.iter().enumerate().map(|(index, record)| row(&table, index, record)).collect::<Result<_, _>>()?;
+    let lines = records.iter().map(|record| record.position().map_or(0, csv::Position::line)).collect();
+    let mut table =
+        Table::new(names.into_iter().zip(kinds).map(|(name, kind)| Column { name, kind }).collect(), Vec::new());
+    table.origin = Origin { file: file.to_string(), lines };
+    for (index, record) in records.iter().enumerate() {
+        let cells = record.iter().zip(&table.columns).enumerate();
+        let read = |(column, (cell, Column { kind, .. })): (usize, (&str, &Column))| {
+            parse_cell(cell, *kind).ok_or_else(|| table.cell_error(index, column, cell, *kind))
+        };
+        let row = cells.map(read).collect::<Result<_, _>>()?;
+        table.rows.push(row);
+    }
     Ok(table)
 }
 
-fn names(reader: &mut Reader<&[u8]>, file: &str) -> Result<Vec<String>, TableError> {
-    let header = reader.headers().map_err(|error| convert_error(&error, file))?;
-    let names: Vec<String> = header.iter().map(|name| unescape(name.trim()).to_string()).collect();
-    let invalid_header = |reason: String| Err(TableError::Csv { file: file.to_string(), line: 1, reason });
-    if let [only] = &names[..]
-        && only.contains([';', '\t'])
-    {
-        return invalid_header(
+fn check_names(names: Vec<String>, file: &str) -> Result<Vec<String>, TableError> {
+    let invalid_header = |reason: String| Err(TableError(format!("{file}:1: {reason}")));
+    match &names[..] {
+        [] => invalid_header("the file is empty; the first line must contain the column names".to_string()),
+        [only] if only.contains([';', '\t']) => invalid_header(
             "columns are not separated by commas; save the table with commas and decimal points".to_string(),
-        );
-    }
-    if names.is_empty() {
-        return invalid_header("the file is empty; the first line must contain the column names".to_string());
-    }
-    if let Some(index) = names.iter().position(String::is_empty) {
-        return invalid_header(format!("column {} has no name; the first line must name every column", index + 1));
-    }
-    match (0..names.len()).find(|&index| names[..index].contains(&names[index])) {
-        Some(index) => Err(TableError::DuplicateColumn { file: file.to_string(), name: names[index].clone() }),
-        None => Ok(names),
-    }
-}
-
-fn row(table: &Table, index: usize, record: &StringRecord) -> Result<Vec<Value>, TableError> {
-    let read = |(cell, column): (&str, &Column)| {
-        value::parse_cell(cell, column.kind).ok_or_else(|| {
-            let found = Value::Text(cell.to_string());
-            let line_number = table.origin.lines.get(index).copied().unwrap_or(0);
-            TableError::Cell {
-                location: format!("{}:{line_number}", table.origin.file),
-                number: table.find(&column.name).map_or(0, |column_index| column_index + 1),
-                column: column.name.clone(),
-                found: found.text(),
-                expected_kind: column.kind.description(),
+        ),
+        _ => {
+            if let Some(index) = names.iter().position(String::is_empty) {
+                let column = index + 1;
+                return invalid_header(format!("column {column} has no name; the first line must name every column"));
             }
-        })
-    };
-    record.iter().zip(&table.columns).map(read).collect()
+            match (0..names.len()).find(|&index| names[..index].contains(&names[index])) {
+                Some(index) => Err(TableError::duplicate_column(file, &names[index])),
+                None => Ok(names),
+            }
+        }
+    }
 }
 
 /// Parses rows of known columns from lines without a header, up to the first incomplete or damaged line. Also returns
@@ -107,8 +80,7 @@ pub fn read_rows(bytes: &[u8], columns: &[Column]) -> (Vec<Vec<Value>>, usize) {
         if record.len() != columns.len() || !bytes[..end].ends_with(b"\n") {
             break;
         }
-        let row: Option<Vec<Value>> =
-            record.iter().zip(columns).map(|(cell, column)| value::parse_cell(cell, column.kind)).collect();
+        let row = record.iter().zip(columns).map(|(cell, column)| parse_cell(cell, column.kind)).collect();
         let Some(row) = row else { break };
         rows.push(row);
         valid_bytes = end;
@@ -118,50 +90,20 @@ pub fn read_rows(bytes: &[u8], columns: &[Column]) -> (Vec<Vec<Value>>, usize) {
 
 /// Converts an error of the CSV reader.
 fn convert_error(error: &csv::Error, file: &str) -> TableError {
-    let csv =
-        |line: Option<u64>, reason: String| TableError::Csv { file: file.to_string(), line: line.unwrap_or(1), reason };
-    match error.kind() {
-        ErrorKind::UnequalLengths { pos, expected_len, len } => csv(
-            pos.as_ref().map(csv::Position::line),
+    let (position, reason) = match error.kind() {
+        ErrorKind::UnequalLengths { pos, expected_len, len } => (
+            pos,
             format!(
                 "{len} values in {expected_len} columns; put strings with commas in double quotes, and give every line one \
                  value, possibly empty, for every column"
             ),
         ),
-        ErrorKind::Utf8 { pos, err } => csv(
-            pos.as_ref().map(csv::Position::line),
-            format!("column {} is not UTF-8 text; save the table as UTF-8", err.field() + 1),
-        ),
-        _ => TableError::Read { file: file.to_string(), reason: error.to_string() },
-    }
-}
-
-/// Writes the table as CSV.
-pub(super) fn write(out: &mut dyn Write, table: &Table) -> io::Result<()> {
-    let mut rows = Rows::new(out, &table.columns)?;
-    table.rows.iter().try_for_each(|row| rows.add(row))?;
-    rows.finish()
-}
-
-/// Writer of a CSV file row by row.
-pub(super) struct Rows<W: Write> {
-    writer: Writer<W>,
-}
-
-impl<W: Write> Rows<W> {
-    pub fn new(out: W, columns: &[Column]) -> io::Result<Self> {
-        let mut writer = writer(out);
-        writer.write_record(columns.iter().map(|column| escape(&column.name).into_owned()))?;
-        Ok(Rows { writer })
-    }
-
-    pub fn add(&mut self, row: &[Value]) -> io::Result<()> {
-        Ok(self.writer.write_record(row.iter().map(cell))?)
-    }
-
-    pub fn finish(mut self) -> io::Result<()> {
-        self.writer.flush()
-    }
+        ErrorKind::Utf8 { pos, err } => {
+            (pos, format!("column {} is not UTF-8 text; save the table as UTF-8", err.field() + 1))
+        }
+        _ => return TableError::unreadable(Path::new(file), error),
+    };
+    TableError(format!("{file}:{}: {reason}", position.as_ref().map_or(1, csv::Position::line)))
 }
 
 /// Formats one line of a CSV file, including its line feed.
@@ -173,27 +115,21 @@ pub fn format_csv_line<'a>(values: impl IntoIterator<Item = &'a Value>) -> Strin
     String::from_utf8(bytes).unwrap_or_default()
 }
 
-fn cell(value: &Value) -> String {
+/// Text of a cell.
+pub(super) fn cell(value: &Value) -> String {
     match value {
         Value::Text(text) => escape(text).into_owned(),
         other => other.text(),
     }
 }
 
-/// Escapes a text that spreadsheets would evaluate with a leading apostrophe, which [`unescape`] removes.
-fn escape(text: &str) -> Cow<'_, str> {
-    match text.starts_with(FORMULA_PREFIXES) || is_escaped(text) {
-        true => Cow::Owned(format!("'{text}")),
-        false => Cow::Borrowed(text),
-    }
-}
-
-fn writer<W: Write>(out: W) -> Writer<W> {
+pub(super) fn writer<W: Write>(out: W) -> Writer<W> {
     WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(out)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::value::FORMULA_PREFIXES;
     use super::*;
 
     #[test]
@@ -205,11 +141,9 @@ mod tests {
         }
         let columns = vec![Column::new("=cmd()", Kind::Text), Column::new("x_m", Kind::Number)];
         let rows = vec![vec![Value::from("=1+2"), Value::Number(-1.5)], vec![Value::from("-"), Value::Missing]];
-        let mut bytes = Vec::new();
-        write(&mut bytes, &Table::new(columns.clone(), rows.clone())).expect("writing to memory");
-        assert_eq!(String::from_utf8_lossy(&bytes), "'=cmd(),x_m\n'=1+2,-1.5\n'-,\n");
-        let read = parse(&bytes, "t.csv", &[]).expect("a table");
+        let read = parse(b"'=cmd(),x_m\n'=1+2,-1.5\n'-,\n", "t.csv", &[]).expect("a table");
         assert_eq!((read.columns, read.rows), (columns.clone(), rows.clone()));
+        assert_eq!(format_csv_line(&rows[0]), "'=1+2,-1.5\n");
         assert_eq!(read_rows(format_csv_line(&rows[0]).as_bytes(), &columns).0, rows[..1]);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Physical};
@@ -15,91 +15,64 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{ColumnDescriptor, Type, TypePtr};
 
-use super::{Column, Kind, Origin, Table, TableError, Value};
-use crate::files::{ChecksumWriter, checksum};
+use super::{Column, Kind, Table, TableError, Value};
 use crate::limits::MAX_TABLE_BYTES;
 
 /// Maximum rows per group; a reader needs one group in memory at a time.
 const MAX_GROUP_ROWS: usize = 1 << 16;
 
-/// Metadata key of the checksum: number of leading bytes of the file, and their CRC.
-const CHECKSUM_KEY: &str = "phalanx.checksum";
+type Output<'a> = &'a mut (dyn Write + Send);
 
-/// Writes the table as Parquet. The same table gives the same bytes.
-pub(super) fn write(out: &mut (dyn Write + Send), table: &Table, metadata: &[(String, String)]) -> io::Result<()> {
-    let mut rows = Rows::new(out, &table.columns)?;
-    table
-        .rows
-        .chunks(MAX_GROUP_ROWS)
-        .try_for_each(|rows_of_group| rows.group(rows_of_group))
-        .map_err(io::Error::other)?;
-    rows.finish(metadata)
-}
-
-/// Writer of a Parquet file group by group, with one group in memory.
-pub(super) struct Rows<'a> {
-    writer: SerializedFileWriter<ChecksumWriter<'a>>,
+/// Writer of a Parquet file, with one group of rows in memory.
+pub struct Writer<'a> {
+    file: SerializedFileWriter<Output<'a>>,
     columns: Vec<Column>,
     /// Rows of the incomplete group.
     pending: Vec<Vec<Value>>,
 }
 
-impl<'a> Rows<'a> {
-    pub fn new(out: &'a mut (dyn Write + Send), columns: &[Column]) -> io::Result<Self> {
+impl<'a> Writer<'a> {
+    pub(super) fn new(out: Output<'a>, columns: &[Column]) -> io::Result<Self> {
         let properties = WriterProperties::builder().set_compression(Compression::ZSTD(Default::default())).build();
-        let writer = schema(columns)
-            .and_then(|schema| SerializedFileWriter::new(ChecksumWriter::new(out), schema, Arc::new(properties)));
-        Ok(Rows { writer: writer.map_err(io::Error::other)?, columns: columns.to_vec(), pending: Vec::new() })
+        let file = schema(columns).and_then(|schema| SerializedFileWriter::new(out, schema, Arc::new(properties)));
+        Ok(Writer { file: file.map_err(io::Error::other)?, columns: columns.to_vec(), pending: Vec::new() })
     }
 
-    pub fn add(&mut self, row: Vec<Value>) -> io::Result<()> {
-        self.pending.push(row);
-        if self.pending.len() < MAX_GROUP_ROWS {
-            return Ok(());
+    pub(super) fn add(&mut self, row: &[Value]) -> io::Result<()> {
+        if row.len() != self.columns.len() {
+            let message = format!("a row has {} values for {} columns", row.len(), self.columns.len());
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
-        let rows = std::mem::take(&mut self.pending);
-        self.group(&rows).map_err(io::Error::other)
+        self.pending.push(row.to_vec());
+        if self.pending.len() < MAX_GROUP_ROWS { Ok(()) } else { self.write_group().map_err(io::Error::other) }
     }
 
-    /// Writes the remaining rows, the metadata and, if there is metadata, a checksum of everything before it.
-    pub fn finish(mut self, metadata: &[(String, String)]) -> io::Result<()> {
-        let rows = std::mem::take(&mut self.pending);
-        if !rows.is_empty() {
-            self.group(&rows).map_err(io::Error::other)?;
+    /// Writes the remaining rows and the metadata.
+    pub(super) fn finish(mut self, metadata: &[(String, String)]) -> io::Result<()> {
+        if !self.pending.is_empty() {
+            self.write_group().map_err(io::Error::other)?;
         }
         for (name, text) in metadata {
-            self.writer.append_key_value_metadata(KeyValue::new(name.clone(), text.clone()));
+            self.file.append_key_value_metadata(KeyValue::new(name.clone(), text.clone()));
         }
-        if !metadata.is_empty() {
-            self.writer.flush()?;
-            let output = self.writer.inner();
-            let encoded_checksum = format!("{}:{:08x}", output.bytes(), output.crc());
-            self.writer.append_key_value_metadata(KeyValue::new(CHECKSUM_KEY.to_string(), encoded_checksum));
-        }
-        self.writer.close().map(drop).map_err(io::Error::other)
+        self.file.close().map(drop).map_err(io::Error::other)
     }
 
-    fn group(&mut self, rows: &[Vec<Value>]) -> Result<(), ParquetError> {
-        let mut group = self.writer.next_row_group()?;
+    fn write_group(&mut self) -> Result<(), ParquetError> {
+        let rows = std::mem::take(&mut self.pending);
+        let mut group = self.file.next_row_group()?;
         for (index, column) in self.columns.iter().enumerate() {
             let values = rows.iter().map(|row| &row[index]);
             match column.kind {
-                Kind::Integer => write_column::<Int64Type>(&mut group, values, |value| match value {
-                    Value::Integer(value) => Some(*value),
-                    _ => None,
-                })?,
-                Kind::Number => write_column::<DoubleType>(&mut group, values, |value| match value {
-                    Value::Number(value) => Some(*value),
-                    _ => None,
-                })?,
-                Kind::Flag => write_column::<BoolType>(&mut group, values, |value| match value {
-                    Value::Flag(value) => Some(*value),
-                    _ => None,
-                })?,
-                Kind::Text => write_column::<ByteArrayType>(&mut group, values, |value| match value {
-                    Value::Text(text) => Some(ByteArray::from(text.as_str())),
-                    _ => None,
-                })?,
+                Kind::Integer => write_column::<Int64Type>(&mut group, values.map(Value::as_integer))?,
+                Kind::Number => write_column::<DoubleType>(&mut group, values.map(Value::as_number))?,
+                Kind::Flag => write_column::<BoolType>(&mut group, values.map(Value::as_flag))?,
+                Kind::Text => {
+                    write_column::<ByteArrayType>(
+                        &mut group,
+                        values.map(|value| value.as_text().map(ByteArray::from)),
+                    )?;
+                }
             }
         }
         group.close().map(drop)
@@ -122,14 +95,13 @@ fn schema(columns: &[Column]) -> Result<TypePtr, ParquetError> {
 }
 
 /// Writes the next column of a group: definition level 1 for a value, 0 for a missing one.
-fn write_column<'a, T: DataType>(
-    group: &mut SerializedRowGroupWriter<'_, ChecksumWriter<'_>>,
-    values: impl Iterator<Item = &'a Value>,
-    get: impl Fn(&Value) -> Option<T::T>,
+fn write_column<T: DataType>(
+    group: &mut SerializedRowGroupWriter<'_, Output<'_>>,
+    values: impl Iterator<Item = Option<T::T>>,
 ) -> Result<(), ParquetError> {
-    let found: Vec<Option<T::T>> = values.map(get).collect();
-    let levels: Vec<i16> = found.iter().map(|value| i16::from(value.is_some())).collect();
-    let present: Vec<T::T> = found.into_iter().flatten().collect();
+    let values: Vec<Option<T::T>> = values.collect();
+    let levels: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
+    let present: Vec<T::T> = values.into_iter().flatten().collect();
     let Some(mut column) = group.next_column()? else {
         return Err(ParquetError::General("the schema has fewer columns than the table".to_string()));
     };
@@ -140,49 +112,42 @@ fn write_column<'a, T: DataType>(
 /// Reads a Parquet file of flat columns.
 pub(super) fn read(path: &Path) -> Result<Table, TableError> {
     if fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > MAX_TABLE_BYTES) {
-        let most = MAX_TABLE_BYTES >> 20;
-        let reason = format!("it is larger than {most} MiB; select fewer rows or columns");
-        return Err(TableError::Read { file: path.display().to_string(), reason });
+        return Err(TableError::too_large(path));
     }
-    let mut groups = RowGroupReader::open(path)?;
-    let columns = groups.columns.clone();
-    let mut table =
-        Table { columns, rows: Vec::new(), origin: Origin { file: groups.file.clone(), lines: Vec::new() } };
-    while groups.append_group(&mut table.rows)? {}
-    super::check(&table)?;
+    let groups = RowGroups::open(path)?;
+    let mut table = Table::new(groups.columns.clone(), Vec::new());
+    table.origin.file.clone_from(&groups.file);
+    for rows in groups {
+        table.rows.append(&mut rows?);
+    }
+    table.check()?;
     Ok(table)
 }
 
-/// Reader of a Parquet file with flat columns, group by group, for files of any size.
-pub struct RowGroupReader {
-    path: PathBuf,
+/// Groups of rows of a Parquet file with flat columns, for files of any size.
+pub struct RowGroups {
     file: String,
     reader: SerializedFileReader<File>,
     columns: Vec<Column>,
     next: usize,
 }
 
-impl RowGroupReader {
+impl RowGroups {
     /// Opens a file and reads its metadata, but no rows.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read, or is not a Parquet table of plain values.
     pub fn open(path: &Path) -> Result<Self, TableError> {
-        let file = path.display().to_string();
-        let read_error = |reason: String| TableError::Read { file: file.clone(), reason };
         if path.is_dir() {
-            return Err(read_error("it is a directory; name a file in it".to_string()));
+            return Err(TableError::unopened(path, &io::ErrorKind::IsADirectory.into()));
         }
-        let opened = File::open(path).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => read_error("there is no such file; check the path".to_string()),
-            _ => read_error(error.to_string()),
-        })?;
-        let invalid = |reason: String| TableError::Parquet { file: file.clone(), reason };
-        let reader = SerializedFileReader::new(opened).map_err(|error| invalid(error.to_string()))?;
+        let opened = File::open(path).map_err(|error| TableError::unopened(path, &error))?;
+        let file = path.display().to_string();
+        let reader = SerializedFileReader::new(opened).map_err(|error| invalid(&file, error))?;
         let schema = reader.metadata().file_metadata().schema_descr();
         let columns = schema.columns().iter().map(|column| convert_column(column)).collect::<Result<_, _>>();
-        let columns = columns.map_err(invalid)?;
-        Ok(RowGroupReader { path: path.to_path_buf(), file, reader, columns, next: 0 })
+        let columns = columns.map_err(|reason| invalid(&file, reason))?;
+        Ok(RowGroups { file, reader, columns, next: 0 })
     }
 
     /// Columns of the file.
@@ -200,45 +165,24 @@ impl RowGroupReader {
         let metadata = self.reader.metadata().file_metadata().key_value_metadata()?;
         metadata.iter().find(|entry| entry.key == name)?.value.as_deref()
     }
+}
 
-    /// Whether the checksum matches the rows; `false` for a file without checksum.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read.
-    pub fn is_intact(&self) -> io::Result<bool> {
-        let encoded_checksum =
-            self.metadata_value(CHECKSUM_KEY).and_then(|encoded_checksum| encoded_checksum.split_once(':'));
-        let Some((bytes, crc)) = encoded_checksum.and_then(|(bytes, crc)| Some((bytes.parse().ok()?, crc))) else {
-            return Ok(false);
-        };
-        let (found, read) = checksum(&self.path, bytes)?;
-        Ok(read == bytes && format!("{found:08x}") == crc)
-    }
+/// Rows of each group; an error if the file is damaged.
+impl Iterator for RowGroups {
+    type Item = Result<Vec<Vec<Value>>, TableError>;
 
-    /// Reads the rows of the next group; `None` after the last one.
-    ///
-    /// # Errors
-    /// Returns an error if the file is damaged, or the group has more rows than this program writes.
-    pub fn next_group(&mut self) -> Result<Option<Vec<Vec<Value>>>, TableError> {
-        let claimed = self.reader.metadata().row_groups().get(self.next).map_or(0, |group| group.num_rows());
-        if claimed > MAX_GROUP_ROWS as i64 {
-            let reason = format!("it has {claimed} rows in one group, but at most {MAX_GROUP_ROWS} are allowed");
-            return Err(TableError::Parquet { file: self.file.clone(), reason });
-        }
-        let mut rows = Vec::new();
-        Ok(self.append_group(&mut rows)?.then_some(rows))
-    }
-
-    /// Appends the rows of the next group; returns `false` after the last one.
-    fn append_group(&mut self, rows: &mut Vec<Vec<Value>>) -> Result<bool, TableError> {
+    fn next(&mut self) -> Option<Self::Item> {
         if self.next >= self.reader.num_row_groups() {
-            return Ok(false);
+            return None;
         }
-        let invalid = |error: ParquetError| TableError::Parquet { file: self.file.clone(), reason: error.to_string() };
-        append_group(&self.reader, self.next, self.columns.len(), rows).map_err(invalid)?;
         self.next += 1;
-        Ok(true)
+        let rows = read_group(&self.reader, self.next - 1, self.columns.len());
+        Some(rows.map_err(|error| invalid(&self.file, error)))
     }
+}
+
+fn invalid(file: &str, reason: impl std::fmt::Display) -> TableError {
+    TableError(format!("{file} is not a readable Parquet table: {reason}"))
 }
 
 fn convert_column(column: &ColumnDescriptor) -> Result<Column, String> {
@@ -246,21 +190,17 @@ fn convert_column(column: &ColumnDescriptor) -> Result<Column, String> {
     if column.max_rep_level() > 0 || column.path().parts().len() > 1 {
         return Err(format!("column `{name}` contains lists or groups; only one plain value per cell is supported"));
     }
-    let text =
-        column.converted_type() == ConvertedType::UTF8 || column.logical_type_ref() == Some(&LogicalType::String);
-    let plain = matches!(
-        column.converted_type(),
-        ConvertedType::NONE
-            | ConvertedType::INT_8
-            | ConvertedType::INT_16
-            | ConvertedType::INT_32
-            | ConvertedType::INT_64
-    );
+    let converted = column.converted_type();
+    let is_text = converted == ConvertedType::UTF8 || column.logical_type_ref() == Some(&LogicalType::String);
+    let is_plain = {
+        use ConvertedType::{INT_8, INT_16, INT_32, INT_64, NONE};
+        matches!(converted, NONE | INT_8 | INT_16 | INT_32 | INT_64)
+    };
     let kind = match column.physical_type() {
-        Physical::INT32 | Physical::INT64 if plain => Kind::Integer,
+        Physical::INT32 | Physical::INT64 if is_plain => Kind::Integer,
         Physical::FLOAT | Physical::DOUBLE => Kind::Number,
         Physical::BOOLEAN => Kind::Flag,
-        Physical::BYTE_ARRAY if text => Kind::Text,
+        Physical::BYTE_ARRAY if is_text => Kind::Text,
         other => {
             return Err(format!(
                 "column `{name}` is of type {other}; only whole numbers, numbers, flags and texts are supported: remove or \
@@ -271,41 +211,35 @@ fn convert_column(column: &ColumnDescriptor) -> Result<Column, String> {
     Ok(Column { name, kind })
 }
 
-/// Appends the rows of one group.
-fn append_group(
+/// Reads the rows of one group.
+fn read_group(
     reader: &SerializedFileReader<File>,
     index: usize,
     columns: usize,
-    rows: &mut Vec<Vec<Value>>,
-) -> Result<(), ParquetError> {
+) -> Result<Vec<Vec<Value>>, ParquetError> {
     let group = reader.get_row_group(index)?;
     let count = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
-    let from = rows.len();
-    rows.extend((0..count).map(|_| Vec::with_capacity(columns)));
-    for column_index in 0..columns {
-        is_intact(group.metadata().column(column_index))?;
-        let rows = &mut rows[from..];
-        match group.get_column_reader(column_index)? {
-            ColumnReader::Int32ColumnReader(column) => {
-                append_column(column, rows, |value| Ok(Value::Integer(value.into())))?
-            }
-            ColumnReader::Int64ColumnReader(column) => append_column(column, rows, |value| Ok(Value::Integer(value)))?,
-            ColumnReader::FloatColumnReader(column) => {
-                append_column(column, rows, |value| Ok(Value::Number(value.into())))?
-            }
-            ColumnReader::DoubleColumnReader(column) => append_column(column, rows, |value| Ok(Value::Number(value)))?,
-            ColumnReader::BoolColumnReader(column) => append_column(column, rows, |value| Ok(Value::Flag(value)))?,
+    let mut rows: Vec<Vec<Value>> = (0..count).map(|_| Vec::with_capacity(columns)).collect();
+    for index in 0..columns {
+        check_offsets(group.metadata().column(index))?;
+        let rows = &mut rows[..];
+        match group.get_column_reader(index)? {
+            ColumnReader::Int32ColumnReader(column) => read_column(column, rows, |value| Ok(i64::from(value).into())),
+            ColumnReader::Int64ColumnReader(column) => read_column(column, rows, |value| Ok(value.into())),
+            ColumnReader::FloatColumnReader(column) => read_column(column, rows, |value| Ok(f64::from(value).into())),
+            ColumnReader::DoubleColumnReader(column) => read_column(column, rows, |value| Ok(value.into())),
+            ColumnReader::BoolColumnReader(column) => read_column(column, rows, |value| Ok(value.into())),
             ColumnReader::ByteArrayColumnReader(column) => {
-                append_column(column, rows, |value| Ok(Value::Text(value.as_utf8()?.to_string())))?;
+                read_column(column, rows, |value| Ok(value.as_utf8()?.into()))
             }
-            _ => return Err(ParquetError::General(format!("column {} is of an unknown type", column_index + 1))),
-        }
+            _ => Err(ParquetError::General(format!("column {} is of an unknown type", index + 1))),
+        }?;
     }
-    Ok(())
+    Ok(rows)
 }
 
 /// Checks the offsets and size of a column, because the library panics on negative ones.
-fn is_intact(column: &ColumnChunkMetaData) -> Result<(), ParquetError> {
+fn check_offsets(column: &ColumnChunkMetaData) -> Result<(), ParquetError> {
     let dictionary = column.dictionary_page_offset().unwrap_or(0);
     match [column.data_page_offset(), dictionary, column.compressed_size()].iter().all(|offset| *offset >= 0) {
         true => Ok(()),
@@ -314,7 +248,7 @@ fn is_intact(column: &ColumnChunkMetaData) -> Result<(), ParquetError> {
 }
 
 /// Appends the values of one column to the rows of a group.
-fn append_column<T: DataType>(
+fn read_column<T: DataType>(
     mut column: ColumnReaderImpl<T>,
     rows: &mut [Vec<Value>],
     convert: impl Fn(T::T) -> Result<Value, ParquetError>,
@@ -324,14 +258,12 @@ fn append_column<T: DataType>(
     if found != rows.len() {
         return Err(ParquetError::General(format!("a column has {found} values for {} rows", rows.len())));
     }
-    let required = levels.is_empty();
+    let is_required = levels.is_empty();
     let mut values = values.into_iter();
     for (index, row) in rows.iter_mut().enumerate() {
-        let present = required || levels.get(index).is_some_and(|level| *level > 0);
-        row.push(match present.then(|| values.next()).flatten() {
-            Some(value) => convert(value)?,
-            None => Value::Missing,
-        });
+        let is_present = is_required || levels.get(index).is_some_and(|level| *level > 0);
+        let value = is_present.then(|| values.next()).flatten();
+        row.push(value.map_or(Ok(Value::Missing), &convert)?);
     }
     Ok(())
 }

@@ -1,5 +1,7 @@
 //! Values of a table and their conversion from and to the text of a cell.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 /// Kind of the values of a column.
@@ -50,15 +52,32 @@ impl PartialEq for Value {
 }
 
 impl Value {
-    /// Kind of the value; `None` if it is missing.
-    pub fn kind(&self) -> Option<Kind> {
+    /// Whether the value may be in a column of this kind: it is of this kind, or missing.
+    pub fn fits(&self, kind: Kind) -> bool {
         match self {
-            Value::Integer(_) => Some(Kind::Integer),
-            Value::Number(_) => Some(Kind::Number),
-            Value::Flag(_) => Some(Kind::Flag),
-            Value::Text(_) => Some(Kind::Text),
-            Value::Missing => None,
+            Value::Integer(_) => kind == Kind::Integer,
+            Value::Number(_) => kind == Kind::Number,
+            Value::Flag(_) => kind == Kind::Flag,
+            Value::Text(_) => kind == Kind::Text,
+            Value::Missing => true,
         }
+    }
+
+    pub fn as_integer(&self) -> Option<i64> {
+        if let Value::Integer(integer) = self { Some(*integer) } else { None }
+    }
+
+    /// The number; also that of an integer.
+    pub fn as_number(&self) -> Option<f64> {
+        if let Value::Number(number) = self { Some(*number) } else { self.as_integer().map(|integer| integer as f64) }
+    }
+
+    pub fn as_flag(&self) -> Option<bool> {
+        if let Value::Flag(flag) = self { Some(*flag) } else { None }
+    }
+
+    pub fn as_text(&self) -> Option<&str> {
+        if let Value::Text(text) = self { Some(text) } else { None }
     }
 
     /// Text of the value in a CSV cell. A number differs from an integer: it contains a decimal point or an exponent,
@@ -120,8 +139,29 @@ pub(super) fn parse_cell(cell: &str, kind: Kind) -> Option<Value> {
         Kind::Integer => trimmed.parse().ok().map(Value::Integer),
         Kind::Number => parse_number(trimmed).map(Value::Number),
         Kind::Flag => parse_flag(trimmed).map(Value::Flag),
-        Kind::Text => Some(Value::Text(super::formula_escape::unescape(cell).to_string())),
+        Kind::Text => Some(Value::Text(unescape(cell).to_string())),
     }
+}
+
+/// First characters of cells that spreadsheets evaluate.
+pub(super) const FORMULA_PREFIXES: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
+
+/// Escapes a text that spreadsheets would evaluate.
+pub(super) fn escape(text: &str) -> Cow<'_, str> {
+    match text.starts_with(FORMULA_PREFIXES) || is_escaped(text) {
+        true => Cow::Owned(format!("'{text}")),
+        false => Cow::Borrowed(text),
+    }
+}
+
+/// Returns the original text of a cell.
+pub(super) fn unescape(cell: &str) -> &str {
+    if is_escaped(cell) { &cell[1..] } else { cell }
+}
+
+/// Whether a cell begins with an escaping apostrophe.
+fn is_escaped(cell: &str) -> bool {
+    cell.strip_prefix('\'').is_some_and(|rest| rest.starts_with(FORMULA_PREFIXES) || rest.starts_with('\''))
 }
 
 /// Returns the narrowest kind that contains all cells; `None` if all are empty.

@@ -4,9 +4,7 @@ use phalanx::criteria::{ContactCriteria, Fate, GraspCriteria, GraspTracker, gras
 use phalanx::gripper::{FingerContact, final_posture};
 use phalanx::scene::{GripperContact, Scene, Side, Thresholds};
 use phalanx::shape::PlacedShape;
-use phalanx::statics::{
-    Blocked, Decision, FormClosure, GripperRow, PerContact, form_closure, gripper_closure, gripper_unilateral,
-};
+use phalanx::statics::{Blocked, Decision, FormClosure, PerContact, form_closure, gripper_closure, gripper_unilateral};
 use phalanx::trace::{Model, Sample, run};
 
 use crate::support::reference_cases::{cases_at_rest, reference_case};
@@ -122,12 +120,7 @@ fn lost_objects_are_reported_with_their_fate() {
     assert!(((x.abs() - 0.0155).hypot(y) - reach_m).abs() < 1e-6, "out of reach at {at_s}: {x}, {y}");
 }
 
-fn checked_closure(
-    scene: &Scene,
-    last: &Sample,
-    active_contacts: &PerContact<bool>,
-    blocked: Blocked,
-) -> FormClosure<GripperRow> {
+fn checked_closure(scene: &Scene, last: &Sample, active_contacts: &PerContact<bool>, blocked: Blocked) -> FormClosure {
     let configuration = grasp_configuration(scene, last);
     let closure = gripper_closure(&configuration, active_contacts, blocked).expect("a decision");
     check_certificate(&gripper_unilateral(&configuration, active_contacts, blocked).expect("a posture"), &closure);
@@ -150,7 +143,8 @@ fn form_closure_of_final_grasps_with_and_without_the_palm() {
         let without_palm = checked_closure(&scene, &last, &active_contacts, Blocked::Outputs);
         assert!(!without_palm.closed && !without_palm.necessary.is_met(), "{letter}");
 
-        let close_contacts = grasp_configuration(&scene, &last).gaps().expect("a posture").map(|gap| gap <= 1e-5);
+        let close_contacts = grasp_configuration(&scene, &last).contact_points().expect("a posture");
+        let close_contacts = close_contacts.map(|point| point.gap_m <= 1e-5);
         assert_eq!(close_contacts, PerContact { palm: palm_is_close, ..active_contacts }, "{letter}");
         let with_palm = PerContact { palm: true, ..active_contacts };
         let closure = checked_closure(&scene, &last, &with_palm, Blocked::Outputs);

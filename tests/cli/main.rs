@@ -21,6 +21,7 @@ mod select;
 mod set;
 mod size;
 mod status;
+mod study;
 #[cfg(unix)]
 mod terminal;
 mod untrusted_names;

@@ -5,21 +5,9 @@ use std::process::{Command, Stdio};
 
 use crate::support::cli::{EXPERIMENT_95, directory, phalanx, stderr, stdout, write};
 
-const COMMANDS: [&str; 13] = [
-    "new",
-    "run",
-    "validate",
-    "replay",
-    "scene",
-    "size",
-    "statics",
-    "volume",
-    "sweep",
-    "select",
-    "optimize",
-    "reproduce",
-    "study",
-];
+/// Commands with a manual page of their own; subcommands after a space.
+const PAGES: &str = "new,run,validate,replay,scene,size,statics,volume,sweep,select,reproduce,study,man,scene show,scene check,\
+                     scene schema,study stability,study step-size,sweep merge";
 
 /// Returns whether a shell accepts the syntax of a script; `None` if the shell is not installed.
 fn is_valid_script(shell: &str, file: &str) -> Option<bool> {
@@ -35,9 +23,8 @@ fn completion_scripts_contain_every_command_and_option() {
         let output = phalanx(&["completions", shell]);
         assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""), "{shell}");
         let script = stdout(&output);
-        for word in
-            COMMANDS.iter().chain(&["completions", "man", "--no-form-closed", "stability", "--quiet", "analytic"])
-        {
+        let words = PAGES.split([',', ' ']).chain(["completions", "--no-form-closed", "--quiet", "analytic"]);
+        for word in words {
             // fish lists options without dashes.
             let word = if shell == "fish" { word.trim_start_matches('-') } else { word };
             assert!(script.contains(word), "{shell}: no {word}");
@@ -68,23 +55,11 @@ fn every_command_has_a_manual_page_with_all_its_options() {
     let output = phalanx(&["man", &directory_text]);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
     assert!(stdout(&output).starts_with("wrote ") && stdout(&output).contains(&directory_text), "{}", stdout(&output));
-    let subcommands = [
-        &["scene", "show"][..],
-        &["scene", "check"],
-        &["scene", "schema"],
-        &["study", "stability"],
-        &["sweep", "merge"],
-    ];
-    let all = COMMANDS.iter().map(std::slice::from_ref).chain(subcommands).chain([
-        &["study", "step-size"][..],
-        &["man"],
-        &[],
-    ]);
-    for words in all {
-        let name = [&["phalanx"], words].concat().join("-");
+    for words in PAGES.split(',').map(|command| command.split(' ').collect::<Vec<_>>()).chain([Vec::new()]) {
+        let name = [&["phalanx"], &words[..]].concat().join("-");
         let page = fs::read_to_string(out.join(format!("{name}.1"))).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(page.contains(".TH ") && page.contains(".SH SYNOPSIS"), "{name}");
-        let help = phalanx(&[words, &["--help"]].concat());
+        let help = phalanx(&[&words[..], &["--help"]].concat());
         let help_options = options(stdout(&help));
         assert!(help_options.contains(&"--quiet"), "{name}: {help_options:?}");
         // roff escapes dashes.

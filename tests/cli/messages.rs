@@ -82,9 +82,7 @@ fn log_given_as_scene_is_rejected() {
 fn help_of_value_names_is_well_formed() {
     let output = phalanx(&["select", "--help"]);
     assert!(stdout(&output).contains("--bound <BOUND>") && stdout(&output).contains("COLUMN >= VALUE"));
-    for command in
-        ["run", "validate", "replay", "size", "statics", "volume", "sweep", "select", "optimize", "reproduce"]
-    {
+    for command in ["run", "validate", "replay", "size", "statics", "volume", "sweep", "select", "reproduce"] {
         let help = phalanx(&[command, "--help"]);
         let flags = stdout(&help).lines().filter(|line| line.trim_start().starts_with("--"));
         for line in flags {

@@ -4,7 +4,7 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use phalanx::drawing::poses;
 use phalanx::page::{MAX_SAMPLES, Note, Page, Picture, Playback, PlaybackRecorder, build_playback, render_page};
 use phalanx::scene::{self, Scene};
-use phalanx::trace::{FingerContact, Model, Sink, run};
+use phalanx::trace::{ContactSample, FingerContact, Model, Sink, run};
 use phalanx::validate::{Recording, record};
 use serde_json::Value;
 
@@ -79,24 +79,24 @@ fn page_contains_every_sample_bit_for_bit() {
         for name in ["object", "l11", "l12", "l21", "l22"] {
             assert!(names.contains(&name), "{name}");
         }
-        let contacts = list(&run["contacts"]);
-        assert_eq!(contacts.len(), 2);
-        for contact in contacts {
-            let contact_of = |sample: &phalanx::trace::Sample| match contact["name"].as_str() {
-                Some("proximal") => *sample.contact(FingerContact::Proximal),
-                _ => *sample.contact(FingerContact::Distal),
-            };
-            let same = |key: &str, value: &dyn Fn(&phalanx::trace::Sample) -> f64| {
-                assert_eq!(bits(column(run, &contact[key])), bits(samples.iter().map(value)), "{key}");
-            };
-            same("gap_m", &|s| contact_of(s).gap_m);
-            same("gap_rate_m_s", &|s| contact_of(s).gap_rate_m_s);
-            same("normal_n", &|s| contact_of(s).normal_n);
-            same("tangential_n", &|s| contact_of(s).tangential_n);
-            same("point_x_m", &|s| contact_of(s).point_m[0]);
-            same("point_y_m", &|s| contact_of(s).point_m[1]);
-            same("normal_x", &|s| contact_of(s).normal[0]);
-            same("normal_y", &|s| contact_of(s).normal[1]);
+        let quantities: [(&str, fn(&ContactSample) -> f64); 8] = [
+            ("gap_m", |contact| contact.gap_m),
+            ("gap_rate_m_s", |contact| contact.gap_rate_m_s),
+            ("normal_n", |contact| contact.normal_n),
+            ("tangential_n", |contact| contact.tangential_n),
+            ("point_x_m", |contact| contact.point_m[0]),
+            ("point_y_m", |contact| contact.point_m[1]),
+            ("normal_x", |contact| contact.normal[0]),
+            ("normal_y", |contact| contact.normal[1]),
+        ];
+        assert_eq!(list(&run["contacts"]).len(), 2);
+        for contact in list(&run["contacts"]) {
+            let is_proximal = contact["name"] == "proximal";
+            let of = if is_proximal { FingerContact::Proximal } else { FingerContact::Distal };
+            for (key, value) in quantities {
+                let expected = samples.iter().map(|sample| value(sample.contact(of)));
+                assert_eq!(bits(column(run, &contact[key])), bits(expected), "{key}");
+            }
         }
         let series = |panel: &str, name: &str| {
             let panel = list(&run["panels"]).iter().find(|each| each["title"] == panel).expect("a panel");
@@ -236,15 +236,12 @@ fn long_run_is_decimated_and_keeps_its_extremes() {
     assert!(recording.samples.len() > 70_000, "{}", recording.samples.len());
     let playback = recorder.into_playback("analytic", &scene, "");
     assert_eq!(playback.recorded, recording.samples.len());
-    assert!(
-        playback.times_s.len() <= MAX_SAMPLES && playback.times_s.len() > MAX_SAMPLES * 3 / 4,
-        "{}",
-        playback.times_s.len()
-    );
-    assert_eq!(playback.times_s[0], 0.0);
-    assert_eq!(playback.times_s.last(), recording.samples.last().map(|sample| &sample.time_s));
+    let times = &playback.columns[playback.time_s];
+    assert!((MAX_SAMPLES * 3 / 4..=MAX_SAMPLES).contains(&times.len()), "{}", times.len());
+    assert_eq!((times[0], times.last()), (0.0, recording.samples.last().map(|sample| &sample.time_s)));
     for (contact, largest) in playback.contacts.iter().zip(largest) {
-        assert_eq!(contact.normal_n.iter().copied().fold(0.0, f64::max), largest, "{}", contact.name);
+        let forces = &playback.columns[*contact.columns.get("normal_n").expect("a column")];
+        assert_eq!(forces.iter().copied().fold(0.0, f64::max), largest, "{}", contact.name);
     }
     let html = render_page(&page_with_runs("long", vec![playback]));
     assert_eq!(data(&html)["runs"][0]["recorded"], recording.samples.len());

@@ -31,8 +31,9 @@ fn tables_json_and_files_agree() {
         assert!(fs::read_to_string(out.join(name)).expect(name).starts_with("<svg"), "{name}");
     }
     let document = json(&phalanx(&["select", &file, "--json"]));
-    let saved: serde_json::Value =
+    let mut saved: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(out.join("selection.json")).expect("readable")).expect("JSON");
+    assert_eq!(saved.as_object_mut().expect("an object").remove("generator"), Some("phalanx".into()));
     assert_eq!(document, saved);
     assert_eq!((&document["selected"], &document["ranking"][0]["run"]), (&2.into(), &2.into()));
     // Scaled values of both runs: PFP 0 and 1; tts, F21 and F22 1 and 0.

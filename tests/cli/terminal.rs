@@ -116,32 +116,18 @@ fn tables_in_pipes_are_unwrapped_unless_columns_is_set() {
 #[test]
 fn help_fits_the_terminal_and_respects_colour_settings() {
     let is_styled = |text: &str| text.contains('\u{1b}');
-    for args in [
-        &["--help"][..],
-        &["run", "--help"],
-        &["validate", "--help"],
-        &["replay", "--help"],
-        &["scene", "show", "--help"],
-        &["volume", "--help"],
-        &["sweep", "--help"],
-        &["select", "--help"],
-        &["reproduce", "--help"],
-        &["study", "stability", "--help"],
-        &["study", "step-size", "--help"],
-        &["size", "--help"],
-        &["statics", "--help"],
-        &["new", "--help"],
-        &["completions", "--help"],
-        &["man", "--help"],
-        &["run", "-h"],
-    ] {
+    let commands = ",run ,validate ,replay ,scene show ,volume ,sweep ,select ,reproduce ,study stability ,study step-size ,size ,statics ,\
+                    new ,completions ,man ";
+    let long_help = commands.split(',').map(|command| format!("{command}--help"));
+    for command in long_help.chain(["run -h".to_string()]) {
+        let args: Vec<&str> = command.split(' ').collect();
         for columns in [80, 120] {
-            let uncoloured = run_on_terminal(columns, &[("NO_COLOR", "1")], args).screen;
+            let uncoloured = run_on_terminal(columns, &[("NO_COLOR", "1")], &args).screen;
             assert!(uncoloured.contains("Usage:") && !is_styled(&uncoloured), "{uncoloured}");
             let at_most = usize::from(columns).min(100);
             assert_eq!(wide_lines(&uncoloured, at_most), [""; 0], "{args:?} at {columns}");
         }
-        assert!(args.contains(&"-h") || run_on_terminal(80, &[("NO_COLOR", "1")], args).screen.contains("Examples:"));
+        assert!(args.contains(&"-h") || run_on_terminal(80, &[("NO_COLOR", "1")], &args).screen.contains("Examples:"));
     }
     assert!(is_styled(&run_on_terminal(80, &[], &["--help"]).screen));
     assert!(!is_styled(&run_on_terminal(80, &[("CLICOLOR", "0")], &["--help"]).screen));

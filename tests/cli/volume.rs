@@ -40,7 +40,7 @@ fn tables_and_json_agree() {
 #[test]
 fn files_contain_every_point_and_are_reproducible() {
     let out = directory("volume_files");
-    let path_in = |name: &str| out.join(name);
+    let read = |name: &str| fs::read_to_string(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
     let run = |format: &str, threads: &str| {
         let path = out.to_str().unwrap();
         let output =
@@ -48,70 +48,37 @@ fn files_contain_every_point_and_are_reproducible() {
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     };
     run("csv", "1");
-    let names = [
-        "table.txt",
-        "table.json",
-        "points.csv",
-        "page.html",
-        "slices-15.5mm-pfp.svg",
-        "slices-19mm-pfp.svg",
-        "slices-intersection-pfp.svg",
-        "slices-15.5mm-form-closed.svg",
-        "slices-19mm-form-closed.svg",
-        "slices-intersection-form-closed.svg",
-        "slices-15.5mm-mass.svg",
-        "slices-19mm-mass.svg",
-        "slices-intersection-mass.svg",
-    ];
-    let first: Vec<Vec<u8>> = names.iter().map(|name| fs::read(path_in(name)).unwrap()).collect();
-    let table_text = fs::read_to_string(path_in("table.txt")).unwrap();
-    assert!(names.iter().all(|name| table_text.contains(name)), "{table_text}");
+    let mut names = ["table.txt", "table.json", "points.csv", "page.html"].map(String::from).to_vec();
+    for region in ["15.5mm", "19mm", "intersection"] {
+        names.extend(["pfp", "form-closed", "mass"].map(|quantity| format!("slices-{region}-{quantity}.svg")));
+    }
+    let first: Vec<String> = names.iter().map(|name| read(name)).collect();
+    assert!(names.iter().all(|name| first[0].contains(name)), "{}", first[0]);
     run("csv", "2");
-    for (name, first) in names.iter().zip(first) {
-        assert!(fs::read(path_in(name)).unwrap() == first, "{name} differs");
-    }
+    assert!(names.iter().zip(first).all(|(name, first)| read(name) == first), "a file differs");
     run("parquet", "2");
-    let [text, binary] = ["points.csv", "points.parquet"].map(|name| table::read(&path_in(name)).unwrap());
-    assert_eq!(text.rows.len(), 240);
-    let column = |name: &str| text.columns.iter().position(|column| column.name == name).unwrap();
-    assert_eq!(text.columns.len(), binary.columns.len());
-    for (a, b) in text.rows.iter().zip(&binary.rows) {
-        assert!(a.iter().zip(b).all(|(a, b)| a == b), "{a:?}\n{b:?}");
-    }
+    let [text, binary] = ["points.csv", "points.parquet"].map(|name| table::read(&out.join(name)).unwrap());
+    assert_eq!((text.rows.len(), text.columns.len()), (240, binary.columns.len()));
+    assert!(text.rows.iter().flatten().zip(binary.rows.iter().flatten()).all(|(a, b)| a == b));
     // The shares are recomputed from the file.
-    let document: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(path_in("table.json")).unwrap()).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&read("table.json")).unwrap();
+    let column = |name: &str| text.columns.iter().position(|column| column.name == name).unwrap();
     for volume in document["volumes"].as_array().unwrap() {
-        let is = |row: &Vec<Value>, name: &str, value: &serde_json::Value| matches!(row[column(name)], Value::Number(actual) if Some(actual) == value.as_f64());
-        let in_table = text
-            .rows
-            .iter()
-            .filter(|row| is(row, "base_m", &volume["base_m"]) && is(row, "mu_static", &volume["mu_static"]));
-        let stable = in_table.filter(|row| row[column("force_positive")] == Value::Flag(true)).count();
+        let value = |name: &str| Value::Number(volume[name].as_f64().unwrap());
+        let (base, mu, stable) = (column("base_m"), column("mu_static"), column("force_positive"));
+        let of_volume = |row: &&Vec<Value>| row[base] == value("base_m") && row[mu] == value("mu_static");
+        let stable = text.rows.iter().filter(of_volume).filter(|row| row[stable] == Value::Flag(true)).count();
         assert!((volume["stable_percent"].as_f64().unwrap() - 100.0 * stable as f64 / 60.0).abs() < 1e-12);
     }
     assert!(document.get("wall_s").is_none(), "files do not contain the computing time");
-}
 
-#[test]
-fn pictures_are_complete_and_page_is_self_contained() {
-    let out = directory("volume_page");
-    let output = run_small(&["--out", out.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let svg = fs::read_to_string(out.join("slices-19mm-pfp.svg")).unwrap();
-    for part in ["<svg", "</svg>", "base 19 mm", "φ22 = 90°", "φ22 = 120°", "μ_s = 0.8", "% ", "r_l"] {
-        assert!(svg.contains(part.trim()), "{part}");
+    let svg = read("slices-19mm-pfp.svg");
+    for part in ["<svg", "</svg>", "base 19 mm", "φ22 = 90°", "φ22 = 120°", "μ_s = 0.8", "%", "r_l"] {
+        assert!(svg.contains(part) && !svg.contains("NaN"), "{part}");
     }
-    assert!(!svg.contains("NaN"));
-    let page = fs::read_to_string(out.join("page.html")).unwrap();
     // The only URL in the page is the SVG namespace, which is not requested.
-    let page_without_namespace = page.replace("http://www.w3.org/2000/svg", "");
-    assert!(
-        !page_without_namespace.contains("{{")
-            && !page_without_namespace.contains("http://")
-            && !page_without_namespace.contains("https://")
-    );
-    assert!(!page.contains(out.to_str().unwrap()), "the page does not contain local paths");
+    let page = read("page.html").replace("http://www.w3.org/2000/svg", "");
+    assert!(["{{", "http://", "https://", out.to_str().unwrap()].iter().all(|part| !page.contains(part)));
 }
 
 #[test]
@@ -130,33 +97,23 @@ fn scene_is_the_template() {
 
 #[test]
 fn missing_designs_are_reported() {
-    let output = phalanx(&["volume", "--base", "22 mm", "--mu-static", "0", "--resolution", "4", "--l21", "0,1"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     // A base without designs has shares of 0 and a warning. It is an error if no base has designs.
-    let one_base_without_designs = ["volume", "--base", "15.5 mm, 30 mm", "--mu-static", "0", "--resolution", "2"];
-    let output = phalanx(&one_base_without_designs);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let text = stdout(&output);
-    assert!(text.contains("8 of 8 points have no finger") && text.contains("must be below"), "{text}");
-    let warning = stderr(&output);
-    assert!(
-        warning.starts_with("warning: no design exists at a base of 30 mm: ") && warning.contains("below"),
-        "{warning}"
-    );
     let out = directory("volume_none");
-    let path = out.to_str().unwrap();
-    assert_eq!(phalanx(&[&one_base_without_designs[..], &["--out", path]].concat()).status.code(), Some(0));
+    let args = ["volume", "--base", "15.5 mm, 30 mm", "--mu-static", "0", "--resolution", "2", "--out"];
+    let output = phalanx(&[&args[..], &[out.to_str().unwrap()]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let (text, warning) = (stdout(&output), stderr(&output));
+    assert!(text.contains("8 of 8 points have no finger") && text.contains("must be below"), "{text}");
+    assert!(warning.starts_with("warning: no design exists at a base of 30 mm: "), "{warning}");
     let points = table::read(&out.join("points.csv")).unwrap();
     let reason = points.columns.iter().position(|column| column.name == "reason").unwrap();
-    let missing =
-        points.rows.iter().filter(|row| matches!(&row[reason], Value::Text(text) if text.contains("30.0000 mm")));
-    assert_eq!(missing.count(), 8);
+    let missing = |row: &&Vec<Value>| matches!(&row[reason], Value::Text(text) if text.contains("30.0000 mm"));
+    assert_eq!(points.rows.iter().filter(missing).count(), 8);
     let out = directory("volume_nothing").join("out");
     let output = phalanx(&["volume", "--base", "155mm", "--resolution", "3", "--out", out.to_str().unwrap()]);
     assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""));
-    let message = stderr(&output);
     for part in ["error: no design exists at a base of 155 mm", "must be below", "give another --base"] {
-        assert!(message.contains(part), "{part}: {message}");
+        assert!(stderr(&output).contains(part), "{part}: {}", stderr(&output));
     }
     assert!(!out.join("points.csv").exists());
 }

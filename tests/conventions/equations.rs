@@ -69,6 +69,7 @@ fn equation_index() -> BTreeMap<Number, Vec<String>> {
         "crates/core/src",
         "crates/show/src",
         "crates/log/src",
+        "crates/thesis/src",
         "src",
     ] {
         collect_sources(&root.join(directory), &mut files);

@@ -143,13 +143,19 @@ const SHOW: CrateLayers = CrateLayers {
     layers: &["format", "plot", "playback", "report", "explorer"],
     dependencies: &["phalanx_core"],
 };
+/// What reproduces the thesis; may use the core and its reports.
+const THESIS: CrateLayers = CrateLayers {
+    root: "crates/thesis/src",
+    layers: &["monitor", "text", "volume", "stability", "step_size", "reproduce"],
+    dependencies: &["phalanx_core", "phalanx_show"],
+};
 /// The command line and its studies; may use all crates.
 const SHELL: CrateLayers = CrateLayers {
     root: "src",
     layers: &["files", "scene", "table", "validate", "study", "live", "format", "plot", "page", "report", "cli"],
-    dependencies: &["phalanx_core", "phalanx_log", "phalanx_show"],
+    dependencies: &["phalanx_core", "phalanx_log", "phalanx_show", "phalanx_thesis"],
 };
-const CRATE_LAYERS: [CrateLayers; 6] = [MECHANICS, INTEGRATOR, SCENE, CORE, SHOW, SHELL];
+const CRATE_LAYERS: [CrateLayers; 7] = [MECHANICS, INTEGRATOR, SCENE, CORE, SHOW, THESIS, SHELL];
 
 /// Whether `crates/show` may use a module: modules of the core and those that it re-exports.
 fn is_available_to_show(layer: &str) -> bool {
@@ -180,13 +186,14 @@ fn modules_depend_only_on_lower_modules() {
     }
 }
 
-const CRATES: [&str; 7] = [
+const CRATES: [&str; 8] = [
     "phalanx_mechanics",
     "phalanx_integrator",
     "phalanx_scene",
     "phalanx_core",
     "phalanx_log",
     "phalanx_show",
+    "phalanx_thesis",
     "phalanx",
 ];
 
@@ -204,7 +211,7 @@ fn used_crates(text: &str) -> Vec<&'static str> {
     CRATES.into_iter().filter(is_named).collect()
 }
 
-/// The shell depends on `show` and `log`, these on the core, the core on scenes and the integrator, and those on
+/// The shell depends on `thesis`, `show` and `log`, these on the core, the core on scenes and the integrator, and those on
 /// mechanics. This includes the unit tests.
 #[test]
 fn crates_depend_only_on_lower_crates() {

@@ -5,8 +5,8 @@ use crate::support::designs::{THIRDS, design_95, sweep_designs};
 use crate::support::statics::{Grasp, Random, check_certificate, grasp};
 use phalanx::gripper::{FingerContact, close_loop};
 use phalanx::statics::{
-    Blocked, Certificate, Decision, FormClosure, GraspConfiguration, GripperRow, PerContact, Row, RowKind, Unilateral,
-    Unknown, decide_by_linear_program, decide_form_closure, form_closure, gripper_closure, gripper_unilateral,
+    Blocked, Certificate, Decision, FormClosure, GraspConfiguration, PerContact, Row, RowKind, Unilateral, Unknown,
+    decide_by_linear_program, decide_form_closure, form_closure, gripper_closure, gripper_unilateral,
 };
 
 const ALL: PerContact<bool> = PerContact { phalanges: [[true; 2]; 2], palm: true };
@@ -54,13 +54,13 @@ fn mirrored<'a>(configuration: &GraspConfiguration<'a>) -> GraspConfiguration<'a
     }
 }
 
-fn decide_with_certificate(u: &Unilateral<GripperRow>) -> FormClosure<GripperRow> {
+fn decide_with_certificate(u: &Unilateral) -> FormClosure {
     let closure = decide_form_closure(u).expect("a decision");
     check_certificate(u, &closure);
     closure
 }
 
-fn multipliers<R>(closure: &FormClosure<R>) -> Option<&[f64]> {
+fn multipliers(closure: &FormClosure) -> Option<&[f64]> {
     match &closure.certificate {
         Certificate::Multipliers { values, .. } => Some(values),
         Certificate::Motion { .. } => None,
@@ -78,7 +78,7 @@ fn symmetric_grasp_agrees_with_one_finger_and_its_mirror_image() {
         assert_eq!(gripper.closed, symmetric_finger.closed, "{design:?}");
         assert_eq!(gripper.necessary, symmetric_finger.necessary);
         assert!((gripper.margin.expect("signs") - symmetric_finger.margin.expect("signs")).abs() < 1e-6, "{design:?}");
-        let rows: Vec<GripperRow> = symmetric_finger.rows.iter().map(|row| GripperRow::Hand(*row)).collect();
+        let rows: Vec<Row> = symmetric_finger.rows.iter().map(|row| *row).collect();
         assert_eq!(gripper.rows, rows);
         for (a, b) in
             multipliers(&gripper).into_iter().flatten().zip(multipliers(&symmetric_finger).into_iter().flatten())
@@ -94,13 +94,13 @@ fn symmetric_grasp_agrees_with_one_finger_and_its_mirror_image() {
 fn gaps_identify_the_contacts() {
     let grasp = grasp(&design_95()).unwrap();
     let configuration = symmetric(&grasp);
-    let gaps = configuration.gaps().expect("a posture");
+    let gaps = configuration.contact_points().expect("a posture").map(|point| point.gap_m);
     assert_eq!(gaps.map(|gap| gap <= 1e-9), ALL, "{gaps:?}");
     let lifted = GraspConfiguration {
         object: configuration.object.at([0.0, configuration.object.centre_m[1] + 1e-4]),
         ..configuration
     };
-    let gaps = lifted.gaps().expect("a posture");
+    let gaps = lifted.contact_points().expect("a posture").map(|point| point.gap_m);
     assert!((gaps.palm - 1e-4).abs() < 1e-12, "{gaps:?}");
     // The tips are above the object and stay in contact; the proximal phalanges lean away.
     assert_eq!(gaps.map(|gap| gap <= 1e-9).phalanges, [[false, true]; 2], "{gaps:?}");
@@ -122,7 +122,7 @@ fn differential_with_only_the_input_blocked_is_not_form_closed() {
     assert_eq!([count.contacts, count.motors, count.hand, count.object], [5, 1, 4, 2]);
     assert!(!count.is_met() && !input.closed);
     let Certificate::Motion { rates, .. } = &input.certificate else { panic!("{input:?}") };
-    let input_row = input.rows.iter().position(|row| *row == GripperRow::Input).expect("an input");
+    let input_row = input.rows.iter().position(|row| *row == Row::Input).expect("an input");
     assert!(rates[input_row] >= 0.0);
     // In the free motion one finger opens, which the blocked input does not prevent.
     let two_motors = gripper_unilateral(&configuration, &ALL, Blocked::Outputs).expect("a posture");
@@ -153,16 +153,14 @@ fn mirrored_grasps_have_equal_closure() {
             else {
                 continue;
             };
-            let mirror_row = |row: GripperRow| match row {
-                GripperRow::Hand(Row::Contact { finger, site }) => {
-                    GripperRow::Hand(Row::Contact { finger: 1 - finger, site })
-                }
-                GripperRow::Hand(Row::Motor { finger }) => GripperRow::Hand(Row::Motor { finger: 1 - finger }),
+            let mirror_row = |row: Row| match row {
+                Row::Contact { finger, site } => Row::Contact { finger: 1 - finger, site },
+                Row::Motor { finger } => Row::Motor { finger: 1 - finger },
                 same => same,
             };
             // Multipliers relative to the palm's, because each set is scaled by its own right motor.
-            let palm = |closure: &FormClosure<GripperRow>, values: &[f64]| {
-                values[closure.rows.iter().position(|row| *row == GripperRow::Hand(Row::Palm)).expect("a palm")]
+            let palm = |closure: &FormClosure, values: &[f64]| {
+                values[closure.rows.iter().position(|row| *row == Row::Palm).expect("a palm")]
             };
             for (row, value) in original.rows.iter().zip(original_values) {
                 let index = mirrored_closure
@@ -253,20 +251,20 @@ fn rows_are_the_rates_of_gaps_and_drives() {
                 Unknown::Distal { finger } => rate(&|configuration| tip_angle(configuration, finger)),
             })
             .collect();
-        let by_row = |u: &Unilateral<GripperRow>, index: usize| -> f64 {
+        let by_row = |u: &Unilateral, index: usize| -> f64 {
             u.row(index).iter().zip(&motion).map(|(entry, w)| entry * w).sum()
         };
         for (index, row) in u.rows.iter().enumerate() {
             let actual = match *row {
-                GripperRow::Hand(Row::Contact { finger, site }) => {
+                Row::Contact { finger, site } => {
                     let tip = usize::from(site == FingerContact::Distal);
                     // The contact point moves along a face, but is fixed at an end.
                     at_ends += usize::from(at_end(&configuration, finger, tip));
-                    rate(&|configuration| configuration.gaps().expect("closed").phalanges[finger][tip])
+                    rate(&|configuration| configuration.contact_points().expect("closed").phalanges[finger][tip].gap_m)
                 }
-                GripperRow::Hand(Row::Palm) => vy,
-                GripperRow::Hand(Row::Motor { finger }) => qd11[finger],
-                GripperRow::Input => unreachable!("outputs are blocked"),
+                Row::Palm => vy,
+                Row::Motor { finger } => qd11[finger],
+                Row::Input => unreachable!("outputs are blocked"),
             };
             let error = (by_row(&u, index) - actual).abs();
             assert!(
@@ -275,7 +273,7 @@ fn rows_are_the_rates_of_gaps_and_drives() {
             );
         }
         let last = input.rows.len() - 1;
-        assert_eq!(input.rows[last], GripperRow::Input);
+        assert_eq!(input.rows[last], Row::Input);
         assert!((by_row(&input, last) - 0.5 * (qd11[0] + qd11[1])).abs() < 1e-4);
     }
     assert!(at_ends > 20, "{at_ends} contacts at ends of phalanges: both kinds must occur");

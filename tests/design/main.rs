@@ -1,4 +1,4 @@
-//! Tests of the design work: sizing, statics, volumes, sweeps, selection, studies.
+//! Tests of the design work: sizing, statics, sweeps, selection, reproduction.
 //!
 //! The tests form one program, because linking dominates the build time of test programs.
 
@@ -11,9 +11,6 @@ mod gripper_design;
 mod gripper_mass;
 mod gripper_posture;
 mod hold;
-mod optimize_runs;
-mod optimize_search;
-mod optimize_study;
 mod reproduce;
 mod select;
 mod shapes;
@@ -24,8 +21,6 @@ mod statics_counts;
 mod statics_forces;
 mod statics_gripper;
 mod statics_simulated;
-mod study_stability;
-mod study_step_size;
 mod sweep_in_memory;
 mod sweep_resume;
 mod sweep_runs;
@@ -33,4 +28,3 @@ mod sweep_shards;
 mod sweep_study;
 mod sweep_verdicts;
 mod table;
-mod volume_kernel;

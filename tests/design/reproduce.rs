@@ -1,54 +1,47 @@
 //! Reproduction of the thesis: expected values, and agreement of all report formats.
 
-use std::collections::HashSet;
 use std::fs;
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout};
 use phalanx::format::ToReport;
-use phalanx::format::report::{Block, Report};
+use phalanx::format::report::Block;
 use phalanx::page::report_page;
-use phalanx::report::reproduce::{Comparison, ReproductionReport, Verdict, comparisons};
-use phalanx::study::reproduce::{Reproduction, Variation, computed_values, figures, reproduce};
+use phalanx::report::reproduce::{ReproductionReport, reproduce};
+use phalanx::thesis::Monitor;
+use phalanx::thesis::reproduce::{Comparison, Reproduction, Verdict, computed_values, figures};
 use serde_json::Value;
 
 /// A single test, because the reproduction takes seconds.
 #[test]
 fn reproduces_the_thesis() {
     let mut steps = Vec::new();
-    let reproduction =
-        reproduce(false, 0, &mut |done, total, name| steps.push((done, total, name.to_string())), &|| true)
-            .unwrap_or_else(|error| panic!("{error}"));
-    assert!(steps.iter().enumerate().all(|(index, step)| step.0 == index && step.1 == steps.len()), "{steps:?}");
-
-    let all = comparisons(&reproduction);
-    check_completeness(&reproduction);
-    check_expected_values(&all);
-    check_variations(&reproduction);
-    check_grid_influence(&reproduction);
-    let report = ReproductionReport::new(&reproduction);
-    let paper = report.paper();
-    check_formats(&report, &all, &paper);
+    let monitor = Monitor::new(|done, total, _| steps.push((done, total)), &|| true);
+    let found = reproduce(false, 0, &monitor).unwrap_or_else(|error| panic!("{error}"));
+    drop(monitor);
+    assert!(steps.into_iter().eq((0..6).map(|done| (done, 6))));
+    check_completeness(&found.reproduction);
+    check_expected_values(&found.reproduction.comparisons);
+    check_variations(&found.reproduction);
+    check_grid_influence(&found.reproduction);
+    check_formats(&found.reproduction, &ReproductionReport::new(&found));
 }
 
 fn check_completeness(reproduction: &Reproduction) {
-    let values = computed_values(reproduction);
-    let keys: HashSet<&str> = figures().iter().map(|figure| figure.key.as_str()).collect();
+    let mut values = computed_values(reproduction);
     for figure in figures() {
-        assert!(values.get(&figure.key).is_some_and(|value| value.is_finite()), "{} is not computed", figure.key);
+        assert!(values.remove(&figure.key).is_some_and(f64::is_finite), "{} is not computed", figure.key);
     }
-    let unused: Vec<_> = values.keys().filter(|key| !keys.contains(key.as_str())).collect();
-    assert!(unused.is_empty(), "computed, but not compared: {unused:?}");
+    assert!(values.is_empty(), "computed, but not compared: {values:?}");
 }
 
 fn check_expected_values(all: &[Comparison]) {
-    let outside: Vec<_> = all.iter().filter(|entry| entry.verdict == Verdict::Outside).collect();
-    let failures: Vec<_> =
-        outside.iter().map(|entry| (entry.figure, entry.ours_text(), entry.expected_text())).collect();
+    let outside = all.iter().filter(|entry| entry.verdict == Verdict::Outside);
+    let outside: Vec<_> = outside.map(|entry| (entry.key, entry.ours_text(), entry.expected_text())).collect();
     // `phalanx reproduce` then exits with status 0.
-    assert!(outside.is_empty(), "{failures:?}");
+    assert!(outside.is_empty(), "{outside:?}");
     assert!(all.iter().filter(|entry| entry.verdict == Verdict::Inside).count() >= 40);
     // Values from the specification, independent of the file of figures.
-    let computed = |key: &str| all.iter().find(|entry| entry.figure == key).expect(key).computed;
+    let computed = |key: &str| all.iter().find(|entry| entry.key == key).expect(key).computed;
     assert_eq!((computed("statics.form_closed"), computed("statics.form_closed_quarters")), (22.0, 13.0));
     assert_eq!((computed("statics.stable_mu_0"), computed("statics.stable_mu_0.8")), (136.0, 160.0));
     assert!(
@@ -80,14 +73,16 @@ fn check_expected_values(all: &[Comparison]) {
 
 /// The counts differ by at most three from the study in every variation.
 fn check_variations(reproduction: &Reproduction) {
-    let chaos = &reproduction.chaos;
-    for (condition, counts) in chaos.stable.iter().enumerate() {
-        assert_eq!(counts[0], reproduction.selection.classes[condition].dynamically_stable());
-        let (in_all, in_any) = (chaos.stable_in_all[condition], chaos.stable_in_any[condition]);
-        assert!(counts.iter().all(|&count| count.abs_diff(counts[0]) <= 3 && in_all <= count && count <= in_any));
+    let (chaos, simulations) = (&reproduction.near_chaotic, &reproduction.simulations);
+    let computed = computed_values(reproduction);
+    for (counts, key) in chaos.conditions.iter().zip(["sweep.stable_mu_0", "sweep.stable_mu_0.8"]) {
+        assert_eq!(counts.study as f64, computed[key]);
+        for count in counts.by_variation {
+            assert!(count.abs_diff(counts.study) <= 3 && counts.in_all <= count && count <= counts.in_any);
+        }
     }
+    assert_eq!((chaos.conditions.len(), simulations.runs.len()), (2, 384));
     assert!(chaos.class_changes.iter().all(|change| change.classes.iter().any(|class| *class != change.class)));
-    assert!(chaos.class_changes.iter().all(|change| change.classes.len() == Variation::ALL.len()));
 }
 
 fn check_grid_influence(reproduction: &Reproduction) {
@@ -103,67 +98,54 @@ fn check_grid_influence(reproduction: &Reproduction) {
     }
 }
 
-fn check_formats(report: &ReproductionReport<'_>, all: &[Comparison], paper: &Report) {
-    let titles: Vec<&str> = paper.headings().collect();
-    assert_eq!(titles.len(), 9, "{titles:?}");
+fn check_formats(reproduction: &Reproduction, report: &ReproductionReport<'_>) {
+    let paper = reproduction.paper();
+    assert_eq!(paper.headings().count(), 9);
     let mut title = "";
     for (index, block) in paper.blocks.iter().enumerate() {
-        match block {
+        let is_complete = match block {
             Block::Heading(heading) => {
-                let next = paper.blocks.get(index + 1);
-                assert!(next.is_some_and(|block| !matches!(block, Block::Heading(_))), "{heading} is empty");
                 title = heading;
+                !matches!(paper.blocks.get(index + 1), None | Some(Block::Heading(_)))
             }
+            // The header is a row.
             Block::Table(table) => {
-                // The header is a row.
-                assert!(table.rows.len() > 1 && !table.caption.is_empty(), "{title}: an empty table");
                 let columns = table.rows[0].len();
-                assert!(
-                    table.rows.iter().all(|row| row.len() == columns),
-                    "{}: rows of different lengths",
-                    table.caption
-                );
+                table.rows.len() > 1 && !table.caption.is_empty() && table.rows.iter().all(|row| row.len() == columns)
             }
             Block::Figure(figure) => {
-                let complete = figure.svg.starts_with("<svg") && !figure.svg.contains("NaN");
-                assert!(complete && !figure.caption.is_empty(), "{}", figure.file);
+                figure.svg.starts_with("<svg") && !figure.svg.contains("NaN") && !figure.caption.is_empty()
             }
-            Block::Notes(notes) => assert!(!notes.is_empty() && notes.iter().all(|note| note.len() > 10)),
-            Block::Lines(text) | Block::Paragraph(text) => assert!(text.trim().len() > 20, "{text:?}"),
-            Block::Text(text) => assert!(!text.id.is_empty() && !text.text.is_empty(), "{}", text.title),
-        }
+            Block::Notes(notes) => !notes.is_empty() && notes.iter().all(|note| note.len() > 10),
+            Block::Lines(text) | Block::Paragraph(text) => text.trim().len() > 20,
+            Block::Text(text) => !text.id.is_empty() && !text.text.is_empty(),
+        };
+        assert!(is_complete, "{title}: {block:?}");
     }
 
     let document: Value = serde_json::from_str(&report.json()).expect("JSON");
     let listed = document["figures"].as_array().expect("figures");
-    assert_eq!((listed.len(), &document["outside"]), (all.len(), &Value::from(outside(all))));
-    let html = report_page(paper);
-    for entry in listed {
-        let (key, value) = (entry["figure"].as_str().expect("a key"), entry["ours"].as_f64().expect("a number"));
-        let mark = format!("data-figure=\"{key}\" data-si=\"");
-        let shown: Vec<&str> = html.split(&mark).skip(1).collect();
-        assert!(!shown.is_empty(), "{key} is not in the page");
-        let comparison = all.iter().find(|entry| entry.figure == key).expect(key);
+    assert_eq!((listed.len(), &document["outside"]), (figures().len(), &Value::from(0)));
+    let (html, markdown) = (report_page(&paper), paper.markdown());
+    for (entry, comparison) in listed.iter().zip(&reproduction.comparisons) {
+        let key = comparison.key;
+        let value = entry["ours"].as_f64().expect("a number");
+        assert_eq!(entry["figure"], key);
         // The JSON parser may be wrong in the last bit.
         assert!((comparison.computed - value).abs() <= 2.0 * f64::EPSILON * value.abs(), "{key}");
-        for cell in shown {
+        let mark = format!("data-figure=\"{key}\" data-si=\"");
+        assert!(html.contains(&mark), "{key} is not in the page");
+        for cell in html.split(&mark).skip(1) {
             let (si, rest) = cell.split_once("\">").expect("a cell");
             assert_eq!(si.parse::<f64>().expect("a number"), comparison.computed, "{key}");
             assert_eq!(rest.split('<').next(), Some(comparison.ours_text().as_str()), "{key}");
         }
+        assert!(markdown.contains(&comparison.ours_text()), "{key}");
     }
     // The page loads no external resources: the only addresses are SVG namespaces.
-    assert_eq!(
-        html.matches("http").count(),
-        html.matches("http://www.w3.org/2000/svg").count() + html.matches("http-equiv").count()
-    );
-    let markdown = paper.markdown();
-    assert!(all.iter().all(|entry| markdown.contains(&entry.ours_text())));
-    assert_eq!(report_page(&report.paper()), html, "the page is reproducible");
-}
-
-fn outside(all: &[Comparison]) -> usize {
-    all.iter().filter(|entry| entry.verdict == Verdict::Outside).count()
+    let addresses = ["http://www.w3.org/2000/svg", "http-equiv"].map(|address| html.matches(address).count());
+    assert_eq!(html.matches("http").count(), addresses.iter().sum::<usize>());
+    assert_eq!(report_page(&reproduction.paper()), html, "the page is reproducible");
 }
 
 /// A quick run does not judge volumes; all judged values are as expected.
@@ -173,8 +155,9 @@ fn command_writes_its_files() {
     let output = phalanx(&["reproduce", "--quick", "--json", "--out", out.to_str().expect("plain text")]);
     assert_eq!(output.status.code(), Some(0), "{}\n{}", stdout(&output), stderr(&output));
     let document = json(&output);
-    let saved: Value =
+    let mut saved: Value =
         serde_json::from_str(&fs::read_to_string(out.join("report.json")).expect("report.json")).expect("JSON");
+    saved.as_object_mut().expect("an object").remove("generator");
     assert_eq!((&document, &document["outside"]), (&saved, &Value::from(0)));
     let volumes = document["figures"].as_array().expect("figures").iter().filter(|entry| entry["section"] == "volumes");
     assert!(volumes.clone().count() > 40 && volumes.clone().all(|entry| entry["verdict"] == "not judged"));

@@ -120,6 +120,7 @@ fn free_motion_opens_the_gaps_as_predicted() {
                     rate_of(finger, |displaced| displaced.gaps_m[0])
                 }
                 Row::Contact { finger, .. } => rate_of(finger, |displaced| displaced.gaps_m[1]),
+                Row::Input => unreachable!("each finger has its own motor"),
             };
             let scale = values[2..].iter().fold(1e-3, |largest: f64, v| largest.max(0.03 * v.abs()));
             assert!((actual - rate).abs() < 1e-5 * scale.max(rate.abs()), "{row:?}: {actual:e}, not {rate:e}");

@@ -1,20 +1,29 @@
 //! `phalanx statics` for a gripper: output, plot and rejected input.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use crate::support::cli::{directory, json, phalanx, stderr, stdout};
+use crate::support::cli::{assert_contains, assert_rejected, directory, succeed, succeed_json};
+use crate::support::statics::{assert_units, number};
 
 const GRIPPER: &str = "scenes/gripper/design-95.toml";
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
-}
+const CYCLE: &str = "scenes/gripper/cycle.toml";
 
 fn statics(args: &[&str]) -> Value {
-    let arguments: Vec<&str> = [&["statics"], args, &["--json"]].concat();
-    let output = phalanx(&arguments);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
-    json(&output)
+    succeed_json(&[&["statics"], args].concat())
+}
+
+fn count(list: &Value) -> usize {
+    list.as_array().map_or(0, Vec::len)
+}
+
+fn contact_names(document: &Value) -> Vec<&str> {
+    let contacts = document["contacts"].as_array().expect("contacts").iter();
+    contacts.map(|contact| contact["place"].as_str().expect("a name")).collect()
+}
+
+/// Whether two limits agree; both may be infinite.
+fn agree(a: f64, b: f64, relative: f64) -> bool {
+    a == b || (a - b).abs() < relative * (1.0 + b.abs())
 }
 
 fn directions(document: &Value) -> &Vec<Value> {
@@ -61,31 +70,27 @@ fn balance_residual(document: &Value, direction: &Value, balance: &Value) -> [f6
 fn default_posture_is_the_end_of_a_run() {
     let document = statics(&[GRIPPER]);
     let posture = &document["posture"];
-    assert_eq!((posture["source"].as_str(), posture["fate"].as_str()), (Some("run"), Some("held")));
+    assert_eq!((&posture["source"], &posture["fate"]), (&json!("run"), &json!("held")));
     assert!((number(&posture["time_s"]) - 0.02).abs() < 1e-12);
     // 6-gripper §6.12, case a.
     assert!((number(&posture["right"]["q21_rad"]) - 1.145120659).abs() < 1e-5, "{posture}");
     assert!((number(&posture["y_m"]) - 20.29229617e-3).abs() < 1e-7, "{posture}");
-    let contacts = document["contacts"].as_array().expect("contacts");
-    let names: Vec<&str> = contacts.iter().filter_map(|contact| contact["place"].as_str()).collect();
-    assert_eq!(names, ["right_proximal", "right_distal", "left_proximal", "left_distal"]);
+    assert_eq!(contact_names(&document), ["right_proximal", "right_distal", "left_proximal", "left_distal"]);
     // Both fingers have equal normal and friction forces.
+    let contacts = document["contacts"].as_array().expect("contacts");
     for (contact, [normal_n, tangential_n]) in contacts.iter().zip([[20.46, 4.490], [8.690, -0.1446]].repeat(2)) {
         assert!((number(&contact["normal_n"]) - normal_n).abs() < 5e-3 && number(&contact["gap_m"]) < 0.0, "{contact}");
         assert!((number(&contact["tangential_n"]) - tangential_n).abs() < 5e-3, "{contact}");
     }
     // The report of the run agrees.
-    let run = json(&phalanx(&["run", GRIPPER, "--json"]));
-    let [single_command, in_run] = [&document["holds"][0], &run["grasp"]].map(|entry| entry["force_closure"].clone());
+    let run = succeed_json(&["run", GRIPPER]);
     for key in ["q1_l1", "q1_linf"] {
-        assert!((number(&single_command[key]) - number(&in_run[key])).abs() < 1e-9, "{single_command} {in_run}");
+        let both = [&document["holds"][0], &run["grasp"]].map(|entry| number(&entry["force_closure"][key]));
+        assert!((both[0] - both[1]).abs() < 1e-9, "{key}: {both:?}");
     }
     let closure = &document["form_closure"][0];
-    assert_eq!(
-        (closure["blocked"].as_str(), &closure["closure"]["closed"]),
-        (Some("outputs"), &run["grasp"]["form_closed"])
-    );
-    assert_eq!(document["form_closure"].as_array().map(Vec::len), Some(1));
+    assert_eq!((count(&document["form_closure"]), &closure["blocked"]), (1, &json!("outputs")));
+    assert_eq!(closure["closure"]["closed"], run["grasp"]["form_closed"]);
 
     assert_eq!(directions(&document).len(), 24);
     let mut limited = 0;
@@ -98,7 +103,7 @@ fn default_posture_is_the_end_of_a_run() {
             limited += 1;
             let residual = balance_residual(&document, direction, balance);
             assert!(residual.iter().all(|component| component.abs() < 1e-8), "{residual:?} of {direction}");
-            let limiting = ["slips", "leaves", "brakes_slip"].map(|key| balance[key].as_array().map_or(0, Vec::len));
+            let limiting = ["slips", "leaves", "brakes_slip"].map(|key| count(&balance[key]));
             assert!(limiting.iter().sum::<usize>() > 0 && number(&balance["gap"]) < 1e-9, "{balance}");
         }
         assert!(limit(&direction["blocked"]) >= limit(&direction["at_torque"]) * (1.0 - 1e-9), "{direction}");
@@ -113,12 +118,9 @@ fn mirrored_grippers_have_mirrored_limits() {
     for drive_mode in ["blocked", "at_torque"] {
         let (right, left) = (limits(&right, drive_mode), limits(&left, drive_mode));
         for index in 0..24 {
-            let (right_limit, left_limit) = (right[index], left[(36 - index) % 24]);
             // Both runs agree within the accuracy of a run.
-            assert!(
-                right_limit == left_limit || (right_limit - left_limit).abs() < 1e-3 * (1.0 + right_limit.abs()),
-                "{drive_mode} {index}: {right_limit} {left_limit}"
-            );
+            let (right, left) = (right[index], left[(36 - index) % 24]);
+            assert!(agree(left, right, 1e-3), "{drive_mode} {index}: {right} {left}");
         }
     }
 }
@@ -126,28 +128,18 @@ fn mirrored_grippers_have_mirrored_limits() {
 #[test]
 fn postures_can_be_geometric_or_given() {
     let geometric = statics(&[GRIPPER, "--posture", "geometric"]);
-    assert_eq!(geometric["contacts"].as_array().map(Vec::len), Some(5));
+    assert_eq!(count(&geometric["contacts"]), 5);
     assert!(geometric["posture"]["time_s"].is_null() && geometric["contacts"][0]["normal_n"].is_null());
     // The five contacts form-close the object with both driven links blocked.
-    assert_eq!(geometric["form_closure"][0]["closure"]["closed"], Value::Bool(true));
+    assert_eq!(geometric["form_closure"][0]["closure"]["closed"], true);
     let right = &geometric["posture"]["right"];
     let (q11, q21) = (number(&right["q11_rad"]), number(&right["q21_rad"]));
-    let given_posture = statics(&[GRIPPER, "--posture", &format!("q11={q11} rad, q21={q21} rad")]);
-    assert_eq!(given_posture["posture"]["source"], "given");
-    let contact_names = |document: &Value| -> Vec<String> {
-        let contacts = document["contacts"].as_array().expect("contacts").iter();
-        contacts.map(|contact| contact["place"].as_str().expect("a name").to_string()).collect()
-    };
-    assert_eq!(contact_names(&given_posture), contact_names(&geometric));
+    let given = statics(&[GRIPPER, "--posture", &format!("q11={q11} rad, q21={q21} rad")]);
+    assert_eq!(given["posture"]["source"], "given");
+    assert_eq!(contact_names(&given), contact_names(&geometric));
     for drive_mode in ["blocked", "at_torque"] {
-        for (given_posture, geometric) in
-            limits(&given_posture, drive_mode).into_iter().zip(limits(&geometric, drive_mode))
-        {
-            assert!(
-                given_posture == geometric || (given_posture - geometric).abs() < 1e-6 * (1.0 + geometric.abs()),
-                "{drive_mode}"
-            );
-        }
+        let mut both = limits(&given, drive_mode).into_iter().zip(limits(&geometric, drive_mode));
+        assert!(both.all(|(given, geometric)| agree(given, geometric, 1e-6)), "{drive_mode}");
     }
     // One finger is rotated away, which changes the contacts.
     let rotated = format!("q11={q11} rad, q21={q21} rad, q11_l={} rad, q21_l={} rad", q11 - 0.05, q21 - 0.05);
@@ -156,129 +148,80 @@ fn postures_can_be_geometric_or_given() {
 
 #[test]
 fn limits_increase_with_friction_and_a_time_can_be_set() {
-    const CYCLE: &str = "scenes/gripper/cycle.toml";
     // The motors are blocked and the object is not lifted yet.
     let document = statics(&[CYCLE, "--at", "18 ms", "--mu-static", "0.2,0.4,0.8", "--every", "30 deg"]);
-    assert!((number(&document["posture"]["time_s"]) - 0.018).abs() < 1e-12, "{}", document["posture"]);
-    assert_eq!(
-        (number(&document["motors"][0]["torque_n_m"]), number(&document["motors"][0]["brake_max_n_m"])),
-        (0.48, 2.0)
-    );
+    let time_s = |document: &Value| number(&document["posture"]["time_s"]);
+    assert!((time_s(&document) - 0.018).abs() < 1e-12, "{}", document["posture"]);
+    let motor = &document["motors"][0];
+    assert_eq!((number(&motor["torque_n_m"]), number(&motor["brake_max_n_m"])), (0.48, 2.0));
     let holds = document["holds"].as_array().expect("holds");
-    let all: Vec<Vec<f64>> = holds
-        .iter()
-        .map(|holds| {
-            holds["accelerations"].as_array().expect("directions").iter().map(|d| limit(&d["blocked"])).collect()
-        })
-        .collect();
+    let blocked = |case: &Value| -> Vec<f64> {
+        case["accelerations"].as_array().expect("directions").iter().map(|d| limit(&d["blocked"])).collect()
+    };
+    let all: Vec<Vec<f64>> = holds.iter().map(blocked).collect();
     assert_eq!((all.len(), all[0].len()), (3, 12));
-    assert!(
-        all.windows(2).all(|pair| pair[0].iter().zip(&pair[1]).all(|(lower, upper)| *upper >= lower - 1e-9)),
-        "{all:?}"
-    );
+    let increases = |pair: &[Vec<f64>]| pair[0].iter().zip(&pair[1]).all(|(lower, upper)| *upper >= lower - 1e-9);
+    assert!(all.windows(2).all(increases), "{all:?}");
     let q1: Vec<f64> = holds.iter().map(|holds| number(&holds["force_closure"]["q1_l1"])).collect();
     assert!(q1[0] < q1[1] && q1[1] < q1[2], "{q1:?}");
     // The fingers have released at the end; the default is the time before.
     let end = statics(&[CYCLE, "--every", "90 deg", "--motor", "300 N*mm"]);
-    assert!((number(&end["posture"]["time_s"]) - 0.35).abs() < 1e-9, "{}", end["posture"]);
+    assert!((time_s(&end) - 0.35).abs() < 1e-9, "{}", end["posture"]);
     assert_eq!(number(&end["motors"][1]["torque_n_m"]), 0.3);
     // The transfer accelerates by at most 7.5 × 305 mm/(200 ms)², which friction holds; a larger acceleration can be balanced.
     let transfer = statics(&[CYCLE, "--at", "150 ms", "--every", "90 deg"]);
     assert!(limits(&transfer, "blocked")[0] > 7.5 * 0.305 / 0.04, "{:?}", limits(&transfer, "blocked"));
     // --within includes contacts that are close but not loaded.
     let near = statics(&[CYCLE, "--at", "150 ms", "--every", "90 deg", "--within", "0.05 mm"]);
-    let count = |document: &Value| document["contacts"].as_array().map_or(0, Vec::len);
-    assert!(count(&near) == 5 && count(&transfer) < 5, "{} {}", count(&near), count(&transfer));
-    let both = limits(&near, "blocked").into_iter().zip(limits(&transfer, "blocked"));
-    assert!(both.into_iter().all(|(near, loaded)| near >= loaded * (1.0 - 1e-9)));
+    assert!(count(&near["contacts"]) == 5 && count(&transfer["contacts"]) < 5);
+    let mut both = limits(&near, "blocked").into_iter().zip(limits(&transfer, "blocked"));
+    assert!(both.all(|(near, loaded)| near >= loaded * (1.0 - 1e-9)));
 }
 
 #[test]
 fn differential_reports_form_closure_with_blocked_outputs_and_input() {
     let document = statics(&["scenes/gripper/seesaw.toml", "--every", "45 deg"]);
-    let [outputs, input] = [0, 1].map(|index| &document["form_closure"][index]);
-    assert_eq!((outputs["blocked"].as_str(), input["blocked"].as_str()), (Some("outputs"), Some("input")));
-    assert_eq!(
-        (&input["closure"]["closed"], &input["closure"]["necessary"]["motors"]),
-        (&Value::Bool(false), &1.into())
-    );
-    assert_eq!(outputs["closure"]["necessary"]["motors"], 2);
-    assert_eq!(
-        (document["motors"].as_array().map(Vec::len), document["motors"][0]["motor"].as_str()),
-        (Some(1), Some("input"))
-    );
+    for (index, blocked, motors) in [(0, "outputs", 2), (1, "input", 1)] {
+        let closure = &document["form_closure"][index];
+        assert_eq!(closure["blocked"], blocked);
+        assert_eq!(closure["closure"]["necessary"]["motors"], motors);
+    }
+    assert_eq!(document["form_closure"][1]["closure"]["closed"], false);
+    assert_eq!((count(&document["motors"]), &document["motors"][0]["motor"]), (1, &json!("input")));
     assert!(document["motors"][0]["brake_max_n_m"].is_null());
 }
 
 #[test]
 fn every_number_has_its_unit() {
-    const DIMENSIONLESS: [&str; 17] = [
-        "mu_static",
-        "normal",
-        "direction",
-        "contacts",
-        "motors",
-        "hand",
-        "object",
-        "rank",
-        "unknowns",
-        "margin",
-        "residual",
-        "gap",
-        "q1_l1",
-        "q1_linf",
-        "weakest",
-        "met",
-        "closed",
-    ];
-    const UNITS: [&str; 8] = ["_m", "_n", "_n_m", "_rad", "_m_s", "_rad_s", "_m_s2", "_kg"];
-    fn check(key: &str, value: &Value) {
-        match value {
-            Value::Number(_) => assert!(
-                DIMENSIONLESS.contains(&key) || key == "time_s" || UNITS.iter().any(|unit| key.ends_with(unit)),
-                "the number under \"{key}\" has no unit"
-            ),
-            Value::Array(values) => values.iter().for_each(|value| check(key, value)),
-            Value::Object(fields) => fields.iter().for_each(|(key, value)| check(key, value)),
-            _ => {}
-        }
-    }
-    check("", &statics(&[GRIPPER, "--every", "90 deg"]));
+    assert_units(&statics(&[GRIPPER, "--every", "90 deg"]));
 }
 
 #[test]
 fn table_and_plot_show_the_limiting_contacts() {
     let directory = directory("statics-gripper");
-    let picture = directory.join("polar.svg");
-    let output = phalanx(&["statics", "scenes/gripper/cycle.toml", "--svg", picture.to_str().expect("text")]);
-    let text = stdout(&output);
-    for fragment in [
-        "posture at 350 ms of the run; object held",
-        "a brake that holds 2000 N·mm",
-        "R21 right proximal",
-        "form closure, both driven links blocked",
-        "force closure with friction of the scene: closed",
-        "largest acceleration of the palm that contact forces can balance",
-        "270°",
-        "slip ",
-        "picture: ",
-    ] {
-        assert!(text.contains(fragment), "no \"{fragment}\" in\n{text}");
-    }
-    let svg = std::fs::read_to_string(&picture).expect("a picture");
-    for fragment in [
-        "motors blocked",
-        "motors at their torque",
-        "down, out of the palm",
-        ">palm</text>",
-        " g</text>",
-        "prefers-color-scheme:dark",
-    ] {
-        assert!(svg.contains(fragment), "no \"{fragment}\" in the picture");
-    }
-    let repeated = directory.join("again.svg");
-    phalanx(&["statics", "scenes/gripper/cycle.toml", "--svg", repeated.to_str().expect("text")]);
-    assert_eq!(std::fs::read_to_string(&repeated).expect("a picture"), svg, "the plot is reproducible");
+    let draw = |name: &str| {
+        let picture = directory.join(name);
+        let text = succeed(&["statics", CYCLE, "--svg", picture.to_str().expect("text")]);
+        (text, std::fs::read_to_string(picture).expect("a picture"))
+    };
+    let (text, svg) = draw("polar.svg");
+    assert_contains(
+        &text,
+        &[
+            "posture at 350 ms of the run; object held",
+            "a brake that holds 2000 N·mm",
+            "R21 right proximal",
+            "form closure, both driven links blocked",
+            "force closure with friction of the scene: closed",
+            "largest acceleration of the palm that contact forces can balance",
+            "270°",
+            "slip ",
+            "picture: ",
+        ],
+    );
+    let labels = ["motors blocked", "motors at their torque", "down, out of the palm", ">palm</text>", " g</text>"];
+    assert_contains(&svg, &[&labels[..], &["prefers-color-scheme:dark"]].concat());
+    assert_eq!(draw("again.svg").1, svg, "the plot is reproducible");
 }
 
 #[test]
@@ -300,9 +243,6 @@ fn rejects_invalid_options() {
         (&["scenes/experiment-95.toml", "--at", "1 ms"], "--at needs a gripper"),
         (&["scenes/laws/radii.toml"], "the grasp of a finger or a gripper"),
     ] {
-        let output = phalanx(&[&["statics"], args].concat());
-        assert_eq!(output.status.code(), Some(2), "{args:?}");
-        let text = stderr(&output).replace('\n', " ");
-        assert!(text.contains(message), "{args:?}: {text}");
+        assert_rejected(&[&["statics"], args].concat(), &[message]);
     }
 }

@@ -11,13 +11,21 @@ use std::time::{Duration, Instant};
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
 use crate::support::faults::XorShift;
-use crate::support::studies::write_short_study;
+use crate::support::studies::{write_short_study, write_short_study_as};
 use phalanx::table;
 
 fn sweep(study: &str, out: &Path, flags: &[&str]) -> Output {
     let mut args = vec!["sweep", study, "--out", out.to_str().expect("text")];
     args.extend(flags);
     phalanx(&args)
+}
+
+#[track_caller]
+fn assert_rejected(output: &Output, words: &[&str]) {
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(output));
+    for word in words {
+        assert!(stderr(output).contains(word), "no {word:?} in {}", stderr(output));
+    }
 }
 
 fn start(study: &str, out: &Path, threads: &str) -> Child {
@@ -148,13 +156,11 @@ fn finished_runs_are_not_repeated() {
     }
     assert_eq!(csv.texts("reason").expect("texts"), parquet.texts("reason").expect("texts"));
 
-    // Modified results are not replaced.
-    let changed = String::from_utf8(contents).expect("text").replacen("completed", "Completed", 1);
-    fs::write(&out, &changed).expect("the file is writable");
-    let output = sweep(&study, &out, &[]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("not an unmodified result of a run of this study"), "{}", stderr(&output));
-    assert_eq!(fs::read_to_string(&out).expect("the file exists"), changed);
+    // Rows that were removed are made again.
+    let text = String::from_utf8(contents.clone()).expect("text");
+    fs::write(&out, text.lines().take(200).map(|line| format!("{line}\n")).collect::<String>()).expect("written");
+    assert_eq!(json(&sweep(&study, &out, &["--json"]))["now"]["runs"], 101);
+    assert!(fs::read(&out).expect("the file is readable") == contents);
     assert!(!partial(&out).exists());
 }
 
@@ -163,24 +169,28 @@ fn results_of_another_study_are_kept() {
     let directory = directory("sweep_other");
     let (study, out) = (write_short_study(&directory, 50), directory.join("out.csv"));
     fs::write(&out, "another,table\n1,2\n").expect("the file is writable");
-    let output = sweep(&study, &out, &[]);
-    assert_eq!(output.status.code(), Some(2));
     for flags in [&[][..], &["--restart"]] {
-        let output = sweep(&study, &out, flags);
-        assert_eq!(output.status.code(), Some(2), "{flags:?}");
-        assert!(stderr(&output).contains("not replaced; give another --out, or delete it"), "{}", stderr(&output));
+        assert_rejected(&sweep(&study, &out, flags), &["not replaced", "--force"]);
         assert_eq!(lines(&out), 2);
     }
+    assert_eq!(sweep(&study, &out, &["--force"]).status.code(), Some(0));
+    assert_eq!(lines(&out), 51);
+    // Results of another study, and a damaged or unreadable file of the study.
+    let other = write_short_study_as(&directory, "other.toml", 60);
+    assert_rejected(&sweep(&other, &out, &[]), &["results of another study", "--restart"]);
+    let provenance = directory.join("out.csv.study.json");
+    fs::write(&provenance, "mine").expect("written");
+    assert_rejected(&sweep(&study, &out, &[]), &["cannot read", "out.csv.study.json", "--force"]);
+    fs::remove_file(&provenance).expect("removed");
+    fs::create_dir(&provenance).expect("made");
+    assert_rejected(&sweep(&study, &out, &["--restart"]), &["cannot read", "out.csv.study.json"]);
+    fs::remove_dir(&provenance).expect("removed");
     fs::remove_file(&out).expect("removed");
 
     // Unfinished results of a study that was changed since.
     fs::write(partial(&out), "# phalanx sweep 0123456789abcdef of 50, unfinished\nrun\n1\n")
         .expect("the file is writable");
-    let output = sweep(&study, &out, &[]);
-    assert_eq!(output.status.code(), Some(2));
-    for words in ["another study", "--restart discards them", "another --out"] {
-        assert!(stderr(&output).contains(words), "{words} in {}", stderr(&output));
-    }
+    assert_rejected(&sweep(&study, &out, &[]), &["another study", "--restart discards them", "another --out"]);
     assert_eq!(lines(&partial(&out)), 3);
     assert_eq!(sweep(&study, &out, &["--restart"]).status.code(), Some(0));
     assert_eq!(lines(&out), 51);
@@ -188,9 +198,7 @@ fn results_of_another_study_are_kept() {
     // Another file with the name of the partial file is kept even with --restart.
     let other = directory.join("other.csv");
     fs::write(partial(&other), "another file\n").expect("the file is writable");
-    let output = sweep(&study, &other, &["--restart"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("contains other data"), "{}", stderr(&output));
+    assert_rejected(&sweep(&study, &other, &["--restart"]), &["contains other data"]);
     assert_eq!(fs::read_to_string(partial(&other)).expect("the file exists"), "another file\n");
 }
 
@@ -200,9 +208,7 @@ fn concurrent_sweeps_of_one_table_are_rejected() {
     let (study, out) = (write_short_study(&directory, 6000), directory.join("out.csv"));
     let mut first = start(&study, &out, "1");
     wait_for_rows(&out, 5);
-    let output = sweep(&study, &out, &["--restart"]);
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("another command is writing"), "{}", stderr(&output));
+    assert_rejected(&sweep(&study, &out, &["--restart"]), &["another command is writing"]);
     assert!(first.wait().expect("the process ends").success());
     assert_eq!(lines(&out), 6001);
 }
@@ -216,13 +222,9 @@ fn arguments_are_checked_before_running() {
         [("out.txt", "neither CSV nor Parquet"), ("none/out.csv", "mkdir -p"), ("dir.csv", "is a directory")]
     {
         fs::create_dir_all(path("dir.csv")).expect("made");
-        let output = sweep(&study, &path(out), &[]);
-        assert_eq!(output.status.code(), Some(2), "{out}");
-        assert!(stderr(&output).contains(words), "{out}: {}", stderr(&output));
+        assert_rejected(&sweep(&study, &path(out), &[]), &[words]);
     }
-    let output = phalanx(&["sweep", &study]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--out"), "{}", stderr(&output));
+    assert_rejected(&phalanx(&["sweep", &study]), &["--out"]);
     let output = phalanx(&["sweep", &study, "--list"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).contains("50 runs") && stdout(&output).contains("motor.torque_n_m"), "{}", stdout(&output));
@@ -246,36 +248,4 @@ fn reports_that_no_run_could_be_simulated() {
         stdout(&output)
     );
     assert_eq!(lines(&out), 3);
-}
-
-/// 20,000 designs of the thesis, killed at random times: `cargo nextest run --release --run-ignored only
-/// twenty_thousand`.
-#[test]
-#[ignore = "takes minutes"]
-fn twenty_thousand_designs_survive_kills() {
-    let directory = directory("sweep_large");
-    let text = fs::read_to_string("scenes/studies/sample.toml")
-        .expect("a shipped file")
-        .replace("count = 200", "count = 20000");
-    let study = write(&directory, "large.toml", &text);
-    let uninterrupted = directory.join("uninterrupted.csv");
-    let output = sweep(&study, &uninterrupted, &[]);
-    println!("uninterrupted: {}", stdout(&output));
-    let out = directory.join("killed.csv");
-    let mut rng = XorShift::new(20_000);
-    let mut kills = 0;
-    let start_time = Instant::now();
-    while !out.exists() {
-        let mut child = start(&study, &out, "2");
-        sleep(Duration::from_millis(50 + rng.below(1500) as u64));
-        child.kill().expect("the process is killed");
-        child.wait().expect("the process ends");
-        kills += 1;
-    }
-    println!("{kills} kills in {:.1} s", start_time.elapsed().as_secs_f64());
-    assert!(kills >= 5);
-    let output = sweep(&study, &out, &[]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(lines(&out), 20_001);
-    assert!(fs::read(&out).expect("the file is readable") == fs::read(&uninterrupted).expect("the file is readable"));
 }

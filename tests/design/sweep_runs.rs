@@ -4,24 +4,11 @@
 use std::collections::HashSet;
 
 use phalanx::scene::{self, Preset};
-use phalanx::study::sweep::{Row, Status, Study, load, parse, run, run_while, summary, table};
-use phalanx::table::{Table, Value};
+use phalanx::study::sweep::{Status, load, run_while, summary, table};
+use phalanx::table::Value;
 use phalanx::trace::{FingerContact, Model, run_analytic};
 
-fn study(text: &str) -> Study {
-    parse(text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn run_all(study: &Study, threads: usize) -> Vec<Row> {
-    let mut rows = Vec::new();
-    let stats = run(study, threads, &HashSet::new(), |row| rows.push(row));
-    assert!(stats.complete && stats.runs == study.runs());
-    rows
-}
-
-fn results(study: &Study) -> Table {
-    table(study, &run_all(study, 0))
-}
+use crate::support::studies::{parse_study as study, run_rows, run_study as results};
 
 fn count_true(values: impl IntoIterator<Item = Option<bool>>) -> usize {
     values.into_iter().filter(|value| *value == Some(true)).count()
@@ -125,17 +112,15 @@ fn every_run_has_a_row_with_its_reason() {
 #[test]
 fn results_are_independent_of_threads_and_order() {
     let study = study(MIXED);
-    let single_threaded = table(&study, &run_all(&study, 1));
+    let single_threaded = table(&study, &run_rows(&study, 1, &HashSet::new()));
     for threads in [2, 3, 8] {
-        assert_eq!(table(&study, &run_all(&study, threads)), single_threaded);
+        assert_eq!(table(&study, &run_rows(&study, threads, &HashSet::new())), single_threaded);
     }
     // Odd and even runs separately.
-    let mut rows = Vec::new();
-    let odd_runs: HashSet<u64> = (1..=study.runs()).filter(|run| run % 2 == 1).collect();
-    assert_eq!(run(&study, 2, &odd_runs, |row| rows.push(row)).runs, 27);
-    let even: HashSet<u64> = rows.iter().map(|row| row.run).collect();
-    run(&study, 2, &even, |row| rows.push(row));
-    assert_eq!(table(&study, &rows), single_threaded);
+    let odd: HashSet<u64> = (1..=study.runs()).filter(|run| run % 2 == 1).collect();
+    let even = run_rows(&study, 2, &odd);
+    let done = even.iter().map(|row| row.run).collect();
+    assert_eq!(table(&study, &[even, run_rows(&study, 2, &done)].concat()), single_threaded);
 }
 
 #[test]
@@ -193,7 +178,7 @@ fn engine_and_analytic_model_agree() {
     let analytic = results(&study);
     study.model = Model::Engine;
     let engine = results(&study);
-    assert_eq!(engine, table(&study, &run_all(&study, 1)), "results depend on the number of threads");
+    assert_eq!(engine, table(&study, &run_rows(&study, 1, &HashSet::new())), "results depend on the number of threads");
     for (name, tolerance) in [("tts_s", 1e-3), ("f21_n", 1e-4), ("f22_n", 1e-4), ("pfp_n", 1e-3), ("static_f21_n", 0.0)]
     {
         let [a, b] = [&analytic, &engine].map(|table| table.numbers(name).expect(name));

@@ -8,7 +8,8 @@ use std::process::Output;
 use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
 use crate::support::faults::XorShift;
 use crate::support::studies::{write_short_study, write_short_study_as};
-use phalanx::study::parts::{PartError, PartOptions, merge, write_part};
+use phalanx::study::parts::{PartOptions, merge, write_part};
+use phalanx::study::results::ResultsError;
 use phalanx::study::sweep::{Study, load, shard, shard_range, summary};
 use phalanx::table;
 
@@ -18,15 +19,10 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("a path of plain text")
 }
 
-/// Runs `phalanx sweep` with these arguments.
-fn sweep(args: &[&str]) -> Output {
-    phalanx(&[&["sweep"], args].concat())
-}
-
 /// Runs `phalanx sweep` and asserts success.
 #[track_caller]
 fn succeed(args: &[&str]) -> Output {
-    let output = sweep(args);
+    let output = phalanx(&[&["sweep"], args].concat());
     assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
     output
 }
@@ -34,7 +30,7 @@ fn succeed(args: &[&str]) -> Output {
 /// Runs `phalanx sweep`, asserts that it is rejected with these words, and returns the message.
 #[track_caller]
 fn assert_failed(args: &[&str], words: &[&str]) -> String {
-    let output = sweep(args);
+    let output = phalanx(&[&["sweep"], args].concat());
     let message = stderr(&output).to_string();
     assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{args:?}: {message}");
     for word in words {
@@ -58,22 +54,25 @@ fn bytes(path: &Path) -> Vec<u8> {
 
 /// Sorted names of the entries of a directory.
 fn names(directory: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(directory)
-        .expect("a directory")
-        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
-        .collect();
+    let entries = fs::read_dir(directory).expect("a directory");
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }
 
-/// Results of the undivided sweep and their provenance file, in both formats.
-fn run_undivided(study: &str, directory: &Path) -> Vec<(&'static str, Vec<u8>, Vec<u8>)> {
-    let run_format = |format: &'static str| {
+/// Results with their file of the study.
+fn results(out: &Path) -> [Vec<u8>; 2] {
+    [bytes(out), bytes(&PathBuf::from(format!("{}.study.json", out.display())))]
+}
+
+/// Results of the undivided sweep in both formats.
+fn run_undivided(study: &str, directory: &Path) -> [(&'static str, [Vec<u8>; 2]); 2] {
+    ["csv", "parquet"].map(|format| {
         let out = directory.join(format!("whole.{format}"));
         succeed(&[study, "--out", text(&out), "--threads", "2", "--restart"]);
-        (format, bytes(&out), bytes(&directory.join(format!("whole.{format}.study.json"))))
-    };
-    ["csv", "parquet"].map(run_format).to_vec()
+        (format, results(&out))
+    })
 }
 
 /// Asserts that the parts merge into these results.
@@ -81,23 +80,17 @@ fn run_undivided(study: &str, directory: &Path) -> Vec<(&'static str, Vec<u8>, V
 fn assert_merges_to(
     study: &Study,
     parts: &[PathBuf],
-    undivided: &[(&str, Vec<u8>, Vec<u8>)],
+    undivided: &[(&str, [Vec<u8>; 2])],
     directory: &Path,
     case: &str,
 ) {
-    for (format, results, provenance) in undivided {
+    for (format, expected) in undivided {
         let out = directory.join(format!("joined.{format}"));
         let merged = merge(study, parts, &out, &|| true, &mut |_| ()).unwrap_or_else(|error| panic!("{case}: {error}"));
-        assert!(bytes(&out) == *results, "{case}: {format} differs");
-        assert!(
-            bytes(&directory.join(format!("joined.{format}.study.json"))) == *provenance,
-            "{case}: {format}.study.json"
-        );
-        assert_eq!((merged.summary.runs, merged.bytes), (study.runs(), results.len() as u64), "{case}");
-        if *format == "parquet" {
-            let all = summary(&table::read(&out).expect("a table")).expect("results of a sweep");
-            assert_eq!(merged.summary, all, "{case}: the summary is that of all rows");
-        }
+        assert!(results(&out) == *expected, "{case}: {format} differs");
+        assert_eq!((merged.summary.runs, merged.bytes), (study.runs(), expected[0].len() as u64), "{case}");
+        let all = summary(&table::read(&out).expect("a table"));
+        assert_eq!(merged.summary, all.expect("results of a sweep"), "{case}: the summary is that of all rows");
     }
 }
 
@@ -121,61 +114,64 @@ fn any_number_of_parts_in_any_order_merges_to_the_undivided_results() {
     assert_merges_to(&study, &parts, &undivided, &directory, "parts of three counts");
 }
 
+const GRIPPER: &str = r#"
+[scene]
+kind = "gripper"
+duration = "15 ms"
+sizing = "rigid"
+palm_width = "34 mm"
+positioning_error = "3 mm"
+[scene.design]
+base = "15.5 mm"
+l21_fraction = 1.0
+phi22 = "120 deg"
+arm_ratio = 0.5
+[scene.table]
+[[axes]]
+field = "object.offset"
+values = ["0 mm", "2 mm", "-2 mm", "5 mm"]
+"#;
+
 #[test]
 fn the_command_makes_and_merges_parts_of_fingers_and_grippers() {
     let directory = directory("shards_command");
-    let gripper = write(
-        &directory,
-        "gripper.toml",
-        "[scene]\nkind = \"gripper\"\nduration = \"15 ms\"\nsizing = \"rigid\"\npalm_width = \"34 mm\"\npositioning_error = \"3 \
-         mm\"\n[scene.design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n[scene.table]\n\
-         [[axes]]\nfield = \"object.offset\"\nvalues = [\"0 mm\", \"2 mm\", \"-2 mm\", \"5 mm\"]\n",
-    );
-    for (name, study, count) in [("finger", write_short_study(&directory, 90), 3), ("gripper", gripper, 3)] {
+    let studies =
+        [("finger", write_short_study(&directory, 90)), ("gripper", write(&directory, "gripper.toml", GRIPPER))];
+    for (name, study) in studies {
         let undivided = run_undivided(&study, &directory);
         let parts = directory.join(name);
         fs::create_dir(&parts).expect("made");
         let mut total_runs = 0;
         for number in [2, 3, 1] {
-            let (shard, out) = (format!("{number}/{count}"), parts.join(format!("{number}.parquet")));
+            let (shard, out) = (format!("{number}/3"), parts.join(format!("{number}.parquet")));
             let report = json(&succeed(&[&study, "--shard", &shard, "--out", text(&out), "--json"]));
-            assert_eq!((report["shard"].as_u64(), report["of"].as_u64()), (Some(number), Some(count)), "{report:#}");
-            let (first, last) =
-                (report["first_run"].as_u64().expect("a run"), report["last_run"].as_u64().expect("a run"));
+            assert_eq!((report["shard"].as_u64(), report["of"].as_u64()), (Some(number), Some(3)), "{report:#}");
+            let run = |key: &str| report[key].as_u64().expect("a run");
             let counts = report["by_status"].as_object().expect("counts").values();
-            assert_eq!(
-                counts.map(|count| count.as_u64().expect("a count")).sum::<u64>(),
-                last + 1 - first,
-                "{report:#}"
-            );
-            total_runs += last + 1 - first;
+            let runs = run("last_run") + 1 - run("first_run");
+            assert_eq!(counts.map(|count| count.as_u64().expect("a count")).sum::<u64>(), runs, "{report:#}");
+            total_runs += runs;
             // The metadata are readable by other Parquet tools.
-            let groups = table::RowGroupReader::open(&out).expect("a table");
-            assert_eq!(groups.metadata_value("phalanx.shard"), Some(shard.as_str()));
-            assert_eq!(groups.metadata_value("phalanx.first_run"), Some(first.to_string().as_str()));
-            assert_eq!(
-                groups.metadata_value("phalanx.runs"),
-                Some(load(&study).expect("a study").runs().to_string().as_str())
-            );
+            let groups = table::RowGroups::open(&out).expect("a table");
+            let metadata = groups.metadata_value("phalanx.part").expect("metadata");
+            let metadata: serde_json::Value = serde_json::from_str(metadata).expect("JSON");
+            for (key, value) in [("shard", number), ("of", 3), ("first_run", run("first_run"))] {
+                assert_eq!(metadata[key], value, "{key}");
+            }
+            assert_eq!(metadata["runs"], load(&study).expect("a study").runs());
         }
         assert_eq!(names(&parts), ["1.parquet", "2.parquet", "3.parquet"], "no other file is left");
         // The parts as a directory, and as files.
         let files = ["3", "1", "2"].map(|number| parts.join(format!("{number}.parquet")));
         let files: Vec<&str> = files.iter().map(|file| text(file)).collect();
-        for (format, results, provenance) in &undivided {
+        for (format, expected) in &undivided {
             let out = directory.join(format!("{name}.{format}"));
             for arguments in [&[text(&parts)][..], &files] {
                 let report =
                     json(&succeed(&[&["merge", study.as_str()], arguments, &["--out", text(&out), "--json"]].concat()));
-                assert_eq!(
-                    (report["parts"].as_u64(), report["runs"].as_u64()),
-                    (Some(3), Some(total_runs)),
-                    "{report:#}"
-                );
-                assert!(
-                    bytes(&out) == *results
-                        && bytes(&directory.join(format!("{name}.{format}.study.json"))) == *provenance
-                );
+                let counts = (report["parts"].as_u64(), report["runs"].as_u64());
+                assert_eq!(counts, (Some(3), Some(total_runs)), "{report:#}");
+                assert!(results(&out) == *expected, "{name}.{format}");
             }
         }
         // The undivided sweep recognises the merged results as its own.
@@ -188,56 +184,69 @@ fn the_command_makes_and_merges_parts_of_fingers_and_grippers() {
 fn existing_parts_and_other_files_are_kept() {
     let directory = directory("shards_there");
     let study = write_short_study(&directory, 40);
-    let out = directory.join("part.parquet");
-    let make = |study: &str, shard: &str, flags: &[&str]| {
-        sweep(&[&[study, "--shard", shard, "--out", text(&out), "--json"], flags].concat())
-    };
-    let first = make(&study, "2/4", &[]);
-    assert_eq!(json(&first)["now"]["runs"], 10, "{}", stderr(&first));
-    let (original, modified) =
-        (bytes(&out), fs::metadata(&out).and_then(|metadata| metadata.modified()).expect("a time"));
-    let repeated = make(&study, "2/4", &[]);
-    assert_eq!((repeated.status.code(), json(&repeated)["now"]["runs"].as_u64()), (Some(0), Some(0)));
-    assert!(
-        stderr(&repeated).contains("already contains shard 2/4 of this study; nothing was run"),
-        "{}",
-        stderr(&repeated)
-    );
-    assert_eq!(json(&repeated)["by_status"], json(&first)["by_status"]);
-    assert_eq!(fs::metadata(&out).and_then(|metadata| metadata.modified()).expect("a time"), modified);
-
-    let assert_unchanged = |output: Output, words: &[&str]| {
-        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-        for word in words {
-            assert!(stderr(&output).contains(word), "no {word:?} in {}", stderr(&output));
-        }
-    };
-    assert_unchanged(make(&study, "3/4", &[]), &["2/4", "not replaced", "--restart"]);
-    assert_unchanged(make(&study, "2/4", &["--check"]), &["without --check", "not replaced"]);
-    assert_unchanged(make(&study, "2/4", &["--model", "engine"]), &["analytic model", "engine", "not replaced"]);
     let other = write_short_study_as(&directory, "other.toml", 44);
-    assert_unchanged(make(&other, "2/4", &[]), &["the study `cheap`", "`other`", "not replaced"]);
+    let out = directory.join("part.parquet");
+    let arguments = |shard: &'static str| [study.as_str(), "--shard", shard, "--out", text(&out), "--json"];
+    let make = |flags: &[&str]| json(&succeed(&[&arguments("2/4")[..], flags].concat()));
+    let first = make(&[]);
+    assert_eq!(first["now"]["runs"], 10);
+    let modified = || fs::metadata(&out).and_then(|metadata| metadata.modified()).expect("a time");
+    let (original, time) = (bytes(&out), modified());
+    let repeated = succeed(&arguments("2/4"));
+    assert!(stderr(&repeated).contains("already contains shard 2/4 of this study; nothing was run"));
+    let repeated = json(&repeated);
+    assert_eq!((&repeated["now"]["runs"], &repeated["by_status"]), (&0.into(), &first["by_status"]));
+    assert_eq!(modified(), time);
+
+    let with = |shard, flags: &[&'static str]| [&arguments(shard)[..], flags].concat();
+    let of_other = [&[other.as_str()], &arguments("2/4")[1..]].concat();
+    for (args, words) in [
+        (with("3/4", &[]), &["2/4", "not replaced", "--restart"][..]),
+        (with("2/4", &["--check"]), &["its option is without --check", "not replaced"]),
+        (
+            with("2/4", &["--model", "engine"]),
+            &["its model is --model analytic, but here it is --model engine", "not replaced"],
+        ),
+        (of_other, &["its study is `cheap`, but here it is `other`", "not replaced"]),
+    ] {
+        assert_failed(&args, words);
+    }
     assert!(bytes(&out) == original);
-    assert_eq!(json(&make(&study, "2/4", &["--restart"]))["now"]["runs"], 10);
+    assert_eq!(make(&["--restart"])["now"]["runs"], 10);
     assert!(bytes(&out) == original);
 
-    // A truncated part and a part with a flipped bit are not accepted.
+    // A truncated part is not recognised. A part with a flipped bit is damaged and can be made again.
     fs::write(&out, &original[..original.len() - 100]).expect("the file is writable");
-    assert_unchanged(make(&study, "2/4", &[]), &["not a shard of a sweep", "not replaced", "delete it"]);
+    assert_failed(&arguments("2/4"), &["not a table written by phalanx", "not replaced", "--force"]);
     let mut damaged = original.clone();
-    damaged[original.len() / 3] ^= 4;
+    damaged[original.len() / 3..original.len() / 2].fill(4);
     fs::write(&out, &damaged).expect("the file is writable");
-    assert_unchanged(make(&study, "2/4", &[]), &["damaged", "run the shard again"]);
-    assert_eq!(make(&study, "2/4", &["--restart"]).status.code(), Some(0));
+    assert_failed(&arguments("2/4"), &["damaged", "run the shard again"]);
+    make(&["--restart"]);
     assert!(bytes(&out) == original);
 
-    // A foreign file is kept even with --restart.
+    // A foreign file is kept even with --restart, but not with --force.
     fs::write(&out, "foreign table").expect("the file is writable");
     for flags in [&[][..], &["--restart"]] {
-        assert_unchanged(make(&study, "2/4", flags), &["not a shard of a sweep", "not replaced"]);
+        assert_failed(&with("2/4", flags), &["not a table written by phalanx", "not replaced"]);
     }
     assert_eq!(bytes(&out), b"foreign table");
+    make(&["--force"]);
+    assert!(bytes(&out) == original);
     assert_eq!(names(&directory), ["cheap.toml", "other.toml", "part.parquet"]);
+}
+
+/// Metadata of a part with other values of some keys.
+fn forge(part: &Path, changes: &[(&str, serde_json::Value)]) -> Vec<(String, String)> {
+    let groups = table::RowGroups::open(part).expect("a part");
+    let value = |name: &str| groups.metadata_value(name).expect("metadata").to_string();
+    let mut info: serde_json::Value = serde_json::from_str(&value("phalanx.part")).expect("JSON");
+    for (key, value) in changes {
+        info[*key] = value.clone();
+    }
+    [("phalanx.part", info.to_string()), ("phalanx.checksum", value("phalanx.checksum"))]
+        .map(|(key, value)| (key.to_string(), value))
+        .to_vec()
 }
 
 #[test]
@@ -247,124 +256,96 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
     let study = load(&file).expect("a study");
     let out = directory.join("out.csv");
     let parts: Vec<PathBuf> = (1..=5).map(|number| part(&study, (number, 5), &directory)).collect();
+    let all: Vec<&Path> = parts.iter().map(PathBuf::as_path).collect();
     let assert_rejected = |parts: &[&Path], words: &[&str]| {
         let parts: Vec<&str> = parts.iter().map(|part| text(part)).collect();
         let message = assert_failed(&[&["merge", file.as_str()], &parts[..], &["--out", text(&out)]].concat(), words);
         assert!(!out.exists() && !directory.join("out.csv.study.json").exists(), "{message}");
     };
-    // Missing runs are reported with the commands that make them.
-    let command = format!("phalanx sweep {file} --shard 3/5 --out {}", directory.join("part-3-of-5.parquet").display());
-    assert_rejected(
-        &[&parts[4], &parts[0], &parts[3]],
-        &["40 of 100 runs are in no shard", "runs 21 to 60 (--shard 2/5 and 3/5)", &command],
-    );
+    // Missing runs are reported with the shards that contain them.
+    let words = ["40 of 100 runs are in no shard", "runs 21 to 60 (--shard 2/5 and 3/5); run these and merge again"];
+    assert_rejected(&[all[4], all[0], all[3]], &words);
     // The runs between a third and a half are a sixth.
     let (third, half) = (part(&study, (1, 3), &directory), part(&study, (2, 2), &directory));
     assert_rejected(&[&half, &third], &["17 of 100 runs", "runs 34 to 50 (--shard 3/6)"]);
-    // Duplicate runs.
-    let all: Vec<&Path> = parts.iter().map(PathBuf::as_path).collect();
     let twice = [&all[..], &[&third]].concat();
     assert_rejected(&twice, &["overlap", "1-of-3.parquet", "runs 21 to 33", "remove one of each pair"]);
-    assert_rejected(&[&parts[0], &parts[0]], &["overlap", "runs 1 to 20"]);
+    assert_rejected(&[all[0], all[0]], &["overlap", "runs 1 to 20"]);
+    assert_rejected(&[&directory.join("none.parquet")], &["none.parquet", "there is no such file"]);
+    let strange = directory.join("strange");
+    fs::create_dir(&strange).expect("made");
+    assert_rejected(&[&strange], &["contains no Parquet file"]);
 
-    // Parts of another study, model or version.
+    // The second part is replaced by parts of another study, model or version, and by damaged ones.
+    let with_second = |second: &Path, words: &[&str]| {
+        assert_rejected(&[&[all[0], second], &all[2..]].concat(), words);
+    };
     let other = load(write_short_study_as(&directory, "other.toml", 104)).expect("a study");
-    let foreign_directory = directory.join("strange");
-    fs::create_dir(&foreign_directory).expect("made");
-    let other_part = part(&other, (2, 5), &foreign_directory);
-    let mixed = [&all[..1], &[&other_part], &all[2..]].concat();
-    assert_rejected(&mixed, &["strange", "not a shard of this study", "`other`"]);
+    let other_part = part(&other, (2, 5), &strange);
+    with_second(&other_part, &["strange", "not a shard of this study", "`other`"]);
     let mut engine = study.clone();
     engine.model = phalanx::trace::Model::Engine;
     fs::remove_file(&other_part).expect("removed");
-    let other_part = part(&engine, (2, 5), &foreign_directory);
-    assert_rejected(&[&all[..1], &[&other_part], &all[2..]].concat(), &["not a shard of this study", "--model engine"]);
-    let older = foreign_directory.join("older.parquet");
-    let table = table::read(&parts[1]).expect("a table");
-    let note = |name: &str| {
-        table::RowGroupReader::open(&parts[1])
-            .expect("a part")
-            .metadata_value(&format!("phalanx.{name}"))
-            .map(String::from)
-    };
-    let notes: Vec<(String, String)> = ["study", "model", "checked", "shard", "first_run", "last_run", "runs"]
-        .iter()
-        .map(|name| (format!("phalanx.{name}"), note(name).expect("a note")))
-        .chain([
-            ("phalanx.version".to_string(), "0.0.9".to_string()),
-            ("phalanx.fingerprint".to_string(), "0".repeat(16)),
-        ])
-        .collect();
-    table::write_with_metadata(&older, &table, &notes).expect("the file is writable");
-    assert_rejected(&[&all[..1], &[&older], &all[2..]].concat(), &["written by phalanx 0.0.9", "one version"]);
+    with_second(&part(&engine, (2, 5), &strange), &["not a shard of this study", "--model engine"]);
+    let forged = strange.join("forged.parquet");
+    let [own_rows, other_rows] = [1, 2].map(|index| table::read(&parts[index]).expect("a table"));
+    let older = forge(&parts[1], &[("version", "0.0.9".into()), ("fingerprint", "0".repeat(16).into())]);
+    table::write_with_metadata(&forged, &own_rows, &older).expect("the file is writable");
+    with_second(&forged, &["its version of phalanx is 0.0.9", "use the same for all shards"]);
     // Correct metadata with the rows of another part: the rows are verified too.
-    let rows = table::read(&parts[2]).expect("a table");
-    let mut forged = notes.clone();
-    forged.retain(|(name, _)| name != "phalanx.version" && name != "phalanx.fingerprint");
-    for name in ["version", "fingerprint"] {
-        forged.push((format!("phalanx.{name}"), note(name).expect("a note")));
-    }
-    table::write_with_metadata(&older, &rows, &forged).expect("the file is writable");
-    assert_rejected(&[&all[..1], &[&older], &all[2..]].concat(), &["damaged", "run 21 is missing or misplaced"]);
-
-    // Inconsistent metadata.
-    for (shard, first, last, runs) in [
-        ("1/1", "1", "18446744073709551615", "18446744073709551615"),
-        ("2/5", "21", "40", "99"),
-        ("1/1", "1", "20", "20"),
-        ("0/0", "1", "0", "0"),
+    table::write_with_metadata(&forged, &other_rows, &forge(&parts[1], &[])).expect("the file is writable");
+    with_second(&forged, &["damaged", "run 21 is missing or misplaced"]);
+    for (shard, count, first, last, runs, word) in [
+        (1, 1, 1, u64::MAX, u64::MAX, "damaged"),
+        (2, 5, 21, 40, 99, "damaged"),
+        (1, 1, 1, 20, 20, "overlap"),
+        (0, 0, 1, 0, 0, "damaged"),
     ] {
-        let values = [("shard", shard), ("first_run", first), ("last_run", last), ("runs", runs)];
-        let mut forged = forged.clone();
-        for (name, text) in &mut forged {
-            if let Some((_, value)) = values.iter().find(|(key, _)| name == &format!("phalanx.{key}")) {
-                *text = value.to_string();
-            }
-        }
-        table::write_with_metadata(&older, &rows, &forged).expect("the file is writable");
-        let words = if runs == "20" { "overlap" } else { "damaged" };
-        assert_rejected(&[&all[..1], &[&older], &all[2..]].concat(), &[words]);
+        let values = [("shard", shard), ("of", count), ("first_run", first), ("last_run", last), ("runs", runs)];
+        let metadata = forge(&parts[1], &values.map(|(key, value)| (key, value.into())));
+        table::write_with_metadata(&forged, &other_rows, &metadata).expect("the file is writable");
+        with_second(&forged, &[word]);
     }
-
-    // Truncated and modified parts.
-    let truncated = foreign_directory.join("truncated.parquet");
     let valid_bytes = bytes(&parts[1]);
     let mut rng = XorShift::new(5);
     for _ in 0..20 {
-        fs::write(&truncated, &valid_bytes[..rng.below(valid_bytes.len())]).expect("the file is writable");
-        assert_rejected(
-            &[&all[..1], &[&truncated], &all[2..]].concat(),
-            &["truncated.parquet is not a shard of a sweep"],
-        );
+        fs::write(&forged, &valid_bytes[..rng.below(valid_bytes.len())]).expect("the file is writable");
+        with_second(&forged, &["forged.parquet is not a shard of a sweep"]);
     }
-    let mut flipped = valid_bytes.clone();
-    flipped[valid_bytes.len() / 4] ^= 1;
-    fs::write(&truncated, &flipped).expect("the file is writable");
-    assert_rejected(
-        &[&all[..1], &[&truncated], &all[2..]].concat(),
-        &["truncated.parquet is damaged", "run the shard again"],
-    );
-    assert_rejected(&[&directory.join("none.parquet")], &["none.parquet", "there is no such file"]);
-    fs::create_dir(directory.join("empty")).expect("made");
-    assert_rejected(&[&directory.join("empty")], &["contains no Parquet file"]);
+    // A changed byte is detected, unless it changes no value.
+    let mut detected = 0;
+    for offset in (4..valid_bytes.len() / 2).step_by(97) {
+        let mut changed = valid_bytes.clone();
+        changed[offset] ^= 1;
+        fs::write(&forged, &changed).expect("the file is writable");
+        let files: Vec<PathBuf> = [&[all[0], &forged], &all[2..]].concat().iter().map(PathBuf::from).collect();
+        match merge(&study, &files, &out, &|| true, &mut |_| ()) {
+            Ok(_) => assert!(table::read(&forged).expect("a table") == own_rows, "byte {offset}"),
+            Err(error) => {
+                assert!(error.to_string().contains("forged.parquet is damaged"), "{error}");
+                detected += 1;
+            }
+        }
+        [&out, &directory.join("out.csv.study.json")].into_iter().for_each(|file| drop(fs::remove_file(file)));
+    }
+    assert!(detected > 20, "{detected}");
 
     // Output paths.
-    let file = file.as_str();
     let arguments: Vec<&str> = all.iter().map(|part| text(part)).collect();
     let assert_path_rejected = |out: &Path, words: &[&str]| {
-        assert_failed(&[&["merge", file], &arguments[..], &["--out", text(out)]].concat(), words);
+        assert_failed(&[&["merge", file.as_str()], &arguments[..], &["--out", text(out)]].concat(), words);
     };
     assert_path_rejected(&directory.join("out.txt"), &["NAME.csv or NAME.parquet"]);
     assert_path_rejected(&directory.join("nowhere/out.csv"), &["mkdir -p"]);
     fs::write(&out, "foreign").expect("the file is writable");
-    assert_path_rejected(&out, &["it was not written by a sweep", "not replaced"]);
+    assert_path_rejected(&out, &["not a table written by phalanx", "not replaced", "--force"]);
     assert_eq!(bytes(&out), b"foreign");
     fs::remove_file(&out).expect("removed");
 
     // An interrupted merge leaves no file, and the parts are still valid.
     let before = names(&directory);
     let interrupted = merge(&study, &parts, &out, &|| false, &mut |_| ());
-    assert_eq!(interrupted, Err(PartError::Stopped { done: 0, total: 100 }));
+    assert_eq!(interrupted, Err(ResultsError::Stopped { done: 0, total: 100 }));
     assert_eq!(names(&directory), before);
     assert_eq!(merge(&study, &parts, &out, &|| true, &mut |_| ()).map(|merged| merged.summary.runs), Ok(100));
 }
@@ -373,19 +354,14 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
 fn arguments_of_parts_are_checked_before_running() {
     let directory = directory("shards_arguments");
     let study = write_short_study(&directory, 50);
-    let out = directory.join("part.parquet");
+    let [out, csv, nowhere] = ["part.parquet", "part.csv", "no/part.parquet"].map(|name| directory.join(name));
     for shard in ["0/4", "5/4", "1", "1/0", "a/b", "-1/4", "1/ 4", " 1/4", "+1/4", "01/4", "1/04"] {
         assert_failed(&[&study, "--shard", shard, "--out", text(&out)], &["expected K/N"]);
     }
-    assert_failed(
-        &[&study, "--shard", "1/4", "--limit", "3", "--out", text(&out)],
-        &["--limit", "cannot be used with"],
-    );
-    assert_failed(
-        &[&study, "--shard", "1/4", "--out", text(&directory.join("part.csv"))],
-        &["a shard is a Parquet file"],
-    );
-    assert_failed(&[&study, "--shard", "1/4", "--out", text(&directory.join("no/part.parquet"))], &["mkdir -p"]);
+    let limited = [&study, "--shard", "1/4", "--limit", "3", "--out", text(&out)];
+    assert_failed(&limited, &["--limit", "cannot be used with"]);
+    assert_failed(&[&study, "--shard", "1/4", "--out", text(&csv)], &["a shard is a Parquet file"]);
+    assert_failed(&[&study, "--shard", "1/4", "--out", text(&nowhere)], &["mkdir -p"]);
     assert_failed(&["merge", &study, "--out", text(&out)], &["<SHARD>..."]);
     assert_eq!(names(&directory), ["cheap.toml"]);
 }
@@ -399,14 +375,10 @@ fn a_part_of_a_billion_runs_starts_immediately() {
     let study_text = format!("scene = \"{}\"\n[set]\nduration = \"1 ms\"\n{axes}", scene.display());
     let file = write(&directory, "large.toml", &study_text);
     let out = directory.join("out.parquet");
-    assert_failed(
-        &[&file, "--out", text(&out)],
-        &["1000000000 runs", "at most 1000000", "--shard 1/1000", "phalanx sweep merge"],
-    );
-    assert_failed(
-        &[&file, "--shard", "1/999", "--out", text(&out)],
-        &["shard 1/999 has 1001001 runs", "at least 1000"],
-    );
+    let words = ["1000000000 runs", "at most 1000000", "--shard 1/1000", "phalanx sweep merge"];
+    assert_failed(&[&file, "--out", text(&out)], &words);
+    let words = ["shard 1/999 has 1001001 runs", "at least 1000"];
+    assert_failed(&[&file, "--shard", "1/999", "--out", text(&out)], &words);
     // The first runs can be made without parts.
     succeed(&[&file, "--limit", "3", "--out", text(&directory.join("first.csv"))]);
 
@@ -417,11 +389,9 @@ fn a_part_of_a_billion_runs_starts_immediately() {
     assert_eq!(runs, (999_999_996..=1_000_000_000).map(Some).collect::<Vec<_>>());
     assert_eq!(shard_range(study.runs(), count, count).map(|shard| shard.first), Some(999_999_996));
     // Missing runs are counted, not listed.
-    let message = assert_failed(
-        &["merge", &file, text(&last), "--out", text(&out)],
-        &["999999995 of 1000000000 runs are in no shard"],
-    );
-    assert!(message.contains("--shard 1/200000000 to 199999999/200000000") && message.len() < 4000, "{message}");
+    let words = ["999999995 of 1000000000 runs are in no shard", "--shard 1/200000000 to 199999999/200000000"];
+    let message = assert_failed(&["merge", &file, text(&last), "--out", text(&out)], &words);
+    assert!(message.len() < 4000, "{message}");
 }
 
 /// These tests detect from /proc that a part is being made.
@@ -475,8 +445,8 @@ mod interruption {
             let output = child.wait_with_output().expect("the process ends");
             let message = stderr(&output);
             assert_eq!(output.status.code(), Some(3), "{message}");
-            for words in [&format!("shard 1/2 was interrupted by {signal}"), "of its 20000 runs", "no file was written"]
-            {
+            let interrupted = format!("shard 1/2 was interrupted by {signal}");
+            for words in [interrupted.as_str(), "of its 20000 runs", "no file was written"] {
                 assert!(message.contains(words), "no {words:?} in {message}");
             }
             assert_eq!(names(&parts), [""; 0]);

@@ -1,24 +1,14 @@
 //! Every row of a sweep has a verdict or a reason for any design.
 
-use std::collections::HashSet;
-
 use phalanx::criteria::static_grasp;
 use phalanx::format::ToReport;
 use phalanx::report::select::SelectionReport;
 use phalanx::scene;
 use phalanx::study::select::{SelectionCriteria, select};
-use phalanx::study::sweep::{Study, parse, run, summary, table};
+use phalanx::study::sweep::{Study, summary};
 use phalanx::table::Table;
 
-fn study(text: &str) -> Study {
-    parse(text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn results(study: &Study) -> Table {
-    let mut rows = Vec::new();
-    assert!(run(study, 0, &HashSet::new(), |row| rows.push(row)).complete);
-    table(study, &rows)
-}
+use crate::support::studies::{parse_study, run_study};
 
 /// Asserts that every row has a verdict or a reason, and that only completed rows have a verdict. Returns the numbers
 /// of rows with and without a verdict.
@@ -38,42 +28,27 @@ fn assert_verdict_or_reason(study: &Study, table: &Table, verdict: &str) -> [usi
     [with_verdict, verdicts.len() - with_verdict]
 }
 
+/// An axis over a range.
+fn axis(field: &str, from: &str, to: &str, more: &str) -> String {
+    let value = |text: &str| if text.contains(' ') { format!("\"{text}\"") } else { text.to_string() };
+    format!("[[axes]]\nfield = \"{field}\"\nfrom = {}\nto = {}\n{more}\n", value(from), value(to))
+}
+
 /// Designs whose distal phalanx is too short, too long or too weak for the object.
-const SHORT_RUN_STUDY: &str = r#"
-name = "short"
-[scene]
-duration = "40 ms"
-[scene.lengths]
-l11 = "20 mm"
-l21 = "31 mm"
-l22 = "10 mm"
-t22 = "16 mm"
-phi22 = "115 deg"
-[scene.object]
-radius = "25 mm"
-centre = ["-21 mm", "25 mm"]
-[scene.motor]
-torque = "600 N*mm"
-[scene.spring]
-type = "torsional"
-preload = "110 deg"
-stiffness = "60 N*mm/rad"
-[scene.contact.friction]
-mu_static = 0.5
-[[axes]]
-field = "spring.stiffness"
-values = ["20 N*mm/rad", "40 N*mm/rad", "60 N*mm/rad", "80 N*mm/rad", "100 N*mm/rad"]
-[[axes]]
-field = "lengths.t22"
-from = "8 mm"
-to = "26 mm"
-count = 19
-"#;
+fn short_phalanx_study() -> String {
+    let scene = "name = \"short\"\n[scene]\nduration = \"40 ms\"\n\
+                 lengths = { l11 = \"20 mm\", l21 = \"31 mm\", l22 = \"10 mm\", t22 = \"16 mm\", phi22 = \"115 deg\" }\n\
+                 object = { radius = \"25 mm\", centre = [\"-21 mm\", \"25 mm\"] }\nmotor.torque = \"600 N*mm\"\n\
+                 spring = { type = \"torsional\", preload = \"110 deg\", stiffness = \"60 N*mm/rad\" }\n\
+                 contact.friction.mu_static = 0.5\n";
+    let stiffness = axis("spring.stiffness", "20 N*mm/rad", "100 N*mm/rad", "count = 5");
+    format!("{scene}{stiffness}{}", axis("lengths.t22", "8 mm", "26 mm", "count = 19"))
+}
 
 #[test]
 fn designs_that_cannot_grasp_have_a_reason_and_are_counted() {
-    let study = study(SHORT_RUN_STUDY);
-    let table = results(&study);
+    let study = parse_study(&short_phalanx_study());
+    let table = run_study(&study);
     let [with_verdict, without_verdict] = assert_verdict_or_reason(&study, &table, "class");
     assert_eq!((with_verdict, without_verdict), (65, 30));
     let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
@@ -106,97 +81,44 @@ fn designs_that_cannot_grasp_have_a_reason_and_are_counted() {
     );
 }
 
-/// Wide ranges: most designs are refused, fail, cannot grasp, or have no valid statics.
-const FINGERS: &str = r#"
-name = "fingers"
-[scene]
-duration = "15 ms"
-integrator.max_steps = 600
-[scene.lengths]
-[scene.object]
-[scene.spring]
-[scene.motor]
-[[axes]]
-field = "lengths.l11"
-from = "4 mm"
-to = "40 mm"
-[[axes]]
-field = "lengths.l21"
-from = "5 mm"
-to = "60 mm"
-[[axes]]
-field = "lengths.l22"
-from = "2 mm"
-to = "30 mm"
-[[axes]]
-field = "lengths.t22"
-from = "1 mm"
-to = "60 mm"
-[[axes]]
-field = "lengths.phi22"
-from = "30 deg"
-to = "175 deg"
-[[axes]]
-field = "object.radius"
-from = "1 mm"
-to = "60 mm"
-[[axes]]
-field = "object.centre"
-values = [["-15.5 mm", "20 mm"], ["-40 mm", "10 mm"], ["-21 mm", "25 mm"]]
-[[axes]]
-field = "spring.torque"
-from = "1 N*mm"
-to = "1000 N*mm"
-spacing = "log"
-[[axes]]
-field = "motor.torque"
-from = "1 N*mm"
-to = "5000 N*mm"
-spacing = "log"
-[[axes]]
-field = "contact.friction.mu_static"
-from = 0
-to = 2
-[sample]
-method = "halton"
-count = 250
-seed = 7
-"#;
+const LOG: &str = "spacing = \"log\"";
 
-const GRIPPERS: &str = r#"
-name = "grippers"
-scene = "../gripper/design-95.toml"
-[set]
-duration = "10 ms"
-integrator.max_steps = 400
-[[axes]]
-field = "design.base"
-from = "10 mm"
-to = "24 mm"
-[[axes]]
-field = "object.radius"
-from = "14 mm"
-to = "22 mm"
-[[axes]]
-field = "object.offset"
-from = "-6 mm"
-to = "6 mm"
-[[axes]]
-field = "motor.torque"
-from = "1 N*mm"
-to = "5000 N*mm"
-spacing = "log"
-[sample]
-method = "halton"
-count = 60
-seed = 7
-"#;
+/// Wide ranges: most designs are refused, fail, cannot grasp, or have no valid statics.
+fn wide_finger_study() -> String {
+    let centres = "[[axes]]\nfield = \"object.centre\"\nvalues = [[\"-15.5 mm\", \"20 mm\"], [\"-40 mm\", \"10 mm\"], \
+                   [\"-21 mm\", \"25 mm\"]]\n";
+    let axes = [
+        axis("lengths.l11", "4 mm", "40 mm", ""),
+        axis("lengths.l21", "5 mm", "60 mm", ""),
+        axis("lengths.l22", "2 mm", "30 mm", ""),
+        axis("lengths.t22", "1 mm", "60 mm", ""),
+        axis("lengths.phi22", "30 deg", "175 deg", ""),
+        axis("object.radius", "1 mm", "60 mm", ""),
+        centres.to_string(),
+        axis("spring.torque", "1 N*mm", "1000 N*mm", LOG),
+        axis("motor.torque", "1 N*mm", "5000 N*mm", LOG),
+        axis("contact.friction.mu_static", "0", "2", ""),
+    ];
+    let scene = "[scene]\nduration = \"15 ms\"\nintegrator.max_steps = 600\nlengths = {}\nobject = {}\nspring = {}\nmotor = {}\n";
+    format!("{scene}{}[sample]\ncount = 250\nseed = 7\n", axes.concat())
+}
+
+fn wide_gripper_study() -> String {
+    let axes = [
+        axis("design.base", "10 mm", "24 mm", ""),
+        axis("object.radius", "14 mm", "22 mm", ""),
+        axis("object.offset", "-6 mm", "6 mm", ""),
+        axis("motor.torque", "1 N*mm", "5000 N*mm", LOG),
+    ];
+    let scene = "scene = \"../gripper/design-95.toml\"\nset = { duration = \"10 ms\", integrator.max_steps = 400 }\n";
+    format!("{scene}{}[sample]\ncount = 60\nseed = 7\n", axes.concat())
+}
 
 #[test]
 fn every_row_has_a_verdict_or_a_reason() {
-    for (text, verdict) in [(FINGERS, "class"), (GRIPPERS, "grasp")] {
-        let study = study(text);
-        let table = results(&study);
+    for (text, verdict) in [(wide_finger_study(), "class"), (wide_gripper_study(), "grasp")] {
+        let study = parse_study(&text);
+        let table = run_study(&study);
         let [with_verdict, without_verdict] = assert_verdict_or_reason(&study, &table, verdict);
         let counts = summary(&table).expect("results of a sweep");
         assert!(with_verdict > 10 && without_verdict > 10, "{with_verdict} {without_verdict}: {counts:?}");

@@ -53,7 +53,7 @@ fn contact_space_inverse_inertia_matches_dense_algebra() {
     let mut motion = motion(&scene, &plan);
     // A step of this length activates all contacts: the limit, and both phalanges with friction.
     for _ in 0..3 {
-        motion.advance(2e-3).unwrap();
+        motion.advance(2e-3, &|| true).unwrap();
     }
     assert_eq!(motion.space.len(), 5);
     let mut linkage_poses = motion.linkage.poses.clone();
@@ -121,7 +121,7 @@ fn a_damper_stops_a_mass_at_the_closed_form_depth() {
     for (mass, speed) in [(0.005, 2.0), (0.02, 0.5), (0.005, 8.0)] {
         let space = single_contact_space(ContactLaw { normal, friction: None }, mass, 1e-6, -speed, 0.0);
         let mut contact = ContactSolver::default();
-        contact.solve(&space, 1e-5).unwrap();
+        contact.solve(&space, 1e-5, &|| true).unwrap();
         let depth = -contact.gap[0];
         let absorbed_speed = 1e6 / mass * (depth.powi(3) / 1e-10 - depth.powi(4) / 2e-15);
         // The damper absorbs the whole speed.
@@ -143,7 +143,7 @@ fn a_spring_returns_all_energy() {
     let (mass, speed) = (0.005, 2.0);
     let space = single_contact_space(ContactLaw { normal, friction: None }, mass, 1e-5, -speed, 0.0);
     let mut contact = ContactSolver::default();
-    contact.solve(&space, 2e-3).unwrap();
+    contact.solve(&space, 2e-3, &|| true).unwrap();
     assert!((contact.rate[0] / speed - 1.0).abs() < 5e-3, "rebounds at {} m/s", contact.rate[0]);
     assert!(contact.rate[0] <= speed * (1.0 + 1e-3), "gains energy: {} m/s", contact.rate[0]);
     let deepest = (0.5 * mass * speed * speed * 3.2 / 1e8f64).powf(1.0 / 3.2);
@@ -157,7 +157,7 @@ fn tangential_impulse_is_mu_times_the_normal_impulse() {
         Some(FrictionLaw { mu_static: 0.3, mu_dynamic: 0.3, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None });
     let space = single_contact_space(ContactLaw { normal: STIFF, friction }, 0.005, 1e-7, -2.0, 5.0);
     let mut contact = ContactSolver::default();
-    contact.solve(&space, 1e-5).unwrap();
+    contact.solve(&space, 1e-5, &|| true).unwrap();
     let normal = contact.early_impulse[0] + contact.late_impulse[0];
     let tangential = contact.early_impulse[1] + contact.late_impulse[1];
     assert!((normal / 0.01 - 1.0).abs() < 2e-3, "{normal}");
@@ -225,7 +225,7 @@ fn random_laws_are_solved_at_random_step_sizes() {
         );
         let mut contact = ContactSolver::default();
         let dt = 10f64.powf(random.within(-8.0, -4.0));
-        contact.solve(&space, dt).unwrap_or_else(|error| panic!("case {case}: {error}"));
+        contact.solve(&space, dt, &|| true).unwrap_or_else(|error| panic!("case {case}: {error}"));
         assert!(
             contact.force[0] >= 0.0 && contact.early_impulse[0] >= 0.0 && contact.late_impulse[0] >= 0.0,
             "case {case}: tensile force"
@@ -262,7 +262,7 @@ fn adaptive_steps_satisfy_their_criteria() {
                 );
             }
         }
-        motion.advance(dt).unwrap();
+        motion.advance(dt, &|| true).unwrap();
         for change in &motion.contact.changes {
             let channel = plan
                 .contact_channel(motion.space.active_contacts[change.contact].candidate.index)

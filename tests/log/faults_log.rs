@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::support::faults::{LogItems, XorShift, read_bytes};
-use phalanx::log::{Loss, ReadError, RunInfo, Severity, Writer};
+use phalanx::log::{Loss, LossKind, ReadError, RunInfo, Severity, Writer};
 use phalanx::scene;
 use phalanx::trace::Model;
 
@@ -37,7 +37,9 @@ fn reads_a_prefix_of_a_truncated_log() {
         items.assert_prefix_of(complete_items, &format!("cut at {cut}"));
         longest = longest.max(items.0.len());
         match reading {
-            Ok(reading) => assert!(matches!(reading.losses.last(), Some(Loss::Truncated { .. })), "cut at {cut}"),
+            Ok(reading) => {
+                assert!(matches!(reading.losses.last(), Some(Loss { kind: LossKind::Truncated, .. })), "cut at {cut}")
+            }
             Err(ReadError::Empty { bytes }) => assert_eq!(bytes, cut as u64),
             Err(ReadError::NotMcap) => assert_eq!(cut, 0),
             Err(error) => panic!("cut at {cut}: {error}"),

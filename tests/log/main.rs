@@ -16,7 +16,6 @@ mod pictures;
 mod provenance;
 mod reader;
 mod recording;
-mod replay_recover;
 mod replay_verify;
 mod round_trip;
 mod run_to;

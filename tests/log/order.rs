@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::time::{Duration, Instant};
@@ -40,7 +39,11 @@ fn replay(log: &Path, extra_args: &[&str]) -> Output {
 
 /// Report of a log without its name and size.
 fn report(log: &Path, status: i32) -> Value {
-    let output = replay(log, &["--json"]);
+    report_of(log, &[], status)
+}
+
+fn report_of(log: &Path, extra_args: &[&str], status: i32) -> Value {
+    let output = replay(log, &[&["--json"], extra_args].concat());
     assert_eq!(output.status.code(), Some(status), "{}", stderr(&output));
     let mut report = json(&output);
     for key in ["log", "bytes"] {
@@ -118,43 +121,23 @@ fn message_order_does_not_change_the_report() {
 fn verifies_messages_in_any_order() {
     let directory = directory("order_verify");
     for (scene, model) in [(FINGER_SCENE, Model::Engine), (GRIPPER, Model::Analytic), (DISC_SCENE, Model::Analytic)] {
-        let contents = read_contents(&log(scene, model, 1e4));
+        let bytes = log(scene, model, 1e4);
+        let samples = &report(&write_log(&directory, "whole.mcap", &bytes), 0)["samples"];
+        let contents = read_contents(&bytes);
         for (order, bytes) in reorderings(&contents) {
             let path = write_log(&directory, "reordered.mcap", &bytes);
-            let output = replay(&path, &["--verify", "--json"]);
-            if order == "every message twice" {
-                assert_eq!(output.status.code(), Some(1), "{scene}, {order}");
-                continue;
-            }
-            assert_eq!(output.status.code(), Some(0), "{scene}, {order}: {}", stderr(&output));
-            let verification = &json(&output)["verification"];
-            assert_eq!(
-                (&verification["same"], &verification["complete"]),
-                (&true.into(), &true.into()),
-                "{scene}, {order}"
-            );
-            assert_eq!(verification["messages_compared"], contents.messages.len(), "{scene}, {order}");
-            let counted = |key: &str| verification[key].as_u64().expect("a count") > 0;
-            assert_eq!(counted("messages_unnumbered"), order == "without numbers", "{scene}, {order}");
-            if order == "topics backwards at each time" {
-                assert!(counted("messages_reordered"), "{scene}, {order}");
-                let text = replay(&path, &["--verify"]);
-                for part in ["sequence number and payload", "not compared: the order of messages with equal log times"]
-                {
-                    assert!(stdout(&text).contains(part), "{}", stdout(&text));
-                }
-            }
+            let verification = &report_of(&path, &["--verify"], 0)["verification"];
+            assert_eq!((&verification["same"], &verification["complete"]), (&true.into(), &true.into()), "{order}");
+            assert_eq!(&verification["samples_compared"], samples, "{scene}, {order}");
         }
         // A modified value is found in any order.
         let mut messages = shuffle(&contents.messages, 9);
         let index = messages.iter().position(|message| message.topic == "/energy").expect("a message");
         *messages[index].data.last_mut().expect("a byte") ^= 1;
         let path = write_log(&directory, "planted.mcap", &contents.log(&messages, options()));
-        let output = replay(&path, &["--verify", "--json"]);
-        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-        let verification = &json(&output)["verification"];
-        assert_eq!((&verification["same"], &verification["messages_differing"]), (&false.into(), &1.into()), "{scene}");
-        assert_eq!(verification["first_difference"]["channel"], "/energy");
+        let verification = &report_of(&path, &["--verify"], 1)["verification"];
+        assert_eq!((&verification["same"], &verification["samples_differing"]), (&false.into(), &1.into()), "{scene}");
+        assert_eq!(verification["first_difference"]["quantity"], "balance_j");
     }
 }
 
@@ -172,23 +155,6 @@ fn reads_a_truncated_log_out_of_order() {
     assert_eq!((&document["whole"], &document["criteria"]), (&false.into(), &Value::Null));
     assert!(document["samples"].as_u64() > Some(500), "{document}");
     assert!(document["losses"][0]["what"].as_str().expect("a string").contains("truncated"), "{document}");
-    // The recovered log is complete.
-    let recovered = directory.join("recovered.mcap");
-    let output = replay(&truncated, &["--recover", recovered.to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    // The last sample may be incomplete.
-    let read = json(&replay(&recovered, &["--json"]));
-    assert_eq!((&read["whole"], &read["samples"]), (&true.into(), &document["samples"]));
-    let last = |missing: &Value| missing["what"].as_str().expect("a string").starts_with("lacks 1 of ");
-    assert!(read["missing"].as_array().expect("a list").iter().all(last), "{read}");
-    // Chunks after damage are recovered in any order, because the index lists them.
-    let mut damaged = contents.log(&shuffle(&contents.messages, 4), options());
-    let middle = damaged.len() / 3;
-    damaged[middle] ^= 1;
-    let damaged = write_log(&directory, "damaged.mcap", &damaged);
-    let output = replay(&damaged, &["--recover", recovered.to_str().expect("text"), "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(json(&output)["messages"].as_u64() > Some(contents.messages.len() as u64 * 9 / 10), "{}", stdout(&output));
 }
 
 /// Removes the messages of a topic for which `drops` returns true, by their index on the topic.
@@ -327,9 +293,6 @@ fn every_mode_reports_missing_topics() {
     assert_missing_topic(&output);
     let verification = &json(&output)["verification"];
     assert_eq!((&verification["same"], &verification["complete"]), (&false.into(), &false.into()));
-    let output = replay(&path, &["--recover", &name("recovered.mcap")]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stdout(&output).contains("MISSING: /contact/distal "), "{}", stdout(&output));
 }
 
 #[test]
@@ -364,19 +327,13 @@ fn reads_lz4_and_reports_unknown_compression() {
         let contents = read_contents(&bytes);
         let uncompressed = contents.log(&contents.messages, options().compression(None::<Compression>));
         assert_eq!(report(&write_log(&directory, "plain.mcap", &uncompressed), 0), expected, "{scene}");
-        let lz4 = |records: &[u8]| {
-            let mut out = lz4_flex::frame::FrameEncoder::new(Vec::new());
-            out.write_all(records).expect("compressed");
-            out.finish().expect("compressed")
-        };
-        let compressed = recompress_chunks(&uncompressed, "lz4", &lz4);
+        let compressed = contents.log(&contents.messages, options().compression(Some(Compression::Lz4)));
         assert!(compressed.len() < uncompressed.len(), "{scene}");
-        let path = write_log(&directory, "lz4.mcap", &compressed);
-        assert_eq!(report(&path, 0), expected, "{scene}");
+        assert_eq!(report(&write_log(&directory, "lz4.mcap", &compressed), 0), expected, "{scene}");
         // A chunk that cannot be decompressed counts as damaged.
-        let truncated = recompress_chunks(&uncompressed, "lz4", &|records| lz4(&records[..records.len() / 2]));
-        let document = report(&write_log(&directory, "broken.mcap", &truncated), 1);
-        assert!(document["losses"].to_string().contains("does not have the size"), "{document}");
+        let broken = recompress_chunks(&uncompressed, "lz4", &|records| records.to_vec());
+        let document = report(&write_log(&directory, "broken.mcap", &broken), 1);
+        assert!(document["losses"].to_string().contains("cannot be decompressed"), "{document}");
         // An unknown compression is reported, but not as damage.
         let unknown = recompress_chunks(&uncompressed, "brotli", &|records| records.to_vec());
         let path = write_log(&directory, "brotli.mcap", &unknown);
@@ -412,7 +369,7 @@ fn reports_an_inconsistent_log_immediately() {
         assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
         let report = &json(&output)["verification"];
         assert_eq!(report["complete"], false, "{report:#}");
-        assert!(report["messages_compared"].as_u64() > Some(100), "{report:#}");
+        assert!(report["samples_compared"].as_u64() > Some(50), "{report:#}");
         assert!(start.elapsed() < Duration::from_secs(60));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::support::faults::{LogItem, LogItems, read_bytes};
 use crate::support::synthetic::{lift_off, reload, sample, scene, touch_down};
-use phalanx::log::{LogSummary, Loss, ReadError, RunInfo, Severity, Writer};
+use phalanx::log::{LogSummary, Loss, LossKind, ReadError, RunInfo, Severity, Writer};
 use phalanx::scene::Scene;
 use phalanx::trace::{FingerContact, Sink};
 
@@ -17,7 +17,7 @@ fn write_test_log(scene: &Scene, samples: usize) -> (Vec<u8>, LogItems) {
         let time_s = 1e-6 * i as f64;
         let sample = sample(time_s);
         writer.sample(&sample).expect("written");
-        items.sample(&sample).expect("recorded");
+        items.0.push(LogItem::Sample(Box::new(sample)));
         let event = match i % 100 {
             10 => touch_down(time_s, FingerContact::Proximal, 1.25),
             20 => lift_off(time_s, FingerContact::Proximal, 3.5e-3),
@@ -26,7 +26,7 @@ fn write_test_log(scene: &Scene, samples: usize) -> (Vec<u8>, LogItems) {
             _ => continue,
         };
         writer.event(&event).expect("written");
-        items.event(&event).expect("recorded");
+        items.0.push(LogItem::Event(event));
     }
     writer.note(1e-6 * samples as f64, Severity::Info, "run", "completed").expect("written");
     (writer.finish().expect("finished"), items)
@@ -89,15 +89,15 @@ fn reads_a_truncated_log_up_to_its_last_complete_chunk() {
     items_read.assert_prefix_of(&items, "cut");
     assert!(items_read.sample_count() > SAMPLES / 4, "{} samples", items_read.sample_count());
     assert_eq!(reading.run_end, None);
-    let [Loss::Truncated { at_byte, bytes: size, last_s }] = reading.losses[..] else { panic!("{:?}", reading.losses) };
-    assert!(at_byte < size && size == cut as u64);
-    assert_eq!(last_s, reading.last_s);
-    let message = reading.losses[0].to_string();
-    assert!(message.contains("truncated") && message.contains(&format!("byte {at_byte} of {cut}")), "{message}");
+    let [Loss { at_byte, kind: LossKind::Truncated, description }] = &reading.losses[..] else {
+        panic!("{:?}", reading.losses)
+    };
+    let readable = format!("truncated at byte {at_byte} of {cut}; it is readable up to");
+    assert!(*at_byte < cut as u64 && description.contains(&readable), "{description}");
     // Only the end of the index is missing.
     let (reading, items_read) = read_log(&bytes[..bytes.len() - 1]);
     assert_eq!(items_read, items);
-    assert!(matches!(reading.losses[..], [Loss::Truncated { .. }]), "{:?}", reading.losses);
+    assert!(matches!(reading.losses[..], [Loss { kind: LossKind::Truncated, .. }]), "{:?}", reading.losses);
 }
 
 /// Offsets of the chunk records.
@@ -107,25 +107,25 @@ fn chunks(bytes: &[u8]) -> Vec<usize> {
 }
 
 #[test]
-fn reports_a_damaged_chunk_and_the_intact_ones_after_it() {
+fn reports_a_damaged_chunk_with_position_and_remedy() {
     let (bytes, items) = write_test_log(&scene(), SAMPLES);
     let chunks = chunks(&bytes);
+    let read_damaged = |damaged: &[u8], at_byte: usize| {
+        let (reading, items_read) = read_log(damaged);
+        items_read.assert_prefix_of(&items, "damaged");
+        let [Loss { kind: LossKind::Damaged, description, .. }] = &reading.losses[..] else {
+            panic!("{:?}", reading.losses)
+        };
+        assert!(description.contains(&format!("damaged at byte {at_byte} of {}", bytes.len())), "{description}");
+        assert!(description.contains("mcap recover"), "{description}");
+    };
     let mut damaged = bytes.clone();
     damaged[chunks[2] + 200] ^= 1;
-    let (reading, items_read) = read_log(&damaged);
-    items_read.assert_prefix_of(&items, "damaged");
-    let [Loss::Damaged { at_byte, intact, .. }] = &reading.losses[..] else { panic!("{:?}", reading.losses) };
-    assert_eq!(*at_byte, chunks[2] as u64);
-    assert_eq!(intact.chunks as usize, chunks.len() - 3);
-    assert!(intact.messages > 0 && intact.first_s > reading.last_s.expect("samples"));
-    // With an invalid length, the chunks after it are still found.
+    read_damaged(&damaged, chunks[2]);
     for length in [1u64 << 60, 20_000_000, 100_000_000, 3] {
         let mut damaged = bytes.clone();
         damaged[chunks[1] + 1..chunks[1] + 9].copy_from_slice(&length.to_le_bytes());
-        let (reading, items_read) = read_log(&damaged);
-        items_read.assert_prefix_of(&items, "length");
-        let [Loss::Damaged { at_byte, intact, .. }] = &reading.losses[..] else { panic!("{:?}", reading.losses) };
-        assert_eq!((*at_byte, intact.chunks as usize), (chunks[1] as u64, chunks.len() - 2), "{length}");
+        read_damaged(&damaged, chunks[1]);
     }
 }
 
@@ -139,13 +139,13 @@ fn reports_damage_outside_chunks_and_keeps_all_samples() {
     scene_damaged[find(b"no particular")] ^= 1;
     let (reading, items_read) = read_log(&scene_damaged);
     assert!(items_read == items && reading.scene.is_none());
-    assert!(matches!(reading.losses[0], Loss::Scene { .. }), "{:?}", reading.losses);
+    assert!(reading.losses[0].kind == LossKind::Scene, "{:?}", reading.losses);
 
     let mut metadata_damaged = bytes.clone();
     metadata_damaged[find(b"rodas5p")] ^= 1;
     let (reading, items_read) = read_log(&metadata_damaged);
     assert!(
-        items_read == items && reading.losses[0].to_string().contains("outside the chunks"),
+        items_read == items && reading.losses[0].description.contains("outside the chunks"),
         "{:?}",
         reading.losses
     );
@@ -157,7 +157,7 @@ fn reports_damage_outside_chunks_and_keeps_all_samples() {
     assert!(items_read == items && !reading.is_complete());
 
     let (reading, items_read) = read_log(&[&bytes[..], b"tail"].concat());
-    assert!(items_read == items && reading.losses[0].to_string().contains("4 more bytes"), "{:?}", reading.losses);
+    assert!(items_read == items && reading.losses[0].description.contains("4 more bytes"), "{:?}", reading.losses);
 }
 
 #[test]

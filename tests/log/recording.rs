@@ -3,7 +3,7 @@
 use phalanx::scene::keywords::SceneKind;
 use std::fs;
 
-use phalanx::log::{read_any_file, read_file, run_to};
+use phalanx::log::{read_file, run_to};
 use phalanx::scene::{load, load_any};
 use phalanx::trace::{Event, EventKind, FingerContact, Layout, Model, Recording, record, run};
 
@@ -67,7 +67,7 @@ fn disc_recording_matches_the_csv_table() {
     assert_same_columns(&recording, &read_csv_table(&path));
     assert!(recording.column("hammer_x_m").is_some() && recording.column("hammer-anvil_normal_n").is_some());
     let mut read = Recording::new(&Layout::default());
-    read_any_file(&path, &mut read).expect("a log");
+    read_file(&path, &mut read).expect("a log");
     assert_eq!(read, recording);
     assert!(recording.events().len() >= 2);
 }
@@ -134,7 +134,7 @@ fn slip_events_are_read_back_from_a_log() {
                 Layout::default()
             };
             let mut read = Recording::new(&layout);
-            assert!(read_any_file(&path, &mut read).expect("a log").is_complete());
+            assert!(read_file(&path, &mut read).expect("a log").is_complete());
             assert_eq!(read.events(), recording.events(), "{scene}, {}", model.name());
             let output = phalanx(&["replay", path.to_str().expect("text"), "--verify", "--json"]);
             assert!(output.status.success(), "{scene}: {}", stderr(&output));

@@ -79,10 +79,10 @@ fn recorded_settings_reproduce_the_same_bytes() {
             (&true.into(), &true.into()),
             "{scene} {args:?}"
         );
-        assert_eq!(verification["messages_compared"], report["messages"], "{scene} {args:?}");
-        assert!(report["messages"].as_u64() > Some(20), "{scene} {args:?}");
+        assert_eq!(verification["samples_compared"], report["samples"], "{scene} {args:?}");
+        assert!(report["samples"].as_u64() > Some(5), "{scene} {args:?}");
         assert_eq!(verification["first_difference"], Value::Null);
-        assert_eq!(verification["messages_not_compared"], 0);
+        assert_eq!(verification["samples_not_compared"], 0);
     }
     let output = phalanx(&["replay", directory.join("run.mcap").to_str().expect("text"), "--verify"]);
     assert!(stdout(&output).contains("VERIFIED: "), "{}", stdout(&output));
@@ -91,37 +91,28 @@ fn recorded_settings_reproduce_the_same_bytes() {
 #[test]
 fn finds_a_difference_of_one_ulp() {
     let directory = directory("verify_ulp");
-    for (scene, model, topic, name, field) in [
+    for (scene, model, topic, quantity, field) in [
         (FINGER_SCENE, Model::Analytic, "/state", "q21_rad", 3),
         (FINGER_SCENE, Model::Engine, "/energy", "balance_j", 8),
-        (DISC_SCENE, Model::Analytic, "/disc/hammer", "vx_m_s", 5),
-        (DISC_SCENE, Model::Engine, "/contact/hammer-anvil", "gap_m", 2),
+        (DISC_SCENE, Model::Analytic, "/disc/hammer", "hammer_vx_m_s", 5),
+        (DISC_SCENE, Model::Engine, "/contact/hammer-anvil", "hammer-anvil_gap_m", 2),
     ] {
         let bytes = log(scene, model, 1e4);
         let (original, count) = (write_log(&directory, "whole.mcap", &bytes), 77);
-        let modified = edit_log(
-            &bytes,
-            &LogEdits {
-                message: &|message_topic, number, data| match message_topic == topic && number == count {
-                    true => MessageEdit::Change(one_ulp_up(data, field)),
-                    false => MessageEdit::Keep,
-                },
-                ..LogEdits::default()
-            },
-        );
+        let change = |message_topic: &str, number: u64, data: &[u8]| match message_topic == topic && number == count {
+            true => MessageEdit::Change(one_ulp_up(data, field)),
+            false => MessageEdit::Keep,
+        };
+        let modified = edit_log(&bytes, &LogEdits { message: &change, ..LogEdits::default() });
         assert_eq!(verified(&original, 0)["same"], true);
         let modified = write_log(&directory, "planted.mcap", &modified);
         let output = verify(&modified);
         assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-        assert!(stderr(&output).contains(topic) && stderr(&output).contains(name), "{}", stderr(&output));
+        assert!(stderr(&output).contains(quantity), "{}", stderr(&output));
         let verification = &json(&output)["verification"];
-        assert_eq!((&verification["messages_differing"], &verification["same"]), (&1.into(), &false.into()));
-        assert_eq!(
-            (&verification["messages_only_in_log"], &verification["messages_only_in_new_run"]),
-            (&0.into(), &0.into())
-        );
-        let first = &verification["first_difference"];
-        assert_eq!((&first["channel"], &first["field"]), (&topic.into(), &name.into()));
+        let counts = ["differing", "only_in_log", "only_in_new_run"].map(|key| &verification[format!("samples_{key}")]);
+        assert_eq!((counts, &verification["same"]), ([&1.into(), &0.into(), &0.into()], &false.into()));
+        assert_eq!(verification["first_difference"]["quantity"], quantity);
         let [log, rerun, absolute, time_s] = ["log", "new_run", "absolute", "time_s"]
             .map(|key| parse_exact_number(stdout(&output), "first_difference", key));
         assert_eq!(log, rerun.next_up());
@@ -130,51 +121,48 @@ fn finds_a_difference_of_one_ulp() {
         let table = phalanx(&["replay", original.to_str().expect("text"), "--csv", "-"]);
         let row = stdout(&table).lines().nth(1 + count as usize).expect("a row");
         assert_eq!(row.split(',').next().expect("a time").parse(), Ok(time_s));
-        assert_eq!(verification["fields"].as_array().expect("a list").len(), 1);
-        assert_eq!(verification["fields"][0]["messages"], 1);
+        assert_eq!(verification["quantities"].as_array().expect("a list").len(), 1);
+        assert_eq!(verification["quantities"][0]["samples"], 1);
         let text = phalanx(&["replay", modified.to_str().expect("text"), "--verify"]);
-        for part in ["DIFFERENT: ", "1 of ", "first difference at ", topic, name, "  new run  "] {
+        for part in ["DIFFERENT: ", "1 of ", "first difference at ", quantity, "  new run  "] {
             assert!(stdout(&text).contains(part), "no {part} in\n{}", stdout(&text));
         }
     }
 }
 
 #[test]
-fn counts_missing_messages_and_compares_the_rest() {
+fn counts_missing_and_differing_data_and_compares_the_rest() {
     let directory = directory("verify_missing");
     let bytes = log(FINGER_SCENE, Model::Analytic, 1e4);
-    let without = edit_log(
-        &bytes,
-        &LogEdits {
-            message: &|topic, number, data| match (topic, number) {
-                ("/energy", 40) => MessageEdit::Drop,
-                ("/limit", 90) => MessageEdit::Change(one_ulp_up(data, 2)),
-                _ => MessageEdit::Keep,
-            },
-            ..LogEdits::default()
-        },
-    );
-    let verification = verified(&write_log(&directory, "without.mcap", &without), 1);
-    assert_eq!(
-        (&verification["messages_only_in_log"], &verification["messages_only_in_new_run"]),
-        (&0.into(), &1.into())
-    );
-    assert_eq!(verification["messages_differing"], 1, "{verification:#}");
-    let first = &verification["first_difference"];
-    assert_eq!(first["field"], "(which message comes next)");
-    assert!(first["new_run"].as_str().expect("a string").starts_with("/energy at "), "{first}");
-    // A log that lacks the end of its run but is marked as completed.
-    let truncated = edit_log(
-        &bytes,
-        &LogEdits {
-            message: &|topic, number, _| {
-                if topic == "/state" && number > 100 { MessageEdit::Drop } else { MessageEdit::Keep }
-            },
-            ..LogEdits::default()
-        },
-    );
-    let verification = verified(&write_log(&directory, "cut.mcap", &truncated), 1);
-    assert!(verification["messages_only_in_new_run"].as_u64() > Some(50));
+    let edited = |message: &dyn Fn(&str, u64, &[u8]) -> MessageEdit| {
+        let bytes = edit_log(&bytes, &LogEdits { message, ..LogEdits::default() });
+        verified(&write_log(&directory, "edited.mcap", &bytes), 1)
+    };
+    let verification = edited(&|topic, number, data| match (topic, number) {
+        ("/energy", 40) => MessageEdit::Drop,
+        ("/limit", 90) => MessageEdit::Change(one_ulp_up(data, 2)),
+        ("/impact/distal", 0) => MessageEdit::Change(one_ulp_up(data, 4)),
+        _ => MessageEdit::Keep,
+    });
+    let counts = ["samples_differing", "events_differing", "samples_only_in_log", "samples_only_in_new_run"];
+    assert_eq!(counts.map(|key| verification[key].as_u64()), [2, 1, 0, 0].map(Some), "{verification:#}");
+    // One sample, and all later ones, are missing; the last event is missing.
+    for (topics, from, extra) in
+        [(["/state", "/energy"], 100..101, 1..2), (["/state", "/energy"], 100..10_000, 50..900)]
+    {
+        let verification = edited(&|topic, number, _| {
+            let is_sample = topics.contains(&topic) || topic.starts_with("/contact") || topic == "/limit";
+            if is_sample && from.contains(&number) { MessageEdit::Drop } else { MessageEdit::Keep }
+        });
+        let missing = verification["samples_only_in_new_run"].as_u64().expect("a count");
+        assert!(extra.contains(&missing), "{verification:#}");
+        assert_eq!(verification["first_difference"]["quantity"], "(next sample)");
+    }
+    let verification = edited(&|topic, number, _| match (topic, number) {
+        ("/impact/distal", 0) => MessageEdit::Drop,
+        _ => MessageEdit::Keep,
+    });
+    assert!(verification["events_only_in_new_run"].as_u64() > Some(0), "{verification:#}");
 }
 
 #[test]
@@ -193,10 +181,9 @@ fn compares_an_interrupted_run_up_to_the_interrupt() {
             (&true.into(), &true.into()),
             "{scene} {model:?}: {verification:#}"
         );
-        assert!(verification["messages_compared"].as_u64() > Some(100), "{verification:#}");
-        // The last sample and the line with the reason are not compared.
-        let skipped = verification["messages_not_compared"].as_u64().expect("a count");
-        assert!((3..=12).contains(&skipped), "{scene} {model:?}: {skipped}");
+        assert!(verification["samples_compared"].as_u64() > Some(50), "{verification:#}");
+        // The last sample is not compared.
+        assert_eq!(verification["samples_not_compared"], 1, "{scene} {model:?}");
         let text = phalanx(&["replay", log.to_str().expect("text"), "--verify"]);
         assert!(stdout(&text).contains("not compared: the last "), "{}", stdout(&text));
     }
@@ -221,7 +208,7 @@ fn verifies_a_run_ended_by_a_signal() {
     assert_eq!(run.wait().expect("ends").code(), Some(3));
     let verification = verified(&log, 0);
     assert_eq!(verification["same"], true, "{verification:#}");
-    assert!(verification["messages_compared"].as_u64() > Some(1000), "{verification:#}");
+    assert!(verification["samples_compared"].as_u64() > Some(200), "{verification:#}");
 }
 
 #[test]
@@ -239,7 +226,7 @@ fn matching_prefix_is_not_a_complete_comparison() {
             (&true.into(), &false.into()),
             "{verification:#}"
         );
-        assert!(verification["messages_compared"].as_u64() > Some(1000));
+        assert!(verification["samples_compared"].as_u64() > Some(200));
     }
 }
 
@@ -314,7 +301,7 @@ fn rejects_logs_that_cannot_be_simulated_again() {
 fn rejects_conflicting_options() {
     let directory = directory("verify_options");
     let log = write(&directory, "run.mcap", "");
-    let output = phalanx(&["replay", &log, "--verify", "--recover", "b.mcap"]);
+    let output = phalanx(&["replay", &log, "--verify", "--against", "b.mcap"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("cannot be used with"), "{}", stderr(&output));
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use phalanx::log::{LogError, LoggedRunError, read_any_file, run_into, run_to};
+use phalanx::log::{LogError, LoggedRunError, read_file, run_into, run_to};
 use phalanx::scene::{Actuation, Scene, load, load_any};
 use phalanx::shape::{Shape, max_radius};
 use phalanx::trace::{FingerContact, Model, RunError};
@@ -110,7 +110,7 @@ fn stopped_run_is_an_error_and_its_log_contains_the_reason() {
     let error = run_to(&scene, Model::Analytic, &path).expect_err("40 steps are not enough");
     let LoggedRunError::Run(RunError::Simulation { failure, partial_outcome }) = error else { panic!("{error}") };
     assert_eq!(partial_outcome.work.steps, 40);
-    let reading = read_any_file(&path, &mut ()).expect("a log");
+    let reading = read_file(&path, &mut ()).expect("a log");
     let run_end = reading.run_end.expect("an end");
     assert_eq!(run_end.stopped, Some(failure.reason.to_string()));
     // The new run stops at the same step.

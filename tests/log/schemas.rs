@@ -4,62 +4,32 @@
 use phalanx::scene::keywords::SceneKind;
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Cursor;
 
-use foxglove::Encode;
-use phalanx::log::{
-    Contact, Disc, Energy, Impact, Limit, LimitImpact, LogSink, Record, State, read_any, read_any_file, read_file,
-};
-use phalanx::trace::{Layout, Model, Recording, SinkError};
+use phalanx::log::read_file;
+use phalanx::trace::{Layout, Model, Recording};
+use prost_reflect::prost::Message;
+use prost_reflect::prost_types::FileDescriptorSet;
 
 use crate::support::cli::{directory, json, phalanx, stderr};
-use crate::support::replay::{DISC_SCENE, FINGER_SCENE, LogEdits, edit_log, log};
+use crate::support::replay::{DISC_SCENE, FINGER_SCENE, LogContents, LogEdits, edit_log, log, read_contents};
 
-/// Schema name of every topic.
-#[derive(Default)]
-struct Schemas {
-    names: BTreeMap<u16, String>,
-    topics: BTreeMap<String, String>,
-}
-
-impl LogSink for Schemas {
-    fn record(&mut self, record: &Record<'_>) -> Result<(), SinkError> {
-        match record {
-            Record::Schema(schema) => drop(self.names.insert(schema.id, schema.name.to_string())),
-            Record::Channel(channel) => {
-                drop(self.topics.insert(channel.topic.to_string(), self.names[&channel.schema].clone()));
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-}
-
+/// Returns the schema name of every topic.
 fn schemas(bytes: &[u8]) -> BTreeMap<String, String> {
-    let mut collected = Schemas::default();
-    assert!(read_any(Cursor::new(bytes), &mut collected).expect("a log").is_complete());
-    collected.topics
+    let LogContents { channels, schemas, .. } = read_contents(bytes);
+    let name = |id: u16| schemas.iter().find(|schema| schema.0 == id).expect("announced").1.clone();
+    channels.into_iter().map(|channel| (channel.topic, name(channel.schema_id))).collect()
 }
 
 /// Renames phalanx' own schemas to their older names, with one package per message.
 fn with_old_schema_names(bytes: &[u8]) -> Vec<u8> {
-    let derived = [
-        State::get_schema(),
-        Contact::get_schema(),
-        Limit::get_schema(),
-        Energy::get_schema(),
-        Impact::get_schema(),
-        LimitImpact::get_schema(),
-        Disc::get_schema(),
-    ];
-    let derived: Vec<_> = derived.into_iter().flatten().collect();
-    assert_eq!(derived.len(), 7);
-    let schema = |name: &str, data: &[u8]| match name.strip_prefix("phalanx.") {
-        Some(message) => {
-            let old = derived.iter().find(|old| old.name.ends_with(&format!(".{message}"))).expect("a phalanx message");
-            (old.name.clone(), old.data.to_vec())
+    let schema = |name: &str, data: &[u8]| {
+        let Some(message) = name.strip_prefix("phalanx.") else { return (name.to_string(), data.to_vec()) };
+        let package = message.to_lowercase();
+        let mut set = FileDescriptorSet::decode(data).expect("descriptors");
+        for file in &mut set.file {
+            (file.name, file.package) = (Some(format!("{message}.proto")), Some(package.clone()));
         }
-        None => (name.to_string(), data.to_vec()),
+        (format!("{package}.{message}"), set.encode_to_vec())
     };
     edit_log(bytes, &LogEdits { schema: &schema, ..LogEdits::default() })
 }
@@ -121,15 +91,15 @@ fn old_schema_names_do_not_change_contents_or_verification() {
                     Recording::new(&Layout::from_kind(SceneKind::Finger)),
                     Recording::new(&Layout::from_kind(SceneKind::Finger)),
                 ];
-                read_any_file(&current, &mut a).expect("a log");
-                read_any_file(&old, &mut b).expect("a log");
+                read_file(&current, &mut a).expect("a log");
+                read_file(&old, &mut b).expect("a log");
                 assert!(a.time().len() > 20 && a.column("q21_rad") == b.column("q21_rad"));
                 assert_eq!(a.events(), b.events());
             }
             _ => {
                 let [mut a, mut b] = [(); 2].map(|()| Recording::new(&Layout::default()));
-                read_any_file(&current, &mut a).expect("a log");
-                read_any_file(&old, &mut b).expect("a log");
+                read_file(&current, &mut a).expect("a log");
+                read_file(&old, &mut b).expect("a log");
                 assert!(a.time().len() > 15);
                 assert_eq!(a, b);
             }

@@ -1,18 +1,12 @@
-//! The table of settings: its page in the documentation, its defaults, and setting single fields.
+//! The settings: their page in the documentation, their defaults, and their records in a log.
 
 use std::fs;
 use std::path::Path;
 
-use phalanx::gripper::Design;
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::schema::schema_for;
-use phalanx::scene::table::bounds::Bounds;
-use phalanx::scene::table::drive::{MotorSettings, ShaftSettings, SpringSettings};
-use phalanx::scene::table::finger::{InitialSettings, MaterialSettings};
-use phalanx::scene::table::law::{ContactSettings, LimitSettings};
-use phalanx::scene::table::object::ObjectSettings;
-use phalanx::scene::table::{self, SettingsSection};
-use phalanx::scene::{Engine, Integrator, LogRates};
+use phalanx::scene::schema::{field, is_within, markdown, properties, record, restore, schema_for};
+use phalanx::scene::{Bounds, Engine, Response, Stepping};
+use serde_json::Value;
 
 const BEGIN: &str = "<!-- settings: PHALANX_BLESS=1 cargo test --test scene settings -->\n";
 const END: &str = "<!-- end of settings -->\n";
@@ -24,7 +18,7 @@ fn the_documented_settings_are_up_to_date() {
     let page = fs::read_to_string(&path).expect("the page");
     let (head, rest) = page.split_once(BEGIN).expect("the first marker");
     let (_, tail) = rest.split_once(END).expect("the second marker");
-    let generated = format!("{head}{BEGIN}\n{}\n{END}{tail}", table::markdown());
+    let generated = format!("{head}{BEGIN}\n{}\n{END}{tail}", markdown());
     if std::env::var_os("PHALANX_BLESS").is_some() {
         fs::write(&path, generated).expect("the page");
         return;
@@ -35,52 +29,61 @@ fn the_documented_settings_are_up_to_date() {
     );
 }
 
-/// A documented default is the value of an empty section.
-#[test]
-fn setting_a_documented_default_changes_nothing() {
-    fn check<T: SettingsSection>(path: &str) {
-        for kind in SceneKind::ALL {
-            let schema = &schema_for(kind)["properties"][path]["properties"];
-            for field in T::FIELDS.iter().filter(|field| field.metadata().scene_kinds.contains(&kind)) {
-                let (key, defaults) = (field.metadata().key, T::defaults_for(kind));
-                // Lists can be set only in files.
-                let Some(default) = schema[key].get("default").filter(|default| !default.is_array()) else { continue };
-                let text = default.as_str().map_or_else(|| default.to_string(), str::to_string);
-                let mut modified = defaults.clone();
-                assert_eq!(table::set(&mut modified, path, key, &text), Ok(true), "{path}.{key}");
-                if field.get(&mut defaults.clone()).is_some() {
-                    assert_eq!(field.get(&mut modified), field.get(&mut defaults.clone()), "{path}.{key}");
-                }
-            }
+/// Calls `check` for every default of a schema.
+fn for_each_default(schema: &Value, path: &str, check: &mut impl FnMut(&str, &Value)) {
+    for (key, property) in properties(schema) {
+        let path = format!("{path}.{key}");
+        if property.get("default").is_some() {
+            check(&path, property);
         }
+        for_each_default(property, &path, check);
+        for_each_default(&property["additionalProperties"], &path, check);
     }
-    check::<Integrator>("integrator");
-    check::<Engine>("engine");
-    check::<Bounds>("validate");
-    check::<LogRates>("log");
-    check::<ContactSettings>("contact");
-    check::<LimitSettings>("limit");
-    check::<Design>("design");
-    check::<ObjectSettings>("object");
-    check::<MaterialSettings>("material");
-    check::<InitialSettings>("initial");
-    check::<MotorSettings>("motor");
-    check::<ShaftSettings>("motor");
-    check::<SpringSettings>("spring");
 }
 
-/// A value that applies only to one variant of a setting selects this variant.
+/// Every default of the schema is an allowed value, and those of the tolerances are the ones of the program.
 #[test]
-fn setting_a_field_selects_its_variant() {
-    let mut engine = Engine::defaults();
-    for (key, text, column) in [("step", "10 us", "engine_step_s"), ("tolerance", "1 um", "engine_tolerance_m")] {
-        assert_eq!(table::set(&mut engine, "engine", key, text), Ok(true));
-        let recorded = table::record("engine", &engine);
-        assert!(recorded.iter().any(|(name, _)| name == column), "{recorded:?}");
+fn defaults_are_valid() {
+    for kind in SceneKind::ALL {
+        let mut count = 0;
+        for_each_default(schema_for(kind), kind_name(kind), &mut |path, property| {
+            count += 1;
+            let si = property.get("x-si").unwrap_or_else(|| panic!("{path}: {}", property["default"]));
+            assert!(si.as_f64().is_none_or(|si| is_within(si, property)), "{path}: {si}");
+        });
+        assert!(count > 20, "{count}");
+        let bounds = toml::Table::try_from(Bounds::defaults_for_run(kind, 1.0)).expect("a table");
+        for (key, property) in properties(&schema_for(kind)["properties"]["validate"]) {
+            let value = bounds[field(property)].as_float();
+            assert!(property.get("x-si").is_none_or(|si| si.as_f64() == value), "{kind:?} {key}: {value:?}");
+        }
     }
-    assert_eq!(table::set(&mut engine, "engine", "step", "0 us"), Ok(false));
-    for (key, text, expected) in [("step", "1", "has no unit"), ("pace", "1", "has no `pace`")] {
-        let error = table::set(&mut engine, "engine", key, text).expect_err("a bad value");
-        assert!(error.contains(expected), "{error}");
+}
+
+fn kind_name(kind: SceneKind) -> &'static str {
+    phalanx::scene::Keyword::keyword(&kind)
+}
+
+/// The record of settings in a log contains only those with an effect, and restores them bit for bit.
+#[test]
+fn recorded_settings_are_restored() {
+    let fixed = Engine { stepping: Stepping::Fixed { step_s: 1e-5 / 3.0 }, iterations: 7, ..Engine::DEFAULT };
+    let rapier = Engine { response: Response::Rapier { friction: 0.1 + 0.2, restitution: 0.5 }, ..fixed };
+    for (engine, has, lacks) in [
+        (Engine::DEFAULT, "engine_tolerance_m", "engine_step_s"),
+        (fixed, "engine_step_s", "engine_max_step_s"),
+        (rapier, "engine_restitution", "engine_tolerance_m"),
+    ] {
+        let recorded = record(&engine);
+        let entry = |name: &str| recorded.iter().find(|(known, _)| known == name).map(|(_, text)| text.clone());
+        assert!(entry(has).is_some() && entry(lacks).is_none(), "{recorded:?}");
+        let restored =
+            restore(|name| entry(name).ok_or(name.to_string()), |name, value, allowed| name + &value + &allowed);
+        assert_eq!(restored, Ok(engine));
+        let negative = restore::<Engine, _>(
+            |name| Ok(if name == "engine_max_steps" { "0".to_string() } else { entry(name).expect("recorded") }),
+            |name, value, allowed| format!("{name} = {value}: {allowed}"),
+        );
+        assert_eq!(negative, Err("engine_max_steps = 0: a whole number from 1".to_string()));
     }
 }

@@ -5,8 +5,9 @@ use phalanx::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp
 use phalanx::scene::{Disc, DiscMotion, PalmMotion, Scene, load_any};
 use phalanx::shape::PlacedShape;
 use phalanx::study::size::{SizingOptions, size_finger};
-use phalanx::study::stability::{Grid, stability};
-use phalanx::study::step_size::step_size;
+use phalanx::thesis::Monitor;
+use phalanx::thesis::stability::{Grid, stability};
+use phalanx::thesis::step_size::step_size;
 use phalanx::trace::{Model, RunError, run};
 
 const FINGER: &str = "scenes/experiment-95.toml";
@@ -102,7 +103,7 @@ fn other_scene_kinds_are_rejected() {
             expected,
         );
         let grid = Grid { steps_s: vec![1e-5], stiffness_factors: vec![1.0], damping_factors: vec![1.0] };
-        let map = stability(other, &grid, 1e-3, &mut |_, _, _| {}, keep_running);
+        let map = stability(other, &grid, 1e-3, &Monitor::silent(keep_running));
         assert_rejected(map.map(drop).map_err(|error| error.to_string()), expected);
     }
     for other in [&finger, &discs] {
@@ -119,7 +120,7 @@ fn other_scene_kinds_are_rejected() {
         );
     }
     for other in [&finger, &gripper] {
-        let result = step_size(other, true, &mut |_, _, _| {}, keep_running);
+        let result = step_size(other, true, &Monitor::silent(keep_running));
         assert_rejected(result.map(drop).map_err(|error| error.to_string()), "a scene of kind \"bodies\" is required");
     }
 }

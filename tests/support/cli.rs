@@ -22,18 +22,20 @@ pub fn stderr(output: &Output) -> &str {
     std::str::from_utf8(&output.stderr).expect("text")
 }
 
-/// Asserts that a command is rejected soon, with status 2, an empty stdout, and a short message that contains each of
-/// `parts`.
+/// Asserts that a command is rejected soon, with status 2, an empty stdout, and a short error that contains each of
+/// `parts`, whose words may be on several lines.
 #[track_caller]
 pub fn assert_rejected(args: &[&str], parts: &[&str]) {
     let start = Instant::now();
     let output = phalanx(args);
     let message = stderr(&output);
     assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{args:?}: {message}");
-    assert!(message.starts_with("error: ") && message.len() < 20_000, "{args:?}: {message}");
+    let is_error = message.lines().any(|line| line.starts_with("error: "));
+    assert!(is_error && message.len() < 20_000, "{args:?}: {message}");
     assert!(start.elapsed() < Duration::from_secs(10), "{args:?}: {:?}", start.elapsed());
+    let unwrapped = message.replace('\n', " ");
     for part in parts {
-        assert!(message.contains(part), "{args:?}: no {part:?} in {message}");
+        assert!(message.contains(part) || unwrapped.contains(part), "{args:?}: no {part:?} in {message}");
     }
 }
 
@@ -68,4 +70,27 @@ pub fn write(directory: &Path, name: &str, text: &str) -> String {
     let path = directory.join(name);
     fs::write(&path, text).expect("written");
     path.to_str().expect("a path of plain text").to_string()
+}
+
+/// Runs a command that must succeed; returns its standard output.
+#[track_caller]
+pub fn succeed(args: &[&str]) -> String {
+    let output = phalanx(args);
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+    stdout(&output).to_string()
+}
+
+/// Runs a command that must succeed with `--json`; returns its document.
+#[track_caller]
+pub fn succeed_json(args: &[&str]) -> Value {
+    let text = succeed(&[args, &["--json"]].concat());
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+}
+
+/// Asserts that a text contains all parts.
+#[track_caller]
+pub fn assert_contains(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "no {part:?} in\n{text}");
+    }
 }

@@ -4,8 +4,8 @@ use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use phalanx::log::{self, LogSummary, ReadError};
-use phalanx::trace::{Event, Sample, Sink, SinkError};
+use phalanx::log::{self, LogSink, LogSummary, ReadError};
+use phalanx::trace::{Event, Sample, SinkError};
 
 /// An item read from a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub enum LogItem {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogItems(pub Vec<LogItem>);
 
-impl Sink for LogItems {
+impl LogSink for LogItems {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.0.push(LogItem::Sample(Box::new(sample.clone())));
         Ok(())

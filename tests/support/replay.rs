@@ -1,13 +1,13 @@
 //! Logs of fingers and discs from both models, and tools that edit a log.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
 use std::process::Command;
 
-use mcap::records::MessageHeader;
-use phalanx::log::{LogSink, MessageRecord, Record, RunInfo, Severity, Writer, read_any};
+use mcap::read::ChunkFlattener;
+use mcap::records::{Channel, MessageHeader, Metadata, Record};
+use phalanx::log::{RunInfo, Severity, Writer};
 use phalanx::scene::load_any;
 use phalanx::trace::{Decimated, Event, Model, Sample, Sink, SinkError, run};
 
@@ -102,76 +102,30 @@ impl Default for LogEdits<'_> {
 
 /// Returns the edited log, with new checksums and a new index.
 pub fn edit_log(bytes: &[u8], changes: &LogEdits<'_>) -> Vec<u8> {
-    struct LogEditor<'a> {
-        out: mcap::Writer<Cursor<Vec<u8>>>,
-        changes: &'a LogEdits<'a>,
-        topics: BTreeMap<u16, (String, u64)>,
+    let mut contents = read_contents(bytes);
+    contents.metadata.iter_mut().for_each(|record| (changes.metadata)(&mut record.metadata));
+    contents.attachments.retain_mut(|attachment| {
+        let edited = (changes.scene)(std::str::from_utf8(&attachment.data).expect("text"));
+        edited.map(|text| attachment.data = text.into_bytes().into()).is_some()
+    });
+    for (_, name, _, data) in &mut contents.schemas {
+        (*name, *data) = (changes.schema)(name, data);
     }
-    impl LogSink for LogEditor<'_> {
-        fn record(&mut self, record: &Record<'_>) -> Result<(), SinkError> {
-            let out = &mut self.out;
-            match record {
-                Record::Metadata { name, entries } => {
-                    let mut metadata = (*entries).clone();
-                    (self.changes.metadata)(&mut metadata);
-                    let name = name.to_string();
-                    out.write_metadata(&mcap::write::Metadata { name, metadata }).expect("written");
-                }
-                Record::Attachment(record) => {
-                    let text = std::str::from_utf8(record.data).expect("text");
-                    let Some(text) = (self.changes.scene)(text) else { return Ok(()) };
-                    let attachment = mcap::Attachment {
-                        log_time: record.log_time_ns,
-                        create_time: record.create_time_ns,
-                        name: record.name.to_string(),
-                        media_type: record.media_type.to_string(),
-                        data: Cow::Owned(text.into_bytes()),
-                    };
-                    out.attach(&attachment).expect("written");
-                }
-                Record::Schema(schema_record) => {
-                    let (name, data) = (self.changes.schema)(schema_record.name, schema_record.data);
-                    out.add_schema_with_id(schema_record.id, &name, schema_record.encoding, &data).expect("added");
-                }
-                Record::Channel(channel_record) => {
-                    let (id, schema) = (channel_record.id, channel_record.schema);
-                    out.add_channel_with_id(
-                        id,
-                        schema,
-                        channel_record.topic,
-                        channel_record.encoding,
-                        &channel_record.metadata,
-                    )
-                    .expect("added");
-                    self.topics.insert(id, (channel_record.topic.to_string(), 0));
-                }
-                Record::Message(message) => {
-                    let MessageRecord { channel, sequence, log_time_ns, publish_time_ns, data } = *message;
-                    let (topic, count) = self.topics.get_mut(&channel).expect("announced");
-                    let edit = (self.changes.message)(topic, *count, data);
-                    *count += 1;
-                    let data = match edit {
-                        MessageEdit::Keep => data.to_vec(),
-                        MessageEdit::Drop => return Ok(()),
-                        MessageEdit::Change(data) => data,
-                    };
-                    let header = MessageHeader {
-                        channel_id: channel,
-                        sequence,
-                        log_time: log_time_ns,
-                        publish_time: publish_time_ns,
-                    };
-                    out.write_to_known_channel(&header, &data).expect("written");
-                }
+    let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+    let mut messages = std::mem::take(&mut contents.messages);
+    messages.retain_mut(|message| {
+        let count = counts.entry(message.topic.clone()).or_default();
+        *count += 1;
+        match (changes.message)(&message.topic, *count - 1, &message.data) {
+            MessageEdit::Keep => true,
+            MessageEdit::Drop => false,
+            MessageEdit::Change(data) => {
+                message.data = data;
+                true
             }
-            Ok(())
         }
-    }
-    let out = mcap::Writer::new(Cursor::new(Vec::new())).expect("started");
-    let mut editor = LogEditor { out, changes, topics: BTreeMap::new() };
-    read_any(Cursor::new(bytes), &mut editor).expect("a log");
-    editor.out.finish().expect("finished");
-    editor.out.into_inner().into_inner()
+    });
+    contents.log(&messages, mcap::WriteOptions::new())
 }
 
 /// Returns the payload with one field of type double increased by one unit in the last place.
@@ -210,56 +164,42 @@ pub struct Message {
 pub struct LogContents {
     metadata: Vec<mcap::write::Metadata>,
     attachments: Vec<mcap::Attachment<'static>>,
-    schemas: Vec<(u16, String, String, Vec<u8>)>,
-    channels: Vec<(u16, u16, String, String)>,
+    /// Id, name, encoding and data.
+    pub schemas: Vec<(u16, String, String, Vec<u8>)>,
+    pub channels: Vec<Channel>,
     pub messages: Vec<Message>,
 }
 
-impl LogSink for LogContents {
-    fn record(&mut self, record: &Record<'_>) -> Result<(), SinkError> {
-        match record {
-            Record::Metadata { name, entries } => {
-                self.metadata.push(mcap::write::Metadata { name: name.to_string(), metadata: (*entries).clone() });
-            }
-            Record::Attachment(attachment) => self.attachments.push(mcap::Attachment {
-                log_time: attachment.log_time_ns,
-                create_time: attachment.create_time_ns,
-                name: attachment.name.to_string(),
-                media_type: attachment.media_type.to_string(),
-                data: Cow::Owned(attachment.data.to_vec()),
-            }),
-            Record::Schema(schema) => {
-                let (name, encoding) = (schema.name.to_string(), schema.encoding.to_string());
-                self.schemas.push((schema.id, name, encoding, schema.data.to_vec()));
-            }
-            Record::Channel(channel) => {
-                self.channels.push((
-                    channel.id,
-                    channel.schema,
-                    channel.topic.to_string(),
-                    channel.encoding.to_string(),
-                ));
-            }
-            Record::Message(message) => {
-                let topic =
-                    self.channels.iter().find(|channel| channel.0 == message.channel).expect("announced").2.clone();
-                self.messages.push(Message {
-                    topic,
-                    channel: message.channel,
-                    sequence: message.sequence,
-                    log_time_ns: message.log_time_ns,
-                    data: message.data.to_vec(),
-                });
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Reads all records of a log.
+/// Reads all records of a log with the mcap crate.
 pub fn read_contents(bytes: &[u8]) -> LogContents {
     let mut contents = LogContents::default();
-    read_any(Cursor::new(bytes), &mut contents).expect("a log");
+    for record in ChunkFlattener::new(bytes).expect("a log") {
+        match record.expect("readable to the end") {
+            Record::Metadata(Metadata { name, metadata }) => {
+                contents.metadata.push(mcap::write::Metadata { name, metadata });
+            }
+            Record::Attachment { header, data, .. } => contents.attachments.push(mcap::Attachment {
+                log_time: header.log_time,
+                create_time: header.create_time,
+                name: header.name,
+                media_type: header.media_type,
+                data: data.into_owned().into(),
+            }),
+            Record::Schema { header, data } => {
+                contents.schemas.push((header.id, header.name, header.encoding, data.into_owned()));
+            }
+            Record::Channel(channel) => contents.channels.push(channel),
+            Record::Message { header, data } => {
+                let channel = contents.channels.iter().find(|channel| channel.id == header.channel_id);
+                let topic = channel.expect("announced").topic.clone();
+                let (channel, sequence, log_time_ns) = (header.channel_id, header.sequence, header.log_time);
+                contents.messages.push(Message { topic, channel, sequence, log_time_ns, data: data.into_owned() });
+            }
+            // The summary repeats schemas and channels.
+            Record::DataEnd(_) => break,
+            _ => {}
+        }
+    }
     contents
 }
 
@@ -278,9 +218,9 @@ impl LogContents {
             out.add_schema_with_id(*id, name, encoding, data).expect("added");
         }
         for message in messages {
-            let channel = self.channels.iter().find(|channel| channel.0 == message.channel).expect("known");
-            let (id, schema, topic, encoding) = channel;
-            out.add_channel_with_id(*id, *schema, topic, encoding, &BTreeMap::new()).expect("added");
+            let channel = self.channels.iter().find(|channel| channel.id == message.channel).expect("known");
+            let Channel { id, schema_id, topic, message_encoding, .. } = channel;
+            out.add_channel_with_id(*id, *schema_id, topic, message_encoding, &BTreeMap::new()).expect("added");
             let header = MessageHeader {
                 channel_id: *id,
                 sequence: message.sequence,

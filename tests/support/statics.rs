@@ -1,14 +1,13 @@
 //! Grasps of discs by single fingers: of given designs and of random ones.
 
-use std::fmt::Debug;
-
 pub use super::random::Random;
 use phalanx::gripper::{
     Assembly, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies, disc,
     final_posture, lengths,
 };
 use phalanx::shape::{PlacedShape, max_radius};
-use phalanx::statics::{Certificate, FormClosure, RowKind, Unilateral};
+use phalanx::statics::{Certificate, FormClosure, Unilateral};
+use serde_json::Value;
 
 /// A finger in its final posture on a disc.
 #[derive(Clone, Debug)]
@@ -57,7 +56,7 @@ impl Random {
 
 /// Verifies the certificate of a form-closure decision by sums over the rows and columns of U.
 #[track_caller]
-pub fn check_certificate<R: Copy + Debug + Into<RowKind>>(u: &Unilateral<R>, closure: &FormClosure<R>) {
+pub fn check_certificate(u: &Unilateral, closure: &FormClosure) {
     match &closure.certificate {
         Certificate::Multipliers { values, residual } => {
             assert!(closure.closed && closure.rank == u.unknowns.len());
@@ -84,4 +83,30 @@ pub fn check_certificate<R: Copy + Debug + Into<RowKind>>(u: &Unilateral<R>, clo
             assert!(*residual < 1e-12, "{residual:e}");
         }
     }
+}
+
+/// Returns a number of a JSON document.
+#[track_caller]
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+/// Asserts that the keys of all numbers in a document of `phalanx statics` end with a unit, except for dimensionless
+/// numbers.
+pub fn assert_units(document: &Value) {
+    const DIMENSIONLESS: &str = "mu_static normal direction transmission transmission_inverse contacts motors hand object rank \
+                                 unknowns margin residual forces gap q1_l1 q1_linf weakest";
+    const UNITS: [&str; 9] = ["_s", "_m", "_n", "_n_m", "_rad", "_m_s", "_rad_s", "_m_s2", "_kg"];
+    fn check(key: &str, value: &Value) {
+        match value {
+            Value::Number(_) => assert!(
+                DIMENSIONLESS.split(' ').any(|known| known == key) || UNITS.iter().any(|unit| key.ends_with(unit)),
+                "the number under \"{key}\" has no unit"
+            ),
+            Value::Array(values) => values.iter().for_each(|value| check(key, value)),
+            Value::Object(fields) => fields.iter().for_each(|(key, value)| check(key, value)),
+            _ => {}
+        }
+    }
+    check("", document);
 }

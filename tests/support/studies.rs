@@ -1,9 +1,34 @@
-//! Study files for sweeps.
+//! Studies for sweeps, and their rows.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
+use phalanx::study::sweep::{Row, Study, parse, run_while, table};
+use phalanx::table::Table;
+
 use super::cli::write;
+
+/// Parses a study in the directory of the shipped ones.
+pub fn parse_study(text: &str) -> Study {
+    parse(text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Performs the runs of a study that are not in `done`.
+pub fn run_rows(study: &Study, threads: usize, done: &HashSet<u64>) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let stats = run_while(study, threads, u64::MAX, done, &|| true, |row| {
+        rows.push(row);
+        true
+    });
+    assert!(stats.complete && stats.runs == rows.len() as u64 && stats.runs + done.len() as u64 == study.runs());
+    rows
+}
+
+/// Performs all runs of a study.
+pub fn run_study(study: &Study) -> Table {
+    table(study, &run_rows(study, 0, &HashSet::new()))
+}
 
 /// Writes a study of short swings without an object; some are rejected and some exceed their step budget. A thousand
 /// runs take well under a second.

@@ -1,7 +1,7 @@
 //! The check reports no more than it compared. Regression tests of runs whose error was once reported as 0 m, and of
 //! similar runs.
 
-use phalanx::check::{Check, ENGINE_MAX_PATH_ERROR, MAX_PATH_ERROR, MOTION_FRACTION, Verdict, check};
+use phalanx::check::{ANALYTIC_LIMITS, Check, ENGINE_LIMITS, MOTION_FRACTION, Verdict, check};
 use phalanx::log::run_into;
 use phalanx::report::check::{RunCheckReport, summary_line};
 use phalanx::scene::{Scene, parse_any};
@@ -156,9 +156,13 @@ fn error_limits_are_proportional_to_the_size_of_discs() {
         assert_eq!(result.verdict, Verdict::Accurate, "{scale}: {result:?}");
         result.max_path_error
     };
-    assert!((path_limit(1.0) - MAX_PATH_ERROR).abs() < 1e-12, "{:e}", path_limit(1.0));
+    assert!((path_limit(1.0) - ANALYTIC_LIMITS.path).abs() < 1e-12, "{:e}", path_limit(1.0));
     for scale in [1e-2, 1e-1, 10.0, 100.0] {
-        assert!((path_limit(scale) / (scale * MAX_PATH_ERROR) - 1.0).abs() < 1e-9, "{scale}: {:e}", path_limit(scale));
+        assert!(
+            (path_limit(scale) / (scale * ANALYTIC_LIMITS.path) - 1.0).abs() < 1e-9,
+            "{scale}: {:e}",
+            path_limit(scale)
+        );
     }
 }
 
@@ -173,8 +177,8 @@ fn fingers_and_grippers_have_fixed_error_limits() {
         for model in BOTH_MODELS {
             let result = run_check(model, &scene);
             let (path_limit, expected_basis) = match model {
-                Model::Analytic => (MAX_PATH_ERROR, basis.to_string()),
-                Model::Engine => (ENGINE_MAX_PATH_ERROR, basis.replace("1e-5", "1e-4")),
+                Model::Analytic => (ANALYTIC_LIMITS.path, basis.to_string()),
+                Model::Engine => (ENGINE_LIMITS.path, basis.replace("1e-5", "1e-4")),
             };
             assert_eq!(
                 (result.verdict, result.max_path_error, result.max_path_error_basis, result.largest_displacement),

@@ -23,9 +23,9 @@ const { exports } = new WebAssembly.Instance(module, {});
 /** Sends a request to the module; returns `{ response, data }`. */
 function send(request) {
   const bytes = new TextEncoder().encode(JSON.stringify(request));
-  const requestPointer = exports.room(bytes.length) >>> 0;
+  const requestPointer = exports.alloc(bytes.length) >>> 0;
   new Uint8Array(exports.memory.buffer, requestPointer, bytes.length).set(bytes);
-  const pointer = exports.answer(bytes.length) >>> 0;
+  const pointer = exports.response(bytes.length) >>> 0;
   const { buffer } = exports.memory;
   const [text, length, data, numbers] = new Uint32Array(buffer, pointer, 4);
   const json = new TextDecoder().decode(new Uint8Array(buffer, text, length));

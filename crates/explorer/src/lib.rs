@@ -1,8 +1,8 @@
 //! WebAssembly module of the explorer: requests and responses are exchanged through buffers in its memory. It imports
 //! nothing.
 //!
-//! A page writes a request to the buffer returned by [`allocate_request`] (exported as `room`) and calls [`respond`]
-//! (exported as `answer`). The result points to four numbers: address and byte length of the response text, address and
+//! A page writes a request to the buffer returned by [`allocate_request`] (exported as `alloc`) and calls [`respond`]
+//! (exported as `response`). The result points to four numbers: address and byte length of the response text, address and
 //! length of its numbers. All of it stays valid until the next call.
 
 #[cfg(feature = "figures")]
@@ -30,7 +30,7 @@ thread_local! {
 static PANIC_HOOK: Once = Once::new();
 
 /// Allocates a buffer for a request of the given number of bytes.
-#[unsafe(export_name = "room")]
+#[unsafe(export_name = "alloc")]
 pub extern "C" fn allocate_request(bytes: usize) -> *mut u8 {
     BUFFERS.with_borrow_mut(|buffers| {
         buffers.request = vec![0; bytes];
@@ -39,7 +39,7 @@ pub extern "C" fn allocate_request(bytes: usize) -> *mut u8 {
 }
 
 /// Processes the request of the given number of bytes.
-#[unsafe(export_name = "answer")]
+#[unsafe(export_name = "response")]
 pub extern "C" fn respond(bytes: usize) -> *const u32 {
     PANIC_HOOK.call_once(|| {
         panic::set_hook(Box::new(|panic_info| {
@@ -64,7 +64,7 @@ pub extern "C" fn respond(bytes: usize) -> *const u32 {
 }
 
 /// Returns the panic message of a call that ended in a trap: a text, in the layout of a response.
-#[unsafe(export_name = "trouble")]
+#[unsafe(export_name = "error")]
 pub extern "C" fn panic_message() -> *const u32 {
     BUFFERS.with_borrow_mut(|buffers| {
         buffers.location = [buffers.panic_message.as_ptr() as u32, buffers.panic_message.len() as u32, 0, 0];

@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use fs4::FileExt;
 use fs4::TryLockError;
 
-use super::mcap_writer::MessageFeed;
 use super::metadata::{METADATA_NAME, RunInfo};
 use super::threaded::ThreadedWriter;
+use super::writer::MessageFeed;
 use phalanx_core::trace::SinkError;
 
 /// Bytes at the start of a log that identify its writer.
@@ -56,17 +56,11 @@ pub struct LogFile {
     /// share one path.
     file: Option<File>,
     /// Partial and final path; `None` for a target that cannot be replaced, such as a pipe or a device.
-    destination: Option<Destination>,
+    destination: Option<(PathBuf, PathBuf)>,
     /// Name for error messages.
     name: String,
     /// Whether a write has failed: nothing may be written after the missing bytes.
     has_failed: bool,
-}
-
-#[derive(Debug)]
-struct Destination {
-    partial: PathBuf,
-    target: PathBuf,
 }
 
 impl LogFile {
@@ -86,48 +80,35 @@ impl LogFile {
         }
         let failed = |source| LogError::Create { path: path.to_path_buf(), source };
         let name = format!("the log {}", path.display());
-        match fs::metadata(path) {
-            Ok(found) if !found.is_file() => {
-                let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
+        if let Ok(found) = fs::metadata(path) {
+            // Without write permission the older log must not be replaced, even if the directory allows it.
+            let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
+            if !found.is_file() {
                 return Ok(LogFile { file: Some(file), destination: None, name, has_failed: false });
             }
-            Ok(_) => {
-                // Without write permission the older log must not be replaced, even if the directory allows it.
-                OpenOptions::new().write(true).open(path).map_err(failed)?;
-                ensure_replaceable(path, path)?;
-            }
-            Err(_) => {}
+            ensure_replaceable(path, path)?;
         }
-        let target = resolve_link(path).map_err(failed)?;
-        let partial = partial_name(path);
+        let (partial, target) = (partial_name(path), resolve_link(path).map_err(failed)?);
         ensure_replaceable(path, &partial)?;
         let file = lock_partial(path, &partial)?;
         // Some file systems flush a truncated file when it is closed, but not a new one.
         if file.metadata().map_err(failed)?.len() > 0 {
             file.set_len(0).map_err(failed)?;
         }
-        Ok(LogFile { file: Some(file), destination: Some(Destination { partial, target }), name, has_failed: false })
-    }
-
-    /// Creates a log that discards everything written to it.
-    pub fn discard() -> Self {
-        LogFile { file: None, destination: None, name: "the log".to_string(), has_failed: false }
-    }
-
-    /// Path of the unfinished log; `None` if the target is written directly.
-    pub fn partial(&self) -> Option<&Path> {
-        self.destination.as_ref().map(|destination| destination.partial.as_path())
+        Ok(LogFile { file: Some(file), destination: Some((partial, target)), name, has_failed: false })
     }
 
     /// Renames a finished log to its target. The new log is synced to disk before it replaces an older one.
     pub fn commit(self) -> Result<(), SinkError> {
-        let (Some(file), Some(Destination { partial, target })) = (&self.file, &self.destination) else {
-            return Ok(());
-        };
-        let renamed = match target.exists() {
-            true => file.sync_all().and_then(|()| fs::rename(partial, target)).and_then(|()| sync_directory(target)),
-            false => fs::rename(partial, target),
-        };
+        let (Some(file), Some((partial, target))) = (&self.file, &self.destination) else { return Ok(()) };
+        let replaces = target.exists();
+        let synced = if replaces { file.sync_all() } else { Ok(()) };
+        let renamed = synced.and_then(|()| fs::rename(partial, target));
+        if replaces && cfg!(unix) {
+            // Makes the rename survive a power failure. Some file systems refuse this; the rename itself is done.
+            let directory = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let _ = File::open(directory).and_then(|directory| directory.sync_all());
+        }
         renamed.map_err(|source| SinkError { target: self.name, source })
     }
 }
@@ -165,8 +146,9 @@ pub fn create_with_feed(
     run: &RunInfo<'_>,
     feed: Option<Box<dyn MessageFeed>>,
 ) -> Result<FileWriter, LogError> {
-    let file = path.map_or(Ok(LogFile::discard()), LogFile::open)?;
-    let (name, partial) = (file.name.clone(), file.partial().map(Path::to_path_buf));
+    let discarding = || LogFile { file: None, destination: None, name: "the log".to_string(), has_failed: false };
+    let file = path.map(LogFile::open).transpose()?.unwrap_or_else(discarding);
+    let (name, partial) = (file.name.clone(), file.destination.as_ref().map(|(partial, _)| partial.clone()));
     // A file without the head of a log is useless.
     let remove_partial = move || partial.into_iter().for_each(|partial| drop(fs::remove_file(partial)));
     FileWriter::start(file, &name, run, feed, remove_partial).map_err(LogError::Start)
@@ -196,15 +178,10 @@ pub fn ensure_replaceable(path: &Path, existing: &Path) -> Result<(), LogError> 
     let mut head = Vec::new();
     let file = File::open(existing).map_err(failed)?;
     file.take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
-    if starts_like_phalanx_log(&head) { Ok(()) } else { Err(other) }
-}
-
-/// Whether a file starts like a log of phalanx, with its name in the header. A file that ends before the name also
-/// counts.
-fn starts_like_phalanx_log(head: &[u8]) -> bool {
-    let has_magic = head.starts_with(mcap::MAGIC) || mcap::MAGIC.starts_with(head);
+    // The name of phalanx is in the header. A file that ends before the name also counts.
+    let has_magic = head.starts_with(mcap::MAGIC) || mcap::MAGIC.starts_with(&head);
     let named = head.windows(METADATA_NAME.len()).any(|part| part == METADATA_NAME.as_bytes());
-    has_magic && (named || head.len() <= mcap::MAGIC.len())
+    if has_magic && (named || head.len() <= mcap::MAGIC.len()) { Ok(()) } else { Err(other) }
 }
 
 /// Opens and locks the partial file, so that no other run writes it.
@@ -241,16 +218,6 @@ pub fn is_same_file(file: &File, path: &Path) -> bool {
 #[cfg(not(unix))]
 pub fn is_same_file(_: &File, path: &Path) -> bool {
     path.exists()
-}
-
-/// Makes a rename survive a power failure, where directories can be synced.
-fn sync_directory(path: &Path) -> io::Result<()> {
-    if cfg!(unix) {
-        let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // Some file systems refuse this; the rename itself is done.
-        let _ = File::open(directory).and_then(|directory| directory.sync_all());
-    }
-    Ok(())
 }
 
 /// Writer of a log to a file.

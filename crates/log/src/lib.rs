@@ -4,13 +4,13 @@
 //!
 //! | topic | schema | content |
 //! |---|---|---|
-//! | `/state` | [`State`] | joint angles, rates, motor torque |
-//! | `/contact/proximal`, `/contact/distal` | [`Contact`] | gap, slip, forces, contact point; only with an object |
-//! | `/limit` | [`Limit`] | the joint limit; only when the scene has one |
-//! | `/energy` | [`Energy`] | energies, works and their balance |
-//! | `/impact/proximal`, `/impact/distal` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
-//! | `/impact/limit` | [`LimitImpact`] | the same for the joint limit |
-//! | `/slip/proximal`, `/slip/distal` | [`Slip`] | friction begins to slip, or sticks again; only with stiction, at most 1000 |
+//! | `/state` | `phalanx.State` | joint angles, rates, motor torque |
+//! | `/contact/proximal`, `/contact/distal` | `phalanx.Contact` | gap, slip, forces, contact point; only with an object |
+//! | `/limit` | `phalanx.Limit` | the joint limit; only when the scene has one |
+//! | `/energy` | `phalanx.Energy` | energies, works and their balance |
+//! | `/impact/proximal`, `/impact/distal` | `phalanx.Impact` | touch-downs, lift-offs and reloads as figures |
+//! | `/impact/limit` | `phalanx.LimitImpact` | the same for the joint limit |
+//! | `/slip/proximal`, `/slip/distal` | `phalanx.Slip` | friction begins to slip, or sticks again; only with stiction, at most 1000 |
 //! | `/events` | `foxglove.Log` | the same events as text, when both phalanges hold the object, and how the run ended |
 //! | `/tf_static`, `/tf` | `foxglove.FrameTransforms` | poses of fixed bodies, once, and of moving bodies |
 //! | `/scene` | `foxglove.SceneUpdate` | the shapes of all bodies in their frames, once |
@@ -20,11 +20,11 @@
 //!
 //! | topic | schema | content |
 //! |---|---|---|
-//! | `/disc/NAME` | [`Disc`] | position, angle and rates of a disc |
-//! | `/contact/PAIR` | [`Contact`] | gap, slip, forces; PAIR is `hammer-anvil` or `hammer-plane` |
-//! | `/energy` | [`Energy`] | energies, works and their balance; motor work is the work on driven discs |
-//! | `/impact/PAIR` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
-//! | `/slip/PAIR` | [`Slip`] | friction begins to slip, or sticks again; only with stiction, at most 1000 |
+//! | `/disc/NAME` | `phalanx.Disc` | position, angle and rates of a disc |
+//! | `/contact/PAIR` | `phalanx.Contact` | gap, slip, forces; PAIR is `hammer-anvil` or `hammer-plane` |
+//! | `/energy` | `phalanx.Energy` | energies, works and their balance; motor work is the work on driven discs |
+//! | `/impact/PAIR` | `phalanx.Impact` | touch-downs, lift-offs and reloads as figures |
+//! | `/slip/PAIR` | `phalanx.Slip` | friction begins to slip, or sticks again; only with stiction, at most 1000 |
 //! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
 //! | `/tf_static`, `/tf`, `/scene`, `/forces` | | pictures, as above |
 //!
@@ -53,51 +53,41 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `mcap_writer`, `writer`, `threaded`, `file` | MCAP file: chunks and clock, contents, writer thread, path on disk |
-//! | `run`, `simulate` | run and log in one call; simulation with all its sinks |
-//! | `channels`, `messages`, `schema`, `lines` | channels of a scene, their messages, schema names, events as text |
+//! | `writer`, `threaded`, `file` | MCAP file: contents, chunks and clock; writer thread; path on disk |
+//! | `simulate` | simulation with all its sinks; run and log in one call |
+//! | `channels`, `messages`, `lines` | channels of a scene, their messages, events as text |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
 //! | `metadata`, `settings` | settings of a run, written and read back |
-//! | `reader` | reads intact and damaged logs into samples and events |
-//! | `recovered`, `verify` | intact part of a damaged log; comparison of two logs message by message |
+//! | `reader` | reads intact, truncated and damaged logs into samples and events |
+//! | `verify` | comparison of a log with a new simulation |
 
 mod channels;
 mod file;
 mod lines;
-mod mcap_writer;
 mod messages;
 mod metadata;
 mod pictures;
 mod reader;
-mod recovered;
-mod run;
-mod schema;
 mod settings;
 mod simulate;
 mod threaded;
 mod verify;
 mod writer;
 
+pub use channels::ChannelContent;
 pub use file::{
     FileWriter, LogError, LogFile, create, create_with_feed, ensure_replaceable, is_same_file, partial_name,
     resolve_link,
 };
-pub use mcap_writer::{CHUNK_BYTES, McapWriter, MessageFeed, Severity};
-pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, Slip, State, stamp_ns};
-pub use metadata::RECOVERED_NAME;
-pub use metadata::{
-    ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, construction_name, law_name, metadata,
-    method_name, preset_name, scene_text, stepping_name,
-};
+pub use foxglove::messages::log::Level as Severity;
+pub use messages::stamp_ns;
+pub use metadata::{ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, metadata, scene_text};
 pub use reader::{
-    AttachmentRecord, ChannelRecord, IntactChunks, LogSink, LogSummary, Loss, MAX_RECORD_BYTES, MessageRecord,
-    MissingData, ReadError, Record, RunEnd, SchemaRecord, TopicSubject, open_log, read, read_any, read_any_file,
-    read_file, read_head, read_past_damage,
+    LogSink, LogSummary, Loss, LossKind, MAX_RECORD_BYTES, MissingData, ReadError, RunEnd, open_log, read, read_file,
+    read_head,
 };
-pub use recovered::{Gap, Recovery, gaps, recover};
-pub use run::{LoggedRun, LoggedRunError, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
-pub use simulate::{FinishedRun, simulate};
+pub use simulate::{FinishedRun, LoggedRun, LoggedRunError, run_into, run_to, simulate};
 pub use threaded::ThreadedWriter;
-pub use verify::{ComparisonOptions, Difference, FieldTally, FieldValue, LogComparison, Verification};
-pub use writer::Writer;
+pub use verify::{ComparisonOptions, Difference, EntryDifference, LogComparison, QuantityTally, Verification};
+pub use writer::{CHUNK_BYTES, MessageFeed, Writer};

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use phalanx_core::check::{Check, PERTURBATION};
-use phalanx_core::scene::table::record;
-use phalanx_core::scene::{Construction, Keyword, Method, Preset, Response, Scene, Stepping, parse_any, show};
+use phalanx_core::scene::schema::record;
+use phalanx_core::scene::{Keyword, Scene, parse_any, show};
 
 /// Name of the metadata record.
 pub const METADATA_NAME: &str = "phalanx";
@@ -84,43 +84,15 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
     ];
     let mut entries: BTreeMap<String, String> =
         general.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
-    entries.extend(record("log", rates));
+    entries.extend(record(rates));
     if run.model == ENGINE_MODEL {
-        entries.extend(record("engine", &scene.engine));
+        entries.extend(record(&scene.engine));
         entries.insert("rapier_version".to_string(), RAPIER_VERSION.to_string());
     } else {
-        entries.extend(record("integrator", &scene.integrator));
+        entries.extend(record(&scene.integrator));
     }
     entries
 }
-
-/// Returns the name of a construction in scene files.
-pub fn construction_name(construction: Construction) -> &'static str {
-    construction.keyword()
-}
-
-/// Returns the name of a contact model in scene files.
-pub fn law_name(response: Response) -> &'static str {
-    response.keyword()
-}
-
-/// Returns the name of a stepping scheme in scene files.
-pub fn stepping_name(stepping: Stepping) -> &'static str {
-    stepping.keyword()
-}
-
-/// Returns the preset in the words of scene files.
-pub fn preset_name(preset: Preset) -> &'static str {
-    preset.keyword()
-}
-
-/// Returns the method in the words of scene files.
-pub fn method_name(method: Method) -> &'static str {
-    method.keyword()
-}
-
-/// Name of the metadata record that describes the source of a recovered log.
-pub const RECOVERED_NAME: &str = "phalanx_recovered";
 
 #[cfg(test)]
 mod tests {

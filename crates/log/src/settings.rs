@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use phalanx_core::scene::table::{SettingsSection, restore};
+use phalanx_core::scene::schema::{SettingsSection, restore};
 use phalanx_core::scene::{Engine, Integrator, LogRates, Scene};
 use phalanx_core::trace::Model;
 use phalanx_core::units::MAX_TIME_S;
@@ -73,14 +73,14 @@ pub fn settings(metadata: &BTreeMap<String, String>) -> Result<Settings, Setting
     let duration_s = duration_s.ok_or_else(|| invalid("duration_s".into(), duration, allowed()))?;
     let model = entries.take_text("model")?;
     let solver = match model.as_str() {
-        name if name == Model::Analytic.name() => Solver::Analytic(entries.take_section("integrator")?),
-        name if name == Model::Engine.name() => Solver::Engine(entries.take_section("engine")?),
+        name if name == Model::Analytic.name() => Solver::Analytic(entries.take_section()?),
+        name if name == Model::Engine.name() => Solver::Engine(entries.take_section()?),
         _ => {
             let [analytic, engine] = [Model::Analytic, Model::Engine].map(Model::name);
             return Err(invalid("model".into(), model, format!("\"{analytic}\" or \"{engine}\"")));
         }
     };
-    let log: LogRates = entries.take_section("log")?;
+    let log: LogRates = entries.take_section()?;
     if let Some(excess) = log.excess(duration_s) {
         let key = if excess.pictures { "log_picture_hz" } else { "log_numeric_hz" };
         return Err(invalid(key.into(), excess.rate_hz.to_string(), format!("lower: {excess}")));
@@ -106,8 +106,8 @@ impl Entries<'_> {
         self.metadata.get(key).cloned().ok_or_else(|| SettingsError::MissingEntry(key.to_string()))
     }
 
-    fn take_section<T: SettingsSection>(&mut self, path: &str) -> Result<T, SettingsError> {
-        restore(path, |key| self.take_text(key), invalid)
+    fn take_section<T: SettingsSection>(&mut self) -> Result<T, SettingsError> {
+        restore(|key| self.take_text(key), invalid)
     }
 
     /// Rejects unused entries: they are settings that would be lost.

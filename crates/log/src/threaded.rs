@@ -10,9 +10,10 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-use super::mcap_writer::{MessageFeed, Severity};
+use foxglove::messages::log::Level;
+
 use super::metadata::RunInfo;
-use super::writer::Writer;
+use super::writer::{MessageFeed, Writer};
 use phalanx_core::trace::{Event, Sample, Sink, SinkError};
 
 /// A batch is sent when it has this many entries.
@@ -28,61 +29,57 @@ const MAX_QUEUED_BATCHES: usize = 32;
 /// log but discards errors.
 pub struct ThreadedWriter<W: Write + Send + 'static> {
     /// Queue to the writing thread; `None` after shutdown has begun.
-    sender: Option<SyncSender<Batch>>,
+    sender: Option<SyncSender<Batch<W>>>,
     thread: Option<JoinHandle<Result<W, SinkError>>>,
-    batch: Batch,
+    batch: Batch<W>,
     /// Written batches, returned for reuse.
-    recycled: Receiver<Batch>,
+    recycled: Receiver<Batch<W>>,
     last_sent: Instant,
 }
 
-/// Entries sent together. Samples are stored separately so that a recycled batch keeps their allocations.
-#[derive(Default)]
-struct Batch {
-    entries: Vec<Entry>,
-    samples: Vec<Sample>,
-    /// Number of `samples` in use by this batch.
-    sample_count: usize,
+/// Entries sent together. A recycled batch keeps its entries, so that samples keep their allocations.
+struct Batch<W: Write> {
+    entries: Vec<Entry<W>>,
+    /// Number of entries in use.
+    count: usize,
 }
 
-enum Entry {
-    /// The next element of `samples`.
-    Sample,
+enum Entry<W: Write> {
+    Sample(Sample),
     Event(Event),
-    Note {
-        time_s: f64,
-        severity: Severity,
-        source: &'static str,
-        text: String,
-    },
-    Record {
-        name: &'static str,
-        entries: BTreeMap<String, String>,
-    },
+    /// Any other call of the writer.
+    Call(WriterCall<W>),
 }
 
-impl Batch {
-    fn push_sample(&mut self, sample: &Sample) {
-        match self.samples.get_mut(self.sample_count) {
-            Some(slot) => slot.clone_from(sample),
-            None => self.samples.push(sample.clone()),
-        }
-        self.sample_count += 1;
+type WriterCall<W> = Box<dyn Fn(&mut Writer<W>) -> Result<(), SinkError> + Send>;
+
+impl<W: Write> Batch<W> {
+    fn empty() -> Self {
+        Batch { entries: Vec::new(), count: 0 }
     }
 
-    /// Writes and removes all entries.
-    fn write<W: Write>(&mut self, writer: &mut Writer<W>) -> Result<(), SinkError> {
-        let mut samples = self.samples.iter();
-        for entry in self.entries.drain(..) {
-            match entry {
-                Entry::Sample => samples.next().map_or(Ok(()), |sample| writer.sample(sample))?,
-                Entry::Event(event) => writer.event(&event)?,
-                Entry::Note { time_s, severity, source, text } => writer.note(time_s, severity, source, &text)?,
-                Entry::Record { name, entries } => writer.record(name, entries)?,
+    fn push(&mut self, entry: Entry<W>) {
+        self.entries.truncate(self.count);
+        self.entries.push(entry);
+        self.count += 1;
+    }
+
+    fn push_sample(&mut self, sample: &Sample) {
+        match self.entries.get_mut(self.count) {
+            Some(Entry::Sample(slot)) => {
+                slot.clone_from(sample);
+                self.count += 1;
             }
+            _ => self.push(Entry::Sample(sample.clone())),
         }
-        self.sample_count = 0;
-        Ok(())
+    }
+
+    fn write(&self, writer: &mut Writer<W>) -> Result<(), SinkError> {
+        self.entries[..self.count].iter().try_for_each(|entry| match entry {
+            Entry::Sample(sample) => writer.sample(sample),
+            Entry::Event(event) => writer.event(event),
+            Entry::Call(call) => call(writer),
+        })
     }
 }
 
@@ -99,7 +96,7 @@ impl<W: Write + Send + 'static> ThreadedWriter<W> {
         feed: Option<Box<dyn MessageFeed>>,
         on_start_failure: impl FnOnce() + Send + 'static,
     ) -> Result<Self, SinkError> {
-        let (sender, receiver) = sync_channel::<Batch>(MAX_QUEUED_BATCHES);
+        let (sender, receiver) = sync_channel::<Batch<W>>(MAX_QUEUED_BATCHES);
         let (recycle, recycled) = channel();
         let (scene, scene_file, model) = (run.scene.clone(), run.scene_file.to_string(), run.model.to_string());
         let log_name = name.to_string();
@@ -108,6 +105,7 @@ impl<W: Write + Send + 'static> ThreadedWriter<W> {
             let mut writer = Writer::with_feed(out, &log_name, &run, feed).inspect_err(|_| on_start_failure())?;
             for mut batch in receiver {
                 batch.write(&mut writer)?;
+                batch.count = 0;
                 // Fails only after the run is over, when no batch is needed.
                 let _ = recycle.send(batch);
             }
@@ -118,20 +116,23 @@ impl<W: Write + Send + 'static> ThreadedWriter<W> {
         Ok(ThreadedWriter {
             sender: Some(sender),
             thread: Some(thread),
-            batch: Batch::default(),
+            batch: Batch::empty(),
             recycled,
             last_sent: Instant::now(),
         })
     }
 
     /// Writes a line to `/events`, for example how the run ended; `source` names its subject.
-    pub fn note(&mut self, time_s: f64, severity: Severity, source: &'static str, text: &str) -> Result<(), SinkError> {
-        self.enqueue(Entry::Note { time_s, severity, source, text: text.to_string() })
+    pub fn note(&mut self, time_s: f64, severity: Level, source: &'static str, text: &str) -> Result<(), SinkError> {
+        let text = text.to_string();
+        self.batch.push(Entry::Call(Box::new(move |writer| writer.note(time_s, severity, source, &text))));
+        self.send_full_batch()
     }
 
     /// Writes a metadata record about the whole run.
     pub fn record(&mut self, name: &'static str, entries: BTreeMap<String, String>) -> Result<(), SinkError> {
-        self.enqueue(Entry::Record { name, entries })
+        self.batch.push(Entry::Call(Box::new(move |writer| writer.record(name, entries.clone()))));
+        self.send_full_batch()
     }
 
     /// Finishes the log (last chunk, index, footer), flushes it and returns the underlying output.
@@ -139,17 +140,12 @@ impl<W: Write + Send + 'static> ThreadedWriter<W> {
         self.shut_down()
     }
 
-    fn enqueue(&mut self, entry: Entry) -> Result<(), SinkError> {
-        self.batch.entries.push(entry);
-        if self.batch.entries.len() >= MAX_BATCH_ENTRIES || self.last_sent.elapsed() >= MAX_BATCH_AGE {
-            self.send_batch()?;
+    fn send_full_batch(&mut self) -> Result<(), SinkError> {
+        if self.batch.count < MAX_BATCH_ENTRIES && self.last_sent.elapsed() < MAX_BATCH_AGE {
+            return Ok(());
         }
-        Ok(())
-    }
-
-    fn send_batch(&mut self) -> Result<(), SinkError> {
         self.last_sent = Instant::now();
-        let next = self.recycled.try_recv().unwrap_or_default();
+        let next = self.recycled.try_recv().unwrap_or_else(|_| Batch::empty());
         let batch = std::mem::replace(&mut self.batch, next);
         match &self.sender {
             Some(sender) if sender.send(batch).is_ok() => Ok(()),
@@ -161,7 +157,7 @@ impl<W: Write + Send + 'static> ThreadedWriter<W> {
     /// Sends the last batch and waits until everything is written.
     fn shut_down(&mut self) -> Result<W, SinkError> {
         if let Some(sender) = self.sender.take() {
-            let _ = sender.send(std::mem::take(&mut self.batch));
+            let _ = sender.send(std::mem::replace(&mut self.batch, Batch::empty()));
         }
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result,
@@ -184,7 +180,7 @@ impl<W: Write + Send + 'static> Drop for ThreadedWriter<W> {
 impl<W: Write + Send + 'static> Sink for ThreadedWriter<W> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.batch.push_sample(sample);
-        self.enqueue(Entry::Sample)
+        self.send_full_batch()
     }
 
     fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -192,6 +188,7 @@ impl<W: Write + Send + 'static> Sink for ThreadedWriter<W> {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.enqueue(Entry::Event(*event))
+        self.batch.push(Entry::Event(*event));
+        self.send_full_batch()
     }
 }

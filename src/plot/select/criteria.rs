@@ -1,6 +1,7 @@
 //! Runs removed by each criterion: a row for each criterion, a cell for each design, a block for each condition (thesis
 //! Fig. 4.6).
 
+use super::design_numbers;
 use super::strip::strip;
 use crate::format::{condition_name, criterion_name};
 use crate::plot::axis::Axis;
@@ -43,39 +44,15 @@ pub fn selection_criteria(title: &str, selection: &Selection) -> String {
     let footer_top = KEY_HEIGHT + block * selection.conditions.len() as f64;
     let design_numbers = design_numbers(selection);
     picture(&format!("{title}: runs removed by each criterion"), TITLE_HEIGHT + footer_top + FOOTER_HEIGHT, |svg| {
-        let unknown = selection.tallies.iter().any(|tally| tally.unknown > 0)
-            || has_missing_runs(selection, design_numbers.len());
-        colour_key(svg, [16.0, 14.0], CELLS.into_iter().take(if unknown { 5 } else { 4 }), TEXT_SIZE);
+        let is_incomplete = selection.runs.len() < design_numbers.len() * selection.conditions.len();
+        let has_unknown = is_incomplete || selection.tallies.iter().any(|tally| tally.unknown > 0);
+        colour_key(svg, [16.0, 14.0], CELLS.into_iter().take(if has_unknown { 5 } else { 4 }), TEXT_SIZE);
         for condition in 0..selection.conditions.len() {
             let origin = [0.0, KEY_HEIGHT + block * condition as f64];
             svg.translated(origin, |svg| draw(svg, selection, &design_numbers, condition));
         }
         svg.translated([0.0, footer_top], |svg| draw_footer(svg, &design_numbers));
     })
-}
-
-/// Sorted numbers of the designs.
-pub fn design_numbers(selection: &Selection) -> Vec<i64> {
-    let mut numbers: Vec<i64> = selection.runs.iter().map(|run| run.design).collect();
-    numbers.sort_unstable();
-    numbers.dedup();
-    numbers
-}
-
-/// Whether a design lacks a run in a condition.
-fn has_missing_runs(selection: &Selection, design_numbers: usize) -> bool {
-    selection.runs.len() < design_numbers * selection.conditions.len()
-}
-
-/// Indices of the runs of a condition, by the index of their design.
-pub fn runs_by_design(selection: &Selection, design_numbers: &[i64], condition: usize) -> Vec<Option<usize>> {
-    let mut indices = vec![None; design_numbers.len()];
-    for (index, run) in selection.runs.iter().enumerate().filter(|(_, run)| run.condition == condition) {
-        if let Ok(design_index) = design_numbers.binary_search(&run.design) {
-            indices[design_index] = Some(index);
-        }
-    }
-    indices
 }
 
 /// Horizontal centre of the cell of a design, as drawn by [`strip`].
@@ -88,11 +65,17 @@ fn draw(svg: &mut Svg, selection: &Selection, design_numbers: &[i64], condition:
     let (right, edge) = (WIDTH - RIGHT_MARGIN, WIDTH - 20.0);
     text_right_of(svg, &condition_name(&selection.conditions[condition]), [16.0, 0.5 * HEADER_HEIGHT], 15.0, INK);
     text_left_of(svg, "left", [edge, 0.5 * HEADER_HEIGHT], TEXT_SIZE, SOFT);
-    let runs = runs_by_design(selection, design_numbers, condition);
+    // Index of the run of each design.
+    let mut runs = vec![None; design_numbers.len()];
+    for (index, run) in selection.runs.iter().enumerate().filter(|(_, run)| run.condition == condition) {
+        if let Ok(design_index) = design_numbers.binary_search(&run.design) {
+            runs[design_index] = Some(index);
+        }
+    }
     for (row, criterion) in selection.criteria.iter().enumerate() {
         let y = HEADER_HEIGHT + ROW_HEIGHT * row as f64;
         let cells: Vec<usize> =
-            runs.iter().map(|run| run.map_or(4, |run| cell(&selection.verdicts[run], row))).collect();
+            runs.iter().map(|run| run.map_or(4, |run: usize| cell(&selection.verdicts[run], row))).collect();
         strip(svg, [[LEFT_MARGIN, y], [right, y + ROW_HEIGHT - 6.0]], &cells, &CELLS.map(|(colour, _)| colour));
         let label = truncated(&criterion_name(criterion), TEXT_SIZE, LEFT_MARGIN - 24.0);
         text_left_of(svg, &label, [LEFT_MARGIN - 10.0, y + 0.5 * ROW_HEIGHT - 3.0], TEXT_SIZE, INK);
@@ -104,15 +87,12 @@ fn draw(svg: &mut Svg, selection: &Selection, design_numbers: &[i64], condition:
     let best = selection.ranking.first().map(|ranked| ranked.run_index);
     // At most one marker per pixel.
     let mut marked = std::collections::BTreeSet::new();
-    for ranked in &selection.ranking {
-        let run = &selection.runs[ranked.run_index];
-        if run.condition != condition {
-            continue;
-        }
+    let runs = selection.ranking.iter().map(|ranked| (ranked.run_index, &selection.runs[ranked.run_index]));
+    for (index, run) in runs.filter(|(_, run)| run.condition == condition) {
         let Ok(design_index) = design_numbers.binary_search(&run.design) else { continue };
         let x = cell_centre(design_index, design_numbers.len());
         marked.insert(x as i64);
-        if Some(ranked.run_index) == best {
+        if Some(index) == best {
             text_centred(svg, &format!("best: {}", run.design), [x, y + 15.0], TEXT_SIZE, GREEN);
         }
     }
@@ -140,13 +120,8 @@ fn draw_footer(svg: &mut Svg, design_numbers: &[i64]) {
     labelled.dedup();
     for number in labelled {
         if let Ok(design_index) = design_numbers.binary_search(&number) {
-            text_centred(
-                svg,
-                &number.to_string(),
-                [cell_centre(design_index, design_numbers.len()), 12.0],
-                TEXT_SIZE,
-                INK,
-            );
+            let x = cell_centre(design_index, design_numbers.len());
+            text_centred(svg, &number.to_string(), [x, 12.0], TEXT_SIZE, INK);
         }
     }
     text_centred(svg, "design", [0.5 * (LEFT_MARGIN + WIDTH - RIGHT_MARGIN), 34.0], TEXT_SIZE, INK);

@@ -76,48 +76,12 @@ pub struct TrajectoryDifference {
 /// Sections of a summary that are compared, in order.
 const SECTIONS: [&str; 5] = ["final", "discs", "contacts", "criteria", "energy"];
 
-/// Order of keys within a section; others follow.
-const KEY_ORDER: [&str; 39] = [
-    "q11_rad",
-    "q21_rad",
-    "q22_rad",
-    "q12_rad",
-    "q13_rad",
-    "qd11_rad_s",
-    "qd21_rad_s",
-    "x_m",
-    "y_m",
-    "angle_rad",
-    "vx_m_s",
-    "vy_m_s",
-    "spin_rad_s",
-    "proximal",
-    "distal",
-    "limit",
-    "first_s",
-    "touchdowns",
-    "final_normal_n",
-    "final_tangential_n",
-    "final_torque_n_m",
-    "peak_normal_n",
-    "peak_torque_n_m",
-    "max_penetration_m",
-    "max_penetration_rad",
-    "impulse_n_s",
-    "impulse_n_m_s",
-    "approach_m_s",
-    "separation_m_s",
-    "restitution",
-    "tts_s",
-    "rebound_percent",
-    "kinetic_j",
-    "gravity_j",
-    "spring_j",
-    "elastic_j",
-    "dissipated_j",
-    "motor_work_j",
-    "balance_j",
-];
+/// Order of keys within a section, separated by spaces; others follow.
+const KEY_ORDER: &str = "\
+    q11_rad q21_rad q22_rad q12_rad q13_rad qd11_rad_s qd21_rad_s x_m y_m angle_rad vx_m_s vy_m_s spin_rad_s \
+    proximal distal limit first_s touchdowns final_normal_n final_tangential_n final_torque_n_m peak_normal_n \
+    peak_torque_n_m max_penetration_m max_penetration_rad impulse_n_s impulse_n_m_s approach_m_s separation_m_s \
+    restitution tts_s rebound_percent kinetic_j gravity_j spring_j elastic_j dissipated_j motor_work_j balance_j";
 
 /// Returns the numbers and text values of two summaries side by side.
 pub fn compare_summaries(logs: &[ReplayReport; 2]) -> (Vec<NumberComparison>, Vec<TextComparison>) {
@@ -142,7 +106,7 @@ fn compare_values(
         return compare_leaf(path, values, numbers, texts);
     }
     let mut keys: Vec<&String> = maps.iter().flatten().flat_map(|map| map.keys()).collect();
-    let rank = |key: &str| KEY_ORDER.iter().position(|known| *known == key).unwrap_or(KEY_ORDER.len());
+    let rank = |key: &str| KEY_ORDER.split(' ').position(|known| known == key).unwrap_or(usize::MAX);
     keys.sort_by(|a, b| rank(a).cmp(&rank(b)).then(a.cmp(b)));
     keys.dedup();
     for key in keys {
@@ -191,7 +155,7 @@ fn heading(report: &LogComparisonReport) -> String {
             "{label}: {}, {} model, {} samples, read from {}",
             or_unknown(&log.scene),
             or_unknown(&log.model),
-            log.samples,
+            log.reading.samples,
             log.log
         );
     }

@@ -1,7 +1,10 @@
 //! Axes of a study: lists of values, or ranges.
 
+use schemars::JsonSchema;
+use serde::Deserialize;
+
 use super::field::{AxisValue, Field, FieldType};
-use crate::numeric::elementary::{ln, pow};
+use crate::numeric::elementary::pow;
 use crate::table::Value;
 use crate::units;
 
@@ -34,8 +37,10 @@ impl Axis {
 }
 
 /// Spacing of the values in a range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Spacing {
+    #[default]
     Linear,
     Log,
 }
@@ -87,20 +92,6 @@ impl Range {
                 AxisValue { text: format!("\"{text}\""), value }
             }
             _ => AxisValue { text: format!("{number:?}"), value: Value::Number(number) },
-        }
-    }
-
-    /// Fraction of the range at which an SI value lies.
-    pub fn fraction_of(&self, si: f64) -> f64 {
-        let ends = [self.value_at(0.0, false), self.value_at(1.0, false)].map(|end| match end.value {
-            Value::Number(number) => number,
-            _ => f64::NAN,
-        });
-        match self.spacing {
-            _ if si == ends[0] => 0.0,
-            _ if si == ends[1] => 1.0,
-            Spacing::Linear => (si - ends[0]) / (ends[1] - ends[0]),
-            Spacing::Log => ln(si / ends[0]) / ln(ends[1] / ends[0]),
         }
     }
 

@@ -6,7 +6,7 @@ use toml::Spanned;
 use crate::scene::Problem;
 use crate::scene::keys::{child_schema, is_table, unknown_key};
 use crate::scene::toml_value::TomlValue;
-use crate::scene::value_kinds::{problem_at, read_keyword, read_quantity};
+pub use crate::scene::value::ValueType as FieldType;
 use crate::table::{Kind, Value};
 use crate::units::Dimension;
 
@@ -16,21 +16,6 @@ pub struct Field {
     /// Path in a scene: `contact.friction.mu_static`.
     pub path: String,
     pub field_type: FieldType,
-}
-
-/// Type of the values of a field.
-#[derive(Clone, Debug, PartialEq)]
-pub enum FieldType {
-    Quantity(Dimension),
-    Number,
-    /// A percentage; only in results.
-    Percent,
-    /// An integer within bounds.
-    Integer(i64, i64),
-    Flag,
-    Choice(Vec<String>),
-    Text,
-    List(Box<FieldType>),
 }
 
 /// One value of a field.
@@ -100,98 +85,29 @@ impl Field {
     }
 
     /// Reads a value of the field from a study file.
+    ///
+    /// # Errors
+    /// Returns the problems of a value of another type, with their positions.
     pub fn read(&self, value: &Spanned<TomlValue>) -> Result<AxisValue, Vec<Problem>> {
-        self.field_type
-            .read(&self.path, value)
-            .map(|value_si| AxisValue { text: to_toml(value.get_ref()), value: value_si })
+        let text = to_toml(value.get_ref());
+        let value = match self.field_type.read(&self.path, value)? {
+            toml::Value::Integer(integer) => Value::Integer(integer),
+            toml::Value::Float(number) => Value::Number(number),
+            toml::Value::Boolean(flag) => Value::Flag(flag),
+            toml::Value::String(text) => Value::Text(text),
+            _ => Value::Text(text.clone()),
+        };
+        Ok(AxisValue { text, value })
     }
 }
 
-impl FieldType {
-    /// Kind of a result column with these values.
-    pub fn column_kind(&self) -> Kind {
-        match self {
-            FieldType::Quantity(_) | FieldType::Number | FieldType::Percent => Kind::Number,
-            FieldType::Integer(..) => Kind::Integer,
-            FieldType::Flag => Kind::Flag,
-            FieldType::Choice(_) | FieldType::Text | FieldType::List(_) => Kind::Text,
-        }
-    }
-
-    /// Type described by a node of a schema.
-    pub fn from_schema(schema: &Json) -> Self {
-        if let Some(unit) = schema.get("x-units").and_then(|units| units.get(0)).and_then(Json::as_str)
-            && let Some(dimension) = Dimension::ALL.into_iter().find(|dimension| dimension.units()[0].name == unit)
-        {
-            return FieldType::Quantity(dimension);
-        }
-        if let Some(keywords) = schema.get("enum").and_then(Json::as_array) {
-            return FieldType::Choice(keywords.iter().filter_map(Json::as_str).map(String::from).collect());
-        }
-        let bound = |key| schema.get(key).and_then(Json::as_i64);
-        match (schema.get("type").and_then(Json::as_str), schema.get("items")) {
-            (Some("array"), Some(items)) => FieldType::List(Box::new(FieldType::from_schema(items))),
-            (Some("number"), _) => FieldType::Number,
-            (Some("integer"), _) => {
-                FieldType::Integer(bound("minimum").unwrap_or(i64::MIN), bound("maximum").unwrap_or(i64::MAX))
-            }
-            (Some("boolean"), _) => FieldType::Flag,
-            _ => FieldType::Text,
-        }
-    }
-
-    /// Parses a value and checks it against this type alone; `key` appears in messages.
-    pub fn read(&self, key: &str, value: &Spanned<TomlValue>) -> Result<Value, Vec<Problem>> {
-        let toml_value = value.get_ref();
-        let mismatch = |required: &str, help: &str| {
-            let name = match toml_value {
-                TomlValue::Integer(integer) => integer.to_string(),
-                TomlValue::Float(number) if !number.is_finite() => number.to_string(),
-                other => other.name().to_string(),
-            };
-            Err(vec![problem_at(
-                value,
-                format!("`{key}` is {name}, but must be {required}"),
-                required,
-                help.to_string(),
-            )])
-        };
-        match (self, toml_value) {
-            (FieldType::Quantity(dimension), _) => read_quantity(key, value, *dimension).map(Value::Number),
-            (FieldType::Number | FieldType::Percent, TomlValue::Integer(integer)) => Ok(Value::Number(*integer as f64)),
-            (FieldType::Number | FieldType::Percent, TomlValue::Float(number)) if number.is_finite() => {
-                Ok(Value::Number(*number))
-            }
-            (FieldType::Number | FieldType::Percent, _) => {
-                mismatch("a plain number", "write a number such as 0.8 or 1e8, without quotes")
-            }
-            (FieldType::Integer(min, max), TomlValue::Integer(integer)) if (min..=max).contains(&integer) => {
-                Ok(Value::Integer(*integer))
-            }
-            (FieldType::Integer(min, max), _) => {
-                let upper = if *max == i64::MAX { String::new() } else { format!(" to {max}") };
-                mismatch(
-                    &format!("a whole number from {min}{upper}"),
-                    "write it without a decimal point, an exponent or quotes",
-                )
-            }
-            (FieldType::Flag, TomlValue::Flag(flag)) => Ok(Value::Flag(*flag)),
-            (FieldType::Flag, _) => mismatch("true or false", "write true or false, without quotes"),
-            (FieldType::Choice(keywords), _) => {
-                let keywords: Vec<&str> = keywords.iter().map(String::as_str).collect();
-                read_keyword(key, value, &keywords).map(|index| Value::from(keywords[index]))
-            }
-            (FieldType::Text, TomlValue::Text(text)) if !text.trim().is_empty() && !text.contains(char::is_control) => {
-                Ok(Value::from(text.as_str()))
-            }
-            (FieldType::Text, _) => mismatch("a single line of text", "write a string in quotes"),
-            (FieldType::List(item_type), TomlValue::List(items)) => {
-                let problems: Vec<Problem> =
-                    items.iter().filter_map(|item| item_type.read(key, item).err()).flatten().collect();
-                if problems.is_empty() { Ok(Value::from(to_toml(toml_value))) } else { Err(problems) }
-            }
-            (FieldType::List(_), _) => mismatch("a list", "write the values in brackets: [.., ..]"),
-        }
+/// Kind of a result column with values of a type.
+pub(super) fn column_kind(field_type: &FieldType) -> Kind {
+    match field_type {
+        FieldType::Quantity(_) | FieldType::Number => Kind::Number,
+        FieldType::Integer(..) => Kind::Integer,
+        FieldType::Flag => Kind::Flag,
+        FieldType::Choice(_) | FieldType::Text | FieldType::List(..) => Kind::Text,
     }
 }
 

@@ -2,10 +2,9 @@
 
 use toml::Spanned;
 
-use super::axis::AxisValues;
-use super::base;
+use super::axis::{Axis, AxisValues};
+use super::base_scene::{Template, base_from_layers};
 use super::field::{AxisValue, Field, FieldType};
-use super::spec::{StudySpec, study_without_designs};
 use super::{Filter, MAX_RUNS, Study};
 use crate::scene::schema::schema_for;
 use crate::scene::toml_value::TomlValue;
@@ -14,25 +13,13 @@ use crate::table::Value;
 use crate::trace::Model;
 
 /// Error in a study built in memory.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InMemoryStudyError {
-    Scene(SceneError),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// An unknown or duplicate field.
-    Field {
-        message: String,
-        help: String,
-    },
-}
-
-impl std::error::Error for InMemoryStudyError {}
-
-impl std::fmt::Display for InMemoryStudyError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            InMemoryStudyError::Scene(error) => error.fmt(f),
-            InMemoryStudyError::Field { message, help } => write!(f, "error: {message}\n  = help: {help}"),
-        }
-    }
+    #[error("error: {message}\n  = help: {help}")]
+    Field { message: String, help: String },
 }
 
 /// Builds a study of these scene fields without rows; each row that [`Study::with_rows`] adds is a design.
@@ -45,35 +32,36 @@ impl std::fmt::Display for InMemoryStudyError {
 pub fn in_memory_study(
     layers: &[Layer],
     settings: &[Layer],
-    fields: &[&str],
+    paths: &[&str],
     model: Model,
 ) -> Result<Study, InMemoryStudyError> {
-    let base = base::base_from_layers(layers, settings).map_err(InMemoryStudyError::Scene)?;
-    let mut resolved: Vec<Field> = Vec::new();
-    for path in fields {
-        let field = Field::find(path, schema_for(base.kind)).map_err(|(message, label, help)| {
-            InMemoryStudyError::Field { message, help: format!("{label}; {help}") }
-        })?;
-        if resolved.iter().any(|other| other.path == field.path) {
-            let message = format!("the field `{path}` is given twice");
-            return Err(InMemoryStudyError::Field { message, help: "remove one of them".to_string() });
+    let base = base_from_layers(layers, settings)?;
+    let invalid = |message: String, help: String| InMemoryStudyError::Field { message, help };
+    let mut fields: Vec<Field> = Vec::new();
+    for path in paths {
+        let field = Field::find(path, schema_for(base.kind))
+            .map_err(|(message, label, help)| invalid(message, format!("{label}; {help}")))?;
+        if fields.iter().any(|other| other.path == field.path) {
+            return Err(invalid(format!("the field `{path}` is given twice"), "remove one of them".to_string()));
         }
-        resolved.push(field);
+        fields.push(field);
     }
-    let invalid = |message| InMemoryStudyError::Field { message, help: "give other fields".to_string() };
-    study_without_designs(StudySpec {
+    let template =
+        Template::new(base.table, paths).map_err(|reason| invalid(reason, "give other fields".to_string()))?;
+    Ok(Study {
         kind: base.kind,
         name: String::new(),
         description: String::new(),
         model,
+        checked: false,
         filter: Filter::default(),
-        fields: resolved,
-        conditions: Vec::new(),
-        scene: base.table,
-        base: base.text,
+        axes: vec![Axis { fields, values: AxisValues::Rows(Vec::new()), repeats_designs: false }],
+        sequence: None,
+        template,
+        runs: 0,
         source: String::new(),
+        base: base.text,
     })
-    .map_err(invalid)
 }
 
 impl Study {
@@ -92,7 +80,7 @@ impl Study {
         if let Some(first) = study.axes.first_mut() {
             first.values = AxisValues::Rows(rows);
         }
-        study.runs = study.loops().iter().map(|level| level.len).product();
+        study.runs = study.designs();
         assert!(study.runs <= MAX_RUNS, "at most {MAX_RUNS} runs");
         study
     }
@@ -109,15 +97,13 @@ impl Field {
                 let unit = dimension.units()[0].name;
                 Some(AxisValue { text: format!("\"{si:?} {unit}\""), value: Value::Number(si) })
             }
-            FieldType::Number | FieldType::Percent => {
-                Some(AxisValue { text: format!("{si:?}"), value: Value::Number(si) })
-            }
+            FieldType::Number => Some(AxisValue { text: format!("{si:?}"), value: Value::Number(si) }),
             FieldType::Integer(min, max) => {
                 let integer = si as i64;
                 let fits = integer as f64 == si && (min..=max).contains(&&integer);
                 fits.then(|| AxisValue { text: integer.to_string(), value: Value::Integer(integer) })
             }
-            FieldType::Flag | FieldType::Choice(_) | FieldType::Text | FieldType::List(_) => None,
+            FieldType::Flag | FieldType::Choice(_) | FieldType::Text | FieldType::List(..) => None,
         }
     }
 

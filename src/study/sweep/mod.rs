@@ -10,66 +10,41 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `raw`, `document`, `read`, `read_axis`, `base`, `error` | study files and base scenes |
-//! | `files` | files that a study requires |
+//! | `study_file`, `base_scene` | study files, base scenes and the texts of the scenes |
 //! | `field` | fields of a scene: types and columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
-//! | `spec` | studies whose designs are added later |
 //! | `in_memory` | studies built in memory |
-//! | `template` | texts of the scenes |
-//! | `single_run`, `finger_run`, `gripper_run`, `simulate`, `row` | a single run of a finger or a gripper, and its row |
+//! | `single_run`, `row` | a single run of a finger or a gripper, and its row |
 //! | `run` | parallel execution of the runs |
 //! | `shard` | division of the runs into parts |
 //! | `summary` | summary of the results |
-//! | `fingerprint` | identification of the study of stored results |
 
 mod axis;
-mod base;
-mod document;
-mod error;
+mod base_scene;
 mod field;
-mod files;
-mod finger_run;
-mod fingerprint;
-mod gripper_run;
 mod in_memory;
-mod problem;
-mod raw;
-mod read;
-mod read_axis;
 mod row;
 mod run;
 mod sequence;
 mod shard;
-mod simulate;
 mod single_run;
-mod spec;
+mod study_file;
 mod summary;
-mod template;
 
-pub(in crate::study) use axis::{Axis as SweepAxis, Range, Spacing};
-pub(in crate::study) use document::{StudyDocument, invalid_study, parse_document};
-pub(in crate::study) use raw::{AnyValue, RawAxis, RawFilter, ValueList, scene_study_schema_text, study_schema};
-pub(in crate::study) use read::{file_stem, read_filter, read_study_file};
-pub(in crate::study) use read_axis::{find_field, read_axes, read_range, read_value};
-pub(in crate::study) use row::result_columns;
-pub(in crate::study) use spec::{StudySpec, study_without_designs};
+pub(in crate::study) use shard::{find_gaps, list_message, missing_message, run_range_text};
 pub(in crate::study) use summary::group_reasons;
 
-pub use error::StudyError;
 pub use field::{AxisValue, Field, FieldType};
-pub use files::{files, source_files};
 pub use in_memory::{InMemoryStudyError, in_memory_study};
-pub use raw::schema;
-pub use read::{load, parse};
 pub use row::{Row, Status, column_type, columns, sorted_table, table};
-pub use run::{RunStats, run, run_range, run_while};
+pub use run::{RunStats, run_range, run_while};
 pub use shard::{Shard, ShardError, check_unsharded, shard, shard_range};
+pub use study_file::{StudyError, files, load, parse, schema, source_files};
 pub use summary::{Reason, Summary, summary};
 
 use axis::{Axis, AxisValues};
+use base_scene::Template;
 use sequence::Sequence;
-use template::Template;
 
 use crate::scene::keywords::SceneKind;
 use crate::trace::Model;
@@ -112,12 +87,6 @@ pub struct Study {
     pub base: String,
 }
 
-/// One of the nested loops of a study: an axis with values, or the points of the sample.
-struct Loop {
-    len: u64,
-    repeats_designs: bool,
-}
-
 impl Study {
     /// Number of runs.
     pub fn runs(&self) -> u64 {
@@ -126,32 +95,29 @@ impl Study {
 
     /// Number of designs.
     pub fn designs(&self) -> u64 {
-        self.loops().iter().filter(|level| !level.repeats_designs).map(|level| level.len).product()
+        self.loops().filter(|(_, repeats_designs)| !repeats_designs).map(|(len, _)| len).product()
     }
 
     /// Design number of a run.
     pub fn design(&self, run: u64) -> u64 {
-        let loops = self.loops();
-        let indices = loop_indices(&loops, run);
-        let design_loops = loops.iter().zip(indices).filter(|(level, _)| !level.repeats_designs);
-        1 + design_loops.fold(0, |design, (level, index)| design * level.len + index)
+        let design_loops = self.loops().zip(self.indices(run)).filter(|((_, repeats_designs), _)| !repeats_designs);
+        1 + design_loops.fold(0, |design, ((len, _), index)| design * len + index)
     }
 
     /// Values of all fields in a run, in the order of their columns.
     pub fn field_values(&self, run: u64) -> Vec<AxisValue> {
-        let indices = loop_indices(&self.loops(), run);
-        let point = self.sequence.as_ref().and(indices.last().copied()).unwrap_or(0);
-        let (mut row_indices, mut sampled) = (indices.into_iter(), 0);
-        let mut values = Vec::new();
+        let indices = self.indices(run);
+        let (point, mut coordinate) = (indices.last().copied().unwrap_or(0), 0);
+        let (mut row_indices, mut values) = (indices.iter(), Vec::new());
         for axis in &self.axes {
             match (&axis.values, &self.sequence) {
                 (AxisValues::Rows(rows), _) => {
-                    let index = row_indices.next().unwrap_or(0) as usize;
+                    let index = row_indices.next().copied().unwrap_or(0) as usize;
                     values.extend(rows.get(index).into_iter().flatten().cloned());
                 }
                 (AxisValues::Range(range), Some(sequence)) => {
-                    values.push(range.value_at(sequence.coordinate(point, sampled), false));
-                    sampled += 1;
+                    values.push(range.value_at(sequence.coordinate(point, coordinate), false));
+                    coordinate += 1;
                 }
                 // Unreachable: a range without a sample is rejected when the study is read.
                 (AxisValues::Range(_), None) => {}
@@ -179,29 +145,39 @@ impl Study {
         })
     }
 
-    /// Loops from the outermost to the innermost.
-    fn loops(&self) -> Vec<Loop> {
-        let listed = self
-            .axes
-            .iter()
-            .filter_map(|axis| axis.len().map(|len| Loop { len: len as u64, repeats_designs: axis.repeats_designs }));
-        let sampled = self.sequence.as_ref().map(|sequence| Loop { len: sequence.count(), repeats_designs: false });
-        listed.chain(sampled).collect()
+    /// Lengths of the nested loops from the outermost to the innermost, and whether they repeat the same designs. A loop
+    /// is an axis with values, or the points of the sample.
+    fn loops(&self) -> impl Iterator<Item = (u64, bool)> {
+        let listed = self.axes.iter().filter_map(|axis| Some((axis.len()? as u64, axis.repeats_designs)));
+        listed.chain(self.sequence.as_ref().map(|sequence| (sequence.count(), false)))
     }
-}
 
-/// Index of each loop in a run.
-fn loop_indices(loops: &[Loop], run: u64) -> Vec<u64> {
-    let mut remainder = run.saturating_sub(1);
-    let mut indices: Vec<u64> = loops
-        .iter()
-        .rev()
-        .map(|level| {
-            let index = remainder % level.len;
-            remainder /= level.len;
+    /// Index of each loop in a run.
+    fn indices(&self, run: u64) -> Vec<u64> {
+        let lengths: Vec<u64> = self.loops().map(|(len, _)| len).collect();
+        let mut remainder = run.saturating_sub(1);
+        let mut index = |len: &u64| {
+            let index = remainder % len;
+            remainder /= len;
             index
-        })
-        .collect();
-    indices.reverse();
-    indices
+        };
+        let mut indices: Vec<u64> = lengths.iter().rev().map(&mut index).collect();
+        indices.reverse();
+        indices
+    }
+
+    /// FNV-1a hash of everything that determines the results: text, base scene, model, checks and program version. 16
+    /// hexadecimal digits. It protects against mistakes, not against tampering.
+    pub fn fingerprint(&self) -> String {
+        let checked = if self.checked { "checked" } else { "" };
+        let inputs = [env!("CARGO_PKG_VERSION"), self.model.name(), self.source.as_str(), self.base.as_str(), checked];
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        for input in inputs {
+            // The length is hashed first, so that the boundary between two texts is unique.
+            for byte in (input.len() as u64).to_le_bytes().iter().chain(input.as_bytes()) {
+                hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        }
+        format!("{hash:016x}")
+    }
 }

@@ -23,19 +23,7 @@ pub struct RunStats {
     pub complete: bool,
 }
 
-/// Performs all runs of a study that are not in `done`. Passes each row to `on_row` when it is finished, in any order.
-///
-/// `threads` = 0 means one thread per core.
-pub fn run(study: &Study, threads: usize, done: &HashSet<u64>, mut on_row: impl FnMut(Row) + Send) -> RunStats {
-    let on_row = |row| {
-        on_row(row);
-        true
-    };
-    run_while(study, threads, study.runs(), done, &|| true, on_row)
-}
-
-/// Performs those of the first `max_runs` runs of a study that are not in `done`. Stops when `keep_running` or `on_row`
-/// returns false; an interrupted run has no row.
+/// Performs those of the first `max_runs` runs of a study that are not in `done`; see [`run_range`].
 pub fn run_while(
     study: &Study,
     threads: usize,
@@ -47,7 +35,9 @@ pub fn run_while(
     run_range(study, threads, 1..=study.runs().min(max_runs), done, keep_running, on_row)
 }
 
-/// Like [`run_while`], for a range of runs.
+/// Performs those runs of a range that are not in `done`, and passes each row to `on_row` when it is finished, in any
+/// order. Stops when `keep_running` or `on_row` returns false; an interrupted run has no row. `threads` = 0 means one
+/// thread per core.
 ///
 /// A free thread takes the next run, so that rows are finished nearly in order. It calls `on_row` itself, so that no
 /// other thread has to be woken.

@@ -8,6 +8,9 @@
 //!
 //! Existing libraries for such sequences either return `f32` or depend on a linear algebra library.
 
+use schemars::JsonSchema;
+use serde::Deserialize;
+
 use crate::study::random::{scramble, unit_interval};
 
 /// The first primes: bases of the axes of a Halton sequence. For larger bases, two axes are correlated over too many
@@ -18,8 +21,10 @@ const PRIMES: [u64; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 4
 pub const MAX_HALTON_AXES: usize = PRIMES.len();
 
 /// Sampling method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
+    #[default]
     Halton,
     LatinHypercube,
     Random,

@@ -1,13 +1,16 @@
 //! Division of the runs of a study into parts for several machines. The runs of a part follow from its number alone, so
 //! that the last part of a billion runs starts as fast as the first.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{MAX_RUNS, Study};
 
+/// Maximum number of entries of a list in a message.
+const MAX_LISTED: usize = 20;
+
 /// One of `count` parts of a study: the runs from `first` to `last`, inclusive. A part without runs, which exists if
 /// there are more parts than runs, has `last` < `first`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     /// Number of the part, from 1.
     #[serde(rename = "shard")]
@@ -28,34 +31,28 @@ impl Shard {
 }
 
 /// Error while dividing a study into parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ShardError {
-    #[error("there is no shard {number}/{count}: shards are numbered from 1/{0} to {0}/{0}", .count.max(&1))]
-    Number { number: u64, count: u64 },
-    #[error(
-        "shard {number}/{count} has {runs} runs, but a part has at most {MAX_RUNS}, because it is stored in memory until it is written; give \
-         at least {min_shard_count} shards"
-    )]
-    TooLarge { number: u64, count: u64, runs: u64, min_shard_count: u64 },
-    #[error(
-        "the study has {runs} runs, but an undivided sweep has at most {MAX_RUNS}, because they are sorted in memory; make it in \
-         parts (--shard 1/{min_shard_count} to --shard {min_shard_count}/{min_shard_count}, or more of them) and join these with `phalanx sweep merge`, or \
-         make only the first runs (--limit)"
-    )]
-    Whole { runs: u64, min_shard_count: u64 },
-}
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ShardError(String);
 
 /// Returns part `number` of `count`. The parts differ by at most one run and together cover the study in order.
 ///
 /// # Errors
 /// Returns an error if there is no such part, or it has more than [`MAX_RUNS`] runs.
 pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, ShardError> {
-    let shard = shard_range(study.runs(), number, count).ok_or(ShardError::Number { number, count })?;
+    let Some(shard) = shard_range(study.runs(), number, count) else {
+        let last = count.max(1);
+        return Err(ShardError(format!(
+            "there is no shard {number}/{count}: shards are numbered from 1/{last} to {last}/{last}"
+        )));
+    };
     match shard.runs() {
-        runs if runs > MAX_RUNS => {
-            Err(ShardError::TooLarge { number, count, runs, min_shard_count: min_shard_count(study.runs()) })
-        }
-        _ => Ok(shard),
+        0..=MAX_RUNS => Ok(shard),
+        runs => Err(ShardError(format!(
+            "shard {number}/{count} has {runs} runs, but a part has at most {MAX_RUNS}, because it is stored in memory until \
+             it is written; give at least {} shards",
+            min_shard_count(study.runs())
+        ))),
     }
 }
 
@@ -64,12 +61,15 @@ pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, ShardError
 /// # Errors
 /// Returns an error if there are more than [`MAX_RUNS`] runs.
 pub fn check_unsharded(study: &Study, max_runs: u64) -> Result<(), ShardError> {
-    let runs = study.runs().min(max_runs);
-    if runs > MAX_RUNS {
-        Err(ShardError::Whole { runs, min_shard_count: min_shard_count(study.runs()) })
-    } else {
-        Ok(())
+    let (runs, count) = (study.runs().min(max_runs), min_shard_count(study.runs()));
+    if runs <= MAX_RUNS {
+        return Ok(());
     }
+    Err(ShardError(format!(
+        "the study has {runs} runs, but an undivided sweep has at most {MAX_RUNS}, because they are sorted in memory; make it in \
+         parts (--shard 1/{count} to --shard {count}/{count}, or more of them) and join these with `phalanx sweep merge`, or make \
+         only the first runs (--limit)"
+    )))
 }
 
 /// Returns part `number` of `count` of a study with this number of runs; `None` if there is no such part.
@@ -85,6 +85,81 @@ pub fn shard_range(runs: u64, number: u64, count: u64) -> Option<Shard> {
 /// Smallest number of parts such that no part exceeds [`MAX_RUNS`].
 fn min_shard_count(runs: u64) -> u64 {
     runs.div_ceil(MAX_RUNS)
+}
+
+/// Runs that are in no part. Shards `first_shard` to `last_shard` of `shard_count` contain exactly these runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gap {
+    pub first: u64,
+    pub last: u64,
+    pub first_shard: u64,
+    pub last_shard: u64,
+    pub shard_count: u64,
+}
+
+/// Finds runs that are in no part. The parts are sorted by their first run.
+pub(in crate::study) fn find_gaps(runs: u64, parts: &[Shard]) -> Vec<Gap> {
+    let mut gaps = Vec::new();
+    let mut next = 1;
+    let end = Shard { number: 0, count: 0, first: runs + 1, last: runs + 1 };
+    for shard in parts.iter().filter(|shard| shard.runs() > 0).chain([&end]) {
+        if shard.first > next {
+            gaps.push(describe_gap(runs, next, shard.first - 1, parts));
+        }
+        next = next.max(shard.last + 1);
+    }
+    gaps
+}
+
+/// Describes a gap by shards that contain exactly its runs: of the number of shards of a part, of the smallest number,
+/// or of one shard for each run.
+fn describe_gap(runs: u64, first: u64, last: u64, parts: &[Shard]) -> Gap {
+    // The shard of a run is the first whose last run ⌊runs·number/count⌋ is not before it.
+    let shard_of_run = |run: u64, count: u64| {
+        let number = (u128::from(run) * u128::from(count)).div_ceil(u128::from(runs));
+        shard_range(runs, u64::try_from(number).ok()?, count)
+    };
+    let exact = |count: u64| {
+        let (from, to) = (shard_of_run(first, count)?, shard_of_run(last, count)?);
+        let gap = Gap { first, last, first_shard: from.number, last_shard: to.number, shard_count: count };
+        (from.first == first && to.last == last).then_some(gap)
+    };
+    let mut counts: Vec<u64> = parts.iter().map(|part| part.count).collect();
+    counts.sort_unstable();
+    counts.dedup();
+    let gap = counts.into_iter().chain(1..=10_000).find_map(exact);
+    gap.unwrap_or(Gap { first, last, first_shard: first, last_shard: last, shard_count: runs })
+}
+
+/// Message that lists missing runs with the arguments that make their parts.
+pub(in crate::study) fn missing_message(gaps: &[Gap], total: u64) -> String {
+    let line = |&Gap { first, last, first_shard, last_shard, shard_count }: &Gap| {
+        let more = match last_shard - first_shard {
+            0 => String::new(),
+            1 => format!(" and {last_shard}/{shard_count}"),
+            _ => format!(" to {last_shard}/{shard_count}"),
+        };
+        format!("{} (--shard {first_shard}/{shard_count}{more})", run_range_text(first, last))
+    };
+    let count: u64 = gaps.iter().map(|gap| gap.last - gap.first + 1).sum();
+    list_message(
+        &format!("{count} of {total} runs are in no shard: "),
+        gaps.iter().map(line).collect(),
+        "; run these and merge again",
+    )
+}
+
+/// Names a range of runs.
+pub(in crate::study) fn run_range_text(first: u64, last: u64) -> String {
+    if first == last { format!("run {first}") } else { format!("runs {first} to {last}") }
+}
+
+/// Joins the first entries of a list and states the number of the others.
+pub(in crate::study) fn list_message(prefix: &str, mut list: Vec<String>, suffix: &str) -> String {
+    let more = list.len().saturating_sub(MAX_LISTED);
+    list.truncate(MAX_LISTED);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    format!("{prefix}{}{more}{suffix}", list.join("; "))
 }
 
 #[cfg(test)]
@@ -121,6 +196,59 @@ mod tests {
             let largest =
                 |count: u64| (1..=count).filter_map(|number| shard_range(runs, number, count)).map(|s| s.runs()).max();
             assert!(largest(count) <= Some(MAX_RUNS) && largest(count - 1) > Some(MAX_RUNS), "{runs}: {count}");
+        }
+    }
+
+    fn shards(runs: u64, parts: &[(u64, u64)]) -> Vec<Shard> {
+        let part = |&(number, count): &(u64, u64)| shard_range(runs, number, count).expect("a valid part");
+        let mut shards: Vec<Shard> = parts.iter().map(part).collect();
+        shards.sort_by_key(|shard| (shard.first, shard.last));
+        shards
+    }
+
+    #[test]
+    fn gaps_are_described_by_shards() {
+        let gap = |first, last, first_shard, last_shard, shard_count| Gap {
+            first,
+            last,
+            first_shard,
+            last_shard,
+            shard_count,
+        };
+        let all: Vec<(u64, u64)> = (1..=7).map(|number| (number, 7)).collect();
+        for (runs, parts, expected) in [
+            (100, &[(1, 3), (2, 3), (3, 3)][..], vec![]),
+            (100, &[(3, 3), (1, 3)], vec![gap(34, 66, 2, 2, 3)]),
+            (100, &[(9, 10)], vec![gap(1, 80, 1, 8, 10), gap(91, 100, 10, 10, 10)]),
+            // The gap from a third to a half is the third sixth.
+            (100, &[(1, 3), (2, 2)], vec![gap(34, 50, 3, 3, 6)]),
+            // More parts than runs: the parts without runs leave no gap.
+            (3, &all, vec![]),
+            (3, &[], vec![gap(1, 3, 1, 1, 1)]),
+        ] {
+            assert_eq!(find_gaps(runs, &shards(runs, parts)), expected, "{parts:?}");
+        }
+    }
+
+    #[test]
+    fn shards_of_gaps_contain_exactly_the_missing_runs() {
+        for runs in [1, 2, 10, 97, 1000] {
+            for (a, b) in [(1, 1), (2, 3), (7, 11), (13, 4), (200, 3)] {
+                for missing in 1..=a {
+                    // All parts but one, and a part of a division into another number of parts.
+                    let present = (1..=a).filter(|number| *number != missing).map(|number| (number, a));
+                    let parts = shards(runs, &present.chain([(1, b)]).collect::<Vec<_>>());
+                    let mut missing_runs = 0;
+                    for gap in find_gaps(runs, &parts) {
+                        let ends = [gap.first_shard, gap.last_shard].map(|n| shard_range(runs, n, gap.shard_count));
+                        let [Some(from), Some(to)] = ends else { panic!("{gap:?}") };
+                        assert_eq!((from.first, to.last), (gap.first, gap.last), "{runs} {a} {b} {gap:?}");
+                        missing_runs += gap.last - gap.first + 1;
+                    }
+                    let is_covered = |run: u64| parts.iter().any(|shard| (shard.first..=shard.last).contains(&run));
+                    assert_eq!(missing_runs, (1..=runs).filter(|run| !is_covered(*run)).count() as u64);
+                }
+            }
         }
     }
 }

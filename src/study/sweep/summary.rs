@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use serde::{Serialize, Serializer};
 
 use super::Status;
-use super::finger_run::CLASSES;
 use crate::criteria::{Class, Fate};
 use crate::table::{Table, TableError};
+
+/// Dynamic classes from best to worst.
+const CLASSES: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];
 
 /// Counts of the rows of a sweep.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -167,7 +167,7 @@ fn run_and_log(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Optio
     }
     let bytes = finish(writer, outcome.last.time_s, failure.as_ref());
     let mut last = LastSample::default();
-    let summary = log::read_any(Cursor::new(&bytes), &mut last).map_err(|error| error.to_string())?;
+    let summary = log::read(Cursor::new(&bytes), &mut last).map_err(|error| error.to_string())?;
     check_log_summary(&summary, failure.as_ref())?;
     // A run that did not start has neither a state nor a sample.
     if last.0.as_ref() != Some(&outcome.last) && summary.samples > 0 {

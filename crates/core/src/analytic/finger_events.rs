@@ -1,6 +1,6 @@
 //! Event functions of the finger's contacts: where the branches of their laws change.
 
-use super::mode::{ContactState, ContactVariables, EventTolerances, SpringDamperForce, is_kinked};
+use super::mode::{ContactState, ContactVariables, ContactWithLaws, EventTolerances, StateRef, is_kinked};
 use super::model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, QUADRATURES, finger_coordinates, pad};
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
@@ -22,15 +22,14 @@ fn contact_of_event(event: usize) -> FingerContact {
 }
 
 impl<const N: usize, const W: usize> FingerMotion<N, W> {
-    /// State of a contact, from which its event functions are evaluated; `None` where the scene has no such contact.
+    /// State of a contact with its laws; `None` where the scene has no such contact.
     #[inline(always)]
     fn contact_variables(
         &self,
-        pose: &Directions<f64>,
-        rates: &PassiveRates<f64>,
+        (pose, rates): &(Directions<f64>, PassiveRates<f64>),
         v: &[f64; N],
         contact: FingerContact,
-    ) -> Option<ContactVariables<N>> {
+    ) -> Option<ContactWithLaws<'_, N>> {
         let geometry = self.geometry(pose, rates, contact)?;
         let (rate, slip) =
             (-dot(geometry.normal_row, finger_coordinates(v)), dot(geometry.tangent_row, finger_coordinates(v)));
@@ -45,54 +44,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         if let Some(bristle) = Self::bristle_index(contact) {
             (variables.bristle_state, variables.tangent_row[bristle]) = (v[bristle], 1.0);
         }
-        Some(variables)
-    }
-
-    /// Returns the values of all event functions in a state.
-    #[inline(always)]
-    fn event_functions(
-        &self,
-        pose: &Directions<f64>,
-        rates: &PassiveRates<f64>,
-        v: &[f64; N],
-        mode: &FingerMode,
-    ) -> [EventFunction<N>; EVENT_FUNCTIONS] {
-        const CONTACTS: usize = FingerContact::ALL.len();
-        let mut event_functions = [EventFunction::INACTIVE; EVENT_FUNCTIONS];
-        for contact in FingerContact::ALL {
-            let index = contact as usize;
-            if mode.is_unmonitored(index) {
-                continue;
-            }
-            let Some((variables, law)) =
-                self.contact_variables(pose, rates, v, contact).zip(self.finger.normal_law(contact))
-            else {
-                continue;
-            };
-            let force = SpringDamperForce::evaluate(law, &variables);
-            event_functions[index] = mode.normal_event(index, law, &EVENT_TOLERANCES, &variables, &force);
-            event_functions[index + 2 * CONTACTS] = mode.damper_event(index, law, &variables);
-            if let Some(friction) = self.finger.friction_law(contact) {
-                event_functions[index + CONTACTS] = mode.slip_event(index, friction, &variables, &force);
-            }
-        }
-        event_functions
-    }
-
-    /// One event function without its error weight.
-    #[inline(always)]
-    fn event_function(
-        &self,
-        kinematics: &(Directions<f64>, PassiveRates<f64>),
-        v: &[f64; N],
-        mode: &FingerMode,
-        event: usize,
-    ) -> EventFunction<N> {
-        let (contact, (pose, rates)) = (contact_of_event(event), kinematics);
-        let variables = self.contact_variables(pose, rates, v, contact).zip(self.finger.normal_law(contact));
-        variables.map_or(EventFunction::INACTIVE, |(variables, law)| {
-            mode.event_function(event, (law, self.finger.friction_law(contact)), &EVENT_TOLERANCES, &variables)
-        })
+        Some((variables, self.finger.normal_law(contact)?, self.finger.friction_law(contact)))
     }
 }
 
@@ -114,14 +66,13 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     fn contact_at_equilibrium(
         &self,
         t: f64,
-        (q, v): (&[f64; N], &[f64; N]),
+        (q, v): StateRef<'_, N>,
         mode: &FingerMode,
         contact: FingerContact,
         max_rate: f64,
     ) -> Option<QuasiStaticState<N>> {
         let terms = self.finger.terms(finger_coordinates(q));
-        let (variables, law) =
-            self.contact_variables(&terms.pose, &terms.rates, v, contact).zip(self.finger.normal_law(contact))?;
+        let (variables, law, _) = self.contact_variables(&(terms.pose, terms.rates), v, contact)?;
         let is_small = variables.delta.abs() <= MAX_CHATTER_DEPTH && variables.rate.abs() <= max_rate;
         if !is_small || law.stiffness_n_per_m_e == 0.0 {
             return None;
@@ -171,10 +122,13 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
 
     #[inline(always)]
     fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> EventSet<N, EVENT_FUNCTIONS> {
-        let (pose, rates) = self.finger.kinematics(finger_coordinates(q));
+        let kinematics = self.finger.kinematics(finger_coordinates(q));
+        let (pose, rates) = &kinematics;
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
-        let [_, _, rate3, rate4] = absolute_rates(&rates, finger_coordinates(v));
-        let functions = self.event_functions(&pose, &rates, v, mode);
+        let [_, _, rate3, rate4] = absolute_rates(rates, finger_coordinates(v));
+        let functions = mode.event_functions(FingerContact::ALL.len(), &EVENT_TOLERANCES, |index| {
+            self.contact_variables(&kinematics, v, FingerContact::ALL[index])
+        });
         EventSet {
             functions,
             clearance: sine.abs() - SINGULAR_SINE,
@@ -184,7 +138,9 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
 
     #[inline(always)]
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, event: usize) -> EventFunction<N> {
-        self.event_function(&self.finger.kinematics(finger_coordinates(q)), v, mode, event)
+        let kinematics = self.finger.kinematics(finger_coordinates(q));
+        let contact = self.contact_variables(&kinematics, v, contact_of_event(event));
+        mode.event_function(event, &EVENT_TOLERANCES, contact)
     }
 
     #[inline(always)]
@@ -196,22 +152,16 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
         requested: &[bool; EVENT_FUNCTIONS],
     ) -> [f64; EVENT_FUNCTIONS] {
         const CONTACTS: usize = FingerContact::ALL.len();
-        let (pose, rates) = self.finger.kinematics(finger_coordinates(q));
+        let kinematics = self.finger.kinematics(finger_coordinates(q));
         let mut values = [f64::NAN; EVENT_FUNCTIONS];
         for contact in FingerContact::ALL {
             let indices = [contact as usize, contact as usize + CONTACTS, contact as usize + 2 * CONTACTS];
             if indices.iter().all(|event| !requested[*event]) {
                 continue;
             }
-            let variables = self.contact_variables(&pose, &rates, v, contact).zip(self.finger.normal_law(contact));
-            let laws = |law| (law, self.finger.friction_law(contact));
+            let variables = self.contact_variables(&kinematics, v, contact);
             for event in indices.into_iter().filter(|event| requested[*event]) {
-                let inactive = EventFunction::<N>::INACTIVE;
-                values[event] = variables
-                    .map_or(inactive, |(variables, law)| {
-                        mode.event_function(event, laws(law), &EVENT_TOLERANCES, &variables)
-                    })
-                    .value;
+                values[event] = mode.event_function(event, &EVENT_TOLERANCES, variables).value;
             }
         }
         values
@@ -224,12 +174,8 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
     }
 
     fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> FingerMode {
-        let contact = contact_of_event(event);
-        let (pose, rates) = self.finger.kinematics(finger_coordinates(q));
-        let variables = self.contact_variables(&pose, &rates, v, contact).zip(self.finger.normal_law(contact));
-        variables.map_or(*mode, |(variables, law)| {
-            mode.after_event(event, law, self.finger.friction_law(contact), &variables)
-        })
+        let kinematics = self.finger.kinematics(finger_coordinates(q));
+        mode.after_event(event, self.contact_variables(&kinematics, v, contact_of_event(event)))
     }
 
     fn is_reported(&self, event: usize) -> bool {
@@ -249,14 +195,9 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
     }
 
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> FingerMode {
-        let (pose, rates) = self.finger.kinematics(finger_coordinates(q));
-        let contact_variables = |index: usize| {
-            let contact = FingerContact::ALL[index];
-            let (variables, law) =
-                self.contact_variables(&pose, &rates, v, contact).zip(self.finger.normal_law(contact))?;
-            Some((variables, law, self.finger.friction_law(contact)))
-        };
-        FingerMode::at_state(&EVENT_TOLERANCES, contact_variables, |mode| self.rates(t, q, v, mode).a)
+        let kinematics = self.finger.kinematics(finger_coordinates(q));
+        let variables = |index: usize| self.contact_variables(&kinematics, v, FingerContact::ALL[index]);
+        FingerMode::at_state(&EVENT_TOLERANCES, variables, |mode| self.rates(t, q, v, mode).a)
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Option<f64> {
@@ -275,7 +216,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
     fn project_quasi_static(
         &self,
         t: f64,
-        (q, v): (&[f64; N], &[f64; N]),
+        (q, v): StateRef<'_, N>,
         mode: &FingerMode,
         tolerances: &Tolerances,
     ) -> Option<QuasiStaticState<N>> {

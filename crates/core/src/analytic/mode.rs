@@ -86,6 +86,9 @@ impl<const C: usize> IndexMut<usize> for Mode<C> {
     }
 }
 
+/// Coordinates and rates.
+pub type StateRef<'a, const N: usize> = (&'a [f64; N], &'a [f64; N]);
+
 /// State of one contact: penetration and its rate, slip, and the rows that give the rates of gap and slip.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactVariables<const N: usize> {
@@ -98,16 +101,19 @@ pub struct ContactVariables<const N: usize> {
     pub tangent_row: [f64; N],
 }
 
+/// State of a contact from which its event functions are evaluated, with its laws.
+pub type ContactWithLaws<'a, const N: usize> = (ContactVariables<N>, &'a NormalLaw, Option<&'a FrictionLaw>);
+
 /// Spring and damper force of the normal law, N (limit: N·m); their sum may be negative.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct SpringDamperForce {
+struct SpringDamperForce {
     spring: f64,
     damper: f64,
 }
 
 impl SpringDamperForce {
     #[inline(always)]
-    pub fn evaluate<const N: usize>(law: &NormalLaw, variables: &ContactVariables<N>) -> Self {
+    fn evaluate<const N: usize>(law: &NormalLaw, variables: &ContactVariables<N>) -> Self {
         if variables.delta <= 0.0 {
             return Self { spring: 0.0, damper: 0.0 };
         }
@@ -115,7 +121,7 @@ impl SpringDamperForce {
     }
 
     #[inline(always)]
-    pub fn total(&self) -> f64 {
+    fn total(&self) -> f64 {
         self.spring + self.damper
     }
 }
@@ -141,11 +147,7 @@ fn cone_margin<const N: usize>(
 
 /// Range of the friction law of a contact under a normal force. A bristle sticks within its cone, and has two sliding
 /// ranges.
-pub fn friction_range_at<const N: usize>(
-    law: &FrictionLaw,
-    variables: &ContactVariables<N>,
-    force: f64,
-) -> FrictionRange {
+fn friction_range_at<const N: usize>(law: &FrictionLaw, variables: &ContactVariables<N>, force: f64) -> FrictionRange {
     let Some(bristle) = &law.bristle else { return friction_range(law, variables.slip) };
     let forward = variables.bristle_state + variables.slip > 0.0;
     if cone_margin(law, bristle, variables, force, forward) >= 0.0 {
@@ -259,7 +261,7 @@ impl<const C: usize> Mode<C> {
     /// forces of all contacts at zero depth.
     pub fn at_state<'a, const N: usize>(
         event_tolerances: &EventTolerances,
-        contact_variables: impl Fn(usize) -> Option<(ContactVariables<N>, &'a NormalLaw, Option<&'a FrictionLaw>)>,
+        contact_variables: impl Fn(usize) -> Option<ContactWithLaws<'a, N>>,
         accelerations: impl FnOnce(&Self) -> [f64; N],
     ) -> Self {
         let mut mode = Self::FREE;
@@ -299,25 +301,45 @@ impl<const C: usize> Mode<C> {
         }
     }
 
-    /// Whether a contact has no branch or friction range that can end.
+    /// All event functions of the first `count` contacts: those of normal laws, then friction laws, then dampers.
+    /// Contacts without a branch or friction range that can end are not evaluated.
     #[inline(always)]
-    pub fn is_unmonitored(&self, index: usize) -> bool {
-        self.contacts[index] == ContactState::Clamped && self.friction_ranges[index] == FrictionRange::Any
+    pub fn event_functions<'a, const N: usize, const G: usize>(
+        &self,
+        count: usize,
+        event_tolerances: &EventTolerances,
+        contact_variables: impl Fn(usize) -> Option<ContactWithLaws<'a, N>>,
+    ) -> [EventFunction<N>; G] {
+        let mut functions = [EventFunction::INACTIVE; G];
+        for index in 0..count {
+            if self.contacts[index] == ContactState::Clamped && self.friction_ranges[index] == FrictionRange::Any {
+                continue;
+            }
+            let Some((variables, law, friction)) = contact_variables(index) else { continue };
+            let force = SpringDamperForce::evaluate(law, &variables);
+            functions[index] = self.normal_event(index, law, event_tolerances, &variables, &force);
+            functions[index + 2 * C] = self.damper_event(index, law, &variables);
+            if let Some(friction) = friction {
+                functions[index + C] = self.slip_event(index, friction, &variables, &force);
+            }
+        }
+        functions
     }
 
-    /// One event function of a contact in the state `variables`, without its error weight.
+    /// One event function of a contact, without its error weight; inactive if the contact does not exist.
     #[inline(always)]
     pub fn event_function<const N: usize>(
         &self,
         event: usize,
-        (law, friction): (&NormalLaw, Option<&FrictionLaw>),
         event_tolerances: &EventTolerances,
-        variables: &ContactVariables<N>,
+        contact: Option<ContactWithLaws<'_, N>>,
     ) -> EventFunction<N> {
+        let Some((variables, law, friction)) = &contact else { return EventFunction::INACTIVE };
         let index = event % C;
         match (event / C, friction) {
             (0, _) => {
-                self.normal_event(index, law, event_tolerances, variables, &SpringDamperForce::evaluate(law, variables))
+                let force = SpringDamperForce::evaluate(law, variables);
+                self.normal_event(index, law, event_tolerances, variables, &force)
             }
             (1, Some(friction)) => {
                 let force = if friction.bristle.is_some() {
@@ -334,7 +356,7 @@ impl<const C: usize> Mode<C> {
 
     /// Event function of the normal law of a contact.
     #[inline(always)]
-    pub fn normal_event<const N: usize>(
+    fn normal_event<const N: usize>(
         &self,
         index: usize,
         law: &NormalLaw,
@@ -390,7 +412,7 @@ impl<const C: usize> Mode<C> {
 
     /// Event function of the friction law of a contact.
     #[inline(always)]
-    pub fn slip_event<const N: usize>(
+    fn slip_event<const N: usize>(
         &self,
         index: usize,
         law: &FrictionLaw,
@@ -423,7 +445,7 @@ impl<const C: usize> Mode<C> {
 
     /// Event function of the damper of a contact.
     #[inline(always)]
-    pub fn damper_event<const N: usize>(
+    fn damper_event<const N: usize>(
         &self,
         index: usize,
         law: &NormalLaw,
@@ -467,14 +489,9 @@ impl<const C: usize> Mode<C> {
         }
     }
 
-    /// Returns the mode after an event of a contact in the state `variables`.
-    pub fn after_event<const N: usize>(
-        &self,
-        event: usize,
-        law: &NormalLaw,
-        friction: Option<&FrictionLaw>,
-        variables: &ContactVariables<N>,
-    ) -> Self {
+    /// Returns the mode after an event of a contact in this state.
+    pub fn after_event<const N: usize>(&self, event: usize, contact: Option<ContactWithLaws<'_, N>>) -> Self {
+        let Some((variables, law, friction)) = &contact else { return *self };
         let (delta, force) = (variables.delta, SpringDamperForce::evaluate(law, variables).total());
         let mut next = *self;
         if event >= 2 * C {

@@ -6,7 +6,7 @@
 use super::contact::Geometry;
 use super::finger::{FingerModel, PassiveJoints};
 use super::mode::ContactState;
-use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass, terms};
+use crate::fivebar::dynamics::{Terms, kinetic_energy, solve_mass, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
@@ -110,10 +110,6 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     pub fn start(system: &scene::System) -> State<N, QUADRATURES> {
         let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = system.finger(Side::Right).initial;
         State { q: pad([q11_rad, q21_rad]), v: pad([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
-    }
-
-    pub fn dynamics(&self) -> &Dynamics {
-        &self.finger.dynamics
     }
 
     /// Index of a contact's bristle state among the rates; the joint limit has no bristle.
@@ -248,13 +244,9 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         Some(ContactReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
-    /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
-    pub fn snapshot(&self, q: [f64; N], v: [f64; N], mode: &FingerMode) -> Snapshot {
-        self.partial_snapshot(q, v, mode, (true, true))
-    }
-
-    /// Like [`FingerMotion::snapshot`]; passive joints and energies are optional, and zero if omitted.
-    pub(crate) fn partial_snapshot(
+    /// Passive joints, contacts and energies of a state, all from one evaluation of the model; passive joints and
+    /// energies are optional, and zero if omitted.
+    pub(crate) fn snapshot(
         &self,
         q: [f64; N],
         v: [f64; N],
@@ -334,7 +326,7 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
         // Terms that depend on positions only are computed with the derivatives with respect to the two positions, then
         // extended to all variables.
         let finger_terms = self.finger.terms([Dual::<FINGER_COORDINATES>::variable(q[0], 0), Dual::variable(q[1], 1)]);
-        let widened_terms = finger_terms.widen();
+        let widened_terms = finger_terms.map(Dual::widen);
         let rate = array_from(|i| Dual::<W>::variable(v[i], FINGER_COORDINATES + i));
         let (torque, slope) = torque(&self.actuation, t);
         let geometry = |contact| self.geometry(&finger_terms.pose, &finger_terms.rates, contact).map(Geometry::widen);

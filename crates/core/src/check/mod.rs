@@ -9,13 +9,6 @@
 //! multiplied by 1 + [`PERTURBATION`].
 //!
 //! The check compares the path, energies and works, and the restitution of discs.
-//!
-//! | file | contents |
-//! |---|---|
-//! | `path` | a run sampled on an even grid, and differences of two such paths |
-//! | `runs` | the runs that are compared |
-//! | `scale` | length scales of the scene and of its motion, which error limits refer to |
-//! | `verdict` | the verdict on a run, and its reason |
 
 mod path;
 mod runs;
@@ -26,7 +19,10 @@ pub use path::Errors;
 use path::Path;
 pub use runs::perturbed;
 use runs::{RunOptions, is_comparable, reference_name, run};
-pub use scale::{CHAOS_THRESHOLD, MOTION_FRACTION, reference_length_m, units};
+use scale::error_limits;
+pub use scale::{
+    ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, reference_length_m, units,
+};
 pub use verdict::Verdict;
 use verdict::{Comparison, verdict};
 
@@ -37,28 +33,6 @@ use crate::trace::{Model, Sink};
 pub const PERTURBATION: f64 = 1e-7;
 /// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
 pub const REFERENCE_LENGTH_M: f64 = 0.02;
-/// Largest estimated path error of a run of the analytic model with the verdict "sure": in rad for joint angles, in
-/// radii for a gripper's object, and in 20 radii of the smallest moving disc in scenes of discs. The limit is at most
-/// [`MOTION_FRACTION`] of the largest displacement.
-pub const MAX_PATH_ERROR: f64 = 1e-5;
-/// [`MAX_PATH_ERROR`] of the engine.
-pub const ENGINE_MAX_PATH_ERROR: f64 = 1e-4;
-/// Largest energy error of a run of the analytic model with the verdict "sure", as a fraction of the energy exchanged
-/// in the run. In 560 random scenes of fingers, grippers and discs, the largest error of an accurate path was 3e-4.
-pub const MAX_ENERGY_ERROR: f64 = 1e-3;
-/// [`MAX_ENERGY_ERROR`] of the engine. In 570 random scenes, the largest error of an accurate path was 6e-3, apart from
-/// one of 1.3e-2.
-pub const ENGINE_MAX_ENERGY_ERROR: f64 = 1e-2;
-/// Largest restitution error of discs that collide at the largest speed of a run.
-pub const MAX_RESTITUTION_ERROR: f64 = 1e-3;
-/// [`MAX_RESTITUTION_ERROR`] of the engine.
-pub const ENGINE_MAX_RESTITUTION_ERROR: f64 = 1e-2;
-/// Number of events above which an error estimate of the analytic model depends on rounding errors. Among 9,542 random
-/// scenes, four runs had errors beyond the limit (1.1e-5 to 2.6e-5 rad) but the verdict "sure"; they had 2,769 to 7,436
-/// events and estimates of 1.9e-6 to 9.7e-6.
-const MANY_EVENTS: u64 = 1000;
-/// [`MAX_PATH_ERROR`] of runs with more than [`MANY_EVENTS`] events.
-const MAX_PATH_ERROR_MANY_EVENTS: f64 = 1e-6;
 /// Largest number of steps of a run that is checked without a request. At a few microseconds per step the check takes
 /// some tenths of a second.
 pub const MAX_CHECKED_STEPS: u64 = 20_000;
@@ -94,15 +68,15 @@ impl Check {
     /// Result without a comparison: errors are unknown.
     fn unknown(model: Model, reason: String) -> Self {
         let errors = Errors { path: f64::INFINITY, energy: f64::INFINITY, ..Errors::default() };
-        let (max_path_error, max_energy_error) = error_limits(model, 0);
+        let limits = error_limits(model, 0);
         Check {
             verdict: Verdict::Unknown,
             errors,
             sensitivity: f64::INFINITY,
-            max_path_error,
+            max_path_error: limits.path,
             max_path_error_basis: String::new(),
             largest_displacement: None,
-            max_energy_error,
+            max_energy_error: limits.energy,
             reference: String::new(),
             reason: Some(reason),
         }
@@ -111,15 +85,6 @@ impl Check {
     /// Result for a run that was not completed; it has no verdict.
     pub fn not_completed(model: Model, time_s: f64, reason: &str) -> Self {
         Self::unknown(model, format!("the run ended at {:.6} ms because: {reason}", time_s * 1e3))
-    }
-}
-
-/// Limits of the path error and of the energy error.
-fn error_limits(model: Model, events: u64) -> (f64, f64) {
-    match model {
-        Model::Engine => (ENGINE_MAX_PATH_ERROR, ENGINE_MAX_ENERGY_ERROR),
-        Model::Analytic if events > MANY_EVENTS => (MAX_PATH_ERROR_MANY_EVENTS, MAX_ENERGY_ERROR),
-        Model::Analytic => (MAX_PATH_ERROR, MAX_ENERGY_ERROR),
     }
 }
 
@@ -183,8 +148,8 @@ pub fn check_with_sinks(
         &RunOptions { perturbation: PERTURBATION, energies: false, ..finer },
         perturbed_sink,
     );
-    let (ordinary_limit, max_energy_error) = error_limits(model, checked_run.events);
-    let limit = scale::path_error_limit(&scene.system, &checked_run, ordinary_limit);
+    let limits = error_limits(model, checked_run.events);
+    let limit = scale::path_error_limit(&scene.system, &checked_run, limits.path);
     let mut errors = path::errors(&checked_run, &reference_run);
     errors.path = errors.path.max(error_until_failure);
     let sensitivity = path::difference(&reference_run, &perturbed_run);
@@ -195,33 +160,24 @@ pub fn check_with_sinks(
         errors: &errors,
         sensitivity,
         chaos_threshold: limit.chaos_threshold,
-        max_path_error: limit.error,
-        max_energy_error,
-        max_restitution_error: if model == Model::Engine {
-            ENGINE_MAX_RESTITUTION_ERROR
-        } else {
-            MAX_RESTITUTION_ERROR
-        },
-        max_loop_gap_m: ENGINE_MAX_PATH_ERROR * scene.system.shortest_link_m(),
+        limits: ErrorLimits { path: limit.error, ..limits },
+        max_loop_gap_m: ENGINE_LIMITS.path * scene.system.shortest_link_m(),
         // The reference of the analytic model uses another method.
         same_method: reference_model == Model::Engine,
     });
+    let reference = reference_name(scene, reference_model);
     if verdict == Verdict::Unknown {
-        return Check {
-            reference: reference_name(scene, reference_model),
-            ..Check::unknown(model, reason.unwrap_or_default())
-        };
+        return Check { reference, ..Check::unknown(model, reason.unwrap_or_default()) };
     }
-    let scale::ErrorLimit { error: max_path_error, basis: max_path_error_basis, largest_displacement, .. } = limit;
     Check {
         verdict,
         errors,
         sensitivity,
-        max_path_error,
-        max_path_error_basis,
-        largest_displacement,
-        max_energy_error,
-        reference: reference_name(scene, reference_model),
+        max_path_error: limit.error,
+        max_path_error_basis: limit.basis,
+        largest_displacement: limit.largest_displacement,
+        max_energy_error: limits.energy,
+        reference,
         reason,
     }
 }

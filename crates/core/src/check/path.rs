@@ -5,7 +5,7 @@ use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::nearest_equivalent_angle;
-use crate::trace::{BodyState, Energy, Event, RequiredData, Sample, Sink, SinkError};
+use crate::trace::{BodyState, Channels, Energy, Event, RequiredData, Sample, Sink, SinkError};
 
 /// Number of grid intervals. Errors can appear and vanish within a hundredth of a run.
 pub const GRID_INTERVALS: f64 = 256.0;
@@ -47,52 +47,15 @@ pub struct Path {
     pub events: u64,
 }
 
-/// Records the grid points of a run; the run stops when `keep_running` returns false.
+/// Records the grid points of a run and passes its samples and events on; the run stops when `keep_running` returns
+/// false.
 pub struct PathRecorder<'a> {
-    interval_s: f64,
-    pub points: Vec<Vec<f64>>,
-    pub energies: Vec<Energy>,
+    pub interval_s: f64,
+    /// Path with an audit if energies are recorded.
+    pub path: Path,
     pub rebounds: Option<Rebounds>,
-    pub audit: Option<EnergyAudit>,
-    pub speed_m_s: f64,
-    keep_running: &'a dyn Fn() -> bool,
-}
-
-impl<'a> PathRecorder<'a> {
-    /// Samples `span_s` seconds; optionally records rebounds of discs and audits the energies.
-    pub fn new(
-        span_s: f64,
-        rebounds: Option<Rebounds>,
-        audit: Option<EnergyAudit>,
-        keep_running: &'a dyn Fn() -> bool,
-    ) -> Self {
-        Self {
-            interval_s: span_s / GRID_INTERVALS,
-            points: Vec::new(),
-            energies: Vec::new(),
-            rebounds,
-            audit,
-            speed_m_s: 0.0,
-            keep_running,
-        }
-    }
-
-    /// Records a sample; samples between the grid points are skipped.
-    fn record(&mut self, sample: &Sample) {
-        let next = self.points.len() as f64 * self.interval_s;
-        let is_on_grid = (sample.time_s - next).abs() <= 1e-9 * self.interval_s;
-        if is_on_grid && self.points.len() <= GRID_INTERVALS as usize {
-            self.points.push(coordinates(sample, self.points.last()));
-            if self.audit.is_some() {
-                self.energies.push(sample.energy);
-            }
-        }
-        let speeds = sample.bodies.iter().map(|BodyState { velocity_m_s: [x, y], .. }| hypot(*x, *y));
-        self.speed_m_s = speeds.fold(self.speed_m_s, f64::max);
-        if let Some(audit) = &mut self.audit {
-            audit.record(sample.time_s, &sample.energy);
-        }
-    }
+    pub sink: &'a mut dyn Sink,
+    pub keep_running: &'a dyn Fn() -> bool,
 }
 
 /// Returns the compared coordinates: angles of fingers and centres of bodies. Passive angles can jump by a turn; each
@@ -107,31 +70,34 @@ pub fn coordinates(sample: &Sample, previous: Option<&Vec<f64>>) -> Vec<f64> {
     angles.enumerate().map(unwrap).chain(centres).collect()
 }
 
-/// Passes samples and events to a recorder and to another sink.
-pub struct RecorderTee<'a, 'b> {
-    pub recorder: &'a mut PathRecorder<'b>,
-    pub sink: &'a mut dyn Sink,
-}
-
-impl Sink for RecorderTee<'_, '_> {
+impl Sink for PathRecorder<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.recorder.record(sample);
-        self.recorder.rebounds.sample(sample)?;
+        let Path { points, energies, speed_m_s, audit, .. } = &mut self.path;
+        let next = points.len() as f64 * self.interval_s;
+        let is_on_grid = (sample.time_s - next).abs() <= 1e-9 * self.interval_s;
+        if is_on_grid && points.len() <= GRID_INTERVALS as usize {
+            points.push(coordinates(sample, points.last()));
+            energies.extend(audit.map(|_| sample.energy));
+        }
+        let speeds = sample.bodies.iter().map(|BodyState { velocity_m_s: [x, y], .. }| hypot(*x, *y));
+        *speed_m_s = speeds.fold(*speed_m_s, f64::max);
+        audit.iter_mut().for_each(|audit| audit.record(sample.time_s, &sample.energy));
+        self.rebounds.sample(sample)?;
         self.sink.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.recorder.rebounds.event(event)?;
+        self.rebounds.event(event)?;
         self.sink.event(event)
     }
 
     /// Requires passive angles because grid points contain them.
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: self.recorder.audit.is_some(), passive: true, peaks: false }
+        RequiredData { energies: self.path.audit.is_some(), passive: true, peaks: false }
     }
 
     fn should_continue(&self) -> bool {
-        (self.recorder.keep_running)() && self.sink.should_continue()
+        (self.keep_running)() && self.sink.should_continue()
     }
 }
 
@@ -198,7 +164,7 @@ fn energy_error(run: &Path, reference: &Path) -> f64 {
     let scale_j =
         [run, reference].into_iter().filter_map(|path| path.audit).map(|audit| audit.scale_j()).fold(0.0, f64::max);
     let difference = |(a, b): (&Energy, &Energy)| {
-        let pairs = a.values_j().into_iter().zip(b.values_j());
+        let pairs = a.values().into_iter().zip(b.values());
         pairs
             .map(|(x, y)| (x - y).abs())
             .fold(0.0, |largest: f64, value| if value.is_nan() { f64::INFINITY } else { largest.max(value) })

@@ -1,12 +1,12 @@
 //! The runs that a check compares.
 
-use super::path::{GRID_INTERVALS, Path, PathRecorder, RecorderTee, coordinates};
+use super::path::{GRID_INTERVALS, Path, PathRecorder, coordinates};
 use super::scale::units;
 use crate::analytic::multibody::count_moving_discs;
 use crate::criteria::Rebounds;
 use crate::invariants::EnergyAudit;
 use crate::scene::keywords::SceneKind;
-use crate::scene::{DiscMotion, Engine, Integrator, Keyword, Method, Scene, Stepping, System, scaled};
+use crate::scene::{DiscMotion, Integrator, Keyword, Method, Scene, Stepping, System, scaled};
 use crate::shape::max_radius;
 use crate::trace::{self, Layout, Model, Outcome, RunError, Sink};
 
@@ -72,21 +72,6 @@ fn other_method(integrator: &Integrator) -> Integrator {
     Integrator { method, ..integrator.with_rtol((TOLERANCE_FACTOR * integrator.rtol).max(MIN_TOLERANCE)) }
 }
 
-fn integrator(integrator: &Integrator, options: &RunOptions<'_>) -> Integrator {
-    let mut settings = if options.finer { other_method(integrator) } else { *integrator };
-    settings.max_steps = options.max_steps.min(settings.max_steps);
-    settings
-}
-
-fn engine(engine: &Engine, options: &RunOptions<'_>) -> Engine {
-    let mut settings = *engine;
-    if options.finer {
-        settings.stepping = finer_stepping(engine.stepping, options.span_s);
-    }
-    settings.max_steps = options.max_steps.min(settings.max_steps);
-    settings
-}
-
 /// Name of the reference.
 pub fn reference_name(scene: &Scene, reference_model: Model) -> String {
     match reference_model {
@@ -107,8 +92,13 @@ pub fn is_comparable(scene: &Scene) -> bool {
 /// Returns the scene with the settings of a run of a check.
 fn configured_scene(scene: &Scene, options: &RunOptions<'_>) -> Scene {
     let mut configured = perturbed(scene, options.perturbation);
-    configured.integrator = integrator(&scene.integrator, options);
-    configured.engine = engine(&scene.engine, options);
+    if options.finer {
+        configured.integrator = other_method(&scene.integrator);
+        configured.engine.stepping = finer_stepping(scene.engine.stepping, options.span_s);
+    }
+    for max_steps in [&mut configured.integrator.max_steps, &mut configured.engine.max_steps] {
+        *max_steps = options.max_steps.min(*max_steps);
+    }
     configured.log.numeric_hz = GRID_INTERVALS / options.span_s;
     configured.duration_s = scene.duration_s.min(DURATION_FACTOR * options.span_s);
     configured
@@ -116,38 +106,39 @@ fn configured_scene(scene: &Scene, options: &RunOptions<'_>) -> Scene {
 
 /// Runs the scene and returns its path; `sink` receives the samples and events as well.
 pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn Sink) -> Path {
-    let layout = Layout::from_system(&scene.system);
-    let surfaces: Vec<usize> = layout.surfaces().collect();
-    let is_discs = scene.kind() == SceneKind::Bodies;
-    let rebounds = is_discs.then(|| Rebounds::for_system(&scene.system));
-    let audit = options.energies.then(|| EnergyAudit::new(model, scene));
-    let mut recorder = PathRecorder::new(options.span_s, rebounds, audit, options.keep_running);
-    let mut tee = RecorderTee { recorder: &mut recorder, sink };
-    let (outcome, failure) = match trace::run(model, &configured_scene(scene, options), &mut tee) {
+    let mut recorder = PathRecorder {
+        interval_s: options.span_s / GRID_INTERVALS,
+        path: Path {
+            audit: options.energies.then(|| EnergyAudit::new(model, scene)),
+            units: units(&scene.system),
+            ..Path::default()
+        },
+        rebounds: (scene.kind() == SceneKind::Bodies).then(|| Rebounds::for_system(&scene.system)),
+        sink,
+        keep_running: options.keep_running,
+    };
+    let (outcome, failure) = match trace::run(model, &configured_scene(scene, options), &mut recorder) {
         Ok(outcome) => (outcome, None),
         Err(RunError::Simulation { failure, partial_outcome }) => (*partial_outcome, Some(failure.reason)),
         // The recorder never fails. If the other sink fails, its caller handles the error.
         Err(RunError::Sink(_)) => (Outcome::default(), None),
     };
+    let surfaces: Vec<usize> = Layout::from_system(&scene.system).surfaces().collect();
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
     let forces = surfaces.iter().filter_map(|index| outcome.last.contacts.get(*index));
     Path {
-        last: coordinates(&outcome.last, recorder.points.last()),
-        points: recorder.points,
-        energies: recorder.energies,
+        last: coordinates(&outcome.last, recorder.path.points.last()),
         energy: outcome.last.energy,
         rebounds: recorder.rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
-        speed_m_s: recorder.speed_m_s,
         loop_gap_m: outcome.loop_gap_m,
-        audit: recorder.audit,
         ejected: outcome.ejected_s.is_some(),
         first_s: contacts.map(|contact| contact.first_s).collect(),
         normal_n: forces.map(|contact| contact.normal_n).collect(),
         end_s: outcome.last.time_s,
         failure,
-        units: units(&scene.system),
         steps: outcome.work.steps,
         events: outcome.work.events,
+        ..recorder.path
     }
 }
 

@@ -1,6 +1,7 @@
 //! The verdict on a run, from the runs that it is compared with.
 
 use super::path::{self, Errors, Path};
+use super::scale::ErrorLimits;
 use crate::integrator::Reason;
 
 /// Verdict on the accuracy of a run.
@@ -37,12 +38,8 @@ pub struct Comparison<'a> {
     pub sensitivity: f64,
     /// Effect of the perturbation above which the run is chaotic.
     pub chaos_threshold: f64,
-    /// Path error above which the run is uncertain.
-    pub max_path_error: f64,
-    /// Energy error above which the run is uncertain.
-    pub max_energy_error: f64,
-    /// Error of the restitution above which the run is uncertain.
-    pub max_restitution_error: f64,
+    /// Errors above which the run is uncertain.
+    pub limits: ErrorLimits,
     /// Opening of a joint above which the run is uncertain, m.
     pub max_loop_gap_m: f64,
     /// Whether model and method of both runs are the same, so that only their steps can differ.
@@ -74,7 +71,7 @@ pub fn verdict(comparison: &Comparison<'_>) -> (Verdict, Option<String>) {
         return (Verdict::Uncertain, with_defects(reason));
     }
     let found = [defects_found, differences(comparison)].concat();
-    let exceeds_limit = comparison.errors.path > comparison.max_path_error || !found.is_empty();
+    let exceeds_limit = comparison.errors.path > comparison.limits.path || !found.is_empty();
     let verdict = if exceeds_limit { Verdict::Uncertain } else { Verdict::Accurate };
     (verdict, (!found.is_empty()).then(|| found.join("; ")))
 }
@@ -112,15 +109,11 @@ fn defects(comparison: &Comparison<'_>) -> Vec<String> {
 /// Differences beyond their limits, except for the path.
 fn differences(comparison: &Comparison<'_>) -> Vec<String> {
     let Errors { energy, rebound, .. } = comparison.errors;
-    let energy = (*energy > comparison.max_energy_error).then(|| {
-        format!(
-            "an energy or a work differs by {energy:.1e} of the exchanged energy; {:e} is allowed",
-            comparison.max_energy_error
-        )
+    let ErrorLimits { energy: max_energy, restitution: max, .. } = comparison.limits;
+    let energy = (*energy > max_energy).then(|| {
+        format!("an energy or a work differs by {energy:.1e} of the exchanged energy; {max_energy:e} is allowed")
     });
-    let limit = comparison.max_restitution_error;
-    let restitution =
-        (*rebound > limit).then(|| format!("a restitution differs by {rebound:.1e}; {limit:e} is allowed"));
+    let restitution = (*rebound > max).then(|| format!("a restitution differs by {rebound:.1e}; {max:e} is allowed"));
     energy.into_iter().chain(restitution).collect()
 }
 
@@ -150,9 +143,7 @@ mod tests {
             errors: &errors,
             sensitivity: 0.0,
             chaos_threshold: 1e-3,
-            max_path_error: 1e-5,
-            max_energy_error: 1e-3,
-            max_restitution_error: 1e-3,
+            limits: crate::check::ANALYTIC_LIMITS,
             max_loop_gap_m: 1e-6,
             same_method,
         };

@@ -1,6 +1,6 @@
 //! Rebound formula and dynamic classes.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 /// ε: largest deviation from the final angles at which the finger is in position, 0.2° (thesis §4.1.1.1; the value from
 /// 2-design §2.4, wide enough for the penetration and narrow enough to detect a rebound).
@@ -37,19 +37,13 @@ pub fn rebound_percent(t_geo_s: f64, tts_s: f64, duration_s: f64, lost_s: f64) -
 }
 
 /// Dynamic class of a design (thesis §4.1.1.2 and §4.2).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Class {
     Stable,
     SemiStable,
     SemiUnstable,
     Unstable,
-}
-
-/// Serialises a class as its name.
-impl Serialize for Class {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
-    }
 }
 
 impl Class {

@@ -1,11 +1,12 @@
 //! Computes the criteria of a gripper during a run.
 
-use super::contact_history::{ContactHistory, Pose, TravelSince};
-use super::grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria};
-use super::grasp_configuration::{friction_coefficients, selected_force_closure};
+use super::configuration::{friction_coefficients, selected_force_closure};
+use super::grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel};
 use super::hermite::Hermite;
 use super::segments::{Segment, SegmentObserver, SegmentSplitter};
+use crate::drawing::Pose;
 use crate::gripper::FingerContact;
+use crate::numeric::elementary::hypot;
 use crate::scene::{Cycle, GripperContact, Scene, Thresholds};
 use crate::shape;
 use crate::statics::PerContact;
@@ -53,10 +54,16 @@ struct Closure {
     closed: bool,
 }
 
-/// History of object, contacts and brakes up to the last segment.
+/// Settings of the scene, and the history of object, contacts and brakes up to the last segment.
 #[derive(Clone, Debug)]
 struct TrackerState {
     setup: Setup,
+    history: History,
+}
+
+/// History of object, contacts and brakes up to the last segment.
+#[derive(Clone, Debug, Default)]
+struct History {
     /// The object in the first sample, and its travel since.
     start: Option<(BodyState, TravelSince)>,
     contacts: [ContactHistory; CONTACT_COUNT],
@@ -81,31 +88,12 @@ struct TrackerState {
 }
 
 impl TrackerState {
-    fn new(setup: Setup) -> Self {
-        TrackerState {
-            setup,
-            start: None,
-            contacts: [ContactHistory::default(); CONTACT_COUNT],
-            closure: Closure::default(),
-            grasped_s: None,
-            was_held: false,
-            held_since_s: None,
-            dropped_s: None,
-            is_in_reach: false,
-            ejected_s: None,
-            evaluated_until_s: 0.0,
-            motion_travel: None,
-            opened_s: None,
-            brake_slip: [None; 2],
-        }
-    }
-
     /// Updates the slip of the brakes and the travel of the object since the palm began to move.
     fn update_motion(&mut self, segment: &Segment<CONTACT_COUNT>, [from, to]: &[Pose; 2]) {
         if self.setup.cycle.motion_start_s.is_some_and(|start| segment.from_s >= start) {
-            self.motion_travel.get_or_insert(TravelSince::new(segment.from_s, *from)).update_travel(to);
+            self.history.motion_travel.get_or_insert(TravelSince::new(segment.from_s, *from)).update_travel(to);
         }
-        for (side, brake_slip) in self.brake_slip.iter_mut().enumerate() {
+        for (side, brake_slip) in self.history.brake_slip.iter_mut().enumerate() {
             if self.setup.cycle.blocked_s[side].is_some_and(|start| segment.to_s >= start) {
                 let angle = segment.next.fingers.get(side).map_or(0.0, |finger| finger.q11_rad);
                 let (first, largest) = brake_slip.get_or_insert((angle, 0.0));
@@ -117,7 +105,7 @@ impl TrackerState {
     /// Returns whether active phalanges are on both sides, by their normals at the end of a segment.
     fn has_contacts_on_both_sides(&self, next: &Sample) -> bool {
         let has_contact_from = |sign: f64| {
-            let mut contacts = GripperContact::ALL.iter().zip(&self.contacts).zip(&next.contacts);
+            let mut contacts = GripperContact::ALL.iter().zip(&self.history.contacts).zip(&next.contacts);
             contacts.any(|((id, history), contact)| {
                 is_phalanx(*id) && history.active_since.is_some() && sign * contact.normal[0] > 0.0
             })
@@ -128,16 +116,16 @@ impl TrackerState {
     /// Returns the time since which an unchanged set of active contacts force-closes the object; `None` if it does not,
     /// or not for the required time.
     fn force_closed_since(&mut self, segment: &Segment<CONTACT_COUNT>) -> Option<f64> {
-        let active = self.contacts.map(|contact| contact.active_since.is_some());
-        if active != self.closure.active {
-            self.closure = Closure { active, since_s: segment.from_s, last_evaluation_s: None, closed: false };
+        let active = self.history.contacts.map(|contact| contact.active_since.is_some());
+        if active != self.history.closure.active {
+            self.history.closure = Closure { active, since_s: segment.from_s, last_evaluation_s: None, closed: false };
         }
         let Setup { thresholds, friction, object_m, closure_interval_s, .. } = &self.setup;
         let hand = GripperContact::ALL
             .iter()
             .zip(active)
             .filter(|(id, active)| *active && (is_phalanx(**id) || **id == GripperContact::Palm));
-        let closure = &mut self.closure;
+        let closure = &mut self.history.closure;
         if hand.count() < 2 || segment.to_s - closure.since_s < thresholds.held_time_s {
             return None;
         }
@@ -156,20 +144,20 @@ impl TrackerState {
             true => Some(segment.from_s),
             false => self.force_closed_since(segment),
         };
-        match (since_s, self.held_since_s) {
+        match (since_s, self.history.held_since_s) {
             (Some(since_s), held_since_s) => {
                 let held_since_s = held_since_s.unwrap_or(since_s);
-                self.held_since_s = Some(held_since_s);
-                self.grasped_s.get_or_insert(held_since_s);
+                self.history.held_since_s = Some(held_since_s);
+                self.history.grasped_s.get_or_insert(held_since_s);
                 if segment.to_s - held_since_s >= held_time_s {
-                    (self.was_held, self.dropped_s) = (true, None);
+                    (self.history.was_held, self.history.dropped_s) = (true, None);
                 }
             }
             (None, Some(held_since_s)) => {
                 let ended_s = lost_s.unwrap_or(segment.from_s).max(held_since_s);
-                self.held_since_s = None;
+                self.history.held_since_s = None;
                 if ended_s - held_since_s >= held_time_s {
-                    self.dropped_s = Some(ended_s);
+                    self.history.dropped_s = Some(ended_s);
                 }
             }
             (None, None) => {}
@@ -183,19 +171,21 @@ impl TrackerState {
         let has_touched =
             GripperContact::ALL.iter().zip(segment.has_touched).any(|(id, has_touched)| has_touched && is_surface(id));
         let is_in_reach = !reach.is_outside(&segment.next.bodies[0]);
-        if self.is_in_reach && !is_in_reach && has_touched {
-            self.ejected_s.get_or_insert(segment.to_s);
+        if self.history.is_in_reach && !is_in_reach && has_touched {
+            self.history.ejected_s.get_or_insert(segment.to_s);
         }
-        self.is_in_reach = is_in_reach;
+        self.history.is_in_reach = is_in_reach;
     }
 
     /// Returns the time since which the object is held at the end, if it is held for the required time.
     fn steadily_held_since_s(&self) -> Option<f64> {
-        self.held_since_s.filter(|since_s| self.evaluated_until_s - since_s >= self.setup.thresholds.held_time_s)
+        self.history
+            .held_since_s
+            .filter(|since_s| self.history.evaluated_until_s - since_s >= self.setup.thresholds.held_time_s)
     }
 
     fn fate(&self) -> Fate {
-        match (self.ejected_s, self.steadily_held_since_s(), self.dropped_s) {
+        match (self.history.ejected_s, self.steadily_held_since_s(), self.history.dropped_s) {
             (Some(at_s), _, _) => Fate::Ejected { at_s },
             (None, Some(_), _) => Fate::Held,
             (None, None, Some(since_s)) => Fate::Dropped { since_s },
@@ -208,35 +198,23 @@ fn is_phalanx(id: GripperContact) -> bool {
     matches!(id, GripperContact::Finger(_, FingerContact::Proximal | FingerContact::Distal))
 }
 
-/// Interpolated path of the object between two samples.
-struct ObjectPath {
-    x: Hermite,
-    y: Hermite,
-    angle: Hermite,
-}
-
-impl ObjectPath {
-    fn pose(&self, time_s: f64) -> Pose {
-        Pose { centre_m: [self.x.value(time_s), self.y.value(time_s)], angle_rad: self.angle.value(time_s) }
-    }
-}
-
 /// Returns whether any phalanx is active.
 fn has_active_phalanx(segment: &Segment<CONTACT_COUNT>) -> bool {
     GripperContact::ALL.iter().zip(segment.is_active).any(|(id, is_active)| is_active && is_phalanx(*id))
 }
 
 impl SegmentObserver<CONTACT_COUNT> for TrackerState {
-    type Interpolant = ObjectPath;
+    /// Interpolants of x, y and the angle of the object.
+    type Interpolant = [Hermite; 3];
 
     fn begin(&mut self, first: &Sample) {
         let object = first.bodies[0];
-        let pose = Pose { centre_m: object.centre_m, angle_rad: object.angle_rad };
-        self.start = Some((object, TravelSince::new(first.time_s, pose)));
-        self.is_in_reach = self.setup.reach.is_some_and(|reach| !reach.is_outside(&object));
+        let pose = Pose { position_m: object.centre_m, angle_rad: object.angle_rad };
+        self.history.start = Some((object, TravelSince::new(first.time_s, pose)));
+        self.history.is_in_reach = self.setup.reach.is_some_and(|reach| !reach.is_outside(&object));
     }
 
-    fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> ObjectPath {
+    fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 3] {
         let ([from, to], [t0, t1]) = ([&last.bodies[0], &next.bodies[0]], [last.time_s, next.time_s]);
         let within = |time: &f64| *time > t0 && *time < t1;
         cuts_s
@@ -248,26 +226,27 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
             )
         };
         let angle = Hermite::new((t0, from.angle_rad, from.spin_rad_s), (t1, to.angle_rad, to.spin_rad_s));
-        ObjectPath { x: along(0), y: along(1), angle }
+        [along(0), along(1), angle]
     }
 
-    fn observe(&mut self, path: &ObjectPath, segment: &Segment<CONTACT_COUNT>) {
+    fn observe(&mut self, [x, y, angle]: &[Hermite; 3], segment: &Segment<CONTACT_COUNT>) {
         let times = [segment.from_s, segment.to_s];
-        let poses = times.map(|time| path.pose(time));
-        self.start.iter_mut().for_each(|(_, since_start)| since_start.update_travel(&poses[1]));
+        let pose = |time| Pose { position_m: [x.value(time), y.value(time)], angle_rad: angle.value(time) };
+        let poses = times.map(pose);
+        self.history.start.iter_mut().for_each(|(_, since_start)| since_start.update_travel(&poses[1]));
         self.update_ejection(segment);
         if self.setup.cycle.release_s.is_some_and(|end| segment.from_s >= end) {
             match has_active_phalanx(segment) {
-                true => self.opened_s = None,
-                false => _ = self.opened_s.get_or_insert(segment.from_s),
+                true => self.history.opened_s = None,
+                false => _ = self.history.opened_s.get_or_insert(segment.from_s),
             }
             return;
         }
-        self.evaluated_until_s = segment.to_s;
+        self.history.evaluated_until_s = segment.to_s;
         self.update_motion(segment, &poses);
         let loss_time_s = self.setup.thresholds.loss_time_s;
         let mut lost_s: Option<f64> = None;
-        for (index, contact) in self.contacts.iter_mut().enumerate() {
+        for (index, contact) in self.history.contacts.iter_mut().enumerate() {
             let was_active = contact.active_since.is_some();
             contact.update((segment.has_touched[index], segment.is_active[index]), times, &poses, loss_time_s);
             if was_active && contact.active_since.is_none() {
@@ -275,6 +254,73 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
             }
         }
         self.update_held(segment, lost_s);
+    }
+}
+
+/// Pose of the object at an instant, and its largest travel since.
+#[derive(Clone, Copy, Debug)]
+struct TravelSince {
+    time_s: f64,
+    pose: Pose,
+    travel: Travel,
+}
+
+impl TravelSince {
+    fn new(time_s: f64, pose: Pose) -> Self {
+        TravelSince { time_s, pose, travel: Travel::default() }
+    }
+
+    /// Extends the travel to a later pose.
+    fn update_travel(&mut self, pose: &Pose) {
+        let Travel { displacement_m, rotation_rad } = &mut self.travel;
+        let [dx, dy] = [0, 1].map(|axis| pose.position_m[axis] - self.pose.position_m[axis]);
+        *displacement_m = displacement_m.max(hypot(dx, dy));
+        *rotation_rad = rotation_rad.max((pose.angle_rad - self.pose.angle_rad).abs());
+    }
+}
+
+/// History of one contact up to the present.
+#[derive(Clone, Copy, Debug, Default)]
+struct ContactHistory {
+    first_contact_s: Option<f64>,
+    /// Start of the current active interval, and the travel since; short losses do not end the interval. Each contact
+    /// records its own travel, because the contact that became active last is known only at the end of the run.
+    active_since: Option<TravelSince>,
+    was_active: bool,
+    /// Start of the current loss. While the loss is shorter than the threshold, [`ContactHistory::active_since`] is
+    /// kept.
+    inactive_since_s: Option<f64>,
+    times_lost: u32,
+    lost_s: f64,
+}
+
+impl ContactHistory {
+    /// Adds a segment of the run. A loss shorter than `loss_time_s` does not count.
+    fn update(
+        &mut self,
+        (has_touched, is_active): (bool, bool),
+        [from_s, to_s]: [f64; 2],
+        [from, to]: &[Pose; 2],
+        loss_time_s: f64,
+    ) {
+        if has_touched {
+            self.first_contact_s.get_or_insert(from_s);
+        }
+        if is_active {
+            (self.was_active, self.inactive_since_s) = (true, None);
+            self.active_since.get_or_insert(TravelSince::new(from_s, *from)).update_travel(to);
+        } else if self.was_active {
+            let inactive_since_s = *self.inactive_since_s.get_or_insert(from_s);
+            match &mut self.active_since {
+                Some(since) if to_s - inactive_since_s < loss_time_s => since.update_travel(to),
+                Some(_) => {
+                    self.active_since = None;
+                    self.times_lost += 1;
+                    self.lost_s += to_s - inactive_since_s;
+                }
+                None => self.lost_s += to_s - from_s,
+            }
+        }
     }
 }
 
@@ -300,18 +346,16 @@ impl GraspTracker {
     }
 
     fn new(setup: Setup) -> Self {
-        GraspTracker {
-            segments: SegmentSplitter::with_threshold(setup.thresholds.loss_force_n),
-            state: TrackerState::new(setup),
-        }
+        let segments = SegmentSplitter::new(Some(setup.thresholds.loss_force_n));
+        GraspTracker { segments, state: TrackerState { setup, history: History::default() } }
     }
 
     /// Returns the criteria of the run up to the last sample; `None` without samples.
     pub fn criteria(&self) -> Option<GraspCriteria> {
-        let state = &self.state;
-        let (start, since_start) = state.start.as_ref()?;
+        let (state, history) = (&self.state, &self.state.history);
+        let (start, since_start) = history.start.as_ref()?;
         let surfaces = || {
-            let all = GripperContact::ALL.into_iter().zip(&state.contacts);
+            let all = GripperContact::ALL.into_iter().zip(&history.contacts);
             all.filter(|(id, _)| !matches!(id, GripperContact::Finger(_, FingerContact::Limit)))
         };
         let last =
@@ -320,18 +364,18 @@ impl GraspTracker {
         let end = self.segments.last()?;
         // A run can end before these times, for example when the object is ejected.
         let reached = |time_s: &f64| *time_s <= end.time_s;
-        let criteria = |(id, history): (GripperContact, &ContactHistory)| ContactCriteria {
+        let criteria = |(id, contact): (GripperContact, &ContactHistory)| ContactCriteria {
             id,
-            first_contact_s: history.first_contact_s,
-            active_since_s: history.active_since.map(|since| since.time_s),
-            times_lost: history.times_lost,
-            lost_s: history.lost_s,
+            first_contact_s: contact.first_contact_s,
+            active_since_s: contact.active_since.map(|since| since.time_s),
+            times_lost: contact.times_lost,
+            lost_s: contact.lost_s,
         };
         Some(GraspCriteria {
             contacts: surfaces().map(criteria).collect(),
             tts_s: stable.map(|since| since.time_s),
-            grasped_s: state.grasped_s.filter(|_| state.was_held),
-            held_since_s: state.held_since_s,
+            grasped_s: history.grasped_s.filter(|_| history.was_held),
+            held_since_s: history.held_since_s,
             fate: state.fate(),
             start: *start,
             end: end.bodies[0],
@@ -340,9 +384,9 @@ impl GraspTracker {
             cycle: CycleCriteria {
                 motion_start_s: state.setup.cycle.motion_start_s.filter(reached),
                 release_s: state.setup.cycle.release_s.filter(reached),
-                motion_travel: state.motion_travel.map(|since| since.travel),
-                opened_s: state.opened_s,
-                brake_slip_rad: state.brake_slip.map(|brake_slip| brake_slip.map(|(_, largest)| largest)),
+                motion_travel: history.motion_travel.map(|since| since.travel),
+                opened_s: history.opened_s,
+                brake_slip_rad: history.brake_slip.map(|brake_slip| brake_slip.map(|(_, largest)| largest)),
             },
         })
     }

@@ -5,7 +5,7 @@ use crate::gripper::Lengths;
 use crate::numeric::elementary::{cos, sin, sin_cos};
 use crate::numeric::plane::rotate;
 use crate::scene::{PalmMotion, Scene, Side};
-use crate::trace::{Event, FingerState, Sample, Sink, SinkError};
+use crate::trace::{FingerState, Sample, Sink, SinkError};
 
 /// A link by its finger and its name: `l11`, `l12`, `l21`, or `l22` and `t22` of the distal body.
 pub type Link = (Side, &'static str);
@@ -215,10 +215,6 @@ impl Sink for LinkOverlaps {
                 None => self.unchecked_sample = Some(sample.clone()),
             }
         }
-        Ok(())
-    }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
         Ok(())
     }
 }

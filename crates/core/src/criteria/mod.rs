@@ -17,35 +17,31 @@
 //! The criteria of a gripper are [`GraspCriteria`], computed by [`GraspTracker`]. [`is_form_closed`] decides form
 //! closure in a sample by [`gripper_closure`](crate::statics::gripper_closure).
 
-mod contact_history;
-mod contact_status;
+mod configuration;
 mod formula;
 mod grasp;
-mod grasp_configuration;
 mod grasp_tracker;
-mod hand_at_rest;
 mod hermite;
 mod link_overlap;
 mod reason;
 mod rebounds;
 mod run_criteria;
 mod segments;
-mod static_grasp;
 mod tracker;
 
+pub use configuration::{
+    DriveMode, FinalAngles, GraspState, StaticGrasp, friction_coefficients, grasp_configuration, grasp_state,
+    hand_at_rest, is_form_closed, normal_forces, sample_force_closure, sampled_hand_at_rest, scene_static_grasp,
+    static_grasp,
+};
 pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
 pub use grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, fate_reason};
-pub use grasp_configuration::{
-    friction_coefficients, grasp_configuration, is_form_closed, normal_forces, sample_force_closure,
-};
 pub use grasp_tracker::GraspTracker;
-pub use hand_at_rest::{DriveMode, GraspState, grasp_state, hand_at_rest, sampled_hand_at_rest};
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
 pub use reason::{ClassReason, Condition, FinalContact, Loss};
 pub use rebounds::{Rebound, Rebounds};
 pub use run_criteria::{RunCriteria, RunCriteriaTracker};
-pub use static_grasp::{StaticGrasp, scene_static_grasp, static_grasp};
-pub use tracker::{FinalAngles, Tracker};
+pub use tracker::Tracker;
 
 use serde::Serialize;
 

@@ -114,15 +114,13 @@ pub(super) fn is_positive(forces_n: &[f64]) -> bool {
 }
 
 fn write_static_forces(f: &mut Formatter<'_>, forces_n: [f64; 2]) -> fmt::Result {
-    let negative_forces = || Condition::PHALANGES.iter().zip(forces_n).filter(|(_, force_n)| !is_positive(&[*force_n]));
-    let names = negative_forces().map(|(condition, _)| condition.name()).collect::<Vec<_>>().join(" and ");
-    let forces = negative_forces()
-        .map(|(_, force_n)| format!("{} N", format_with_limit(force_n, 0.0, 3)))
-        .collect::<Vec<_>>()
-        .join(" and ");
-    match negative_forces().count() {
-        1 => write!(f, "the static force on {names} is {forces}; it must not be negative"),
-        _ => write!(f, "the static forces on {names} are {forces}; they must not be negative"),
+    let negative = Condition::PHALANGES.iter().zip(forces_n).filter(|(_, force_n)| !is_positive(&[*force_n]));
+    let (names, forces): (Vec<_>, Vec<_>) =
+        negative.map(|(phalanx, n)| (phalanx.name(), format!("{} N", format_with_limit(n, 0.0, 3)))).unzip();
+    let (names, forces) = (names.join(" and "), forces.join(" and "));
+    match forces.contains(" and ") {
+        false => write!(f, "the static force on {names} is {forces}; it must not be negative"),
+        true => write!(f, "the static forces on {names} are {forces}; they must not be negative"),
     }
 }
 

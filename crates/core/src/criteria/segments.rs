@@ -1,7 +1,6 @@
 //! Splits a run into time segments within which no contact changes, independent of the spacing of samples.
 
-use super::contact_status::ContactStatus;
-use crate::trace::{Event, EventKind, Sample};
+use crate::trace::{ContactSample, Event, EventKind, Sample};
 
 /// A time segment, with the first `K` contacts of a sample.
 #[derive(Clone, Copy, Debug)]
@@ -47,12 +46,6 @@ pub struct SegmentSplitter<const K: usize> {
     threshold_n: Option<f64>,
 }
 
-impl<const K: usize> Default for SegmentSplitter<K> {
-    fn default() -> Self {
-        Self::new(None)
-    }
-}
-
 /// Returns the fraction of the step at which a force crosses the threshold; `None` if it does not. A force that rises
 /// from zero counts from the start of the step.
 fn threshold_crossing(threshold_n: f64, from_n: f64, to_n: f64) -> Option<f64> {
@@ -60,13 +53,9 @@ fn threshold_crossing(threshold_n: f64, from_n: f64, to_n: f64) -> Option<f64> {
 }
 
 impl<const K: usize> SegmentSplitter<K> {
-    /// Creates a splitter whose contacts are active while their normal force exceeds a threshold, N. The force is
-    /// linear between two samples without an event of the contact.
-    pub fn with_threshold(threshold_n: f64) -> Self {
-        Self::new(Some(threshold_n))
-    }
-
-    fn new(threshold_n: Option<f64>) -> Self {
+    /// Creates a splitter whose contacts are active while their normal force exceeds a threshold, N, or is positive if
+    /// there is none.
+    pub fn new(threshold_n: Option<f64>) -> Self {
         SegmentSplitter {
             last: None,
             contacts: [ContactStatus::default(); K],
@@ -166,5 +155,53 @@ impl<const K: usize> SegmentSplitter<K> {
         self.events.clear();
         self.cuts_s = cuts_s;
         self.update(next);
+    }
+}
+
+/// Whether a contact is closed and active. Events give the times of changes; samples give the force between them.
+#[derive(Clone, Copy, Debug, Default)]
+struct ContactStatus {
+    is_closed: bool,
+    /// Whether the contact has been closed before.
+    has_touched: bool,
+    /// Whether a sample since the touch-down had a positive force.
+    was_loaded: bool,
+    /// Whether the normal force was zero at the last sample although the contact had been loaded: the normal law clamps
+    /// it to 0.
+    is_slack: bool,
+}
+
+impl ContactStatus {
+    fn touch_down(&mut self) {
+        *self = ContactStatus {
+            is_closed: true,
+            has_touched: true,
+            // A second touch-down does not change a closed contact.
+            was_loaded: self.is_closed && self.was_loaded,
+            is_slack: self.is_closed && self.is_slack,
+        };
+    }
+
+    fn change(&mut self, kind: EventKind) {
+        match kind {
+            EventKind::TouchDown | EventKind::Reload => self.touch_down(),
+            EventKind::LiftOff => *self = ContactStatus { has_touched: true, ..ContactStatus::default() },
+            EventKind::Slips | EventKind::Sticks => {}
+        }
+    }
+
+    /// Updates the status from the force of a sample.
+    fn update(&mut self, contact: &ContactSample) {
+        if contact.normal_n > 0.0 {
+            *self = ContactStatus { is_closed: true, has_touched: true, was_loaded: true, is_slack: false };
+        } else {
+            self.is_slack = self.is_closed && self.was_loaded;
+        }
+    }
+
+    /// Returns whether the normal force is positive up to the next sample: the contact is closed, was loaded at the
+    /// last sample or has just touched down, and is loaded at the next sample or lifts off before it.
+    fn is_active_until(&self, next: &ContactSample, lifts_off: bool) -> bool {
+        self.is_closed && !self.is_slack && (next.normal_n > 0.0 || lifts_off)
     }
 }

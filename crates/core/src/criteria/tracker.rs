@@ -1,17 +1,11 @@
 //! Computes the criteria of a finger during a run.
 
+use super::configuration::FinalAngles;
 use super::hermite::Hermite;
 use super::reason::{is_in_position, is_positive};
 use super::segments::{Segment, SegmentObserver, SegmentSplitter};
 use super::{ClassReason, Condition, Criteria, EPSILON_RAD, FinalContact, Loss, RESOLUTION_S, rebound_percent};
 use crate::trace::{Event, RequiredData, Sample, Sink, SinkError};
-
-/// The two angles of the geometric final configuration, in which both phalanges touch the object.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FinalAngles {
-    pub q11_rad: f64,
-    pub q21_rad: f64,
-}
 
 /// A [`Sink`] that computes the [`Criteria`] of a run in constant memory.
 ///
@@ -87,7 +81,7 @@ impl Tracker {
             conditions: Default::default(),
             deviation_rad: None,
         };
-        Tracker { segments: SegmentSplitter::default(), state }
+        Tracker { segments: SegmentSplitter::new(None), state }
     }
 
     /// Returns the criteria of the run up to the last sample; `None` for a run without duration. `static_forces_n`:

@@ -23,20 +23,22 @@ pub struct Row {
     pub against: Option<(usize, Twist)>,
 }
 
+/// Product of a row and a velocity.
+fn power(row: &Twist, v: &Twist) -> f64 {
+    row[0] * v[0] + row[1] * v[1] + row[2] * v[2]
+}
+
 impl Row {
     /// Returns the rate along the row.
     pub fn rate(&self, velocities: &[Twist]) -> f64 {
-        let along = |(body, row): &(usize, Twist)| {
-            let v = &velocities[*body];
-            row[0] * v[0] + row[1] * v[1] + row[2] * v[2]
-        };
+        let along = |(body, row): &(usize, Twist)| power(row, &velocities[*body]);
         along(&self.on) + self.against.as_ref().map_or(0.0, along)
     }
 
     /// Returns the contribution of one body to the rate.
     pub fn rate_of(&self, body: usize, velocity: &Twist) -> f64 {
         let body_row = std::iter::once(&self.on).chain(&self.against).filter(|(on, _)| *on == body);
-        body_row.map(|(_, row)| row[0] * velocity[0] + row[1] * velocity[1] + row[2] * velocity[2]).sum()
+        body_row.map(|(_, row)| power(row, velocity)).sum()
     }
 
     /// Adds a multiple of the row to a generalised impulse.
@@ -105,6 +107,27 @@ pub const GAP_ROUNDING: f64 = 1e-9;
 pub const ZERO_RATE: f64 = 1e-12;
 
 impl ContactCandidate {
+    /// A candidate with a zero gap, without friction, and not subject to its law.
+    fn new(index: usize, source: Source, law: NormalLaw, [normal_row, slip_row]: [Row; 2]) -> Self {
+        Self {
+            index,
+            law,
+            friction: None,
+            gap: 0.0,
+            rounding: 0.0,
+            normal: [0.0; 2],
+            normal_rotation_rate: 0.0,
+            point: [0.0; 2],
+            normal_row,
+            slip_row,
+            motor: None,
+            prescribed_gap_motion: [0.0; 2],
+            uses_contact_law: false,
+            one_way: false,
+            source,
+        }
+    }
+
     /// Returns the friction coefficient at a slip rate, and its slope; 0 without friction.
     #[inline(always)]
     pub fn coefficient(&self, slip: f64) -> (f64, f64) {
@@ -161,26 +184,22 @@ impl ContactCandidate {
     }
 }
 
+/// Returns a candidate by its element index.
+pub fn find(candidates: &[ContactCandidate], index: usize) -> Option<&ContactCandidate> {
+    candidates.iter().find(|candidate| candidate.index == index)
+}
+
 /// Collects all stops, contacts, brakes and motors with a no-load speed.
 pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut Vec<ContactCandidate>) {
     candidates.clear();
     for (index, stop) in plan.stops.iter().enumerate() {
+        let normal_row = Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) };
+        let slip_row = Row { on: (stop.on, [0.0; 3]), against: None };
         candidates.push(ContactCandidate {
-            index,
-            law: stop.law,
-            friction: None,
             gap: stop_gap(plan, index, &linkage.poses),
             rounding: f64::EPSILON * TAU,
-            normal: [0.0; 2],
-            normal_rotation_rate: 0.0,
-            point: [0.0; 2],
-            normal_row: Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) },
-            slip_row: Row { on: (stop.on, [0.0; 3]), against: None },
-            motor: None,
-            prescribed_gap_motion: [0.0; 2],
             uses_contact_law: true,
-            one_way: false,
-            source: Source::Stop(index),
+            ..ContactCandidate::new(index, Source::Stop(index), stop.law, [normal_row, slip_row])
         });
     }
     for (index, contact) in plan.contacts.iter().enumerate() {
@@ -188,28 +207,16 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
         let in_reach = || world.physics.narrow_phase.contact_pair(collider, other).is_some();
         let Some(points) = closest_points(world, plan, index, &linkage.poses) else { continue };
         let ClosestPoints { gap, normal, .. } = points;
-        let point = if contact.point_convention == ContactPointConvention::PartnerSurface {
-            points.other_point
-        } else {
-            points.point
-        };
-        let row = |direction: [f64; 2]| contact_row(plan, index, &linkage.poses, &points, direction);
+        let is_partner_surface = contact.point_convention == ContactPointConvention::PartnerSurface;
+        let rows = [normal, perp(normal)].map(|direction| contact_row(plan, index, &linkage.poses, &points, direction));
         candidates.push(ContactCandidate {
-            index: plan.stops.len() + index,
-            law: contact.law.normal,
             friction: contact.law.friction,
             gap,
             rounding: gap_rounding(plan, contact, &linkage.poses),
             normal,
-            normal_rotation_rate: 0.0,
-            point,
-            normal_row: row(normal),
-            slip_row: row(perp(normal)),
-            motor: None,
-            prescribed_gap_motion: [0.0; 2],
+            point: if is_partner_surface { points.other_point } else { points.point },
             uses_contact_law: world.response == Response::Laws && in_reach(),
-            one_way: false,
-            source: Source::Contact(index),
+            ..ContactCandidate::new(plan.stops.len() + index, Source::Contact(index), contact.law.normal, rows)
         });
     }
     candidates.extend((0..plan.brakes.len()).map(|index| brake_candidate(plan, index)));
@@ -249,22 +256,12 @@ fn motor_candidate(plan: &Plan, index: usize, no_load_speed_rad_s: f64) -> Conta
 /// body changes its penetration, which together with the stiffness of its law defines the normal force.
 fn shaft_candidate(index: usize, source: Source, on: (usize, f64), against: Option<(usize, f64)>) -> ContactCandidate {
     let rotation = |(body, ratio): (usize, f64)| (body, [0.0, 0.0, ratio]);
+    let normal_row = Row { on: (on.0, [0.0; 3]), against: None };
+    let slip_row = Row { on: rotation(on), against: against.map(rotation) };
     ContactCandidate {
-        index,
-        law: NormalLaw::constant_force(0.0),
-        friction: None,
         gap: -1.0,
         rounding: f64::EPSILON,
-        normal: [0.0; 2],
-        normal_rotation_rate: 0.0,
-        point: [0.0; 2],
-        normal_row: Row { on: (on.0, [0.0; 3]), against: None },
-        slip_row: Row { on: rotation(on), against: against.map(rotation) },
-        motor: None,
-        prescribed_gap_motion: [0.0; 2],
-        uses_contact_law: false,
-        one_way: false,
-        source,
+        ..ContactCandidate::new(index, source, NormalLaw::constant_force(0.0), [normal_row, slip_row])
     }
 }
 

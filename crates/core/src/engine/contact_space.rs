@@ -1,6 +1,7 @@
 //! Contact space: the rows in which contact is solved, and their response to impulses.
 
 use super::candidates::{ContactCandidate, Row, ZERO_RATE, gap_and_slip_row_at};
+use super::dense::{refill, reset};
 use super::linkage::{BodyPose, Linkage, Twist};
 use super::plan::Plan;
 use super::world::World;
@@ -77,23 +78,18 @@ impl ContactSpace {
         if self.rows.is_empty() {
             return;
         }
-        self.rate_resolution.clear();
-        for contact in &self.active_contacts {
-            self.rate_resolution.extend(
-                std::iter::once(contact.normal).chain(contact.tangent).map(|_| contact.candidate.rounding / dt),
-            );
-        }
-        self.rate.clear();
-        self.rate.extend(self.rows.iter().map(|row| row.rate(velocities)));
-        self.free.clear();
-        self.free.extend(self.rows.iter().map(|row| row.rate(accelerations)));
+        let rows_with_rounding = self.active_contacts.iter().flat_map(|contact| {
+            std::iter::once(contact.normal).chain(contact.tangent).map(|_| contact.candidate.rounding / dt)
+        });
+        refill(&mut self.rate_resolution, rows_with_rounding);
+        refill(&mut self.rate, self.rows.iter().map(|row| row.rate(velocities)));
+        refill(&mut self.free, self.rows.iter().map(|row| row.rate(accelerations)));
         for contact in self.active_contacts.iter().filter(|contact| !contact.candidate.has_gap()) {
             let [rate, acceleration] = contact.candidate.prescribed_gap_motion;
             (self.rate[contact.normal], self.free[contact.normal]) = (rate, acceleration);
         }
         self.add_curvature(world, plan, linkage, velocities, dt);
-
-        respond(&self.rows, linkage, velocities.len(), &mut self.response, &mut self.w);
+        respond(self.rows.iter(), linkage, velocities.len(), &mut self.response, &mut self.w);
     }
 
     /// Adds the effect of curved surfaces and rotating normals, which the row accelerations do not contain, to the
@@ -103,13 +99,13 @@ impl ContactSpace {
     fn add_curvature(&mut self, world: &World, plan: &Plan, linkage: &Linkage, velocities: &[Twist], dt: f64) {
         // The interval is long enough to avoid rounding errors and short enough to be local.
         let interval_s = dt.max(MIN_CURVATURE_STEP_S);
-        self.poses.clear();
-        for (pose, v) in linkage.poses.iter().zip(velocities) {
+        let pose_after_interval = |(pose, v): (&BodyPose, &Twist)| {
             let angle = pose.angle + interval_s * v[2];
             let (sin, cos) = sin_cos(angle);
             let com = [pose.com[0] + interval_s * v[0], pose.com[1] + interval_s * v[1]];
-            self.poses.push(BodyPose { com, direction: [cos, sin], angle });
-        }
+            BodyPose { com, direction: [cos, sin], angle }
+        };
+        refill(&mut self.poses, linkage.poses.iter().zip(velocities).map(pose_after_interval));
         for contact in self.active_contacts.iter().filter(|contact| contact.candidate.is_between_surfaces()) {
             let (gap, slip_row) = gap_and_slip_row_at(&contact.candidate, world, plan, &self.poses);
             let linear_gap = contact.candidate.gap + interval_s * self.rate[contact.normal];
@@ -122,6 +118,11 @@ impl ContactSpace {
                 self.free[tangent] += (slip_row.rate(velocities) - self.rate[tangent]) / interval_s;
             }
         }
+    }
+
+    /// Returns a contact by the element index of its candidate, and its position in the list of contacts.
+    pub fn find(&self, index: usize) -> Option<(usize, &ActiveContact)> {
+        self.active_contacts.iter().enumerate().find(|(_, contact)| contact.candidate.index == index)
     }
 
     /// Whether the surfaces of a contact close at the start of the step, or are at rest there and about to close.
@@ -145,16 +146,20 @@ impl ContactSpace {
 }
 
 /// Computes the velocity response to a unit impulse along each row, body by body, and from it W row by row.
-pub fn respond(rows: &[Row], linkage: &mut Linkage, bodies: usize, response: &mut Vec<Twist>, w: &mut Vec<f64>) {
+pub fn respond<'a>(
+    rows: impl ExactSizeIterator<Item = &'a Row> + Clone,
+    linkage: &mut Linkage,
+    bodies: usize,
+    response: &mut Vec<Twist>,
+    w: &mut Vec<f64>,
+) {
     let count = rows.len();
-    response.clear();
-    response.resize(count * bodies, [0.0; 3]);
-    w.clear();
-    w.resize(count * count, 0.0);
-    for (j, response) in response.chunks_exact_mut(bodies).enumerate() {
-        rows[j].add_to(response, 1.0);
+    reset(response, count * bodies, [0.0; 3]);
+    reset(w, count * count, 0.0);
+    for (j, (response, row)) in response.chunks_exact_mut(bodies).zip(rows.clone()).enumerate() {
+        row.add_to(response, 1.0);
         linkage.respond(response);
-        for (i, row) in rows.iter().enumerate() {
+        for (i, row) in rows.clone().enumerate() {
             w[i * count + j] = row.rate(response);
         }
     }

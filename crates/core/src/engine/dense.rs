@@ -1,4 +1,17 @@
-//! Small dense linear systems, row by row, solved in place because engine steps must not allocate.
+//! Small dense linear systems, row by row, solved in place, and lists that are refilled, because engine steps must not
+//! allocate.
+
+/// Replaces the items of a list, reusing its allocation.
+pub fn refill<T>(list: &mut Vec<T>, items: impl IntoIterator<Item = T>) {
+    list.clear();
+    list.extend(items);
+}
+
+/// Sets a list to `count` equal items, reusing its allocation.
+pub fn reset<T: Clone>(list: &mut Vec<T>, count: usize, item: T) {
+    list.clear();
+    list.resize(count, item);
+}
 
 /// Solves a x = b by Gaussian elimination with row pivoting; `a` (row by row) is destroyed, `b` becomes x. Returns
 /// false if a is singular.

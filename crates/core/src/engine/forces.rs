@@ -1,9 +1,19 @@
-//! Smooth forces on the bodies: gravity, motors and springs.
+//! Loads and prescribed motions: gravity, motors and springs; bodies with prescribed motion, which are rapier's kinematic
+//! bodies; and the frame of a moving palm, with the motion of bodies relative to it and its inertial forces.
+//!
+//! Bodies with prescribed motion have no mass in the linkage, so impulses do not move them; their velocities and
+//! accelerations are set here.
 
-use super::frame::PalmFrame;
+use rapier2d_f64::prelude::{RigidBodyHandle, RigidBodySet, Vector};
+
+use super::contact_space::ContactSpace;
+use super::dense::refill;
 use super::linkage::{BodyPose, Inertia, Linkage, Twist};
-use super::plan::{Plan, PlannedMotor, PlannedSpring};
-use crate::scene::SpringKind;
+use super::plan::{ContactPartner, Plan, PlannedDrive, PlannedMotor, PlannedRotor, PlannedSpring, PrescribedMotion};
+use super::substeps::ContactSolver;
+use crate::numeric::elementary::{cos, sin, tan};
+use crate::numeric::plane::{perp, rotate};
+use crate::scene::{Pose, SpringKind};
 
 /// Computes forces and torques about the centres of mass at time `t`, at the poses of the linkage. Motors with a
 /// no-load speed are rows of the contact space instead.
@@ -82,4 +92,231 @@ pub fn kinetic_energy(linkage: &Linkage, velocities: &[Twist], frame: &PalmFrame
         0.5 * (inertia.mass * (vx * vx + vy * vy) + inertia.inertia * rate * rate)
     };
     linkage.inertias.iter().zip(&linkage.poses).zip(velocities).map(body_energy).sum()
+}
+
+/// Position and angle, velocity and acceleration of the origin of a driven body.
+struct PrescribedState {
+    position: [f64; 3],
+    velocity: Twist,
+    acceleration: Twist,
+}
+
+/// Returns the prescribed state of a driven body at time `t`.
+fn prescribed_state(plan: &Plan, drive: &PlannedDrive, t: f64) -> PrescribedState {
+    let start = &plan.bodies[drive.body];
+    match &drive.motion {
+        PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [ax, ay] } => {
+            let ([x, y], [vx, vy], rate) = (start.origin_m, start.velocity_m_s, start.rate_rad_s);
+            let displacement = |v: f64, a: f64| t * (v + 0.5 * t * a);
+            PrescribedState {
+                position: [x + displacement(vx, *ax), y + displacement(vy, *ay), start.angle_rad + rate * t],
+                velocity: [vx + ax * t, vy + ay * t, rate],
+                acceleration: [*ax, *ay, 0.0],
+            }
+        }
+        PrescribedMotion::Palm(motion) => {
+            let pose = motion.pose(t);
+            PrescribedState { position: pose.position, velocity: pose.rate, acceleration: pose.acceleration }
+        }
+    }
+}
+
+/// Sets the velocities of driven bodies at time `t`.
+pub fn set_driven_velocities(plan: &Plan, t: f64, velocities: &mut [Twist]) {
+    for drive in &plan.drives {
+        velocities[drive.body] = prescribed_state(plan, drive, t).velocity;
+    }
+}
+
+/// Returns the accelerations of driven bodies at time `t`, with the body indices.
+pub fn driven_accelerations(plan: &Plan, t: f64, out: &mut Vec<(usize, Twist)>) {
+    refill(out, plan.drives.iter().map(|drive| (drive.body, prescribed_state(plan, drive, t).acceleration)));
+}
+
+/// Returns the constant accelerations that, from these velocities, lead to the prescribed positions after `dt`.
+pub fn mean_driven_accelerations(
+    plan: &Plan,
+    poses: &[BodyPose],
+    velocities: &[Twist],
+    t: f64,
+    dt: f64,
+    out: &mut Vec<(usize, Twist)>,
+) {
+    let mean = |drive: &PlannedDrive| {
+        let body = drive.body;
+        let acceleration = match drive.motion {
+            PrescribedMotion::ConstantAcceleration { .. } => prescribed_state(plan, drive, t).acceleration,
+            PrescribedMotion::Palm(_) => {
+                let (target, pose, velocity) =
+                    (prescribed_state(plan, drive, t + dt).position, &poses[body], &velocities[body]);
+                let displacement = [target[0] - pose.com[0], target[1] - pose.com[1], target[2] - pose.angle];
+                std::array::from_fn(|axis| 2.0 * (displacement[axis] / dt - velocity[axis]) / dt)
+            }
+        };
+        (body, acceleration)
+    };
+    refill(out, plan.drives.iter().map(mean));
+}
+
+/// Sets rapier's velocities so that the bodies move from their poses at `t` to the prescribed poses at t + dt.
+/// Targeting the position rather than the mean velocity avoids accumulation of rounding errors.
+pub fn set_rapier_velocities(
+    plan: &Plan,
+    poses: &[BodyPose],
+    handles: &[RigidBodyHandle],
+    bodies: &mut RigidBodySet,
+    t: f64,
+    dt: f64,
+) {
+    for drive in &plan.drives {
+        let (pose, target) = (&poses[drive.body], prescribed_state(plan, drive, t + dt).position);
+        let [vx, vy]: [f64; 2] = std::array::from_fn(|axis| (target[axis] - pose.com[axis]) / dt);
+        let rotation = target[2] - pose.angle;
+        let rigid = &mut bodies[handles[drive.body]];
+        rigid.set_linvel(Vector::new(vx, vy), false);
+        // rapier rotates by atan(ω dt).
+        rigid.set_angvel(tan(rotation.clamp(-MAX_ROTATION, MAX_ROTATION)) / dt, false);
+    }
+}
+
+/// Returns the work of contact on driven bodies over the step that starts with `velocities`, J; the drives have to
+/// supply it. A palm does no work in its own frame.
+pub fn driven_contact_work(
+    plan: &Plan,
+    space: &ContactSpace,
+    solver: &ContactSolver,
+    velocities: &[Twist],
+    dt: f64,
+) -> f64 {
+    let mut work = 0.0;
+    for drive in &plan.drives {
+        let (body, PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [ax, ay] }) =
+            (drive.body, &drive.motion)
+        else {
+            continue;
+        };
+        for (row, (early_impulse, late_impulse)) in
+            space.rows.iter().zip(solver.early_impulse.iter().zip(&solver.late_impulse))
+        {
+            // ∫ F ds and ∫ s F ds, from the early and late impulses.
+            let (impulse, moment) = (early_impulse + late_impulse, late_impulse * dt);
+            work += impulse * row.rate_of(body, &velocities[body]) + moment * row.rate_of(body, &[*ax, *ay, 0.0]);
+        }
+    }
+    work
+}
+
+/// Largest rotation per step that rapier's atan can represent, rad.
+const MAX_ROTATION: f64 = 1.5;
+
+/// Pose of the palm at one instant; the world frame if the palm does not move.
+#[derive(Clone, Copy, Debug)]
+pub struct PalmFrame {
+    pose: Option<Pose>,
+    axes: [f64; 2],
+}
+
+impl PalmFrame {
+    /// Returns the palm frame at time `t`.
+    pub fn at(plan: &Plan, t: f64) -> Self {
+        let pose = plan.palm().map(|(_, motion)| motion.pose(t));
+        let angle = pose.map_or(0.0, |pose| pose.position[2]);
+        Self { pose, axes: [cos(angle), sin(angle)] }
+    }
+
+    /// Returns the palm angle and its two time derivatives.
+    pub fn angular_motion(&self) -> [f64; 3] {
+        self.pose.map_or([0.0; 3], |pose| [pose.position[2], pose.rate[2], pose.acceleration[2]])
+    }
+
+    /// Transforms a direction from the world to the palm frame.
+    pub fn direction(&self, direction: [f64; 2]) -> [f64; 2] {
+        let [cos, sin] = self.axes;
+        if self.pose.is_some() { rotate(direction, [cos, -sin]) } else { direction }
+    }
+
+    /// Transforms a point from the world to the palm frame.
+    pub fn point(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        self.pose.map_or([x, y], |pose| self.direction([x - pose.position[0], y - pose.position[1]]))
+    }
+
+    /// Returns the transport velocity: world velocity of a point fixed in the palm frame, and the palm's angular rate.
+    pub fn transport_velocity(&self, [x, y]: [f64; 2]) -> Twist {
+        self.pose.map_or([0.0; 3], |Pose { position, rate, .. }| {
+            let [u, v] = perp([x - position[0], y - position[1]]);
+            [rate[0] + rate[2] * u, rate[1] + rate[2] * v, rate[2]]
+        })
+    }
+
+    /// Returns the velocity and rate of a body relative to the palm frame, from its centre of mass and velocity in the
+    /// world.
+    pub fn twist(&self, centre: [f64; 2], velocity: &Twist) -> Twist {
+        if self.pose.is_none() {
+            return *velocity;
+        }
+        let transport = self.transport_velocity(centre);
+        let [x, y] = self.direction([velocity[0] - transport[0], velocity[1] - transport[1]]);
+        [x, y, velocity[2] - transport[2]]
+    }
+
+    /// Returns the accelerations of a body relative to the palm frame.
+    pub fn acceleration(&self, centre: [f64; 2], velocity: &Twist, acceleration: &Twist) -> Twist {
+        let Some(Pose { acceleration: [ax, ay, angular_acceleration], rate: [_, _, omega], .. }) = self.pose else {
+            return *acceleration;
+        };
+        let ([x, y], [vx, vy, _]) = (self.point(centre), self.twist(centre, velocity));
+        let [bx, by] = self.direction([acceleration[0] - ax, acceleration[1] - ay]);
+        [
+            bx + angular_acceleration * y + omega * (omega * x + 2.0 * vy),
+            by - angular_acceleration * x + omega * (omega * y - 2.0 * vx),
+            acceleration[2] - angular_acceleration,
+        ]
+    }
+}
+
+/// Returns the power of the palm motion on all bodies in its frame, W: of the rotating gravity vector and of inertial
+/// forces.
+pub fn palm_power(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64) -> f64 {
+    let frame = PalmFrame::at(plan, t);
+    let Some(Pose { acceleration: [ax, ay, angular_acceleration], rate: [_, _, omega], .. }) = frame.pose else {
+        return 0.0;
+    };
+    let [gx, gy] = plan.gravity_m_s2;
+    let [fx, fy] = frame.direction([gx - ax, gy - ay]);
+    let body_power = |((inertia, pose), v): ((&Inertia, &BodyPose), &Twist)| {
+        let ([x, y], [vx, vy, rate]) = (frame.point(pose.com), frame.twist(pose.com, v));
+        // The Coriolis force does no work.
+        let inertial = [
+            fx - gx + angular_acceleration * y + omega * omega * x,
+            fy - gy - angular_acceleration * x + omega * omega * y,
+        ];
+        inertia.mass * (inertial[0] * vx + inertial[1] * vy) - inertia.inertia * angular_acceleration * rate
+    };
+    let bodies: f64 = linkage.inertias.iter().zip(&linkage.poses).zip(velocities).map(body_power).sum();
+    // Rotor rates are relative to the palm.
+    let rotor_power =
+        |rotor: &PlannedRotor| rotor.inertia_kg_m2 * angular_acceleration * (velocities[rotor.body][2] - omega);
+    bodies + plan.rotors.iter().map(rotor_power).sum::<f64>()
+}
+
+/// Returns the work, J, that contacts with surfaces fixed in the world extract through the transport velocity: minus
+/// their work in the palm frame due to its motion; `t` is the middle of the step.
+pub fn table_work(plan: &Plan, space: &ContactSpace, solver: &ContactSolver, linkage: &Linkage, t: f64) -> f64 {
+    if plan.palm().is_none() {
+        return 0.0;
+    }
+    let frame = PalmFrame::at(plan, t);
+    let mut work = 0.0;
+    for contact in &space.active_contacts {
+        let Some(index) = contact.candidate.index.checked_sub(plan.stops.len()) else { continue };
+        let Some(planned) = plan.contacts.get(index) else { continue };
+        if let ContactPartner::Fixed(_) = planned.against {
+            let transport = frame.transport_velocity(linkage.poses[planned.body].com);
+            for row in std::iter::once(contact.normal).chain(contact.tangent) {
+                work += (solver.early_impulse[row] + solver.late_impulse[row])
+                    * space.rows[row].rate_of(planned.body, &transport);
+            }
+        }
+    }
+    work
 }

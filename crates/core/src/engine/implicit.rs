@@ -7,7 +7,7 @@
 //! equation becomes u = ũ, so a solution exists for small h.
 
 use super::contact_space::ContactSpace;
-use super::dense;
+use super::dense::{self, reset};
 use crate::law::normal_force;
 
 /// Largest relative residual of a solution.
@@ -67,24 +67,13 @@ pub struct NotConverged {
 impl Workspace {
     /// Resizes all arrays for a contact space.
     pub fn resize(&mut self, rows: usize, contacts: usize) {
-        self.bristle_state.clear();
-        self.bristle_state.resize(contacts, 0.0);
-        self.is_slipping.clear();
-        self.is_slipping.resize(contacts, false);
-        for list in [
-            &mut self.residual,
-            &mut self.step,
-            &mut self.trial,
-            &mut self.diagonal_derivative,
-            &mut self.cross_derivative,
-            &mut self.force_scale,
-            &mut self.force,
-        ] {
-            list.clear();
-            list.resize(rows, 0.0);
+        reset(&mut self.bristle_state, contacts, 0.0);
+        reset(&mut self.is_slipping, contacts, false);
+        reset(&mut self.jacobian, rows * rows, 0.0);
+        let Self { residual, step, trial, diagonal_derivative, cross_derivative, force_scale, force, .. } = self;
+        for list in [residual, step, trial, diagonal_derivative, cross_derivative, force_scale, force] {
+            reset(list, rows, 0.0);
         }
-        self.jacobian.clear();
-        self.jacobian.resize(rows * rows, 0.0);
     }
 
     /// Solves a stage and returns the number of iterations. `rate` is the initial guess on entry and the solution on

@@ -8,20 +8,20 @@
 
 use rapier2d_f64::prelude::*;
 
-use super::candidates::{self, ContactCandidate, Source};
+use super::candidates::{self, ContactCandidate, Row, Source};
 use super::contact_space::ContactSpace;
-use super::hook::LawContactHook;
+use super::dense::refill;
+use super::forces;
 use super::linkage::{Linkage, SingularConstraints, Twist};
-use super::plan::Plan;
-use super::rapier_contact::{self, RapierContact};
-use super::rate_correction::RateCorrection;
+use super::plan::{Plan, PlannedDrive};
+use super::rate_correction::{CorrectedRow, RateCorrection};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
-use super::world::World;
-use super::{drive, forces, frame};
+use super::world::{LawContactHook, World};
 use crate::integrator::Clock;
 use crate::law::normal_force;
 use crate::numeric::elementary::{exp, hypot};
-use crate::scene::Construction;
+use crate::numeric::plane::add;
+use crate::scene::{Construction, Response};
 
 /// Error during a step.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -43,6 +43,18 @@ const MAX_OPENING_PER_TOLERANCE: f64 = 100.0;
 const MAX_ANCHOR_ITERATIONS: u32 = 4;
 /// Error of the anchor correction, in step tolerances, below which its iteration stops.
 const ANCHOR_TOLERANCE: f64 = 0.1;
+
+/// Impulses of rapier's own contact in one step, for scenes that select it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RapierContact {
+    /// Element index among the stops and contacts of the plan.
+    pub index: usize,
+    pub normal: f64,
+    /// Along the tangent, on the body of the contact; it opposes the slip.
+    pub tangential: f64,
+    /// Closing rate before the step.
+    pub closing_rate: f64,
+}
 
 /// State of the engine at the end of its last step, called a node.
 pub struct Motion<'a> {
@@ -141,27 +153,19 @@ impl<'a> Motion<'a> {
         motion.linkage.factorise()?;
         motion.read_mean_velocities();
         motion.velocities.copy_from_slice(&motion.mean_velocities);
-        drive::set_velocities(plan, 0.0, &mut motion.velocities);
+        forces::set_driven_velocities(plan, 0.0, &mut motion.velocities);
         motion.linkage.project(&mut motion.velocities);
         candidates::collect(&motion.world, plan, &motion.linkage, &mut motion.candidates);
         motion.update_node();
         Ok(motion)
     }
 
-    /// Takes one step of rapier with all forces.
-    ///
-    /// # Errors
-    /// See [`StepError`].
-    pub fn advance(&mut self, dt: f64) -> Result<(), StepError> {
-        self.advance_while(dt, &|| true)
-    }
-
-    /// Takes one step while `keep_running` returns true.
+    /// Takes one step of rapier with all forces, while `keep_running` returns true.
     ///
     /// # Errors
     /// See [`StepError`]. After an error other than [`StepError::TooLong`] the motion is unusable.
-    pub fn advance_while(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
-        let power_before = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
+    pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
+        let power_before = forces::palm_power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         candidates::set_shaft_torques(self.plan, self.clock.now(), dt, &mut self.candidates);
         // Predicted mean velocities of the step.
         for (v, a) in self.predicted_mean_velocities.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
@@ -173,7 +177,7 @@ impl<'a> Motion<'a> {
             let Self { world, plan, linkage, .. } = self;
             let candidates = (&self.candidates[..], &self.bristle_states[..]);
             self.space.assemble(world, plan, linkage, candidates, &self.velocities, &self.step_accelerations, dt);
-            self.contact.solve_while(&self.space, dt, keep_running)?;
+            self.contact.solve(&self.space, dt, keep_running)?;
             self.compute_impulses(dt);
             iterations += 1;
             let [opening_m, error_m] = self.opening_errors(dt);
@@ -189,16 +193,15 @@ impl<'a> Motion<'a> {
         self.update_bristles(dt);
         self.contact_work_j += self.contact.work;
         self.motor_work_j += self.contact.motor_work;
-        self.motor_work_j -= drive::contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
+        self.motor_work_j -= forces::driven_contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
         self.motor_work_j -=
-            frame::table_work(self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
+            forces::table_work(self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
 
         for (pose, before) in self.linkage.poses.iter().zip(&mut self.previous_poses) {
             *before = [pose.com[0], pose.com[1], pose.angle];
         }
-        self.previous_torques.clear();
         let now = self.clock.now();
-        self.previous_torques.extend(self.plan.motors.iter().map(|motor| motor.characteristic(now).0));
+        refill(&mut self.previous_torques, self.plan.motors.iter().map(|motor| motor.characteristic(now).0));
         self.step_rapier(dt);
         self.clock.advance(dt);
         self.last_dt_s = dt;
@@ -210,7 +213,7 @@ impl<'a> Motion<'a> {
         self.linkage.factorise()?;
         self.read_mean_velocities();
         // With rapier's own contact, impulses act on the rates before the step.
-        let (work, on_driven) = rapier_contact::read_impulses(
+        let (work, on_driven) = read_rapier_impulses(
             &self.world,
             self.plan,
             &self.candidates,
@@ -220,8 +223,7 @@ impl<'a> Motion<'a> {
         );
         self.contact_work_j += work;
         self.motor_work_j -= on_driven;
-        self.previous_normals.clear();
-        self.previous_normals.extend(self.candidates.iter().map(|candidate| candidate.normal));
+        refill(&mut self.previous_normals, self.candidates.iter().map(|candidate| candidate.normal));
         candidates::collect(&self.world, self.plan, &self.linkage, &mut self.candidates);
         candidates::set_normal_rotation_rates(&mut self.candidates, &self.previous_normals, dt);
         // A torque discontinuity at the node belongs to the next step.
@@ -237,7 +239,7 @@ impl<'a> Motion<'a> {
                 self.motor_work_j += 0.5 * (before + motor.characteristic(before_node).0) * shaft_rotation;
             }
         }
-        let power_after = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
+        let power_after = forces::palm_power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         self.motor_work_j += 0.5 * dt * (power_before + power_after);
         self.update_node();
         Ok(())
@@ -271,37 +273,43 @@ impl<'a> Motion<'a> {
     /// Returns normal and tangential force of a stop or contact at the end of the last step, from the contact laws or
     /// from rapier.
     pub fn forces(&self, index: usize) -> (f64, f64) {
-        if let Some(contact) = self.space.active_contacts.iter().find(|contact| contact.candidate.index == index) {
+        if let Some((_, contact)) = self.space.find(index) {
             let force = &self.contact.force;
             // There is no force before the first step.
             return (force.get(contact.normal).copied().unwrap_or(0.0), contact.tangent.map_or(0.0, |t| force[t]));
         }
-        let rapier_contact = self.rapier_contacts.iter().find(|contact| contact.index == index);
-        rapier_contact
+        self.rapier_contact(index)
             .map_or((0.0, 0.0), |contact| (contact.normal / self.last_dt_s, contact.tangential / self.last_dt_s))
+    }
+
+    /// Returns the impulses of rapier's own contact in the last step.
+    pub fn rapier_contact(&self, index: usize) -> Option<&RapierContact> {
+        self.rapier_contacts.iter().find(|contact| contact.index == index)
+    }
+
+    /// Returns a candidate by its element index.
+    pub fn candidate(&self, index: usize) -> Option<&ContactCandidate> {
+        candidates::find(&self.candidates, index)
     }
 
     /// Whether the bristle of a contact slips at the end of the last step; `None` if it has no bristle or is not
     /// loaded.
     pub fn is_slipping(&self, index: usize) -> Option<bool> {
-        let position = self.space.active_contacts.iter().position(|contact| contact.candidate.index == index)?;
-        self.contact.is_slipping(position, &self.space)
+        self.contact.is_slipping(self.space.find(index)?.0, &self.space)
     }
 
     /// Returns the states of a stop or contact with the largest force and with the largest penetration in the last
     /// step, if it was in the contact space.
     pub fn contact_extrema(&self, index: usize) -> Option<[ContactExtremum; 2]> {
-        let position = self.space.active_contacts.iter().position(|contact| contact.candidate.index == index)?;
+        let (position, _) = self.space.find(index)?;
         Some([*self.contact.peak.get(position)?, *self.contact.deepest.get(position)?])
     }
 
     /// Returns the normal impulse of a stop or contact in the last step, from the contact laws or from rapier.
     pub fn normal_impulse(&self, index: usize) -> f64 {
-        match self.space.active_contacts.iter().find(|contact| contact.candidate.index == index) {
-            Some(active) => self.contact.early_impulse[active.normal] + self.contact.late_impulse[active.normal],
-            None => {
-                self.rapier_contacts.iter().find(|contact| contact.index == index).map_or(0.0, |contact| contact.normal)
-            }
+        match self.space.find(index) {
+            Some((_, active)) => self.contact.early_impulse[active.normal] + self.contact.late_impulse[active.normal],
+            None => self.rapier_contact(index).map_or(0.0, |contact| contact.normal),
         }
     }
 
@@ -312,11 +320,7 @@ impl<'a> Motion<'a> {
         self.impulse.copy_from_slice(&self.forces);
         self.impulse.iter_mut().flatten().for_each(|force| *force *= half);
         for active in &self.space.active_contacts {
-            let candidate = self
-                .candidates
-                .iter()
-                .find(|candidate| candidate.index == active.candidate.index)
-                .unwrap_or(&active.candidate);
+            let candidate = candidates::find(&self.candidates, active.candidate.index).unwrap_or(&active.candidate);
             candidate.normal_row.add_to(&mut self.impulse, self.contact.late_impulse[active.normal]);
             if let Some(tangent) = active.tangent {
                 candidate.slip_row.add_to(&mut self.impulse, self.contact.late_impulse[tangent]);
@@ -327,7 +331,7 @@ impl<'a> Motion<'a> {
             v[1] += inertia.inverse_mass * impulse[1];
             v[2] += inertia.inverse_inertia * impulse[2];
         }
-        drive::set_velocities(self.plan, self.clock.now(), &mut self.velocities);
+        forces::set_driven_velocities(self.plan, self.clock.now(), &mut self.velocities);
         self.linkage.project(&mut self.velocities);
     }
 
@@ -340,43 +344,44 @@ impl<'a> Motion<'a> {
     fn correct_contact_rates(&mut self) {
         let dt = self.last_dt_s;
         let Self { space, contact, candidates, rate_correction, .. } = self;
-        rate_correction.clear();
+        rate_correction.rows.clear();
         for (index, active) in space.active_contacts.iter().enumerate() {
             let (normal, force) = (active.normal, contact.force[active.normal]);
+            // Friction at the end of the contact's own equations.
+            let friction = |candidate: &ContactCandidate, tangent: usize| {
+                candidate.friction_at_step_end([contact.rate[tangent], contact.bristle_state[index], force], dt)
+            };
+            let tangent_row = |tangent: usize, row: Row, mu: f64, creep: f64| CorrectedRow {
+                index: tangent,
+                row,
+                target: contact.rate[tangent],
+                removable: f64::INFINITY,
+                stiffness: creep,
+                friction_coupling: mu,
+            };
             if let (Source::Brake(_) | Source::Motor(_), Some(tangent)) = (active.candidate.source, active.tangent) {
-                let after = active
-                    .candidate
-                    .friction_at_step_end([contact.rate[tangent], contact.bristle_state[index], force], dt);
-                rate_correction.add_tangent_row(
-                    tangent,
-                    active.candidate.slip_row,
-                    contact.rate[tangent],
-                    0.0,
-                    dt * after.d_slip,
-                );
+                let creep = dt * friction(&active.candidate, tangent).d_slip;
+                rate_correction.rows.push(tangent_row(tangent, active.candidate.slip_row, 0.0, creep));
                 continue;
             }
             // Contacts between fixed or driven bodies need no correction.
             if force <= 0.0 || space.w[normal * space.len() + normal] == 0.0 {
                 continue;
             }
-            let Some(candidate) = candidates.iter().find(|candidate| candidate.index == active.candidate.index) else {
-                continue;
-            };
+            let Some(candidate) = candidates::find(candidates, active.candidate.index) else { continue };
             let law = normal_force(&candidate.law, -contact.gap[index], -contact.rate[normal]);
-            let stiffness = dt * (law.d_rate + dt * law.d_delta);
-            rate_correction.add_normal_row(
-                normal,
-                candidate.normal_row,
-                contact.rate[normal],
-                contact.late_impulse[normal],
-                stiffness,
-            );
+            rate_correction.rows.push(CorrectedRow {
+                index: normal,
+                row: candidate.normal_row,
+                target: contact.rate[normal],
+                removable: contact.late_impulse[normal],
+                stiffness: dt * (law.d_rate + dt * law.d_delta),
+                friction_coupling: 0.0,
+            });
             let Some(tangent) = active.tangent else { continue };
-            let after =
-                candidate.friction_at_step_end([contact.rate[tangent], contact.bristle_state[index], force], dt);
+            let after = friction(candidate, tangent);
             let creep = (dt * after.d_slip).max(0.0);
-            rate_correction.add_tangent_row(tangent, candidate.slip_row, contact.rate[tangent], after.d_normal, creep);
+            rate_correction.rows.push(tangent_row(tangent, candidate.slip_row, after.d_normal, creep));
         }
         rate_correction.solve(&mut self.linkage, &mut self.velocities);
         let is_motor_row = |row: usize| {
@@ -403,7 +408,7 @@ impl<'a> Motion<'a> {
         forces::smooth_forces(self.plan, &self.linkage, now, &mut self.forces);
         // Buffer for the previous accelerations.
         self.predicted_mean_velocities.copy_from_slice(&self.accelerations);
-        drive::accelerations(self.plan, now, &mut self.driven);
+        forces::driven_accelerations(self.plan, now, &mut self.driven);
         self.impulse.copy_from_slice(&self.forces);
         forces::add_speed_dependent_motors(self.plan, &self.velocities, now, &mut self.impulse);
         self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
@@ -421,15 +426,9 @@ impl<'a> Motion<'a> {
     /// velocities, leaves an error of third order.
     fn shift_anchors(&mut self, dt: f64) {
         let Self { linkage, open, overshoot, predicted_mean_velocities, .. } = self;
-        overshoot.clear();
-        overshoot.extend(linkage.overshoot(predicted_mean_velocities, dt));
-        open.clear();
-        open.extend(
-            linkage
-                .pin_openings()
-                .zip(&*overshoot)
-                .map(|(open, overshoot)| [open[0] + overshoot[0], open[1] + overshoot[1]]),
-        );
+        refill(overshoot, linkage.overshoot(predicted_mean_velocities, dt));
+        let corrected = linkage.pin_openings().zip(&*overshoot).map(|(open, overshoot)| add(open, *overshoot));
+        refill(open, corrected);
         for ((planned, joint), overshoot) in self.plan.pins.iter().zip(&self.world.joints).zip(&self.overshoot) {
             let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
                 continue;
@@ -443,7 +442,7 @@ impl<'a> Motion<'a> {
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
         let (plan, now) = (self.plan, self.clock.now());
-        drive::mean_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
+        forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
         let opening = (&self.open[..], dt);
         self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
     }
@@ -491,7 +490,7 @@ impl<'a> Motion<'a> {
             body.add_force(Vector::new(impulse[0] / dt, impulse[1] / dt), false);
             body.add_torque(impulse[2] / dt, false);
         }
-        drive::set_rapier_velocities(
+        forces::set_rapier_velocities(
             self.plan,
             &self.linkage.poses,
             &self.world.bodies,
@@ -519,4 +518,41 @@ impl<'a> Motion<'a> {
             };
         }
     }
+}
+
+/// Reads the impulses of rapier's own contact in the last step from its manifolds; returns their work on all bodies and on the driven bodies. `candidates` are
+/// those at the start of the step.
+fn read_rapier_impulses(
+    world: &World,
+    plan: &Plan,
+    candidates: &[ContactCandidate],
+    before: &[Twist],
+    after: &[Twist],
+    out: &mut Vec<RapierContact>,
+) -> (f64, f64) {
+    out.clear();
+    let Response::Rapier { .. } = world.response else { return (0.0, 0.0) };
+    let (mut work, mut on_driven) = (0.0, 0.0);
+    for (contact, [collider, other]) in world.contacts.iter().enumerate() {
+        let Some(pair) = world.physics.narrow_phase.contact_pair(*collider, *other) else { continue };
+        let index = plan.stops.len() + contact;
+        let Some(candidate) = candidates::find(candidates, index) else { continue };
+        let points = pair.manifolds().iter().flat_map(|manifold| &manifold.points);
+        let (mut normal, mut tangential) = (0.0, 0.0);
+        for point in points {
+            normal += point.data.impulse;
+            tangential += point.data.tangent_impulse[0].abs();
+        }
+        let slip = candidate.slip_row.rate(after);
+        let tangential = -tangential.copysign(slip);
+        // The work of a rigid impulse uses the mean of the rates before and after it.
+        let mean = |row: &Row| 0.5 * (row.rate(before) + row.rate(after));
+        work += normal * mean(&candidate.normal_row) + tangential * mean(&candidate.slip_row);
+        for PlannedDrive { body, .. } in &plan.drives {
+            let mean = |row: &Row| 0.5 * (row.rate_of(*body, &before[*body]) + row.rate_of(*body, &after[*body]));
+            on_driven += normal * mean(&candidate.normal_row) + tangential * mean(&candidate.slip_row);
+        }
+        out.push(RapierContact { index, normal, tangential, closing_rate: -candidate.normal_row.rate(before) });
+    }
+    (work, on_driven)
 }

@@ -22,6 +22,20 @@ pub struct PlannedBody {
     pub shape: Option<Shape>,
 }
 
+impl PlannedBody {
+    /// A body without mass and shape, at rest at the origin.
+    pub fn at_origin(inertia_kg_m2: f64) -> Self {
+        Self {
+            body: Body { mass_kg: 0.0, com_m: [0.0; 2], inertia_kg_m2 },
+            origin_m: [0.0; 2],
+            angle_rad: 0.0,
+            velocity_m_s: [0.0; 2],
+            rate_rad_s: 0.0,
+            shape: None,
+        }
+    }
+}
+
 /// A surface, in its body frame or, if fixed, in the world frame.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {

@@ -6,20 +6,28 @@
 
 use super::candidates::Row;
 use super::contact_space::respond;
-use super::dense;
+use super::dense::{self, refill};
 use super::linkage::{Linkage, Twist};
 
-/// Rows to correct, their target rates, and the impulses already scheduled along them.
+/// A row to correct.
+#[derive(Clone, Copy, Debug)]
+pub struct CorrectedRow {
+    /// Index of the row in the contact space.
+    pub index: usize,
+    pub row: Row,
+    pub target: f64,
+    /// Impulse along the row that may be removed.
+    pub removable: f64,
+    /// h (∂F/∂δ̇ + h ∂F/∂δ) of a normal row, h F ∂μ/∂v of a tangent row.
+    pub stiffness: f64,
+    /// Coupling of a tangent row to the impulse along the preceding normal row: the friction coefficient μ.
+    pub friction_coupling: f64,
+}
+
+/// Rows to correct, and the impulses along them.
 #[derive(Clone, Debug, Default)]
 pub struct RateCorrection {
-    /// Row of the contact space for each corrected row.
-    indices: Vec<usize>,
-    rows: Vec<Row>,
-    target: Vec<f64>,
-    removable: Vec<f64>,
-    stiffness: Vec<f64>,
-    /// Coupling to the impulse along the preceding normal row: friction due to the normal impulse.
-    friction_coupling: Vec<f64>,
+    pub rows: Vec<CorrectedRow>,
     response: Vec<Twist>,
     w: Vec<f64>,
     /// Rates before the correction.
@@ -28,58 +36,28 @@ pub struct RateCorrection {
 }
 
 impl RateCorrection {
-    /// Removes all rows.
-    pub fn clear(&mut self) {
-        self.indices.clear();
-        self.rows.clear();
-        self.target.clear();
-        self.removable.clear();
-        self.stiffness.clear();
-        self.friction_coupling.clear();
-        self.impulses.clear();
-    }
-
-    /// Adds the normal row of a contact: target rate, impulse along it that may be removed, and h (∂F/∂δ̇ + h ∂F/∂δ).
-    pub fn add_normal_row(&mut self, index: usize, row: Row, target: f64, removable: f64, stiffness: f64) {
-        self.push(index, row, target, removable, stiffness, 0.0);
-    }
-
-    /// Adds the tangent row of the contact added last: friction coefficient μ, and h F ∂μ/∂v where it creeps.
-    pub fn add_tangent_row(&mut self, index: usize, row: Row, target: f64, mu: f64, creep: f64) {
-        self.push(index, row, target, f64::INFINITY, creep, mu);
-    }
-
-    fn push(&mut self, index: usize, row: Row, target: f64, removable: f64, stiffness: f64, friction_coupling: f64) {
-        self.indices.push(index);
-        self.rows.push(row);
-        self.target.push(target);
-        self.removable.push(removable);
-        self.stiffness.push(stiffness);
-        self.friction_coupling.push(friction_coupling);
-    }
-
     /// Returns the correction impulses, each with its row of the contact space.
     pub fn impulses(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.indices.iter().copied().zip(self.impulses.iter().copied())
+        self.rows.iter().map(|row| row.index).zip(self.impulses.iter().copied())
     }
 
     /// Solves for the impulses and applies them to the velocities.
     pub fn solve(&mut self, linkage: &mut Linkage, velocities: &mut [Twist]) {
         let (count, bodies) = (self.rows.len(), velocities.len());
+        self.impulses.clear();
         if count == 0 {
             return;
         }
-        respond(&self.rows, linkage, bodies, &mut self.response, &mut self.w);
+        respond(self.rows.iter().map(|row| &row.row), linkage, bodies, &mut self.response, &mut self.w);
         // (1 + D W) p = D (target − u), with the stiffness D of each row; tangent rows add −μ times the normal impulse.
-        self.rates.clear();
-        self.rates.extend(self.rows.iter().map(|row| row.rate(velocities)));
-        self.impulses.extend(self.rates.iter().zip(&self.target).map(|(rate, target)| target - rate));
-        for (i, (matrix_row, stiffness)) in self.w.chunks_exact_mut(count).zip(&self.stiffness).enumerate() {
-            self.impulses[i] *= stiffness;
-            matrix_row.iter_mut().for_each(|w| *w *= stiffness);
+        refill(&mut self.rates, self.rows.iter().map(|row| row.row.rate(velocities)));
+        self.impulses.extend(self.rates.iter().zip(&self.rows).map(|(rate, row)| row.target - rate));
+        for (i, (matrix_row, row)) in self.w.chunks_exact_mut(count).zip(&self.rows).enumerate() {
+            self.impulses[i] *= row.stiffness;
+            matrix_row.iter_mut().for_each(|w| *w *= row.stiffness);
             matrix_row[i] += 1.0;
-            if self.friction_coupling[i] != 0.0 {
-                matrix_row[i - 1] += self.friction_coupling[i];
+            if row.friction_coupling != 0.0 {
+                matrix_row[i - 1] += row.friction_coupling;
             }
         }
         if !dense::solve(&mut self.w, &mut self.impulses, count) {
@@ -87,12 +65,12 @@ impl RateCorrection {
             return;
         }
         for j in 0..count {
-            let impulse = self.impulses[j].max(-self.removable[j]);
+            let impulse = self.impulses[j].max(-self.rows[j].removable);
             let clamped = impulse - self.impulses[j];
             self.impulses[j] = impulse;
             // If the normal impulse is clamped, its friction is reduced accordingly.
-            if let Some(coupling) = self.friction_coupling.get(j + 1).filter(|coupling| **coupling != 0.0) {
-                self.impulses[j + 1] -= coupling * clamped;
+            if let Some(row) = self.rows.get(j + 1).filter(|row| row.friction_coupling != 0.0) {
+                self.impulses[j + 1] -= row.friction_coupling * clamped;
             }
             let response = &self.response[j * bodies..(j + 1) * bodies];
             for (v, change) in velocities.iter_mut().zip(response) {
@@ -106,9 +84,9 @@ impl RateCorrection {
     /// Returns the index of each corrected row of the contact space and the work of its impulse on the bodies: the
     /// impulse times the mean of the rates before and after the impulse.
     pub fn impulse_work(&self, velocities: &[Twist]) -> impl Iterator<Item = (usize, f64)> {
-        let mean = |(row, before): (&Row, &f64)| 0.5 * (before + row.rate(velocities));
+        let mean = |(row, before): (&CorrectedRow, &f64)| 0.5 * (before + row.row.rate(velocities));
         let means = self.rows.iter().zip(&self.rates).map(mean);
         let works = means.zip(&self.impulses).map(|(rate, impulse)| rate * impulse);
-        self.indices.iter().copied().zip(works)
+        self.rows.iter().map(|row| row.index).zip(works)
     }
 }

@@ -89,13 +89,12 @@ fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     }
     for candidate in motion.candidates.iter().filter(|candidate| candidate.has_gap()) {
         let rate = candidate.normal_row.rate(&motion.velocities);
-        let active = motion.space.active_contacts.iter().find(|contact| contact.candidate.index == candidate.index);
         // Longest step for which the drift of an acceleration with a rotating direction is allowed.
         let rotation_limit = |acceleration: f64| {
             (12.0 * DRIFT_PER_S * tolerance_m / (acceleration * candidate.normal_rotation_rate)).sqrt()
         };
-        let (crossing, force) = match active {
-            Some(active) => {
+        let (crossing, force) = match motion.space.find(candidate.index) {
+            Some((_, active)) => {
                 let inverse_mass = motion.space.w[active.normal * (motion.space.len() + 1)];
                 let depth = stopping_depth(&candidate.law, rate.abs(), inverse_mass).max(-candidate.gap);
                 let crossing =
@@ -134,7 +133,7 @@ fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
 fn contact_acceleration_rotation(motion: &Motion) -> f64 {
     let rows = motion.space.len();
     let rotation = |active: &super::contact_space::ActiveContact| {
-        let candidate = motion.candidates.iter().find(|candidate| candidate.index == active.candidate.index);
+        let candidate = motion.candidate(active.candidate.index);
         let acceleration = motion.space.w[active.normal * (rows + 1)] * motion.contact.force[active.normal];
         acceleration * candidate.map_or(0.0, |candidate| candidate.normal_rotation_rate)
     };

@@ -7,6 +7,7 @@
 
 use super::candidates::GAP_ROUNDING;
 use super::contact_space::{ActiveContact, ContactSpace};
+use super::dense::{refill, reset};
 use super::implicit::{NotConverged, Stage, Workspace};
 use crate::law::{friction_range, normal_force};
 use crate::numeric::elementary::{exp, hypot};
@@ -194,19 +195,11 @@ pub enum ContactSolveError {
 }
 
 impl ContactSolver {
-    /// Integrates contact over `dt`.
-    ///
-    /// # Errors
-    /// See [`ContactSolveError`].
-    pub fn solve(&mut self, space: &ContactSpace, dt: f64) -> Result<(), ContactSolveError> {
-        self.solve_while(space, dt, &|| true)
-    }
-
     /// Integrates contact over `dt` while `keep_running` returns true: a step with many contacts can take minutes.
     ///
     /// # Errors
     /// See [`ContactSolveError`].
-    pub fn solve_while(
+    pub fn solve(
         &mut self,
         space: &ContactSpace,
         dt: f64,
@@ -285,36 +278,24 @@ impl ContactSolver {
 
     /// Initialises all arrays at the start of a step.
     fn begin(&mut self, space: &ContactSpace) {
-        let rows = space.len();
-        let Buffers { impulse: total_impulse, double_integral, first, second, first_force, base_rate, error, .. } =
-            &mut self.buffers;
+        let (rows, contacts) = (space.len(), space.active_contacts.len());
+        let Buffers { impulse, double_integral, first, second, first_force, base_rate, error, .. } = &mut self.buffers;
         let own = [&mut self.early_impulse, &mut self.late_impulse, &mut self.force];
-        for list in
-            own.into_iter().chain([total_impulse, double_integral, first, second, first_force, base_rate, error])
-        {
-            list.clear();
-            list.resize(rows, 0.0);
+        for list in own.into_iter().chain([impulse, double_integral, first, second, first_force, base_rate, error]) {
+            reset(list, rows, 0.0);
         }
-        self.work_space.resize(rows, space.active_contacts.len());
-        self.bristle_state.clear();
-        self.bristle_state.extend(space.active_contacts.iter().map(|contact| contact.bristle_state));
-        self.buffers.base_bristle_state.clear();
-        self.buffers.base_bristle_state.resize(space.active_contacts.len(), 0.0);
-        self.rate.clear();
-        self.rate.extend_from_slice(&space.rate);
-        self.gap.clear();
-        self.gap.extend(space.active_contacts.iter().map(|contact| contact.candidate.gap));
-        self.buffers.base_gap.clear();
-        self.buffers.base_gap.resize(space.active_contacts.len(), 0.0);
-        for list in [&mut self.peak, &mut self.deepest] {
-            list.clear();
-            list.resize(space.active_contacts.len(), ContactExtremum::default());
-        }
+        self.work_space.resize(rows, contacts);
+        refill(&mut self.bristle_state, space.active_contacts.iter().map(|contact| contact.bristle_state));
+        refill(&mut self.rate, space.rate.iter().copied());
+        refill(&mut self.gap, space.active_contacts.iter().map(|contact| contact.candidate.gap));
+        reset(&mut self.buffers.base_bristle_state, contacts, 0.0);
+        reset(&mut self.buffers.base_gap, contacts, 0.0);
+        reset(&mut self.peak, contacts, ContactExtremum::default());
+        reset(&mut self.deepest, contacts, ContactExtremum::default());
         self.changes.clear();
         (self.work, self.motor_work) = (0.0, 0.0);
         (self.substeps, self.iterations, self.repeated) = (0, 0, 0);
-        self.buffers.is_touching.clear();
-        self.buffers.is_touching.extend(self.gap.iter().map(|gap| *gap <= 0.0));
+        refill(&mut self.buffers.is_touching, self.gap.iter().map(|gap| *gap <= 0.0));
         self.buffers.is_loaded.clear();
         self.buffers.is_slipping.clear();
         for contact in &space.active_contacts {

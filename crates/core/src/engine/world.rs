@@ -3,7 +3,6 @@
 use rapier2d_f64::na::Unit;
 use rapier2d_f64::prelude::*;
 
-use super::hook::LawContactHook;
 use super::plan::{Capsule, ContactPartner, Plan, PlannedBody, PlannedPin, Shape};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Construction, Response};
@@ -19,6 +18,17 @@ pub struct World {
     pub joints: Vec<Option<ImpulseJointHandle>>,
     pub construction: Construction,
     pub response: Response,
+}
+
+/// Disables solver contacts and response for the pairs that carry this hook; the contact laws replace them, and
+/// rapier's broad phase still finds the pairs. `None` rather than empty solver flags, so that rapier skips the unused
+/// contact geometry.
+pub struct LawContactHook;
+
+impl PhysicsHooks for LawContactHook {
+    fn filter_contact_pair(&self, _: &PairFilterContext) -> Option<SolverFlags> {
+        None
+    }
 }
 
 /// Constraints correct their error in one step.

@@ -3,18 +3,16 @@
 //! The posture is taken from a run, is the geometric one around the object of the scene, or is given. The results are
 //! force closure with friction, form closure, and the accelerations of the palm that the contacts can balance.
 
-use super::geometric_posture::geometric_posture;
-use super::simulate::run;
 use crate::criteria::{DriveMode, Fate, GraspState, GraspTracker, friction_coefficients, grasp_state, hand_at_rest};
-use crate::gripper::{FingerContact, GraspError, close_loop};
+use crate::gripper::{FingerContact, GraspError, close_loop, final_posture};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{DiscMotion, GripperContact, Scene, Side, WrongKind};
 use crate::shape::max_radius;
 use crate::statics::{
-    Balance, Blocked, ContactPoint, Drive, ForceClosure, FormClosure, FrictionContact, GraspConfiguration, GripperRow,
-    HandAtRest, PerContact, StaticsError, balance_polar, force_closure, gripper_closure,
+    Balance, Blocked, ContactPoint, Drive, ForceClosure, FormClosure, FrictionContact, GraspConfiguration, HandAtRest,
+    PerContact, StaticsError, balance_polar, force_closure, gripper_closure,
 };
-use crate::trace::{self, BodyState, FingerState, Model, Sample};
+use crate::trace::{self, BodyState, Cancellable, FingerState, Model, Outcome, RunError, Sample, Sink};
 
 /// Request for the static grasp of a gripper.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +63,7 @@ pub struct GripperGrasp {
     /// Blocked motors: one per finger, or the input of the differential.
     pub drives: Vec<Drive>,
     /// Form closure with both driven links blocked and, with a differential, also with its input blocked.
-    pub closures: Vec<(Blocked, Result<FormClosure<GripperRow>, StaticsError>)>,
+    pub closures: Vec<(Blocked, Result<FormClosure, StaticsError>)>,
     /// One case for each requested friction coefficient.
     pub friction_cases: Vec<FrictionCase>,
 }
@@ -368,4 +366,38 @@ fn friction_case(
         force_closure: force_closure(&friction_contacts, object.centre_m, max_radius(&object.shape)),
         polar: [polar(&hands[0])?, polar(&hands[1])?],
     })
+}
+
+/// Returns (q11, q21) of right and left finger at which all phalanges touch the object at its position in the scene.
+///
+/// # Errors
+/// Returns the first finger that does not reach around the object, and the reason.
+pub fn geometric_posture(scene: &Scene) -> Result<[[f64; 2]; 2], (Side, GraspError)> {
+    let object = scene.system.grasped().placed();
+    let mut angles_rad = [[0.0; 2]; 2];
+    for side in Side::BOTH {
+        let finger = &scene.system.finger(side).linkage;
+        let object_in_finger_frame = object.in_finger_frame(side.mirror(), 0.5 * scene.system.palm_width_m);
+        let end =
+            final_posture(&finger.lengths, finger.assembly, object_in_finger_frame).map_err(|error| (side, error))?;
+        angles_rad[side as usize] = [end.posture.q11_rad, end.posture.q21_rad];
+    }
+    Ok(angles_rad)
+}
+
+/// Runs a scene with a sink that receives all steps. Returns the outcome or the failure; `None` if the run was
+/// interrupted.
+pub fn run(
+    model: Model,
+    scene: &Scene,
+    sink: &mut impl Sink,
+    keep_running: &(dyn Fn() -> bool + Sync),
+) -> Option<Result<Outcome, String>> {
+    let scene = Scene { log: scene.log.without_sample_grid(scene.duration_s), ..scene.clone() };
+    match trace::run(model, &scene, &mut Cancellable { sink, keep_running }) {
+        Ok(outcome) => Some(Ok(outcome)),
+        Err(error) if error.is_stop() => None,
+        Err(RunError::Simulation { failure, .. }) => Some(Err(failure.to_string())),
+        Err(RunError::Sink(error)) => Some(Err(error.to_string())),
+    }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::Tolerances;
 use crate::scene::Scene;
-use crate::trace::{Energy, Event, Model, Sample, Sink, SinkError};
+use crate::trace::{Energy, Model, Sample, Sink, SinkError};
 
 /// Relative rounding error of stored energies.
 const ROUNDING: f64 = 1e-10;
@@ -122,10 +122,6 @@ impl fmt::Display for EnergyViolation {
 impl Sink for EnergyAudit {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.record(sample.time_s, &sample.energy);
-        Ok(())
-    }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
         Ok(())
     }
 }

@@ -34,33 +34,32 @@ impl Invariant {
 
     /// Name in JSON keys.
     pub fn name(self) -> &'static str {
-        match self {
-            Invariant::Finite => "finite",
-            Invariant::Energy => "energy_balance",
-            Invariant::Passivity => "passivity",
-            Invariant::NoAdhesion => "no_adhesion",
-            Invariant::Friction => "friction",
-            Invariant::Penetration => "penetration",
-            Invariant::JointLimit => "joint_limit",
-            Invariant::LoopGap => "loop_gap",
-            Invariant::Momentum => "momentum",
-            Invariant::AngularMomentum => "angular_momentum",
-        }
+        self.texts().0
     }
 
     /// Meaning, as a short sentence.
     pub fn meaning(self) -> &'static str {
+        self.texts().1
+    }
+
+    fn texts(self) -> (&'static str, &'static str) {
         match self {
-            Invariant::Finite => "every number is finite",
-            Invariant::Energy => "energy balances",
-            Invariant::Passivity => "contacts, limit and friction only dissipate",
-            Invariant::NoAdhesion => "no contact pulls, and no contact pushes across a gap",
-            Invariant::Friction => "friction follows its law, within the cone and against the slip",
-            Invariant::Penetration => "no penetration is deeper than the available energy allows",
-            Invariant::JointLimit => "no joint exceeds its limit further than the available energy allows",
-            Invariant::LoopGap => "joints stay closed",
-            Invariant::Momentum => "the momentum of a free object equals the impulses of its contacts and its weight",
-            Invariant::AngularMomentum => "the angular momentum of a free object equals that of its contact impulses",
+            Invariant::Finite => ("finite", "every number is finite"),
+            Invariant::Energy => ("energy_balance", "energy balances"),
+            Invariant::Passivity => ("passivity", "contacts, limit and friction only dissipate"),
+            Invariant::NoAdhesion => ("no_adhesion", "no contact pulls, and no contact pushes across a gap"),
+            Invariant::Friction => ("friction", "friction follows its law, within the cone and against the slip"),
+            Invariant::Penetration => ("penetration", "no penetration is deeper than the available energy allows"),
+            Invariant::JointLimit => {
+                ("joint_limit", "no joint exceeds its limit further than the available energy allows")
+            }
+            Invariant::LoopGap => ("loop_gap", "joints stay closed"),
+            Invariant::Momentum => {
+                ("momentum", "the momentum of a free object equals the impulses of its contacts and its weight")
+            }
+            Invariant::AngularMomentum => {
+                ("angular_momentum", "the angular momentum of a free object equals that of its contact impulses")
+            }
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Measures every invariant while a run progresses.
 
-use super::momentum::MomentumBalance;
+use super::momentum::{FreeBody, MomentumBalance};
 use super::{Finding, Invariant, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::numeric::elementary::pow;
-use crate::trace::{Energy, Model, Sample};
+use crate::scene::{ContactId, DiscMotion, Scene, Side, System};
+use crate::trace::{Channels, ContactSample, Energy, Model, Sample, Sink, SinkError};
 
 /// Tolerance for limits that hold in exact arithmetic.
 const ROUNDING: f64 = 1e-9;
@@ -15,26 +16,15 @@ const POSITION_ROUNDING_M: f64 = 1e-15;
 
 /// A contact of two surfaces, or of a joint with its stop.
 #[derive(Clone, Debug)]
-pub(super) struct MonitoredContact {
-    pub name: String,
-    pub law: NormalLaw,
-    pub friction: Option<FrictionLaw>,
+struct MonitoredContact {
+    name: String,
+    law: NormalLaw,
+    friction: Option<FrictionLaw>,
     /// Invariant that an excessive depth violates.
-    pub depth: Invariant,
+    depth: Invariant,
     /// Surface displacement per unit of the gap: 1 between surfaces; for a joint stop, whose gap is an angle, the arm
     /// length in m.
-    pub reach_m: f64,
-}
-
-/// State of a contact at one instant. For a stop, the units are rad instead of m and N·m instead of N.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ContactValues {
-    pub gap_m: f64,
-    pub gap_rate_m_s: f64,
-    pub normal_n: f64,
-    pub tangential_n: f64,
-    pub slip_m_s: f64,
-    pub impulse_n_s: f64,
+    reach_m: f64,
 }
 
 /// A sink that measures how close a run comes to violating each [`Invariant`].
@@ -87,12 +77,16 @@ struct Violation {
 }
 
 impl Invariants {
-    pub(super) fn with_contacts(
-        model: Model,
-        tolerances: Tolerances,
-        contacts: Vec<MonitoredContact>,
-        momentum_balance: Option<MomentumBalance>,
-    ) -> Self {
+    /// Measures a run of `scene` with `model`, with the tolerances of its settings.
+    pub fn new(model: Model, scene: &Scene) -> Self {
+        let system = &scene.system;
+        // Discs have no joints that could open.
+        let loop_gap_m = if system.fingers.is_empty() { 0.0 } else { scene.bounds.loop_gap_m };
+        let tolerances = Tolerances::for_settings(model, &scene.integrator, &scene.engine, loop_gap_m);
+        // Momentum is not conserved in a moving frame. The engine's forces are averages over steps, so their impulses
+        // between samples are not known accurately enough.
+        let free_object = object(system).filter(|_| system.palm_motion.is_none() && model == Model::Analytic);
+        let contacts = monitored_contacts(system);
         Self {
             model,
             tolerances,
@@ -100,7 +94,8 @@ impl Invariants {
             slips_m_s: vec![f64::NAN; contacts.len()],
             gap_rates_m_s: vec![0.0; contacts.len()],
             contacts,
-            momentum_balance,
+            momentum_balance: free_object
+                .map(|(body, friction_laws)| MomentumBalance::new(tolerances.energy, body, friction_laws)),
             worst: [Violation::default(); Invariant::ALL.len()],
             start: None,
             throughput_j: 0.0,
@@ -163,12 +158,12 @@ impl Invariants {
     }
 
     /// Records one instant: the number of non-finite values, the energies, and the state of every contact.
-    pub(super) fn record(
+    fn record<'a>(
         &mut self,
         time_s: f64,
         non_finite: usize,
         energy: &Energy,
-        contact_values: impl IntoIterator<Item = ContactValues>,
+        contacts: impl IntoIterator<Item = &'a ContactSample>,
     ) {
         self.samples += 1;
         self.last_s = time_s;
@@ -182,16 +177,9 @@ impl Invariants {
         let released_j = (start.gravity_j - energy.gravity_j) + (start.spring_j - energy.spring_j);
         let available_j =
             (1.0 + ENERGY_SUM_TOLERANCE) * (supplied_j + released_j) + self.tolerances.energy * self.throughput_j;
-        for (index, values) in contact_values.into_iter().enumerate() {
-            self.contact(index, &values, time_s, available_j);
-            self.friction(index, &values, time_s);
-        }
-    }
-
-    /// Records the momentum of the object; all values of the sample must be finite.
-    pub(super) fn momentum(&mut self, sample: &Sample) {
-        if let Some(momentum_balance) = self.momentum_balance.as_mut() {
-            momentum_balance.record(sample);
+        for (index, values) in contacts.into_iter().enumerate() {
+            self.contact(index, values, time_s, available_j);
+            self.friction(index, values, time_s);
         }
     }
 
@@ -218,7 +206,7 @@ impl Invariants {
     }
 
     /// Measures depth, force and impulse of a contact.
-    fn contact(&mut self, index: usize, values: &ContactValues, time_s: f64, available_j: f64) {
+    fn contact(&mut self, index: usize, values: &ContactSample, time_s: f64, available_j: f64) {
         let contact = Some(index);
         let MonitoredContact { law, depth, reach_m, .. } = self.contacts[index];
         self.update(Invariant::NoAdhesion, contact, time_s, -values.normal_n, 0.0);
@@ -239,7 +227,7 @@ impl Invariants {
     }
 
     /// Measures the friction of a contact.
-    fn friction(&mut self, index: usize, values: &ContactValues, time_s: f64) {
+    fn friction(&mut self, index: usize, values: &ContactSample, time_s: f64) {
         let contact = Some(index);
         let previous = std::mem::replace(&mut self.slips_m_s[index], values.slip_m_s);
         if !self.tolerances.laws {
@@ -286,4 +274,62 @@ fn record_max((max, at_s): &mut (f64, f64), measured: f64, time_s: f64) {
 fn max_depth(law: &NormalLaw, energy_j: f64) -> f64 {
     let NormalLaw { stiffness_n_per_m_e: k, exponent: e, .. } = *law;
     if k > 0.0 { pow((e + 1.0) * energy_j.max(0.0) / k, (e + 1.0).recip()) * (1.0 + ROUNDING) } else { f64::INFINITY }
+}
+
+impl Sink for Invariants {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        // An infinite gap belongs to a contact that the scene does not have.
+        let existing = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
+        let non_finite = non_finite(sample);
+        self.record(sample.time_s, non_finite, &sample.energy, existing);
+        if non_finite == 0 {
+            self.momentum_balance.iter_mut().for_each(|balance| balance.record(sample));
+        }
+        Ok(())
+    }
+}
+
+/// All contacts of a system.
+fn monitored_contacts(system: &System) -> Vec<MonitoredContact> {
+    let surface = |name: String, (law, friction): (NormalLaw, Option<FrictionLaw>)| MonitoredContact {
+        name,
+        law,
+        friction,
+        depth: Invariant::Penetration,
+        reach_m: 1.0,
+    };
+    let stop = |name: String, side: Side| {
+        let (law, reach_m) = (system.finger(side).limit?, system.finger(side).linkage.lengths.l22_m);
+        Some(MonitoredContact { name, law, friction: None, depth: Invariant::JointLimit, reach_m })
+    };
+    let monitored = |contact| match contact {
+        ContactId::Stop(side) => stop(system.contact_name(contact), side),
+        _ => system.contact_laws(contact).map(|law| surface(system.contact_name(contact), law)),
+    };
+    system.contact_ids().into_iter().filter_map(monitored).collect()
+}
+
+/// Returns a free object that is the only disc, and the friction law of every contact.
+fn object(system: &System) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
+    let object = system.object().filter(|_| system.discs.len() == 1)?;
+    let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = object.motion else {
+        return None;
+    };
+    let friction_laws = system
+        .contact_ids()
+        .into_iter()
+        .map(|touching| system.contact_laws(touching).and_then(|(_, friction)| friction));
+    Some((FreeBody { mass_kg, inertia_kg_m2, gravity_m_s2: system.gravity_m_s2 }, friction_laws.collect()))
+}
+
+/// Number of values that are not finite. An infinite gap belongs to a missing contact and does not count.
+fn non_finite(sample: &Sample) -> usize {
+    let fingers = sample.fingers.iter().flat_map(Channels::values);
+    let bodies = sample.bodies.iter().flat_map(Channels::values);
+    let contacts = sample.contacts.iter().flat_map(|contact| {
+        let gap_m = if contact.gap_m == f64::INFINITY { 0.0 } else { contact.gap_m };
+        ContactSample { gap_m, ..*contact }.values()
+    });
+    let all = fingers.chain(bodies).chain(contacts).chain(sample.energy.values()).chain([sample.time_s]);
+    all.filter(|number| !number.is_finite()).count()
 }

@@ -15,7 +15,6 @@
 //! [`Invariants`] is a sink of runs; [`Invariants::findings`] returns how close each invariant came to its limit.
 
 mod audit;
-mod contacts;
 mod finding;
 mod measure;
 mod momentum;

@@ -8,9 +8,7 @@ use super::{Outcome, Reach, RunError, Sink, Work};
 use crate::analytic::multibody::{MAX_SIZES, TooLarge, count_moving_discs};
 use crate::analytic::multibody::{Multibody, Size};
 use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
-use crate::integrator::{
-    self, Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, State, Tolerances, integrate_by,
-};
+use crate::integrator::{self, Counters, Hybrid, Options, RadauOrRodas, State, Tolerances, integrate_by};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Method, Motor, Scene, Side, System};
 
@@ -24,79 +22,77 @@ use crate::scene::{Integrator, Method, Motor, Scene, Side, System};
 /// Returns an error if the scene has more discs or pairs than the model supports or is unsupported
 /// ([`System::unsupported`](crate::scene::System::unsupported)), the sink fails, or the simulation does not complete.
 pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let (system, span) = (&scene.system, Span::from_scene(scene));
+    let system = &scene.system;
     if let Some(reason) = system.unsupported() {
-        return Err(rejected_scene(reason.to_string()));
+        return Err(RunError::rejected(reason.to_string(), Outcome::default()));
     }
     match scene.kind() {
         SceneKind::Finger if fits_finger_kernel(system) => match system.has_stiction() {
-            true => run_finger::<4, 6>(scene, span, sink),
-            false => run_finger::<2, 4>(scene, span, sink),
+            true => run_finger::<4, 6>(scene, sink),
+            false => run_finger::<2, 4>(scene, sink),
         },
-        SceneKind::Finger => run_general(scene, span, sink),
-        SceneKind::Bodies => run_discs(scene, span, sink),
-        SceneKind::Gripper => run_gripper(scene, span, sink),
+        SceneKind::Finger => run_general(scene, sink),
+        SceneKind::Bodies => run_discs(scene, sink),
+        SceneKind::Gripper => run_gripper(scene, sink),
     }
 }
 
 /// Runs two fingers with at most one object, which has six contacts with phalanges, palm and table: 4, 7 or 8
 /// coordinates, or up to 16 with bristle states.
-fn run_gripper(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+fn run_gripper(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let system = &scene.system;
     match (system.discs.len(), system.has_stiction(), Size::of_system(system).coordinates) {
-        (0 | 1, false, 4) => run_multibody::<4, 8, 10, 24>(scene, span, sink),
-        (0 | 1, false, 7) => run_multibody::<7, 8, 10, 24>(scene, span, sink),
-        (0 | 1, false, 8) => run_multibody::<8, 8, 10, 24>(scene, span, sink),
-        (0 | 1, true, ..=16) => run_multibody::<16, 8, 10, 24>(scene, span, sink),
-        _ => run_general(scene, span, sink),
+        (0 | 1, false, 4) => run_multibody::<4, 8, 10, 24>(scene, 1.0, sink),
+        (0 | 1, false, 7) => run_multibody::<7, 8, 10, 24>(scene, 1.0, sink),
+        (0 | 1, false, 8) => run_multibody::<8, 8, 10, 24>(scene, 1.0, sink),
+        (0 | 1, true, ..=16) => run_multibody::<16, 8, 10, 24>(scene, 1.0, sink),
+        _ => run_general(scene, sink),
     }
 }
 
 /// Runs a scene of discs.
 #[cfg(feature = "lists")]
-fn run_discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+fn run_discs(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     match count_moving_discs(&scene.system).map(|moving| (moving, scene.system.has_stiction())) {
         Ok((0, _)) => Ok(Outcome::default()),
-        Ok((_, true)) => run_multibody::<18, 12, 14, 36>(scene, span, sink),
-        Ok((_, false)) => run_multibody::<9, 12, 14, 36>(scene, span, sink),
+        Ok((_, true)) => run_multibody::<18, 12, 14, 36>(scene, 1.0, sink),
+        Ok((_, false)) => run_multibody::<9, 12, 14, 36>(scene, 1.0, sink),
         Err(error) => Err(too_large(&error)),
     }
 }
 
 /// Runs any other system that fits the largest kernel.
 #[cfg(feature = "lists")]
-fn run_general(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+fn run_general(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let (size, has_stiction) = (Size::of_system(&scene.system), scene.system.has_stiction());
     let max_size = MAX_SIZES[usize::from(has_stiction)];
     // Unused coordinates have no errors; scaled tolerances compensate for their share in the mean over all coordinates.
     let tolerance_scale = (size.coordinates as f64 / max_size.coordinates as f64).sqrt();
     match (size.fits(&max_size), has_stiction) {
         (false, _) => Err(too_large(&TooLarge::Components { size, limit: max_size })),
-        (true, false) => {
-            run_multibody_scaled::<{ MAX_SIZES[0].coordinates }, 24, 26, 72>(scene, tolerance_scale, span, sink)
-        }
-        (true, true) => {
-            run_multibody_scaled::<{ MAX_SIZES[1].coordinates }, 24, 26, 72>(scene, tolerance_scale, span, sink)
-        }
+        (true, false) => run_multibody::<{ MAX_SIZES[0].coordinates }, 24, 26, 72>(scene, tolerance_scale, sink),
+        (true, true) => run_multibody::<{ MAX_SIZES[1].coordinates }, 24, 26, 72>(scene, tolerance_scale, sink),
     }
 }
 
 /// Error for a system that exceeds the largest kernel.
 #[cfg(feature = "lists")]
 fn too_large(error: &TooLarge) -> RunError {
-    rejected_scene(format!("{error}, or simulate with `--model engine`, which takes any number"))
+    RunError::rejected(
+        format!("{error}, or simulate with `--model engine`, which takes any number"),
+        Outcome::default(),
+    )
 }
 
 #[cfg(not(feature = "lists"))]
-fn run_discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    run_general(scene, span, sink)
+fn run_discs(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    run_general(scene, sink)
 }
 
 #[cfg(not(feature = "lists"))]
-fn run_general(_: &Scene, _: Span, _: &mut dyn Sink) -> Result<Outcome, RunError> {
-    Err(rejected_scene(
-        "in this build the analytic model supports only a finger and a gripper with one object".to_string(),
-    ))
+fn run_general(_: &Scene, _: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let reason = "in this build the analytic model supports only a finger and a gripper with one object";
+    Err(RunError::rejected(reason.to_string(), Outcome::default()))
 }
 
 /// Whether the system is one finger that closes on fixed surfaces, driven by a torque alone; the finger kernel supports
@@ -110,37 +106,18 @@ fn fits_finger_kernel(system: &System) -> bool {
         && is_torque_driven
 }
 
-/// Error for a scene rejected before integration.
-pub(super) fn rejected_scene(reason: String) -> RunError {
-    let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
-    RunError::Simulation { failure, partial_outcome: Box::default() }
-}
-
 /// Runs a scene with the finger kernel.
-fn run_finger<const N: usize, const W: usize>(
-    scene: &Scene,
-    span: Span,
-    sink: &mut dyn Sink,
-) -> Result<Outcome, RunError> {
+fn run_finger<const N: usize, const W: usize>(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let model = FingerMotion::<N, W>::new(&scene.system);
     let start = FingerMotion::<N, W>::start(&scene.system);
-    simulate::<_, _, N, QUADRATURES, EVENT_FUNCTIONS>(&model, &model, start, &scene.integrator, (span, None), sink)
+    simulate::<_, _, N, QUADRATURES, EVENT_FUNCTIONS>(&model, &model, start, &scene.integrator, (scene, None), sink)
 }
 
-/// Runs a system of up to N coordinates and C contacts, with Z quadratures and G event functions.
+/// Runs a system of up to N coordinates and C contacts, with Z quadratures and G event functions, and with all tolerances
+/// multiplied by `tolerance_scale`.
 fn run_multibody<const N: usize, const C: usize, const Z: usize, const G: usize>(
     scene: &Scene,
-    span: Span,
-    sink: &mut dyn Sink,
-) -> Result<Outcome, RunError> {
-    run_multibody_scaled::<N, C, Z, G>(scene, 1.0, span, sink)
-}
-
-/// Runs such a system with all tolerances multiplied by `tolerance_scale`.
-fn run_multibody_scaled<const N: usize, const C: usize, const Z: usize, const G: usize>(
-    scene: &Scene,
     tolerance_scale: f64,
-    span: Span,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, RunError> {
     let requested = &scene.integrator;
@@ -153,24 +130,25 @@ fn run_multibody_scaled<const N: usize, const C: usize, const Z: usize, const G:
     let model = Multibody::<N, C>::new(&scene.system);
     let reader = SystemReader { model: &model, system: &scene.system };
     let start = model.start::<Z>(&scene.system);
-    let end = (span, Reach::from_system(&scene.system));
-    simulate::<_, _, N, Z, G>(&model, &reader, start, &settings, end, sink)
+    let reach = Reach::from_system(&scene.system);
+    simulate::<_, _, N, Z, G>(&model, &reader, start, &settings, (scene, reach), sink)
 }
 
-/// Integrates a model from `start` to the end of the span, or to where the object leaves the reach of the fingers, and
+/// Integrates a model from `start` to the end of the scene, or to where the object leaves the reach of the fingers, and
 /// records the samples that `reader` produces.
 fn simulate<M, R, const N: usize, const Z: usize, const G: usize>(
     model: &M,
     reader: &R,
     start: State<N, Z>,
     settings: &Integrator,
-    (span, reach): (Span, Option<Reach>),
+    (scene, reach): (&Scene, Option<Reach>),
     sink: &mut dyn Sink,
 ) -> Result<Outcome, RunError>
 where
     M: Hybrid<N, Z, G>,
     R: Reader<N, Z, Mode = M::Mode>,
 {
+    let span = Span::from_scene(scene);
     let options = options(settings);
     let mode = model.mode_at(0.0, &start.q, &start.v);
     let mut recorder = Recorder::new(reader, mode, &start, (span, reach), sink);

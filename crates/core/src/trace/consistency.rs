@@ -1,6 +1,6 @@
 //! Plausibility check of engine steps: open joints or unexplained energy end a run.
 
-use super::Energy;
+use super::{Channels, Energy};
 use crate::scene::{Stepping, System};
 
 /// Limits for adaptive steps: joint opening relative to the shortest link, and created energy relative to the supplied
@@ -44,7 +44,7 @@ impl ConsistencyCheck {
         self.input_j = self.input_j.max(input_j);
         // Contacts with negative dissipation create energy that does not appear in the balance.
         let created_j = energy.balance_j.abs().max(-energy.dissipated_j);
-        let total_j: f64 = energy.values_j().iter().map(|value| value.abs()).sum();
+        let total_j: f64 = energy.values().iter().map(|value| value.abs()).sum();
         let [max_opening, max_created] = self.limits;
         let reason = if gap_m > max_opening * shortest_link_m {
             format!("a joint is open by {gap_m:.1e} m, but the shortest link has {shortest_link_m:.1e} m")

@@ -2,7 +2,6 @@
 
 use super::engine_recorder::EngineRecorder;
 use super::grid::Span;
-use super::step_observer::StepObserver;
 use super::{Outcome, RunError, Sink, SinkError};
 use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
@@ -28,7 +27,7 @@ const MIN_STEP_FRACTION: f64 = 1e-9;
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     if let Some(reason) = scene.system.unsupported() {
-        return Err(start_failure(reason.to_string(), Outcome::default()));
+        return Err(RunError::rejected(reason.to_string(), Outcome::default()));
     }
     let Scene { system, engine, .. } = scene;
     let kind = scene.kind();
@@ -40,23 +39,17 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
             }
             _ => "the links do not close the loop at these initial angles; choose others".to_string(),
         };
-        start_failure(reason, initial_outcome())
+        RunError::rejected(reason, initial_outcome())
     })?;
     if kind == SceneKind::Gripper && engine.construction == Construction::Reduced {
         let reason = "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string();
-        return Err(start_failure(reason, initial_outcome()));
+        return Err(RunError::rejected(reason, initial_outcome()));
     }
     let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
     match Motion::new(&plan, world) {
         Ok(motion) => simulate(motion, scene, sink),
-        Err(error) => Err(start_failure(error.to_string(), initial_outcome())),
+        Err(error) => Err(RunError::rejected(error.to_string(), initial_outcome())),
     }
-}
-
-/// Error for a run that could not be started, with its outcome.
-fn start_failure(reason: String, outcome: Outcome) -> RunError {
-    let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
-    RunError::Simulation { failure, partial_outcome: Box::new(outcome) }
 }
 
 /// Simulates a scene from its initial motion.
@@ -75,12 +68,12 @@ fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Ou
     }
 }
 
-/// Steps to the end of the run and reports every step to `observer`; returns the reason if the run does not get there.
+/// Steps to the end of the run and records every step; returns the reason if the run does not get there.
 fn step_through(
     motion: &mut Motion,
     settings: &Engine,
     end_s: f64,
-    observer: &mut impl StepObserver,
+    recorder: &mut EngineRecorder<'_>,
 ) -> Result<Option<Reason>, SinkError> {
     motion.contact.tolerance = Tolerance::from_stepping(settings.stepping);
     if let Stepping::Adaptive { tolerance_m, .. } = settings.stepping {
@@ -95,21 +88,21 @@ fn step_through(
         if substeps >= budget {
             return Ok(Some(Reason::SubstepBudget { budget, steps }));
         }
-        let stop_s = end_s.min(motion.clock.now() + observer.time_to_exit_s());
+        let stop_s = end_s.min(motion.clock.now() + recorder.time_to_exit_s());
         let dt = next_step(motion, settings.stepping, stop_s);
-        if let Err(error) = advance(motion, dt, &|| observer.should_continue()) {
-            return Ok(Some(match observer.should_continue() {
+        if let Err(error) = advance(motion, dt, &|| recorder.should_continue()) {
+            return Ok(Some(match recorder.should_continue() {
                 true => Reason::Obstacle(error.to_string()),
                 false => Reason::Stopped,
             }));
         }
         steps += 1;
         substeps += u64::from(motion.contact.substeps);
-        observer.step(motion)?;
-        if let Some(reason) = observer.failure() {
+        recorder.step(motion)?;
+        if let Some(reason) = &recorder.failure {
             return Ok(Some(Reason::Obstacle(reason.to_string())));
         }
-        if !observer.should_continue() {
+        if !recorder.should_continue() {
             return Ok(Some(Reason::Stopped));
         }
     }
@@ -120,7 +113,7 @@ fn step_through(
 fn advance(motion: &mut Motion, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
     let mut trial_dt = dt;
     loop {
-        match motion.advance_while(trial_dt, keep_running) {
+        match motion.advance(trial_dt, keep_running) {
             Err(StepError::TooLong { .. }) if trial_dt > MIN_STEP_FRACTION * dt => trial_dt *= 0.25,
             result => return result,
         }

@@ -1,14 +1,13 @@
 //! Converts the steps of the engine model into samples, events and summary figures.
 
 use super::consistency::ConsistencyCheck;
-use super::contact_tracker::{ContactTracker, ReportedEvent};
+use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
 use super::engine_reading::{self as reading, sample_contact, stored_energy};
+use super::extrema::StepExtrema;
 use super::grid::{Grid, Span};
 use super::sample::OVERLAP_ROUNDING;
-use super::step_extrema::StepExtrema;
-use super::step_observer::StepObserver;
-use super::{ContactSample, Energy, Event, Outcome, Reach, Sample, Sink, SinkError, Work};
-use crate::engine::{ActiveContact, Change, ChangeKind, Motion, ZERO_RATE};
+use super::{ContactSample, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
+use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, ZERO_RATE};
 use crate::scene::{Scene, System};
 
 /// Observer that records an engine run.
@@ -33,11 +32,12 @@ pub(super) struct EngineRecorder<'a> {
     /// Buffer for a sample on the grid.
     point: Sample,
     emitted_s: f64,
-    step_extrema: StepExtrema,
+    step_extrema: StepExtrema<(usize, ContactExtremum)>,
     work: Work,
     loop_gap_m: f64,
     consistency: ConsistencyCheck,
-    failure: Option<String>,
+    /// Reason why the last step is not a valid motion, if any.
+    pub failure: Option<String>,
 }
 
 impl<'a> EngineRecorder<'a> {
@@ -110,7 +110,7 @@ impl<'a> EngineRecorder<'a> {
             };
             let time_s = end_s - dt + after_s;
             self.emit_extrema_before(&node, dt, after_s)?;
-            if kind == ChangeKind::Closes && !self.trackers[channel].is_touching {
+            if kind == ChangeKind::Closes && !self.trackers[channel].engine.is_touching {
                 self.emit_touch_down(motion, &node, channel, time_s, closing)?;
             }
             self.process_change(channel, kind, time_s, closing, impulse)?;
@@ -121,19 +121,14 @@ impl<'a> EngineRecorder<'a> {
         }
         // An inconsistent step ends the run as a failure instead.
         let is_consistent = self.failure.is_none();
-        if is_consistent && self.is_object_touched() && self.reach.is_some_and(|reach| reach.leaves(&self.last, &node))
+        if is_consistent
+            && has_surface_touched(&self.trackers, &self.last)
+            && self.reach.is_some_and(|reach| reach.leaves(&self.last, &node))
         {
             self.ejected_s = Some(end_s);
         }
         self.node = node;
         self.emit_step(dt)
-    }
-
-    /// Whether something has touched the object.
-    fn is_object_touched(&self) -> bool {
-        let has_touched =
-            |(index, tracker): (usize, &ContactTracker)| tracker.summary.touchdowns > 0 && !self.last.is_stop(index);
-        self.trackers.iter().enumerate().any(has_touched)
     }
 
     /// Records touch-downs of surfaces that the last step left separated in its frozen geometry, or that the run starts
@@ -155,11 +150,7 @@ impl<'a> EngineRecorder<'a> {
         for (channel, tracker) in self.trackers.iter_mut().enumerate() {
             let Some(index) = motion.plan.element_index(channel) else { continue };
             let within = motion.contact_extrema(index);
-            let depth = motion
-                .candidates
-                .iter()
-                .find(|candidate| candidate.index == index)
-                .map_or(0.0, |candidate| -candidate.gap);
+            let depth = motion.candidate(index).map_or(0.0, |candidate| -candidate.gap);
             let end = [motion.forces(index).0, depth];
             self.step_extrema.add_contact(channel, &mut tracker.summary, within, motion.last_dt_s, end);
         }
@@ -168,13 +159,13 @@ impl<'a> EngineRecorder<'a> {
 
     /// Emits samples at the extrema of a step of length `dt` that lie before `after_s`.
     fn emit_extrema_before(&mut self, now: &Sample, dt: f64, after_s: f64) -> Result<(), SinkError> {
-        while let Some((channel, extremum)) = self.step_extrema.next_before(after_s) {
+        while let Some((_, (channel, extremum))) = self.step_extrema.next_before(after_s) {
             let time_s = now.time_s - dt + extremum.after_s;
             let sample = &mut self.within;
             sample.interpolate_from(&self.last, now, time_s);
-            sample.contacts[channel].set_extremum(&extremum, self.trackers[channel].impulse);
+            sample.contacts[channel].set_extremum(&extremum, self.trackers[channel].engine.impulse);
             while let Some((other, simultaneous)) = self.step_extrema.next_at(extremum.after_s) {
-                sample.contacts[other].set_extremum(&simultaneous, self.trackers[other].impulse);
+                sample.contacts[other].set_extremum(&simultaneous, self.trackers[other].engine.impulse);
             }
             if time_s > self.emitted_s && time_s < now.time_s {
                 self.emit_grid(now, time_s)?;
@@ -219,15 +210,14 @@ impl<'a> EngineRecorder<'a> {
     fn finish_step(&mut self, motion: &Motion, channel: usize, end_s: f64) -> Result<(), SinkError> {
         let Some(index) = motion.plan.element_index(channel) else { return Ok(()) };
         let force = motion.forces(index).0;
-        if force > 0.0 && !self.trackers[channel].is_touching {
+        if force > 0.0 && !self.trackers[channel].engine.is_touching {
             // rapier's own contact reports no touch-down, and a step that began with an overlap has passed it.
-            let rapier_contact = motion.rapier_contacts.iter().find(|contact| contact.index == index);
-            let closing_rate = rapier_contact.map_or(0.0, |contact| contact.closing_rate);
+            let closing_rate = motion.rapier_contact(index).map_or(0.0, |contact| contact.closing_rate);
             self.process_change(channel, ChangeKind::Closes, end_s - motion.last_dt_s, closing_rate, 0.0)?;
         }
         let tracker = &mut self.trackers[channel];
-        if let Some(candidate) = motion.candidates.iter().find(|candidate| candidate.index == index) {
-            tracker.is_touching &= !candidate.is_separated() || force > 0.0;
+        if let Some(candidate) = motion.candidate(index) {
+            tracker.engine.is_touching &= !candidate.is_separated() || force > 0.0;
         }
         tracker.add_step(motion.normal_impulse(index));
         if let Some(kind) = tracker.change_between_steps(force) {
@@ -253,9 +243,9 @@ impl<'a> EngineRecorder<'a> {
 
     /// Emits an event, after the last sample if that has not been emitted.
     fn emit_event(&mut self, contact: usize, time_s: f64, event: ReportedEvent) -> Result<(), SinkError> {
-        let ReportedEvent { kind, approach: approach_speed, impulse } = event;
-        let event = Event { time_s, contact, kind, approach_speed, impulse };
-        if kind.is_friction_event() {
+        let is_friction_event = event.kind.is_friction_event();
+        let event = event.at(time_s, contact);
+        if is_friction_event {
             return self.sink.event(&event);
         }
         self.work.events += 1;
@@ -304,6 +294,17 @@ impl<'a> EngineRecorder<'a> {
         Ok(())
     }
 
+    /// Upper bound of the next step, s, so that it ends where the object leaves the reach of the fingers.
+    pub fn time_to_exit_s(&self) -> f64 {
+        let object = self.last.bodies.first().filter(|_| has_surface_touched(&self.trackers, &self.last));
+        self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(object))
+    }
+
+    /// Whether the run may continue; called after every step and after every contact sub-step.
+    pub fn should_continue(&self) -> bool {
+        self.ejected_s.is_none() && self.sink.should_continue()
+    }
+
     /// Emits the last sample if the run ended between grid points, and returns the summary.
     pub fn finish(mut self) -> Result<Outcome, SinkError> {
         if self.emitted_s < self.last.time_s {
@@ -321,14 +322,6 @@ impl<'a> EngineRecorder<'a> {
     }
 }
 
-/// Updates the maxima with a sample: by rounding and frozen geometry, it can exceed the extrema found within the steps.
-fn update_summaries(trackers: &mut [ContactTracker], sample: &Sample) {
-    trackers
-        .iter_mut()
-        .zip(&sample.contacts)
-        .for_each(|(tracker, contact)| tracker.summary.update(contact.force_and_penetration()));
-}
-
 /// Reads the node into a sample, given its energies and the contact states up to the start of the step.
 fn read_node(
     system: &System,
@@ -344,7 +337,7 @@ fn read_node(
         let index = motion.plan.element_index(channel);
         // There is no step impulse before the first step.
         let stepped_index = index.filter(|_| motion.last_dt_s > 0.0);
-        let impulse = tracker.impulse + stepped_index.map_or(0.0, |index| motion.normal_impulse(index));
+        let impulse = tracker.engine.impulse + stepped_index.map_or(0.0, |index| motion.normal_impulse(index));
         let contact = sample_contact(motion, index, impulse);
         ContactSample {
             normal: if *flipped { contact.normal.map(|component| -component) } else { contact.normal },
@@ -352,23 +345,4 @@ fn read_node(
         }
     }));
     sample.energy = energy;
-}
-
-impl StepObserver for EngineRecorder<'_> {
-    fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
-        EngineRecorder::step(self, motion)
-    }
-
-    fn time_to_exit_s(&self) -> f64 {
-        let object = self.last.bodies.first().filter(|_| self.is_object_touched());
-        self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(object))
-    }
-
-    fn failure(&self) -> Option<&str> {
-        self.failure.as_deref()
-    }
-
-    fn should_continue(&self) -> bool {
-        self.ejected_s.is_none() && self.sink.should_continue()
-    }
 }

@@ -38,6 +38,6 @@ pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, 
         #[cfg(feature = "engine")]
         Model::Engine => run_engine(scene, sink),
         #[cfg(not(feature = "engine"))]
-        Model::Engine => Err(super::analytic::rejected_scene("this build has no engine model".to_string())),
+        Model::Engine => Err(RunError::rejected("this build has no engine model".to_string(), Outcome::default())),
     }
 }

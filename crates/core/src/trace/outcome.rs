@@ -1,8 +1,9 @@
-//! Summary of a finished run: extrema found on the dense output, and computational cost.
+//! Summary of a finished run: extrema found on the dense output, and computational cost; errors of a run.
 
 use serde::Serialize;
 
-use super::{FingerContact, Sample};
+use super::{FingerContact, Sample, SinkError};
+use crate::integrator::{Failure, Reason};
 
 /// Summary of one contact. For a joint limit, read rad for m and N·m for N.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,5 +107,28 @@ impl Outcome {
     /// Panics if there is no finger.
     pub fn finger_contact(&self, site: FingerContact) -> &ContactSummary {
         &self.contacts[site as usize]
+    }
+}
+
+/// Reason why a run did not complete.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+    /// The simulation failed; `partial_outcome` summarises the run up to the failure. The sink has received all of it.
+    #[error("the simulation could not be completed {failure}")]
+    Simulation { failure: Failure, partial_outcome: Box<Outcome> },
+}
+
+impl RunError {
+    /// Error for a scene rejected before the first step.
+    pub(super) fn rejected(reason: String, outcome: Outcome) -> Self {
+        let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
+        RunError::Simulation { failure, partial_outcome: Box::new(outcome) }
+    }
+
+    /// Whether the run was cancelled by its sink, see [`Sink::should_continue`](super::Sink::should_continue).
+    pub fn is_stop(&self) -> bool {
+        matches!(self, RunError::Simulation { failure: Failure { reason: Reason::Stopped, .. }, .. })
     }
 }

@@ -2,8 +2,7 @@
 
 use super::Model;
 use crate::scene::keywords::SceneKind;
-use crate::scene::table::{self, SettingsSection};
-use crate::scene::{Construction, Engine, Integrator, LogRates, Preset, Scene};
+use crate::scene::{Construction, ENGINE_MAX_STEP_S, Preset, Scene, Stepping};
 use crate::units::{self, Dimension};
 
 const RTOL: &str = "expected a number between 0 and 1, such as 1e-6";
@@ -13,25 +12,25 @@ const NUMERIC_RATE: &str = "a rate must be more than 0; expected a frequency suc
 const PICTURE_RATE: &str = "a rate must be at least 0; expected a frequency such as \"5 kHz\", or \"0 Hz\" for none";
 const DURATION: &str = "a run must be longer than 0; expected a time such as \"30 ms\"";
 
-/// Settings of a run that replace those of its scene. Texts have the format of a scene file.
+/// Settings of a run that replace those of its scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     /// Method and tolerances of the analytic model.
     pub preset: Option<Preset>,
     /// Relative tolerance of the analytic model; absolute tolerances are scaled with it.
-    pub rtol: Option<String>,
+    pub rtol: Option<f64>,
     /// Coordinates of the engine model.
     pub construction: Option<Construction>,
     /// Fixed step of the engine model.
-    pub step: Option<String>,
+    pub step_s: Option<f64>,
     /// Adaptive steps of the engine model: largest joint opening per step.
-    pub tolerance: Option<String>,
+    pub tolerance_m: Option<f64>,
     /// Length of the run.
     pub duration_s: Option<f64>,
     /// Samples per second of simulated time.
-    pub numeric_rate: Option<String>,
+    pub numeric_hz: Option<f64>,
     /// Pictures per second of simulated time.
-    pub picture_rate: Option<String>,
+    pub picture_hz: Option<f64>,
 }
 
 impl Overrides {
@@ -63,9 +62,21 @@ impl Overrides {
         if let Some(construction) = self.construction {
             engine.construction = construction;
         }
-        set_fields(integrator, "integrator", [("rtol", &self.rtol)])?;
-        set_fields(engine, "engine", [("step", &self.step), ("tolerance", &self.tolerance)])?;
-        set_fields(log, "log", [("numeric_rate", &self.numeric_rate), ("picture_rate", &self.picture_rate)])?;
+        if let Some(rtol) = self.rtol {
+            *integrator = integrator.with_rtol(rtol);
+        }
+        if let Some(step_s) = self.step_s {
+            engine.stepping = Stepping::Fixed { step_s };
+        }
+        if let Some(tolerance_m) = self.tolerance_m {
+            let max_step_s = match engine.stepping {
+                Stepping::Adaptive { max_step_s, .. } => max_step_s,
+                Stepping::Fixed { .. } => ENGINE_MAX_STEP_S,
+            };
+            engine.stepping = Stepping::Adaptive { tolerance_m, max_step_s };
+        }
+        log.numeric_hz = self.numeric_hz.unwrap_or(log.numeric_hz);
+        log.picture_hz = self.picture_hz.unwrap_or(log.picture_hz);
         if let Some(duration_s) = self.duration_s {
             *scene_duration_s = duration_s;
         }
@@ -80,15 +91,15 @@ impl Overrides {
 
     /// Rejects settings that the model does not use.
     fn reject_unused(&self, model: Model) -> Result<(), String> {
-        if self.step.is_some() && self.tolerance.is_some() {
+        if self.step_s.is_some() && self.tolerance_m.is_some() {
             return Err("--step sets a fixed step and --tolerance adapts the step: leave one of them out".to_string());
         }
         let (flags, other) = match model {
             Model::Analytic => (
                 [
                     ("--construction", self.construction.is_some()),
-                    ("--step", self.step.is_some()),
-                    ("--tolerance", self.tolerance.is_some()),
+                    ("--step", self.step_s.is_some()),
+                    ("--tolerance", self.tolerance_m.is_some()),
                 ],
                 Model::Engine,
             ),
@@ -109,44 +120,44 @@ impl Overrides {
     }
 }
 
-/// Checks a relative tolerance and returns its text.
+/// Parses a relative tolerance.
 ///
 /// # Errors
 /// Returns an error if the text is not an allowed value; the message says what is allowed.
-pub fn rtol(text: &str) -> Result<String, String> {
-    check_field::<Integrator>("integrator", "rtol", RTOL, text)
+pub fn rtol(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|rtol| 0.0 < *rtol && *rtol < 1.0).ok_or_else(|| RTOL.to_string())
 }
 
-/// Checks a fixed step of the engine, see [`rtol`].
+/// Parses a fixed step of the engine, in s, see [`rtol`].
 ///
 /// # Errors
 /// Returns an error if the text is not an allowed value; the message says what is allowed.
-pub fn step(text: &str) -> Result<String, String> {
-    check_field::<Engine>("engine", "step", STEP, text)
+pub fn step(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::Time, |step_s| step_s > 0.0, STEP)
 }
 
-/// Checks a tolerance of the engine, see [`rtol`].
+/// Parses a tolerance of the engine, in m, see [`rtol`].
 ///
 /// # Errors
 /// Returns an error if the text is not an allowed value; the message says what is allowed.
-pub fn tolerance(text: &str) -> Result<String, String> {
-    check_field::<Engine>("engine", "tolerance", TOLERANCE, text)
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::Length, |tolerance_m| tolerance_m > 0.0, TOLERANCE)
 }
 
-/// Checks a sampling rate, see [`rtol`].
+/// Parses a sampling rate, in Hz, see [`rtol`].
 ///
 /// # Errors
 /// Returns an error if the text is not an allowed value; the message says what is allowed.
-pub fn numeric_rate(text: &str) -> Result<String, String> {
-    check_field::<LogRates>("log", "numeric_rate", NUMERIC_RATE, text)
+pub fn numeric_rate(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::Frequency, |rate_hz| rate_hz > 0.0, NUMERIC_RATE)
 }
 
-/// Checks a picture rate, see [`rtol`].
+/// Parses a picture rate, in Hz, see [`rtol`].
 ///
 /// # Errors
 /// Returns an error if the text is not an allowed value; the message says what is allowed.
-pub fn picture_rate(text: &str) -> Result<String, String> {
-    check_field::<LogRates>("log", "picture_rate", PICTURE_RATE, text)
+pub fn picture_rate(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::Frequency, |rate_hz| rate_hz >= 0.0, PICTURE_RATE)
 }
 
 /// Parses the duration of a run, in s.
@@ -157,21 +168,11 @@ pub fn duration(text: &str) -> Result<f64, String> {
     units::parse_positive(text, Dimension::Time, DURATION)
 }
 
-/// Checks a field value as in a scene file; `expected` describes the allowed values.
-fn check_field<T: SettingsSection>(path: &str, key: &str, expected: &str, text: &str) -> Result<String, String> {
-    match table::set(&mut T::defaults(), path, key, text) {
-        Ok(true) => Ok(text.to_string()),
-        Ok(false) => Err(expected.to_string()),
+/// Parses a quantity within a range; `expected` describes the allowed values.
+fn quantity(text: &str, dimension: Dimension, is_allowed: fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    match units::parse(text, dimension) {
+        Ok(si) if is_allowed(si) => Ok(si),
+        Ok(_) => Err(expected.to_string()),
         Err(error) => Err(format!("{error}; {expected}")),
     }
-}
-
-/// Replaces the fields of a section by the given values.
-fn set_fields<T: SettingsSection, const N: usize>(
-    section: &mut T,
-    path: &str,
-    values: [(&str, &Option<String>); N],
-) -> Result<(), String> {
-    let mut values = values.into_iter().filter_map(|(key, text)| Some((key, text.as_ref()?)));
-    values.try_for_each(|(key, text)| table::set(section, path, key, text).map(drop))
 }

@@ -1,20 +1,38 @@
 //! Converts the steps of the analytic model into samples, events and summary figures.
 
+use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
+use super::extrema::{BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, StepExtrema, bisect, parabola_peak};
 use super::grid::{Grid, Span};
-use super::peak_search::{BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, StepPeaks, bisect, parabola_peak};
 use super::reading::Reader;
-use super::slip_events::SlipEvents;
-use super::{ContactSummary, Energy, Event, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
+use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
 use crate::integrator::{Observer, State, Step, StepTools};
 
-/// Record of one contact through time.
-#[derive(Clone, Copy, Debug, Default)]
-struct ContactRecord {
-    summary: ContactSummary,
-    /// Impulse at the last touch-down.
-    impulse_before: f64,
-    slip_events: SlipEvents,
+/// Interior of one step: its mode, states inside it, and the normal impulses at the last sample.
+struct Interior<'a, M, const N: usize, const Z: usize> {
+    step: &'a Step<'a, N, Z>,
+    mode: &'a M,
+    tools: &'a mut dyn StepTools<N, Z>,
+    impulses: [f64; Z],
+    contacts: usize,
+}
+
+impl<M, const N: usize, const Z: usize> Interior<'_, M, N, Z> {
+    fn time_s(&self, theta: f64) -> f64 {
+        self.step.t0 + theta * self.step.h
+    }
+
+    /// Returns a state within the step, computed by a separate step that ends there. Its integrals differ slightly from
+    /// those of the step. Normal impulses must not decrease, so they are clamped between the previous sample and the
+    /// end of the step.
+    fn resolve(&mut self, theta: f64) -> State<N, Z> {
+        let mut state = self.tools.resolve(theta);
+        for (index, before) in self.impulses.iter_mut().enumerate().take(self.contacts) {
+            *before = state.z[index].min(self.step.end.z[index]).max(*before);
+            state.z[index] = *before;
+        }
+        state
+    }
 }
 
 /// Observer that records a run of the analytic model.
@@ -30,7 +48,7 @@ pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> 
     ejected_s: Option<f64>,
     mode: R::Mode,
     start_energy: Energy,
-    contact_records: Vec<ContactRecord>,
+    trackers: Vec<ContactTracker>,
     /// Sample at the end of the last step.
     last: Sample,
     /// State from which `last` was read.
@@ -43,7 +61,7 @@ pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> 
     within: Sample,
     /// Time up to which samples have been emitted.
     emitted_s: f64,
-    peaks: StepPeaks,
+    peaks: StepExtrema<()>,
     error: Option<SinkError>,
 }
 
@@ -69,37 +87,31 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             ejected_s: None,
             mode,
             start_energy,
-            contact_records: vec![ContactRecord::default(); last.contacts.len()],
+            trackers: vec![ContactTracker::default(); last.contacts.len()],
             last,
             last_state: *start,
             last_mode: mode,
             end: Sample::default(),
             within: Sample::default(),
             emitted_s: 0.0,
-            peaks: StepPeaks::default(),
+            peaks: StepExtrema::default(),
             error: None,
         }
     }
 
     /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self) -> Result<(), SinkError> {
-        for (index, record) in self.contact_records.iter_mut().enumerate() {
+        for (index, tracker) in self.trackers.iter_mut().enumerate() {
             // An overlap is a contact with or without a force; a zero gap is a contact only if it closes.
             if self.mode[index] == ContactState::Free {
                 continue;
             }
             let contact = &self.last.contacts[index];
-            (record.summary.first_s, record.summary.touchdowns) = (Some(0.0), 1);
+            let event = tracker.touch_down(0.0, contact.approach_at_start(), 0.0);
             if self.mode[index] == ContactState::Released {
-                record.summary.update(contact.force_and_penetration());
+                tracker.summary.update(contact.force_and_penetration());
             }
-            self.sink.event(&Event {
-                time_s: 0.0,
-                contact: index,
-                kind: EventKind::TouchDown,
-                approach_speed: contact.approach_at_start(),
-                impulse: 0.0,
-            })?;
+            self.sink.event(&event.at(0.0, index))?;
         }
         // A start outside the workspace of a loop has no passive angles; the run then ends before its first step.
         if self.last.energy.kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.last) }
@@ -119,24 +131,20 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         }
         // The integrator ends one step after the exit.
         let end = if self.ejected_s.is_some() { &self.last_state } else { end };
-        let summary =
-            |(index, record): (usize, &ContactRecord)| ContactSummary { impulse_n_s: end.z[index], ..record.summary };
-        let contacts = self.contact_records.iter().enumerate().map(summary).collect();
+        let summary = |(index, tracker): (usize, &ContactTracker)| ContactSummary {
+            impulse_n_s: end.z[index],
+            ..tracker.summary
+        };
+        let contacts = self.trackers.iter().enumerate().map(summary).collect();
         Ok(Outcome { last: self.last, contacts, work, loop_gap_m: 0.0, ejected_s: self.ejected_s })
     }
 
     /// Emits the samples of one step: grid points and extrema inside it, and its end if the step is short, an extremum
     /// lies there, or the run is over.
-    fn emit_step(
-        &mut self,
-        step: &Step<N, Z>,
-        mode: &R::Mode,
-        tools: &mut dyn StepTools<N, Z>,
-    ) -> Result<(), SinkError> {
-        let end = self.last.time_s;
+    fn emit_step(&mut self, mut interior: Interior<'_, R::Mode, N, Z>) -> Result<(), SinkError> {
+        let (end, step, mode) = (self.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
-        let has_active_contact = (0..self.contact_records.len()).any(|index| mode[index].has_force());
-        let mut impulses = step.start.z;
+        let has_active_contact = (0..self.trackers.len()).any(|index| mode[index].has_force());
         self.grid.begin_step(end.min(self.end_s));
         while let Some(t) = self.grid.next_before(end.min(self.end_s)) {
             // A fine grid can have millions of points within one step.
@@ -144,21 +152,19 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                 break;
             }
             let theta = (t - step.t0) / step.h;
-            self.emit_peaks(step, mode, tools, theta, &mut impulses)?;
+            self.emit_peaks(&mut interior, theta)?;
             if theta > 0.0 {
-                let state = match has_active_contact {
-                    true => self.resolve_state(step, tools, theta, &mut impulses),
-                    false => tools.interpolate(theta),
-                };
-                self.read_within(t, &state, mode);
                 if has_active_contact {
-                    self.update_from_within();
+                    self.read_within(t, &interior.resolve(theta), mode);
+                    update_summaries(&mut self.trackers, &self.within);
+                } else {
+                    self.read_within(t, &interior.tools.interpolate(theta), mode);
                 }
                 self.emitted_s = t;
                 self.sink.sample(&self.within)?;
             }
         }
-        self.emit_peaks(step, mode, tools, 1.0, &mut impulses)?;
+        self.emit_peaks(&mut interior, 1.0)?;
         if self.grid.includes_end(end, step.h) || end >= self.end_s {
             self.emitted_s = end;
             self.sink.sample(&self.last)
@@ -170,66 +176,28 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     }
 
     /// Emits samples at the extrema of the step before `theta`.
-    fn emit_peaks(
-        &mut self,
-        step: &Step<N, Z>,
-        mode: &R::Mode,
-        tools: &mut dyn StepTools<N, Z>,
-        theta: f64,
-        impulses: &mut [f64; Z],
-    ) -> Result<(), SinkError> {
-        while let Some(theta_peak) = self.peaks.next_before(theta) {
-            let t = step.t0 + theta_peak * step.h;
-            if t > self.emitted_s && t < step.t1 {
-                let state = self.resolve_state(step, tools, theta_peak, impulses);
-                self.read_within(t, &state, mode);
-                self.update_from_within();
+    fn emit_peaks(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>, theta: f64) -> Result<(), SinkError> {
+        while let Some((theta_peak, ())) = self.peaks.next_before(theta) {
+            while self.peaks.next_at(theta_peak).is_some() {}
+            let t = interior.time_s(theta_peak);
+            if t > self.emitted_s && t < interior.step.t1 {
+                self.read_within(t, &interior.resolve(theta_peak), interior.mode);
+                update_summaries(&mut self.trackers, &self.within);
                 self.sink.extreme(&self.within)?;
             }
         }
         Ok(())
     }
 
-    /// Returns a state within the step, computed by a separate step that ends there. Its integrals differ slightly from
-    /// those of the step. Normal impulses must not decrease, so they are clamped between the previous sample, in
-    /// `impulses`, and the end of the step.
-    fn resolve_state(
-        &self,
-        step: &Step<N, Z>,
-        tools: &mut dyn StepTools<N, Z>,
-        theta: f64,
-        impulses: &mut [f64; Z],
-    ) -> State<N, Z> {
-        let mut state = tools.resolve(theta);
-        for (index, before) in impulses.iter_mut().enumerate().take(self.contact_records.len()) {
-            *before = state.z[index].min(step.end.z[index]).max(*before);
-            state.z[index] = *before;
-        }
-        state
-    }
-
     fn read_within(&mut self, t: f64, state: &State<N, Z>, mode: &R::Mode) {
         self.reader.read(t, state, mode, &self.start_energy, self.required_data, &mut self.within);
     }
 
-    /// Updates the maxima with the sample within the step: by rounding, it can exceed the peaks found by the search.
-    fn update_from_within(&mut self) {
-        let contact_records = self.contact_records.iter_mut().zip(&self.within.contacts);
-        contact_records.for_each(|(record, contact)| record.summary.update(contact.force_and_penetration()));
-    }
-
-    /// Updates the maxima with the end of a step whose peaks are not searched.
-    fn update_from_end(&mut self) {
-        let contact_records = self.contact_records.iter_mut().zip(&self.end.contacts);
-        contact_records.for_each(|(record, contact)| record.summary.update(contact.force_and_penetration()));
-    }
-
     /// Emits slip and stick events of bristle friction: steps end at these events, and the next step has another mode.
     fn record_slip_events(&mut self, time_s: f64, mode: &R::Mode) -> Result<(), SinkError> {
-        for (contact, record) in self.contact_records.iter_mut().enumerate() {
-            let is_slipping = self.reader.is_slipping(contact, mode);
-            if let Some(kind) = record.slip_events.update(is_slipping, &mut record.summary) {
-                self.sink.event(&Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 })?;
+        for (contact, tracker) in self.trackers.iter_mut().enumerate() {
+            if let Some(event) = tracker.update_slip(self.reader.is_slipping(contact, mode)) {
+                self.sink.event(&event.at(time_s, contact))?;
             }
         }
         Ok(())
@@ -237,23 +205,22 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
 
     /// Shortens the current step to where the object leaves the reach of the fingers, if something has touched the
     /// object; returns whether it does.
-    fn end_at_exit(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
+    fn end_at_exit(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>) -> bool {
         let Some(reach) = self.reach.filter(|reach| reach.leaves(&self.last, &self.end)) else { return false };
-        let has_touched =
-            |(index, record): (usize, &ContactRecord)| record.summary.touchdowns > 0 && !self.end.is_stop(index);
-        if !self.contact_records.iter().enumerate().any(has_touched) {
+        if !has_surface_touched(&self.trackers, &self.end) {
             return false;
         }
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
-            self.read_within(step.t0 + middle * step.h, &tools.resolve(middle), mode);
+            self.read_within(interior.time_s(middle), &interior.tools.resolve(middle), interior.mode);
             if reach.is_outside(&self.within.bodies[0]) { outside = middle } else { inside = middle }
         }
-        let (exit_s, mut impulses) = (step.t0 + outside * step.h, step.start.z);
         if outside < 1.0 {
-            self.last_state = self.resolve_state(step, tools, outside, &mut impulses);
-            self.reader.read(exit_s, &self.last_state, mode, &self.start_energy, self.required_data, &mut self.end);
+            (self.last_state, self.last_mode) = (interior.resolve(outside), *interior.mode);
+            interior.impulses = interior.step.start.z;
+            let (exit_s, state, mode) = (interior.time_s(outside), &self.last_state, interior.mode);
+            self.reader.read(exit_s, state, mode, &self.start_energy, self.required_data, &mut self.end);
         }
         self.end_s = self.end.time_s;
         self.ejected_s = Some(self.end_s);
@@ -264,7 +231,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
         self.peaks.clear();
         let length_s = self.end.time_s - self.last.time_s;
-        for (index, record) in self.contact_records.iter_mut().enumerate() {
+        for (index, tracker) in self.trackers.iter_mut().enumerate() {
             // A released contact can still get deeper without a force.
             let is_active = mode[index].has_force();
             if !is_active && mode[index] != ContactState::Released {
@@ -272,7 +239,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             }
             let (start, end) = (&self.last.contacts[index], &self.end.contacts[index]);
             let read = |state: &State<N, Z>| self.reader.contact(state, index, mode);
-            let summary = &mut record.summary;
+            let summary = &mut tracker.summary;
             summary.update_max_penetration(-start.gap_m);
             if summary.update_max_penetration(-end.gap_m) {
                 self.peaks.push(1.0);
@@ -309,15 +276,17 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
             return false;
         }
         self.reader.read(step.t1, step.end, mode, &self.start_energy, self.required_data, &mut self.end);
-        let exits = self.end_at_exit(step, mode, tools);
+        let (impulses, contacts) = (step.start.z, self.trackers.len());
+        let mut interior = Interior { step, mode, tools, impulses, contacts };
+        let exits = self.end_at_exit(&mut interior);
         if self.required_data.peaks && !exits {
-            self.search_peaks(mode, tools);
+            self.search_peaks(mode, interior.tools);
         } else {
             self.peaks.clear();
-            self.update_from_end();
+            update_summaries(&mut self.trackers, &self.end);
         }
         std::mem::swap(&mut self.last, &mut self.end);
-        if let Err(error) = self.emit_step(step, mode, tools) {
+        if let Err(error) = self.emit_step(interior) {
             self.error = Some(error);
         }
         self.error.is_none() && self.ejected_s.is_none() && self.sink.should_continue()
@@ -331,24 +300,20 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
             ContactState::Active => EventKind::Reload,
             _ => EventKind::LiftOff,
         };
-        let record = &mut self.contact_records[index];
-        let (mut approach_speed, mut impulse) = (0.0, 0.0);
-        match kind {
+        let (tracker, impulse) = (&mut self.trackers[index], state.z[index]);
+        let event = match kind {
             EventKind::TouchDown => {
-                approach_speed = -self.reader.contact(state, index, mode).gap_rate_m_s;
-                record.summary.first_s.get_or_insert(t);
-                record.summary.touchdowns += 1;
-                record.impulse_before = state.z[index];
+                let approach = -self.reader.contact(state, index, mode).gap_rate_m_s;
+                tracker.touch_down(t, approach, impulse)
             }
-            EventKind::LiftOff => impulse = state.z[index] - record.impulse_before,
-            EventKind::Reload | EventKind::Slips | EventKind::Sticks => {}
-        }
+            EventKind::LiftOff => tracker.lift_off(impulse),
+            EventKind::Reload | EventKind::Slips | EventKind::Sticks => ReportedEvent::of_kind(kind),
+        };
         self.mode = *mode;
         // Rates jump after an event: interpolation needs the sample just before it.
         let emitted = if self.emitted_s < self.last.time_s { self.sink.sample(&self.last) } else { Ok(()) };
         self.emitted_s = self.last.time_s;
-        let event = Event { time_s: t, contact: index, kind, approach_speed, impulse };
-        if let Err(error) = emitted.and_then(|()| self.sink.event(&event)) {
+        if let Err(error) = emitted.and_then(|()| self.sink.event(&event.at(t, index))) {
             self.error.get_or_insert(error);
         }
     }

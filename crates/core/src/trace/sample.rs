@@ -4,6 +4,17 @@ use serde::Serialize;
 
 pub use crate::gripper::FingerContact;
 
+/// A part of a sample as a list of numbers: columns, interpolation and checks are derived from it.
+pub trait Channels<const K: usize>: Sized {
+    /// Names of the numbers with their units.
+    const NAMES: [&'static str; K];
+
+    /// Returns all numbers, in the order of [`Channels::NAMES`].
+    fn values(&self) -> [f64; K];
+
+    fn from_values(values: [f64; K]) -> Self;
+}
+
 /// One contact: a phalanx against the object, a disc against another, or the joint limit. For a contact that does not
 /// exist, every field is zero and `gap_m` is infinite.
 ///
@@ -71,6 +82,33 @@ impl ContactSample {
     }
 }
 
+impl Channels<10> for ContactSample {
+    const NAMES: [&'static str; 10] = [
+        "gap_m",
+        "gap_rate_m_s",
+        "slip_m_s",
+        "normal_n",
+        "tangential_n",
+        "impulse_n_s",
+        "point_x_m",
+        "point_y_m",
+        "normal_x",
+        "normal_y",
+    ];
+
+    fn values(&self) -> [f64; 10] {
+        let Self { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, point_m, normal } = *self;
+        let ([px, py], [nx, ny]) = (point_m, normal);
+        [gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, px, py, nx, ny]
+    }
+
+    fn from_values(values: [f64; 10]) -> Self {
+        let [gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, px, py, nx, ny] = values;
+        let (point_m, normal) = ([px, py], [nx, ny]);
+        Self { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, point_m, normal }
+    }
+}
+
 impl ContactSample {
     /// A contact that does not exist.
     pub const NONE: Self = Self {
@@ -114,18 +152,20 @@ impl Energy {
             ..self
         }
     }
+}
 
-    /// Returns all energies, in the order of the fields.
-    pub fn values_j(&self) -> [f64; 7] {
-        [
-            self.kinetic_j,
-            self.gravity_j,
-            self.spring_j,
-            self.elastic_j,
-            self.dissipated_j,
-            self.motor_work_j,
-            self.balance_j,
-        ]
+impl Channels<7> for Energy {
+    const NAMES: [&'static str; 7] =
+        ["kinetic_j", "gravity_j", "spring_j", "elastic_j", "dissipated_j", "motor_work_j", "balance_j"];
+
+    fn values(&self) -> [f64; 7] {
+        let Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j } = *self;
+        [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j]
+    }
+
+    fn from_values(values: [f64; 7]) -> Self {
+        let [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = values;
+        Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j }
     }
 }
 
@@ -149,6 +189,35 @@ pub struct FingerState {
     pub motor_torque_n_m: f64,
 }
 
+impl Channels<10> for FingerState {
+    const NAMES: [&'static str; 10] = [
+        "q11_rad",
+        "q21_rad",
+        "q12_rad",
+        "q22_rad",
+        "q13_rad",
+        "qd11_rad_s",
+        "qd21_rad_s",
+        "qd12_rad_s",
+        "qd22_rad_s",
+        "motor_torque_n_m",
+    ];
+
+    fn values(&self) -> [f64; 10] {
+        let Self { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, .. } = *self;
+        let Self { qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, motor_torque_n_m, .. } = *self;
+        let [q, qd] = [[q11_rad, q21_rad, q12_rad, q22_rad], [qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s]];
+        [q[0], q[1], q[2], q[3], q13_rad, qd[0], qd[1], qd[2], qd[3], motor_torque_n_m]
+    }
+
+    fn from_values(values: [f64; 10]) -> Self {
+        let [q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, rates @ .., motor_torque_n_m] = values;
+        let [qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s] = rates;
+        let angles = Self { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, motor_torque_n_m, ..Self::default() };
+        Self { qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, ..angles }
+    }
+}
+
 /// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise and not reduced by whole
 /// turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -157,6 +226,19 @@ pub struct BodyState {
     pub angle_rad: f64,
     pub velocity_m_s: [f64; 2],
     pub spin_rad_s: f64,
+}
+
+impl Channels<6> for BodyState {
+    const NAMES: [&'static str; 6] = ["x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "spin_rad_s"];
+
+    fn values(&self) -> [f64; 6] {
+        let Self { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s } = *self;
+        [x, y, angle_rad, vx, vy, spin_rad_s]
+    }
+
+    fn from_values([x, y, angle_rad, vx, vy, spin_rad_s]: [f64; 6]) -> Self {
+        Self { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
+    }
 }
 
 impl BodyState {

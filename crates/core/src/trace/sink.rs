@@ -32,7 +32,11 @@ impl RequiredData {
 /// Receives the samples and events of a run in order of time.
 pub trait Sink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError>;
-    fn event(&mut self, event: &Event) -> Result<(), SinkError>;
+
+    /// Receives an event; ignored by default.
+    fn event(&mut self, _event: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
 
     /// Receives a sample within a step, or at the end of a long step, at which a force or a penetration exceeds all
     /// earlier values.
@@ -59,10 +63,6 @@ impl Sink for () {
     fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
         Ok(())
     }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
 }
 
 /// An optional sink; `None` discards everything.
@@ -85,5 +85,36 @@ impl<T: Sink> Sink for Option<T> {
 
     fn should_continue(&self) -> bool {
         self.as_ref().is_none_or(|sink| sink.should_continue())
+    }
+}
+
+/// Returns whether the run may continue; called once per step.
+pub type KeepRunning<'a> = &'a dyn Fn() -> bool;
+
+/// A sink whose run ends as soon as `keep_running` returns false.
+pub struct Cancellable<'a, S> {
+    pub sink: &'a mut S,
+    pub keep_running: KeepRunning<'a>,
+}
+
+impl<S: Sink> Sink for Cancellable<'_, S> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sink.sample(sample)
+    }
+
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sink.extreme(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.sink.event(event)
+    }
+
+    fn required_data(&self) -> RequiredData {
+        self.sink.required_data()
+    }
+
+    fn should_continue(&self) -> bool {
+        (self.keep_running)()
     }
 }

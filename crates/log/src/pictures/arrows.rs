@@ -2,7 +2,7 @@
 
 use foxglove::messages::{ArrowPrimitive, Color, Pose, SceneEntity, SceneUpdate, SpherePrimitive, Timestamp, Vector3};
 
-use super::frame::{WORLD, rotation_about_z};
+use super::{WORLD, rotation_about_z};
 use phalanx_core::drawing::Drawing;
 use phalanx_core::numeric::elementary::atan2;
 use phalanx_core::trace::ContactSample;

@@ -4,27 +4,27 @@
 //! |---|---|
 //! | `shapes` | bodies as foxglove primitives, and their colours |
 //! | `arrows` | contact points and forces as foxglove primitives |
-//! | `frame` | the world frame, rotations about z |
 //!
 //! Pictures are drawn from samples on a separate time grid, and within an impact also whenever an arrow has changed by
 //! a twentieth of the longest one. If nothing has moved since the last picture, none is written; viewers keep showing
 //! it.
 
 mod arrows;
-mod frame;
 mod shapes;
 
-pub use frame::WORLD;
-use frame::rotation_about_z;
 use std::io::Write;
 
-use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate, Timestamp, Vector3};
-use mcap::McapError;
+use foxglove::Encode;
+use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Vector3};
 
 use self::arrows::Arrows;
-use super::mcap_writer::{ChannelId, McapWriter, to_timestamp};
+use super::writer::{ChannelId, LogWriter, to_timestamp};
 use phalanx_core::drawing::{Drawing, Pose};
-use phalanx_core::trace::ContactSample;
+use phalanx_core::numeric::elementary::sin_cos;
+use phalanx_core::trace::{ContactSample, SinkError};
+
+/// Name of the root frame.
+const WORLD: &str = "world";
 
 /// Change of an arrow that triggers a new picture within an impact, relative to the longest arrow.
 const MIN_ARROW_CHANGE: f64 = 0.05;
@@ -41,9 +41,8 @@ pub struct Pictures {
     next_s: f64,
     /// Width and height of the view, m.
     view_m: f64,
-    /// Which bodies move; a message contains these in this order.
-    is_moving: Vec<bool>,
-    transforms: FrameTransforms,
+    /// Names of the bodies that move; `None` for fixed ones.
+    moving: Vec<Option<String>>,
     last_poses: Vec<Pose>,
     arrows: Arrows,
     /// Shapes not yet written: a frame needs a pose before shapes can be drawn in it.
@@ -53,35 +52,32 @@ pub struct Pictures {
 impl Pictures {
     /// Registers the channels and writes the fixed frames; returns `None` if pictures are disabled (`picture_hz` ≤ 0).
     pub fn register<W: Write>(
-        out: &mut McapWriter<W>,
+        out: &mut LogWriter<W>,
         drawing: &Drawing,
         start: &[Pose],
         picture_hz: f64,
-    ) -> Result<Option<Self>, McapError> {
+    ) -> Result<Option<Self>, SinkError> {
         if picture_hz <= 0.0 {
             return Ok(None);
         }
-        let fixed_channel = out.register_channel::<FrameTransforms>("/tf_static")?;
-        let transforms_channel = out.register_channel::<FrameTransforms>("/tf")?;
-        let shapes_channel = out.register_channel::<SceneUpdate>("/scene")?;
+        let fixed_channel = out.register("/tf_static", FrameTransforms::get_schema())?;
+        let transforms_channel = out.register("/tf", FrameTransforms::get_schema())?;
+        let shapes_channel = out.register("/scene", SceneUpdate::get_schema())?;
         let has_contacts = !drawing.contacts.is_empty();
-        let forces_channel = has_contacts.then(|| out.register_channel::<SceneUpdate>("/forces")).transpose()?;
+        let forces_channel = has_contacts.then(|| out.register("/forces", SceneUpdate::get_schema())).transpose()?;
 
         let log_time = out.log_time_ns(0.0);
-        let bodies = || drawing.bodies.iter().zip(start);
-        let frames = |fixed: bool| {
-            let selected = bodies().filter(|(body, _)| body.fixed == fixed);
-            FrameTransforms { transforms: selected.map(|(body, pose)| frame_transform(&body.name, pose)).collect() }
+        let names = |fixed: bool| -> Vec<Option<String>> {
+            drawing.bodies.iter().map(|body| (body.fixed == fixed).then(|| body.name.clone())).collect()
         };
-        out.write_message(fixed_channel, log_time, &with_timestamp(frames(true), to_timestamp(log_time)))?;
+        out.write_message(fixed_channel, log_time, &transforms(&names(true), start, log_time))?;
         Ok(Some(Pictures {
             transforms_channel,
             forces_channel,
             interval_s: 1.0 / picture_hz,
             next_s: 0.0,
             view_m: drawing.view_m(),
-            is_moving: drawing.bodies.iter().map(|body| !body.fixed).collect(),
-            transforms: frames(false),
+            moving: names(false),
             last_poses: start.to_vec(),
             arrows: Arrows::new(drawing),
             shapes: Some((shapes_channel, shapes::scene(drawing))),
@@ -91,11 +87,11 @@ impl Pictures {
     /// Draws a sample if a picture is due; `contacts` are in the order of the drawing.
     pub fn sample<'a, W: Write>(
         &mut self,
-        out: &mut McapWriter<W>,
+        out: &mut LogWriter<W>,
         time_s: f64,
         poses: impl FnOnce() -> Vec<Pose>,
         contacts: impl Iterator<Item = &'a ContactSample> + Clone,
-    ) -> Result<(), McapError> {
+    ) -> Result<(), SinkError> {
         let is_due = time_s >= self.next_s;
         if !is_due && self.arrows.largest_change(contacts.clone()) <= MIN_ARROW_CHANGE {
             return Ok(());
@@ -108,12 +104,7 @@ impl Pictures {
         let has_moved = self.has_moved(&poses);
         let pending_shapes = self.shapes.take();
         if pending_shapes.is_some() || has_moved {
-            let moving = poses.iter().zip(&self.is_moving).filter(|(_, moving)| **moving);
-            for ((pose, _), transform) in moving.zip(&mut self.transforms.transforms) {
-                set_pose(transform, pose);
-                transform.timestamp = Some(to_timestamp(log_time));
-            }
-            out.write_message(self.transforms_channel, log_time, &self.transforms)?;
+            out.write_message(self.transforms_channel, log_time, &transforms(&self.moving, &poses, log_time))?;
             self.last_poses = poses;
         }
         let has_started = pending_shapes.is_none();
@@ -141,25 +132,21 @@ impl Pictures {
     }
 }
 
-fn frame_transform(name: &str, pose: &Pose) -> FrameTransform {
-    let mut transform = FrameTransform {
-        timestamp: None,
+/// Returns the frames of the named bodies.
+fn transforms(names: &[Option<String>], poses: &[Pose], log_time_ns: u64) -> FrameTransforms {
+    let transform = |(name, pose): (&String, &Pose)| FrameTransform {
+        timestamp: Some(to_timestamp(log_time_ns)),
         parent_frame_id: WORLD.to_string(),
-        child_frame_id: name.to_string(),
-        translation: None,
-        rotation: None,
+        child_frame_id: name.clone(),
+        translation: Some(Vector3 { x: pose.position_m[0], y: pose.position_m[1], z: 0.0 }),
+        rotation: Some(rotation_about_z(pose.angle_rad)),
     };
-    set_pose(&mut transform, pose);
-    transform
+    let named = names.iter().zip(poses).filter_map(|(name, pose)| Some((name.as_ref()?, pose)));
+    FrameTransforms { transforms: named.map(transform).collect() }
 }
 
-fn set_pose(transform: &mut FrameTransform, pose: &Pose) {
-    let [x, y] = pose.position_m;
-    transform.translation = Some(Vector3 { x, y, z: 0.0 });
-    transform.rotation = Some(rotation_about_z(pose.angle_rad));
-}
-
-fn with_timestamp(mut frames: FrameTransforms, timestamp: Timestamp) -> FrameTransforms {
-    frames.transforms.iter_mut().for_each(|transform| transform.timestamp = Some(timestamp));
-    frames
+/// Returns the quaternion of a rotation in the plane.
+fn rotation_about_z(angle_rad: f64) -> Quaternion {
+    let (sin, cos) = sin_cos(0.5 * angle_rad);
+    Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }
 }

@@ -1,375 +1,380 @@
-//! Assembles messages into samples and events.
+//! Assembles the messages of one log time into samples and events.
+//!
+//! In the write order of phalanx, the messages of a sample are consecutive and events are between samples. This order
+//! is preserved. In any other order, messages are matched by channel, their own time and sequence number; a sample and
+//! an event of one instant are in the order in which the model writes them.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use foxglove::Decode;
 use foxglove::messages::Log;
+use prost::DecodeError;
 
-use super::bytes::MalformedData;
-use super::channels::{ChannelContent, Channels, component_index};
-use super::grouping::{
-    GroupedMessage, Item, MessageRole, TieOrder, count_in_write_order, items_in_write_order, reconstruct_order,
-};
-use super::missing::{MissingTracker, missing};
-use super::record::MessageRecord;
-use super::summary::{LogSummary, MissingData, RunEnd};
-use super::survey::SequenceStats;
-use super::wire::decode_doubles;
+use super::LogSink;
+use super::messages::Message;
+use super::missing::{MissingTracker, has_duplicates};
+use super::scan::{Defect, MAX_RECORD_BYTES, Scan};
+use super::summary::{LogSummary, Loss, RunEnd};
+use crate::channels::{ChannelContent, channel_list, contacts_of};
 use crate::lines::is_friction_line;
-use phalanx_core::trace::{self, BodyState, ContactSample, Event, EventKind, FingerState, Layout, Sample, SinkError};
+use crate::messages::{contact, decode, decode_impact, decode_slip, disc, energy, limit, state};
+use phalanx_core::scene::keywords::SceneKind;
+use phalanx_core::scene::parse_any;
+use phalanx_core::trace::{ContactChannel, ContactSample, Event, EventKind, Layout, Sample, SinkError};
 
-const NON_FINITE_TIME: MalformedData = MalformedData("the time of a message is not a number");
-const DECREASING_TIME: MalformedData = MalformedData("the time of a sample decreases although its log time does not");
-
-/// Maximum number of messages of one log time that are grouped at once.
-const MAX_GROUPED_MESSAGES: usize = 200_000;
-
-/// Decoded content of one or more messages.
-pub enum Decoded<'a> {
-    /// Message of an unknown channel.
-    UnknownMessage,
-    Sample(&'a Sample),
-    Event(Event),
-    RunEnd(RunEnd),
+/// A channel of the log that phalanx knows.
+#[derive(Clone, Debug)]
+pub struct KnownChannel {
+    pub id: u16,
+    pub topic: String,
+    pub content: ChannelContent,
 }
 
-/// Callback for decoded content; its error ends reading.
-pub trait OnDecoded: FnMut(Decoded<'_>) -> Result<(), SinkError> {}
-
-impl<F: FnMut(Decoded<'_>) -> Result<(), SinkError>> OnDecoded for F {}
-
-/// Assembles messages, which arrive in order of log time.
+/// Assembles messages, which arrive grouped by log time.
 pub struct Assembler {
-    channels: Channels,
+    layout: Layout,
+    /// Known channels, by id.
+    channels: BTreeMap<u16, KnownChannel>,
+    /// Topics that the log of such a run should have.
+    expected: Vec<(String, ChannelContent)>,
     is_engine: bool,
+    has_duplicates: bool,
     /// Components of a sample that the log has, in write order.
     components: Vec<usize>,
     /// A sample without any message: all required values are NaN.
     missing_sample: Sample,
     sample: Sample,
-    /// Log time of `messages`.
-    log_time_ns: u64,
-    messages: Vec<GroupedMessage>,
-    data: Vec<u8>,
-    /// Channel, sequence number and payload of the messages of this log time; only for logs with duplicates.
-    seen: Option<HashSet<(u16, u32, Vec<u8>)>>,
-    latest_s: f64,
+    summary: LogSummary,
     tracker: MissingTracker,
 }
 
+/// A message about a sample or an event.
+struct Part<'a> {
+    sequence: u32,
+    time_s: f64,
+    /// Component of the sample and payload, or the event.
+    content: Result<(usize, ChannelContent, &'a [u8]), Event>,
+}
+
+/// Indices of the messages of a sample, or the index of an event.
+type Item = Vec<usize>;
+
 impl Assembler {
-    /// Creates an assembler. `components`: components of a sample that the log has, in order; `required`: components
-    /// that it should have; `has_duplicates`: some messages are repeated.
-    pub fn new(
-        channels: Channels,
-        is_engine: bool,
-        components: Vec<usize>,
-        required: &[usize],
-        has_duplicates: bool,
-    ) -> Self {
-        let Layout { fingers, bodies, contacts } = channels.layout();
-        let first = fingers.len() + bodies.len();
-        let is_in_log = |index: usize| components.contains(&(first + index)) || required.contains(&(first + index));
+    /// Creates an assembler after the first pass; takes over its summary.
+    pub fn new(scan: &mut Scan) -> Self {
+        let mut summary = std::mem::take(&mut scan.summary);
+        let kind = summary.kind();
+        let scene = summary.scene.as_ref().filter(|(_, text)| text.len() < MAX_RECORD_BYTES);
+        let scene = scene.and_then(|(name, text)| parse_any(text, name).ok()).filter(|scene| scene.kind() == kind);
+        let mut found: Vec<_> = scan.index.channels.values().collect();
+        found.sort_by_key(|channel| channel.id);
+        let mut layout = Layout::from_kind(kind);
+        let mut contacts = scene.as_ref().map(|scene| contacts_of(&scene.system)).unwrap_or_default();
+        if kind == SceneKind::Bodies {
+            // Contacts that the scene does not have are omitted.
+            if let Some(scene) = &scene {
+                layout = Layout::from_system(&scene.system);
+                let mut present = contacts.iter();
+                layout.contacts.retain(|_| present.next().is_some_and(Option::is_some));
+                contacts.retain(Option::is_some);
+            }
+        }
+        let mut expected = match scene {
+            Some(_) => channel_list(&layout, &contacts),
+            None => {
+                let of_kind = channel_list(&layout, &vec![None; layout.contacts.len()]);
+                of_kind.into_iter().filter(|(_, content)| content.component(&layout).is_some()).collect()
+            }
+        };
+        expected.push(("/events".to_string(), ChannelContent::Lines));
+        if kind == SceneKind::Bodies {
+            found.iter().for_each(|channel| add_disc_topic(&mut layout, &channel.topic));
+        }
+        let known: BTreeMap<String, ChannelContent> =
+            channel_list(&layout, &vec![Some(true); layout.contacts.len()]).into_iter().collect();
+        let mut channels = BTreeMap::new();
+        for channel in found {
+            let schema = channel.schema.as_ref().filter(|schema| schema.encoding == "protobuf");
+            let name = schema.filter(|_| channel.message_encoding == "protobuf").map_or("", |schema| &schema.name);
+            let content = match name {
+                "foxglove.FrameTransforms" | "foxglove.SceneUpdate" => Some(ChannelContent::Picture),
+                "foxglove.Log" if channel.topic == "/events" => Some(ChannelContent::Lines),
+                name => known
+                    .get(&channel.topic)
+                    .copied()
+                    .filter(|content| content.message_type().is_some_and(|message_type| message_type.has_name(name))),
+            };
+            match content {
+                None => summary.unknown_channels += 1,
+                Some(content) => {
+                    let known_channel = KnownChannel { id: channel.id, topic: channel.topic.clone(), content };
+                    channels.insert(channel.id, known_channel);
+                }
+            }
+        }
+        let with_messages = channels.values().filter(|channel| scan.sequences.contains_key(&channel.id));
+        let mut components: Vec<usize> =
+            with_messages.filter_map(|channel| channel.content.component(&layout)).collect();
+        components.sort_unstable();
+        components.dedup();
+        let required: HashSet<usize> =
+            expected.iter().filter_map(|(_, content)| content.component(&layout)).chain(components.clone()).collect();
+        let first_contact = layout.fingers.len() + layout.bodies.len();
+        let missing_contact = |index| match required.contains(&(first_contact + index)) {
+            true => contact([f64::NAN; 10]),
+            false => ContactSample::NONE,
+        };
         let missing_sample = Sample {
             time_s: f64::NAN,
-            fingers: vec![MISSING_FINGER; fingers.len()],
-            bodies: vec![MISSING_BODY; bodies.len()],
-            contacts: (0..contacts.len())
-                .map(|k| if is_in_log(k) { MISSING_CONTACT } else { ContactSample::NONE })
-                .collect(),
-            energy: MISSING_ENERGY,
+            fingers: vec![state([f64::NAN; 10]); layout.fingers.len()],
+            bodies: vec![disc([f64::NAN; 6]); layout.bodies.len()],
+            contacts: (0..layout.contacts.len()).map(missing_contact).collect(),
+            energy: energy([f64::NAN; 7]),
         };
-        let tracker = MissingTracker::new(first + contacts.len() + 1, contacts.len());
         Assembler {
-            channels,
-            is_engine,
-            components,
+            is_engine: summary.metadata.get("model").is_some_and(|model| model == "engine"),
+            has_duplicates: has_duplicates(&scan.sequences),
+            tracker: MissingTracker::new(first_contact + layout.contacts.len() + 1, layout.contacts.len()),
             sample: missing_sample.clone(),
+            layout,
+            channels,
+            expected,
+            components,
             missing_sample,
-            log_time_ns: 0,
-            messages: Vec::new(),
-            data: Vec::new(),
-            seen: has_duplicates.then(HashSet::new),
-            latest_s: 0.0,
-            tracker,
+            summary,
         }
     }
 
     /// Layout of the samples.
     pub fn layout(&self) -> &Layout {
-        self.channels.layout()
+        &self.layout
     }
 
-    /// Returns the data missing in the log; called after the last message.
-    pub fn missing(
-        &mut self,
-        summary: &LogSummary,
-        expected_topics: &[(String, ChannelContent)],
-        sequence_stats: &BTreeMap<u16, SequenceStats>,
-    ) -> Vec<MissingData> {
-        missing(summary, expected_topics, &self.channels, sequence_stats, &mut self.tracker)
-    }
-
-    /// Adds a message and passes completed samples and events to `on_decoded`.
-    pub fn message(
-        &mut self,
-        message: &MessageRecord<'_>,
-        on_decoded: &mut impl OnDecoded,
-    ) -> Result<Result<(), MalformedData>, SinkError> {
-        let Some(content) = self.channels.content(message.channel) else {
-            return on_decoded(Decoded::UnknownMessage).map(Ok);
-        };
-        if message.log_time_ns != self.log_time_ns || self.messages.len() >= MAX_GROUPED_MESSAGES {
-            if let Err(malformed) = self.flush_group(message.log_time_ns != self.log_time_ns, on_decoded)? {
-                return Ok(Err(malformed));
-            }
-            if message.log_time_ns != self.log_time_ns {
-                self.seen.iter_mut().for_each(HashSet::clear);
-            }
-            self.log_time_ns = message.log_time_ns;
+    /// Returns the summary, including lost and missing data, after the last message.
+    pub fn finish(self, scan: &Scan) -> LogSummary {
+        let Assembler { mut summary, tracker, expected, layout, channels, .. } = self;
+        if let Some((at_byte, defect)) = &scan.damage {
+            summary.losses.push(Loss::new(*at_byte, summary.bytes, defect, summary.last_s));
         }
-        if let Some(seen) = &mut self.seen
-            && content != ChannelContent::Picture
-            && !seen.insert((message.channel, message.sequence, message.data.to_vec()))
-        {
-            self.tracker.duplicate(message.channel);
-            return Ok(Ok(()));
-        }
-        let role = match content {
-            ChannelContent::Picture => return Ok(Ok(())),
-            ChannelContent::Lines => match Log::decode(message.data) {
-                Err(_) => return Ok(Err(MalformedData("a line of the log is not protobuf"))),
-                Ok(line) if line.name == "run" => {
-                    return on_decoded(Decoded::RunEnd(RunEnd::new(message.log_time_ns as f64 * 1e-9, line.message)))
-                        .map(Ok);
-                }
-                Ok(line) => {
-                    let contact = self.layout().contacts.iter().position(|channel| channel.name == line.name);
-                    let Some(contact) = contact else { return Ok(Ok(())) };
-                    let is_friction = is_friction_line(&line.message);
-                    self.tracker.line(contact, is_friction);
-                    Ok(MessageRole::Line { contact, is_friction })
-                }
-            },
-            ChannelContent::Impact(contact) => {
-                decode_impact_kind(message.data).map(|kind| MessageRole::Event { contact, kind })
-            }
-            ChannelContent::Slip(contact) => {
-                decode_slip_kind(message.data).map(|kind| MessageRole::Event { contact, kind })
-            }
-            other => Ok(MessageRole::Component(component_index(self.layout(), other).unwrap_or(usize::MAX))),
-        };
-        let time_s = match role {
-            Ok(MessageRole::Line { .. }) => Ok([0.0]),
-            _ => decode_doubles::<1>(message.data),
-        };
-        match role.and_then(|role| time_s.map(|[time_s]| (role, time_s))) {
-            Ok((_, time_s)) if !time_s.is_finite() => Ok(Err(NON_FINITE_TIME)),
-            Ok((role, time_s)) => {
-                let start = self.data.len();
-                self.data.extend_from_slice(message.data);
-                self.messages.push(GroupedMessage {
-                    role,
-                    sequence: message.sequence,
-                    time_s,
-                    data: start..self.data.len(),
-                });
-                Ok(Ok(()))
-            }
-            Err(malformed) => Ok(Err(malformed)),
-        }
+        let channels: Vec<KnownChannel> = channels.into_values().collect();
+        summary.missing = tracker.missing(&summary, &expected, &layout, &channels, &scan.sequences);
+        summary
     }
 
-    /// Called after the last message.
-    pub fn end(&mut self, on_decoded: &mut impl OnDecoded) -> Result<Result<(), MalformedData>, SinkError> {
-        self.flush_group(true, on_decoded)
-    }
-
-    /// Passes on the samples and events of the current group. Messages of an incomplete sample remain unless `all`
-    /// messages of the log time have arrived.
-    fn flush_group(
-        &mut self,
-        all: bool,
-        on_decoded: &mut impl OnDecoded,
-    ) -> Result<Result<(), MalformedData>, SinkError> {
-        let ordered_count = count_in_write_order(&self.messages, &self.components)
-            .filter(|count| if all { *count == self.messages.len() } else { *count > 0 });
-        let tie_order = TieOrder { is_engine: self.is_engine, is_at_start: self.tracker.samples() == 0 };
-        let (items, used) = match ordered_count {
-            Some(count) => (items_in_write_order(&self.messages[..count]), count),
-            None => (reconstruct_order(&self.messages, tie_order), self.messages.len()),
+    /// Passes the samples and events of one log time to a sink.
+    pub fn group(&mut self, messages: &[Message], sink: &mut impl LogSink) -> Result<Result<(), Defect>, SinkError> {
+        let parts = match self.parts(messages) {
+            Ok(parts) => parts,
+            Err(defect) => return Ok(Err(defect)),
         };
-        let messages = std::mem::take(&mut self.messages);
+        let is_at_start = self.summary.samples == 0;
+        let items = items_in_write_order(&parts, &self.components)
+            .unwrap_or_else(|| reconstruct_order(&parts, self.is_engine, is_at_start));
         for item in items {
-            let outcome = match item {
-                Item::Sample(indices) => match self.assemble_sample(&messages, &indices) {
-                    Ok(()) => on_decoded(Decoded::Sample(&self.sample)).map(Ok)?,
-                    Err(malformed) => Err(malformed),
-                },
-                Item::Event(index) => match self.event(&messages[index]) {
-                    Ok(event) => {
-                        self.tracker.event(event.contact, event.kind.is_friction_event());
-                        on_decoded(Decoded::Event(event)).map(Ok)?
+            match item.first().map(|&first| &parts[first]) {
+                Some(Part { content: Err(event), .. }) => {
+                    self.tracker.count_event(event.contact, event.kind.is_friction_event());
+                    self.summary.events += 1;
+                    sink.event(event)?;
+                }
+                Some(Part { time_s, .. }) => {
+                    if *time_s < self.summary.last_s.unwrap_or(0.0) {
+                        let reason = "the time of a sample decreases although its log time does not";
+                        return Ok(Err(Defect::damaged(reason)));
                     }
-                    Err(malformed) => Err(malformed),
-                },
-            };
-            if outcome.is_err() {
-                return Ok(outcome);
+                    if let Err(error) = self.assemble(*time_s, item.iter().map(|&index| &parts[index])) {
+                        return Ok(Err(Defect::damaged(describe(&error))));
+                    }
+                    sink.sample(&self.sample)?;
+                    self.summary.samples += 1;
+                    self.summary.first_s.get_or_insert(*time_s);
+                    self.summary.last_s = Some(*time_s);
+                }
+                None => {}
             }
-        }
-        self.messages = messages;
-        self.messages.drain(..used);
-        let consumed_bytes = self.messages.first().map_or(self.data.len(), |first| first.data.start);
-        self.data.drain(..consumed_bytes);
-        for message in &mut self.messages {
-            message.data = message.data.start - consumed_bytes..message.data.end - consumed_bytes;
         }
         Ok(Ok(()))
     }
 
-    fn assemble_sample(&mut self, messages: &[GroupedMessage], indices: &[usize]) -> Result<(), MalformedData> {
-        let layout = self.channels.layout();
-        let (fingers, bodies) = (layout.fingers.len(), layout.bodies.len());
-        self.sample.clone_from(&self.missing_sample);
-        let Some(first) = indices.first() else { return Ok(()) };
-        self.sample.time_s = messages[*first].time_s;
-        if self.sample.time_s < self.latest_s {
-            return Err(DECREASING_TIME);
+    /// Classifies messages. Pictures, unknown messages and duplicates are omitted; event lines are only counted.
+    fn parts<'a>(&mut self, messages: &'a [Message]) -> Result<Vec<Part<'a>>, Defect> {
+        let mut parts = Vec::with_capacity(messages.len());
+        let mut seen = HashSet::new();
+        for Message { header, data } in messages {
+            let Some(KnownChannel { content, .. }) = self.channels.get(&header.channel_id) else {
+                self.summary.messages += 1;
+                self.summary.unknown_messages += 1;
+                continue;
+            };
+            self.summary.messages += 1;
+            if *content == ChannelContent::Picture {
+                continue;
+            }
+            if self.has_duplicates && !seen.insert((header.channel_id, header.sequence, data)) {
+                self.tracker.count_duplicate(header.channel_id);
+                continue;
+            }
+            let part = match *content {
+                ChannelContent::Lines => {
+                    let line = Log::decode(data.as_slice())
+                        .map_err(|_| Defect::damaged("a line of the log is not protobuf"))?;
+                    if line.name == "run" {
+                        self.summary.run_end = Some(RunEnd::new(header.log_time as f64 * 1e-9, line.message));
+                    } else if let Some(contact) = self.layout.contacts.iter().position(|c| c.name == line.name) {
+                        self.tracker.count_line(contact, is_friction_line(&line.message));
+                    }
+                    continue;
+                }
+                ChannelContent::Impact(contact) | ChannelContent::LimitImpact(contact) => {
+                    decode_impact(contact, data).map(|event| (event.time_s, Err(event)))
+                }
+                ChannelContent::Slip(contact) => decode_slip(contact, data).map(|event| (event.time_s, Err(event))),
+                content => {
+                    let component = content.component(&self.layout).unwrap_or(usize::MAX);
+                    decode(data).map(|[time_s]| (time_s, Ok((component, content, data.as_slice()))))
+                }
+            };
+            let (time_s, content) = part.map_err(|error| Defect::damaged(describe(&error)))?;
+            if !time_s.is_finite() {
+                return Err(Defect::damaged("the time of a message is not a number"));
+            }
+            parts.push(Part { sequence: header.sequence, time_s, content });
         }
-        self.latest_s = self.sample.time_s;
-        self.tracker.sample(self.sample.time_s);
-        for &index in indices {
-            let MessageRole::Component(component) = messages[index].role else { continue };
-            let data = &self.data[messages[index].data.clone()];
-            self.tracker.component(component);
-            if component < fingers {
-                self.sample.fingers[component] = decode_finger(data)?;
-            } else if component < fingers + bodies {
-                self.sample.bodies[component - fingers] = decode_body(data)?;
-            } else if let Some(channel) = layout.contacts.get(component - fingers - bodies) {
-                self.sample.contacts[component - fingers - bodies] =
-                    if channel.is_angular { decode_limit(data) } else { decode_contact(data) }?;
-            } else {
-                self.sample.energy = decode_energy(data)?;
+        Ok(parts)
+    }
+
+    fn assemble<'a>(&mut self, time_s: f64, parts: impl Iterator<Item = &'a Part<'a>>) -> Result<(), DecodeError> {
+        self.sample.clone_from(&self.missing_sample);
+        self.sample.time_s = time_s;
+        self.tracker.start_sample(time_s);
+        for part in parts {
+            let Ok((component, content, data)) = part.content else { continue };
+            self.tracker.count_component(component);
+            let Sample { fingers, bodies, contacts, energy: energies, .. } = &mut self.sample;
+            match content {
+                ChannelContent::Finger(index) => fingers[index] = state(decode_numbers(data)?),
+                ChannelContent::Body(index) => bodies[index] = disc(decode_numbers(data)?),
+                ChannelContent::Contact(index) => contacts[index] = contact(decode_numbers(data)?),
+                ChannelContent::Limit(index) => contacts[index] = limit(decode_numbers(data)?),
+                _ => *energies = energy(decode_numbers(data)?),
             }
         }
         Ok(())
     }
+}
 
-    fn event(&self, message: &GroupedMessage) -> Result<Event, MalformedData> {
-        let MessageRole::Event { contact, kind } = message.role else { return Err(NON_FINITE_TIME) };
-        let time_s = message.time_s;
-        if kind.is_friction_event() {
-            return Ok(Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 });
-        }
-        let [.., approach_speed, impulse] = decode_doubles::<5>(&self.data[message.data.clone()])?;
-        Ok(Event { time_s, contact, kind, approach_speed, impulse })
+/// Decodes the numbers after the timestamp of a message without flags.
+fn decode_numbers<const N: usize>(data: &[u8]) -> Result<[f64; N], DecodeError> {
+    // No message has more than ten numbers.
+    let fields: [f64; 11] = decode(data)?;
+    Ok(std::array::from_fn(|k| fields[k + 1]))
+}
+
+fn describe(error: &DecodeError) -> String {
+    format!("a message is not protobuf ({error})")
+}
+
+/// Adds the disc or the pair of discs of a topic to the layout. Names that could not become a column are ignored.
+fn add_disc_topic(layout: &mut Layout, topic: &str) {
+    let is_valid = |name: &str| {
+        name.starts_with(|first: char| first.is_ascii_alphabetic())
+            && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+    };
+    let is_new_disc = |name: &&str| is_valid(name) && !layout.bodies.iter().any(|known| known == name);
+    if let Some(name) = topic.strip_prefix("/disc/").filter(is_new_disc) {
+        layout.bodies.push(name.to_string());
+    }
+    let is_new_pair = |name: &&str| {
+        let is_pair = name.split_once('-').is_some_and(|(disc, partner)| is_valid(disc) && is_valid(partner));
+        is_pair && !layout.contacts.iter().any(|known| known.name == *name)
+    };
+    let prefixes = ["/contact/", "/impact/", "/slip/"];
+    if let Some(name) = prefixes.into_iter().find_map(|prefix| topic.strip_prefix(prefix)).filter(is_new_pair) {
+        layout.contacts.push(ContactChannel { name: name.to_string(), is_angular: false });
     }
 }
 
-const MISSING_FINGER: FingerState = FingerState {
-    q11_rad: f64::NAN,
-    q21_rad: f64::NAN,
-    q12_rad: f64::NAN,
-    q22_rad: f64::NAN,
-    q13_rad: f64::NAN,
-    qd11_rad_s: f64::NAN,
-    qd21_rad_s: f64::NAN,
-    qd12_rad_s: f64::NAN,
-    qd22_rad_s: f64::NAN,
-    motor_torque_n_m: f64::NAN,
-};
-const MISSING_BODY: BodyState =
-    BodyState { centre_m: [f64::NAN; 2], angle_rad: f64::NAN, velocity_m_s: [f64::NAN; 2], spin_rad_s: f64::NAN };
-const MISSING_CONTACT: ContactSample = ContactSample {
-    gap_m: f64::NAN,
-    gap_rate_m_s: f64::NAN,
-    slip_m_s: f64::NAN,
-    normal_n: f64::NAN,
-    tangential_n: f64::NAN,
-    impulse_n_s: f64::NAN,
-    point_m: [f64::NAN; 2],
-    normal: [f64::NAN; 2],
-};
-const MISSING_ENERGY: trace::Energy = trace::Energy {
-    kinetic_j: f64::NAN,
-    gravity_j: f64::NAN,
-    spring_j: f64::NAN,
-    elastic_j: f64::NAN,
-    dissipated_j: f64::NAN,
-    motor_work_j: f64::NAN,
-    balance_j: f64::NAN,
-};
-
-fn decode_finger(data: &[u8]) -> Result<FingerState, MalformedData> {
-    let [
-        _,
-        q11_rad,
-        q21_rad,
-        q12_rad,
-        q22_rad,
-        q13_rad,
-        qd11_rad_s,
-        qd21_rad_s,
-        qd12_rad_s,
-        qd22_rad_s,
-        motor_torque_n_m,
-    ] = decode_doubles(data)?;
-    Ok(FingerState {
-        q11_rad,
-        q21_rad,
-        q12_rad,
-        q22_rad,
-        q13_rad,
-        qd11_rad_s,
-        qd21_rad_s,
-        qd12_rad_s,
-        qd22_rad_s,
-        motor_torque_n_m,
-    })
+/// Returns the samples and events of messages in write order; `None` in any other order. `components` are the
+/// components of a sample of this log, in order.
+fn items_in_write_order(parts: &[Part<'_>], components: &[usize]) -> Option<Vec<Item>> {
+    let mut items: Vec<Item> = Vec::new();
+    let (mut next, mut latest_s) = (0, f64::NEG_INFINITY);
+    for (index, part) in parts.iter().enumerate() {
+        match part.content {
+            Ok((component, ..)) => {
+                if next == 0 {
+                    items.push(Vec::with_capacity(components.len()));
+                    if part.time_s < latest_s {
+                        return None;
+                    }
+                    latest_s = part.time_s;
+                }
+                if components.get(next) != Some(&component) || part.time_s != latest_s {
+                    return None;
+                }
+                items.last_mut()?.push(index);
+                next = (next + 1) % components.len();
+            }
+            Err(_) if next > 0 => return None,
+            Err(_) => items.push(vec![index]),
+        }
+    }
+    (next == 0).then_some(items)
 }
 
-fn decode_body(data: &[u8]) -> Result<BodyState, MalformedData> {
-    let [_, x, y, angle_rad, vx, vy, spin_rad_s] = decode_doubles(data)?;
-    Ok(BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s })
+/// Returns the samples and events of messages in any order.
+fn reconstruct_order(parts: &[Part<'_>], is_engine: bool, is_at_start: bool) -> Vec<Item> {
+    let mut by_sequence: Vec<usize> = (0..parts.len()).collect();
+    by_sequence.sort_by_key(|&index| parts[index].sequence);
+    // Of two samples of one instant, the first gets the first message of every channel.
+    let mut counts: HashMap<(usize, u64), usize> = HashMap::new();
+    let mut samples: BTreeMap<(u64, usize), Item> = BTreeMap::new();
+    let mut events: Vec<(usize, &Event)> = Vec::new();
+    for index in by_sequence {
+        match &parts[index].content {
+            Ok((component, ..)) => {
+                let time_bits = parts[index].time_s.to_bits();
+                let count = counts.entry((*component, time_bits)).or_default();
+                samples.entry((time_bits, *count)).or_default().push(index);
+                *count += 1;
+            }
+            Err(event) => events.push((index, event)),
+        }
+    }
+    events.sort_by(|(_, a), (_, b)| a.time_s.total_cmp(&b.time_s).then(a.contact.cmp(&b.contact)));
+    let mut samples: Vec<(f64, Item)> =
+        samples.into_iter().map(|((time_bits, _), indices)| (f64::from_bits(time_bits), indices)).collect();
+    samples.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let mut items = Vec::new();
+    let mut emitted = 0;
+    // First sample of the current instant and number of its events so far.
+    let (mut first_sample, mut occurrence) = (usize::MAX, 0);
+    for (index, event) in events {
+        let before = samples.partition_point(|(at_s, _)| *at_s < event.time_s && !is_same_instant(*at_s, event.time_s));
+        let simultaneous =
+            samples[before..].iter().take_while(|(at_s, _)| is_same_instant(*at_s, event.time_s)).count();
+        (first_sample, occurrence) = if first_sample == before { (first_sample, occurrence + 1) } else { (before, 1) };
+        let after = match (simultaneous, is_engine) {
+            (0, _) => before,
+            // Events of contacts closed at the start precede the first sample.
+            (_, false) if is_at_start && before == 0 && !event.kind.is_friction_event() => before,
+            // Each of two samples of one instant is followed by an event.
+            (_, false) => before + occurrence.min(simultaneous),
+            // In the engine, every event except a touch-down precedes the sample at the end of its step.
+            (_, true) if event.kind == EventKind::TouchDown => before + 1,
+            (_, true) => before + simultaneous - 1,
+        };
+        while emitted < after {
+            items.push(samples[emitted].1.clone());
+            emitted += 1;
+        }
+        items.push(vec![index]);
+    }
+    items.extend(samples.drain(emitted..).map(|(_, indices)| indices));
+    items
 }
 
-fn decode_contact(data: &[u8]) -> Result<ContactSample, MalformedData> {
-    let [_, gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, x, y, normal_x, normal_y, impulse_n_s] =
-        decode_doubles(data)?;
-    Ok(ContactSample {
-        gap_m,
-        gap_rate_m_s,
-        slip_m_s,
-        normal_n,
-        tangential_n,
-        impulse_n_s,
-        point_m: [x, y],
-        normal: [normal_x, normal_y],
-    })
-}
-
-fn decode_limit(data: &[u8]) -> Result<ContactSample, MalformedData> {
-    let [_, gap_m, gap_rate_m_s, normal_n, impulse_n_s] = decode_doubles(data)?;
-    Ok(ContactSample { gap_m, gap_rate_m_s, normal_n, impulse_n_s, ..ContactSample::default() })
-}
-
-fn decode_energy(data: &[u8]) -> Result<trace::Energy, MalformedData> {
-    let [_, kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = decode_doubles(data)?;
-    Ok(trace::Energy { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j })
-}
-
-fn decode_impact_kind(data: &[u8]) -> Result<EventKind, MalformedData> {
-    let [_, pressed, touch_down] = decode_doubles(data)?;
-    Ok(match (pressed != 0.0, touch_down != 0.0) {
-        (false, _) => EventKind::LiftOff,
-        (true, true) => EventKind::TouchDown,
-        (true, false) => EventKind::Reload,
-    })
-}
-
-fn decode_slip_kind(data: &[u8]) -> Result<EventKind, MalformedData> {
-    let [_, slips] = decode_doubles(data)?;
-    Ok(if slips != 0.0 { EventKind::Slips } else { EventKind::Sticks })
+/// Whether two times denote the same instant: the model may compute it in two ways with different rounding.
+fn is_same_instant(a_s: f64, b_s: f64) -> bool {
+    (a_s - b_s).abs() <= 4.0 * f64::EPSILON * a_s.abs().max(b_s.abs())
 }

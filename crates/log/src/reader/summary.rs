@@ -4,22 +4,25 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::PathBuf;
 
-use super::IntactChunks;
+use serde::Serialize;
+
+use super::scan::Defect;
 use crate::METADATA_NAME;
+use crate::channels::ChannelContent;
 use phalanx_core::scene::Keyword;
 use phalanx_core::scene::keywords::SceneKind;
 use phalanx_core::trace::SinkError;
 
 /// Contents and losses of a log.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LogSummary {
     /// Size of the file, in bytes.
     pub bytes: u64,
     /// Versions, model and settings, see [`metadata`](crate::metadata()).
+    #[serde(rename = "settings")]
     pub metadata: BTreeMap<String, String>,
-    /// Metadata record of a recovered log, see [`recover`](crate::recover()).
-    pub recovered: Option<BTreeMap<String, String>>,
     /// Name and text of the attached scene.
+    #[serde(skip)]
     pub scene: Option<(String, String)>,
     pub samples: u64,
     pub events: u64,
@@ -28,12 +31,15 @@ pub struct LogSummary {
     pub unknown_channels: u64,
     /// Messages on unknown channels.
     pub unknown_messages: u64,
+    #[serde(skip)]
     pub chunks: u64,
     /// Time of the first sample.
     pub first_s: Option<f64>,
     /// Time of the last sample.
+    #[serde(rename = "end_s")]
     pub last_s: Option<f64>,
     /// How the run ended, if the log contains it.
+    #[serde(skip)]
     pub run_end: Option<RunEnd>,
     /// Missing and invalid parts; empty if the log is complete.
     pub losses: Vec<Loss>,
@@ -51,18 +57,17 @@ impl LogSummary {
         self.samples > 0 && self.is_complete() && !self.missing.iter().any(|missing| missing.is_required_for_verdict)
     }
 
-    /// Kind of the logged scene.
-    pub fn kind(&self) -> SceneKind {
-        kind(&self.metadata)
+    /// Whether all parts of a sample and all events are in the log, as a page requires.
+    pub fn is_drawable(&self) -> bool {
+        self.missing.iter().all(|missing| missing.content == ChannelContent::Lines)
     }
-}
 
-/// Returns the kind of the logged scene. Returns `Finger` if the metadata has no valid `kind`.
-pub(super) fn kind(metadata: &BTreeMap<String, String>) -> SceneKind {
-    let kind = metadata
-        .get("kind")
-        .and_then(|kind_entry| SceneKind::ALL.into_iter().find(|scene_kind| scene_kind.keyword() == kind_entry));
-    kind.unwrap_or(SceneKind::Finger)
+    /// Kind of the logged scene; `Finger` if the metadata has no valid `kind`.
+    pub fn kind(&self) -> SceneKind {
+        let entry = self.metadata.get("kind");
+        let kind = SceneKind::ALL.into_iter().find(|kind| entry.is_some_and(|entry| kind.keyword() == entry));
+        kind.unwrap_or(SceneKind::Finger)
+    }
 }
 
 /// How the run of a log ended.
@@ -85,53 +90,63 @@ impl RunEnd {
 }
 
 /// Missing or invalid part of a log.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Loss {
-    /// The file ends before the end of the log.
-    #[error("the log is truncated at byte {at_byte} of {bytes}{}", format_readable_range(.last_s))]
-    Truncated { at_byte: u64, bytes: u64, last_s: Option<f64> },
-    /// The file contains invalid data.
-    #[error("the log is damaged at byte {at_byte} of {bytes}: {reason}{}; {intact}", format_readable_range(.last_s))]
-    Damaged { at_byte: u64, bytes: u64, reason: String, last_s: Option<f64>, intact: IntactChunks },
-    /// A chunk has an unsupported compression.
-    #[error(
-        "the chunk at byte {at_byte} of {bytes} is compressed with {compression:?}, which is not supported (zstd, lz4 and no compression \
-         are){}; {intact}; recompress the log: `mcap compress --compression zstd`",
-        format_readable_range(.last_s)
-    )]
-    UnsupportedCompression { at_byte: u64, bytes: u64, compression: String, last_s: Option<f64>, intact: IntactChunks },
-    /// The attached scene is damaged; samples are not affected.
-    #[error("the log is damaged at byte {at_byte}: {reason}; its samples are not affected")]
-    Scene { at_byte: u64, reason: String },
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Loss {
+    pub at_byte: u64,
+    #[serde(skip)]
+    pub kind: LossKind,
+    /// Sentence with position, reason and remedy.
+    #[serde(rename = "what")]
+    pub description: String,
 }
 
-fn format_readable_range(last_s: &Option<f64>) -> String {
-    match last_s {
-        Some(time_s) => format!("; it is readable up to {:.6} ms", time_s * 1e3),
-        None => "; it has no sample before that".to_string(),
+/// Kind of a loss.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LossKind {
+    /// The file ends before the end of the log.
+    Truncated,
+    /// The file contains invalid data.
+    Damaged,
+    /// A chunk has an unsupported compression.
+    UnsupportedCompression,
+    /// The attached scene is damaged; samples are not affected.
+    Scene,
+}
+
+impl Loss {
+    /// Describes a loss after samples up to `last_s`.
+    pub(super) fn new(at_byte: u64, bytes: u64, defect: &Defect, last_s: Option<f64>) -> Self {
+        let reason = &defect.reason;
+        let readable = last_s.map_or("it has no sample before that".to_string(), |time_s| {
+            format!("it is readable up to {:.6} ms", time_s * 1e3)
+        });
+        let description = match defect.kind {
+            LossKind::Truncated => format!("the log is truncated at byte {at_byte} of {bytes}; {readable}"),
+            LossKind::Damaged | LossKind::Scene => format!(
+                "the log is damaged at byte {at_byte} of {bytes}: {reason}; {readable}; to extract intact parts after \
+                 that: `mcap recover`"
+            ),
+            LossKind::UnsupportedCompression => format!(
+                "the chunk at byte {at_byte} of {bytes} is compressed with {reason:?}, which is not supported (zstd, lz4 \
+                 and no compression are); {readable}; recompress the log: `mcap compress --compression zstd`"
+            ),
+        };
+        Loss { at_byte, kind: defect.kind, description }
     }
 }
 
 /// A topic that is missing or lacks messages.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MissingData {
     pub topic: String,
     /// Predicate of a sentence about the topic, such as "has no message".
+    #[serde(rename = "what")]
     pub defect: String,
-    pub subject: TopicSubject,
+    #[serde(skip)]
+    pub content: ChannelContent,
     /// Whether the class of the run and the fate of the grasped object depend on it.
+    #[serde(rename = "withholds_criteria")]
     pub is_required_for_verdict: bool,
-}
-
-/// Subject of a topic. Indices are those of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TopicSubject {
-    Finger(usize),
-    Body(usize),
-    Contact(usize),
-    Energy,
-    /// The whole run.
-    Run,
 }
 
 /// Error while reading a log.

@@ -2,8 +2,8 @@
 
 use super::kinematics::{Directions, PassiveBias, PassiveRates, passive_bias, passive_rates};
 use crate::gripper::{Body, Finger, Lengths};
-use crate::numeric::Real;
 use crate::numeric::plane::{Vector, cross, dot, perp, rotate};
+use crate::numeric::{Real, map_array};
 
 /// The constants of one tree l_i1–l_i2 (2.19)–(2.22).
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +77,20 @@ pub struct Terms<T> {
     /// c = quadratic · (θ̇1², θ̇2², θ̇3², θ̇4²) + gravity: with squares of absolute rates there are no cross terms.
     pub quadratic: [[T; 4]; 2],
     pub gravity: [T; 2],
+}
+
+impl<T: Copy> Terms<T> {
+    /// Converts every number, as [`Directions::map`].
+    #[inline(always)]
+    pub fn map<U: Copy + Default>(&self, f: impl Fn(T) -> U + Copy) -> Terms<U> {
+        Terms {
+            pose: self.pose.map(f),
+            rates: self.rates.map(f),
+            mass: map_array(self.mass, f),
+            quadratic: map_array(self.quadratic, |row| map_array(row, f)),
+            gravity: map_array(self.gravity, f),
+        }
+    }
 }
 
 /// The constant part of the dynamic model.

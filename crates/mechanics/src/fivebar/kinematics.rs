@@ -4,9 +4,9 @@
 //! Index 1 is l11, 2 is l21, 3 is l12 (absolute angle q11 + q12), 4 is l22 (absolute angle q21 + q22 = q13).
 
 use crate::gripper::Lengths;
-use crate::numeric::Real;
 use crate::numeric::elementary::{cos, powi, sin, sin_cos};
 use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, scale_by, sub};
+use crate::numeric::{Real, map_array};
 
 /// Singularity of the closed form of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -34,6 +34,15 @@ pub struct Directions<T> {
     pub e2: Vector<T>,
     pub e3: Vector<T>,
     pub e4: Vector<T>,
+}
+
+impl<T: Copy> Directions<T> {
+    /// Converts every number, such as one that depends on two angles to one that depends on more coordinates.
+    #[inline(always)]
+    pub fn map<U: Copy + Default>(&self, f: impl Fn(T) -> U + Copy) -> Directions<U> {
+        let Directions { e1, e2, e3, e4 } = *self;
+        Directions { e1: map_array(e1, f), e2: map_array(e2, f), e3: map_array(e3, f), e4: map_array(e4, f) }
+    }
 }
 
 /// Direct geometric model (2.1), (2.2): link directions at q_a = (q11, q21) in assembly mode γ = ±1.
@@ -105,6 +114,15 @@ pub struct PassiveRates<T> {
     pub a4: [T; 2],
     /// 1 / sin of the angle from l12 to l22; infinite at a singularity.
     pub inverse_sine: T,
+}
+
+impl<T: Copy> PassiveRates<T> {
+    /// Converts every number, as [`Directions::map`].
+    #[inline(always)]
+    pub fn map<U: Copy + Default>(&self, f: impl Fn(T) -> U + Copy) -> PassiveRates<U> {
+        let PassiveRates { a3, a4, inverse_sine } = *self;
+        PassiveRates { a3: map_array(a3, f), a4: map_array(a4, f), inverse_sine: f(inverse_sine) }
+    }
 }
 
 /// Solves the rate of the loop closure (2.4) for the passive links, by projection on l22 and on l12.

@@ -120,11 +120,6 @@ pub fn disc(design: &Design) -> PlacedShape {
     PlacedShape::disc(design.object_radius_m, [-design.base_m, design.object_radius_m])
 }
 
-/// l22 = r_l l11.
-pub fn arm_length(design: &Design) -> f64 {
-    design.arm_ratio * design.l11_m
-}
-
 /// Returns (l21,min, l21,max) in metres, thesis (B.3) and (B.4) in closed form.
 ///
 /// With R = r_c + w and tangent length l_c21 at angle q_c21 of the proximal phalanx:
@@ -177,7 +172,7 @@ pub fn lengths(design: &Design) -> Result<Lengths, DesignError> {
         return Err(DesignError::TipNotPositive { t22_m: t22 });
     }
 
-    let (l11, l22) = (design.l11_m, arm_length(design));
+    let (l11, l22) = (design.l11_m, design.arm_ratio * design.l11_m);
     let (s, c) = sin_cos(design.phi22_rad);
     let lengths = Lengths {
         l11_m: l11,

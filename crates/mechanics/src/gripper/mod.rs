@@ -2,39 +2,25 @@
 //!
 //! Notation of the thesis (Fig. 2.2): ground links `l11` (driven) and `l21` (proximal phalanx) turn about the origin,
 //! `l12` is the coupler, `l22` the arm of the distal body and `t22` its phalanx, at an angle of `+φ22` from the arm.
-//!
-//! | file | job |
-//! |---|---|
-//! | `design` | link lengths from the free parameters of a design (thesis B.2.2) |
-//! | `posture` | loop closure and assembly mode (thesis (2.1)) |
-//! | `grasp` | postures at an object: contact, start, final |
-//! | `outline` | polygon outline of each body, and polygon moments |
-//! | `mass` | mass, centre of mass and inertia of each body |
-//! | `finger_contact`, `spring` | the contacts of a finger, and its return spring |
 
 mod design;
-mod finger_contact;
 mod grasp;
 mod mass;
-mod mass_error;
-mod outline;
 mod posture;
-mod spring;
 
 pub use design::{
-    Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, arm_length, disc, lengths, proximal_range,
+    Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, disc, lengths, proximal_range,
 };
-pub use finger_contact::FingerContact;
 pub use grasp::{
     FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture, start_posture,
 };
-pub use mass::{BodyOverride, bodies, bodies_with_overrides, total_mass};
-pub use mass_error::MassError;
-pub use outline::{Outlines, PolygonMoments, link_outline, outlines, polygon_moments, tip_outline};
+pub use mass::{
+    BodyOverride, MassError, Outlines, PolygonMoments, bodies, bodies_with_overrides, link_outline, outlines,
+    polygon_moments, tip_outline, total_mass,
+};
 pub use posture::{
     Joints, Posture, PostureError, close_loop, gamma, joint_a13, joint_positions, posture_at, straight_posture,
 };
-pub use spring::{Placement, Spring, SpringKind};
 
 /// Link lengths of one finger, in metres and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,4 +75,73 @@ pub struct Finger {
     pub lengths: Lengths,
     pub bodies: Bodies,
     pub assembly: Assembly,
+}
+
+/// A unilateral contact of a finger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FingerContact {
+    /// Proximal phalanx l21 against the object.
+    Proximal,
+    /// Distal phalanx t22 against the object.
+    Distal,
+    /// Joint limit q22 ≥ −φ22.
+    Limit,
+}
+
+impl FingerContact {
+    pub const ALL: [FingerContact; 3] = [FingerContact::Proximal, FingerContact::Distal, FingerContact::Limit];
+
+    /// Name in JSON keys and log topics.
+    pub fn name(self) -> &'static str {
+        match self {
+            FingerContact::Proximal => "proximal",
+            FingerContact::Distal => "distal",
+            FingerContact::Limit => "limit",
+        }
+    }
+}
+
+/// The spring that returns the finger to the straight configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    pub kind: SpringKind,
+    pub placement: Placement,
+}
+
+/// Characteristic of a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpringKind {
+    /// Constant torque k_s.
+    Constant { torque_n_m: f64 },
+    /// Torque c_s (q_p + Δq_s), with stiffness c_s, preload angle q_p, and Δq_s relative to the straight configuration.
+    Torsional { stiffness_n_m_per_rad: f64, preload_rad: f64 },
+}
+
+/// Links between which the spring acts; each variant names the spring angle q_s (thesis §3.3.2.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placement {
+    /// q_s = q21 − q11.
+    GroundLinks,
+    /// q_s = q12.
+    DrivenCoupler,
+    /// q_s = q22 (default).
+    Phalanges,
+    /// q_s = q11 + q12 − (q21 + q22).
+    CouplerDistal,
+}
+
+impl Placement {
+    /// All placements in the order of the thesis, §3.3.2.3.
+    pub const ALL: [Placement; 4] =
+        [Placement::GroundLinks, Placement::DrivenCoupler, Placement::Phalanges, Placement::CouplerDistal];
+
+    /// Name of the coordinate in scenes and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Placement::GroundLinks => "q21-q11",
+            Placement::DrivenCoupler => "q12",
+            Placement::Phalanges => "q22",
+            Placement::CouplerDistal => "q11+q12-(q21+q22)",
+        }
+    }
 }

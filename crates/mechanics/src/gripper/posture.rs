@@ -5,7 +5,8 @@
 
 use super::{Assembly, Lengths};
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
-use std::f64::consts::{FRAC_PI_2, TAU};
+use crate::numeric::plane::{add, cross, sub, wrap_angle};
+use std::f64::consts::FRAC_PI_2;
 
 /// Smallest |sin| of the angle between two links that are not in line: above √ε, the accuracy of a triangle height from
 /// rounded sides.
@@ -89,7 +90,7 @@ pub fn straight_posture(lengths: &Lengths, q21_rad: f64) -> Result<Posture, Post
     Ok(Posture {
         q11_rad: (q21_rad - FRAC_PI_2) + q11_at_90,
         q21_rad,
-        q12_rad: wrap(angle(minus(a13, a12)) - q11_at_90),
+        q12_rad: wrap_angle(angle(sub(a13, a12)) - q11_at_90),
         q22_rad: -lengths.phi22_rad,
     })
 }
@@ -103,8 +104,8 @@ pub fn close_loop(lengths: &Lengths, assembly: Assembly, q11_rad: f64, q21_rad: 
     Ok(Posture {
         q11_rad,
         q21_rad,
-        q12_rad: wrap(angle(minus(a13, a12)) - q11_rad),
-        q22_rad: wrap(angle(minus(a13, a22)) - q21_rad + lengths.phi22_rad) - lengths.phi22_rad,
+        q12_rad: wrap_angle(angle(sub(a13, a12)) - q11_rad),
+        q22_rad: wrap_angle(angle(sub(a13, a22)) - q21_rad + lengths.phi22_rad) - lengths.phi22_rad,
     })
 }
 
@@ -127,14 +128,13 @@ pub fn posture_at(lengths: &Lengths, assembly: Assembly, q21_rad: f64, q22_rad: 
     let gamma = gamma(lengths, assembly)?;
     let elbow = elbow(reference_a13(lengths));
     let a22 = polar(lengths.l21_m, q21_rad);
-    let arm = polar(lengths.l22_m, q21_rad + q22_rad);
-    let a13 = [a22[0] + arm[0], a22[1] + arm[1]];
+    let a13 = add(a22, polar(lengths.l22_m, q21_rad + q22_rad));
 
     for sign in [elbow, -elbow] {
         let a12 = apex("l11 and l12", [0.0, 0.0], a13, [lengths.l11_m, lengths.l12_m], sign)?;
         if side(lengths, a12, a22, a13)? == gamma {
-            let q11_rad = wrap(angle(a12) - (q21_rad - FRAC_PI_2)) + (q21_rad - FRAC_PI_2);
-            let q12_rad = wrap(angle(minus(a13, a12)) - q11_rad);
+            let q11_rad = wrap_angle(angle(a12) - (q21_rad - FRAC_PI_2)) + (q21_rad - FRAC_PI_2);
+            let q12_rad = wrap_angle(angle(sub(a13, a12)) - q11_rad);
             return Ok(Posture { q11_rad, q21_rad, q12_rad, q22_rad });
         }
     }
@@ -146,12 +146,7 @@ pub fn joint_positions(lengths: &Lengths, posture: &Posture) -> Joints {
     let a22_m = polar(lengths.l21_m, posture.q21_rad);
     let arm = posture.q21_rad + posture.q22_rad;
     let (l22, t22) = (polar(lengths.l22_m, arm), polar(lengths.t22_m, arm + lengths.phi22_rad));
-    Joints {
-        a12_m: polar(lengths.l11_m, posture.q11_rad),
-        a22_m,
-        a13_m: [a22_m[0] + l22[0], a22_m[1] + l22[1]],
-        tip_m: [a22_m[0] + t22[0], a22_m[1] + t22[1]],
-    }
+    Joints { a12_m: polar(lengths.l11_m, posture.q11_rad), a22_m, a13_m: add(a22_m, l22), tip_m: add(a22_m, t22) }
 }
 
 /// A12 and A13 of the straight configuration at q21 = 90°.
@@ -160,7 +155,7 @@ fn reference(lengths: &Lengths) -> Result<([f64; 2], [f64; 2]), PostureError> {
     let (l11, l12) = (lengths.l11_m, lengths.l12_m);
     let a13 = reference_a13(lengths);
     let a12 = apex("l11 and l12", [0.0, 0.0], a13, [l11, l12], elbow(a13))?;
-    if cross(a12, minus(a13, a12)).abs() < MIN_SINE * l11 * l12 {
+    if cross(a12, sub(a13, a12)).abs() < MIN_SINE * l11 * l12 {
         return Err(PostureError::Stretched { l11_m: l11, l12_m: l12 });
     }
     Ok((a12, a13))
@@ -178,7 +173,7 @@ fn elbow(reference_a13: [f64; 2]) -> f64 {
 
 /// Side of A12 → A22 on which A13 lies; an error if l12 and l22 are in line.
 fn side(lengths: &Lengths, a12: [f64; 2], a22: [f64; 2], a13: [f64; 2]) -> Result<f64, PostureError> {
-    let sine = cross(minus(a12, a13), minus(a22, a13)) / (lengths.l12_m * lengths.l22_m);
+    let sine = cross(sub(a12, a13), sub(a22, a13)) / (lengths.l12_m * lengths.l22_m);
     if sine.abs() < MIN_SINE || sine.is_nan() {
         return Err(PostureError::InLine { q11_rad: angle(a12), q21_rad: angle(a22), sine });
     }
@@ -194,7 +189,7 @@ fn apex(
     [a, b]: [f64; 2],
     sign: f64,
 ) -> Result<[f64; 2], PostureError> {
-    let [dx, dy] = minus(to, from);
+    let [dx, dy] = sub(to, from);
     let d = hypot(dx, dy);
     if !(d <= a + b && d >= (a - b).abs() && d > f64::EPSILON * (a + b)) {
         return Err(PostureError::CannotClose { links, lengths_m: [a, b], span_m: d });
@@ -239,17 +234,4 @@ fn polar(r: f64, angle: f64) -> [f64; 2] {
 
 fn angle(v: [f64; 2]) -> f64 {
     atan2(v[1], v[0])
-}
-
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-/// Wraps an angle to ±π.
-fn wrap(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
 }

@@ -1,6 +1,7 @@
 //! Friction law: regularised Coulomb with stiction peak (thesis (2.35), Fig. 2.9, errata 8).
 
 use super::{FrictionLaw, smoothstep};
+use crate::numeric::Real;
 
 /// μ(v) and dμ/dv, odd in the slip velocity `v` (m/s).
 ///
@@ -18,6 +19,13 @@ pub fn friction_coefficient(law: &FrictionLaw, v: f64) -> (f64, f64) {
         let (sigma, slope) = smoothstep((speed - law.v_static_m_s) / width);
         ((law.mu_static + mu_change * sigma).copysign(v), mu_change * slope / width)
     }
+}
+
+/// Friction on the sliding surface, −μ(v) F_n along the tangent (thesis (2.35)): `slip` in m/s, `normal` in N.
+#[inline(always)]
+pub fn friction_force<T: Real>(law: &FrictionLaw, slip: T, normal: T) -> T {
+    let (mu, slope) = friction_coefficient(law, slip.value());
+    slip.chain(mu, slope) * -normal
 }
 
 /// Ranges of slip within which the law is a single polynomial.
@@ -90,6 +98,8 @@ impl FrictionLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{NormalLaw, normal_force, normal_over_gap};
+    use crate::numeric::Dual;
 
     const LAW: FrictionLaw =
         FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
@@ -144,6 +154,41 @@ mod tests {
             let v = i as f64 * 1e-3;
             let mu = friction_coefficient(&LAW, v).0;
             assert!(mu.abs() <= LAW.mu_static + 1e-15 && mu * v >= 0.0);
+        }
+    }
+
+    const NORMAL: NormalLaw =
+        NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    fn contact_forces<T: Real>(gap: T, rate: T, slip: T) -> [T; 2] {
+        let normal = normal_over_gap(|delta, rate| normal_force(&NORMAL, delta, rate), gap, rate);
+        [normal, friction_force(&LAW, slip, normal)]
+    }
+
+    /// The Jacobian of the composed law against its central differences.
+    #[test]
+    fn composed_law_has_exact_derivatives() {
+        let at = [-3e-6, -0.5, 0.07];
+        let step = [1e-11, 1e-6, 1e-7];
+        let dual = contact_forces(Dual::<3>::variable(at[0], 0), Dual::variable(at[1], 1), Dual::variable(at[2], 2));
+        for i in 0..3 {
+            let shifted = |sign: f64| {
+                let mut x = at;
+                x[i] += sign * step[i];
+                contact_forces(x[0], x[1], x[2])
+            };
+            let (up, down) = (shifted(1.0), shifted(-1.0));
+            for (k, force) in dual.iter().enumerate() {
+                let slope = (up[k] - down[k]) / (2.0 * step[i]);
+                assert!((force.grad[i] - slope).abs() <= 1e-7 * slope.abs().max(1.0), "{i} {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn friction_opposes_slip_within_the_cone() {
+        for slip in [-1.0, -0.15, -0.01, 0.0, 0.05, 0.3] {
+            let [normal, tangential] = contact_forces(-2e-6, -0.3, slip);
+            assert!(normal > 0.0 && tangential * slip <= 0.0 && tangential.abs() <= 0.8 * normal);
         }
     }
 }

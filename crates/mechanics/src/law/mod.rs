@@ -3,20 +3,17 @@
 //! A contact combines a normal law and a friction law; the joint limit is a normal law that acts on an angle.
 
 mod bristle;
-mod contact;
 mod friction;
 mod hertz;
 mod normal;
-mod smoothstep;
 
 pub use bristle::{Bristle, BristleStep, bristle_force, friction_cone, friction_with_state, implicit_bristle_step};
-pub use contact::{friction_force, normal_over_gap};
-pub use friction::{FrictionRange, friction_coefficient, friction_range};
+pub use friction::{FrictionRange, friction_coefficient, friction_force, friction_range};
 pub use hertz::{Material, hertz_stiffness};
 pub use normal::{
-    NormalForce, damping, elastic_energy, is_damped, normal_force, spring_force, stopping_depth, unclamped_normal_force,
+    NormalForce, damping, elastic_energy, is_damped, normal_force, normal_over_gap, spring_force, stopping_depth,
+    unclamped_normal_force,
 };
-pub use smoothstep::smoothstep;
 
 /// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).
 ///
@@ -64,5 +61,17 @@ impl ContactLaw {
     /// Bristle of the stiction law; `None` for the regularised law and without friction.
     pub fn bristle(&self) -> Option<Bristle> {
         self.friction.and_then(|friction| friction.bristle)
+    }
+}
+
+/// σ(s) = 3 s² − 2 s³ and dσ/ds, for s in 0…1; 0 below, 1 above (thesis (2.39), errata 7).
+#[inline(always)]
+pub fn smoothstep(s: f64) -> (f64, f64) {
+    if s <= 0.0 {
+        (0.0, 0.0)
+    } else if s >= 1.0 {
+        (1.0, 0.0)
+    } else {
+        (s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s))
     }
 }

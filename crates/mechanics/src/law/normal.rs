@@ -1,6 +1,7 @@
 //! Normal law: Hertz spring and STEP damper (thesis (2.38), (2.39), errata 7).
 
 use super::{NormalLaw, smoothstep};
+use crate::numeric::Real;
 use crate::numeric::elementary::{cbrt, pow};
 
 /// A force with its derivatives with respect to penetration and penetration rate.
@@ -53,6 +54,16 @@ pub fn unclamped_normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalF
 pub fn normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalForce {
     let unclamped = unclamped_normal_force(law, delta, rate);
     if unclamped.force > 0.0 { unclamped } else { NormalForce::default() }
+}
+
+/// Returns a normal force as a function of the gap (−δ) and its rate (−δ̇), from the law's value and derivatives there.
+///
+/// `law` maps (δ, δ̇) to the force on the active branch: [`normal_force`] or
+/// [`unclamped_normal_force`].
+#[inline(always)]
+pub fn normal_over_gap<T: Real>(law: impl Fn(f64, f64) -> NormalForce, gap: T, gap_rate: T) -> T {
+    let f = law(-gap.value(), -gap_rate.value());
+    gap.chain2(gap_rate, f.force, -f.d_delta, -f.d_rate)
 }
 
 /// Energy in the Hertz spring, k δᵉ⁺¹/(e + 1), in J; 0 for δ ≤ 0.

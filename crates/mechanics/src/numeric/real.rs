@@ -7,6 +7,7 @@ use super::elementary::sin_cos;
 /// A real number, possibly with derivatives attached.
 pub trait Real:
     Copy
+    + Default
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>

@@ -1,7 +1,6 @@
 //! All quantities along the test trajectory, sample by sample (thesis Figs. 3.1–3.3).
 
-use super::bending_phase::BendingPhase;
-use super::rigid_phase::RigidPhase;
+use super::phases::{BendingPhase, RigidPhase};
 use super::{Closing, INTERVALS, Rule, Sizing, SizingError, Task, closing, size_with};
 use crate::gripper::{Finger, Placement};
 

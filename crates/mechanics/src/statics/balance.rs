@@ -10,8 +10,7 @@
 use std::f64::consts::TAU;
 
 use super::StaticsError;
-use super::balance_exact as exact;
-use super::balance_program::{Bound, Forces, Optimum, Program, power};
+use super::balance_program::{Bound, Column, Optimum, Program, power};
 use super::loads::{ActiveContact, ContactLocation, HandAtRest, Load, Loads, ROWS, loads};
 use crate::numeric::elementary::{hypot, sin_cos};
 
@@ -137,21 +136,11 @@ struct Scaled {
     force: f64,
     /// Unit of acceleration, m/s².
     acceleration: f64,
-    /// Size of each column of contact edges before normalisation.
-    contact_edges: Vec<f64>,
-    /// Size of each column of bounded torques before normalisation.
-    bounded_torques: Vec<f64>,
     lengths: Load,
 }
 
 fn size(column: &Load) -> f64 {
     column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()))
-}
-
-/// Returns a column normalised to size 1, and its original size.
-fn unit(column: &Load) -> (Load, f64) {
-    let size = Some(size(column)).filter(|size| *size > 0.0).unwrap_or(1.0);
-    (column.map(|entry| entry / size), size)
 }
 
 /// Columns of unit forces along the edges of a friction cone; without friction there is one edge.
@@ -165,35 +154,31 @@ fn scale_programme(loads: &Loads, [x, y]: [f64; 2]) -> Scaled {
     let r = loads.length_m;
     let lengths = [r, r, r, r, 1.0, 1.0, r];
     let in_newtons = |column: &Load| -> Load { std::array::from_fn(|row| column[row] / lengths[row]) };
+    let column = |load: &Load, bounds: [f64; 2]| {
+        let load = in_newtons(load);
+        let size = Some(size(&load)).filter(|size| *size > 0.0).unwrap_or(1.0);
+        Column { load: load.map(|entry| entry / size), bounds, size }
+    };
     let fixed = in_newtons(&loads.fixed);
-    let drives: Vec<(Load, f64, [f64; 2])> = loads
-        .drives
-        .iter()
-        .map(|(column, bounds)| {
-            let (column, size) = unit(&in_newtons(column));
-            (column, size, *bounds)
-        })
-        .collect();
-    let brake_bounds = drives.iter().flat_map(|(_, size, bounds)| bounds.map(|bound| bound.abs() * size));
+    let drives: Vec<Column> = loads.drives.iter().map(|(load, bounds)| column(load, *bounds)).collect();
+    let brake_bounds = drives.iter().flat_map(|drive| drive.bounds.map(|bound| bound.abs() * drive.size));
     let largest_brake = brake_bounds.filter(|bound| bound.is_finite()).fold(0.0, f64::max);
     let force = [size(&fixed), largest_brake].into_iter().find(|force| *force > 0.0).unwrap_or(1.0);
+    let unilateral = [0.0, f64::INFINITY];
     let driving: Load = std::array::from_fn(|row| x * loads.inertia[0][row] + y * loads.inertia[1][row]);
-    let (driving, inertia) = unit(&in_newtons(&driving));
-    let (contact_edges, sizes): (Vec<Load>, Vec<f64>) =
-        loads.contacts.iter().flat_map(edges).map(|edge| unit(&in_newtons(&edge))).unzip();
-    let bounded_torques =
-        drives.iter().map(|(column, size, bounds)| (*column, bounds.map(|bound| bound * size / force)));
+    let driving = column(&driving, unilateral);
+    let mut columns = vec![driving];
+    columns.extend(loads.contacts.iter().flat_map(edges).map(|edge| column(&edge, unilateral)));
+    let edge_count = columns.len() - 1;
+    columns.extend(
+        drives
+            .into_iter()
+            .map(|drive| Column { bounds: drive.bounds.map(|bound| bound * drive.size / force), ..drive }),
+    );
     Scaled {
-        program: Program {
-            contact_edges,
-            bounded_torques: bounded_torques.collect(),
-            driving,
-            fixed: fixed.map(|entry| entry / force),
-        },
+        program: Program { columns, edge_count, fixed: fixed.map(|entry| entry / force) },
         force,
-        acceleration: force / inertia,
-        contact_edges: sizes,
-        bounded_torques: drives.iter().map(|(_, size, _)| *size).collect(),
+        acceleration: force / driving.size,
         lengths,
     }
 }
@@ -214,29 +199,26 @@ fn largest_acceleration(loads: &Loads, direction: [f64; 2]) -> Result<Balance, S
     Ok(Balance { direction, largest })
 }
 
-fn limit_with_certificate(loads: &Loads, scaled: &Scaled, forces: Forces) -> Result<Limit, StaticsError> {
-    let Some(found) = scaled.program.bound()? else {
+fn limit_with_certificate(loads: &Loads, scaled: &Scaled, forces: Vec<f64>) -> Result<Limit, StaticsError> {
+    let program = &scaled.program;
+    let Some(found) = program.bound()? else {
         return Err(StaticsError::Balance { reason: "no motion certifies the limit".to_string() });
     };
-    let forces = exact::forces(&scaled.program, forces);
-    let Bound { bound, motion } = exact::motion(&scaled.program, &forces, found);
-    let gap = (bound - forces.multiple).abs() / forces.multiple.max(1.0);
+    let forces = program.exact_forces(forces);
+    let Bound { bound, motion } = program.exact_motion(&forces, found);
+    let multiple = forces[0];
+    let gap = (bound - multiple).abs() / multiple.max(1.0);
     if gap.is_nan() || gap > GAP {
-        let reason = format!("the limit is {} from forces, but {bound} from motion", forces.multiple);
+        let reason = format!("the limit is {multiple} from forces, but {bound} from motion");
         return Err(StaticsError::Balance { reason });
     }
     let rounding = ROUNDING * size(&motion);
-    let rate = |column: &Load| power(&motion, column);
-    if let Some(power) = scaled.program.contact_edges.iter().map(rate).find(|rate| *rate < -rounding) {
+    let rate = |index: usize| power(&motion, &program.columns[index].load);
+    if let Some(power) = program.contact_edges().map(rate).find(|rate| *rate < -rounding) {
         return Err(StaticsError::Balance { reason: format!("a contact force has negative power, {power}") });
     }
-    let mut edges = scaled
-        .program
-        .contact_edges
-        .iter()
-        .zip(&scaled.contact_edges)
-        .zip(&forces.contact_edges)
-        .map(|((column, size), force)| (force * scaled.force / size, rate(column) > rounding));
+    let si_force = |index: usize| forces[index] * scaled.force / program.columns[index].size;
+    let mut edges = program.contact_edges().map(|index| (si_force(index), rate(index) > rounding));
     let mut contact_load = |contact: &ActiveContact| {
         let mut next = || edges.next().unwrap_or((0.0, true));
         let (first, separates) = next();
@@ -254,14 +236,12 @@ fn limit_with_certificate(loads: &Loads, scaled: &Scaled, forces: Forces) -> Res
         ContactLoad { location, normal_n: first + second, tangential_n: mu * (first - second), contact_motion }
     };
     let contacts = loads.contacts.iter().map(&mut contact_load).collect();
-    let brakes = scaled.program.bounded_torques.iter().zip(&scaled.bounded_torques).zip(&forces.bounded_torques).map(
-        |(((column, bounds), size), torque)| BrakeLoad {
-            torque_n_m: torque * scaled.force / size,
-            slips: bounds[0] < bounds[1] && rate(column).abs() > rounding,
-        },
-    );
+    let brakes = program.torques().map(|index| {
+        let [lo, hi] = program.columns[index].bounds;
+        BrakeLoad { torque_n_m: si_force(index), slips: lo < hi && rate(index).abs() > rounding }
+    });
     Ok(Limit {
-        acceleration_m_s2: forces.multiple * scaled.acceleration,
+        acceleration_m_s2: multiple * scaled.acceleration,
         contacts,
         brakes: brakes.collect(),
         motion: normalised_motion(&motion, &scaled.lengths),

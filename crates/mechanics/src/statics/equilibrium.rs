@@ -1,10 +1,12 @@
-//! Contact forces in static equilibrium (thesis §2.1.4, errata 4 and 9).
+//! Contact forces in static equilibrium (thesis §2.1.4, errata 4 and 9), and the resulting force of the object on the
+//! palm (thesis (3.2), errata 10).
 
-use super::{StaticKinematics, StaticsError, palm_force_with_mu, static_kinematics};
+use super::error::number;
+use super::{StaticKinematics, StaticsError, static_kinematics};
 use crate::fivebar::kinematics::{reference_gamma, straight_directions};
 use crate::fivebar::spring::SpringModel;
-use crate::gripper::{Assembly, FinalPosture, Finger, FingerContact, Spring};
-use crate::numeric::elementary::{cos, sin};
+use crate::gripper::{Assembly, FinalPosture, Finger, Spring};
+use crate::numeric::elementary::{cos, sin, sin_cos};
 
 /// Smallest lever with which a torque can produce a contact force, in m.
 pub(super) const MIN_LEVER_M: f64 = 1e-9;
@@ -44,15 +46,6 @@ impl Equilibrium {
             (false, true) => Ejection::Proximal,
             (true, false) => Ejection::Distal,
             (false, false) => Ejection::Both,
-        }
-    }
-
-    /// Whether this contact would have to pull.
-    pub fn ejects(&self, contact: FingerContact) -> bool {
-        match contact {
-            FingerContact::Proximal => self.f21_n < 0.0,
-            FingerContact::Distal => self.f22_n < 0.0,
-            FingerContact::Limit => false,
         }
     }
 }
@@ -160,6 +153,19 @@ pub fn equilibrium_with_mu(
     Ok(Equilibrium { f21_n, f22_n, pfp_n: palm_force_with_mu(end, [f21_n, f22_n], mu_static) })
 }
 
-fn number(name: &'static str, value: f64, in_range: bool, allowed: &'static str) -> Result<(), StaticsError> {
-    if value.is_finite() && in_range { Ok(()) } else { Err(StaticsError::Number { name, value, allowed }) }
+/// PFP = F22 (sin φ_c + μ cos φ_c) − F21 (cos q21 − μ sin q21), in N: force of the object on the palm due to one
+/// finger.
+///
+/// Friction on the object points along each phalanx towards its joint, that is, towards the palm as long as the phalanx
+/// rises from its joint to its end. A second finger, the mirror image, contributes the same force and balances the
+/// component parallel to the palm.
+pub fn palm_force(end: &FinalPosture, f21_n: f64, f22_n: f64, mu: f64) -> f64 {
+    palm_force_with_mu(end, [f21_n, f22_n], [mu; 2])
+}
+
+/// [`palm_force`] of [F21, F22] with separate friction coefficients of the contacts.
+pub fn palm_force_with_mu(end: &FinalPosture, [f21_n, f22_n]: [f64; 2], [mu_21, mu_22]: [f64; 2]) -> f64 {
+    let (sin_c, cos_c) = sin_cos(end.phi_c_rad);
+    let (sin_21, cos_21) = sin_cos(end.posture.q21_rad);
+    f22_n * (sin_c + mu_22 * cos_c) - f21_n * (cos_21 - mu_21 * sin_21)
 }

@@ -40,3 +40,13 @@ pub enum StaticsError {
     #[error(transparent)]
     Loop(#[from] PostureError),
 }
+
+/// Checks that a number is finite and in its range.
+pub(super) fn number(
+    name: &'static str,
+    value: f64,
+    in_range: bool,
+    allowed: &'static str,
+) -> Result<(), StaticsError> {
+    if value.is_finite() && in_range { Ok(()) } else { Err(StaticsError::Number { name, value, allowed }) }
+}

@@ -12,8 +12,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::linear::{Scaled, basis, orthogonal, orthogonal_component, scale_constraints, solve};
-use super::{Hand, NecessaryCount, Row, RowKind, StaticsError, Unilateral, Unknown, program, unilateral};
+use super::linear::{self, Scaled, basis, orthogonal, orthogonal_component, scale_constraints, solve};
+use super::{
+    Blocked, GraspConfiguration, Hand, NecessaryCount, PerContact, Row, RowKind, StaticsError, Unilateral, Unknown,
+    gripper_unilateral, unilateral,
+};
 use crate::gripper::{FinalPosture, Finger};
 
 /// Ratio of the smallest to the largest multiplier (of normalised rows and unknowns) above which a grasp counts as
@@ -32,11 +35,11 @@ const ROUNDING_RATIO: f64 = 1e-13;
 
 /// Result of a form-closure analysis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FormClosure<R = Row> {
+pub struct FormClosure {
     pub closed: bool,
     pub certificate: Certificate,
     /// Meaning of the rows of U.
-    pub rows: Vec<R>,
+    pub rows: Vec<Row>,
     /// Meaning of the columns of U.
     pub unknowns: Vec<Unknown>,
     /// Rank of U; full if it is the number of unknowns.
@@ -46,15 +49,6 @@ pub struct FormClosure<R = Row> {
     /// outside.
     pub margin: Option<f64>,
     pub decision: Decision,
-}
-
-impl<R> FormClosure<R> {
-    /// Returns the same result with other row names.
-    pub fn with_row_names<S>(self, name: impl Fn(R) -> S) -> FormClosure<S> {
-        let FormClosure { closed, certificate, rows, unknowns, rank, necessary, margin, decision } = self;
-        let rows = rows.into_iter().map(name).collect();
-        FormClosure { closed, certificate, rows, unknowns, rank, necessary, margin, decision }
-    }
 }
 
 /// Method of the decision.
@@ -94,7 +88,7 @@ pub fn form_closure(finger: &Finger, end: &FinalPosture) -> Result<FormClosure, 
 ///
 /// # Errors
 /// Returns an error if the set is so close to the boundary that no certificate exists.
-pub fn decide_form_closure<R: Copy + Into<RowKind>>(u: &Unilateral<R>) -> Result<FormClosure<R>, StaticsError> {
+pub fn decide_form_closure(u: &Unilateral) -> Result<FormClosure, StaticsError> {
     let scaled = scale_constraints(u);
     let (m, n) = scaled.matrix.shape();
     let columns = basis(&scaled.matrix);
@@ -117,11 +111,24 @@ pub fn decide_form_closure<R: Copy + Into<RowKind>>(u: &Unilateral<R>) -> Result
     report_motion(u, &scaled, n, &motion, Decision::Signs, Some(margin))
 }
 
+/// Decides form closure of a posture, provided that blocked drives are not back-driven, with a certificate.
+///
+/// # Errors
+/// See [`gripper_unilateral`]; also returns an error if the grasp is so close to the boundary that no certificate
+/// exists.
+pub fn gripper_closure(
+    configuration: &GraspConfiguration<'_>,
+    active_contacts: &PerContact<bool>,
+    blocked: Blocked,
+) -> Result<FormClosure, StaticsError> {
+    decide_form_closure(&gripper_unilateral(configuration, active_contacts, blocked)?)
+}
+
 /// [`decide_form_closure`], always by linear programmes.
 ///
 /// # Errors
 /// See [`decide_form_closure`]; also returns an error if the linear programme has no solution.
-pub fn decide_by_linear_program<R: Copy + Into<RowKind>>(u: &Unilateral<R>) -> Result<FormClosure<R>, StaticsError> {
+pub fn decide_by_linear_program(u: &Unilateral) -> Result<FormClosure, StaticsError> {
     let scaled = scale_constraints(u);
     let columns = basis(&scaled.matrix);
     match columns.ncols() < u.unknowns.len() {
@@ -131,29 +138,21 @@ pub fn decide_by_linear_program<R: Copy + Into<RowKind>>(u: &Unilateral<R>) -> R
 }
 
 /// Reports a motion that leaves all rows at zero.
-fn report_undetermined_motion<R: Copy + Into<RowKind>>(
-    u: &Unilateral<R>,
-    scaled: &Scaled,
-    rank: usize,
-) -> Result<FormClosure<R>, StaticsError> {
+fn report_undetermined_motion(u: &Unilateral, scaled: &Scaled, rank: usize) -> Result<FormClosure, StaticsError> {
     let motion = orthogonal(&basis(&scaled.matrix.transpose()));
     report_motion(u, scaled, rank, &motion, Decision::Rank, None)
 }
 
 /// Solves the programme of the motion first: an infeasible programme, as the programme of the multipliers mostly is,
 /// costs several times as much.
-fn solve_linear_program<R: Copy + Into<RowKind>>(
-    u: &Unilateral<R>,
-    scaled: &Scaled,
-    columns: &DMatrix<f64>,
-) -> Result<FormClosure<R>, StaticsError> {
+fn solve_linear_program(u: &Unilateral, scaled: &Scaled, columns: &DMatrix<f64>) -> Result<FormClosure, StaticsError> {
     let rank = columns.ncols();
-    let Some(found) = program::motion(&scaled.matrix)? else {
+    let Some(found) = linear::motion(&scaled.matrix)? else {
         return Err(StaticsError::Program { reason: "no motion is feasible, not even rest".to_string() });
     };
     let rates = &scaled.matrix * &found;
     if rates.amax() < MIN_RATE
-        && let Some(lambda) = program::multipliers(&scaled.matrix)?
+        && let Some(lambda) = linear::multipliers(&scaled.matrix)?
     {
         // Remove the residual of the programme.
         let lambda = orthogonal_component(columns, &lambda);
@@ -169,12 +168,13 @@ fn solve_linear_program<R: Copy + Into<RowKind>>(
 
 /// s ≥ 0 with λ·s = 0 for multipliers that are not all positive. Rows of one kind get equal rates, so that a symmetric
 /// gripper moves symmetrically. Motions with advancing motors are preferred: these occur without external disturbance.
-fn separations<R: Copy + Into<RowKind>>(lambda: &DVector<f64>, rows: &[R]) -> DVector<f64> {
+fn separations(lambda: &DVector<f64>, rows: &[Row]) -> DVector<f64> {
     let order = [RowKind::Motor, RowKind::Palm, RowKind::Distal, RowKind::Proximal];
     let none = BOUNDARY * lambda.amax();
     let first = |selects: &dyn Fn(f64) -> bool| -> Vec<usize> {
-        let rows_of =
-            |kind| (0..rows.len()).filter(|&i| rows[i].into() == kind && selects(lambda[i])).collect::<Vec<_>>();
+        let rows_of = |kind| {
+            (0..rows.len()).filter(|&i| RowKind::from(rows[i]) == kind && selects(lambda[i])).collect::<Vec<_>>()
+        };
         order.into_iter().map(rows_of).find(|found| !found.is_empty()).unwrap_or_default()
     };
     let (up, down, idle) = (first(&|l| l > none), first(&|l| l < -none), first(&|l| l.abs() <= none));
@@ -191,41 +191,33 @@ fn separations<R: Copy + Into<RowKind>>(lambda: &DVector<f64>, rows: &[R]) -> DV
 }
 
 /// Checks the multipliers that exclude a free motion, and returns them as form closure.
-fn report_multipliers<R: Copy + Into<RowKind>>(
-    u: &Unilateral<R>,
+fn report_multipliers(
+    u: &Unilateral,
     scaled: &Scaled,
     lambda: &DVector<f64>,
     decision: Decision,
-) -> Result<FormClosure<R>, StaticsError> {
+) -> Result<FormClosure, StaticsError> {
     let residual = scaled.matrix.tr_mul(lambda).amax() / lambda.amax();
     if residual.is_nan() || residual > MAX_RESIDUAL {
         return Err(StaticsError::Undecided { motion_residual: f64::NAN, multiplier_residual: residual });
     }
     // Rows were divided by their lengths, so the multipliers are, too.
     let unscaled: Vec<f64> = lambda.iter().zip(&scaled.norms).map(|(l, norm)| l / norm).collect();
-    let motor = u.rows.iter().position(|&row| row.into() == RowKind::Motor);
+    let motor = u.rows.iter().position(|&row| RowKind::from(row) == RowKind::Motor);
     let unit = motor.map_or(unscaled.iter().copied().fold(0.0, f64::max), |i| unscaled[i]);
-    Ok(FormClosure {
-        closed: true,
-        certificate: Certificate::Multipliers { values: unscaled.iter().map(|l| l / unit).collect(), residual },
-        rows: u.rows.clone(),
-        unknowns: u.unknowns.clone(),
-        rank: u.unknowns.len(),
-        necessary: u.necessary_count(),
-        margin: Some(lambda.min() / lambda.amax()),
-        decision,
-    })
+    let certificate = Certificate::Multipliers { values: unscaled.iter().map(|l| l / unit).collect(), residual };
+    Ok(report(u, certificate, u.unknowns.len(), Some(lambda.min() / lambda.amax()), decision))
 }
 
 /// Checks and reports a motion.
-fn report_motion<R: Copy + Into<RowKind>>(
-    u: &Unilateral<R>,
+fn report_motion(
+    u: &Unilateral,
     scaled: &Scaled,
     rank: usize,
     motion: &DVector<f64>,
     decision: Decision,
     margin: Option<f64>,
-) -> Result<FormClosure<R>, StaticsError> {
+) -> Result<FormClosure, StaticsError> {
     let size = motion.amax();
     let clear_rounding = |v: f64| if v.abs() <= ROUNDING_RATIO * size { 0.0 } else { v };
     let motion = motion.map(clear_rounding);
@@ -244,14 +236,25 @@ fn report_motion<R: Copy + Into<RowKind>>(
         false => values.iter().fold(0.0, |most: f64, v| most.max(v.abs())),
     };
     let per_unit = |values: Vec<f64>| -> Vec<f64> { values.iter().map(|v| v / unit).collect() };
-    Ok(FormClosure {
-        closed: false,
-        certificate: Certificate::Motion { values: per_unit(values), rates: per_unit(rates), residual },
+    let certificate = Certificate::Motion { values: per_unit(values), rates: per_unit(rates), residual };
+    Ok(report(u, certificate, rank, margin, decision))
+}
+
+fn report(
+    u: &Unilateral,
+    certificate: Certificate,
+    rank: usize,
+    margin: Option<f64>,
+    decision: Decision,
+) -> FormClosure {
+    FormClosure {
+        closed: matches!(certificate, Certificate::Multipliers { .. }),
+        certificate,
         rows: u.rows.clone(),
         unknowns: u.unknowns.clone(),
         rank,
         necessary: u.necessary_count(),
         margin,
         decision,
-    })
+    }
 }

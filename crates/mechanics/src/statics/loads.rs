@@ -5,7 +5,8 @@
 //! N·m. A translating palm causes a uniform field, gravity minus its acceleration, on the object and on every link.
 
 use super::equilibrium::spring_loads;
-use super::grasp_configuration::{ClosestPoint, FingerGeometry};
+use super::error::number;
+use super::hand::{ClosestPoint, FingerGeometry};
 use super::posture::static_kinematics_at;
 use super::{GraspConfiguration, PerContact, Side, StaticKinematics, StaticsError};
 use crate::fivebar::inertial_forces::{AccelerationField, InertialForces};
@@ -84,10 +85,6 @@ pub struct Loads {
 
 fn rows(side: Side) -> [usize; 2] {
     [2 * side as usize, 2 * side as usize + 1]
-}
-
-fn number(name: &'static str, value: f64, in_range: bool, allowed: &'static str) -> Result<(), StaticsError> {
-    if value.is_finite() && in_range { Ok(()) } else { Err(StaticsError::Number { name, value, allowed }) }
 }
 
 /// Computes the columns of a posture.

@@ -1,7 +1,8 @@
-//! Unilateral constraints on a motion of the grasp: U of (1.18), row by row.
+//! Unilateral constraints on a motion of the grasp, of one finger and its mirror image or of a whole gripper: U of
+//! (1.18), row by row.
 
 use super::posture::static_kinematics_at;
-use super::{Hand, PhalanxContact, StaticKinematics, StaticsError};
+use super::{GraspConfiguration, Hand, PerContact, PhalanxContact, StaticKinematics, StaticsError};
 use crate::gripper::FingerContact;
 
 /// One constraint; fingers are counted from 0 as in [`Hand::fingers`].
@@ -13,6 +14,8 @@ pub enum Row {
     Palm,
     /// Rate θ̇_a of a motor that cannot be back-driven, in rad/s.
     Motor { finger: usize },
+    /// Rate (θ̇_a,right + θ̇_a,left)/2 of the input of a differential that cannot be back-driven, in rad/s.
+    Input,
 }
 
 /// Kind of a constraint.
@@ -28,7 +31,7 @@ pub enum RowKind {
 impl From<Row> for RowKind {
     fn from(row: Row) -> Self {
         match row {
-            Row::Motor { .. } => RowKind::Motor,
+            Row::Motor { .. } | Row::Input => RowKind::Motor,
             Row::Palm => RowKind::Palm,
             Row::Contact { site: FingerContact::Distal, .. } => RowKind::Distal,
             Row::Contact { .. } => RowKind::Proximal,
@@ -55,8 +58,8 @@ pub enum Unknown {
 
 /// U ω ≥ 0 (1.18): each row is a rate that must not be negative, each column an unknown of ω.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unilateral<R = Row> {
-    pub rows: Vec<R>,
+pub struct Unilateral {
+    pub rows: Vec<Row>,
     pub unknowns: Vec<Unknown>,
     /// U by rows, in units of [`Row`] per unit of [`Unknown`].
     pub matrix: Vec<f64>,
@@ -84,28 +87,22 @@ impl NecessaryCount {
     }
 }
 
-impl<R: Copy + Into<RowKind>> Unilateral<R> {
+impl Unilateral {
     /// Returns an empty set of constraints on these unknowns.
     pub fn new(unknowns: Vec<Unknown>, scale: Vec<f64>) -> Self {
         Self { rows: Vec::new(), unknowns, matrix: Vec::new(), scale }
     }
 
     /// Appends a row, given its entry for each unknown.
-    pub fn push(&mut self, row: R, entry: impl Fn(Unknown) -> f64) {
+    pub fn push(&mut self, row: Row, entry: impl Fn(Unknown) -> f64) {
         self.rows.push(row);
         self.matrix.extend(self.unknowns.iter().map(|&unknown| entry(unknown)));
     }
 
     /// Appends a row with these entries, in the order of the unknowns.
-    pub fn append(&mut self, row: R, entries: &[f64]) {
+    pub fn append(&mut self, row: Row, entries: &[f64]) {
         self.rows.push(row);
         self.matrix.extend(entries);
-    }
-
-    /// Returns the same constraints with other row names.
-    pub fn with_row_names<S>(self, name: impl Fn(R) -> S) -> Unilateral<S> {
-        let Self { rows, unknowns, matrix, scale } = self;
-        Unilateral { rows: rows.into_iter().map(name).collect(), unknowns, matrix, scale }
     }
 
     /// Entries of one row.
@@ -116,7 +113,7 @@ impl<R: Copy + Into<RowKind>> Unilateral<R> {
 
     /// Returns the numbers of contacts, motors and unknowns in (1.19).
     pub fn necessary_count(&self) -> NecessaryCount {
-        let motors = self.rows.iter().filter(|&&row| row.into() == RowKind::Motor).count();
+        let motors = self.rows.iter().filter(|&&row| RowKind::from(row) == RowKind::Motor).count();
         let object = self.unknowns.iter().filter(|u| matches!(u, Unknown::ObjectX | Unknown::ObjectY)).count();
         NecessaryCount { contacts: self.rows.len() - motors, motors, hand: self.unknowns.len() - object, object }
     }
@@ -169,5 +166,47 @@ pub fn unilateral(hand: &Hand<'_>) -> Result<Unilateral, StaticsError> {
     if hand.palm {
         u.push(Row::Palm, |unknown| if unknown == Unknown::ObjectY { 1.0 } else { 0.0 });
     }
+    Ok(u)
+}
+
+/// Parts of the drive that cannot be back-driven. Blocking them in both directions only adds constraints: a grasp that
+/// is closed with these constraints remains closed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blocked {
+    /// Each driven link separately: both motors, or both outputs of a differential. n_u = 2 in (1.19).
+    Outputs,
+    /// Only the input of a differential, whose rotation is the mean of its outputs: one finger may yield while the
+    /// other follows. n_u = 1.
+    Input,
+}
+
+/// U of (1.18) of a gripper in this posture with these contacts of phalanges and palm. A table is not included, because
+/// the gripper moves its object away from it; a joint limit is not included either, as for one finger.
+///
+/// The object is a disc, all of whose normals pass through its centre: its rotation does not appear in any row and is
+/// not an unknown (d = 2). With rotation as an unknown, a disc would never be form-closed.
+///
+/// # Errors
+/// Returns an error if a loop does not close, and for the singular postures of
+/// [`static_kinematics`](super::static_kinematics).
+pub fn gripper_unilateral(
+    configuration: &GraspConfiguration<'_>,
+    active_contacts: &PerContact<bool>,
+    blocked: Blocked,
+) -> Result<Unilateral, StaticsError> {
+    let outputs = unilateral(&configuration.hand(active_contacts)?)?;
+    if blocked == Blocked::Outputs {
+        return Ok(outputs);
+    }
+    let mut u = Unilateral::new(outputs.unknowns.clone(), outputs.scale.clone());
+    let mut input = vec![0.0; outputs.unknowns.len()];
+    for (index, &row) in outputs.rows.iter().enumerate() {
+        if RowKind::from(row) == RowKind::Motor {
+            input.iter_mut().zip(outputs.row(index)).for_each(|(sum, entry)| *sum += 0.5 * entry);
+        } else {
+            u.append(row, outputs.row(index));
+        }
+    }
+    u.append(Row::Input, &input);
     Ok(u)
 }

@@ -1,21 +1,22 @@
 //! Merges several texts into one scene: the scenes it extends, its own text, and single settings.
 //!
-//! The merged text contains every key and value verbatim and is parsed like any other scene. Problems are then reported
-//! at their positions in the original texts.
+//! The merged text contains every value verbatim and is parsed like any other scene. Problems are then reported at their
+//! positions in the original texts.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
+use toml::{Table, Value};
 
 use super::SceneError;
 use super::check::NO_EFFECT;
 use super::error::{Problem, shortened};
 use super::keys::pair_element;
-use super::locate::locate_problems;
+use super::locate::{entry, entry_at, locate_problems};
 use super::parse::{parse_any, syntax_problem};
 use super::precedence::{KIND_KEYS, replaced_keys};
+use super::texts::{find, remove, texts, write_texts};
 
 /// One of the texts of a scene, with its name for messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,242 +53,166 @@ pub fn parse_layers<T>(
     if files.len() == 1 && settings.is_empty() {
         return parse(&scene_file.text, &scene_file.file);
     }
-    let mut merged_table = Table::default();
-    for (index, layer) in files.iter().enumerate() {
-        let mut overriding = read(layer, index)?;
-        overriding.remove(EXTENDS);
-        if index > 0 {
-            NOT_INHERITED.into_iter().for_each(|key| merged_table.remove(key));
-        }
-        merged_table.merge(overriding, true);
-    }
-    let mut set = Table::default();
-    for (index, layer) in settings.iter().enumerate() {
-        set.merge(read(layer, files.len() + index)?, false);
-    }
-    merged_table.merge(set, true);
-    let mut merged = Merged::new(&merged_table);
+    let layers: Vec<&Layer> = files.iter().chain(settings).collect();
+    let mut merged = Merged::new(&layers, files.len())?;
     // Inherited keys that have no effect with the last text are removed: `motor.brake = "none"` also removes the keys
     // of the brake.
     let base_layers = &files[..files.len() - usize::from(settings.is_empty())];
-    while let Err(error) = parse_any(&merged.text, &scene_file.file) {
+    while let Err(error) = parse_any(&merged.text(), &scene_file.file) {
         let base_problems =
             parse_layers(base_layers, &[], parse_any).map_or_else(|error| locate_problems(&error), |_| Vec::new());
         let is_new =
             |problem: &&Problem| base_problems.iter().all(|other| other.message != shortened(&problem.message));
         let without_effect = error.problems().iter().filter(|problem| problem.label == NO_EFFECT).filter(is_new);
-        let original_positions: Vec<_> =
-            without_effect.filter_map(|problem| merged.original_position(problem.span.as_ref()?)).collect();
-        if !merged_table.drop(&|segment| {
-            segment.layer < base_layers.len() && original_positions.contains(&(segment.layer, segment.span.clone()))
-        }) {
+        let places = without_effect.filter_map(|problem| merged.place(problem.span.as_ref()?, &layers));
+        let inherited: Vec<String> =
+            places.filter(|place| place.layer < base_layers.len()).map(|place| place.path.join(".")).collect();
+        if !inherited.iter().fold(false, |was_removed, path| merged.remove(path) || was_removed) {
             break;
         }
-        merged = Merged::new(&merged_table);
     }
-    let layers: Vec<&Layer> = files.iter().chain(settings).collect();
-    parse(&merged.text, &scene_file.file).map_err(|error| merged.assign_to_layers(error, &layers))
+    parse(&merged.text(), &scene_file.file).map_err(|error| merged.assign_to_layers(error, &layers))
 }
 
-fn read(layer: &Layer, index: usize) -> Result<Table, SceneError> {
-    let document = DeTable::parse(&layer.text).map_err(|error| SceneError::Invalid {
-        file: layer.file.clone(),
-        text: layer.text.clone(),
-        problems: vec![syntax_problem(&error)],
-    })?;
-    Ok(Table::parse(document.get_ref(), layer, index))
+/// The merged texts of all values, and the index of the layer from which each comes, in tables of the same form.
+struct Merged {
+    texts: Table,
+    origins: Table,
 }
 
-/// A piece of text with its position in a layer.
-#[derive(Clone, Debug)]
-struct TextSegment {
-    text: String,
+/// A position in a layer, and the path of the key there.
+struct Place {
     layer: usize,
     span: Range<usize>,
-}
-
-#[derive(Clone, Debug)]
-enum Node {
-    Value(TextSegment),
-    Table(Table),
-}
-
-/// Entries in the order of their first appearance: name, key as written (perhaps quoted), and value.
-#[derive(Clone, Debug, Default)]
-struct Table(Vec<(String, TextSegment, Node)>);
-
-impl Table {
-    fn parse(table: &DeTable<'_>, layer: &Layer, index: usize) -> Self {
-        let segment = |text: String, span| TextSegment { text, layer: index, span };
-        let mut entries: Vec<_> = table.iter().collect();
-        entries.sort_by_key(|(key, _)| key.span().start);
-        let entry = |(key, value): (&Spanned<_>, &Spanned<DeValue<'_>>)| {
-            let name: &std::borrow::Cow<'_, str> = key.get_ref();
-            let node = match value.get_ref() {
-                DeValue::Table(inner) => Node::Table(Table::parse(inner, layer, index)),
-                _ => Node::Value(segment(to_inline(value, &layer.text), value.span())),
-            };
-            (name.to_string(), segment(layer.text[key.span()].to_string(), key.span()), node)
-        };
-        Self(entries.into_iter().map(entry).collect())
-    }
-
-    fn remove(&mut self, key: &str) {
-        self.0.retain(|(name, _, _)| name != key);
-    }
-
-    /// Removes all values and tables for which `without_effect` holds; returns whether it removed any.
-    fn drop(&mut self, without_effect: &impl Fn(&TextSegment) -> bool) -> bool {
-        let (before, mut inner) = (self.0.len(), false);
-        self.0.retain_mut(|(_, key, node)| match node {
-            Node::Value(value) => !without_effect(value),
-            Node::Table(table) => {
-                !without_effect(key) && {
-                    inner |= table.drop(without_effect);
-                    true
-                }
-            }
-        });
-        inner || self.0.len() < before
-    }
-
-    fn has(&self, key: &str) -> bool {
-        self.0.iter().any(|(name, _, _)| name == key)
-    }
-
-    /// Merges another table over this one. With `replaces_kinds`, a section that selects its kind replaces the
-    /// inherited section, and alternative keys replace each other.
-    fn merge(&mut self, overriding: Self, replaces_kinds: bool) {
-        if replaces_kinds {
-            replaced_keys(|key| overriding.has(key)).for_each(|key| self.remove(key));
-        }
-        // A pair replaces single elements.
-        self.0.retain(|(known, ..)| pair_element(known).is_none_or(|(pair, _)| !overriding.has(pair)));
-        let known: HashMap<String, usize> =
-            self.0.iter().enumerate().map(|(index, (known, ..))| (known.clone(), index)).collect();
-        for (name, key, node) in overriding.0 {
-            let Some(&index) = known.get(&name) else {
-                self.0.push((name, key, node));
-                continue;
-            };
-            match (&mut self.0[index], node) {
-                ((_, head, Node::Table(inner)), Node::Table(more)) => {
-                    if replaces_kinds && KIND_KEYS.iter().any(|kind| more.has(kind)) {
-                        *inner = Table::default();
-                        *head = key;
-                    }
-                    inner.merge(more, replaces_kinds);
-                }
-                (entry, node) => *entry = (name, key, node),
-            }
-        }
-    }
-}
-
-/// Returns a value as written, except that tables in a list, which may have headers of their own, become inline tables.
-fn to_inline(value: &Spanned<DeValue<'_>>, text: &str) -> String {
-    let list = |items: Vec<String>, [open, close]: [&str; 2]| format!("{open}{}{close}", items.join(", "));
-    match value.get_ref() {
-        DeValue::Table(table) => {
-            let pair = |(key, value): (&Spanned<_>, &Spanned<DeValue<'_>>)| {
-                format!("{} = {}", &text[key.span()], to_inline(value, text))
-            };
-            list(table.iter().map(pair).collect(), ["{", "}"])
-        }
-        DeValue::Array(items) if items.iter().any(|item| matches!(item.get_ref(), DeValue::Table(_))) => {
-            list(items.iter().map(|item| to_inline(item, text)).collect(), ["[", "]"])
-        }
-        _ => text[value.span()].to_string(),
-    }
-}
-
-/// The merged text with the origin of its pieces.
-#[derive(Debug, Default)]
-struct Merged {
-    text: String,
-    /// Positions in the text, in order, each with the layer and the position there.
-    original_positions: Vec<(Range<usize>, usize, Range<usize>)>,
+    path: Vec<String>,
 }
 
 impl Merged {
-    fn new(merged_table: &Table) -> Self {
-        let mut merged = Self::default();
-        merged.write(merged_table, &mut Vec::new());
-        merged
-    }
-
-    fn write(&mut self, table: &Table, path: &mut Vec<TextSegment>) {
-        for (_, key, node) in &table.0 {
-            if let Node::Value(value) = node {
-                self.put(key);
-                self.text.push_str(" = ");
-                self.put(value);
-                self.text.push('\n');
+    /// Merges the layers; those up to `file_count` are files, and the others settings, which form one text.
+    fn new(layers: &[&Layer], file_count: usize) -> Result<Self, SceneError> {
+        let mut merged = Merged { texts: Table::new(), origins: Table::new() };
+        let mut set = Merged { texts: Table::new(), origins: Table::new() };
+        for (index, layer) in layers.iter().enumerate() {
+            let document = DeTable::parse(&layer.text).map_err(|error| SceneError::Invalid {
+                file: layer.file.clone(),
+                text: layer.text.clone(),
+                problems: vec![syntax_problem(&error)],
+            })?;
+            let mut texts = texts(document.get_ref(), &layer.text);
+            if index >= file_count {
+                let origins = with_origin(&texts, index);
+                set.merge(texts, origins, false);
+                continue;
             }
-        }
-        for (_, key, node) in &table.0 {
-            if let Node::Table(inner) = node {
-                path.push(key.clone());
-                if inner.0.is_empty() || inner.0.iter().any(|(_, _, node)| matches!(node, Node::Value(_))) {
-                    self.header(path);
-                }
-                self.write(inner, path);
-                path.pop();
+            texts.remove(EXTENDS);
+            if index > 0 {
+                NOT_INHERITED.into_iter().for_each(|key| _ = merged.remove(key));
             }
+            let origins = with_origin(&texts, index);
+            merged.merge(texts, origins, true);
         }
+        merged.merge(set.texts, set.origins, true);
+        Ok(merged)
     }
 
-    /// Writes the header of a section; its origin is the key that opened the section.
-    fn header(&mut self, path: &[TextSegment]) {
-        let names: Vec<&str> = path.iter().map(|key| key.text.as_str()).collect();
-        let start = self.text.len();
-        self.text.push_str(&format!("[{}]", names.join(".")));
-        if let Some(key) = path.last() {
-            self.original_positions.push((start..self.text.len(), key.layer, key.span.clone()));
-        }
-        self.text.push('\n');
+    fn merge(&mut self, texts: Table, origins: Table, replaces_kinds: bool) {
+        merge(&mut self.texts, texts, replaces_kinds);
+        merge(&mut self.origins, origins, replaces_kinds);
     }
 
-    fn put(&mut self, segment: &TextSegment) {
-        let start = self.text.len();
-        self.text.push_str(&segment.text);
-        self.original_positions.push((start..self.text.len(), segment.layer, segment.span.clone()));
+    fn remove(&mut self, path: &str) -> bool {
+        remove(&mut self.origins, path);
+        remove(&mut self.texts, path)
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        write_texts(&mut text, &serde_json::Value::Null, &self.texts, "");
+        text
+    }
+
+    /// Returns the original place of a position in the merged text.
+    fn place(&self, span: &Range<usize>, layers: &[&Layer]) -> Option<Place> {
+        let text = self.text();
+        let document = DeTable::parse(&text).ok()?;
+        let (path, merged_key, merged_value) = entry_at(document.get_ref(), span.start)?;
+        let is_table = find(&self.texts, &path.join("."))?.is_table();
+        let first_with_path = || {
+            layers.iter().position(|layer| {
+                DeTable::parse(&layer.text).is_ok_and(|document| entry(document.get_ref(), &path).is_some())
+            })
+        };
+        let layer = find(&self.origins, &path.join(".")).and_then(first_origin).or_else(first_with_path)?;
+        let document = DeTable::parse(&layers[layer].text).ok()?;
+        let (key, value) = entry(document.get_ref(), &path)?;
+        // Values are verbatim: their parts have the same positions.
+        let within = |start: usize, from: &Range<usize>| start + span.start - from.start;
+        let span = match is_table || merged_key.contains(&span.start) {
+            true if !is_table && span.len() < merged_key.len() => {
+                within(key.start, &merged_key)..within(key.start, &merged_key) + span.len()
+            }
+            true => key,
+            false => within(value.start, &merged_value)..within(value.start, &merged_value) + span.len(),
+        };
+        Some(Place { layer, span, path })
     }
 
     /// Assigns the problems of the merged text to the layers.
     fn assign_to_layers(&self, error: SceneError, layers: &[&Layer]) -> SceneError {
         let SceneError::Invalid { file, problems, .. } = error else { return error };
-        let mut problems_by_layer: Vec<(usize, Vec<Problem>)> = Vec::new();
         // Problems without a position are assigned to the scene's own file.
         let default_layer = layers.iter().rposition(|layer| layer.file == file).unwrap_or(0);
+        let mut problems_by_layer: BTreeMap<usize, Vec<Problem>> = BTreeMap::new();
         for mut problem in problems {
-            let found = problem.span.take().and_then(|span| self.original_position(&span));
-            let layer = found.as_ref().map_or(default_layer, |(layer, _)| *layer);
-            problem.span = found.map(|(_, span)| span);
-            match problems_by_layer.iter_mut().find(|(entry_layer, _)| *entry_layer == layer) {
-                Some((_, problems)) => problems.push(problem),
-                None => problems_by_layer.push((layer, vec![problem])),
-            }
+            let place = problem.span.take().and_then(|span| self.place(&span, layers));
+            let layer = place.as_ref().map_or(default_layer, |place| place.layer);
+            problem.span = place.map(|place| place.span);
+            problems_by_layer.entry(layer).or_default().push(problem);
         }
-        problems_by_layer.sort_by_key(|(layer, _)| *layer);
-        let invalid = |(layer, problems): (usize, Vec<Problem>)| SceneError::Invalid {
-            file: layers[layer].file.clone(),
-            text: layers[layer].text.clone(),
-            problems,
+        let invalid = |(layer, mut problems): (usize, Vec<Problem>)| {
+            problems.sort_by_key(|problem| problem.span.as_ref().map_or(usize::MAX, |span| span.start));
+            SceneError::Invalid { file: layers[layer].file.clone(), text: layers[layer].text.clone(), problems }
         };
         let mut errors: Vec<SceneError> = problems_by_layer.into_iter().map(invalid).collect();
         if errors.len() == 1 { errors.remove(0) } else { SceneError::Layers(errors) }
     }
+}
 
-    /// Returns the layer of a position in the merged text and the position there.
-    fn original_position(&self, span: &Range<usize>) -> Option<(usize, Range<usize>)> {
-        let inside = |entry: &&(Range<usize>, usize, Range<usize>)| entry.0.contains(&span.start);
-        let (merged_span, layer, layer_span) = self.original_positions.iter().find(inside)?;
-        if merged_span.len() != layer_span.len() {
-            return Some((*layer, layer_span.clone()));
+/// A table of the same form with the index of a layer for each value.
+fn with_origin(table: &Table, layer: usize) -> Table {
+    let origin = |value: &Value| match value.as_table() {
+        Some(inner) => Value::Table(with_origin(inner, layer)),
+        None => Value::Integer(layer as i64),
+    };
+    table.iter().map(|(key, value)| (key.clone(), origin(value))).collect()
+}
+
+/// The first layer from which a value of a table comes.
+fn first_origin(origins: &Value) -> Option<usize> {
+    match origins {
+        Value::Table(inner) => inner.values().filter_map(first_origin).min(),
+        other => other.as_integer().and_then(|layer| usize::try_from(layer).ok()),
+    }
+}
+
+/// Merges a table over another. With `replaces_kinds`, a section that selects its kind replaces the inherited section,
+/// and alternative keys replace each other.
+fn merge(table: &mut Table, overriding: Table, replaces_kinds: bool) {
+    if replaces_kinds {
+        replaced_keys(|key| overriding.contains_key(key)).for_each(|key| _ = table.remove(key));
+    }
+    // A pair replaces single elements.
+    table.retain(|known, _| pair_element(known).is_none_or(|(pair, _)| !overriding.contains_key(pair)));
+    for (key, value) in overriding {
+        match (table.get_mut(&key), value) {
+            (Some(Value::Table(inner)), Value::Table(more)) => {
+                if replaces_kinds && KIND_KEYS.iter().any(|kind| more.contains_key(*kind)) {
+                    inner.clear();
+                }
+                merge(inner, more, replaces_kinds);
+            }
+            (_, value) => _ = table.insert(key, value),
         }
-        let to_original = |offset: usize| (layer_span.start + (offset - merged_span.start)).min(layer_span.end);
-        Some((*layer, to_original(span.start)..to_original(span.end)))
     }
 }
 
@@ -374,7 +299,7 @@ mod tests {
                 problems.iter().map(|problem| problem.span.clone().map(|span| &text[span])).collect()
             })
             .collect();
-        assert_eq!(found[0], [Some("22"), Some("t")]);
+        assert_eq!(found[0], [Some("t"), Some("22")]);
         assert_eq!(found[1], [Some("c"), Some("333"), None]);
         assert_eq!(found[2], [Some("444")]);
         let shown = error.to_string();

@@ -5,8 +5,6 @@ use crate::shape::Shape;
 pub const DURATION_S: f64 = 0.020;
 /// The gripper hangs upside down: gravity pulls the object out of it.
 pub const GRAVITY_M_S2: [f64; 2] = [0.0, crate::units::G_M_S2];
-/// Length of the driven link.
-pub const L11_M: f64 = 0.015;
 /// Half width of the phalanges.
 pub const HALF_WIDTH_M: f64 = 0.0025;
 /// Density of the links.

@@ -1,7 +1,6 @@
 //! Keywords of scene files and their values.
 
-use super::value_kinds::Keyword;
-use super::{Interpolation, Placement};
+use super::quantity::Keyword;
 use crate::gripper::Assembly;
 use crate::sizing::Rule;
 
@@ -25,19 +24,6 @@ impl SceneKind {
         }
     }
 }
-
-/// All kinds of scene.
-pub const ANY: &[SceneKind] = &SceneKind::ALL;
-/// Kinds of scene without fingers.
-pub const NO_FINGER: &[SceneKind] = &[SceneKind::Bodies];
-/// Kinds of scene with one finger.
-pub const ONE_FINGER: &[SceneKind] = &[SceneKind::Finger];
-/// Kinds of scene with two fingers.
-pub const TWO_FINGERS: &[SceneKind] = &[SceneKind::Gripper];
-/// Kinds of scene with one or two fingers.
-pub const FINGERS: &[SceneKind] = &[SceneKind::Finger, SceneKind::Gripper];
-/// Kinds of scene with zero or two fingers.
-pub const NO_OR_TWO_FINGERS: &[SceneKind] = &[SceneKind::Bodies, SceneKind::Gripper];
 
 /// Motion of a disc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,18 +50,4 @@ impl Keyword for Assembly {
 impl Keyword for Rule {
     const KEYWORDS: &'static [(&'static str, Self)] =
         &[(Rule::Rigid.name(), Rule::Rigid), (Rule::Whole.name(), Rule::Whole)];
-}
-
-impl Keyword for Interpolation {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("linear", Interpolation::Linear), ("step", Interpolation::Step)];
-}
-
-impl Keyword for Placement {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[
-        (Placement::Phalanges.name(), Placement::Phalanges),
-        (Placement::DrivenCoupler.name(), Placement::DrivenCoupler),
-        (Placement::GroundLinks.name(), Placement::GroundLinks),
-        (Placement::CouplerDistal.name(), Placement::CouplerDistal),
-    ];
 }

@@ -36,8 +36,8 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
             let document = DeTable::parse(text).ok();
             let position = |span: &Range<usize>| {
                 let (line, column) = line_column(text, span.start);
-                let field = document.as_ref().and_then(|document| field_at(document.get_ref(), span.start, ""));
-                (line, column, field)
+                let field = document.as_ref().and_then(|document| entry_at(document.get_ref(), span.start));
+                (line, column, field.map(|(path, ..)| path.join(".")))
             };
             let to_located = |problem: &super::Problem| {
                 let position = problem.span.as_ref().map(position);
@@ -63,18 +63,33 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
     }
 }
 
-/// Returns the innermost field whose key or value contains a byte offset of the text.
-fn field_at(table: &DeTable<'_>, offset: usize, parent: &str) -> Option<String> {
+/// Returns path, key and value of the innermost field whose key or value contains a byte offset of the text.
+pub fn entry_at(table: &DeTable<'_>, offset: usize) -> Option<(Vec<String>, Range<usize>, Range<usize>)> {
     table.iter().find_map(|(key, value)| {
-        let name = key.get_ref();
-        let path = if parent.is_empty() { name.to_string() } else { format!("{parent}.{name}") };
         let inner = match value.get_ref() {
-            DeValue::Table(inner) => field_at(inner, offset, &path),
+            DeValue::Table(inner) => entry_at(inner, offset),
             _ => None,
         };
         let contains_offset = |span: Range<usize>| span.contains(&offset) || span.start == offset;
-        inner.or_else(|| (contains_offset(key.span()) || contains_offset(value.span())).then_some(path))
+        let own = || {
+            let contains = contains_offset(key.span()) || contains_offset(value.span());
+            contains.then(|| (Vec::new(), key.span(), value.span()))
+        };
+        let (mut path, key_span, value_span) = inner.or_else(own)?;
+        path.insert(0, key.get_ref().to_string());
+        Some((path, key_span, value_span))
     })
+}
+
+/// Returns the positions of the key and the value at a path.
+pub fn entry(table: &DeTable<'_>, path: &[String]) -> Option<(Range<usize>, Range<usize>)> {
+    let (first, rest) = path.split_first()?;
+    let (key, value) = table.get_key_value(first.as_str())?;
+    match (rest, value.get_ref()) {
+        ([], _) => Some((key.span(), value.span())),
+        (_, DeValue::Table(inner)) => entry(inner, rest),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

@@ -2,16 +2,15 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `scene_input` | the file as written |
-//! | `sections`, `schema` | the sections of a scene; its JSON Schema |
-//! | `entry`, `toml_value`, `value_kinds`, `keywords` | single values with their positions, quantities and keywords |
-//! | `compose` | merging of a scene with those it extends and with single settings |
-//! | `setting` | a single setting `FIELD=VALUE` as a line of a scene |
-//! | `precedence` | keys replaced when one part of a scene overrides another |
-//! | `parse`, `keys` | text → scene input; unknown keys |
+//! | `settings` | the sections of a scene as structs: every key with its type, default and description |
+//! | `quantity`, `keywords` | types of values: quantities with their dimension and range, keywords |
+//! | `schema` | the JSON Schema of a scene, and what follows from it: allowed values, records, documentation |
+//! | `value`, `toml_value` | reading single values by their type |
+//! | `section_input` | the file as written, section by section |
+//! | `compose`, `texts`, `setting`, `precedence` | merging of a scene with those it extends and with single settings |
+//! | `parse`, `keys` | text → scene; unknown keys |
 //! | `check`, `error`, `suggest`, `locate` | collecting, showing and locating problems |
-//! | `table` | settings: every key with its kind, default, range and description |
-//! | `resolve`, `defaults` | scene input → [`Scene`], physics checked |
+//! | `resolve`, `defaults` | scene as written → [`Scene`], physics checked |
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
 //! | `torque` | motor torque over time |
@@ -27,7 +26,6 @@ mod contact_id;
 mod cycle;
 mod defaults;
 mod disc;
-pub mod entry;
 pub mod error;
 mod finger;
 mod gripper_contact;
@@ -38,20 +36,21 @@ mod pairs;
 mod palm_motion;
 pub mod parse;
 pub mod precedence;
+pub mod quantity;
 mod resolve;
-mod scene_input;
 pub mod schema;
-mod sections;
+mod section_input;
 mod setting;
+pub mod settings;
 mod show;
 mod suggest;
 mod system;
-pub mod table;
 mod template;
+mod texts;
 pub mod toml_value;
 mod torque;
 mod unsupported;
-pub mod value_kinds;
+pub mod value;
 mod wrong_kind;
 
 pub use compose::{Layer, extended, parse_layers};
@@ -66,19 +65,18 @@ pub use locate::{LocatedProblem, locate_problems};
 pub use pairs::{Pair, Partner};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use parse::{parse, parse_any, parse_template};
+pub use quantity::Keyword;
 pub use schema::schema;
 pub use setting::{parse_setting, setting_from_parts};
+pub use settings::{
+    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
+    Stepping, Thresholds,
+};
 pub use show::{show, show_written};
 pub use suggest::closest_match;
 pub use system::System;
-pub use table::bounds::Bounds;
-pub use table::criteria::Thresholds;
-pub use table::engine::{Construction, ENGINE_MAX_STEP_S, Engine, Response, Stepping};
-pub use table::integrator::{Integrator, Method, Preset};
-pub use table::log::{LogExcess, LogRates};
 pub use template::Template;
 pub use torque::{Actuation, Interpolation, next_discontinuity, scaled, torque};
-pub use value_kinds::Keyword;
 pub use wrong_kind::WrongKind;
 
 pub use crate::gripper::{Placement, Spring, SpringKind};

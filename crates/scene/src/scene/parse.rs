@@ -5,10 +5,10 @@ use toml::de::DeTable;
 use super::check::Checker;
 use super::error::{Problem, SceneError};
 use super::keywords::SceneKind;
-use super::scene_input::SceneInput;
+use super::quantity::Keyword;
 use super::schema::{other_schemas, schema_for};
+use super::section_input::SceneInput;
 use super::suggest::closest_match;
-use super::value_kinds::Keyword;
 use super::{Scene, Template, keys, resolve};
 
 /// Parses, checks and resolves the scene of a finger; `file_name` appears in messages and gives the default name.

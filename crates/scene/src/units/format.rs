@@ -1,7 +1,7 @@
 //! Formats values in SI units as text that parses back to the same bits.
 
 use super::parse::parse;
-use super::{Dimension, Unit, number};
+use super::{Dimension, Unit};
 
 /// Neighbours of the quotient, in units in the last place, tried before a unit is rejected.
 const NEIGHBOURS: i64 = 4;
@@ -36,6 +36,12 @@ fn exact(value_si: f64, unit: &Unit, dimension: Dimension) -> Option<(String, bo
         }
     }
     best.map(|text| (text, is_handy))
+}
+
+/// Returns the shortest decimal that parses back to the number, plain or with an exponent.
+pub fn number(value: f64) -> String {
+    let (plain, exponent) = (format!("{value}"), format!("{value:e}"));
+    if plain.len() <= exponent.len() + 2 { plain } else { exponent }
 }
 
 #[cfg(test)]

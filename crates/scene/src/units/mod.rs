@@ -5,15 +5,11 @@
 //! | `table` | accepted units of every dimension, with the conversion factors of `uom` |
 //! | `parse` | `"480 N*mm"` → 0.48 |
 //! | `format` | 0.48 → `"480 N*mm"`, such that it parses back to the same bits |
-//! | `number` | shortest text of a number |
 
 mod format;
-mod number;
 mod parse;
 mod table;
 
-pub use format::format;
-pub use number::number;
-pub use parse::split_quantity;
-pub use parse::{QuantityError, parse, parse_positive};
+pub use format::{format, number};
+pub use parse::{QuantityError, parse, parse_positive, split_quantity};
 pub use table::{Dimension, G_M_S2, MAX_TIME_S, Unit};

@@ -42,149 +42,106 @@ pub enum Dimension {
     AngularDamping,
 }
 
-impl Dimension {
-    pub const ALL: [Dimension; 16] = [
-        Dimension::Length,
-        Dimension::Angle,
-        Dimension::Time,
-        Dimension::Mass,
-        Dimension::Force,
-        Dimension::Torque,
-        Dimension::Speed,
-        Dimension::AngularRate,
-        Dimension::Acceleration,
-        Dimension::Density,
-        Dimension::Inertia,
-        Dimension::Frequency,
-        Dimension::Pressure,
+/// Properties of a dimension.
+#[derive(Clone, Copy)]
+struct Properties {
+    dimension: Dimension,
+    name: &'static str,
+    example: &'static str,
+    suffix: &'static str,
+    max_si: f64,
+    resolution_si: f64,
+    units: &'static [Unit],
+}
+
+const fn row(
+    dimension: Dimension,
+    [name, example, suffix]: [&'static str; 3],
+    [max_si, resolution_si]: [f64; 2],
+    units: &'static [Unit],
+) -> Properties {
+    Properties { dimension, name, example, suffix, max_si, resolution_si, units }
+}
+
+/// All dimensions in their order. Rigid bodies are modelled with a modulus of 1e21 Pa.
+const TABLE: [Properties; 16] = [
+    row(Dimension::Length, ["a length", "15 mm", "m"], [1e3, 1e-12], LENGTH),
+    row(Dimension::Angle, ["an angle", "120 deg", "rad"], [1e6, 1e-12], ANGLE),
+    row(Dimension::Time, ["a time", "20 ms", "s"], [MAX_TIME_S, 0.0], TIME),
+    row(Dimension::Mass, ["a mass", "4.28 g", "kg"], [1e6, 0.0], MASS),
+    row(Dimension::Force, ["a force", "5 N", "n"], [1e12, 1e-9], FORCE),
+    row(Dimension::Torque, ["a torque", "480 N*mm", "n_m"], [1e12, 1e-12], TORQUE),
+    row(Dimension::Speed, ["a speed", "0.1 m/s", "m_s"], [1e6, 1e-12], SPEED),
+    row(Dimension::AngularRate, ["an angular rate", "60 rad/s", "rad_s"], [1e12, 1e-12], ANGULAR_RATE),
+    row(Dimension::Acceleration, ["an acceleration", "9.81 m/s^2", "m_s2"], [1e12, 0.0], ACCELERATION),
+    row(Dimension::Density, ["a density", "1070 kg/m^3", "kg_m3"], [1e6, 0.0], DENSITY),
+    row(Dimension::Inertia, ["a moment of inertia", "200 g*mm^2", "kg_m2"], [1e12, 0.0], INERTIA),
+    row(Dimension::Frequency, ["a frequency", "10 kHz", "hz"], [1e12, 0.0], FREQUENCY),
+    row(Dimension::Pressure, ["a pressure (modulus)", "2.3 GPa", "pa"], [1e24, 0.0], PRESSURE),
+    row(
         Dimension::AngularStiffness,
-        Dimension::LinearDamping,
+        ["a torsional stiffness", "0.3 N*m/rad", "n_m_per_rad"],
+        [1e24, 0.0],
+        ANGULAR_STIFFNESS,
+    ),
+    row(Dimension::LinearDamping, ["a damping", "1e6 N*s/m", "n_s_per_m"], [1e24, 0.0], LINEAR_DAMPING),
+    row(
         Dimension::AngularDamping,
-    ];
+        ["a torsional damping", "1e9 N*m*s/rad", "n_m_s_per_rad"],
+        [1e24, 0.0],
+        ANGULAR_DAMPING,
+    ),
+];
+
+impl Dimension {
+    /// All dimensions in their order.
+    pub const ALL: [Dimension; TABLE.len()] = {
+        let (mut all, mut index) = ([Dimension::Length; TABLE.len()], 0);
+        while index < all.len() {
+            all[index] = TABLE[index].dimension;
+            index += 1;
+        }
+        all
+    };
+
+    fn row(self) -> Properties {
+        TABLE[self as usize]
+    }
 
     /// Name with article, for messages.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Dimension::Length => "a length",
-            Dimension::Angle => "an angle",
-            Dimension::Time => "a time",
-            Dimension::Mass => "a mass",
-            Dimension::Force => "a force",
-            Dimension::Torque => "a torque",
-            Dimension::Speed => "a speed",
-            Dimension::AngularRate => "an angular rate",
-            Dimension::Acceleration => "an acceleration",
-            Dimension::Density => "a density",
-            Dimension::Inertia => "a moment of inertia",
-            Dimension::Frequency => "a frequency",
-            Dimension::Pressure => "a pressure (modulus)",
-            Dimension::AngularStiffness => "a torsional stiffness",
-            Dimension::LinearDamping => "a damping",
-            Dimension::AngularDamping => "a torsional damping",
-        }
+    pub fn name(self) -> &'static str {
+        self.row().name
     }
 
     /// Returns a typical value, for messages and the schema.
-    pub const fn example(self) -> &'static str {
-        match self {
-            Dimension::Length => "15 mm",
-            Dimension::Angle => "120 deg",
-            Dimension::Time => "20 ms",
-            Dimension::Mass => "4.28 g",
-            Dimension::Force => "5 N",
-            Dimension::Torque => "480 N*mm",
-            Dimension::Speed => "0.1 m/s",
-            Dimension::AngularRate => "60 rad/s",
-            Dimension::Acceleration => "9.81 m/s^2",
-            Dimension::Density => "1070 kg/m^3",
-            Dimension::Inertia => "200 g*mm^2",
-            Dimension::Frequency => "10 kHz",
-            Dimension::Pressure => "2.3 GPa",
-            Dimension::AngularStiffness => "0.3 N*m/rad",
-            Dimension::LinearDamping => "1e6 N*s/m",
-            Dimension::AngularDamping => "1e9 N*m*s/rad",
-        }
+    pub fn example(self) -> &'static str {
+        self.row().example
     }
 
     /// Largest magnitude accepted, in SI units: far beyond any gripper, and small enough to compute with and to show.
-    pub const fn max_si(self) -> f64 {
-        match self {
-            Dimension::Time => MAX_TIME_S,
-            Dimension::Length => 1e3,
-            Dimension::Speed | Dimension::Mass | Dimension::Density | Dimension::Angle => 1e6,
-            Dimension::Force
-            | Dimension::Torque
-            | Dimension::AngularRate
-            | Dimension::Acceleration
-            | Dimension::Inertia
-            | Dimension::Frequency => 1e12,
-            // Rigid bodies are modelled with a modulus of 1e21 Pa.
-            Dimension::Pressure
-            | Dimension::AngularStiffness
-            | Dimension::LinearDamping
-            | Dimension::AngularDamping => 1e24,
-        }
+    pub fn max_si(self) -> f64 {
+        self.row().max_si
     }
 
     /// Magnitude below which results are rounding errors, in SI units: positions and angles have a relative error of
     /// about 1e-16, and contact forces multiply it by a stiffness. 0 for dimensions of inputs only.
-    pub const fn resolution_si(self) -> f64 {
-        match self {
-            Dimension::Force => 1e-9,
-            Dimension::Length | Dimension::Angle | Dimension::Torque | Dimension::Speed | Dimension::AngularRate => {
-                1e-12
-            }
-            _ => 0.0,
-        }
+    pub fn resolution_si(self) -> f64 {
+        self.row().resolution_si
     }
 
     /// Suffix of names for the SI unit.
-    pub const fn suffix(self) -> &'static str {
-        match self {
-            Dimension::Length => "m",
-            Dimension::Angle => "rad",
-            Dimension::Time => "s",
-            Dimension::Mass => "kg",
-            Dimension::Force => "n",
-            Dimension::Torque => "n_m",
-            Dimension::Speed => "m_s",
-            Dimension::AngularRate => "rad_s",
-            Dimension::Acceleration => "m_s2",
-            Dimension::Density => "kg_m3",
-            Dimension::Inertia => "kg_m2",
-            Dimension::Frequency => "hz",
-            Dimension::Pressure => "pa",
-            Dimension::AngularStiffness => "n_m_per_rad",
-            Dimension::LinearDamping => "n_s_per_m",
-            Dimension::AngularDamping => "n_m_s_per_rad",
-        }
+    pub fn suffix(self) -> &'static str {
+        self.row().suffix
     }
 
     /// Accepted units; the first is the SI unit.
-    pub const fn units(self) -> &'static [Unit] {
-        match self {
-            Dimension::Length => LENGTH,
-            Dimension::Angle => ANGLE,
-            Dimension::Time => TIME,
-            Dimension::Mass => MASS,
-            Dimension::Force => FORCE,
-            Dimension::Torque => TORQUE,
-            Dimension::Speed => SPEED,
-            Dimension::AngularRate => ANGULAR_RATE,
-            Dimension::Acceleration => ACCELERATION,
-            Dimension::Density => DENSITY,
-            Dimension::Inertia => INERTIA,
-            Dimension::Frequency => FREQUENCY,
-            Dimension::Pressure => PRESSURE,
-            Dimension::AngularStiffness => ANGULAR_STIFFNESS,
-            Dimension::LinearDamping => LINEAR_DAMPING,
-            Dimension::AngularDamping => ANGULAR_DAMPING,
-        }
+    pub fn units(self) -> &'static [Unit] {
+        self.row().units
     }
 
     /// Accepted units as one text: `m, cm, mm, um`.
     pub fn unit_list(self) -> String {
-        let names: Vec<&str> = self.units().iter().map(|u| u.name).collect();
+        let names: Vec<&str> = self.units().iter().map(|unit| unit.name).collect();
         names.join(", ")
     }
 }

@@ -1,17 +1,11 @@
-//! The figures of a run by the keys of its JSON document.
+//! The figures of a run by the keys of its JSON document, with labels, and texts in common units.
 
 use serde_json::{Value, json};
 
-use super::labels::{format_value, label, unit};
+use crate::format::format_duration;
+use crate::format::numbers::{format_number, zero_below_resolution};
 use crate::report::document::RunReport;
-
-/// Value of a leaf of the document.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Leaf {
-    Number(f64),
-    Text(String),
-    None,
-}
+use crate::units::Dimension;
 
 /// Beginning and end of the keys listed first; the others follow in the order of the document.
 const LEADING_KEYS: [(&str, &str); 15] = [
@@ -51,6 +45,49 @@ const EXCLUDED_KEYS: [&str; 13] = [
 /// separately: [`verdict`].
 const REASON_SUFFIX: &str = "_reason";
 
+/// Suffixes of keys and their units; a suffix that ends with another one comes before it.
+const UNITS: [(&str, &str); 13] = [
+    ("_n_m_s", "N·m·s"),
+    ("_rad_s", "rad/s"),
+    ("_m_s", "m/s"),
+    ("_n_m", "N·m"),
+    ("_n_s", "N·s"),
+    ("_m_s2", "m/s²"),
+    ("_percent", "%"),
+    ("_rad", "rad"),
+    ("_hz", "Hz"),
+    ("_s", "s"),
+    ("_n", "N"),
+    ("_m", "m"),
+    ("_j", "J"),
+];
+/// Labels of some figures.
+const NAMES: [(&str, &str); 17] = [
+    ("tts", "time to stability"),
+    ("t_geo", "in position"),
+    ("lost", "lost to rebounds"),
+    ("first", "first contact"),
+    ("touchdowns", "touch-downs"),
+    ("final_normal", "end force"),
+    ("final_tangential", "end friction"),
+    ("final_torque", "end torque"),
+    ("peak_normal", "peak force"),
+    ("peak_torque", "peak torque"),
+    ("max_penetration", "deepest"),
+    ("statically_stable", "statically stable"),
+    ("end", "end of the run"),
+    ("motor_work", "motor work"),
+    ("grasped", "grasped"),
+    ("force_closure", "force closure"),
+    ("form_closed", "form-closed"),
+];
+/// SI prefixes, largest first.
+const PREFIXES: [(f64, &str); 5] = [(1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
+/// Units with SI prefixes.
+const PREFIXED: [&str; 6] = ["N", "m", "J", "N·m", "N·s", "N·m·s"];
+/// Significant digits of a figure.
+const DIGITS: usize = 4;
+
 /// All figures with labels and texts, the most important first.
 pub fn figures(report: &RunReport) -> Vec<Value> {
     let mut all = leaves(report);
@@ -59,13 +96,12 @@ pub fn figures(report: &RunReport) -> Vec<Value> {
         found.unwrap_or(LEADING_KEYS.len())
     };
     all.sort_by_key(|(key, _)| rank(key));
-    let entry = |(key, value): &(String, Leaf)| {
-        let (number, formatted) = match value {
-            Leaf::Number(number) => (Some(*number), format_value(key, *number)),
-            Leaf::Text(word) => (None, word.clone()),
-            Leaf::None => (None, "–".to_string()),
+    let entry = |(key, value): &(String, Value)| {
+        let text = match value.as_f64() {
+            Some(number) => format_value(key, number),
+            None => value.as_str().unwrap_or("–").to_string(),
         };
-        json!({ "key": key, "label": label(key), "value": number, "text": formatted, "unit": unit(key) })
+        json!({ "key": key, "label": label(key), "value": value.as_f64(), "text": text, "unit": unit(key) })
     };
     all.iter().map(entry).collect()
 }
@@ -78,8 +114,8 @@ pub fn verdict(report: &RunReport) -> Option<String> {
     class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}"))).or_else(fate)
 }
 
-/// Returns the results in the report's JSON document, with their keys.
-pub fn leaves(report: &RunReport) -> Vec<(String, Leaf)> {
+/// Returns the results in the report's JSON document, with their keys: numbers, words or null.
+pub fn leaves(report: &RunReport) -> Vec<(String, Value)> {
     let document = serde_json::to_value(report).expect("a report is plain data with string keys");
     let mut found = Vec::new();
     let parts = document.as_object().into_iter().flatten();
@@ -89,21 +125,83 @@ pub fn leaves(report: &RunReport) -> Vec<(String, Leaf)> {
     found
 }
 
-fn collect_leaves(key: &str, value: &Value, found: &mut Vec<(String, Leaf)>) {
-    let leaf = match value {
+fn collect_leaves(key: &str, value: &Value, found: &mut Vec<(String, Value)>) {
+    match value {
         Value::Object(parts) => {
             parts.iter().for_each(|(name, part)| collect_leaves(&format!("{key}.{name}"), part, found));
-            return;
         }
         Value::Array(parts) => {
             parts.iter().enumerate().for_each(|(index, part)| collect_leaves(&format!("{key}.{index}"), part, found));
-            return;
         }
-        _ if key.ends_with(REASON_SUFFIX) => return,
-        Value::Number(number) => number.as_f64().map_or(Leaf::None, Leaf::Number),
-        Value::String(word) => Leaf::Text(word.clone()),
-        Value::Bool(flag) => Leaf::Text(if *flag { "yes" } else { "no" }.to_string()),
-        Value::Null => Leaf::None,
-    };
-    found.push((key.to_string(), leaf));
+        _ if key.ends_with(REASON_SUFFIX) => {}
+        Value::Bool(flag) => found.push((key.to_string(), json!(if *flag { "yes" } else { "no" }))),
+        leaf => found.push((key.to_string(), leaf.clone())),
+    }
+}
+
+/// Returns the unit that the suffix of a key stands for; empty for a key without a unit.
+fn unit(key: &str) -> &'static str {
+    UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("", |(_, unit)| unit)
+}
+
+/// Label of a key: `contacts.distal.peak_normal_n` becomes `distal: peak force`.
+fn label(key: &str) -> String {
+    let ending = UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("", |(ending, _)| ending);
+    let stem = key.strip_suffix(ending).unwrap_or(key);
+    let parts: Vec<String> = stem
+        .split('.')
+        .filter(|part| !["contacts", "criteria", "grasp", "fingers"].contains(part))
+        .map(|part| {
+            NAMES.iter().find(|(name, _)| *name == part).map_or(part.replace('_', " "), |(_, label)| label.to_string())
+        })
+        .collect();
+    match parts.split_last() {
+        Some((last, before)) if !before.is_empty() => format!("{}: {last}", before.join(" ")),
+        _ => parts.concat(),
+    }
+}
+
+/// Formats a value with its unit.
+fn format_value(key: &str, value: f64) -> String {
+    let dimension =
+        Dimension::ALL.into_iter().find(|candidate| candidate.units()[0].name.replace('*', "·") == unit(key));
+    let value = dimension.map_or(value, |dimension| zero_below_resolution(value, dimension));
+    match unit(key) {
+        "" if value.fract() == 0.0 && value.abs() < 1e6 => format!("{value:.0}"),
+        "" => format_number(value, DIGITS),
+        "s" if value >= 0.0 => format_duration(value),
+        "rad" => format!("{}°", format_number(value.to_degrees(), DIGITS)),
+        unit if PREFIXED.contains(&unit) => {
+            let size = value.abs();
+            let fits = PREFIXES.iter().find(|(factor, _)| size >= *factor);
+            let (factor, prefix) = fits.copied().unwrap_or(if size == 0.0 { (1.0, "") } else { (1e-9, "n") });
+            format!("{} {prefix}{unit}", format_number(value / factor, DIGITS))
+        }
+        unit => format!("{} {unit}", format_number(value, DIGITS)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_keys_and_formats_values_with_units() {
+        for (key, value, expected_label, expected_text) in [
+            ("contacts.distal.peak_normal_n", 170_075.2, "distal: peak force", "170.1 kN"),
+            ("criteria.tts_s", 0.006_883_746, "time to stability", "6.88375 ms"),
+            ("contacts.limit.impulse_n_m_s", 0.000_244_1, "limit: impulse", "244.1 µN·m·s"),
+            ("criteria.rebound_percent", 1.234_56, "rebound", "1.235 %"),
+            ("final.q11_rad", 0.017_453_292_519_943_295, "final: q11", "1.000°"),
+            ("energy.balance_j", 0.0, "energy: balance", "0 J"),
+            ("contacts.palm.final_tangential_n", 8.2036e-11, "palm: end friction", "0 N"),
+            ("contacts.distal.touchdowns", 2.0, "distal: touch-downs", "2"),
+        ] {
+            assert_eq!(
+                (label(key).as_str(), format_value(key, value).as_str()),
+                (expected_label, expected_text),
+                "{key}"
+            );
+        }
+    }
 }

@@ -5,27 +5,21 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `request` | format of a request |
-//! | `requested_scene` | the scene of a request, or its errors |
+//! | `request` | format of a request, and its scene or the errors of the scene |
 //! | `fields` | every field of a scene: type, allowed values, current value |
-//! | `run` | a run as playback and figures; the result of a check |
-//! | `figures`, `labels` | the figures of a run by the keys of its JSON document, and their labels |
+//! | `run` | a run as playback and figures, as CSV, or checked; figures of many runs |
+//! | `figures` | the figures of a run by the keys of its JSON document, with labels and texts |
 //! | `statics` | the grasp at rest |
-//! | `map` | figures of many runs that vary two fields |
-//! | `exports` | the scene as a file, the samples as CSV |
 
-mod exports;
 mod fields;
 mod figures;
-mod labels;
-mod map;
 mod request;
-mod requested_scene;
 mod run;
 mod statics;
 
 use serde_json::{Value, json};
 
+use crate::scene::Scene;
 use request::{Request, RequestKind};
 
 /// A JSON text, and the numbers that it refers to.
@@ -44,22 +38,32 @@ pub fn respond(request: &str) -> Response {
             Err(json!([{ "message": format!("invalid request: {error}"), "help": "this is an error of the page" }]))
         }
     };
-    let text = match found {
-        Ok(found) => found,
-        Err(problems) => json!({ "problems": problems }),
-    };
+    let text = found.unwrap_or_else(|problems| json!({ "problems": problems }));
     Response { text: text.to_string(), data }
 }
 
 /// Returns the response, or the problems of the scene.
 fn handle(request: &Request, data: &mut Vec<f64>) -> Result<Value, Value> {
-    match request.kind {
-        RequestKind::Fields => Ok(fields::fields(&requested_scene::scene(request)?)),
-        RequestKind::Run => Ok(run::run(&requested_scene::scene(request)?, data)),
-        RequestKind::Check => Ok(run::check(&requested_scene::scene(request)?)),
-        RequestKind::Statics => statics::statics(&requested_scene::scene(request)?),
-        RequestKind::Criteria => map::criteria(request, data),
-        RequestKind::Toml => Ok(exports::scene_file(request, &requested_scene::scene(request)?)),
-        RequestKind::Csv => exports::samples(&requested_scene::scene(request)?),
+    if request.kind == RequestKind::Criteria {
+        return Ok(run::criteria(request, data));
     }
+    let scene = request.scene(&[])?;
+    match request.kind {
+        RequestKind::Fields => Ok(fields::fields(&scene)),
+        RequestKind::Run => Ok(run::run(&scene, data)),
+        RequestKind::Check => Ok(run::check(&scene)),
+        RequestKind::Statics => statics::statics(&scene),
+        RequestKind::Toml => Ok(scene_file(request, &scene)),
+        RequestKind::Csv | RequestKind::Criteria => run::samples(&scene),
+    }
+}
+
+/// Returns the text of the scene file with the settings applied.
+fn scene_file(request: &Request, scene: &Scene) -> Value {
+    let set: Vec<String> = request.set.iter().map(|(field, value)| format!("{field} = {value}")).collect();
+    let changes = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
+    // The comment must stay on one line.
+    let changes = changes.replace(char::is_control, " ");
+    let text = scene.source.strip_prefix('\n').unwrap_or(&scene.source);
+    json!({ "text": format!("# {}{changes}, from the explorer of phalanx.\n{text}", request.file.file) })
 }

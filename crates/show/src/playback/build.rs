@@ -1,26 +1,38 @@
 //! The data of a run that a page shows: bodies, plotted curves and events.
 
+use std::collections::HashMap;
+
 use serde::{Serialize, Serializer};
 
 use super::decimate::{MAX_SAMPLES, select_samples};
-use crate::drawing::{Drawing, Pose, Shape};
+use super::panels::{PanelPlan, panels};
+use crate::drawing::{self, Drawing, Pose};
 use crate::format::Report;
-use crate::trace::{Event, EventKind, Sample};
+use crate::format::object::Named;
+use crate::scene::Scene;
+use crate::trace::{ContactSample, Event, EventKind, Layout, Sample};
 
-/// A run as the page shows it. Every list of values has one value per time.
-#[derive(Clone, Debug, PartialEq)]
+/// Index of a column of numbers in [`Playback::columns`].
+pub type Column = usize;
+
+/// A run as the page shows it. Values over time are columns of numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Playback {
     /// Label that distinguishes the runs of a page: the model or the variant.
     pub label: String,
     /// Summary of the run, shown below the animation.
+    #[serde(skip)]
     pub summary: Report,
+    /// Number of samples in the playback.
+    pub samples: usize,
     /// Number of samples of the run before decimation.
     pub recorded: usize,
     /// Times of the samples, ascending; two samples may have the same time.
-    pub times_s: Vec<f64>,
+    pub time_s: Column,
     pub bodies: Vec<Body>,
     pub contacts: Vec<ContactSeries>,
     pub panels: Vec<Panel>,
+    #[serde(rename = "events")]
     pub event_markers: Vec<EventMarker>,
     /// Length of a force arrow per newton, where arrows are to scale.
     pub arrow_m_per_n: f64,
@@ -28,50 +40,39 @@ pub struct Playback {
     pub longest_arrow_m: f64,
     /// Lower left and upper right corner of the view.
     pub extent_m: [[f64; 2]; 2],
+    /// The distinct columns: one value per sample, or a single one if all are equal.
+    #[serde(skip)]
+    pub columns: Vec<Vec<f64>>,
 }
 
-/// A body and the pose of its frame. Values over time are `C`.
+/// A body, and the columns of the pose of its frame (`x_m`, `y_m`, `angle_rad`) and of its time derivatives, for
+/// interpolation between samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Body<C = Vec<f64>> {
-    pub name: String,
-    /// Kind of body, which decides its colour: `driver`, `object`, …
-    #[serde(rename = "part")]
-    pub role: &'static str,
-    pub fixed: bool,
-    pub shapes: Vec<Shape>,
-    pub x_m: C,
-    pub y_m: C,
-    pub angle_rad: C,
-    /// Time derivatives of these three, for interpolation between samples.
-    pub vx_m_s: C,
-    pub vy_m_s: C,
-    pub spin_rad_s: C,
+pub struct Body {
+    #[serde(flatten)]
+    pub body: drawing::Body,
+    #[serde(flatten)]
+    pub columns: Named<Column>,
 }
 
-/// A contact over time, with the quantities of a [`ContactSample`](crate::trace::ContactSample).
+/// The columns of a contact, by the names of the quantities of a [`ContactSample`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ContactSeries<C = Vec<f64>> {
+pub struct ContactSeries {
     pub name: String,
-    pub gap_m: C,
-    pub gap_rate_m_s: C,
-    pub normal_n: C,
-    pub tangential_n: C,
-    pub point_x_m: C,
-    pub point_y_m: C,
-    pub normal_x: C,
-    pub normal_y: C,
+    #[serde(flatten)]
+    pub columns: Named<Column>,
 }
 
 /// Curves that share an axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Panel<C = Vec<f64>> {
-    pub title: String,
+pub struct Panel {
+    pub title: &'static str,
     /// SI unit of its values, such as `rad`, `N`, `m`, `J`.
     pub unit: &'static str,
     /// Initial scale; the reader may switch.
     #[serde(rename = "logarithmic")]
     pub scale: Scale,
-    pub series: Vec<Series<C>>,
+    pub series: Vec<Series>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,175 +91,182 @@ impl Serialize for Scale {
 
 /// One curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Series<C = Vec<f64>> {
+pub struct Series {
     pub name: String,
-    pub values: C,
+    pub values: Column,
     /// Time derivatives of the values, if samples have them. They are needed to interpolate between samples, which may
     /// be 0.1 ms and half a millimetre apart.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rates: Option<C>,
+    pub rates: Option<Column>,
 }
 
 /// An event shown on the page.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EventMarker {
     pub time_s: f64,
     /// Name of the contact or of the joint limit.
+    #[serde(rename = "place")]
     pub location: String,
     /// Kind of event.
     pub kind: &'static str,
-    /// Approach speed or impulse with its SI unit, if the kind of event has one.
-    pub figure: Option<(f64, &'static str)>,
-}
-
-/// Function that extracts a number from a sample.
-pub(super) type Value<'a> = Box<dyn Fn(&Sample) -> f64 + 'a>;
-
-/// A curve before evaluation: its name and the functions that extract its value and, optionally, its rate from a
-/// sample.
-pub(super) struct Curve<'a> {
-    pub name: String,
-    pub value: Value<'a>,
-    pub rate: Option<Value<'a>>,
-}
-
-impl<'a> Curve<'a> {
-    pub fn new(name: impl Into<String>, value: impl Fn(&Sample) -> f64 + 'a) -> Self {
-        Curve { name: name.into(), value: Box::new(value), rate: None }
-    }
-
-    pub fn with_rate(self, rate: impl Fn(&Sample) -> f64 + 'a) -> Self {
-        Curve { rate: Some(Box::new(rate)), ..self }
-    }
-}
-
-/// A panel before evaluation; omitted if it has no curves.
-pub(super) struct PanelPlan<'a> {
-    pub title: &'static str,
+    /// Approach speed or impulse, if the kind of event has one, and its SI unit.
+    pub figure: Option<f64>,
     pub unit: &'static str,
-    pub scale: Scale,
-    pub curves: Vec<Curve<'a>>,
 }
 
-pub(super) fn panel_plan<'a>(
-    title: &'static str,
-    unit: &'static str,
-    scale: Scale,
-    curves: Vec<Curve<'a>>,
-) -> PanelPlan<'a> {
-    PanelPlan { title, unit, scale, curves }
+/// Maximum number of pairs of discs shown if no pair has contact.
+const MAX_IDLE_PAIRS: usize = 6;
+
+const POSITIONS: [(&str, fn(&Pose) -> f64); 3] =
+    [("x_m", |pose| pose.position_m[0]), ("y_m", |pose| pose.position_m[1]), ("angle_rad", |pose| pose.angle_rad)];
+const RATES: [(&str, fn(&Pose) -> f64); 3] = [
+    ("vx_m_s", |rate| rate.position_m[0]),
+    ("vy_m_s", |rate| rate.position_m[1]),
+    ("spin_rad_s", |rate| rate.angle_rad),
+];
+const CONTACT_QUANTITIES: [(&str, fn(&ContactSample) -> f64); 8] = [
+    ("gap_m", |contact| contact.gap_m),
+    ("gap_rate_m_s", |contact| contact.gap_rate_m_s),
+    ("normal_n", |contact| contact.normal_n),
+    ("tangential_n", |contact| contact.tangential_n),
+    ("point_x_m", |contact| contact.point_m[0]),
+    ("point_y_m", |contact| contact.point_m[1]),
+    ("normal_x", |contact| contact.normal[0]),
+    ("normal_y", |contact| contact.normal[1]),
+];
+
+/// The distinct columns of a run.
+#[derive(Default)]
+struct ColumnTable {
+    columns: Vec<Vec<f64>>,
+    indices: HashMap<Vec<u64>, Column>,
 }
 
-/// Returns the poses of all bodies in a sample.
-pub(super) type Poses<'a> = Box<dyn Fn(&Sample) -> Vec<Pose> + 'a>;
-
-/// Input of [`build`]: the samples of a run and how to show them.
-pub(super) struct PlaybackSource<'a> {
-    pub label: &'a str,
-    pub summary: Report,
-    pub drawing: Drawing,
-    pub samples: &'a [Sample],
-    pub poses: Poses<'a>,
-    /// Time derivatives of the poses.
-    pub motions: Poses<'a>,
-    /// Names and indices of the contacts that are drawn.
-    pub contacts: Vec<(String, usize)>,
-    pub panels: Vec<PanelPlan<'a>>,
-    pub event_markers: Vec<EventMarker>,
+impl ColumnTable {
+    fn push(&mut self, values: impl Iterator<Item = f64>) -> Column {
+        let mut values: Vec<f64> = values.collect();
+        if values.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits()) {
+            values.truncate(1);
+        }
+        let bits = values.iter().map(|value| value.to_bits()).collect();
+        *self.indices.entry(bits).or_insert_with(|| {
+            self.columns.push(values);
+            self.columns.len() - 1
+        })
+    }
 }
 
-/// Builds the playback of a run; more than [`MAX_SAMPLES`] samples are decimated.
-pub(super) fn build(source: PlaybackSource<'_>) -> Playback {
-    let times: Vec<f64> = source.samples.iter().map(|sample| sample.time_s).collect();
-    let selected = match times.len() <= MAX_SAMPLES {
-        true => (0..times.len()).collect(),
-        false => thin_out(&source, &times),
+/// Builds the playback of a run; `summary` is shown below it. More than [`MAX_SAMPLES`] samples are decimated.
+///
+/// Plotted angles of a finger are wrapped to −π to π, as in the series of a validation; angles of poses are not. Pairs
+/// of discs without contact are omitted if other pairs have contact.
+pub fn build_playback(
+    label: &str,
+    scene: &Scene,
+    samples: &[Sample],
+    events: &[Event],
+    summary: impl Into<Report>,
+) -> Playback {
+    let (system, layout) = (&scene.system, Layout::from_system(&scene.system));
+    let surfaces: Vec<usize> = layout.surfaces().collect();
+    let shown = match system.fingers.len() {
+        1 if system.object().is_some() => surfaces,
+        1 => Vec::new(),
+        _ => pairs_in_contact(surfaces, samples, events),
     };
-    let samples: Vec<&Sample> = selected.iter().map(|&index| &source.samples[index]).collect();
-    let column = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(|sample| value(sample)).collect::<Vec<f64>>();
+    // Keys become words; names given by the user are unchanged.
+    let display_name = |index: usize| match system.fingers.is_empty() {
+        true => layout.contacts[index].name.clone(),
+        false => layout.contacts[index].name.replace('_', " "),
+    };
+    let contacts: Vec<(usize, String)> = shown.into_iter().map(|index| (index, display_name(index))).collect();
+    let panels = panels(system, &contacts);
+    let selected = selected_samples(samples, events, &contacts, &panels);
 
-    let poses: Vec<Vec<Pose>> = samples.iter().map(|sample| (source.poses)(sample)).collect();
-    let motions: Vec<Vec<Pose>> = samples.iter().map(|sample| (source.motions)(sample)).collect();
-    let pose_column = |index: usize, value: fn(&Pose) -> f64| poses.iter().map(|all| value(&all[index])).collect();
-    let rate_column = |index: usize, value: fn(&Pose) -> f64| motions.iter().map(|all| value(&all[index])).collect();
-    let body = |(index, body): (usize, crate::drawing::Body)| Body {
-        name: body.name,
-        role: role_name(body.role),
-        fixed: body.fixed,
-        shapes: body.shapes,
-        x_m: pose_column(index, |pose| pose.position_m[0]),
-        y_m: pose_column(index, |pose| pose.position_m[1]),
-        angle_rad: pose_column(index, |pose| pose.angle_rad),
-        vx_m_s: rate_column(index, |rate| rate.position_m[0]),
-        vy_m_s: rate_column(index, |rate| rate.position_m[1]),
-        spin_rad_s: rate_column(index, |rate| rate.angle_rad),
+    let mut table = ColumnTable::default();
+    let time_s = table.push(selected.iter().map(|sample| sample.time_s));
+    let poses: Vec<Vec<Pose>> = selected.iter().map(|sample| drawing::poses(scene, sample)).collect();
+    let rates: Vec<Vec<Pose>> = selected.iter().map(|sample| drawing::velocities(scene, sample)).collect();
+    let drawing = Drawing::from_scene(scene);
+    let body = |(index, body): (usize, drawing::Body)| {
+        let quantities =
+            POSITIONS.iter().map(|quantity| (quantity, &poses)).chain(RATES.iter().map(|rate| (rate, &rates)));
+        let column = |((key, value), all): (&(&str, fn(&Pose) -> f64), &Vec<Vec<Pose>>)| {
+            (key.to_string(), table.push(all.iter().map(|poses| value(&poses[index]))))
+        };
+        Body { body, columns: quantities.map(column).collect() }
     };
-    let touch = |(name, index): &(String, usize)| ContactSeries {
-        name: name.clone(),
-        gap_m: column(&|sample| sample.contacts[*index].gap_m),
-        gap_rate_m_s: column(&|sample| sample.contacts[*index].gap_rate_m_s),
-        normal_n: column(&|sample| sample.contacts[*index].normal_n),
-        tangential_n: column(&|sample| sample.contacts[*index].tangential_n),
-        point_x_m: column(&|sample| sample.contacts[*index].point_m[0]),
-        point_y_m: column(&|sample| sample.contacts[*index].point_m[1]),
-        normal_x: column(&|sample| sample.contacts[*index].normal[0]),
-        normal_y: column(&|sample| sample.contacts[*index].normal[1]),
+    let bodies = drawing.bodies.into_iter().enumerate().map(body).collect();
+    let contact = |(index, name): &(usize, String)| {
+        let column = |(key, value): &(&str, fn(&ContactSample) -> f64)| {
+            (key.to_string(), table.push(selected.iter().map(|sample| value(&sample.contacts[*index]))))
+        };
+        ContactSeries { name: name.clone(), columns: CONTACT_QUANTITIES.iter().map(column).collect() }
     };
-    let series = |Curve { name, value, rate }: &Curve<'_>| Series {
-        name: name.clone(),
-        values: column(value.as_ref()),
-        rates: rate.as_ref().map(|rate| column(rate.as_ref())),
-    };
-    let panel = |plan: &PanelPlan<'_>| Panel {
-        title: plan.title.to_string(),
-        unit: plan.unit,
-        scale: plan.scale,
-        series: plan.curves.iter().map(series).collect(),
+    let contacts = contacts.iter().map(contact).collect();
+    let panel = |PanelPlan { title, unit, scale, curves }: PanelPlan| {
+        let series = curves.into_iter().map(|curve| Series {
+            name: curve.name,
+            values: table.push(selected.iter().map(|sample| (curve.value)(sample))),
+            rates: curve.rate.map(|rate| table.push(selected.iter().map(|sample| rate(sample)))),
+        });
+        Panel { title, unit, scale, series: series.collect() }
     };
     Playback {
-        label: source.label.to_string(),
-        summary: source.summary,
-        recorded: times.len(),
-        times_s: selected.iter().map(|&index| times[index]).collect(),
-        contacts: source.contacts.iter().map(touch).collect(),
-        panels: source.panels.iter().filter(|plan| !plan.curves.is_empty()).map(panel).collect(),
-        event_markers: source.event_markers,
-        arrow_m_per_n: source.drawing.arrow_m_per_n,
-        longest_arrow_m: source.drawing.longest_arrow_m,
-        extent_m: source.drawing.extent_m,
-        bodies: source.drawing.bodies.into_iter().enumerate().map(body).collect(),
+        label: label.to_string(),
+        summary: summary.into(),
+        samples: selected.len(),
+        recorded: samples.len(),
+        time_s,
+        bodies,
+        contacts,
+        panels: panels.into_iter().map(panel).collect(),
+        event_markers: events
+            .iter()
+            .map(|event| event_marker(event, display_name(event.contact), layout.contacts[event.contact].is_angular))
+            .collect(),
+        arrow_m_per_n: drawing.arrow_m_per_n,
+        longest_arrow_m: drawing.longest_arrow_m,
+        extent_m: drawing.extent_m,
+        columns: table.columns,
     }
 }
 
-fn thin_out(source: &PlaybackSource<'_>, times: &[f64]) -> Vec<usize> {
-    let curves = source.panels.iter().flat_map(|plan| &plan.curves);
-    let values: Vec<Vec<f64>> = curves.map(|curve| source.samples.iter().map(&curve.value).collect()).collect();
-    let force = |sample: &Sample| source.contacts.iter().map(|(_, index)| sample.contacts[*index].normal_n).sum();
-    let weight: Vec<f64> = source.samples.iter().map(force).collect();
-    let events: Vec<f64> = source.event_markers.iter().map(|marker| marker.time_s).collect();
-    select_samples(times, &events, &values, &weight, MAX_SAMPLES)
+/// Indices of the pairs that have contact, or of the first few if none has.
+fn pairs_in_contact(mut pairs: Vec<usize>, samples: &[Sample], events: &[Event]) -> Vec<usize> {
+    let has_force = |pair: usize| samples.iter().any(|sample| sample.contacts[pair].normal_n > 0.0);
+    let has_contact = |pair: &usize| events.iter().any(|event| event.contact == *pair) || has_force(*pair);
+    let found: Vec<usize> = pairs.iter().copied().filter(has_contact).collect();
+    pairs.truncate(MAX_IDLE_PAIRS);
+    if found.is_empty() { pairs } else { found }
 }
 
-fn role_name(role: crate::drawing::BodyRole) -> &'static str {
-    use crate::drawing::BodyRole;
-    match role {
-        BodyRole::Driver => "driver",
-        BodyRole::Coupler => "coupler",
-        BodyRole::Proximal => "proximal",
-        BodyRole::Distal => "distal",
-        BodyRole::Object => "object",
-        BodyRole::Palm => "palm",
-        BodyRole::Disc => "disc",
+fn selected_samples<'a>(
+    samples: &'a [Sample],
+    events: &[Event],
+    contacts: &[(usize, String)],
+    panels: &[PanelPlan],
+) -> Vec<&'a Sample> {
+    if samples.len() <= MAX_SAMPLES {
+        return samples.iter().collect();
     }
+    let curves = panels.iter().flat_map(|plan| &plan.curves);
+    let values: Vec<Vec<f64>> = curves.map(|curve| samples.iter().map(&curve.value).collect()).collect();
+    let force = |sample: &Sample| contacts.iter().map(|(index, _)| sample.contacts[*index].normal_n).sum();
+    let weight: Vec<f64> = samples.iter().map(force).collect();
+    let times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
+    let events: Vec<f64> = events.iter().map(|event| event.time_s).collect();
+    let selected = select_samples(&times, &events, &values, &weight, MAX_SAMPLES);
+    selected.into_iter().map(|index| &samples[index]).collect()
 }
 
 /// Builds the marker of an event at the contact `location`; `is_angular` states whether its gap is an angle.
-pub(super) fn event_marker(event: &Event, location: &str, is_angular: bool) -> EventMarker {
+fn event_marker(event: &Event, location: String, is_angular: bool) -> EventMarker {
     let [speed_unit, impulse_unit] = if is_angular { ["rad/s", "N·m·s"] } else { ["m/s", "N·s"] };
-    let figure = match event.kind {
-        EventKind::TouchDown => Some((event.approach_speed, speed_unit)),
-        EventKind::LiftOff => Some((event.impulse, impulse_unit)),
-        EventKind::Reload | EventKind::Slips | EventKind::Sticks => None,
+    let (figure, unit) = match event.kind {
+        EventKind::TouchDown => (Some(event.approach_speed), speed_unit),
+        EventKind::LiftOff => (Some(event.impulse), impulse_unit),
+        EventKind::Reload | EventKind::Slips | EventKind::Sticks => (None, ""),
     };
-    EventMarker { time_s: event.time_s, location: location.to_string(), kind: event.kind.name(), figure }
+    EventMarker { time_s: event.time_s, location, kind: event.kind.name(), figure, unit }
 }

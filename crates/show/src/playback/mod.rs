@@ -6,21 +6,17 @@
 //! | file | job |
 //! |---|---|
 //! | `build` | data model of a playback, and its evaluation from samples |
-//! | `from_scene` | selection of the bodies, contacts and events that are shown |
-//! | `panels`, `panels_fingers` | plots of scenes of discs and of fingers |
+//! | `panels` | the plots |
 //! | `recorder` | a sink that records a run for playback in bounded memory |
 //! | `decimate` | selection of samples if there are too many |
 //! | `json` | serialisation, with the columns of numbers stored separately |
 
 mod build;
 mod decimate;
-mod from_scene;
 pub mod json;
 mod panels;
-mod panels_fingers;
 mod recorder;
 
-pub use build::{Body, ContactSeries, EventMarker, Panel, Playback, Scale, Series};
+pub use build::{Body, Column, ContactSeries, EventMarker, Panel, Playback, Scale, Series, build_playback};
 pub use decimate::MAX_SAMPLES;
-pub use from_scene::build_playback;
 pub use recorder::PlaybackRecorder;

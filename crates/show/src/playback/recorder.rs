@@ -15,16 +15,16 @@ const SAMPLES_AFTER_EVENT: u32 = 4;
 /// addition to special samples: those at events and at peaks of any contact force. If special samples alone are too
 /// many, they are decimated in the same way.
 #[derive(Clone, Debug)]
-pub struct PlaybackRecorder<S = Sample, E = Event> {
-    retained: Vec<RetainedSample<S>>,
-    events: Vec<E>,
+pub struct PlaybackRecorder {
+    retained: Vec<RetainedSample>,
+    events: Vec<Event>,
     recorded: usize,
     stride: usize,
     special_stride: usize,
     /// Number of special samples so far.
     special_count: usize,
     /// The latest sample; only the next one shows whether it is a peak.
-    latest: Option<RetainedSample<S>>,
+    latest: Option<RetainedSample>,
     /// Whether each contact force increased up to the latest sample.
     was_rising: Vec<bool>,
     special_samples_left: u32,
@@ -32,23 +32,23 @@ pub struct PlaybackRecorder<S = Sample, E = Event> {
 }
 
 #[derive(Clone, Debug)]
-struct RetainedSample<S> {
+struct RetainedSample {
     /// Normal force of every contact between surfaces.
     forces_n: Vec<f64>,
     /// Whether the sample is at an event or a peak.
     is_special: bool,
     /// Index among all samples, or among special samples if it is special.
     ordinal: usize,
-    sample: S,
+    sample: Sample,
 }
 
-impl<S> RetainedSample<S> {
+impl RetainedSample {
     fn is_retained(&self, stride: usize, special_stride: usize) -> bool {
         self.ordinal.is_multiple_of(if self.is_special { special_stride } else { stride })
     }
 }
 
-impl<S, E> Default for PlaybackRecorder<S, E> {
+impl Default for PlaybackRecorder {
     fn default() -> Self {
         PlaybackRecorder {
             retained: Vec::new(),
@@ -65,8 +65,8 @@ impl<S, E> Default for PlaybackRecorder<S, E> {
     }
 }
 
-impl<S, E> PlaybackRecorder<S, E> {
-    fn push_sample(&mut self, sample: S, forces_n: Vec<f64>) {
+impl PlaybackRecorder {
+    fn push_sample(&mut self, sample: Sample, forces_n: Vec<f64>) {
         let is_special = self.special_samples_left > 0 || self.recorded == 0;
         self.special_samples_left = self.special_samples_left.saturating_sub(1);
         let before = self.latest.as_ref().map_or(&[][..], |latest| &latest.forces_n);
@@ -85,7 +85,7 @@ impl<S, E> PlaybackRecorder<S, E> {
         self.was_rising = is_rising;
     }
 
-    fn store(&mut self, retained: RetainedSample<S>) {
+    fn store(&mut self, retained: RetainedSample) {
         if !retained.is_retained(self.stride, self.special_stride) {
             return;
         }
@@ -102,32 +102,17 @@ impl<S, E> PlaybackRecorder<S, E> {
         self.retained.retain(|retained| retained.is_retained(self.stride, self.special_stride));
     }
 
-    fn push_event(&mut self, event: E) {
-        self.special_samples_left = SAMPLES_AFTER_EVENT;
-        if let Some(latest) = &mut self.latest {
-            latest.is_special = true;
-        }
-        self.events.push(event);
-    }
-
-    /// Number of samples of the run, retained or not.
-    pub fn recorded(&self) -> usize {
-        self.recorded
-    }
-
-    /// Returns the retained samples and all events.
-    pub fn into_parts(self) -> (Vec<S>, Vec<E>) {
-        let retained = self.retained.into_iter().chain(self.latest);
-        (retained.map(|retained| retained.sample).collect(), self.events)
-    }
-}
-
-impl PlaybackRecorder {
     /// Builds the playback of the recorded run of a scene.
     pub fn into_playback(self, label: &str, scene: &Scene, summary: impl Into<Report>) -> Playback {
         let recorded = self.recorded;
         let (samples, events) = self.into_parts();
         Playback { recorded, ..build_playback(label, scene, &samples, &events, summary) }
+    }
+
+    /// Returns the retained samples and all events.
+    fn into_parts(self) -> (Vec<Sample>, Vec<Event>) {
+        let retained = self.retained.into_iter().chain(self.latest);
+        (retained.map(|retained| retained.sample).collect(), self.events)
     }
 }
 
@@ -138,7 +123,11 @@ impl Sink for PlaybackRecorder {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.push_event(*event);
+        self.special_samples_left = SAMPLES_AFTER_EVENT;
+        if let Some(latest) = &mut self.latest {
+            latest.is_special = true;
+        }
+        self.events.push(*event);
         Ok(())
     }
 }
@@ -146,49 +135,51 @@ impl Sink for PlaybackRecorder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::EventKind;
 
-    fn recorder(max_retained: usize) -> PlaybackRecorder<usize, usize> {
-        PlaybackRecorder { max_retained, ..PlaybackRecorder::default() }
+    /// Records samples at 0 s, 1 s, … with these forces, and an event before one of them.
+    fn record(
+        max_retained: usize,
+        count: usize,
+        event_at: Option<usize>,
+        force_n: impl Fn(usize) -> f64,
+    ) -> Vec<usize> {
+        let slip = Event { time_s: 0.0, contact: 0, kind: EventKind::Slips, approach_speed: 0.0, impulse: 0.0 };
+        let mut recorder = PlaybackRecorder { max_retained, ..PlaybackRecorder::default() };
+        for k in 0..count {
+            if event_at == Some(k) {
+                recorder.event(&slip).expect("recorded");
+            }
+            recorder.push_sample(Sample { time_s: k as f64, ..Sample::default() }, vec![force_n(k)]);
+        }
+        assert_eq!(recorder.recorded, count);
+        let (samples, events) = recorder.into_parts();
+        assert_eq!(events.len(), event_at.iter().len());
+        samples.iter().map(|sample| sample.time_s as usize).collect()
+    }
+
+    fn widest_gap(retained: &[usize]) -> usize {
+        assert!(retained.is_sorted_by(|a, b| a < b));
+        retained.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0)
     }
 
     #[test]
     fn retains_all_samples_of_a_short_run() {
-        let mut recorder = recorder(100);
-        (0..99).for_each(|k| recorder.push_sample(k, vec![0.0]));
-        assert_eq!(recorder.into_parts().0, (0..99).collect::<Vec<usize>>());
+        assert_eq!(record(100, 99, None, |_| 0.0), (0..99).collect::<Vec<usize>>());
     }
 
     #[test]
     fn decimates_a_long_run_evenly_and_retains_peaks_and_events() {
-        let mut recorder = recorder(500);
-        for k in 0..100_000 {
-            if k == 33_333 {
-                recorder.push_event(k);
-            }
-            recorder.push_sample(k, vec![if k == 55_555 { 2.0 } else { 0.0 }]);
-        }
-        assert_eq!(recorder.recorded(), 100_000);
-        let (retained_samples, events) = recorder.into_parts();
-        assert_eq!(events, [33_333]);
-        assert!(
-            retained_samples.len() <= 500 && retained_samples.is_sorted_by(|a, b| a < b),
-            "{}",
-            retained_samples.len()
-        );
+        let retained = record(500, 100_000, Some(33_333), |k| if k == 55_555 { 2.0 } else { 0.0 });
+        assert!(retained.len() <= 500 && widest_gap(&retained) <= 512, "{}", retained.len());
         for index in [0, 33_332, 33_333, 33_334, 55_555, 99_999] {
-            assert!(retained_samples.contains(&index), "{index}");
+            assert!(retained.contains(&index), "{index}");
         }
-        let widest = retained_samples.windows(2).map(|pair| pair[1] - pair[0]).max();
-        assert!(widest <= Some(512), "{widest:?}");
     }
 
     #[test]
     fn respects_the_limit_if_every_other_sample_is_a_peak() {
-        let mut recorder = recorder(500);
-        (0..100_000).for_each(|k| recorder.push_sample(k, vec![(k % 2) as f64]));
-        let retained_samples = recorder.into_parts().0;
-        assert!(retained_samples.len() <= 501 && retained_samples.len() > 200, "{}", retained_samples.len());
-        let widest = retained_samples.windows(2).map(|pair| pair[1] - pair[0]).max();
-        assert!(widest <= Some(1024), "{widest:?}");
+        let retained = record(500, 100_000, None, |k| (k % 2) as f64);
+        assert!((200..=501).contains(&retained.len()) && widest_gap(&retained) <= 1024, "{}", retained.len());
     }
 }

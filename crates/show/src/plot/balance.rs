@@ -57,8 +57,8 @@ pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureForma
         for (driven, balances, colour) in curves(last) {
             polar.draw_curve(svg, balances, colour);
             entries.push(LegendEntry::new(Marker::Line { width: 3.0 }, colour, name(driven)));
-            entries
-                .extend(polar.note(balances).map(|text| LegendEntry::new(Marker::Line { width: 0.0 }, colour, &text)));
+            let note = polar.note(balances);
+            entries.extend(note.map(|text| LegendEntry::new(Marker::Line { width: 0.0 }, colour, &text)));
         }
         polar.draw_labels(svg);
         legend(svg, legend_corner, picture_format.width() - legend_corner[0], &entries);
@@ -135,13 +135,8 @@ impl PolarPlot {
                 9 => "up".to_string(),
                 _ => format!("{}°", 30 * index),
             };
-            text_centred(
-                svg,
-                &text,
-                [middle[0] + label_radius * direction[0], middle[1] - label_radius * direction[1]],
-                15.0,
-                INK,
-            );
+            let position = [middle[0] + label_radius * direction[0], middle[1] - label_radius * direction[1]];
+            text_centred(svg, &text, position, 15.0, INK);
         }
         svg.path(&grid, Paint::line(LINE, 1.0));
     }
@@ -169,45 +164,42 @@ impl PolarPlot {
         if balances.iter().all(|balance| balance.largest == AccelerationLimit::Infeasible) {
             return;
         }
-        let all: Vec<(bool, [f64; 2])> = balances
-            .iter()
-            .chain(balances.first())
-            .map(|balance| {
-                let balanced_limit = self.balanced_g(balance);
-                (
-                    balanced_limit > self.max_g,
-                    balance.direction.map(|component| component * balanced_limit.min(self.max_g)),
-                )
-            })
-            .collect();
-        let pixels: Vec<Pixel> = all.iter().map(|(_, position)| self.pixel(*position)).collect();
-        svg.polygon(&pixels, Paint::fill(colour).faded(0.13));
+        // Whether each point is beyond the outermost circle, and its position.
+        let point = |balance: &Balance| {
+            let limit_g = self.balanced_g(balance);
+            (limit_g > self.max_g, self.pixel_along(limit_g.min(self.max_g), balance.direction))
+        };
+        let all: Vec<(bool, Pixel)> = balances.iter().chain(balances.first()).map(point).collect();
+        let outline: Vec<Pixel> = all.iter().map(|(_, pixel)| *pixel).collect();
+        svg.polygon(&outline, Paint::fill(colour).faded(0.13));
         // Consecutive segments beyond the outermost circle form one thick line; the other segments are thin.
-        let segments: Vec<(bool, [f64; 2], [f64; 2])> =
-            all.windows(2).map(|pair| (pair[0].0 && pair[1].0, pair[0].1, pair[1].1)).collect();
-        for piece in segments.chunk_by(|a, b| a.0 == b.0) {
-            let points: Vec<[f64; 2]> =
-                piece.iter().take(1).map(|side| side.1).chain(piece.iter().map(|side| side.2)).collect();
-            let (points, width) =
-                if piece[0].0 { (points, 6.0) } else { (without_collinear_points(&points, 1e-6 * self.max_g), 2.0) };
-            let pixels: Vec<Pixel> = points.into_iter().map(|position| self.pixel(position)).collect();
-            svg.polyline(&pixels, Paint::line(colour, width));
+        let is_thick: Vec<bool> = all.windows(2).map(|pair| pair[0].0 && pair[1].0).collect();
+        let mut from = 0;
+        for piece in is_thick.chunk_by(|a, b| a == b) {
+            let points = &outline[from..=from + piece.len()];
+            from += piece.len();
+            match piece[0] {
+                true => svg.polyline(points, Paint::line(colour, 6.0)),
+                false => {
+                    svg.polyline(&without_collinear_points(points, 1e-6 * self.radius()), Paint::line(colour, 2.0));
+                }
+            }
         }
     }
 
     /// Note on parts that the curve does not show.
     fn note(&self, balances: &[Balance]) -> Option<String> {
-        let any = balances.iter().any(|balance| balance.largest == AccelerationLimit::Unlimited);
-        let beyond = balances.iter().any(|balance| {
-            matches!(balance.largest, AccelerationLimit::Limited(_)) && self.balanced_g(balance) > self.max_g
-        });
-        let all_infeasible = balances.iter().all(|balance| balance.largest == AccelerationLimit::Infeasible);
-        match (all_infeasible, any, beyond) {
-            (true, ..) => Some("not held even at rest".to_string()),
-            (_, true, true) => Some(format!("thick: any, or more than {} g", self.max_g)),
-            (_, true, false) => Some("thick: any acceleration".to_string()),
-            (_, false, true) => Some(format!("thick: more than {} g", self.max_g)),
-            _ => None,
+        let limits = || balances.iter().map(|balance| self.balanced_g(balance));
+        let any = limits().any(f64::is_infinite);
+        let beyond = limits().any(|limit_g| limit_g.is_finite() && limit_g > self.max_g);
+        match (any, beyond) {
+            _ if balances.iter().all(|balance| balance.largest == AccelerationLimit::Infeasible) => {
+                Some("not held even at rest".to_string())
+            }
+            (true, true) => Some(format!("thick: any, or more than {} g", self.max_g)),
+            (true, false) => Some("thick: any acceleration".to_string()),
+            (false, true) => Some(format!("thick: more than {} g", self.max_g)),
+            (false, false) => None,
         }
     }
 }

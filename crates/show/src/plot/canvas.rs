@@ -133,13 +133,8 @@ pub fn chart(
     draw: impl FnOnce(&mut Svg, &Frame) -> Vec<LegendEntry>,
 ) -> String {
     picture(title, height, |svg| {
-        let frame = frame(
-            svg,
-            Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND_WIDTH, height: height - TITLE_HEIGHT },
-            x,
-            y,
-            true,
-        );
+        let area = Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND_WIDTH, height: height - TITLE_HEIGHT };
+        let frame = frame(svg, area, x, y, true);
         let entries = draw(svg, &frame);
         legend(svg, [WIDTH - LEGEND_WIDTH, 0.0], LEGEND_WIDTH, &entries);
     })
@@ -156,11 +151,8 @@ pub fn frame(svg: &mut Svg, area: Area, x: &Axis, y: &Axis, has_labels: bool) ->
     let frame = Frame { area: frame_area, x: x.clone(), y: y.clone() };
     let vertical = |coordinate: f64| [frame.pixel((coordinate, y.from)), frame.pixel((coordinate, y.to))];
     let horizontal = |coordinate: f64| [frame.pixel((x.from, coordinate)), frame.pixel((x.to, coordinate))];
-    for (colour, coordinate, above) in [(FAINT, &x.minor_ticks, &y.minor_ticks), (LINE, &x.ticks, &y.ticks)] {
-        let lines = coordinate
-            .iter()
-            .map(|coordinate| vertical(*coordinate))
-            .chain(above.iter().map(|coordinate| horizontal(*coordinate)));
+    for (colour, across, above) in [(FAINT, &x.minor_ticks, &y.minor_ticks), (LINE, &x.ticks, &y.ticks)] {
+        let lines = across.iter().copied().map(vertical).chain(above.iter().copied().map(horizontal));
         svg.path(&lines.fold(Path::default(), |path, ends| path.with_polyline(&ends)), Paint::line(colour, 1.0));
     }
     let [corner, top, end] = [frame.pixel((x.from, y.from)), frame.pixel((x.from, y.to)), frame.pixel((x.to, y.from))];
@@ -212,14 +204,8 @@ pub fn point(svg: &mut Svg, frame: &Frame, position: PlotPoint, marker: Marker, 
 }
 
 /// Draws markers of one kind in a frame.
-pub fn points(
-    svg: &mut Svg,
-    frame: &Frame,
-    positions: impl IntoIterator<Item = PlotPoint>,
-    marker: Marker,
-    colour: Colour,
-) {
-    let pixels: Vec<Pixel> = positions.into_iter().map(|position| frame.pixel(position)).collect();
+pub fn points(svg: &mut Svg, frame: &Frame, all: impl IntoIterator<Item = PlotPoint>, marker: Marker, colour: Colour) {
+    let pixels: Vec<Pixel> = all.into_iter().map(|position| frame.pixel(position)).collect();
     markers(svg, &pixels, marker, colour);
 }
 

@@ -108,10 +108,6 @@ impl Svg {
         self
     }
 
-    fn set_pixels(&mut self, name: &str, pixels: f64) -> &mut Svg {
-        self.attribute(name, format_tenths(tenths(pixels)))
-    }
-
     fn colour(&mut self, attribute: &'static str, colour: Option<Colour>) -> &mut Svg {
         match colour {
             Some(colour) => {
@@ -156,8 +152,8 @@ impl Svg {
 
     /// Draws with a translated origin.
     pub fn translated(&mut self, [x, y]: Pixel, draw: impl FnOnce(&mut Svg)) {
-        let (x, y) = (format_tenths(tenths(x)), format_tenths(tenths(y)));
-        self.open_element("g").attribute("transform", format_args!("translate({x} {y})")).with_children("g", |svg| {
+        let translation = format!("translate({} {})", pixels(x), pixels(y));
+        self.open_element("g").attribute("transform", translation).with_children("g", |svg| {
             svg.text.push('\n');
             draw(svg);
         });
@@ -171,11 +167,8 @@ impl Svg {
 
     /// Draws a path of adjacent tiles without anti-aliasing, which would show seams between them.
     pub fn crisp_path(&mut self, path: &Path, fill: Colour) {
-        self.open_element("path")
-            .attribute("d", &path.data)
-            .paint(Paint::fill(fill))
-            .attribute("shape-rendering", "crispEdges")
-            .close();
+        let path = self.open_element("path").attribute("d", &path.data).paint(Paint::fill(fill));
+        path.attribute("shape-rendering", "crispEdges").close();
     }
 
     pub fn polyline(&mut self, points: &[Pixel], paint: Paint) {
@@ -187,34 +180,24 @@ impl Svg {
     }
 
     pub fn circle(&mut self, [x, y]: Pixel, radius: f64, paint: Paint) {
-        self.open_element("circle")
-            .set_pixels("cx", x)
-            .set_pixels("cy", y)
-            .set_pixels("r", radius)
-            .paint(paint)
-            .close();
+        let circle = self.open_element("circle").attribute("cx", pixels(x)).attribute("cy", pixels(y));
+        circle.attribute("r", pixels(radius)).paint(paint).close();
     }
 
     /// Adds an invisible circular link.
     pub fn link(&mut self, to: &str, title: &str, [x, y]: Pixel, radius: f64) {
         self.open_element("a").attribute("href", to).with_children("a", |svg| {
-            svg.open_element("circle")
-                .set_pixels("cx", x)
-                .set_pixels("cy", y)
-                .attribute("r", radius)
-                .attribute("fill", "transparent");
+            let circle = svg.open_element("circle").attribute("cx", pixels(x)).attribute("cy", pixels(y));
+            circle.attribute("r", radius).attribute("fill", "transparent");
             svg.with_children("circle", |svg| svg.open_element("title").with_text("title", title));
         });
     }
 
     /// Draws a rectangle given by two opposite corners.
     pub fn rectangle(&mut self, [[left, top], [right, bottom]]: [Pixel; 2], paint: Paint) {
-        self.open_element("rect")
-            .set_pixels("x", left)
-            .set_pixels("y", top)
-            .set_pixels("width", right - left)
-            .set_pixels("height", bottom - top);
-        self.paint(paint).close();
+        let rectangle = self.open_element("rect").attribute("x", pixels(left)).attribute("y", pixels(top));
+        let rectangle = rectangle.attribute("width", pixels(right - left)).attribute("height", pixels(bottom - top));
+        rectangle.paint(paint).close();
     }
 
     /// Draws a text that is vertically centred at its coordinates.
@@ -223,12 +206,9 @@ impl Svg {
         if text.is_empty() {
             return;
         }
-        self.open_element("text").set_pixels("x", x).set_pixels("y", y + 0.35 * size);
+        self.open_element("text").attribute("x", pixels(x)).attribute("y", pixels(y + 0.35 * size));
         if is_vertical {
-            self.attribute(
-                "transform",
-                format_args!("rotate(-90 {} {})", format_tenths(tenths(x)), format_tenths(tenths(y))),
-            );
+            self.attribute("transform", format!("rotate(-90 {} {})", pixels(x), pixels(y)));
         }
         if size != TEXT_SIZE {
             self.attribute("font-size", size);
@@ -284,11 +264,8 @@ impl Path {
     /// Adds a line through points; collinear points and points that are not finite are omitted.
     pub fn with_polyline(mut self, points: &[Pixel]) -> Path {
         let mut simplified: Vec<[i64; 2]> = Vec::with_capacity(points.len());
-        for point in points
-            .iter()
-            .filter(|point| point.iter().all(|component| component.is_finite()))
-            .map(|point| point.map(tenths))
-        {
+        let finite = points.iter().filter(|point| point.iter().all(|component| component.is_finite()));
+        for point in finite.map(|point| point.map(tenths)) {
             let difference = |from: [i64; 2], to: [i64; 2]| [to[0] - from[0], to[1] - from[1]];
             match simplified[..] {
                 [.., last] if last == point => continue,
@@ -328,7 +305,7 @@ impl Path {
     /// Adds a circle.
     pub fn add_circle(&mut self, [x, y]: Pixel, radius: f64) {
         self.move_to([x - radius, y].map(tenths));
-        let (r, across) = (format_tenths(tenths(radius)), format_tenths(tenths(2.0 * radius)));
+        let (r, across) = (pixels(radius), pixels(2.0 * radius));
         let _ = write!(self.data, "a{r} {r} 0 1 0 {across} 0a{r} {r} 0 1 0-{across} 0");
     }
 
@@ -339,6 +316,11 @@ impl Path {
         let (wide, tall) = (format_tenths(right - left), format_tenths(bottom - top));
         let _ = write!(self.data, "h{wide}v{tall}h{}z", format_tenths(left - right));
     }
+}
+
+/// Formats a number of pixels with at most one decimal.
+fn pixels(value: f64) -> String {
+    format_tenths(tenths(value))
 }
 
 fn tenths(pixels: f64) -> i64 {
@@ -361,10 +343,7 @@ mod tests {
 
     #[test]
     fn formats_numbers_and_relative_paths() {
-        assert_eq!(
-            [0.0, -0.04, 0.26, -0.5, 12.0, 3.12].map(|value| format_tenths(tenths(value))),
-            ["0", "0", ".3", "-.5", "12", "3.1"]
-        );
+        assert_eq!([0.0, -0.04, 0.26, -0.5, 12.0, 3.12].map(pixels), ["0", "0", ".3", "-.5", "12", "3.1"]);
         let line = Path::default().with_polyline(&[
             [1.0, 1.0],
             [2.0, 1.04],

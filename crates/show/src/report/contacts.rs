@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 
 use super::named::Named;
 use crate::criteria::Rebound;
-use crate::trace::{ContactSample, ContactSummary, Layout, Outcome};
+use crate::trace::{Layout, Outcome};
 
 /// The contacts of a run by name, such as `distal` for one finger, `right_distal` for two fingers, or `hammer-anvil`
 /// for discs, in the order of their names.
@@ -74,10 +74,32 @@ impl Contacts {
         let report = |index: usize| {
             let (summary, last) = (&outcome.contacts[index], &outcome.last.contacts[index]);
             if layout.contacts[index].is_angular {
-                return ContactReport::Limit(LimitReport::new(summary, last));
+                return ContactReport::Limit(LimitReport {
+                    first_s: summary.first_s,
+                    touchdowns: summary.touchdowns,
+                    final_torque_n_m: last.normal_n,
+                    peak_torque_n_m: summary.peak_normal_n,
+                    max_penetration_rad: summary.max_penetration_m,
+                    impulse_n_m_s: summary.impulse_n_s,
+                });
             }
-            let rebound = is_discs_only.then(|| rebounds.get(index).map(ReboundReport::from).unwrap_or_default());
-            ContactReport::Surface(SurfaceReport { rebound, ..SurfaceReport::new(summary, last) })
+            let rebound = rebounds.get(index).map(|rebound| ReboundReport {
+                approach_m_s: rebound.approach_m_s,
+                separation_m_s: rebound.separation_m_s,
+                restitution: rebound.restitution(),
+            });
+            ContactReport::Surface(SurfaceReport {
+                first_s: summary.first_s,
+                touchdowns: summary.touchdowns,
+                final_normal_n: last.normal_n,
+                final_tangential_n: last.tangential_n,
+                peak_normal_n: summary.peak_normal_n,
+                max_penetration_m: summary.depth_m(),
+                passed_through: summary.passed_through(),
+                impulse_n_s: summary.impulse_n_s,
+                slips: summary.slips,
+                rebound: is_discs_only.then(|| rebound.unwrap_or_default()),
+            })
         };
         // Omit contacts that a gripper does not have, such as that of the object with a table.
         let is_present = |index: &usize| layout.fingers.len() < 2 || outcome.last.contacts[*index].gap_m.is_finite();
@@ -123,44 +145,4 @@ impl Serialize for Contacts {
 
 fn is_zero(count: &u32) -> bool {
     *count == 0
-}
-
-impl SurfaceReport {
-    fn new(site: &ContactSummary, last: &ContactSample) -> Self {
-        SurfaceReport {
-            first_s: site.first_s,
-            touchdowns: site.touchdowns,
-            final_normal_n: last.normal_n,
-            final_tangential_n: last.tangential_n,
-            peak_normal_n: site.peak_normal_n,
-            max_penetration_m: site.depth_m(),
-            passed_through: site.passed_through(),
-            impulse_n_s: site.impulse_n_s,
-            slips: site.slips,
-            rebound: None,
-        }
-    }
-}
-
-impl LimitReport {
-    fn new(limit: &ContactSummary, last: &ContactSample) -> Self {
-        LimitReport {
-            first_s: limit.first_s,
-            touchdowns: limit.touchdowns,
-            final_torque_n_m: last.normal_n,
-            peak_torque_n_m: limit.peak_normal_n,
-            max_penetration_rad: limit.max_penetration_m,
-            impulse_n_m_s: limit.impulse_n_s,
-        }
-    }
-}
-
-impl From<&Rebound> for ReboundReport {
-    fn from(rebound: &Rebound) -> Self {
-        ReboundReport {
-            approach_m_s: rebound.approach_m_s,
-            separation_m_s: rebound.separation_m_s,
-            restitution: rebound.restitution(),
-        }
-    }
 }

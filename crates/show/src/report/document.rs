@@ -10,8 +10,7 @@ use super::grasp::GraspReport;
 use super::states::States;
 use crate::criteria::{Criteria, GraspCriteria, Rebound, scene_static_grasp};
 use crate::scene::keywords::SceneKind;
-use crate::scene::table::value::FieldValue;
-use crate::scene::table::{SettingsSection, columns};
+use crate::scene::schema::{SettingsSection, columns};
 use crate::scene::{Engine, Integrator, Keyword, Scene};
 use crate::trace::{Energy, Layout, Model, Outcome, Work};
 
@@ -87,8 +86,7 @@ pub struct EffectiveSettings<T>(pub T);
 
 impl<T: SettingsSection> Serialize for EffectiveSettings<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer
-            .collect_map(columns(&self.0).into_iter().map(|(name, value)| (name, value.map(FieldValue::into_si_json))))
+        serializer.collect_map(columns(&self.0))
     }
 }
 

@@ -14,7 +14,7 @@ pub mod contacts;
 pub mod csv;
 pub mod document;
 pub mod grasp;
-pub mod named;
+pub use crate::format::object as named;
 pub mod samples;
 pub mod states;
 pub mod statics;

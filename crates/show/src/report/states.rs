@@ -46,8 +46,19 @@ impl States {
     pub fn new(layout: &Layout, outcome: Option<&Outcome>, scene: Option<&Scene>) -> Self {
         let fingers = outcome.into_iter().flat_map(|outcome| layout.fingers.iter().zip(&outcome.last.fingers));
         let bodies = outcome.into_iter().flat_map(|outcome| layout.bodies.iter().zip(&outcome.last.bodies));
-        let mut bodies: Named<_> =
-            bodies.map(|(name, state)| (name.clone(), body_report(name, scene, state))).collect();
+        let discs = scene.map_or(&[][..], |scene| &scene.system.discs);
+        let motion = |name: &str| match discs.iter().find(|disc| disc.name == name).map(|disc| &disc.motion) {
+            Some(DiscMotion::Fixed) => "fixed",
+            Some(DiscMotion::Driven { .. }) => "driven",
+            Some(DiscMotion::Free { .. }) => "free",
+            None => "unknown",
+        };
+        let body = |(name, state): (&String, &BodyState)| {
+            let BodyState { centre_m: [x_m, y_m], angle_rad, velocity_m_s: [vx_m_s, vy_m_s], spin_rad_s } = *state;
+            let motion = motion(name);
+            (name.clone(), BodyReport { motion, x_m, y_m, angle_rad, vx_m_s, vy_m_s, spin_rad_s })
+        };
+        let mut bodies: Named<_> = bodies.map(body).collect();
         if layout.fingers.is_empty() {
             bodies.0.sort_by(|a, b| a.0.cmp(&b.0));
         }
@@ -78,23 +89,5 @@ impl States {
 impl Serialize for States {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.entries())
-    }
-}
-
-fn body_report(name: &str, scene: Option<&Scene>, state: &BodyState) -> BodyReport {
-    let known = scene.and_then(|scene| scene.system.discs.iter().find(|disc| disc.name == name));
-    BodyReport {
-        motion: match known.map(|disc| &disc.motion) {
-            Some(DiscMotion::Fixed) => "fixed",
-            Some(DiscMotion::Driven { .. }) => "driven",
-            Some(DiscMotion::Free { .. }) => "free",
-            None => "unknown",
-        },
-        x_m: state.centre_m[0],
-        y_m: state.centre_m[1],
-        angle_rad: state.angle_rad,
-        vx_m_s: state.velocity_m_s[0],
-        vy_m_s: state.velocity_m_s[1],
-        spin_rad_s: state.spin_rad_s,
     }
 }

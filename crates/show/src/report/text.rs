@@ -1,9 +1,7 @@
 //! The summary of a run as text: short tables with units.
 
-use std::fmt::Write;
-
 use super::check;
-use super::document::{EffectiveSettings, RunReport};
+use super::document::{EffectiveSettings, Failure, RunReport};
 use super::grasp::GraspReport;
 use super::tables::{contacts, criteria_table, energies, grasp, states};
 use crate::format::format_duration;
@@ -22,58 +20,37 @@ impl ToReport for RunReport {
         let no_criteria = self.no_criteria.iter().flatten().filter(|_| self.completed);
         sections.extend(no_criteria.map(|reason| Report::from(format!("no class: {reason}\n"))));
         sections.extend(self.grasp.iter().flatten().map(grasp));
-        sections.extend(check::summary_line(self.check.as_ref(), self.steps));
+        sections.extend(check::summary_line(self.check.as_ref(), self.steps).map(Report::from));
         Report::join(sections)
     }
 }
 
 fn heading(report: &RunReport) -> Report {
-    let mut text = Report::default();
+    let has_joints = report.has_joints();
     let settings = report.integrator.as_ref().map(integrator);
-    let settings = settings.or_else(|| report.engine.as_ref().map(|settings| engine(settings, report.has_joints())));
-    // Writing to a report cannot fail.
-    let _ = writeln!(text, "{}: {} model{}", report.scene, report.model, settings.unwrap_or_default());
-    let _ = writeln!(text, "{}{} of wall time", effort_line(report), format_duration(report.wall_s));
-    if let Some(peak_m_s2) = report.palm_peak_acceleration_m_s2.flatten() {
-        let _ = writeln!(
-            text,
-            "the palm accelerates by up to {} m/s² ({} g)",
-            format_number(peak_m_s2, 4),
-            format_number(peak_m_s2 / G_M_S2, 4)
-        );
+    let settings = settings.or_else(|| report.engine.as_ref().map(|settings| engine(settings, has_joints)));
+    let mut lines = vec![
+        format!("{}: {} model{}", report.scene, report.model, settings.unwrap_or_default()),
+        format!("{}{} of wall time", effort_line(report), format_duration(report.wall_s)),
+    ];
+    lines.extend(report.palm_peak_acceleration_m_s2.flatten().map(|peak_m_s2| {
+        let [peak, peak_g] = [peak_m_s2, peak_m_s2 / G_M_S2].map(|peak| format_number(peak, 4));
+        format!("the palm accelerates by up to {peak} m/s² ({peak_g} g)")
+    }));
+    let gap = report.loop_gap_m.flatten();
+    lines.extend(gap.map(|gap_m| format!("joints open by at most {} µm", format_number(gap_m * 1e6, 3))));
+    lines.extend(report.grasp.iter().flatten().find_map(GraspReport::ejected_s).map(|at_s| {
+        format!("EJECTED: the object left the reach of both fingers at {}, which ends the run", format_duration(at_s))
+    }));
+    lines.extend(report.error.as_ref().map(|Failure { time_s, reason }| {
+        let (end, duration) = (format_duration(*time_s), format_duration(report.duration_s));
+        format!("NOT COMPLETED: stopped at {end} of {duration}: {reason}")
+    }));
+    lines.extend(report.warnings.iter().map(|warning| format!("Warning: {warning}")));
+    for (name, path) in [("log", &report.log), ("samples", &report.csv), ("page", &report.page)] {
+        lines.extend(path.as_ref().map(|path| format!("{name}: {path}")));
     }
-    if let Some(gap_m) = report.loop_gap_m.flatten() {
-        let _ = writeln!(text, "joints open by at most {} µm", format_number(gap_m * 1e6, 3));
-    }
-    if let Some(at_s) = report.grasp.iter().flatten().find_map(GraspReport::ejected_s) {
-        let _ = writeln!(
-            text,
-            "EJECTED: the object left the reach of both fingers at {}, which ends the run",
-            format_duration(at_s)
-        );
-    }
-    if let Some(error) = &report.error {
-        let _ = writeln!(
-            text,
-            "NOT COMPLETED: stopped at {} of {}: {}",
-            format_duration(error.time_s),
-            format_duration(report.duration_s),
-            error.reason
-        );
-    }
-    for warning in &report.warnings {
-        let _ = writeln!(text, "Warning: {warning}");
-    }
-    if let Some(log) = &report.log {
-        let _ = writeln!(text, "log: {log}");
-    }
-    if let Some(csv) = &report.csv {
-        let _ = writeln!(text, "samples: {csv}");
-    }
-    if let Some(page) = &report.page {
-        let _ = writeln!(text, "page: {page}");
-    }
-    text
+    Report::from(lines.join("\n") + "\n")
 }
 
 pub fn integrator(EffectiveSettings(settings): &EffectiveSettings<Integrator>) -> String {

@@ -74,7 +74,7 @@ async function simulate(explorer) {
 
 // Shows the results of a run.
 async function showRun(explorer, { response, data, ms }, scene) {
-  const { film: rawRun, figures, problems, failed } = response;
+  const { playback: rawRun, figures, problems, failed } = response;
   if (!rawRun?.samples) {
     if (!explorer.app) setText("waiting", "This scene cannot be simulated here. Choose another one above.");
     showProblems(explorer, problems ?? [{ message: failed ?? "The simulator has not responded." }]);
@@ -330,7 +330,7 @@ function swapReference(explorer) {
 async function restoreReference(explorer, scene) {
   explorer.initialState.reference = null;
   const reply = await explorer.queues.live.request("kept", { ask: "run", scene: { file: scene.file, text: scene.text }, set: scene.set });
-  const { film: rawRun, figures } = reply?.response ?? {};
+  const { playback: rawRun, figures } = reply?.response ?? {};
   if (!rawRun) return;
   const run = decodeRun(rawRun, 1, rawRun.columns.map(([offset, length]) => reply.data.subarray(offset, offset + length)));
   explorer.reference = { scene, figures, verdict: null, run: { ...run, index: 1, label: "A", isReference: true, visible: true } };

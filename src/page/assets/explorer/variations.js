@@ -24,7 +24,7 @@ async function runVariations(queue, scene, fields, isCurrent) {
     const { file, text, set } = scene;
     const reply = await queue.request("cloud", { ask: "run", scene: { file, text }, set: [...set.filter(([path]) => path !== variation[0]), variation] }, 1);
     if (!reply || !isCurrent()) return null;
-    const { film: rawRun } = reply.response;
+    const { playback: rawRun } = reply.response;
     if (rawRun) runs.push(decodeRun(rawRun, 0, rawRun.columns.map(([offset, length]) => reply.data.subarray(offset, offset + length))));
   }
   return runs;

@@ -18,9 +18,9 @@ function workerBody() {
   function handleRequest(request) {
     const bytes = encoder.encode(JSON.stringify(request));
     const start = performance.now();
-    const requestPointer = exports.room(bytes.length) >>> 0;
+    const requestPointer = exports.alloc(bytes.length) >>> 0;
     new Uint8Array(exports.memory.buffer, requestPointer, bytes.length).set(bytes);
-    const pointer = exports.answer(bytes.length);
+    const pointer = exports.response(bytes.length);
     const ms = performance.now() - start;
     const { text, data } = readOutput(pointer);
     return { response: JSON.parse(text), data, ms };
@@ -29,7 +29,7 @@ function workerBody() {
   // The panic message of the module, if it can be read.
   function failureMessage(error) {
     try {
-      return readOutput(exports.trouble()).text || String(error);
+      return readOutput(exports.error()).text || String(error);
     } catch {
       return String(error);
     }

@@ -3,9 +3,9 @@
 // A superseded request is terminated after this time.
 const SUPERSEDED_LIMIT_MS = 700;
 
-// Compiles the module embedded in the page: gzip in base85.
-async function compileModule({ module, module_bytes: length }) {
-  const bytes = decodeBase85(module, length);
+// Compiles the module embedded in the page: gzip in base64.
+async function compileModule({ module }) {
+  const bytes = Uint8Array.from(atob(module), (char) => char.charCodeAt(0));
   const decompressed = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
   // Compilation overlaps with decompression.
   return WebAssembly.compileStreaming(new Response(decompressed, { headers: { "content-type": "application/wasm" } }));

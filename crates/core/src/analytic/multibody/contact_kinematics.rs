@@ -14,8 +14,7 @@ use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
 use crate::numeric::{Dual, Real, array_from};
 use crate::shape::{PlacedShape, Support, normal_between, support};
 
-use super::components::Plane;
-use super::laws::ContactLaws;
+use super::components::{ContactLaws, Plane};
 use super::normal_force_on_branch;
 
 /// Kinematics of one contact on K coordinates: of a finger and a disc in the finger's frame, of one or two discs, or of

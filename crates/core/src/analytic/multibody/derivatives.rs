@@ -1,18 +1,16 @@
 //! Accelerations with their exact Jacobian. Every finger and contact contributes derivatives in the few coordinates it
 //! depends on.
 
-use super::active_contacts;
-use super::components::{ContactModel, ContactPair, FingerComponent};
-use super::contact_kinematics::{ContactForces, WithDerivatives};
-use super::coordinates::{
-    SignedIndex, disc_indices, disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices, scatter,
-};
-use super::drive::ShaftTorque;
+use super::components::{DiscComponent, FingerComponent, SignedIndex, finger_indices, scatter};
+use super::contact_kinematics::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
+use super::drive::{BrakeTorque, ShaftTorque};
+use super::forces::{ActiveContact, LoadSums};
 use super::frame::{InertialField, disc_inertial_force};
 use super::inertia::Inertia;
-use super::laws::ContactLaws;
 use super::model::Multibody;
 use super::{FINGERS, mode};
+use crate::analytic::finger::FingerModel;
+use crate::analytic::mode::StateRef;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::fivebar::inertial_forces::AccelerationField;
 use crate::integrator::{Linearised, Rates};
@@ -42,15 +40,95 @@ impl<const N: usize, const Z: usize> DerivativeSums<N, Z> {
         g_t: [0.0; Z],
     };
 
-    /// Adds a contact whose coordinates are `indices`; its geometry depends on the first P of them.
+    /// Adds inertial forces on coordinates from `first` on, and their work, with their time derivatives and those by
+    /// the same coordinates and their rates: `by_q[i][j]` is the derivative of force i by coordinate j.
     #[inline(always)]
+    fn add_inertia<const K: usize>(
+        &mut self,
+        first: usize,
+        rates: [f64; K],
+        [force, by_time]: [[f64; K]; 2],
+        [by_q, by_v]: [[[f64; K]; K]; 2],
+    ) {
+        let work = Self::DRIVE_WORK;
+        for i in 0..K {
+            let row = first + i;
+            self.load[row] += force[i];
+            self.load_t[row] += by_time[i];
+            self.g[work] += force[i] * rates[i];
+            self.g_t[work] += by_time[i] * rates[i];
+            self.g_v[work][row] += force[i];
+            for j in 0..K {
+                self.load_q[row][first + j] += by_q[i][j];
+                self.load_v[row][first + j] += by_v[i][j];
+                self.g_q[work][first + j] += by_q[i][j] * rates[i];
+                self.g_v[work][first + j] += by_v[i][j] * rates[i];
+            }
+        }
+    }
+}
+
+impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<N, Z> {
+    type Angles = Dual<2>;
+    type Positions<const P: usize> = Dual<P>;
+
+    const UNROLLED: bool = false;
+
+    #[inline(always)]
+    fn position<const P: usize>(value: f64, index: usize) -> Dual<P> {
+        if index < P { Dual::variable(value, index) } else { Dual::constant(value) }
+    }
+
+    #[inline(always)]
+    fn widen<const P: usize>(number: Dual<2>) -> Dual<P> {
+        number.widen()
+    }
+
+    #[inline(always)]
+    fn add_finger(&mut self, finger: usize, model: &FingerModel, state: ([f64; 2], [f64; 2])) -> Terms<Dual<2>> {
+        let (terms, load, by_rates) = finger_terms(model, state);
+        for (i, (load, by_rates)) in load.iter().zip(by_rates).enumerate() {
+            let row = 2 * finger + i;
+            self.load[row] += load.value;
+            scatter(&mut self.load_q[row], &finger_indices(finger), &load.grad);
+            scatter(&mut self.load_v[row], &finger_indices(finger), &by_rates);
+        }
+        terms
+    }
+
+    fn add_finger_inertia(
+        &mut self,
+        (finger, component): (usize, &FingerComponent),
+        rates: [f64; 2],
+        terms: &Terms<Dual<2>>,
+        field: &InertialField,
+    ) {
+        let [field, field_rate] = [field.field, field.rate].map(|field| field.mirrored(component.side.mirror()));
+        let forces = |v: [f64; 2], field: &AccelerationField| {
+            let rates = absolute_rates(&terms.rates, map_array(v, Dual::constant));
+            component.inertial_load.forces(&terms.pose, &terms.rates, rates, field)
+        };
+        let (force, force_rate) = (forces(rates, &field), forces(rates, &field_rate));
+        let coriolis_field = AccelerationField { coriolis: field.coriolis, ..AccelerationField::default() };
+        let by_rates =
+            map_array([[1.0, 0.0], [0.0, 1.0]], |unit| map_array(forces(unit, &coriolis_field), |force| force.value));
+        let by_v = array_from(|i| array_from(|j| by_rates[j][i]));
+        let values = [force, force_rate].map(|force| map_array(force, |force| force.value));
+        self.add_inertia(2 * finger, rates, values, [map_array(force, |force| force.grad), by_v]);
+    }
+
+    /// Not inlined, so that the derivatives of a contact are compiled once for each kind of contact.
+    #[inline(never)]
     fn add_contact<const P: usize, const K: usize>(
         &mut self,
-        (index, contact): (usize, &ContactModel),
-        forces: &ContactForces<WithDerivatives<P, K>, K>,
+        (index, contact, laws): ActiveContact<'_>,
+        kinematics: &ContactKinematics<Dual<P>, K>,
+        (rates, bristle_state): (&[f64; K], Option<f64>),
         indices: &[SignedIndex; K],
     ) {
-        let (bristle_index, contact_work) = (contact.bristle_index, Z - 2);
+        let forces: ContactForces<WithDerivatives<P, K>, K> =
+            contact_forces_with_derivatives(kinematics, rates, bristle_state, laws);
+        let (bristle_index, contact_work) = (contact.bristle_index, Self::CONTACT_WORK);
         for (load, (row, sign)) in forces.load.iter().zip(indices) {
             if *row < N {
                 self.load[*row] += sign * load.value;
@@ -73,8 +151,6 @@ impl<const N: usize, const Z: usize> DerivativeSums<N, Z> {
         }
     }
 
-    /// Adds a torque that acts on the driven links of the first `fingers` fingers with these weights; `work` is the
-    /// index of its quadrature.
     #[inline(always)]
     fn add_shaft_torque(&mut self, shaft: &ShaftTorque, (weights, fingers): ([f64; FINGERS], usize), work: usize) {
         self.g[work] += shaft.torque * shaft.rate;
@@ -87,16 +163,63 @@ impl<const N: usize, const Z: usize> DerivativeSums<N, Z> {
         }
     }
 
-    /// Adds the work of the drive that prescribes a coordinate's motion against all loads on it: a driven disc, or the
-    /// table that moves with time.
-    fn add_prescribed_work(&mut self, row: usize, rate: f64) {
-        let work = Z - 1;
+    fn add_brake_bristle(&mut self, brake: &BrakeTorque, (weights, fingers): ([f64; FINGERS], usize), bristle: usize) {
+        self.load[bristle] += brake.bristle_rate;
+        self.load_t[bristle] += brake.gain * brake.shaft.by_time;
+        self.load_v[bristle][bristle] += brake.gain * brake.by_bristle;
+        self.g_v[Self::CONTACT_WORK][bristle] += brake.by_bristle * brake.shaft.rate;
+        for (i, weight) in weights.into_iter().enumerate().take(fingers) {
+            self.load_v[2 * i][bristle] += weight * brake.by_bristle;
+            self.load_v[bristle][2 * i] += weight * brake.gain * brake.shaft.by_rate;
+        }
+    }
+
+    fn add_prescribed_work(&mut self, row: usize, rate: f64, is_disc: bool) {
+        let work = Self::DRIVE_WORK;
         self.g[work] -= self.load[row] * rate;
         for j in 0..N {
             self.g_q[work][j] -= self.load_q[row][j] * rate;
             self.g_v[work][j] -= self.load_v[row][j] * rate;
         }
+        if is_disc {
+            self.g_v[work][row] -= self.load[row];
+        }
     }
+
+    #[inline(always)]
+    fn add_decay(&mut self, bristle: usize, decay_rate: f64, state: f64) {
+        self.load[bristle] -= decay_rate * state;
+        self.load_v[bristle][bristle] -= decay_rate;
+    }
+
+    #[inline(always)]
+    fn loads(&mut self) -> &mut [f64; N] {
+        &mut self.load
+    }
+
+    /// The forces are linear in position and velocity; the moment depends on neither.
+    fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField) {
+        let force = disc_inertial_force(disc, &field.field, pose, rates);
+        let force_rate = disc_inertial_force(disc, &field.rate, pose, rates);
+        let linear = AccelerationField { uniform: [0.0; 2], euler: field.field.euler, ..field.field };
+        let unit = |j: usize| array_from(|k| if k == j { 1.0 } else { 0.0 });
+        let (mut by_q, mut by_v) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+        for j in 0..2 {
+            let by_position = disc_inertial_force(disc, &linear, unit(j), [0.0; 3]);
+            let by_velocity = disc_inertial_force(disc, &linear, [0.0; 3], unit(j));
+            (0..2).for_each(|i| (by_q[i][j], by_v[i][j]) = (by_position[i], by_velocity[i]));
+        }
+        self.add_inertia(disc.first_coordinate, rates, [force, force_rate], [by_q, by_v]);
+    }
+}
+
+/// Position-dependent terms of a finger, and its load with derivatives with respect to its angles and its rates. Not
+/// inlined, so that it is compiled once for all sizes of a system.
+#[inline(never)]
+fn finger_terms(model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> (Terms<Dual<2>>, [Dual<2>; 2], [[f64; 2]; 2]) {
+    let terms = model.terms([Dual::variable(q[0], 0), Dual::variable(q[1], 1)]);
+    let (load, by_rates) = model.load_with_derivatives(&terms, v);
+    (terms, load, by_rates)
 }
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
@@ -104,40 +227,11 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     pub(super) fn rates_with_derivatives<const Z: usize>(
         &self,
         t: f64,
-        (q, v): (&[f64; N], &[f64; N]),
+        state: StateRef<'_, N>,
         mode: &mode::Mode<C>,
     ) -> Linearised<N, Z> {
         let mut sums = DerivativeSums::<N, Z>::ZERO;
-        let inertial_field = self.inertial_field(t);
-        let mut masses = [[Dual::zero(); 3]; FINGERS];
-        for (index, finger) in self.fingers.iter().enumerate().filter(|_| !Self::DISCS) {
-            masses[index] = self.add_finger_derivatives((index, finger), (q, v), (mode, &inertial_field), &mut sums);
-        }
-        self.add_drive_derivatives(t, v, &mut sums);
-        for index in &self.disc_contacts {
-            self.add_disc_contact_derivatives(*index, (q, v), mode, &mut sums);
-        }
-        if let Some(time) = self.time_index.filter(|_| self.palm_moves()) {
-            sums.add_prescribed_work(time, 1.0);
-        }
-        for &(index, bristle) in &self.bristles {
-            sums.load[index] -= bristle.rate() * v[index];
-            sums.load_v[index][index] -= bristle.rate();
-        }
-        for index in (0..self.disc_count()).filter(|index| self.first_coordinate(*index) < N) {
-            let (disc, first) = (&self.discs[index], self.first_coordinate(index));
-            if disc.prescribed_acceleration.is_some() {
-                for (i, rate) in self.disc_rates(index, v).into_iter().enumerate() {
-                    sums.add_prescribed_work(first + i, rate);
-                    sums.g_v[Self::DRIVE_WORK][first + i] -= sums.load[first + i];
-                }
-                continue;
-            }
-            (0..2).for_each(|i| sums.load[first + i] += disc.mass * self.gravity[i]);
-            if self.palm_moves() {
-                self.add_disc_inertial_derivatives(index, (q, v), &inertial_field, &mut sums);
-            }
-        }
+        let masses = self.add_loads(t, state, mode, &mut sums);
         let inverse = Inertia::new(self, map_array(masses, |mass| map_array(mass, |m| m.value))).inverse();
         let mut a = inverse.solve(&sums.load);
         // From M a = load with M(q): M ∂a = ∂load − ∂M a.
@@ -158,332 +252,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             g_q: sums.g_q,
             g_v: sums.g_v,
             g_t: sums.g_t,
-        }
-    }
-
-    /// Adds the loads on a finger and returns its mass matrix, with derivatives.
-    #[inline(never)]
-    fn add_finger_derivatives<const Z: usize>(
-        &self,
-        (index, component): (usize, &FingerComponent),
-        (q, v): (&[f64; N], &[f64; N]),
-        (mode, inertial_field): (&mode::Mode<C>, &InertialField),
-        sums: &mut DerivativeSums<N, Z>,
-    ) -> [Dual<2>; 3] {
-        let finger_rates = Self::finger_coordinates(index, v);
-        let (terms, load, by_rates) =
-            active_contacts::finger_terms(&component.model, (Self::finger_coordinates(index, q), finger_rates));
-        for (i, (load, by_rates)) in load.iter().zip(by_rates).enumerate() {
-            let row = 2 * index + i;
-            sums.load[row] += load.value;
-            scatter(&mut sums.load_q[row], &finger_indices(index), &load.grad);
-            scatter(&mut sums.load_v[row], &finger_indices(index), &by_rates);
-        }
-        if self.palm_moves() {
-            self.add_finger_inertial_derivatives((index, component), finger_rates, &terms, inertial_field, sums);
-        }
-        for contact in &component.contacts {
-            self.add_finger_contact_derivatives(*contact, (index, component, &terms), (q, v), mode, sums);
-        }
-        terms.mass
-    }
-
-    /// Adds a contact of a finger. It depends on the finger's two angles and the centre of a disc, and on the disc's
-    /// angle unless the disc is round.
-    #[inline(always)]
-    fn add_finger_contact_derivatives<const Z: usize>(
-        &self,
-        index: usize,
-        finger: (usize, &FingerComponent, &Terms<Dual<2>>),
-        state: (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-        sums: &mut DerivativeSums<N, Z>,
-    ) {
-        let Some(contact) = &self.contacts[index] else { return };
-        let Some(laws) = contact.laws(mode[index]) else { return };
-        match self.depends_on_disc_angle(self.contact_pair(finger.0, index, contact)) {
-            false => self.add_finger_contact_terms::<Z, 4>((index, contact, laws), finger, state, sums),
-            true => self.add_finger_contact_terms::<Z, 5>((index, contact, laws), finger, state, sums),
-        }
-    }
-
-    #[inline(never)]
-    fn add_finger_contact_terms<const Z: usize, const P: usize>(
-        &self,
-        (index, contact, laws): (usize, &ContactModel, ContactLaws<'_>),
-        (finger, component, terms): (usize, &FingerComponent, &Terms<Dual<2>>),
-        (q, v): (&[f64; N], &[f64; N]),
-        sums: &mut DerivativeSums<N, Z>,
-    ) {
-        let (finger_rates, mirror) = (Self::finger_coordinates(finger, v), component.side.mirror());
-        match self.contact_pair(finger, index, contact) {
-            ContactPair::Phalanx { phalanx, disc, .. } => {
-                let [vx, vy, spin] = self.disc_rates(disc, v);
-                let object = self.disc_in_finger_frame(component.side, disc, q);
-                let rates = [finger_rates[0], finger_rates[1], mirror * vx, vy, mirror * spin];
-                let contact_state = (terms, phalanx, &object);
-                let forces = active_contacts::phalanx_on_object::<P>(
-                    &component.model,
-                    contact_state,
-                    &rates,
-                    self.bristle_state(contact, v),
-                    laws,
-                );
-                sums.add_contact(
-                    (index, contact),
-                    &forces,
-                    &phalanx_indices(finger, self.first_coordinate(disc), mirror),
-                );
-            }
-            _ => {
-                let forces = active_contacts::limit(&component.model, terms, &finger_rates, laws);
-                sums.add_contact((index, contact), &forces, &finger_indices(finger));
-            }
-        }
-    }
-
-    /// Adds a contact without a finger.
-    #[inline(always)]
-    fn add_disc_contact_derivatives<const Z: usize>(
-        &self,
-        index: usize,
-        state: (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-        sums: &mut DerivativeSums<N, Z>,
-    ) {
-        let Some(contact) = &self.contacts[index] else { return };
-        let Some(laws) = contact.laws(mode[index]) else { return };
-        match self.depends_on_disc_angle(contact.pair) {
-            false => self.add_disc_contact_terms::<Z, 4, 3, 2>((index, contact, laws), state, sums),
-            true => self.add_disc_contact_terms::<Z, 6, 4, 3>((index, contact, laws), state, sums),
-        }
-    }
-
-    /// The const parameters are the numbers of positions that two discs, a disc and time, and a disc depend on.
-    #[inline(never)]
-    fn add_disc_contact_terms<
-        const Z: usize,
-        const DISC_PAIR_POSITIONS: usize,
-        const DISC_TIME_POSITIONS: usize,
-        const DISC_POSITIONS: usize,
-    >(
-        &self,
-        (index, contact, laws): (usize, &ContactModel, ContactLaws<'_>),
-        (q, v): (&[f64; N], &[f64; N]),
-        sums: &mut DerivativeSums<N, Z>,
-    ) {
-        let bristle_state = self.bristle_state(contact, v);
-        let disc_state = |disc: usize| (self.placed_disc(disc, q), self.disc_rates(disc, v));
-        match contact.pair {
-            ContactPair::Discs { disc, other } if !Self::GRASP => {
-                let ((body, [vx, vy, spin]), (other_body, [wx, wy, other_spin])) =
-                    (disc_state(disc), disc_state(other));
-                let rates = [vx, vy, wx, wy, spin, other_spin];
-                let forces =
-                    active_contacts::discs::<DISC_PAIR_POSITIONS>([&body, &other_body], &rates, bristle_state, laws);
-                sums.add_contact(
-                    (index, contact),
-                    &forces,
-                    &disc_pair_indices([self.first_coordinate(disc), self.first_coordinate(other)]),
-                );
-            }
-            ContactPair::MovingPlane { disc, plane } if self.palm_moves() => {
-                let ((body, [vx, vy, spin]), time) = (disc_state(disc), self.time_index.unwrap_or(N));
-                let (rates, pose) = ([vx, vy, v[time], spin], self.pose(q));
-                let forces =
-                    active_contacts::table::<DISC_TIME_POSITIONS>((&plane, &pose, &body), &rates, bristle_state, laws);
-                sums.add_contact((index, contact), &forces, &disc_time_indices(self.first_coordinate(disc), time));
-            }
-            ContactPair::Plane { disc, plane } => {
-                let (body, rates) = disc_state(disc);
-                let on_plane = self.shares_contact_point();
-                let forces =
-                    active_contacts::plane::<DISC_POSITIONS>((&plane, &body, on_plane), &rates, bristle_state, laws);
-                sums.add_contact((index, contact), &forces, &disc_indices(self.first_coordinate(disc)));
-            }
-            _ => {}
-        }
-    }
-
-    /// Adds the inertial forces on a finger's links in a moving frame.
-    fn add_finger_inertial_derivatives<const Z: usize>(
-        &self,
-        (finger, component): (usize, &FingerComponent),
-        finger_rates: [f64; 2],
-        terms: &Terms<Dual<2>>,
-        inertial_field: &InertialField,
-        sums: &mut DerivativeSums<N, Z>,
-    ) {
-        let (inertial_load, first) = (&component.inertial_load, 2 * finger);
-        let [field, rate] =
-            [inertial_field.field, inertial_field.rate].map(|field| field.mirrored(component.side.mirror()));
-        let forces = |v: [f64; 2], field: &AccelerationField| {
-            let rates = absolute_rates(&terms.rates, map_array(v, Dual::constant));
-            inertial_load.forces(&terms.pose, &terms.rates, rates, field)
-        };
-        let (force, force_rate) = (forces(finger_rates, &field), forces(finger_rates, &rate));
-        let coriolis_field = AccelerationField { coriolis: field.coriolis, ..AccelerationField::default() };
-        let by_rates =
-            map_array([[1.0, 0.0], [0.0, 1.0]], |unit| map_array(forces(unit, &coriolis_field), |force| force.value));
-        for i in 0..2 {
-            let row = first + i;
-            sums.load[row] += force[i].value;
-            sums.load_t[row] += force_rate[i].value;
-            sums.g[Self::DRIVE_WORK] += force[i].value * finger_rates[i];
-            sums.g_t[Self::DRIVE_WORK] += force_rate[i].value * finger_rates[i];
-            sums.g_v[Self::DRIVE_WORK][row] += force[i].value;
-            for (j, by_rate) in by_rates.iter().enumerate() {
-                sums.load_q[row][first + j] += force[i].grad[j];
-                sums.load_v[row][first + j] += by_rate[i];
-                sums.g_q[Self::DRIVE_WORK][first + j] += force[i].grad[j] * finger_rates[i];
-                sums.g_v[Self::DRIVE_WORK][first + j] += by_rate[i] * finger_rates[i];
-            }
-        }
-    }
-
-    /// Adds the inertial forces on a disc in a moving frame, which are linear in its position and velocity.
-    fn add_disc_inertial_derivatives<const Z: usize>(
-        &self,
-        index: usize,
-        (q, v): (&[f64; N], &[f64; N]),
-        inertial_field: &InertialField,
-        sums: &mut DerivativeSums<N, Z>,
-    ) {
-        let (disc, pose, rates) = (&self.discs[index], self.disc_pose(index, q), self.disc_rates(index, v));
-        let first = self.first_coordinate(index);
-        let force = disc_inertial_force(disc, &inertial_field.field, pose, rates);
-        let force_rate = disc_inertial_force(disc, &inertial_field.rate, pose, rates);
-        let linear = AccelerationField { uniform: [0.0; 2], euler: inertial_field.field.euler, ..inertial_field.field };
-        let unit = |j: usize| array_from(|k| if k == j { 1.0 } else { 0.0 });
-        let (mut by_q, mut by_v) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
-        for j in 0..2 {
-            by_q[j] = disc_inertial_force(disc, &linear, unit(j), [0.0; 3]);
-            by_v[j] = disc_inertial_force(disc, &linear, [0.0; 3], unit(j));
-            // The moment depends on neither.
-            (by_q[j][2], by_v[j][2]) = (0.0, 0.0);
-        }
-        for i in 0..3 {
-            let row = first + i;
-            sums.load[row] += force[i];
-            sums.load_t[row] += force_rate[i];
-            sums.g[Self::DRIVE_WORK] += force[i] * rates[i];
-            sums.g_t[Self::DRIVE_WORK] += force_rate[i] * rates[i];
-            sums.g_v[Self::DRIVE_WORK][row] += force[i];
-            for j in 0..3 {
-                sums.load_q[row][first + j] += by_q[j][i];
-                sums.load_v[row][first + j] += by_v[j][i];
-                sums.g_q[Self::DRIVE_WORK][first + j] += by_q[j][i] * rates[i];
-                sums.g_v[Self::DRIVE_WORK][first + j] += by_v[j][i] * rates[i];
-            }
-        }
-    }
-
-    /// Adds the torques of motors and brakes.
-    #[inline(always)]
-    fn add_drive_derivatives<const Z: usize>(&self, t: f64, v: &[f64; N], sums: &mut DerivativeSums<N, Z>) {
-        let (driven_rates, fingers) = (self.driven_rates(v), self.finger_count());
-        for (index, drive) in self.drives.iter().enumerate().filter(|_| !Self::DISCS) {
-            let bristle_index = self.brake_bristle(index);
-            sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), (drive.weights, fingers), Self::DRIVE_WORK);
-            let Some(brake) = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index])) else {
-                continue;
-            };
-            sums.add_shaft_torque(&brake.shaft, (drive.weights, fingers), Self::CONTACT_WORK);
-            let Some(bristle) = bristle_index else { continue };
-            sums.load[bristle] += brake.bristle_rate;
-            sums.load_t[bristle] += brake.gain * brake.shaft.by_time;
-            sums.load_v[bristle][bristle] += brake.gain * brake.by_bristle;
-            sums.g_v[Self::CONTACT_WORK][bristle] += brake.by_bristle * brake.shaft.rate;
-            for (i, weight) in drive.weights.into_iter().enumerate().take(fingers) {
-                sums.load_v[2 * i][bristle] += weight * brake.by_bristle;
-                sums.load_v[bristle][2 * i] += weight * brake.gain * brake.shaft.by_rate;
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::analytic::multibody::model::angle_variables;
-    use crate::analytic::multibody::quadratures;
-    use crate::analytic::{ContactState, Mode};
-    use crate::numeric::plane::{Vector, add, perp, scale};
-    use crate::scene::{Scene, parse_any};
-
-    const CONTACTS: usize = 10;
-    type Model = Multibody<12, CONTACTS>;
-    type AllSums = DerivativeSums<12, { quadratures(CONTACTS) }>;
-
-    const SCENES: [&str; 2] = [
-        include_str!("../../../../../scenes/gripper/lift.toml"),
-        include_str!("../../../../../scenes/laws/two-free.toml"),
-    ];
-
-    fn scene(text: &str) -> Scene {
-        parse_any(text, "scene.toml").unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    /// Contact forces and derivatives of round discs are the same with and without the disc's angle as a variable.
-    #[test]
-    fn contacts_of_round_shapes_do_not_depend_on_their_angle() {
-        let mut compared = 0;
-        for scene in SCENES.map(scene) {
-            let model = Model::new(&scene.system);
-            let start = model.start::<{ quadratures(CONTACTS) }>(&scene.system);
-            let mode = Mode::from([ContactState::Active; CONTACTS]);
-            for (index, contact) in model.contacts.iter().enumerate() {
-                let Some(contact) = contact else { continue };
-                let (mut q, mut v) = (start.q, start.v);
-                (0..8).for_each(|i| v[i] += 0.1 * (i as f64 - 3.3));
-                // The disc is moved into contact and turned.
-                let Some((disc, position)) = placed_in_contact(&model, contact, &q) else { continue };
-                let first = model.first_coordinate(disc);
-                (q[first], q[first + 1], q[first + 2]) = (position[0], position[1], 0.3);
-                let laws = contact.laws(mode[index]).expect("an active contact");
-                let (mut without, mut with) = (AllSums::ZERO, AllSums::ZERO);
-                let contact = (index, contact, laws);
-                if let ContactPair::Phalanx { finger, .. } = contact.1.pair {
-                    let terms =
-                        model.fingers[finger].model.terms(angle_variables(Model::finger_coordinates(finger, &q)));
-                    let finger_terms = (finger, &model.fingers[finger], &terms);
-                    model.add_finger_contact_terms::<_, 4>(contact, finger_terms, (&q, &v), &mut without);
-                    model.add_finger_contact_terms::<_, 5>(contact, finger_terms, (&q, &v), &mut with);
-                } else {
-                    model.add_disc_contact_terms::<_, 4, 3, 2>(contact, (&q, &v), &mut without);
-                    model.add_disc_contact_terms::<_, 6, 4, 3>(contact, (&q, &v), &mut with);
-                }
-                assert!(without.g[index] != 0.0, "{:?} has no force", contact.1.pair);
-                assert_eq!((without.load, without.g), (with.load, with.g));
-                assert_eq!((without.load_q, without.load_v), (with.load_q, with.load_v));
-                assert_eq!((without.g_q, without.g_v), (with.g_q, with.g_v));
-                compared += 1;
-            }
-        }
-        assert_eq!(compared, 7);
-    }
-
-    /// Returns a disc that moves, and the centre at which it overlaps the other surface by 1 µm.
-    fn placed_in_contact(model: &Model, contact: &ContactModel, q: &[f64; 12]) -> Option<(usize, Vector<f64>)> {
-        let radius = |disc: usize| crate::shape::max_radius(&model.discs[disc].shape) - 1e-6;
-        match contact.pair {
-            ContactPair::Stop { .. } => None,
-            ContactPair::Phalanx { finger, phalanx, disc } => {
-                let component = &model.fingers[finger];
-                let object = model.disc_in_finger_frame(component.side, disc, q);
-                let (pose, rates) = component.model.kinematics(Model::finger_coordinates(finger, q));
-                let found = component.model.phalanx_geometry(&pose, &rates, phalanx, &object);
-                let away = scale(found.normal, found.gap + 1e-6);
-                Some((disc, model.point_in_palm_frame(component.side, add(object.centre_m, away))))
-            }
-            ContactPair::Discs { disc, other } => {
-                let [x, y, _] = model.disc_pose(other, q);
-                Some((disc, [x + radius(disc) + radius(other) + 1e-6, y]))
-            }
-            ContactPair::Plane { disc, plane } | ContactPair::MovingPlane { disc, plane } => {
-                let level = scale(plane.normal, radius(disc) - plane.offset);
-                Some((disc, add(level, scale(perp(plane.normal), 0.01))))
-            }
         }
     }
 }

@@ -4,15 +4,14 @@ use std::cell::OnceCell;
 
 use super::components::{ContactModel, ContactPair};
 use super::contact_kinematics::ContactKinematics;
-use super::contacts::FingerKinematics;
+use super::evaluation::FingerKinematics;
 use super::model::Multibody;
 use super::{FINGERS, event_function_count, first_impact_step, mode};
 use crate::analytic::ContactState;
-use crate::analytic::mode::{ContactVariables, SpringDamperForce, row_dot};
+use crate::analytic::mode::{ContactVariables, ContactWithLaws, StateRef, row_dot};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{EventFunction, EventSet, Hybrid, System};
-use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::map_array;
 use crate::numeric::plane::{cross, dot};
 
@@ -20,15 +19,12 @@ use crate::numeric::plane::{cross, dot};
 /// length and speed scales of its law. Such a contact acts on no coordinate, so no error estimate limits the step.
 const DRIVEN_FRACTION: f64 = 0.05;
 
-/// State of a contact that its event functions are evaluated from, with its laws.
-type ContactWithLaws<'a, const N: usize> = (ContactVariables<N>, &'a NormalLaw, Option<&'a FrictionLaw>);
-
 impl<const N: usize, const C: usize> Multibody<N, C> {
     /// State of a contact, with its laws; `None` where the scene has no such contact.
     #[inline(always)]
     fn contact_variables(
         &self,
-        state: (&[f64; N], &[f64; N]),
+        state: StateRef<'_, N>,
         finger_kinematics: impl Fn(usize) -> FingerKinematics,
         index: usize,
     ) -> Option<ContactWithLaws<'_, N>> {
@@ -44,7 +40,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(never)]
     fn contact_variables_noinline(
         &self,
-        state: (&[f64; N], &[f64; N]),
+        state: StateRef<'_, N>,
         finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
         index: usize,
     ) -> Option<ContactWithLaws<'_, N>> {
@@ -77,21 +73,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             tangent_row: tangent,
         };
         Some((variables, &contact.normal, contact.friction.as_ref()))
-    }
-
-    /// One event function without its error weight. The kinematics of the other finger are not evaluated.
-    #[inline(always)]
-    fn event_function(
-        &self,
-        state: (&[f64; N], &[f64; N]),
-        finger_kinematics: impl Fn(usize) -> FingerKinematics,
-        mode: &mode::Mode<C>,
-        event: usize,
-    ) -> EventFunction<N> {
-        let contact = self.contact_variables(state, finger_kinematics, event % C);
-        contact.map_or(EventFunction::INACTIVE, |(variables, law, friction)| {
-            mode.event_function(event, (law, friction), &self.event_tolerances, &variables)
-        })
     }
 
     /// Mobility of a contact, row · M⁻¹ rowᵀ: the relative acceleration of its surfaces per unit of force.
@@ -161,27 +142,17 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> EventSet<N, G> {
         const { assert!(G == event_function_count(C)) };
         let all_finger_kinematics = self.all_finger_kinematics(q);
-        let mut functions = [EventFunction::INACTIVE; G];
-        for index in 0..self.contacts.len() {
-            if mode.is_unmonitored(index) {
-                continue;
-            }
-            let contact = self.contact_variables((q, v), |finger| all_finger_kinematics[finger], index);
-            let Some((variables, law, friction)) = contact else { continue };
-            let force = SpringDamperForce::evaluate(law, &variables);
-            functions[index] = mode.normal_event(index, law, &self.event_tolerances, &variables, &force);
-            functions[index + 2 * C] = mode.damper_event(index, law, &variables);
-            if let Some(friction) = friction {
-                functions[index + C] = mode.slip_event(index, friction, &variables, &force);
-            }
-        }
+        let functions = mode.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
+            self.contact_variables((q, v), |finger| all_finger_kinematics[finger], index)
+        });
         let (clearance, clearance_rate) = self.clearance(&all_finger_kinematics, v);
         EventSet { functions, clearance, clearance_rate }
     }
 
     #[inline(always)]
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>, event: usize) -> EventFunction<N> {
-        self.event_function((q, v), |finger| self.finger_kinematics(finger, q), mode, event)
+        let contact = self.contact_variables((q, v), |finger| self.finger_kinematics(finger, q), event % C);
+        mode.event_function(event, &self.event_tolerances, contact)
     }
 
     #[inline(always)]
@@ -191,7 +162,8 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
             |finger: usize| *all_finger_kinematics[finger].get_or_init(|| self.finger_kinematics(finger, q));
         let mut values = [f64::NAN; G];
         for event in (0..G).filter(|event| requested[*event]) {
-            values[event] = self.event_function((q, v), finger_kinematics, mode, event).value;
+            let contact = self.contact_variables((q, v), finger_kinematics, event % C);
+            values[event] = mode.event_function(event, &self.event_tolerances, contact).value;
         }
         values
     }
@@ -204,8 +176,8 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> mode::Mode<C> {
-        let contact = self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), event % C);
-        contact.map_or(*mode, |(variables, law, friction)| mode.after_event(event, law, friction, &variables))
+        let finger_kinematics = |finger| self.finger_kinematics(finger, q);
+        mode.after_event(event, self.contact_variables_noinline((q, v), &finger_kinematics, event % C))
     }
 
     fn is_reported(&self, event: usize) -> bool {

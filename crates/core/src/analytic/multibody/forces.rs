@@ -1,175 +1,408 @@
 //! Accelerations of a multibody system. Every finger and contact contributes in the few coordinates it depends on.
 
-use super::components::{ContactModel, ContactPair, FingerComponent};
-use super::contact_kinematics::{self, ContactForces};
-use super::coordinates::{
-    SignedIndex, disc_indices, disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices,
+use super::components::{
+    ContactLaws, ContactModel, ContactPair, DiscComponent, FingerComponent, SignedIndex, disc_indices,
+    disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices,
 };
-use super::frame::{self, disc_inertial_force};
+use super::contact_kinematics::{self, ContactKinematics};
+use super::drive::{BrakeTorque, ShaftTorque};
+use super::frame::{self, InertialField, disc_inertial_force};
 use super::inertia::Inertia;
 use super::model::Multibody;
 use super::{FINGERS, mode, quadratures};
+use crate::analytic::finger::FingerModel;
+use crate::analytic::mode::StateRef;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
-use crate::fivebar::inertial_forces::AccelerationField;
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, System};
+use crate::numeric::Real;
 use crate::scene::GripperContact;
+use crate::shape::PlacedShape;
+
+/// Sums of the loads on all coordinates and of the rates of all quadratures: plain numbers ([`Loads`]) or numbers with
+/// derivatives. [`Assembly`] fills both.
+pub(super) trait LoadSums<const N: usize, const Z: usize> {
+    /// Number that depends on the two angles of a finger.
+    type Angles: Real;
+    /// Number that depends on the P positions of a contact.
+    type Positions<const P: usize>: Real;
+
+    /// Whether the contacts of a grasp are written out, so that every index is a constant.
+    const UNROLLED: bool;
+
+    /// Index of the quadrature for the work of all contacts and brakes.
+    const CONTACT_WORK: usize = Z - 2;
+    /// Index of the quadrature for the work of motors, palm and driven discs.
+    const DRIVE_WORK: usize = Z - 1;
+
+    /// Position of a contact with this index; a constant for an index that is not below P.
+    fn position<const P: usize>(value: f64, index: usize) -> Self::Positions<P>;
+
+    /// Extends a number that depends on a finger's angles to all positions of a contact.
+    fn widen<const P: usize>(number: Self::Angles) -> Self::Positions<P>;
+
+    /// Adds the loads on the links of a finger, and returns its position-dependent terms.
+    fn add_finger(&mut self, finger: usize, model: &FingerModel, state: ([f64; 2], [f64; 2])) -> Terms<Self::Angles>;
+
+    /// Adds the inertial forces on a finger's links in a moving frame.
+    fn add_finger_inertia(
+        &mut self,
+        finger: (usize, &FingerComponent),
+        rates: [f64; 2],
+        terms: &Terms<Self::Angles>,
+        field: &InertialField,
+    );
+
+    /// Adds a contact with the coordinates `indices` at their rates; `bristle_state` is `None` without a bristle.
+    fn add_contact<const P: usize, const K: usize>(
+        &mut self,
+        contact: ActiveContact<'_>,
+        kinematics: &ContactKinematics<Self::Positions<P>, K>,
+        state: (&[f64; K], Option<f64>),
+        indices: &[SignedIndex; K],
+    );
+
+    /// Adds a torque that acts on the driven links of the first `fingers` fingers with these weights; `work` is the
+    /// index of its quadrature.
+    fn add_shaft_torque(&mut self, shaft: &ShaftTorque, driven: ([f64; FINGERS], usize), work: usize);
+
+    /// Adds the rate of the bristle state of a brake, and the effect of that state on the brake's torque.
+    fn add_brake_bristle(&mut self, brake: &BrakeTorque, driven: ([f64; FINGERS], usize), bristle: usize);
+
+    /// Adds the work of the drive that prescribes a coordinate's motion against all loads on it: a driven disc
+    /// (`is_disc`), or the table that moves with time.
+    fn add_prescribed_work(&mut self, row: usize, rate: f64, is_disc: bool);
+
+    /// Adds the decay of a bristle state.
+    fn add_decay(&mut self, bristle: usize, decay_rate: f64, state: f64);
+
+    /// Loads without derivatives.
+    fn loads(&mut self) -> &mut [f64; N];
+
+    /// Adds the inertial forces on a disc in a moving frame.
+    fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField);
+}
+
+/// A contact with a force: its index, its data, and its laws.
+pub(super) type ActiveContact<'a> = (usize, &'a ContactModel, ContactLaws<'a>);
 
 /// Loads on all coordinates and rates of all quadratures.
-struct LoadSums<const N: usize, const Z: usize> {
+struct Loads<const N: usize, const Z: usize> {
     load: [f64; N],
     g: [f64; Z],
 }
 
-impl<const N: usize, const Z: usize> LoadSums<N, Z> {
-    /// Adds the forces of a contact whose coordinates are `indices`.
+impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<N, Z> {
+    type Angles = f64;
+    type Positions<const P: usize> = f64;
+
+    const UNROLLED: bool = true;
+
     #[inline(always)]
-    fn add_contact<const K: usize>(
+    fn position<const P: usize>(value: f64, _: usize) -> f64 {
+        value
+    }
+
+    #[inline(always)]
+    fn widen<const P: usize>(number: f64) -> f64 {
+        number
+    }
+
+    #[inline(always)]
+    fn add_finger(&mut self, finger: usize, model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> Terms<f64> {
+        let terms = model.terms(q);
+        let load = model.load(0.0, &terms, v);
+        (0..2).for_each(|i| self.load[2 * finger + i] += load[i]);
+        terms
+    }
+
+    #[inline(always)]
+    fn add_finger_inertia(
         &mut self,
-        (index, contact): (usize, &ContactModel),
-        forces: &ContactForces<f64, K>,
+        (finger, component): (usize, &FingerComponent),
+        rates: [f64; 2],
+        terms: &Terms<f64>,
+        field: &InertialField,
+    ) {
+        let field = field.field.mirrored(component.side.mirror());
+        let link_rates = absolute_rates(&terms.rates, rates);
+        let inertial = component.inertial_load.forces(&terms.pose, &terms.rates, link_rates, &field);
+        (0..2).for_each(|i| self.load[2 * finger + i] += inertial[i]);
+        self.g[Self::DRIVE_WORK] += inertial[0] * rates[0] + inertial[1] * rates[1];
+    }
+
+    #[inline(always)]
+    fn add_contact<const P: usize, const K: usize>(
+        &mut self,
+        (index, contact, laws): ActiveContact<'_>,
+        kinematics: &ContactKinematics<f64, K>,
+        (rates, bristle_state): (&[f64; K], Option<f64>),
         indices: &[SignedIndex; K],
     ) {
+        let forces = contact_kinematics::contact_forces(kinematics, rates, bristle_state, laws);
         for (load, (row, sign)) in forces.load.iter().zip(indices) {
             if *row < N {
                 self.load[*row] += sign * load;
             }
         }
         self.g[index] += forces.normal;
-        self.g[Z - 2] += forces.power;
+        self.g[Self::CONTACT_WORK] += forces.power;
         if let Some(bristle_index) = contact.bristle_index {
             self.load[bristle_index] += forces.bristle_rate;
         }
     }
+
+    #[inline(always)]
+    fn add_shaft_torque(&mut self, shaft: &ShaftTorque, (weights, fingers): ([f64; FINGERS], usize), work: usize) {
+        (0..fingers).for_each(|finger| self.load[2 * finger] += weights[finger] * shaft.torque);
+        self.g[work] += shaft.torque * shaft.rate;
+    }
+
+    #[inline(always)]
+    fn add_brake_bristle(&mut self, brake: &BrakeTorque, _: ([f64; FINGERS], usize), bristle: usize) {
+        self.load[bristle] += brake.bristle_rate;
+    }
+
+    #[inline(always)]
+    fn add_prescribed_work(&mut self, row: usize, rate: f64, _: bool) {
+        self.g[Self::DRIVE_WORK] -= self.load[row] * rate;
+    }
+
+    #[inline(always)]
+    fn add_decay(&mut self, bristle: usize, decay_rate: f64, state: f64) {
+        self.load[bristle] -= decay_rate * state;
+    }
+
+    #[inline(always)]
+    fn loads(&mut self) -> &mut [f64; N] {
+        &mut self.load
+    }
+
+    #[inline(always)]
+    fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField) {
+        let inertial = disc_inertial_force(disc, &field.field, pose, rates);
+        (0..3).for_each(|i| self.load[disc.first_coordinate + i] += inertial[i]);
+        self.g[Self::DRIVE_WORK] += (0..3).map(|i| inertial[i] * rates[i]).sum::<f64>();
+    }
 }
 
-impl<const N: usize, const C: usize> Multibody<N, C> {
-    /// Index of the quadrature for the work of all contacts and brakes.
-    pub(super) const CONTACT_WORK: usize = C;
-    /// Index of the quadrature for the work of motors, palm and driven discs.
-    pub(super) const DRIVE_WORK: usize = C + 1;
+/// Positions that the geometry of a contact depends on: of a phalanx and a disc (q11, q21, x, y), of two discs, of a disc
+/// and a moving table (x, y, t), and of a disc. Discs are round, so that their angles, which come last, do not matter.
+const PHALANX_POSITIONS: usize = 4;
+const DISC_PAIR_POSITIONS: usize = 4;
+const DISC_TIME_POSITIONS: usize = 3;
+const DISC_POSITIONS: usize = 2;
 
-    /// Adds the loads on a finger and returns its mass matrix.
+/// Adds the loads of a system in one state to sums.
+struct Assembly<'a, const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> {
+    model: &'a Multibody<N, C>,
+    q: &'a [f64; N],
+    v: &'a [f64; N],
+    mode: &'a mode::Mode<C>,
+    field: InertialField,
+    sums: &'a mut S,
+}
+
+impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly<'_, N, C, Z, S> {
+    const GRASP: bool = Multibody::<N, C>::GRASP;
+    const DISCS: bool = Multibody::<N, C>::DISCS;
+
+    /// Adds all loads and powers, and returns the mass matrices of the fingers.
     #[inline(always)]
-    fn add_finger_load<const Z: usize>(
-        &self,
-        (finger, component): (usize, &FingerComponent),
-        (q, v): (&[f64; N], &[f64; N]),
-        (mode, field): (&mode::Mode<C>, &AccelerationField),
-        sums: &mut LoadSums<N, Z>,
-    ) -> [f64; 3] {
-        let finger_rates = Self::finger_coordinates(finger, v);
-        let terms = component.model.terms(Self::finger_coordinates(finger, q));
-        let load = component.model.load(0.0, &terms, finger_rates);
-        (0..2).for_each(|i| sums.load[2 * finger + i] += load[i]);
-        if self.palm_moves() {
-            let rates = absolute_rates(&terms.rates, finger_rates);
-            let field = field.mirrored(component.side.mirror());
-            let inertial = component.inertial_load.forces(&terms.pose, &terms.rates, rates, &field);
-            (0..2).for_each(|i| sums.load[2 * finger + i] += inertial[i]);
-            sums.g[Self::DRIVE_WORK] += inertial[0] * finger_rates[0] + inertial[1] * finger_rates[1];
-        }
-        if Self::GRASP {
-            let first = FingerContact::ALL.len() * finger;
-            self.add_finger_contact_load(first, (finger, component, &terms), (q, v), mode, sums);
-            self.add_finger_contact_load(first + 1, (finger, component, &terms), (q, v), mode, sums);
-            self.add_finger_contact_load(first + 2, (finger, component, &terms), (q, v), mode, sums);
-        } else {
-            for index in &component.contacts {
-                self.add_finger_contact_load(*index, (finger, component, &terms), (q, v), mode, sums);
+    fn add_all(&mut self, t: f64) -> [[S::Angles; 3]; FINGERS] {
+        let Self { model, q, v, .. } = *self;
+        let mut masses = [[S::Angles::zero(); 3]; FINGERS];
+        if S::UNROLLED {
+            if let Some(right) = model.fingers.first().filter(|_| !Self::DISCS) {
+                masses[0] = self.add_finger(0, right);
             }
+            if let Some(left) = model.fingers.get(1).filter(|_| !Self::DISCS) {
+                masses[1] = self.add_finger(1, left);
+            }
+        } else {
+            for (index, finger) in model.fingers.iter().enumerate().filter(|_| !Self::DISCS) {
+                masses[index] = self.add_finger(index, finger);
+            }
+        }
+        let (driven_rates, fingers) = (model.driven_rates(v), model.finger_count());
+        for (index, drive) in model.drives.iter().enumerate().filter(|_| !Self::DISCS) {
+            let (driven, bristle_index) = ((drive.weights, fingers), model.brake_bristle(index));
+            self.sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), driven, S::DRIVE_WORK);
+            let brake_torque = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index]));
+            let Some(brake) = brake_torque else { continue };
+            self.sums.add_shaft_torque(&brake.shaft, driven, S::CONTACT_WORK);
+            bristle_index.iter().for_each(|bristle| self.sums.add_brake_bristle(&brake, driven, *bristle));
+        }
+        if Self::GRASP && S::UNROLLED {
+            self.add_disc_contact(GripperContact::Palm.index());
+            self.add_disc_contact(GripperContact::Table.index());
+        } else {
+            model.disc_contacts.iter().for_each(|index| self.add_disc_contact(*index));
+        }
+        if let Some(time) = model.time_index.filter(|_| model.palm_moves()) {
+            self.sums.add_prescribed_work(time, 1.0, false);
+        }
+        for &(index, bristle) in &model.bristles {
+            self.sums.add_decay(index, bristle.rate(), v[index]);
+        }
+        for index in (0..model.disc_count()).filter(|index| model.first_coordinate(*index) < N) {
+            let (disc, first, rates) = (&model.discs[index], model.first_coordinate(index), model.disc_rates(index, v));
+            if disc.prescribed_acceleration.is_some() {
+                (0..3).for_each(|i| self.sums.add_prescribed_work(first + i, rates[i], true));
+                continue;
+            }
+            (0..2).for_each(|i| self.sums.loads()[first + i] += disc.mass * model.gravity[i]);
+            if model.palm_moves() {
+                let disc = DiscComponent { first_coordinate: first, ..*disc };
+                self.sums.add_disc_inertia(&disc, model.disc_pose(index, q), rates, &self.field);
+            }
+        }
+        masses
+    }
+
+    /// Adds the loads on a finger and its contacts, and returns its mass matrix.
+    #[inline(always)]
+    fn add_finger(&mut self, finger: usize, component: &FingerComponent) -> [S::Angles; 3] {
+        let [angles, rates] = [self.q, self.v].map(|all| Multibody::<N, C>::finger_coordinates(finger, all));
+        let terms = self.sums.add_finger(finger, &component.model, (angles, rates));
+        if self.model.palm_moves() {
+            self.sums.add_finger_inertia((finger, component), rates, &terms, &self.field);
+        }
+        if Self::GRASP && S::UNROLLED {
+            let first = FingerContact::ALL.len() * finger;
+            self.add_finger_contact(first, (finger, component, &terms));
+            self.add_finger_contact(first + 1, (finger, component, &terms));
+            self.add_finger_contact(first + 2, (finger, component, &terms));
+        } else {
+            component.contacts.iter().for_each(|index| self.add_finger_contact(*index, (finger, component, &terms)));
         }
         terms.mass
     }
 
     /// Adds a contact of a finger.
     #[inline(always)]
-    fn add_finger_contact_load<const Z: usize>(
-        &self,
+    fn add_finger_contact(
+        &mut self,
         index: usize,
-        (finger, component, terms): (usize, &FingerComponent, &Terms<f64>),
-        (q, v): (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-        sums: &mut LoadSums<N, Z>,
+        (finger, component, terms): (usize, &FingerComponent, &Terms<S::Angles>),
     ) {
-        let Some(contact) = &self.contacts[index] else { return };
+        const P: usize = PHALANX_POSITIONS;
+        let Self { model, q, v, mode, .. } = *self;
+        let Some(contact) = &model.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
-        let ([first, second], mirror) = (Self::finger_coordinates(finger, v), component.side.mirror());
-        match self.contact_pair(finger, index, contact) {
-            ContactPair::Phalanx { phalanx, disc, .. } => {
-                let [vx, vy, spin] = self.disc_rates(disc, v);
-                let object = self.disc_in_finger_frame(component.side, disc, q);
-                let geometry = component.model.phalanx_geometry(&terms.pose, &terms.rates, phalanx, &object);
-                let rates = [first, second, mirror * vx, vy, mirror * spin];
-                let kinematics = contact_kinematics::phalanx(&geometry);
-                let forces =
-                    contact_kinematics::contact_forces(&kinematics, &rates, self.bristle_state(contact, v), laws);
-                sums.add_contact(
-                    (index, contact),
-                    &forces,
-                    &phalanx_indices(finger, self.first_coordinate(disc), mirror),
-                );
-            }
-            _ => {
-                let kinematics = contact_kinematics::limit(&component.model.limit_geometry(&terms.pose, &terms.rates));
-                sums.add_contact(
-                    (index, contact),
-                    &contact_kinematics::contact_forces(&kinematics, &[first, second], None, laws),
-                    &finger_indices(finger),
-                );
-            }
+        let ([first, second], mirror) = (Multibody::<N, C>::finger_coordinates(finger, v), component.side.mirror());
+        if let ContactPair::Phalanx { phalanx, disc, .. } = model.contact_pair(finger, index, contact) {
+            let [vx, vy, spin] = model.disc_rates(disc, v);
+            let (pose, passive_rates) = (terms.pose.map(S::widen::<P>), terms.rates.map(S::widen::<P>));
+            let object =
+                placed_positions::<N, Z, S, P>(&model.disc_in_finger_frame(component.side, disc, q), [2, 3, 4]);
+            let geometry = component.model.phalanx_geometry(&pose, &passive_rates, phalanx, &object);
+            let rates = [first, second, mirror * vx, vy, mirror * spin];
+            self.sums.add_contact::<P, 5>(
+                (index, contact, laws),
+                &contact_kinematics::phalanx(&geometry),
+                (&rates, model.bristle_state(contact, v)),
+                &phalanx_indices(finger, model.first_coordinate(disc), mirror),
+            );
+        } else {
+            let (pose, passive_rates) = (terms.pose.map(S::widen::<2>), terms.rates.map(S::widen::<2>));
+            let kinematics = contact_kinematics::limit(&component.model.limit_geometry(&pose, &passive_rates));
+            let (state, indices) = ((&[first, second], None), finger_indices(finger));
+            self.sums.add_contact::<2, 2>((index, contact, laws), &kinematics, state, &indices);
         }
     }
 
     /// Adds a contact without a finger.
     #[inline(always)]
-    fn add_disc_contact_load<const Z: usize>(
-        &self,
-        index: usize,
-        (q, v): (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-        sums: &mut LoadSums<N, Z>,
-    ) {
-        let Some(contact) = &self.contacts[index] else { return };
+    fn add_disc_contact(&mut self, index: usize) {
+        let Self { model, q, v, mode, .. } = *self;
+        let Some(contact) = &model.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
-        let bristle_state = self.bristle_state(contact, v);
-        let disc_state = |disc: usize| (self.placed_disc(disc, q), self.disc_rates(disc, v));
+        let (active_contact, bristle_state) = ((index, contact, laws), model.bristle_state(contact, v));
+        let first_coordinate = |disc| model.first_coordinate(disc);
         match contact.pair {
             ContactPair::Discs { disc, other } if !Self::GRASP => {
-                let ((body, [vx, vy, spin]), (other_body, [wx, wy, other_spin])) =
-                    (disc_state(disc), disc_state(other));
-                let kinematics = contact_kinematics::discs([&body, &other_body]);
-                let forces = contact_kinematics::contact_forces(
-                    &kinematics,
-                    &[vx, vy, wx, wy, spin, other_spin],
-                    bristle_state,
-                    laws,
-                );
-                sums.add_contact(
-                    (index, contact),
-                    &forces,
-                    &disc_pair_indices([self.first_coordinate(disc), self.first_coordinate(other)]),
-                );
+                const P: usize = DISC_PAIR_POSITIONS;
+                let ([vx, vy, spin], [wx, wy, other_spin]) = (model.disc_rates(disc, v), model.disc_rates(other, v));
+                let kinematics = contact_kinematics::discs([
+                    &placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 4]),
+                    &placed_positions::<N, Z, S, P>(&model.placed_disc(other, q), [2, 3, 5]),
+                ]);
+                let rates = [vx, vy, wx, wy, spin, other_spin];
+                let indices = disc_pair_indices([disc, other].map(first_coordinate));
+                self.sums.add_contact::<P, 6>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
-            ContactPair::MovingPlane { disc, plane } if self.palm_moves() => {
-                let ((body, [vx, vy, spin]), time) = (disc_state(disc), self.time_index.unwrap_or(N));
-                let kinematics = frame::table(&plane, &self.pose(q), 0.0, &body);
-                let forces =
-                    contact_kinematics::contact_forces(&kinematics, &[vx, vy, v[time], spin], bristle_state, laws);
-                sums.add_contact((index, contact), &forces, &disc_time_indices(self.first_coordinate(disc), time));
+            ContactPair::MovingPlane { disc, plane } if model.palm_moves() => {
+                const P: usize = DISC_TIME_POSITIONS;
+                let ([vx, vy, spin], time) = (model.disc_rates(disc, v), model.time_index.unwrap_or(N));
+                let placed = placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 3]);
+                let kinematics = frame::table(&plane, &model.pose(q), S::position::<P>(0.0, 2), &placed);
+                let (rates, indices) = ([vx, vy, v[time], spin], disc_time_indices(first_coordinate(disc), time));
+                self.sums.add_contact::<P, 4>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
             ContactPair::Plane { disc, plane } => {
-                let (body, rates) = disc_state(disc);
-                let kinematics = contact_kinematics::plane(&plane, &body, self.shares_contact_point());
-                sums.add_contact(
-                    (index, contact),
-                    &contact_kinematics::contact_forces(&kinematics, &rates, bristle_state, laws),
-                    &disc_indices(self.first_coordinate(disc)),
-                );
+                const P: usize = DISC_POSITIONS;
+                let placed = placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 2]);
+                let kinematics = contact_kinematics::plane(&plane, &placed, model.shares_contact_point());
+                let (rates, indices) = (model.disc_rates(disc, v), disc_indices(first_coordinate(disc)));
+                self.sums.add_contact::<P, 3>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
             _ => {}
         }
     }
+}
+
+impl<const N: usize, const C: usize> Multibody<N, C> {
+    /// Adds all loads and powers, and returns the mass matrices of the fingers. Both assemblies share it, so that the
+    /// accelerations are the same with and without derivatives.
+    #[inline(always)]
+    pub(super) fn add_loads<const Z: usize, S: LoadSums<N, Z>>(
+        &self,
+        t: f64,
+        (q, v): StateRef<'_, N>,
+        mode: &mode::Mode<C>,
+        sums: &mut S,
+    ) -> [[S::Angles; 3]; FINGERS] {
+        const { assert!(Z == quadratures(C)) };
+        Assembly { model: self, q, v, mode, field: self.inertial_field(t), sums }.add_all(t)
+    }
+
+    /// Accelerations as one function, which is not inlined into every integrator. Only grasps, which studies simulate
+    /// by the thousand, are worth the compile time of inlining.
+    #[inline(never)]
+    fn rates_noinline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &mode::Mode<C>) -> Rates<N, Z> {
+        self.rates_inline(t, state, mode)
+    }
+
+    #[inline(always)]
+    fn rates_inline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &mode::Mode<C>) -> Rates<N, Z> {
+        let mut sums = Loads { load: [0.0; N], g: [0.0; Z] };
+        let masses = self.add_loads(t, state, mode, &mut sums);
+        let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);
+        self.prescribe_disc_accelerations(&mut a);
+        Rates { a, g: sums.g }
+    }
+
+    /// Sets the accelerations of driven discs.
+    #[inline(always)]
+    pub(super) fn prescribe_disc_accelerations(&self, a: &mut [f64; N]) {
+        for (first, acceleration) in
+            self.discs.iter().filter_map(|disc| Some((disc.first_coordinate, disc.prescribed_acceleration?)))
+        {
+            a[first..first + 2].copy_from_slice(&acceleration);
+        }
+    }
+}
+
+/// Makes centre and angle of a disc positions of a contact with these indices.
+#[inline(always)]
+fn placed_positions<const N: usize, const Z: usize, S: LoadSums<N, Z>, const P: usize>(
+    placed: &PlacedShape,
+    [x, y, angle]: [usize; 3],
+) -> PlacedShape<S::Positions<P>> {
+    let PlacedShape { shape, centre_m, angle_rad } = *placed;
+    let centre_m = [S::position(centre_m[0], x), S::position(centre_m[1], y)];
+    PlacedShape { shape, centre_m, angle_rad: S::position(angle_rad, angle) }
 }
 
 impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<N, C> {
@@ -187,94 +420,5 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
 
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Linearised<N, Z> {
         self.rates_with_derivatives(t, (q, v), mode)
-    }
-}
-
-impl<const N: usize, const C: usize> Multibody<N, C> {
-    /// Accelerations as one function, which is not inlined into every integrator. Only grasps, which studies simulate
-    /// by the thousand, are worth the compile time of inlining.
-    #[inline(never)]
-    fn rates_noinline<const Z: usize>(
-        &self,
-        t: f64,
-        state: (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-    ) -> Rates<N, Z> {
-        self.rates_inline(t, state, mode)
-    }
-
-    #[inline(always)]
-    fn rates_inline<const Z: usize>(
-        &self,
-        t: f64,
-        (q, v): (&[f64; N], &[f64; N]),
-        mode: &mode::Mode<C>,
-    ) -> Rates<N, Z> {
-        const { assert!(Z == quadratures(C)) };
-        let mut sums = LoadSums { load: [0.0; N], g: [0.0; Z] };
-        let field = self.inertial_field(t).field;
-        let mut masses = [[0.0; 3]; FINGERS];
-        // Both fingers are written out, so that every index is a constant.
-        if let Some(right) = self.fingers.first().filter(|_| !Self::DISCS) {
-            masses[0] = self.add_finger_load((0, right), (q, v), (mode, &field), &mut sums);
-        }
-        if let Some(left) = self.fingers.get(1).filter(|_| !Self::DISCS) {
-            masses[1] = self.add_finger_load((1, left), (q, v), (mode, &field), &mut sums);
-        }
-        let driven_rates = self.driven_rates(v);
-        for (index, drive) in self.drives.iter().enumerate().filter(|_| !Self::DISCS) {
-            let (motor, bristle_index) = (drive.motor_torque(t, driven_rates), self.brake_bristle(index));
-            (0..self.finger_count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * motor.torque);
-            sums.g[Self::DRIVE_WORK] += motor.torque * motor.rate;
-            let Some(brake) = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index])) else {
-                continue;
-            };
-            let brake_torque = brake.shaft.torque;
-            (0..self.finger_count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * brake_torque);
-            sums.g[Self::CONTACT_WORK] += brake.shaft.torque * brake.shaft.rate;
-            bristle_index.iter().for_each(|index| sums.load[*index] += brake.bristle_rate);
-        }
-        if Self::GRASP {
-            self.add_disc_contact_load(GripperContact::Palm.index(), (q, v), mode, &mut sums);
-            self.add_disc_contact_load(GripperContact::Table.index(), (q, v), mode, &mut sums);
-        } else {
-            for index in &self.disc_contacts {
-                self.add_disc_contact_load(*index, (q, v), mode, &mut sums);
-            }
-        }
-        if let Some(time) = self.time_index.filter(|_| self.palm_moves()) {
-            // The table, which moves in the palm's frame, does work on the system.
-            sums.g[Self::DRIVE_WORK] -= sums.load[time];
-        }
-        for &(index, bristle) in &self.bristles {
-            sums.load[index] -= bristle.rate() * v[index];
-        }
-        for index in (0..self.disc_count()).filter(|index| self.first_coordinate(*index) < N) {
-            let (disc, first, rates) = (&self.discs[index], self.first_coordinate(index), self.disc_rates(index, v));
-            if disc.prescribed_acceleration.is_some() {
-                // The drive of the disc works against all contact forces; no other load acts on it.
-                (0..3).for_each(|i| sums.g[Self::DRIVE_WORK] -= sums.load[first + i] * rates[i]);
-                continue;
-            }
-            (0..2).for_each(|i| sums.load[first + i] += disc.mass * self.gravity[i]);
-            if self.palm_moves() {
-                let inertial = disc_inertial_force(disc, &field, self.disc_pose(index, q), rates);
-                (0..3).for_each(|i| sums.load[first + i] += inertial[i]);
-                sums.g[Self::DRIVE_WORK] += (0..3).map(|i| inertial[i] * rates[i]).sum::<f64>();
-            }
-        }
-        let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);
-        self.prescribe_disc_accelerations(&mut a);
-        Rates { a, g: sums.g }
-    }
-
-    /// Sets the accelerations of driven discs.
-    #[inline(always)]
-    pub(super) fn prescribe_disc_accelerations(&self, a: &mut [f64; N]) {
-        for (first, acceleration) in
-            self.discs.iter().filter_map(|disc| Some((disc.first_coordinate, disc.prescribed_acceleration?)))
-        {
-            a[first..first + 2].copy_from_slice(&acceleration);
-        }
     }
 }

@@ -5,30 +5,9 @@
 //! moving disc, including driven ones, in the frame of the palm. If the palm moves, time follows as a coordinate of
 //! rate 1. If friction has bristles, the next rates are the bristle states σ; nothing depends on the coordinates at
 //! these indices. The remaining indices are unused. The model is independent of the engine model, which it checks.
-//!
-//! | file | contents |
-//! |---|---|
-//! | `size` | number of coordinates and contacts of a system |
-//! | `components` | constant data of fingers, discs and contacts |
-//! | `drive` | motors and brakes |
-//! | `model` | constant data of a system, and the layout of its coordinates |
-//! | `coordinates` | coordinates that a finger, a disc or a contact depends on |
-//! | `laws` | laws of one contact |
-//! | `contact_kinematics` | gaps, the rows that give their rates, and contact forces |
-//! | `contacts` | kinematics of any contact in one state, in all coordinates |
-//! | `inertia` | the block mass matrix and its inverse |
-//! | `frame` | a moving palm: inertial forces and the table in its frame |
-//! | `forces` | accelerations |
-//! | `active_contacts` | loads of links and contacts with derivatives, independent of the system's size |
-//! | `derivatives` | exact Jacobian of the accelerations, assembled from fingers and contacts |
-//! | `events` | branches of the laws, and where they change |
-//! | `evaluation` | one contact, and the energies, in one state |
 
-mod active_contacts;
 mod components;
 mod contact_kinematics;
-mod contacts;
-mod coordinates;
 mod derivatives;
 mod drive;
 mod evaluation;
@@ -36,7 +15,6 @@ mod events;
 mod forces;
 mod frame;
 mod inertia;
-mod laws;
 mod model;
 mod size;
 

@@ -10,10 +10,9 @@ use crate::fivebar::inertial_forces::InertialForces;
 use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
-use crate::numeric::plane::Vector;
-use crate::numeric::{Dual, Real, array_from};
+use crate::numeric::array_from;
 use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, GripperContact, PalmMotion, Side, System};
-use crate::shape::{PlacedShape, circle_radius};
+use crate::shape::PlacedShape;
 
 /// The model of a system with at most N coordinates and C contacts.
 #[derive(Clone, Debug)]
@@ -329,19 +328,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         if first < N { [v[first], v[first + 1], v[first + 2]] } else { [0.0; 3] }
     }
 
-    /// Whether the contact geometry depends on the angle of a disc, which it does unless the disc is round.
-    #[inline(always)]
-    pub(super) fn depends_on_disc_angle(&self, pair: ContactPair) -> bool {
-        let is_not_round = |disc: usize| circle_radius(&self.discs[disc].shape).is_none();
-        match pair {
-            ContactPair::Stop { .. } => false,
-            ContactPair::Discs { disc, other } => is_not_round(disc) || is_not_round(other),
-            ContactPair::Phalanx { disc, .. }
-            | ContactPair::Plane { disc, .. }
-            | ContactPair::MovingPlane { disc, .. } => is_not_round(disc),
-        }
-    }
-
     /// Returns a disc's shape at its pose.
     #[inline(always)]
     pub(super) fn placed_disc(&self, disc: usize, q: &[f64; N]) -> PlacedShape {
@@ -365,22 +351,4 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     pub(super) fn finger_coordinates(finger: usize, all: &[f64; N]) -> [f64; 2] {
         [all[2 * finger], all[2 * finger + 1]]
     }
-}
-
-/// Makes position and angle of a disc differentiation variables with the given indices; the angle is constant if its
-/// index is not below P.
-#[inline(always)]
-pub(super) fn placed_variables<const P: usize>(
-    placed: &PlacedShape,
-    [x, y, angle]: [usize; 3],
-) -> PlacedShape<Dual<P>> {
-    let PlacedShape { shape, centre_m, angle_rad } = *placed;
-    let angle_rad = if angle < P { Dual::variable(angle_rad, angle) } else { Dual::constant(angle_rad) };
-    PlacedShape { shape, centre_m: [Dual::variable(centre_m[0], x), Dual::variable(centre_m[1], y)], angle_rad }
-}
-
-/// Makes both coordinates of a finger differentiation variables.
-#[inline(always)]
-pub(super) fn angle_variables(q: [f64; 2]) -> Vector<Dual<2>> {
-    [Dual::variable(q[0], 0), Dual::variable(q[1], 1)]
 }

@@ -1,124 +1,243 @@
-//! Motor and spring of a finger.
+//! Motor and spring of a finger, given or sized.
 
-use super::super::check::{Checker, POSITIVE};
-use super::super::entry::item_span;
-use super::super::table::drive::{MotorSettings, ShaftSettings, SpringSettings};
-use super::super::table::input::SectionInput;
-use super::super::table::{SettingsSection, read};
-use super::super::value_kinds::{Choice, List, Time, Torque};
-use super::super::{self as scene, Actuation, Spring, SpringKind};
-use super::sizing::SizingResult;
+use super::super::section_input::SectionInput;
+use super::super::settings::{InitialSettings, MotorSettings, SpringSettings};
+use super::super::{Actuation, Motor, Spring, SpringKind};
+use super::finger::{FingerLengths, geometry};
+use super::object::Target;
+use crate::gripper::{Finger, contact_angle_proximal};
+use crate::shape::PlacedShape;
+use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 
-const TORQUE: &str = "add the motor's torque on l11: [motor] torque = \"480 N*mm\"";
+/// Result of the sizing of motor and spring.
+#[derive(Clone, Copy, Debug)]
+pub enum SizingResult {
+    /// The scene does not request a sizing.
+    NotRequested,
+    /// The requested sizing failed; the problem has been reported.
+    Failed,
+    Sized(Sizing),
+}
+
+impl SizingResult {
+    /// Combines the sizings of two tasks: the spring has the larger torque, the motor the one that `motors` selects.
+    pub fn combine(self, second: Self, motors: fn(f64, f64) -> f64) -> Self {
+        match (self, second) {
+            (SizingResult::Sized(first), SizingResult::Sized(second)) => SizingResult::Sized(Sizing {
+                motor_n_m: motors(first.motor_n_m, second.motor_n_m),
+                spring_n_m: first.spring_n_m.max(second.spring_n_m),
+            }),
+            (SizingResult::NotRequested, SizingResult::NotRequested) => SizingResult::NotRequested,
+            _ => SizingResult::Failed,
+        }
+    }
+
+    fn sizing(self) -> Option<Sizing> {
+        match self {
+            SizingResult::Sized(sizing) => Some(sizing),
+            SizingResult::NotRequested | SizingResult::Failed => None,
+        }
+    }
+}
 
 /// Resolves the motor, with the torque of the sizing for [`SizingResult::Sized`].
-pub fn motor(checker: &mut Checker<'_>, input: &SectionInput<'_>, sized: SizingResult) -> Option<scene::Motor> {
-    let actuation = actuation(checker, input, sized)?;
-    let shaft = read(checker, "motor", input, ShaftSettings::defaults());
-    if let Some(brake) = shaft.brake
-        && shaft.release_s().is_some_and(|release_s| release_s < brake.start_s + brake.rise_s)
-    {
-        checker.push(
-            input.span("brake_release"),
-            "`motor.brake_release` is before the brake is fully engaged, at brake_at + brake_rise",
-            "too early",
-            "release the brake later, or remove this key: then the brake is never released",
-        );
-    }
-    Some(shaft.into_motor(actuation))
-}
-
-/// Resolves the motor torque as a function of time.
-fn actuation(checker: &mut Checker<'_>, input: &SectionInput<'_>, sized: SizingResult) -> Option<Actuation> {
-    let mut motor = read(checker, "motor", input, MotorSettings::defaults());
+pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
+    let settings: MotorSettings = input.read();
     // If the profile is invalid, the required keys are unknown.
-    input.is_valid::<Choice<Actuation>>("profile").then_some(())?;
-    if let Actuation::Table { interpolation, .. } = motor.actuation {
-        return Some(Actuation::Table { points: table(checker, input)?, interpolation });
-    }
-    match sized {
-        SizingResult::NotRequested if !input.has("torque") => {
-            checker.report_missing_at("motor.torque", input.span.clone(), TORQUE)
+    input.is_valid("profile").then_some(())?;
+    let actuation = match (&settings.profile.0, sized) {
+        (Actuation::Table { .. }, _) => {
+            Actuation::Table { points: table(input, &settings)?, interpolation: settings.interpolation.0 }
         }
-        SizingResult::NotRequested | SizingResult::Failed => {}
-        SizingResult::Sized(sizing) => motor.torque_n_m().into_iter().for_each(|torque| *torque = sizing.motor_n_m),
+        (_, SizingResult::NotRequested) if !input.has("torque") => {
+            input.report_missing("torque", "add the motor's torque on l11: [motor] torque = \"480 N*mm\"");
+            return None;
+        }
+        _ => settings
+            .actuation(sized.sizing().map_or(*settings.torque.unwrap_or_default(), |sizing| sizing.motor_n_m))?,
+    };
+    let motor = settings.motor(actuation)?;
+    if let Some(brake) = motor.brake
+        && brake.release_s.is_some_and(|release_s| release_s < brake.start_s + brake.rise_s)
+    {
+        let message = "`motor.brake_release` is before the brake is fully engaged, at brake_at + brake_rise";
+        let help = "release the brake later, or remove this key: then the brake is never released";
+        input.report("brake_release", message, "too early", help);
     }
-    Some(motor.actuation)
+    Some(motor)
 }
 
-/// Reads the points of a table.
-fn table(checker: &mut Checker<'_>, input: &SectionInput<'_>) -> Option<Vec<(f64, f64)>> {
-    for key in ["times", "torques"] {
-        if !input.has(key) {
-            let help = "a table requires both: times = [\"0 ms\", \"5 ms\"] and torques = [\"0 N*mm\", \"480 N*mm\"]";
-            checker.report_missing_at(&format!("motor.{key}"), input.span.clone(), help);
-        }
+/// Returns the points of a table.
+fn table(input: &SectionInput<'_>, settings: &MotorSettings) -> Option<Vec<(f64, f64)>> {
+    for key in ["times", "torques"].into_iter().filter(|key| !input.has(key)) {
+        let help = "a table requires both: times = [\"0 ms\", \"5 ms\"] and torques = [\"0 N*mm\", \"480 N*mm\"]";
+        input.report_missing(key, help);
     }
-    let (times, torques) = (input.value::<List<Time>>("times")?, input.value::<List<Torque>>("torques")?);
+    let (times, torques) = (settings.times.as_ref()?, settings.torques.as_ref()?);
     if times.is_empty() {
-        checker.push(
-            input.span("times"),
-            "the table of the motor is empty",
-            "no times",
-            "give at least one time and torque",
-        );
+        input.report("times", "the table of the motor is empty", "no times", "give at least one time and torque");
         return None;
     }
     if times.len() != torques.len() {
         let message = format!("the table of the motor has {} times, but {} torques", times.len(), torques.len());
-        checker.push(input.span("torques"), message, "different number", "give one torque per time");
+        input.report("torques", message, "different number", "give one torque per time");
         return None;
     }
-    if let Some(i) = (1..times.len()).find(|&i| times[i] <= times[i - 1]) {
+    if let Some(i) = (1..times.len()).find(|&i| *times[i] <= *times[i - 1]) {
         let message = format!("the times of the motor's table do not increase: value {} is not after value {i}", i + 1);
-        let time_span = input.get("times").map(|times| item_span(times, i));
-        checker.push(
-            time_span,
-            message,
-            "not later than the preceding time",
-            "put the times in increasing order, without duplicates",
-        );
+        let help = "put the times in increasing order, without duplicates";
+        input.checker.push(input.item_span("times", i), message, "not later than the preceding time", help);
         return None;
     }
-    Some(times.into_iter().zip(torques).collect())
+    Some(times.iter().zip(torques).map(|(time, torque)| (**time, **torque)).collect())
 }
 
 /// Resolves the spring: `Some(None)` without a spring, `None` if it is invalid.
-pub fn spring(checker: &mut Checker<'_>, input: &SectionInput<'_>, sized: SizingResult) -> Option<Option<Spring>> {
-    let problem_count = checker.count();
-    let mut spring = read(checker, "spring", input, SpringSettings::defaults());
-    let is_valid = checker.count() == problem_count;
-    input.is_valid::<Choice<Option<SpringKind>>>("type").then_some(())?;
-    match (&mut spring.kind, sized) {
-        (None, _) => {}
-        (Some(SpringKind::Constant { .. }), SizingResult::NotRequested) if !input.has("torque") => {
-            let help = "add the spring's torque: [spring] torque = \"132.6 N*mm\"; or remove the spring: [spring] type = \"none\"";
-            checker.report_missing_at("spring.torque", input.span.clone(), help);
+pub fn spring(input: &SectionInput<'_>, sized: SizingResult) -> Option<Option<Spring>> {
+    let settings: SpringSettings = input.read();
+    input.is_valid("type").then_some(())?;
+    let preload_rad = *settings.preload;
+    let kind = match (settings.r#type.0, sized) {
+        (None, _) => return Some(None),
+        (Some(SpringKind::Constant { .. }), SizingResult::NotRequested) => {
+            if !input.has("torque") {
+                let help = "add the spring's torque: [spring] torque = \"132.6 N*mm\"; or remove the spring: [spring] type = \"none\"";
+                input.report_missing("torque", help);
+            }
+            SpringKind::Constant { torque_n_m: *settings.torque? }
         }
-        (Some(SpringKind::Torsional { .. }), SizingResult::NotRequested) if !input.has("stiffness") => {
-            checker.report_missing_at(
-                "spring.stiffness",
-                input.span.clone(),
-                "add the spring's stiffness: stiffness = \"100 N*mm/rad\"",
-            );
+        (Some(SpringKind::Torsional { .. }), SizingResult::NotRequested) => {
+            if !input.has("stiffness") {
+                input.report_missing("stiffness", "add the spring's stiffness: stiffness = \"100 N*mm/rad\"");
+            }
+            SpringKind::Torsional { stiffness_n_m_per_rad: *settings.stiffness?, preload_rad }
         }
-        (Some(_), SizingResult::NotRequested) => {}
-        (Some(SpringKind::Constant { torque_n_m }), SizingResult::Failed | SizingResult::Sized(_)) => {
-            *torque_n_m = sized.sizing()?.spring_n_m;
-        }
+        (Some(SpringKind::Constant { .. }), _) => SpringKind::Constant { torque_n_m: sized.sizing()?.spring_n_m },
         // c_s q_p = k_s (2.30): the same torque in the straight configuration.
-        (
-            Some(SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad }),
-            SizingResult::Failed | SizingResult::Sized(_),
-        ) => {
+        (Some(SpringKind::Torsional { .. }), _) => {
             if !input.has("preload") {
                 let help = "add the preload, by which the sizing determines the stiffness: preload = \"90 deg\"";
-                checker.report_missing_at("spring.preload", input.span.clone(), help);
-            } else if is_valid && *preload_rad == 0.0 {
-                checker.report_out_of_range("spring.preload", input.span("preload"), POSITIVE);
+                input.report_missing("preload", help);
+            } else if input.is_valid("preload") && preload_rad == 0.0 {
+                input.report_out_of_range("preload", "above 0");
             }
-            *stiffness_n_m_per_rad = sized.sizing()?.spring_n_m / *preload_rad;
+            SpringKind::Torsional { stiffness_n_m_per_rad: sized.sizing()?.spring_n_m / preload_rad, preload_rad }
+        }
+    };
+    Some(Some(Spring { kind, placement: settings.placement.0 }))
+}
+
+/// Sizes motor and spring for both ends of the positioning error (thesis §4.2.1.3), if the scene requests it. One end may
+/// be out of reach of the finger, which then touches the object only after the other finger has moved it.
+/// `finger_and_target` is the finger with its target, `None` if they are invalid.
+pub fn size(
+    input: &SectionInput<'_>,
+    lengths: &FingerLengths,
+    finger_and_target: Option<(&Finger, &Target)>,
+    gravity_m_s2: [f64; 2],
+) -> SizingResult {
+    if !input.has("sizing") {
+        input.report_unused("closing_time", "without sizing = \"rigid\" or \"whole\"");
+        return SizingResult::NotRequested;
+    }
+    reject_given(input);
+    let Some((finger, target)) = finger_and_target else { return SizingResult::Failed };
+    if target.object.is_none() {
+        let message = "`sizing` needs the object that the finger closes on, and this scene has none";
+        let help = "give [motor] torque and [spring] torque instead, or remove [object] present = false";
+        input.report("sizing", message, "requires an object", help);
+        return SizingResult::Failed;
+    }
+    let has_range = target.ends.windows(2).any(|pair| pair[0] != pair[1]);
+    let trials: Vec<_> = target.ends.iter().map(|_| input.checker.for_trial()).collect();
+    let mut sized = Vec::new();
+    for (object, trial) in target.ends.iter().zip(&trials) {
+        sized.push(size_for(&input.with_checker(trial), lengths, finger, *object, gravity_m_s2));
+        if has_range {
+            let base = -object.centre_m[0] * 1e3;
+            let details = format!(
+                " with the object at the end of the positioning error, {base:.3} mm from the ground joint along the palm"
+            );
+            trial.append_to_messages(SIZING_LABEL, &details);
         }
     }
-    Some(spring.spring())
+    let is_reachable = |sized: &SizingResult| matches!(sized, SizingResult::Sized(_));
+    let is_any_reachable = sized.iter().any(is_reachable);
+    let mut combined = None;
+    for (sized, trial) in sized.into_iter().zip(trials) {
+        if !is_any_reachable || is_reachable(&sized) {
+            input.checker.extend(trial.into_problems());
+            combined = Some(combined.map_or(sized, |before: SizingResult| before.combine(sized, f64::max)));
+        }
+    }
+    combined.unwrap_or(SizingResult::Failed)
 }
+
+/// Sizes motor and spring for one position of the object.
+fn size_for(
+    input: &SectionInput<'_>,
+    lengths: &FingerLengths,
+    finger: &Finger,
+    object: PlacedShape,
+    gravity_m_s2: [f64; 2],
+) -> SizingResult {
+    let Some(opening_rad) = opening(input, finger, object) else { return SizingResult::Failed };
+    let Some(rule) = lengths.rule else { return SizingResult::Failed };
+    let placement = input.subsection("spring").read::<SpringSettings>().placement.0;
+    let task = Task { object, opening_rad, gravity_m_s2, closing_s: lengths.closing_s };
+    match size_with(finger, &task, rule, placement, INTERVALS) {
+        Ok(sizing) => SizingResult::Sized(sizing),
+        Err(error) => {
+            geometry(input, "sizing", SIZING_LABEL, &error.to_string());
+            SizingResult::Failed
+        }
+    }
+}
+
+/// Reports values that are given in addition to the sizing.
+fn reject_given(input: &SectionInput<'_>) {
+    let (motor, spring) = (input.subsection("motor"), input.subsection("spring"));
+    for (section, key) in [(&motor, "torque"), (&spring, "torque"), (&spring, "stiffness")] {
+        if section.has(key) {
+            let message = format!("`{}` is given, but `sizing` determines it", section.path(key));
+            section.report(key, message, "conflicts with `sizing`", "remove this key, or remove `sizing`");
+        }
+    }
+    if motor.is_valid("profile") && matches!(motor.read::<MotorSettings>().profile.0, Actuation::Table { .. }) {
+        let message = "`sizing` determines the motor torque, but profile = \"table\" gives all torques";
+        let help = "remove `sizing` and give [spring] torque, or choose another profile";
+        motor.report("profile", message, "has its own torques", help);
+    }
+    if spring.read::<SpringSettings>().r#type.0.is_none() {
+        let message = "`sizing` sizes motor and spring together, but this scene has no spring";
+        spring.report("type", message, "no spring", "remove `sizing` and give [motor] torque, or add a spring");
+    }
+}
+
+/// q_0, the initial angle before the proximal contact.
+fn opening(input: &SectionInput<'_>, finger: &Finger, object: PlacedShape) -> Option<f64> {
+    let start = input.subsection("initial");
+    if start.has("q11") {
+        let message =
+            "`sizing` uses a test trajectory with a straight initial configuration, but `q11` may give another one";
+        let help = "give only `q21` or `offset` for a straight start, or give [motor] torque and [spring] torque instead of `sizing`";
+        start.report("q11", message, "not allowed with sizing", help);
+        return None;
+    }
+    let settings: InitialSettings = start.read();
+    if !start.has("q21") {
+        // The sizing checks that it is above 0.
+        return settings.offset.map(|offset| *offset);
+    }
+    let q21_rad = *settings.q21?;
+    match contact_angle_proximal(finger.lengths.half_width_m, object) {
+        Ok(contact) => Some(contact - q21_rad),
+        Err(error) => {
+            geometry(input, "sizing", SIZING_LABEL, &SizingError::from(error).to_string());
+            None
+        }
+    }
+}
+
+/// Label of an impossible sizing.
+const SIZING_LABEL: &str = "this finger cannot be sized";

@@ -55,7 +55,7 @@ fn line(line: &str) -> String {
 /// its context.
 fn table(table: &Table, title: &str, number: usize) -> String {
     let columns = table.columns();
-    let (heads, rows) = table.split_header();
+    let rows = table.split_header().1;
     let (caption, name) = match table.caption.as_str() {
         "" => (String::new(), format!("aria-label=\"{}, table {number}\"", escape_markup(title))),
         caption => (
@@ -63,7 +63,7 @@ fn table(table: &Table, title: &str, number: usize) -> String {
             format!("aria-labelledby=\"t{number}\""),
         ),
     };
-    let heads = header(table, heads, columns);
+    let heads = header(table, columns);
     let rows: String = rows.iter().map(|row| body_row(row, columns)).collect();
     format!(
         "{caption}<div class=\"grid\" tabindex=\"0\" role=\"region\" {name}><table>\n{heads}<tbody>\n{rows}</tbody>{}</table></div>\n",
@@ -76,15 +76,14 @@ fn separator(table: &Table) -> &'static str {
     if table.caption.is_empty() { "\n" } else { "" }
 }
 
-/// Renders the header as one row; header rows are joined. Prose columns are aligned left.
-fn header(table: &Table, rows: &[Vec<Cell>], columns: usize) -> String {
-    if rows.is_empty() {
+/// Renders the header as one row. Prose columns are aligned left.
+fn header(table: &Table, columns: usize) -> String {
+    if table.split_header().0.is_empty() {
         return String::new();
     }
     let cell = |column: usize| {
-        let lines = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.text.trim());
         let class = if table.is_prose_column(column) { " class=\"words\"" } else { "" };
-        match lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ") {
+        match table.header_text(column) {
             text if text.is_empty() && table.caption.is_empty() => "<td></td>".to_string(),
             text => format!("<th scope=\"col\"{class}>{}</th>", escape_markup(&text)),
         }

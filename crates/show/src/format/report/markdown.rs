@@ -30,17 +30,12 @@ pub(super) fn report(report: &Report) -> String {
 fn table(table: &Table, number: usize) -> String {
     let escape_markup = |text: &str| text.trim().replace('|', "\\|").replace('\n', " ");
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let (heads, rows) = table.split_header();
     let columns = table.columns();
     let mut text = match table.caption.as_str() {
         "" => String::new(),
         caption => format!("**Table {number}.** {caption}\n\n"),
     };
-    let head = |column: usize| {
-        let lines = heads.iter().filter_map(|row| row.get(column)).map(|cell| escape_markup(&cell.text));
-        lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
-    };
-    text.push_str(&line((0..columns).map(head).collect()));
+    text.push_str(&line((0..columns).map(|column| escape_markup(&table.header_text(column))).collect()));
     let rule = |column: usize| if column > 0 && !table.is_prose_column(column) { "---:" } else { "---" };
     text.push_str(&line((0..columns).map(|column| rule(column).to_string()).collect()));
     let cell_text = |cell: Option<&Cell>| match cell {
@@ -48,7 +43,7 @@ fn table(table: &Table, number: usize) -> String {
         Some(Cell { text, .. }) => escape_markup(text),
         None => String::new(),
     };
-    for row in rows {
+    for row in table.split_header().1 {
         text.push_str(&line((0..columns).map(|column| cell_text(row.get(column))).collect()));
     }
     text

@@ -6,30 +6,38 @@
 //! | file | job |
 //! |---|---|
 //! | `table` | rows of cells |
-//! | `builder` | construction of a report |
 //! | `text` | plain text, of natural width or wrapped to a width |
-//! | `plain` | tables of natural width |
-//! | `fit_width` | tables within a width: headers wrap, then columns are split into groups below each other |
-//! | `wrap` | lines of words within a width |
 //! | `markdown` | Markdown; figures are separate files |
 //! | `html` | HTML elements of a page |
-//! | `to_report` | the trait of results with a report and a JSON document |
 
-mod builder;
-mod fit_width;
 mod html;
 mod markdown;
-mod plain;
 mod table;
 mod text;
-mod to_report;
-mod wrap;
 
-pub use builder::{list, table};
-pub use table::{Cell, CellStyle, Table};
-pub use to_report::{ToReport, to_json_document};
+pub use table::{Cell, CellStyle, Table, list, table};
 
 use std::fmt;
+
+use serde::Serialize;
+
+/// Result of a command: serialises to a JSON document and formats as a report for people.
+pub trait ToReport: Serialize {
+    /// Returns the report, which can be rendered as text, Markdown or HTML.
+    fn report(&self) -> Report;
+
+    /// Returns the JSON document with a final line end.
+    fn json(&self) -> String {
+        to_json_document(self)
+    }
+}
+
+/// Serialises a value as a JSON document with a final line end.
+///
+/// Floats are printed in the shortest form that reads back to the same double; numbers that are not finite become null.
+pub fn to_json_document<T: Serialize + ?Sized>(value: &T) -> String {
+    serde_json::to_string_pretty(value).expect("a document is plain data with string keys") + "\n"
+}
 
 /// A human-readable report.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,6 +82,66 @@ pub struct Text {
 }
 
 impl Report {
+    /// Creates a report that begins with this heading.
+    pub fn section(heading: &str) -> Report {
+        Report::from(Block::Heading(heading.to_string()))
+    }
+
+    /// Creates a report of one paragraph. Line ends in `content` apply to unwrapped text only.
+    pub fn paragraph(content: &str) -> Report {
+        Report::from(Block::Paragraph(content.to_string()))
+    }
+
+    /// Concatenates reports, separated by empty lines.
+    pub fn join(reports: impl IntoIterator<Item = Report>) -> Report {
+        let join = |all: Report, next: Report| if all.is_empty() { next } else { all.with("\n").with(next) };
+        reports.into_iter().fold(Report::default(), join)
+    }
+
+    pub fn push(&mut self, other: impl Into<Report>) {
+        for block in other.into().blocks {
+            if let (Some(Block::Lines(before)), Block::Lines(content)) = (self.blocks.last_mut(), &block) {
+                before.push_str(content);
+            } else {
+                self.blocks.push(block);
+            }
+        }
+    }
+
+    pub fn push_str(&mut self, content: &str) {
+        self.push(content);
+    }
+
+    /// Appends another report.
+    pub fn with(mut self, other: impl Into<Report>) -> Report {
+        self.push(other);
+        self
+    }
+
+    /// Appends a paragraph.
+    pub fn with_paragraph(self, text: impl Into<String>) -> Report {
+        self.with(Block::Paragraph(text.into()))
+    }
+
+    pub fn with_notes(self, notes: Vec<String>) -> Report {
+        self.with(Block::Notes(notes))
+    }
+
+    /// Appends a table with a caption; `head` is its header row.
+    pub fn with_table(self, caption: &str, head: &[&str], rows: Vec<Vec<Cell>>) -> Report {
+        let head = head.iter().map(|cell| Cell::new(*cell)).collect();
+        let rows: Vec<Vec<Cell>> = std::iter::once(head).chain(rows).collect();
+        self.with(Table::new(&rows).caption(caption))
+    }
+
+    pub fn with_figure(self, file: &str, caption: &str, svg: String) -> Report {
+        self.with(Block::Figure(Figure { file: file.to_string(), caption: caption.to_string(), svg }))
+    }
+
+    pub fn with_text(self, id: &str, title: &str, text: String) -> Report {
+        self.with(Block::Text(Text { id: id.to_string(), title: title.to_string(), text }))
+    }
+
     pub fn is_empty(&self) -> bool {
         self.blocks.is_empty()
     }
@@ -92,7 +160,7 @@ impl Report {
         })
     }
 
-    /// Text wrapped to `width` columns. Numbers and names are never split, so that single lines may be longer.
+    /// Text wrapped to `width` columns. Words and numbers are never split, so that single lines may be longer.
     pub fn to_wrapped_text(&self, width: usize) -> String {
         text::report(self, Some(width))
     }
@@ -115,22 +183,40 @@ impl fmt::Display for Report {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::format::numbers::row;
+/// Allows `writeln!` to append lines.
+impl fmt::Write for Report {
+    fn write_str(&mut self, content: &str) -> fmt::Result {
+        self.push_str(content);
+        Ok(())
+    }
+}
 
-    #[test]
-    fn formats_unwrapped_and_wrapped_text() {
-        let mut report = Report::from("a head of several words\n");
-        report.push(table(&[row(["", "µm", "F"]), row(["distal", "2.5", "100.0"])]));
-        report.push(Report::paragraph("a sentence that goes on\nand on\n"));
-        let plain =
-            "a head of several words\n         µm      F\ndistal  2.5  100.0\na sentence that goes on\nand on\n";
-        assert_eq!(report.to_string(), plain);
-        let narrow =
-            "a head of several\n  words\n         µm      F\ndistal  2.5  100.0\na sentence that goes\non and on\n";
-        assert_eq!(report.to_wrapped_text(20), narrow);
-        assert_eq!(report.to_wrapped_text(80), plain.replace("on\nand", "on and"));
+impl From<Block> for Report {
+    fn from(block: Block) -> Report {
+        Report { blocks: vec![block], ..Report::default() }
+    }
+}
+
+impl From<Table> for Report {
+    fn from(table: Table) -> Report {
+        Report::from(Block::Table(table))
+    }
+}
+
+impl From<String> for Report {
+    fn from(content: String) -> Report {
+        if content.is_empty() { Report::default() } else { Report::from(Block::Lines(content)) }
+    }
+}
+
+impl From<&str> for Report {
+    fn from(content: &str) -> Report {
+        Report::from(content.to_string())
+    }
+}
+
+impl From<char> for Report {
+    fn from(letter: char) -> Report {
+        Report::from(letter.to_string())
     }
 }

@@ -1,5 +1,7 @@
 //! A table as rows of cells.
 
+use super::Report;
+
 /// A table. The first column contains text, the others numbers unless one of their cells is [`CellStyle::Prose`]. A row
 /// of one cell is a heading of the rows below it.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,10 +51,41 @@ impl Table {
         self.rows.split_at(self.header_rows.min(self.rows.len()))
     }
 
+    /// Cells of a column below the header.
+    fn body_cells(&self, column: usize) -> impl Iterator<Item = &Cell> {
+        self.split_header().1.iter().filter_map(move |row| row.get(column))
+    }
+
     /// Whether a cell of the column is prose.
     pub(super) fn is_prose_column(&self, column: usize) -> bool {
-        self.split_header().1.iter().filter_map(|row| row.get(column)).any(|cell| cell.style == CellStyle::Prose)
+        self.body_cells(column).any(|cell| cell.style == CellStyle::Prose)
     }
+
+    /// Whether the column contains words and no numbers.
+    pub(super) fn is_text_column(&self, column: usize) -> bool {
+        let starts = |is: fn(char) -> bool| self.body_cells(column).any(|cell| cell.text.trim_start().starts_with(is));
+        column == 0 || self.is_prose_column(column) || starts(char::is_alphabetic) && !starts(is_part_of_number)
+    }
+
+    /// Text of the header of a column; header rows are joined.
+    pub(super) fn header_text(&self, column: usize) -> String {
+        let cells = self.split_header().0.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| cell.text.trim()).filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")
+    }
+}
+
+fn is_part_of_number(first: char) -> bool {
+    first.is_ascii_digit() || "-−+.".contains(first)
+}
+
+/// Builds a table whose first row is its header.
+pub fn table(rows: &[Vec<String>]) -> Report {
+    Table::new(rows).into()
+}
+
+/// Builds a table without a header.
+pub fn list(rows: &[Vec<String>]) -> Report {
+    Table::new(rows).header_rows(0).into()
 }
 
 /// A cell. A cell with a figure of the report contains its key, so that the page can be checked against the JSON
@@ -92,11 +125,5 @@ impl Cell {
 impl From<String> for Cell {
     fn from(text: String) -> Cell {
         Cell::new(text)
-    }
-}
-
-impl AsRef<str> for Cell {
-    fn as_ref(&self) -> &str {
-        &self.text
     }
 }

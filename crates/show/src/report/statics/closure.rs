@@ -1,97 +1,93 @@
-//! Form closure in the JSON document, with a certificate by the names of its constraints.
+//! Form closure with its certificate by the names of its constraints: JSON document and text.
 
 use serde::Serialize;
 
-use super::motion::{FingerMotionReport, MotionReport, RateReport};
-use super::motion_text::{motion_sentences, palm_state};
+use super::super::named::Object;
+use super::millimetres;
+use crate::format::numbers::format_number;
+use crate::format::report::{Report, list};
 use crate::grasp::finger::Palm;
 use crate::gripper::FingerContact;
-use crate::statics::{Certificate, Decision, FormClosure, GripperRow, Row, RowKind, Unknown};
+use crate::statics::{Certificate, Decision, FormClosure, Row, RowKind, Unknown};
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ClosureReport {
-    pub closed: bool,
-    /// Whether the object rests on the palm: "rests", "within", "apart" or "none".
-    pub palm: &'static str,
-    /// Distance of the object above the palm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub palm_gap_m: Option<f64>,
-    pub necessary: NecessaryReport,
-    pub rank: usize,
-    pub unknowns: usize,
-    /// Ratio of the smallest to the largest multiplier of scaled constraints, if the multipliers are unique.
-    pub margin: Option<f64>,
-    /// "rank", "signs" or "programme".
-    pub decision: &'static str,
-    /// If closed: forces and torques in equilibrium, all positive.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub multipliers: Option<Vec<MultiplierReport>>,
-    /// If not closed: a motion that violates no constraint.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub motion: Option<MotionReport>,
-    /// Residual of the certificate, relative to its terms.
-    pub residual: f64,
-}
-
-/// (1.19): contacts + motors ≥ hand + object + 1.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NecessaryReport {
-    pub contacts: usize,
-    pub motors: usize,
-    pub hand: usize,
-    pub object: usize,
-    #[serde(rename = "met")]
-    pub is_met: bool,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MultiplierReport {
-    pub constraint: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub force_n: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub torque_n_m: Option<f64>,
-}
-
-impl ClosureReport {
-    pub fn new(found: &FormClosure<GripperRow>, palm_contact: &Palm) -> Self {
-        let count = found.necessary;
-        let (multipliers, motion, residual) = match &found.certificate {
-            Certificate::Multipliers { values, residual } => (Some(multipliers(found, values)), None, *residual),
-            Certificate::Motion { values, rates, residual } => (None, Some(motion(found, values, rates)), *residual),
-        };
-        Self {
-            closed: found.closed,
-            palm: palm_state(palm_contact),
-            palm_gap_m: match palm_contact {
-                Palm::Separated { gap_m } => Some(*gap_m),
-                Palm::Penetrating { depth_m } => Some(-depth_m),
-                Palm::Resting | Palm::None => None,
-            },
-            necessary: NecessaryReport {
-                contacts: count.contacts,
-                motors: count.motors,
-                hand: count.hand,
-                object: count.object,
-                is_met: count.is_met(),
-            },
-            rank: found.rank,
-            unknowns: found.unknowns.len(),
-            margin: found.margin,
-            decision: match found.decision {
-                Decision::Rank => "rank",
-                Decision::Signs => "signs",
-                Decision::Programme => "programme",
-            },
-            multipliers,
-            motion,
-            residual,
+/// Returns the JSON object of a form closure. `palm` states whether the object rests on the palm.
+pub(super) fn document<'a>(found: &'a FormClosure, palm: &Palm) -> Object<'a> {
+    let (palm, palm_gap_m) = match palm {
+        Palm::Resting => ("rests", None),
+        Palm::None => ("none", None),
+        Palm::Separated { gap_m } => ("apart", Some(*gap_m)),
+        Palm::Penetrating { depth_m } => ("within", Some(-depth_m)),
+    };
+    let decision = match found.decision {
+        Decision::Rank => "rank",
+        Decision::Signs => "signs",
+        Decision::Programme => "programme",
+    };
+    let by_constraint = |values: &[f64], contact_key: &'static str, motor_key: &'static str| -> Vec<Object<'static>> {
+        let key = |is_motor: bool| if is_motor { motor_key } else { contact_key };
+        constraints(found, values)
+            .map(|(name, is_motor, value)| Object::default().with("constraint", name).with(key(is_motor), value))
+            .collect()
+    };
+    let (multipliers, motion) = match &found.certificate {
+        Certificate::Multipliers { values, .. } => (Some(by_constraint(values, "force_n", "torque_n_m")), None),
+        Certificate::Motion { values, rates, .. } => {
+            let motion = FreeMotion::new(found, values, rates);
+            let object = Object::default()
+                .with("words", motion.sentences(found, rates))
+                .with("object_m_s", motion.object_m_s)
+                .with("fingers", motion.fingers)
+                .with("rates", by_constraint(rates, "rate_m_s", "rate_rad_s"));
+            (None, Some(object))
         }
+    };
+    // (1.19): contacts + motors ≥ hand + object + 1.
+    let count = found.necessary;
+    let necessary = Object::default()
+        .with("contacts", count.contacts)
+        .with("motors", count.motors)
+        .with("hand", count.hand)
+        .with("object", count.object)
+        .with("met", count.is_met());
+    Object::default()
+        .with("closed", found.closed)
+        .with("palm", palm)
+        .with_some("palm_gap_m", palm_gap_m)
+        .with("necessary", necessary)
+        .with("rank", found.rank)
+        .with("unknowns", found.unknowns.len())
+        .with("margin", found.margin)
+        .with("decision", decision)
+        .with_some("multipliers", multipliers)
+        .with_some("motion", motion)
+        .with("residual", residual(found))
+}
+
+/// Residual of the certificate, relative to its terms.
+fn residual(found: &FormClosure) -> f64 {
+    match found.certificate {
+        Certificate::Multipliers { residual, .. } | Certificate::Motion { residual, .. } => residual,
+    }
+}
+
+/// Name of each constraint, whether it is a motor, and its value.
+fn constraints<'a>(found: &'a FormClosure, values: &'a [f64]) -> impl Iterator<Item = (String, bool, f64)> + 'a {
+    let rows = found.rows.iter().zip(values);
+    rows.map(|(&row, &value)| (constraint_name(row), RowKind::from(row) == RowKind::Motor, value))
+}
+
+fn constraint_name(row: Row) -> String {
+    match row {
+        Row::Contact { finger, site: FingerContact::Proximal } => format!("{} proximal phalanx", finger_name(finger)),
+        Row::Contact { finger, .. } => format!("{} tip", finger_name(finger)),
+        Row::Palm => "palm".to_string(),
+        Row::Motor { finger } => format!("{} motor", finger_name(finger)),
+        Row::Input => "input".to_string(),
     }
 }
 
 /// "right", "left", or a number for further fingers.
-pub(super) fn finger_name(finger: usize) -> String {
+fn finger_name(finger: usize) -> String {
     match finger {
         0 => "right".to_string(),
         1 => "left".to_string(),
@@ -99,58 +95,157 @@ pub(super) fn finger_name(finger: usize) -> String {
     }
 }
 
-fn constraint(row: GripperRow) -> String {
-    let GripperRow::Hand(row) = row else { return "input".to_string() };
-    match row {
-        Row::Contact { finger, site: FingerContact::Proximal } => format!("{} proximal phalanx", finger_name(finger)),
-        Row::Contact { finger, .. } => format!("{} tip", finger_name(finger)),
-        Row::Palm => "palm".to_string(),
-        Row::Motor { finger } => format!("{} motor", finger_name(finger)),
+/// A motion that violates no constraint.
+struct FreeMotion {
+    object_m_s: [f64; 2],
+    fingers: Vec<FingerMotion>,
+}
+
+#[derive(Serialize)]
+struct FingerMotion {
+    finger: String,
+    qd21_rad_s: f64,
+    qd22_rad_s: f64,
+    motor_rad_s: Option<f64>,
+}
+
+impl FreeMotion {
+    fn new(found: &FormClosure, values: &[f64], rates: &[f64]) -> Self {
+        let value_of = |unknown: Unknown| found.unknowns.iter().position(|&k| k == unknown).map_or(0.0, |i| values[i]);
+        let motor = |finger: usize| found.rows.iter().position(|&row| row == Row::Motor { finger });
+        let finger = |finger: usize| FingerMotion {
+            finger: finger_name(finger),
+            qd21_rad_s: value_of(Unknown::Proximal { finger }),
+            qd22_rad_s: value_of(Unknown::Distal { finger }),
+            motor_rad_s: motor(finger).map(|index| rates[index]),
+        };
+        let fingers = (0..).take_while(|&finger| found.unknowns.contains(&Unknown::Proximal { finger }));
+        let object_m_s = [Unknown::ObjectX, Unknown::ObjectY].map(value_of);
+        FreeMotion { object_m_s, fingers: fingers.map(finger).collect() }
+    }
+
+    /// Describes the motion: one sentence for the object, one for each finger (one for both if they move alike), one
+    /// for the contacts.
+    fn sentences(&self, found: &FormClosure, rates: &[f64]) -> Vec<String> {
+        let mut sentences = vec![object_sentence(self.object_m_s)];
+        match &self.fingers[..] {
+            [right, left] if right.equals(left) => sentences.push(format!("Both fingers: {}.", right.description())),
+            fingers => {
+                let sentence = |finger: &FingerMotion| {
+                    let (first, rest) = finger.finger.split_at(1);
+                    format!("{}{rest} finger: {}.", first.to_uppercase(), finger.description())
+                };
+                sentences.extend(fingers.iter().map(sentence));
+            }
+        }
+        let contacts = constraints(found, rates).filter(|(_, is_motor, _)| !is_motor);
+        let (open, maintained): (Vec<_>, Vec<_>) = contacts.partition(|(_, _, rate)| *rate > 0.0);
+        let [open, maintained] = [open, maintained]
+            .map(|contacts| contacts.into_iter().map(|(name, ..)| name).collect::<Vec<_>>().join(", "));
+        sentences.push(match (open.is_empty(), maintained.is_empty()) {
+            (true, true) => "The object has no contacts.".to_string(),
+            (true, false) => format!("All contacts are maintained: {maintained}."),
+            (false, true) => format!("All contacts open: {open}."),
+            (false, false) => format!("Contact is lost at: {open}; maintained at: {maintained}."),
+        });
+        sentences
     }
 }
 
-fn is_motor(row: GripperRow) -> bool {
-    RowKind::from(row) == RowKind::Motor
+impl FingerMotion {
+    fn description(&self) -> String {
+        let joint = |name: &str, rate: f64, [positive, negative]: [&str; 2]| match rate {
+            0.0 => format!("{name} does not move"),
+            rate if rate > 0.0 => format!("{name} {positive} at {} rad/s", format_number(rate, 4)),
+            rate => format!("{name} {negative} at {} rad/s", format_number(-rate, 4)),
+        };
+        let motor = self.motor_rad_s.map(|rate| joint("the motor", rate, ["advances", "reverses"]));
+        format!(
+            "{}, {}, {}",
+            joint("the proximal phalanx", self.qd21_rad_s, ["closes", "opens"]),
+            joint("the distal phalanx", self.qd22_rad_s, ["bends", "straightens"]),
+            motor.unwrap_or_else(|| "the motor yields".to_string())
+        )
+    }
+
+    /// Whether both fingers move alike, except for rounding.
+    fn equals(&self, other: &FingerMotion) -> bool {
+        let is_close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (a.abs() + b.abs());
+        let motors = match (self.motor_rad_s, other.motor_rad_s) {
+            (Some(a), Some(b)) => is_close(a, b),
+            (a, b) => a == b,
+        };
+        is_close(self.qd21_rad_s, other.qd21_rad_s) && is_close(self.qd22_rad_s, other.qd22_rad_s) && motors
+    }
 }
 
-fn multipliers(found: &FormClosure<GripperRow>, values: &[f64]) -> Vec<MultiplierReport> {
-    let report = |(&row, &value): (&GripperRow, &f64)| {
-        let is_motor = is_motor(row);
-        MultiplierReport {
-            constraint: constraint(row),
-            force_n: (!is_motor).then_some(value),
-            torque_n_m: is_motor.then_some(value),
+fn object_sentence([x, y]: [f64; 2]) -> String {
+    let direction = match (x, y) {
+        (0.0, 0.0) => return "The object does not move.".to_string(),
+        (0.0, y) if y > 0.0 => "straight away from the palm".to_string(),
+        (0.0, _) => "straight towards the palm".to_string(),
+        (x, 0.0) if x > 0.0 => "along the palm to the right".to_string(),
+        (_, 0.0) => "along the palm to the left".to_string(),
+        _ => {
+            let angle = format_number(y.atan2(x).to_degrees(), 4);
+            format!("at {angle}° (0° is along the palm to the right, 90° away from it)")
         }
     };
-    found.rows.iter().zip(values).map(report).collect()
+    format!("The object moves {direction} at {} mm/s.", format_number(x.hypot(y) * 1e3, 3))
 }
 
-fn motion(found: &FormClosure<GripperRow>, values: &[f64], rates: &[f64]) -> MotionReport {
-    let value_of = |unknown: Unknown| found.unknowns.iter().position(|&k| k == unknown).map_or(0.0, |i| values[i]);
-    let motor = |finger: usize| {
-        found.rows.iter().position(|&row| row == GripperRow::Hand(Row::Motor { finger })).map(|i| rates[i])
-    };
-    let finger = |finger: usize| FingerMotionReport {
-        finger: finger_name(finger),
-        qd21_rad_s: value_of(Unknown::Proximal { finger }),
-        qd22_rad_s: value_of(Unknown::Distal { finger }),
-        motor_rad_s: motor(finger),
-    };
-    let rate = |(&row, &rate): (&GripperRow, &f64)| {
-        let is_motor = is_motor(row);
-        RateReport {
-            constraint: constraint(row),
-            rate_m_s: (!is_motor).then_some(rate),
-            rate_rad_s: is_motor.then_some(rate),
+/// Describes the form closure of a mechanism. `pure` are the forces per 1 N·m if their signs decide form closure.
+pub(super) fn text(found: &FormClosure, palm: &Palm, mechanism: &str, pure: Option<[f64; 3]>) -> Report {
+    let and_palm = if palm.supports_object() { " and the palm" } else { "" };
+    let verdict = if found.closed { "closed" } else { "not closed" };
+    let mut text = Report::from(format!("{mechanism}{and_palm}: {verdict}\n"));
+    match palm {
+        Palm::Separated { gap_m } => {
+            text.push(format!("the object is {} mm above the palm, which does not support it\n", millimetres(*gap_m)))
         }
-    };
-    let fingers = (0..).take_while(|&finger| found.unknowns.contains(&Unknown::Proximal { finger }));
-    let mut report = MotionReport {
-        sentences: Vec::new(),
-        object_m_s: [value_of(Unknown::ObjectX), value_of(Unknown::ObjectY)],
-        fingers: fingers.map(finger).collect(),
-        rates: found.rows.iter().zip(rates).map(rate).collect(),
-    };
-    report.sentences = motion_sentences(&report);
-    report
+        Palm::Penetrating { depth_m } => text.push(format!(
+            "the object penetrates the palm by {} mm and counts as resting on it\n",
+            millimetres(*depth_m)
+        )),
+        Palm::None if pure.is_some() => text.push_str("the scene has no palm\n"),
+        Palm::None | Palm::Resting => {}
+    }
+    let n = &found.necessary;
+    let (sign, met) = if n.is_met() { ("≥", "met") } else { ("<", "not met") };
+    text.push(format!(
+        "necessary count: {} contacts + {} motors {sign} {} degrees of freedom of the fingers + {} of the object + 1, {met}\n",
+        n.contacts, n.motors, n.hand, n.object
+    ));
+    let number = |value: f64, digits: usize| format_number(value, digits);
+    if let Some(pure) = pure.filter(|_| palm.supports_object()) {
+        let [f21, f22, pfp] = pure.map(|force_n| number(force_n, 5));
+        text.push(format!(
+            "without spring and friction, 1 N·m causes F21 {f21} N, F22 {f22} N, PFP {pfp} N; closed if all are positive\n"
+        ));
+    }
+    let residual = number(residual(found), 1);
+    match &found.certificate {
+        Certificate::Multipliers { values, .. } => {
+            text.push(format!(
+                "certificate: U has full rank {}, and these positive forces are in equilibrium (residual {residual})\n",
+                found.rank
+            ));
+            let line = |(name, is_motor, value): (String, bool, f64)| {
+                vec![name, number(value, 5), if is_motor { "N·m" } else { "N" }.to_string()]
+            };
+            text.push(list(&constraints(found, values).map(line).collect::<Vec<_>>()));
+        }
+        Certificate::Motion { values, rates, .. } => {
+            text.push(format!("certificate: a motion that violates no constraint (residual {residual})\n"));
+            let sentences = FreeMotion::new(found, values, rates).sentences(found, rates);
+            sentences.iter().for_each(|sentence| text.push(format!("  {sentence}\n")));
+            text.push_str("opening rate of each constraint\n");
+            let line = |(name, is_motor, rate): (String, bool, f64)| match is_motor {
+                true => vec![name, number(rate, 4), "rad/s".to_string()],
+                false => vec![name, number(rate * 1e3, 4), "mm/s".to_string()],
+            };
+            text.push(list(&constraints(found, rates).map(line).collect::<Vec<_>>()));
+        }
+    }
+    text
 }

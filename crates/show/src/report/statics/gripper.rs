@@ -1,246 +1,179 @@
-//! The JSON document of the static analysis of a gripper, with units in the keys.
+//! The statics of a gripper: JSON document with units in the keys, and short tables with units.
 
-use serde::Serialize;
+use std::f64::consts::TAU;
 
-use super::closure::ClosureReport;
-use crate::criteria::Fate;
+use serde::{Serialize, Serializer};
+
+use super::super::named::Object;
+use super::{closure, millimetres};
+use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
+use crate::format::report::{Report, ToReport, table};
 use crate::grasp::finger::Palm;
 use crate::grasp::gripper::{FrictionCase, GripperGrasp, ObjectContact, PostureSource};
 use crate::gripper::FingerContact;
-use crate::report::grasp::ForceClosureReport;
+use crate::report::grasp::force_closure;
 use crate::scene::{GripperContact, Side};
 use crate::statics::{
-    AccelerationLimit, Balance, Blocked, ContactLoad, ContactLocation, ContactMotion, ContactPoint, Drive, FormClosure,
-    GripperRow, HandMotion, Limit, StaticsError,
+    AccelerationLimit, Balance, Blocked, ContactLoad, ContactLocation, ContactMotion, Drive, Limit, StaticsError,
 };
-use crate::trace::FingerState;
+use crate::units::Dimension;
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct GripperStaticsReport {
-    pub scene: String,
-    pub posture: GripperPostureReport,
-    /// Motors of both fingers, or of the differential's input.
-    pub motors: Vec<MotorReport>,
-    pub contacts: Vec<GripperContactReport>,
-    /// Form closure with both driven links blocked, and with the input of a differential blocked.
-    pub form_closure: Vec<GripperClosureReport>,
-    /// One for each requested friction coefficient.
-    #[serde(rename = "holds")]
-    pub friction_cases: Vec<FrictionCaseReport>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+/// Report of the static grasp of a gripper.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GripperStaticsReport<'a> {
+    pub grasp: &'a GripperGrasp,
+    /// Only every `stride`-th of the directions of acceleration is reported.
+    stride: usize,
+    /// Path of the picture, if one was written.
     pub svg: Option<String>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct GripperPostureReport {
-    /// "run", "geometric" or "given".
-    pub source: &'static str,
-    /// Time of the grasp, for a run.
-    pub time_s: Option<f64>,
-    /// Fate of the object, for a run.
-    pub fate: Option<&'static str>,
-    pub right: AnglesReport,
-    pub left: AnglesReport,
-    pub x_m: f64,
-    pub y_m: f64,
-    pub mass_kg: f64,
-    /// Gravity in the palm's frame.
-    pub gravity_m_s2: [f64; 2],
+impl<'a> GripperStaticsReport<'a> {
+    /// Creates the report with every `stride`-th of the requested directions.
+    pub fn new(grasp: &'a GripperGrasp, stride: usize) -> Self {
+        GripperStaticsReport { grasp, stride: stride.max(1), svg: None }
+    }
+
+    /// Motors of both fingers, or of the differential's input, with their names.
+    fn motors(&self) -> impl Iterator<Item = (&'static str, &'a Drive)> {
+        self.motor_names().iter().copied().zip(&self.grasp.drives)
+    }
+
+    fn motor_names(&self) -> &'static [&'static str] {
+        if self.grasp.drives.len() == 1 { &["input"] } else { &["right", "left"] }
+    }
+
+    /// Support by the palm. An active contact may penetrate by some micrometres; the object rests on the palm
+    /// nevertheless.
+    fn palm(&self) -> Palm {
+        match self.grasp.contacts.iter().any(|contact| contact.id == GripperContact::Palm) {
+            true => Palm::Resting,
+            false => Palm::None,
+        }
+    }
+
+    /// Angle of each reported direction from x towards y of the palm's frame, and the balances with blocked motors and
+    /// with motors at their torque.
+    fn directions(&self, case: &'a FrictionCase) -> impl Iterator<Item = (f64, [&'a Balance; 2])> {
+        let [blocked, at_torque] = &case.polar;
+        let count = blocked.len() as f64;
+        let direction = move |(index, (blocked, at_torque))| (TAU * index as f64 / count, [blocked, at_torque]);
+        blocked.iter().zip(at_torque).enumerate().step_by(self.stride).map(direction)
+    }
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AnglesReport {
-    pub q11_rad: f64,
-    pub q21_rad: f64,
-    pub q12_rad: f64,
-    pub q22_rad: f64,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MotorReport {
-    /// "right", "left" or "input".
-    pub motor: &'static str,
-    pub torque_n_m: f64,
-    /// Minimum torque of the brake when blocked; null if unlimited.
-    pub brake_min_n_m: Option<f64>,
-    /// Maximum torque of the brake when blocked; null if unlimited.
-    pub brake_max_n_m: Option<f64>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct GripperContactReport {
-    #[serde(rename = "place")]
-    pub contact: String,
-    /// Contact point on the surface of phalanx or palm.
-    pub point_m: [f64; 2],
-    /// Unit normal into the object.
-    pub normal: [f64; 2],
-    pub gap_m: f64,
-    pub mu_static: f64,
-    /// Normal force in the run.
-    pub normal_n: Option<f64>,
-    /// Tangential force in the run.
-    pub tangential_n: Option<f64>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct GripperClosureReport {
-    /// "outputs" or "input".
-    pub blocked: &'static str,
-    /// Form closure; null if it could not be decided, for the given `reason`.
-    pub closure: Option<ClosureReport>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FrictionCaseReport {
-    /// Friction coefficient of all contacts; null for those of the scene.
-    pub mu_static: Option<f64>,
-    pub force_closure: ForceClosureReport,
-    pub accelerations: Vec<DirectionReport>,
-}
-
-/// Accelerations of the palm along a direction that can be balanced.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct DirectionReport {
-    /// Angle from x towards y of the palm's frame.
-    pub angle_rad: f64,
-    pub direction: [f64; 2],
-    pub blocked: BalanceReport,
-    pub at_torque: BalanceReport,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BalanceReport {
-    /// Range of accelerations that can be balanced: "up to", "any" or "nothing".
-    pub balanced: &'static str,
-    /// Largest balanced acceleration; null unless `balanced` is "up to".
-    pub acceleration_m_s2: Option<f64>,
-    /// Contacts that slip at the limit.
-    pub slips: Vec<String>,
-    /// Contacts that separate at the limit.
-    pub leaves: Vec<String>,
-    /// Brakes that slip at the limit.
-    pub brakes_slip: Vec<&'static str>,
-    /// Forces that balance the acceleration; they need not be unique.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub forces: Vec<ForceReport>,
-    /// The motion caused by a larger acceleration.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub motion: Option<HandMotionReport>,
-    /// Duality gap between forces and motion, relative to the acceleration or to the fixed loads.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gap: Option<f64>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ForceReport {
-    #[serde(rename = "place")]
-    pub contact: String,
-    /// Normal force; null for a joint limit, which has a torque.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub normal_n: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tangential_n: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub torque_n_m: Option<f64>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct HandMotionReport {
-    pub object_m_s: [f64; 2],
-    pub spin_rad_s: f64,
-    /// (q̇11, q̇21).
-    pub right_rad_s: [f64; 2],
-    pub left_rad_s: [f64; 2],
-}
-
-impl GripperStaticsReport {
-    /// Builds the report with every `stride`-th of the requested directions.
-    pub fn new(found: &GripperGrasp, stride: usize) -> Self {
-        let [right, left] = [0, 1].map(|side: usize| angles(&found.sample.fingers[side]));
-        let [x_m, y_m] = found.sample.bodies[0].centre_m;
-        let (source, time_s, fate) = match found.source {
-            PostureSource::Run { time_s, fate } => ("run", Some(time_s), Some(Fate::name(fate))),
+impl<'a> Serialize for GripperStaticsReport<'a> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let grasp = self.grasp;
+        let [right, left] = [0, 1].map(|side: usize| {
+            let finger = &grasp.sample.fingers[side];
+            Object::default()
+                .with("q11_rad", finger.q11_rad)
+                .with("q21_rad", finger.q21_rad)
+                .with("q12_rad", finger.q12_rad)
+                .with("q22_rad", finger.q22_rad)
+        });
+        let (source, time_s, fate) = match grasp.source {
+            PostureSource::Run { time_s, fate } => ("run", Some(time_s), Some(fate.name())),
             PostureSource::Geometric => ("geometric", None, None),
             PostureSource::Explicit => ("given", None, None),
         };
-        let (mass_kg, gravity_m_s2) = (found.mass_kg, found.gravity_m_s2);
-        let posture = GripperPostureReport { source, time_s, fate, right, left, x_m, y_m, mass_kg, gravity_m_s2 };
-        let names = motor_names(found.drives.len());
-        let palm = found.contacts.iter().find(|contact| contact.id == GripperContact::Palm);
-        GripperStaticsReport {
-            scene: found.scene.clone(),
-            posture,
-            motors: found.drives.iter().zip(names).map(|(drive, name)| motor(drive, name)).collect(),
-            contacts: found.contacts.iter().map(contact).collect(),
-            form_closure: found
-                .closures
-                .iter()
-                .map(|(blocked, closure)| closure_report(*blocked, closure, palm))
-                .collect(),
-            friction_cases: found.friction_cases.iter().map(|case| friction_case_report(case, stride, names)).collect(),
-            svg: None,
-        }
+        let [x_m, y_m] = grasp.sample.bodies[0].centre_m;
+        let posture = Object::default()
+            .with("source", source)
+            .with("time_s", time_s)
+            .with("fate", fate)
+            .with("right", right)
+            .with("left", left)
+            .with("x_m", x_m)
+            .with("y_m", y_m)
+            .with("mass_kg", grasp.mass_kg)
+            .with("gravity_m_s2", grasp.gravity_m_s2);
+        let motor = |(name, drive): (&'static str, &Drive)| {
+            // The infinite brake of a blocked motor becomes null.
+            let [min_n_m, max_n_m] = drive.brake_n_m;
+            Object::default()
+                .with("motor", name)
+                .with("torque_n_m", drive.torque_n_m)
+                .with("brake_min_n_m", min_n_m)
+                .with("brake_max_n_m", max_n_m)
+        };
+        let closure = |(blocked, found): &'a (Blocked, Result<_, StaticsError>)| {
+            Object::default()
+                .with("blocked", if *blocked == Blocked::Outputs { "outputs" } else { "input" })
+                .with("closure", found.as_ref().ok().map(|found| closure::document(found, &self.palm())))
+                .with_some("reason", found.as_ref().err().map(StaticsError::to_string))
+        };
+        let friction_case = |case: &'a FrictionCase| {
+            let direction = |(angle_rad, [blocked, at_torque]): (f64, [&'a Balance; 2])| {
+                Object::default()
+                    .with("angle_rad", angle_rad)
+                    .with("direction", blocked.direction)
+                    .with("blocked", balance_document(blocked, self.motor_names()))
+                    .with("at_torque", balance_document(at_torque, self.motor_names()))
+            };
+            Object::default()
+                .with("mu_static", case.mu_static)
+                .with("force_closure", force_closure(&case.force_closure))
+                .with("accelerations", self.directions(case).map(direction).collect::<Vec<_>>())
+        };
+        Object::default()
+            .with("scene", &grasp.scene)
+            .with("posture", posture)
+            .with("motors", self.motors().map(motor).collect::<Vec<_>>())
+            .with("contacts", grasp.contacts.iter().map(contact_document).collect::<Vec<_>>())
+            .with("form_closure", grasp.closures.iter().map(closure).collect::<Vec<_>>())
+            .with("holds", grasp.friction_cases.iter().map(friction_case).collect::<Vec<_>>())
+            .with_some("svg", self.svg.as_ref())
+            .serialize(serializer)
     }
 }
 
-/// Names of the motors: of both fingers, or of one input.
-fn motor_names(count: usize) -> &'static [&'static str] {
-    if count == 1 { &["input"] } else { &["right", "left"] }
+fn contact_document(contact: &ObjectContact) -> Object<'_> {
+    Object::default()
+        .with("place", contact.id.name())
+        .with("point_m", contact.point.point_m)
+        .with("normal", contact.point.normal)
+        .with("gap_m", contact.point.gap_m)
+        .with("mu_static", contact.mu_static)
+        .with("normal_n", contact.forces_n.map(|[normal_n, _]| normal_n))
+        .with("tangential_n", contact.forces_n.map(|[_, tangential_n]| tangential_n))
 }
 
-fn angles(finger: &FingerState) -> AnglesReport {
-    let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = *finger;
-    AnglesReport { q11_rad, q21_rad, q12_rad, q22_rad }
-}
-
-fn motor(drive: &Drive, name: &'static str) -> MotorReport {
-    let [min_n_m, max_n_m] = drive.brake_n_m.map(|bound| Some(bound).filter(|bound| bound.is_finite()));
-    MotorReport { motor: name, torque_n_m: drive.torque_n_m, brake_min_n_m: min_n_m, brake_max_n_m: max_n_m }
-}
-
-fn contact(contact_id: &ObjectContact) -> GripperContactReport {
-    let ObjectContact { id, point: ContactPoint { point_m, normal, gap_m }, mu_static, forces_n } = *contact_id;
-    GripperContactReport {
-        contact: id.name(),
-        point_m,
-        normal,
-        gap_m,
-        mu_static,
-        normal_n: forces_n.map(|[normal_n, _]| normal_n),
-        tangential_n: forces_n.map(|[_, tangential_n]| tangential_n),
-    }
-}
-
-fn closure_report(
-    blocked: Blocked,
-    closure: &Result<FormClosure<GripperRow>, StaticsError>,
-    palm: Option<&ObjectContact>,
-) -> GripperClosureReport {
-    // An active contact may penetrate by some micrometres; the object rests on the palm nevertheless.
-    let palm = if palm.is_some() { Palm::Resting } else { Palm::None };
-    GripperClosureReport {
-        blocked: if blocked == Blocked::Outputs { "outputs" } else { "input" },
-        closure: closure.as_ref().ok().map(|found| ClosureReport::new(found, &palm)),
-        reason: closure.as_ref().err().map(StaticsError::to_string),
-    }
-}
-
-fn friction_case_report(friction_case: &FrictionCase, stride: usize, motors: &[&'static str]) -> FrictionCaseReport {
-    let [blocked, at_torque] = &friction_case.polar;
-    let count = blocked.len() as f64;
-    let direction = |(index, (blocked, at_torque)): (usize, (&Balance, &Balance))| DirectionReport {
-        angle_rad: std::f64::consts::TAU * index as f64 / count,
-        direction: blocked.direction,
-        blocked: balance(blocked, motors),
-        at_torque: balance(at_torque, motors),
+/// JSON object of the largest balanced acceleration: "up to" it, "any", or "nothing"; with the contacts and brakes at
+/// their limits, forces that balance it (not necessarily unique), and the motion that a larger one causes.
+fn balance_document(balance: &Balance, motors: &[&'static str]) -> Object<'static> {
+    let (balanced, limit) = match &balance.largest {
+        AccelerationLimit::Infeasible => ("nothing", None),
+        AccelerationLimit::Unlimited => ("any", None),
+        AccelerationLimit::Limited(limit) => ("up to", Some(limit)),
     };
-    FrictionCaseReport {
-        mu_static: friction_case.mu_static,
-        force_closure: friction_case.force_closure.into(),
-        accelerations: blocked.iter().zip(at_torque).enumerate().step_by(stride.max(1)).map(direction).collect(),
+    let contacts = |motion| limit.map_or(Vec::new(), |limit| contacts_that(limit, motion));
+    let motion = limit.map(|limit| {
+        Object::default()
+            .with("object_m_s", limit.motion.object_m_s)
+            .with("spin_rad_s", limit.motion.spin_rad_s)
+            .with("right_rad_s", limit.motion.fingers_rad_s[0])
+            .with("left_rad_s", limit.motion.fingers_rad_s[1])
+    });
+    let forces = limit.map(|limit| limit.contacts.iter().map(force_document).collect::<Vec<_>>());
+    Object::default()
+        .with("balanced", balanced)
+        .with("acceleration_m_s2", limit.map(|limit| limit.acceleration_m_s2))
+        .with("slips", contacts(ContactMotion::Slips))
+        .with("leaves", contacts(ContactMotion::Separates))
+        .with("brakes_slip", limit.map_or(Vec::new(), |limit| slipping_brakes(limit, motors)))
+        .with_some("forces", forces.filter(|forces| !forces.is_empty()))
+        .with_some("motion", motion)
+        .with_some("gap", limit.map(|limit| limit.gap))
+}
+
+/// JSON object of the force of a contact; a joint limit has a torque.
+fn force_document(load: &ContactLoad) -> Object<'static> {
+    let force = Object::default().with("place", contact_name(load.location));
+    match load.location {
+        ContactLocation::Finger(_, FingerContact::Limit) => force.with("torque_n_m", load.normal_n),
+        _ => force.with("normal_n", load.normal_n).with("tangential_n", load.tangential_n),
     }
 }
 
@@ -251,50 +184,181 @@ fn contact_name(location: ContactLocation) -> String {
     }
 }
 
-fn balance(balance: &Balance, motors: &[&'static str]) -> BalanceReport {
-    let none = |balanced| BalanceReport {
-        balanced,
-        acceleration_m_s2: None,
-        slips: Vec::new(),
-        leaves: Vec::new(),
-        brakes_slip: Vec::new(),
-        forces: Vec::new(),
-        motion: None,
-        gap: None,
-    };
-    let Limit { acceleration_m_s2, contacts, brakes, motion, gap } = match &balance.largest {
-        AccelerationLimit::Infeasible => return none("nothing"),
-        AccelerationLimit::Unlimited => return none("any"),
-        AccelerationLimit::Limited(limit) => limit,
-    };
-    let locations_with = |contact_motion: ContactMotion| {
-        contacts
-            .iter()
-            .filter(|load| load.contact_motion == contact_motion)
-            .map(|load| contact_name(load.location))
-            .collect::<Vec<_>>()
-    };
-    let slipping = brakes.iter().zip(motors).filter(|(brake, _)| brake.slips);
-    let HandMotion { object_m_s, spin_rad_s, fingers_rad_s: [right_rad_s, left_rad_s] } = *motion;
-    BalanceReport {
-        acceleration_m_s2: Some(*acceleration_m_s2),
-        slips: locations_with(ContactMotion::Slips),
-        leaves: locations_with(ContactMotion::Separates),
-        brakes_slip: slipping.map(|(_, name)| *name).collect(),
-        forces: contacts.iter().map(force).collect(),
-        motion: Some(HandMotionReport { object_m_s, spin_rad_s, right_rad_s, left_rad_s }),
-        gap: Some(*gap),
-        ..none("up to")
+/// Names of the contacts with this motion at the limit.
+fn contacts_that(limit: &Limit, motion: ContactMotion) -> Vec<String> {
+    let loads = limit.contacts.iter().filter(|load| load.contact_motion == motion);
+    loads.map(|load| contact_name(load.location)).collect()
+}
+
+/// Names of the motors whose brakes slip at the limit.
+fn slipping_brakes<'m>(limit: &Limit, motors: &[&'m str]) -> Vec<&'m str> {
+    let slipping = limit.brakes.iter().zip(motors).filter(|(brake, _)| brake.slips);
+    slipping.map(|(_, name)| *name).collect()
+}
+
+/// The complete report, with a final line end.
+impl ToReport for GripperStaticsReport<'_> {
+    fn report(&self) -> Report {
+        let head = Report::from(format!("{}: the grasp of its object at rest\n", self.grasp.scene));
+        let mut sections = vec![head, posture(self.grasp)];
+        sections.push(Report::from(self.motors().map(motor).collect::<String>()));
+        sections.push(contacts(&self.grasp.contacts));
+        for (blocked, found) in &self.grasp.closures {
+            let blocked = match blocked {
+                Blocked::Outputs => "both driven links blocked",
+                Blocked::Input => "the differential's input blocked",
+            };
+            sections.push(match found {
+                Ok(found) => closure::text(found, &self.palm(), &format!("form closure, {blocked}"), None),
+                Err(reason) => Report::from(format!("form closure, {blocked}: not decided\n"))
+                    .with(Report::paragraph(&format!("{reason}\n"))),
+            });
+        }
+        sections.extend(self.grasp.friction_cases.iter().map(|case| self.friction_case(case)));
+        sections.extend(self.svg.iter().map(|path| Report::from(format!("picture: {path}\n"))));
+        Report::join(sections)
     }
 }
 
-fn force(load: &ContactLoad) -> ForceReport {
-    let ContactLoad { normal_n, tangential_n, .. } = *load;
-    let is_torque = matches!(load.location, ContactLocation::Finger(_, FingerContact::Limit));
-    ForceReport {
-        contact: contact_name(load.location),
-        normal_n: (!is_torque).then_some(normal_n),
-        tangential_n: (!is_torque).then_some(tangential_n),
-        torque_n_m: is_torque.then_some(normal_n),
+impl GripperStaticsReport<'_> {
+    fn friction_case(&self, case: &FrictionCase) -> Report {
+        let friction = match case.mu_static {
+            Some(mu) => format!("μ_s {mu} in all contacts"),
+            None => "friction of the scene".to_string(),
+        };
+        let closure = &case.force_closure;
+        let [sum, each] = [closure.q1_l1, closure.q1_linf].map(number);
+        let (verdict, weakest) = match closure.closed {
+            true => {
+                (format!("closed, Q1 {sum} (sum of normal forces 1) or {each} (each at most 1)"), "weakest direction: ")
+            }
+            false => ("not closed".to_string(), "cannot be balanced: "),
+        };
+        let [x, y, moment] = closure.weakest.map(number);
+        let mut rows = vec![row(["towards", "", "blocked, g", "limited by", "at torque, g", "limited by"])];
+        for (angle_rad, balances) in self.directions(case) {
+            let angle = format!("{:.2}", angle_rad.to_degrees());
+            let mut cells = vec![format!("{}°", angle.trim_end_matches('0').trim_end_matches('.'))];
+            cells.push(direction_name(balances[0].direction).to_string());
+            cells.extend(balances.into_iter().flat_map(|balance| limit_cells(balance, self.motor_names())));
+            rows.push(cells);
+        }
+        Report::from(format!(
+            "force closure with {friction}: {verdict}\n{weakest}wrench ({x}, {y}; {moment}) of force and moment divided by radius\n\n\
+             largest acceleration of the palm that contact forces can balance\n"
+        ))
+        .with(table(&rows))
+        .with(Report::paragraph(
+            "(0° is x, along the palm to the right; 90° is y, out of the palm; a hanging gripper is lifted towards 270°. Balancing forces \
+             exist; which of them occur depends on how the hand was closed.)\n",
+        ))
     }
+}
+
+fn number(value: f64) -> String {
+    format_number(value, 4)
+}
+
+fn posture(grasp: &GripperGrasp) -> Report {
+    let head = match grasp.source {
+        PostureSource::Run { time_s, fate } => {
+            format!("posture at {} of the run; object {}\n", format_duration(time_s), fate.name())
+        }
+        PostureSource::Geometric => {
+            "posture: all phalanges in contact with the object at its position in the scene\n".to_string()
+        }
+        PostureSource::Explicit => "posture as given\n".to_string(),
+    };
+    let mut rows = vec![row(["finger", "q11, °", "q21, °", "q12, °", "q22, °"])];
+    for (name, finger) in ["right", "left"].into_iter().zip(&grasp.sample.fingers) {
+        let [q11, q21, q12, q22] = [finger.q11_rad, finger.q21_rad, finger.q12_rad, finger.q22_rad]
+            .map(|angle_rad| format!("{:.4}", angle_rad.to_degrees()));
+        rows.push(row([name, &q11, &q21, &q12, &q22]));
+    }
+    let ([x, y], [gx, gy]) = (grasp.sample.bodies[0].centre_m.map(millimetres), grasp.gravity_m_s2.map(number));
+    let mass = number(grasp.mass_kg * 1e3);
+    let object = format!("object of {mass} g at ({x}, {y}) mm, gravity ({gx}, {gy}) m/s² in the palm's frame\n");
+    Report::from(head).with(table(&rows)).with(object)
+}
+
+fn motor((name, drive): (&str, &Drive)) -> String {
+    let name = if name == "input" { "input of the differential" } else { name };
+    let [torque, brake] = [drive.torque_n_m, drive.brake_n_m[1]].map(|torque_n_m| number(torque_n_m * 1e3));
+    let blocked = match drive.brake_n_m {
+        [min_n_m, max_n_m] if !(min_n_m.is_finite() && max_n_m.is_finite()) => {
+            "no brake in the scene, so \"blocked\" means unlimited torque".to_string()
+        }
+        [min_n_m, _] if min_n_m < 0.0 => format!("a brake that holds {brake} N·mm"),
+        _ => format!("a brake that holds {brake} N·mm against opening only"),
+    };
+    format!("motor, {name}: {torque} N·mm; {blocked}\n")
+}
+
+/// Short name of a contact; that of a phalanx contains its link.
+fn short_name(contact: &str) -> &str {
+    match contact {
+        "right_proximal" => "R21",
+        "right_distal" => "R22",
+        "right_limit" => "R limit",
+        "left_proximal" => "L21",
+        "left_distal" => "L22",
+        "left_limit" => "L limit",
+        other => other,
+    }
+}
+
+fn contacts(all: &[ObjectContact]) -> Report {
+    let has_forces = all.iter().any(|contact| contact.forces_n.is_some());
+    let mut head = row(["contact", "x, mm", "y, mm", "normal, °", "gap, µm", "μ_s"]);
+    head.extend(has_forces.then(|| row(["normal, N", "friction, N"])).into_iter().flatten());
+    let line = |contact: &ObjectContact| {
+        let name = match contact.id.name() {
+            palm if contact.id == GripperContact::Palm => palm,
+            name => format!("{} {}", short_name(&name), name.replace('_', " ")),
+        };
+        let ([x, y], [nx, ny]) = (contact.point.point_m.map(millimetres), contact.point.normal);
+        let angle = format!("{:.2}", ny.atan2(nx).to_degrees());
+        let gap = format_number(contact.point.gap_m * 1e6, 4);
+        let mut cells = row([&name, &x, &y, &angle, &gap, &contact.mu_static.to_string()]);
+        let forces = contact.forces_n.into_iter().flatten();
+        cells.extend(forces.map(|force_n| number(zero_below_resolution(force_n, Dimension::Force))));
+        cells
+    };
+    let rows: Vec<_> = std::iter::once(head).chain(all.iter().map(line)).collect();
+    let note = "(forces of the run; friction on phalanx and palm is along t = (n_y, −n_x), mirrored on the left)\n";
+    Report::from("contacts in the palm's frame; normals into the object\n").with(table(&rows)).with(if has_forces {
+        note
+    } else {
+        ""
+    })
+}
+
+/// Name of a direction for a hanging gripper.
+fn direction_name([x, y]: [f64; 2]) -> &'static str {
+    match (x, y) {
+        (1.0, 0.0) => "right",
+        (-1.0, 0.0) => "left",
+        (0.0, 1.0) => "down",
+        (0.0, -1.0) => "up",
+        _ => "",
+    }
+}
+
+/// The largest balanced acceleration, and the contacts and brakes at their limits, by their short names.
+fn limit_cells(balance: &Balance, motors: &[&str]) -> [String; 2] {
+    let limit = match &balance.largest {
+        AccelerationLimit::Unlimited => return ["any", "–"].map(String::from),
+        AccelerationLimit::Infeasible => return ["not at rest", "–"].map(String::from),
+        AccelerationLimit::Limited(limit) => limit,
+    };
+    let all = |verb: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{verb} {}", names.join(" ")));
+    let contacts = |verb: &str, motion: ContactMotion| {
+        let names = contacts_that(limit, motion);
+        all(verb, &names.iter().map(|name| short_name(name)).collect::<Vec<_>>())
+    };
+    let brakes = all("brake", &slipping_brakes(limit, motors));
+    let parts = [contacts("slip", ContactMotion::Slips), contacts("leave", ContactMotion::Separates), brakes];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    let causes = if parts.is_empty() { "–".to_string() } else { parts.join(", ") };
+    [format_number(limit.acceleration_m_s2 / G_M_S2, 4), causes]
 }

@@ -1,0 +1,218 @@
+//! Grasps at rest: configuration, normal forces and closures of a gripper's grasp in a sample, the gripper at rest with
+//! its object, and the final posture and contact forces of a finger.
+
+use crate::gripper::{FinalPosture, FingerContact, GraspError, final_posture};
+use crate::numeric::elementary::sin_cos;
+use crate::numeric::plane::rotate;
+use crate::scene::{self, Disc, DiscMotion, GripperContact, Motor, Scene, Side, torque};
+use crate::shape::{PlacedShape, max_radius};
+use crate::statics::{
+    Blocked, Drive, Equilibrium, ForceClosure, FrictionContact, GraspConfiguration, HandAtRest, PerContact,
+    StaticsError, drive_loads, equilibrium_with_mu, force_closure, gripper_closure,
+};
+use crate::trace::{ContactSample, FingerState, Sample};
+
+/// Returns the configuration of fingers and object in a sample.
+pub fn grasp_configuration<'a>(scene: &'a Scene, sample: &Sample) -> GraspConfiguration<'a> {
+    let angles = |FingerState { q11_rad, q21_rad, .. }: &FingerState| [*q11_rad, *q21_rad];
+    GraspConfiguration {
+        fingers: Side::BOTH.map(|side| &scene.system.finger(side).linkage),
+        angles_rad: Side::BOTH.map(|side| angles(&sample.fingers[side as usize])),
+        palm_width_m: scene.system.palm_width_m,
+        object: PlacedShape {
+            shape: scene.system.grasped().shape,
+            centre_m: sample.bodies[0].centre_m,
+            angle_rad: sample.bodies[0].angle_rad,
+        },
+    }
+}
+
+/// Returns the normal forces of phalanges and palm in a sample, N.
+pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
+    let force = |required: GripperContact| {
+        let all = GripperContact::ALL.into_iter().zip(&sample.contacts);
+        all.filter(|(contact_id, _)| *contact_id == required).map(|(_, contact)| contact.normal_n).sum()
+    };
+    let phalanges = |side| {
+        [FingerContact::Proximal, FingerContact::Distal].map(|contact| force(GripperContact::Finger(side, contact)))
+    };
+    PerContact { phalanges: Side::BOTH.map(phalanges), palm: force(GripperContact::Palm) }
+}
+
+/// Returns whether the active contacts of a sample form-close the object with both motors blocked, or with the input of
+/// the differential blocked; `None` if form closure cannot be decided.
+pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
+    let blocked = if scene.system.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
+    let active = normal_forces(sample).map(|normal_n| normal_n > 0.0);
+    gripper_closure(&grasp_configuration(scene, sample), &active, blocked).ok().map(|closure| closure.closed)
+}
+
+/// Returns the static friction coefficients of phalanges and palm.
+pub fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
+    let palm =
+        scene.system.law(GripperContact::Palm).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
+    PerContact { phalanges: Side::BOTH.map(|side| scene.system.finger(side).contact.mu_static()), palm }
+}
+
+/// Returns the force closure by the active contacts of phalanges and palm in a sample, independent of their forces.
+pub fn sample_force_closure(scene: &Scene, sample: &Sample) -> ForceClosure {
+    let is_active = |_, contact: &ContactSample| contact.normal_n > 0.0;
+    selected_force_closure(&friction_coefficients(scene), max_radius(&scene.system.grasped().shape), sample, is_active)
+}
+
+/// Returns the force closure by the contacts of phalanges and palm that a predicate selects. `object_m` is the distance
+/// of the object's outermost point from its centre.
+pub(super) fn selected_force_closure(
+    friction: &PerContact<f64>,
+    object_m: f64,
+    sample: &Sample,
+    is_selected: impl Fn(usize, &ContactSample) -> bool,
+) -> ForceClosure {
+    let friction_contact = |(index, (contact_id, contact)): (usize, (GripperContact, &ContactSample))| {
+        let mu = match contact_id {
+            GripperContact::Finger(side, FingerContact::Proximal) => friction.phalanges[side as usize][0],
+            GripperContact::Finger(side, FingerContact::Distal) => friction.phalanges[side as usize][1],
+            GripperContact::Palm => friction.palm,
+            GripperContact::Finger(_, FingerContact::Limit) | GripperContact::Table => return None,
+        };
+        // Normals of a sample point away from the object.
+        let push = contact.normal.map(|component| -component);
+        is_selected(index, contact).then_some(FrictionContact { point_m: contact.point_m, push, mu })
+    };
+    let all = GripperContact::ALL.into_iter().zip(&sample.contacts).enumerate();
+    let contacts: Vec<FrictionContact> = all.filter_map(friction_contact).collect();
+    force_closure(&contacts, sample.bodies[0].centre_m, object_m)
+}
+
+/// Whether drives resist being driven back while the palm is accelerated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveMode {
+    /// Motors exert their torque, and brakes up to their holding torque; one-way brakes only resist opening. A motor
+    /// without a brake is blocked at any torque. With a differential, this applies to its input.
+    Blocked,
+    /// Motors exert their torque, and nothing blocks them.
+    AtTorque,
+}
+
+impl DriveMode {
+    pub const BOTH: [Self; 2] = [DriveMode::Blocked, DriveMode::AtTorque];
+}
+
+/// Configuration of a gripper and its active contacts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GraspState<'a> {
+    pub configuration: GraspConfiguration<'a>,
+    /// Active contacts of phalanges and palm. The table is excluded, because the gripper lifts its object from it.
+    pub active: PerContact<bool>,
+    /// Whether the joint limits are active, right and left.
+    pub at_limit: [bool; 2],
+    /// Time at which motor torques and palm angle are evaluated, s.
+    pub time_s: f64,
+}
+
+/// Returns the grasp state of a sample.
+pub fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
+    let is_at_limit = |side| sample.contacts[GripperContact::Finger(side, FingerContact::Limit).index()].normal_n > 0.0;
+    GraspState {
+        configuration: grasp_configuration(scene, sample),
+        active: normal_forces(sample).map(|normal_n| normal_n > 0.0),
+        at_limit: Side::BOTH.map(is_at_limit),
+        time_s: sample.time_s,
+    }
+}
+
+/// Returns the gripper at rest with its active contacts; `None` if its object is fixed.
+pub fn hand_at_rest<'a>(scene: &'a Scene, grasp_state: &GraspState<'a>, mode: DriveMode) -> Option<HandAtRest<'a>> {
+    let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else { return None };
+    let GraspState { configuration, active, at_limit, time_s } = *grasp_state;
+    let drive = |motor: &Motor, weights: [f64; 2]| Drive {
+        weights,
+        torque_n_m: torque(&motor.actuation, time_s).0,
+        brake_n_m: match (mode, motor.brake) {
+            (DriveMode::AtTorque, _) => [0.0; 2],
+            (DriveMode::Blocked, None) => [f64::NEG_INFINITY, f64::INFINITY],
+            (DriveMode::Blocked, Some(brake)) => {
+                [if brake.one_way { 0.0 } else { -brake.torque_n_m }, brake.torque_n_m]
+            }
+        },
+    };
+    let drives = match &scene.system.differential {
+        Some(differential) => vec![drive(&differential.motor, [0.5, 0.5])],
+        None => vec![
+            drive(&scene.system.finger(Side::Right).motor, [1.0, 0.0]),
+            drive(&scene.system.finger(Side::Left).motor, [0.0, 1.0]),
+        ],
+    };
+    let (sin, cos) = sin_cos(scene.system.palm_motion.as_ref().map_or(0.0, |motion| motion.pose(time_s).position[2]));
+    Some(HandAtRest {
+        configuration,
+        friction: friction_coefficients(scene).zip_with(active, |mu, is_active| is_active.then_some(mu)),
+        limits: at_limit,
+        springs: Side::BOTH.map(|side| scene.system.finger(side).spring),
+        drives,
+        mass_kg,
+        gravity_m_s2: rotate(scene.system.gravity_m_s2, [cos, -sin]),
+    })
+}
+
+/// Returns [`hand_at_rest`] with the grasp state of a sample.
+pub fn sampled_hand_at_rest<'a>(scene: &'a Scene, sample: &Sample, mode: DriveMode) -> Option<HandAtRest<'a>> {
+    hand_at_rest(scene, &grasp_state(scene, sample), mode)
+}
+
+/// The two angles of the geometric final configuration, in which both phalanges touch the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FinalAngles {
+    pub q11_rad: f64,
+    pub q21_rad: f64,
+}
+
+/// A static grasp of a finger.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaticGrasp {
+    pub end: FinalPosture,
+    /// Contact forces at the final motor torque.
+    pub forces: Result<Equilibrium, StaticsError>,
+    /// μ_s of the proximal and of the distal contact.
+    pub mu_static: [f64; 2],
+}
+
+impl StaticGrasp {
+    /// Returns the angles at which the finger is in position.
+    pub fn final_angles(&self) -> FinalAngles {
+        FinalAngles { q11_rad: self.end.posture.q11_rad, q21_rad: self.end.posture.q21_rad }
+    }
+
+    /// Returns the normal forces of proximal and distal phalanx, N; `None` if statics fails.
+    pub fn static_forces_n(&self) -> Option<[f64; 2]> {
+        self.forces.as_ref().ok().map(|forces| [forces.f21_n, forces.f22_n])
+    }
+
+    /// Returns whether the grasp is force-positive; true if statics fails.
+    pub fn is_stable(&self) -> bool {
+        self.forces.as_ref().map_or(true, Equilibrium::is_force_positive)
+    }
+}
+
+/// Returns the static grasp of the finger of a scene.
+///
+/// # Errors
+/// Returns an error if there is no object or the finger cannot grasp it.
+pub fn scene_static_grasp(scene: &Scene) -> Result<StaticGrasp, String> {
+    let object = scene.object().ok_or_else(|| "there is no object".to_string())?;
+    static_grasp(scene, object).map_err(|error| error.to_string())
+}
+
+/// Returns the static grasp of the finger of a scene on an object.
+///
+/// # Errors
+/// Returns an error if the finger cannot grasp the object.
+pub fn static_grasp(scene: &Scene, object: &Disc) -> Result<StaticGrasp, GraspError> {
+    let finger = scene.finger();
+    let end = final_posture(&finger.linkage.lengths, finger.linkage.assembly, object.placed())?;
+    let mu_static = finger.contact.mu_static();
+    let motor_n_m = scene::torque(&finger.motor.actuation, scene.duration_s).0;
+    let forces = drive_loads(&finger.linkage, &end, motor_n_m, finger.spring.as_ref())
+        .and_then(|loads| equilibrium_with_mu(&finger.linkage, &end, loads, mu_static));
+    Ok(StaticGrasp { end, forces, mu_static })
+}

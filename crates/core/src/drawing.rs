@@ -1,0 +1,440 @@
+//! Drawing of a scene: the shapes of its bodies in their own frames, and the poses of these frames at an instant.
+//!
+//! The pictures in a log and the animated page both use this module, so they show the same bodies.
+
+use std::f64::consts::PI;
+
+use serde::Serialize;
+
+use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, tip_outline};
+use crate::law::ContactLaw;
+use crate::numeric::elementary::{cos, hypot, pow, sin, sin_cos};
+use crate::scene::{
+    Actuation, ContactId, Disc, DiscMotion, DrivenFinger, Pair, PalmMotion, Partner, Scene, Side, System,
+};
+use crate::shape::{self, max_radius};
+use crate::trace::{BodyState, FingerState, Sample};
+
+/// The drawing of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// Fixed bodies first, so that moving bodies are drawn over them.
+    pub bodies: Vec<Body>,
+    /// Names of the contacts, in the order of samples.
+    pub contacts: Vec<String>,
+    /// Arrow length per newton. The arrow of a usual force is about half as long as a phalanx (a radius).
+    pub arrow_m_per_n: f64,
+    /// Largest arrow length; impact forces can be a thousand times the usual ones.
+    pub longest_arrow_m: f64,
+    /// Lower left and upper right corner of a view of all bodies, at the start and (with fingers) in the grasp.
+    pub extent_m: [[f64; 2]; 2],
+}
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Body {
+    /// `l11`, `l12`, `l21`, `l22`, `object`, `palm`, `plane`, or the name of a disc.
+    pub name: String,
+    #[serde(rename = "part")]
+    pub role: BodyRole,
+    /// Whether the body does not move.
+    pub fixed: bool,
+    pub shapes: Vec<Shape>,
+}
+
+/// Role of a body in the mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BodyRole {
+    /// Link l11.
+    Driver,
+    /// Link l12.
+    Coupler,
+    /// Link l21.
+    Proximal,
+    /// Distal body, l22 and t22.
+    Distal,
+    Object,
+    Palm,
+    Disc,
+}
+
+/// A shape in the frame of its body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Shape {
+    /// Outline of a body's mass, counter-clockwise.
+    Polygon { corners_m: Vec<[f64; 2]> },
+    /// Contact surface of a phalanx: a segment with a radius.
+    Capsule { from_m: [f64; 2], to_m: [f64; 2], radius_m: f64 },
+    /// A disc about the origin of the body.
+    Disc { radius_m: f64 },
+    /// Everything below y = level.
+    HalfPlane { level_m: f64 },
+}
+
+impl Shape {
+    /// Converts a shape: a disc if it is round, otherwise a polygon.
+    pub fn from_shape(shape: &shape::Shape) -> Self {
+        let polygon = || Shape::Polygon { corners_m: shape.at([0.0; 2]).outline_m() };
+        shape::circle_radius(shape).map_or_else(polygon, |radius_m| Shape::Disc { radius_m })
+    }
+}
+
+/// Pose of a body's frame in the world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    pub position_m: [f64; 2],
+    pub angle_rad: f64,
+}
+
+impl Pose {
+    /// Transforms a point of the body to the world.
+    pub fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let (s, c) = sin_cos(self.angle_rad);
+        [self.position_m[0] + c * x - s * y, self.position_m[1] + s * x + c * y]
+    }
+}
+
+/// Lower left and upper right corner of everything except half planes, with a margin of a tenth.
+fn view_extent(posed_bodies: &[(&Body, Pose)]) -> [[f64; 2]; 2] {
+    let mut corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    let mut include = |[x, y]: [f64; 2], radius: f64| {
+        corners[0] = [corners[0][0].min(x - radius), corners[0][1].min(y - radius)];
+        corners[1] = [corners[1][0].max(x + radius), corners[1][1].max(y + radius)];
+    };
+    for (body, pose) in posed_bodies {
+        for shape in &body.shapes {
+            match shape {
+                Shape::Polygon { corners_m } => corners_m.iter().for_each(|corner| include(pose.apply(*corner), 0.0)),
+                Shape::Capsule { from_m, to_m, radius_m } => {
+                    include(pose.apply(*from_m), *radius_m);
+                    include(pose.apply(*to_m), *radius_m);
+                }
+                Shape::Disc { radius_m } => include(pose.position_m, *radius_m),
+                Shape::HalfPlane { .. } => {}
+            }
+        }
+    }
+    let margin = 0.1 * (corners[1][0] - corners[0][0]).max(corners[1][1] - corners[0][1]);
+    [corners[0].map(|low| low - margin), corners[1].map(|high| high + margin)]
+}
+
+impl Drawing {
+    /// Builds the drawing of a scene of any kind: palm, table, discs in their order, and the links of the right finger,
+    /// then of the left one.
+    pub fn from_scene(scene: &Scene) -> Self {
+        let system = &scene.system;
+        let mut bodies = plane_bodies(system);
+        let role = if system.fingers.is_empty() { BodyRole::Disc } else { BodyRole::Object };
+        bodies.extend(system.discs.iter().map(|disc| Body {
+            name: disc.name.clone(),
+            role,
+            fixed: !disc.motion.moves(),
+            shapes: vec![Shape::from_shape(&disc.shape)],
+        }));
+        for (side, finger) in system.fingers_by_side() {
+            bodies.extend(link_bodies(&finger.linkage.lengths).map(|body| Body {
+                name: if system.fingers.len() == 1 { body.name } else { format!("{}_{}", side.name(), body.name) },
+                shapes: body.shapes.into_iter().map(|shape| mirrored(shape, side)).collect(),
+                ..body
+            }));
+        }
+        let (arrow_m_per_n, longest_arrow_m) = arrow_scale(system);
+        Drawing { contacts: contacts(system), arrow_m_per_n, longest_arrow_m, extent_m: view(system, &bodies), bodies }
+    }
+
+    /// Signed length of the arrow of a force.
+    pub fn arrow_m(&self, force_n: f64) -> f64 {
+        (force_n * self.arrow_m_per_n).clamp(-self.longest_arrow_m, self.longest_arrow_m)
+    }
+
+    /// Longer side of the view.
+    pub fn view_m(&self) -> f64 {
+        let [low, high] = self.extent_m;
+        (high[0] - low[0]).max(high[1] - low[1])
+    }
+}
+
+/// Names of the existing contacts between surfaces.
+fn contacts(system: &System) -> Vec<String> {
+    let exists = |contact: &ContactId| !contact.is_stop() && system.contact_laws(*contact).is_some();
+    system.contact_ids().into_iter().filter(exists).map(|contact| system.contact_name(contact)).collect()
+}
+
+/// Poses of the bodies of a scene's [`Drawing`], in their order.
+pub fn poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+    let pose = |body: &BodyState| Pose { position_m: body.centre_m, angle_rad: body.angle_rad };
+    let postures = sample.fingers.iter().map(finger_posture).collect::<Vec<_>>();
+    poses_at(&scene.system, sample.time_s, sample.bodies.iter().map(pose), &postures)
+}
+
+/// Poses of the bodies with the fingers in these postures and everything else at its start.
+pub fn poses_for_postures(scene: &Scene, postures: &[Posture]) -> Vec<Pose> {
+    poses_at(&scene.system, 0.0, scene.system.reported_discs().iter().map(pose_at_start), postures)
+}
+
+/// `reported` are the poses of the discs that samples contain.
+fn poses_at(system: &System, time_s: f64, reported: impl Iterator<Item = Pose>, postures: &[Posture]) -> Vec<Pose> {
+    let mut poses: Vec<Pose> = plane_poses(system, time_s).map(|(pose, _)| pose).collect();
+    poses.extend(unreported_discs(system).map(pose_at_start).chain(reported));
+    for ((side, finger), posture) in system.fingers_by_side().zip(postures) {
+        let half_palm_m = 0.5 * system.palm_width_m;
+        poses.extend(link_poses(&finger.linkage.lengths, posture).map(|pose| {
+            let [x, y] = pose.position_m;
+            let angle_rad = if side == Side::Right { pose.angle_rad } else { PI - pose.angle_rad };
+            Pose { position_m: [side.mirror() * (x + half_palm_m), y], angle_rad }
+        }));
+    }
+    poses
+}
+
+/// Time derivatives of [`poses`]: velocities and angular velocities instead of positions and angles.
+pub fn velocities(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+    let system = &scene.system;
+    let mut velocities: Vec<Pose> = plane_poses(system, sample.time_s).map(|(_, motion)| motion).collect();
+    velocities.extend(unreported_discs(system).map(|_| Pose::default()));
+    velocities.extend(
+        sample.bodies.iter().map(|BodyState { velocity_m_s, spin_rad_s, .. }| Pose {
+            position_m: *velocity_m_s,
+            angle_rad: *spin_rad_s,
+        }),
+    );
+    for ((side, finger), state) in system.fingers_by_side().zip(&sample.fingers) {
+        velocities.extend(link_velocities(&finger.linkage.lengths, state).map(|motion| {
+            let [x, y] = motion.position_m;
+            Pose { position_m: [side.mirror() * x, y], angle_rad: side.mirror() * motion.angle_rad }
+        }));
+    }
+    velocities
+}
+
+/// Discs that samples do not contain because they are fixed.
+fn unreported_discs(system: &System) -> impl Iterator<Item = &Disc> {
+    system.discs[..system.discs.len() - system.reported_discs().len()].iter()
+}
+
+/// Pose of a disc at the start.
+fn pose_at_start(disc: &Disc) -> Pose {
+    Pose { position_m: disc.centre_m, angle_rad: disc.angle_rad }
+}
+
+fn finger_posture(finger: &FingerState) -> Posture {
+    Posture { q11_rad: finger.q11_rad, q21_rad: finger.q21_rad, q12_rad: finger.q12_rad, q22_rad: finger.q22_rad }
+}
+
+/// Corners of a view of the start and, if the fingers can close on the object, of their grasp.
+fn view(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
+    // A start whose loop does not close fails before the first step; the straight finger stands in for it.
+    let upright = Posture { q11_rad: 0.0, q21_rad: 0.5 * PI, q12_rad: 0.0, q22_rad: 0.0 };
+    let postures = system.fingers_by_side().map(|(side, DrivenFinger { linkage, initial, .. })| {
+        let start = close_loop(&linkage.lengths, linkage.assembly, initial.q11_rad, initial.q21_rad).unwrap_or(upright);
+        let grasp = system.object().and_then(|object| {
+            let object_in_finger_frame = object.placed().in_finger_frame(side.mirror(), 0.5 * system.palm_width_m);
+            final_posture(&linkage.lengths, linkage.assembly, object_in_finger_frame).ok()
+        });
+        [start, grasp.map_or(start, |end| end.posture)]
+    });
+    let postures: Vec<[Posture; 2]> = postures.collect();
+    let initial_poses = |index: usize| {
+        let postures: Vec<Posture> = postures.iter().map(|posture| posture[index]).collect();
+        bodies.iter().zip(poses_at(system, 0.0, system.reported_discs().iter().map(pose_at_start), &postures))
+    };
+    view_extent(&[0, 1].into_iter().flat_map(initial_poses).collect::<Vec<_>>())
+}
+
+/// Returns the four links with their outlines and contact surfaces.
+fn link_bodies(lengths: &Lengths) -> [Body; 4] {
+    let w = lengths.half_width_m;
+    let body = |name: &str, role, shapes| Body { name: name.to_string(), role, fixed: false, shapes };
+    let bar = |length_m| Shape::Polygon { corners_m: link_outline(length_m, w).to_vec() };
+    let surface = |angle: f64, length: f64| Shape::Capsule {
+        from_m: [0.0; 2],
+        to_m: [length * cos(angle), length * sin(angle)],
+        radius_m: w,
+    };
+    let mut distal = vec![surface(lengths.phi22_rad, lengths.t22_m)];
+    match tip_outline(lengths) {
+        Ok(corners) => distal.insert(0, Shape::Polygon { corners_m: corners.to_vec() }),
+        // A degenerate triangle has no outline; its mass is given in the scene.
+        Err(_) => distal.insert(0, surface(0.0, lengths.l22_m)),
+    }
+    [
+        body("l11", BodyRole::Driver, vec![bar(lengths.l11_m)]),
+        body("l12", BodyRole::Coupler, vec![bar(lengths.l12_m)]),
+        body("l21", BodyRole::Proximal, vec![bar(lengths.l21_m), surface(0.0, lengths.l21_m)]),
+        body("l22", BodyRole::Distal, distal),
+    ]
+}
+
+/// Poses of the links: l11 and l21 rotate about the origin, l12 about A12, the distal body about A22 with its x-axis
+/// along the arm.
+fn link_poses(lengths: &Lengths, posture: &Posture) -> [Pose; 4] {
+    let Lengths { l11_m, l21_m, .. } = *lengths;
+    let along = |length: f64, angle: f64| [length * cos(angle), length * sin(angle)];
+    let pose = |position_m, angle_rad| Pose { position_m, angle_rad };
+    [
+        pose([0.0; 2], posture.q11_rad),
+        pose(along(l11_m, posture.q11_rad), posture.q11_rad + posture.q12_rad),
+        pose([0.0; 2], posture.q21_rad),
+        pose(along(l21_m, posture.q21_rad), posture.q21_rad + posture.q22_rad),
+    ]
+}
+
+/// Time derivatives of the poses: velocities and angular velocities instead of positions and angles.
+fn link_velocities(lengths: &Lengths, finger: &FingerState) -> [Pose; 4] {
+    let Lengths { l11_m, l21_m, .. } = *lengths;
+    let velocity = |position_m, angle_rad| Pose { position_m, angle_rad };
+    // d/dt of L (cos q, sin q).
+    let end_velocity = |length: f64, q: f64, rate: f64| [-length * rate * sin(q), length * rate * cos(q)];
+    let FingerState { q11_rad, q21_rad, qd11_rad_s, qd12_rad_s, qd21_rad_s, qd22_rad_s, .. } = *finger;
+    [
+        velocity([0.0; 2], qd11_rad_s),
+        velocity(end_velocity(l11_m, q11_rad, qd11_rad_s), qd11_rad_s + qd12_rad_s),
+        velocity([0.0; 2], qd21_rad_s),
+        velocity(end_velocity(l21_m, q21_rad, qd21_rad_s), qd21_rad_s + qd22_rad_s),
+    ]
+}
+
+/// Mirrors a link's shape for a left finger.
+fn mirrored(shape: Shape, side: Side) -> Shape {
+    let flip = |[x, y]: [f64; 2]| [x, side.mirror() * y];
+    match shape {
+        Shape::Polygon { corners_m } => {
+            let mut corners_m: Vec<[f64; 2]> = corners_m.into_iter().map(flip).collect();
+            if side == Side::Left {
+                corners_m.reverse();
+            }
+            Shape::Polygon { corners_m }
+        }
+        Shape::Capsule { from_m, to_m, radius_m } => {
+            Shape::Capsule { from_m: flip(from_m), to_m: flip(to_m), radius_m }
+        }
+        other => other,
+    }
+}
+
+/// Returns the existing planes, in the order of their poses.
+fn plane_bodies(system: &System) -> Vec<Body> {
+    let plane = |name: &str, fixed: bool, level_m: f64| Body {
+        name: name.to_string(),
+        role: BodyRole::Palm,
+        fixed,
+        shapes: vec![Shape::HalfPlane { level_m }],
+    };
+    let below = if system.fingers.is_empty() { "plane" } else { "palm" };
+    let palm = system.palm.map(|palm| plane(below, true, palm.level_m));
+    // The pose contains the level.
+    let table = system.table.map(|_| plane("table", system.palm_motion.is_none(), 0.0));
+    palm.into_iter().chain(table).collect()
+}
+
+/// Poses and velocities of the planes.
+fn plane_poses(system: &System, time_s: f64) -> impl Iterator<Item = (Pose, Pose)> {
+    let palm = system.palm.map(|_| (Pose::default(), Pose::default()));
+    palm.into_iter().chain(system.table.map(|surface| table(surface.level_m, system.palm_motion.as_ref(), time_s)))
+}
+
+/// Pose and velocity of a table, solid above its level, which is at rest in the world while the palm moves. The origin
+/// is the table point above the palm's origin; sliding along the surface is not visible and is ignored.
+fn table(level_m: f64, palm: Option<&PalmMotion>, time_s: f64) -> (Pose, Pose) {
+    let palm = palm.map_or_else(Default::default, |motion| motion.pose(time_s));
+    let ([_, y, angle], [_, rise, turning]) = (palm.position, palm.rate);
+    let ((sin, cos), height) = (sin_cos(angle), level_m - y);
+    let pose = Pose { position_m: [height * sin, height * cos], angle_rad: PI - angle };
+    let velocity = [turning * height * cos - rise * sin, -turning * height * sin - rise * cos];
+    (pose, Pose { position_m: velocity, angle_rad: -turning })
+}
+
+/// Arrow length per newton, and the largest arrow length. The arrow of a usual force is about half as long as a
+/// phalanx, or as a radius in scenes without fingers.
+fn arrow_scale(system: &System) -> (f64, f64) {
+    let (typical_n, half_m, longest_m) = if system.fingers.is_empty() {
+        let smallest_m = system.discs.iter().map(|disc| max_radius(&disc.shape)).fold(f64::INFINITY, f64::min);
+        let impact = |pair| system.between_discs.map_or(0.0, |law| impact_n(system, &law, pair));
+        let typical_n = system.pairs().into_iter().map(impact).fold(0.0, f64::max);
+        (if typical_n.is_finite() { typical_n } else { 0.0 }, 0.5 * smallest_m, 2.0 * smallest_m)
+    } else {
+        let lengths = &system.finger(Side::Right).linkage.lengths;
+        (largest_torque(system) / lengths.l11_m, 0.5 * lengths.l21_m, lengths.l21_m)
+    };
+    (half_m / if typical_n > 0.0 { typical_n } else { 1.0 }, longest_m)
+}
+
+/// Largest torque on a driven link.
+fn largest_torque(system: &System) -> f64 {
+    let motors = system.fingers.iter().map(|finger| peak_torque(&finger.motor.actuation));
+    let input = system.differential.as_ref().map(|input| 0.5 * peak_torque(&input.motor.actuation));
+    motors.chain(input).fold(0.0, f64::max)
+}
+
+/// Largest absolute motor torque.
+fn peak_torque(actuation: &Actuation) -> f64 {
+    match actuation {
+        Actuation::Constant { torque_n_m }
+        | Actuation::Ramp { torque_n_m, .. }
+        | Actuation::HalfSine { torque_n_m, .. }
+        | Actuation::Reversal { torque_n_m, .. } => torque_n_m.abs(),
+        Actuation::Table { points, .. } => points.iter().map(|point| point.1.abs()).fold(0.0, f64::max),
+    }
+}
+
+/// Largest force of an undamped impact at the initial speeds, k δᵉ with ½ m v² = k δ^(e+1)/(e+1), but at least the
+/// weight.
+fn impact_n(system: &System, law: &ContactLaw, pair: Pair) -> f64 {
+    let velocity_and_mass = |index: usize| match system.discs[index].motion {
+        DiscMotion::Fixed => ([0.0; 2], f64::INFINITY),
+        DiscMotion::Driven { velocity_m_s, .. } => (velocity_m_s, f64::INFINITY),
+        DiscMotion::Free { velocity_m_s, mass_kg, .. } => (velocity_m_s, mass_kg),
+    };
+    let (v1, m1) = velocity_and_mass(pair.disc);
+    let (v2, m2) = match pair.partner {
+        Partner::Disc(index) => velocity_and_mass(index),
+        Partner::HalfPlane => ([0.0; 2], f64::INFINITY),
+    };
+    let mass = (m1.recip() + m2.recip()).recip();
+    if !mass.is_finite() {
+        return 0.0;
+    }
+    let speed = hypot(v1[0] - v2[0], v1[1] - v2[1]);
+    let (k, e) = (law.normal.stiffness_n_per_m_e, law.normal.exponent);
+    let energy = 0.5 * mass * speed * speed;
+    let weight = mass * hypot(system.gravity_m_s2[0], system.gravity_m_s2[1]);
+    if k > 0.0 { (k * pow((e + 1.0) * energy / k, e / (e + 1.0))).max(weight) } else { weight }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Axis, Move};
+
+    /// The palm rises and turns; the table sinks and turns back, and its velocities match differences of its poses.
+    #[test]
+    fn a_table_at_rest_moves_against_the_palm() {
+        let single_move = |axis, distance| Move { axis, distance, start_s: 0.1, length_s: 0.2 };
+        let moves = vec![single_move(Axis::X, 0.2), single_move(Axis::Y, -0.03), single_move(Axis::Angle, 0.4)];
+        let motion = PalmMotion { moves, ..PalmMotion::default() };
+        let at = |time_s: f64| table(0.04, Some(&motion), time_s);
+        assert_eq!(at(0.05), table(0.04, None, 0.05));
+        let palm = motion.pose(0.17).position;
+        let (pose, rates) = at(0.17);
+        let in_world = |[x, y]: [f64; 2]| {
+            let (sin, cos) = palm[2].sin_cos();
+            [palm[0] + cos * x - sin * y, palm[1] + sin * x + cos * y]
+        };
+        for along_m in [-0.1, 0.0, 0.3] {
+            let [_, y] = in_world(pose.apply([along_m, 0.0]));
+            assert!((y - 0.04).abs() < 1e-15, "{y}");
+        }
+        let [_, beyond] = in_world(pose.apply([0.0, -0.01]));
+        assert!((beyond - 0.05).abs() < 1e-15, "the table is solid above its level: {beyond}");
+        let (ahead, behind) = (at(0.17 + 1e-6).0, at(0.17 - 1e-6).0);
+        for (rate, [ahead, behind]) in [
+            (rates.position_m[0], [ahead.position_m[0], behind.position_m[0]]),
+            (rates.position_m[1], [ahead.position_m[1], behind.position_m[1]]),
+            (rates.angle_rad, [ahead.angle_rad, behind.angle_rad]),
+        ] {
+            assert!((rate - (ahead - behind) / 2e-6).abs() < 1e-7, "{rate}");
+        }
+    }
+}

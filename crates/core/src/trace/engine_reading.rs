@@ -1,0 +1,184 @@
+//! Converts nodes of the engine model to samples.
+
+use std::f64::consts::PI;
+
+use super::{BodyState, ContactSample, Energy, FingerState, Sample};
+use crate::engine::{
+    ContactCandidate, L11, L12, L21, L22, LINKS, Motion, PalmFrame, Twist, driven_link_brake_torque, first_link,
+    kinetic_energy, potential_energies,
+};
+use crate::law::{elastic_energy, normal_force};
+use crate::numeric::elementary::sin_cos;
+use crate::numeric::plane::{angle_between, nearest_equivalent_angle, opening_angle, rotate};
+use crate::scene::{ContactId, Disc, Side, System};
+
+/// Reads fingers and bodies of a system at a node of its motion.
+pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) {
+    let frame = PalmFrame::at(motion.plan, motion.clock.now());
+    sample.fingers.clear();
+    sample.fingers.extend(system.fingers_by_side().map(|(side, finger)| {
+        let rate = |body: usize| motion.velocities[body][2];
+        let torque = motion.plan.motor_torque(first_link(side) + L11, motion.clock.now(), rate);
+        let brakes = driven_link_brake_torque(motion.plan, side, |brake| motion.brake_torque(brake));
+        let phi22_rad = finger.linkage.lengths.phi22_rad;
+        Links::new(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes)
+    }));
+    sample.bodies.clear();
+    sample.bodies.extend(reported_discs(system).map(|(disc, body)| match body {
+        Some(body) => {
+            let (pose, v) = (&motion.linkage.poses[body], &motion.velocities[body]);
+            let ([vx, vy, spin_rad_s], centre_m) = (frame.twist(pose.com, v), frame.point(pose.com));
+            let angle_rad = pose.angle - frame.angular_motion()[0];
+            BodyState { centre_m, angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
+        }
+        None => BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() },
+    }));
+}
+
+/// Sets coordinates and rates of `sample` by extrapolating freely from `from` with the accelerations of all bodies in
+/// the last step of `motion`.
+pub(super) fn extrapolate(system: &System, sample: &mut Sample, from: &Sample, motion: &Motion) {
+    let accelerations = &motion.step_accelerations;
+    let time_s = sample.time_s - from.time_s;
+    let frame = PalmFrame::at(motion.plan, motion.clock.now());
+    for (side, (finger, from)) in Side::BOTH.into_iter().zip(sample.fingers.iter_mut().zip(&from.fingers)) {
+        Links::new(side, &frame).extrapolate(finger, from, time_s, accelerations);
+    }
+    for ((body, from), (_, moving)) in sample.bodies.iter_mut().zip(&from.bodies).zip(reported_discs(system)) {
+        if let Some(index) = moving {
+            let (pose, v) = (&motion.linkage.poses[index], &motion.velocities[index]);
+            *body = from.extrapolate(time_s, &frame.acceleration(pose.com, v, &accelerations[index]));
+        }
+    }
+}
+
+/// Discs contained in samples, each with its body index in the plan; `None` for a disc that does not move.
+fn reported_discs(system: &System) -> impl Iterator<Item = (&Disc, Option<usize>)> {
+    let mut next = LINKS * system.fingers.len();
+    system.reported_discs().iter().map(move |disc| {
+        let body = disc.motion.moves().then_some(next);
+        next += usize::from(disc.motion.moves());
+        (disc, body)
+    })
+}
+
+/// Contacts whose sampled normal is opposite to that of the plan, which points to the first of its bodies: in scenes
+/// with fingers, sampled normals of palm and table point away from the discs.
+pub(super) fn flipped_normals(system: &System) -> Vec<bool> {
+    let is_plane = |id: &ContactId| matches!(id, ContactId::Palm(_) | ContactId::Table(_));
+    system.contact_ids().iter().map(|id| !system.fingers.is_empty() && is_plane(id)).collect()
+}
+
+/// Returns the stored energies of the node.
+pub(super) fn stored_energy(motion: &Motion) -> Energy {
+    let frame = PalmFrame::at(motion.plan, motion.clock.now());
+    let (gravity_j, spring_j) = potential_energies(motion.plan, &motion.linkage, &frame);
+    let with_law = motion.candidates.iter().filter(|candidate| candidate.uses_contact_law && candidate.has_gap());
+    Energy {
+        kinetic_j: kinetic_energy(&motion.linkage, &motion.velocities, &frame),
+        gravity_j,
+        spring_j,
+        elastic_j: with_law.map(|candidate| elastic_energy(&candidate.law, -candidate.gap)).sum::<f64>()
+            + motion.bristle_energy(),
+        ..Energy::default()
+    }
+}
+
+/// Returns a contact at the node; `index` is its element index in the plan.
+pub(super) fn sample_contact(motion: &Motion, index: Option<usize>, impulse_n_s: f64) -> ContactSample {
+    let candidate = index.and_then(|index| motion.candidate(index));
+    let frame = PalmFrame::at(motion.plan, motion.clock.now());
+    candidate.map_or(ContactSample::NONE, |candidate| {
+        let (normal_n, tangential_n) = contact_forces(motion, candidate);
+        ContactSample {
+            gap_m: candidate.gap,
+            gap_rate_m_s: candidate.normal_row.rate(&motion.velocities),
+            slip_m_s: candidate.slip_row.rate(&motion.velocities),
+            normal_n,
+            tangential_n,
+            impulse_n_s,
+            point_m: if candidate.is_between_surfaces() { frame.point(candidate.point) } else { candidate.point },
+            normal: frame.direction(candidate.normal),
+        }
+    })
+}
+
+/// Returns normal and tangential force of a candidate at the end of the last step; before the first step, from the
+/// contact laws.
+fn contact_forces(motion: &Motion, candidate: &ContactCandidate) -> (f64, f64) {
+    if motion.last_dt_s > 0.0 {
+        return motion.forces(candidate.index);
+    }
+    if !candidate.uses_contact_law {
+        return (0.0, 0.0);
+    }
+    let [rate, slip] = [&candidate.normal_row, &candidate.slip_row].map(|row| row.rate(&motion.velocities));
+    let normal = normal_force(&candidate.law, -candidate.gap, -rate).force;
+    (normal, -candidate.friction_at_step_end([slip, 0.0, normal], 0.0).force)
+}
+
+/// Links of a finger in the plan: index of the first link, and −1 for a mirrored finger.
+#[derive(Clone, Copy)]
+struct Links {
+    first: usize,
+    mirror: f64,
+    /// Angle of the base of the finger, and its two time derivatives.
+    base_rotation: [f64; 3],
+}
+
+impl Links {
+    /// Returns the links of the finger on a side, mounted on a palm with the motion of `frame`.
+    fn new(side: Side, frame: &PalmFrame) -> Self {
+        Self { first: first_link(side), mirror: side.mirror(), base_rotation: frame.angular_motion() }
+    }
+
+    /// Reads the state of the finger.
+    ///
+    /// The angles of bodies count whole turns, but the passive angles of the analytic model do not. For the same values
+    /// here, q12 is the equivalent nearest to the angle from l11 to l12, and q22 the one nearest to the bend q22 + φ22
+    /// (with a branch cut at −90°) minus φ22.
+    fn read(self, motion: &Motion, phi22_rad: f64, motor_torque_n_m: f64) -> FingerState {
+        let poses = &motion.linkage.poses;
+        let rate = |link: usize| self.mirror * (motion.velocities[self.first + link][2] - self.base_rotation[1]);
+        let angle = |link: usize| {
+            let angle = poses[self.first + link].angle - self.base_rotation[0];
+            if self.mirror > 0.0 { angle } else { PI - angle }
+        };
+        let direction = |link: usize| {
+            let [x, y] = poses[self.first + link].direction;
+            [self.mirror * x, y]
+        };
+        let (sin, cos) = sin_cos(phi22_rad);
+        let bend = opening_angle(direction(L21), rotate(direction(L22), [cos, sin]));
+        let q12_rad = nearest_equivalent_angle(angle(L12) - angle(L11), angle_between(direction(L11), direction(L12)));
+        let q22_rad = nearest_equivalent_angle(angle(L22) - angle(L21), bend - phi22_rad);
+        FingerState {
+            q11_rad: angle(L11),
+            q21_rad: angle(L21),
+            q12_rad,
+            q22_rad,
+            q13_rad: angle(L21) + q22_rad,
+            qd11_rad_s: rate(L11),
+            qd21_rad_s: rate(L21),
+            qd12_rad_s: rate(L12) - rate(L11),
+            qd22_rad_s: rate(L22) - rate(L21),
+            motor_torque_n_m,
+        }
+    }
+
+    /// Sets angles and rates by extrapolation over a time at constant accelerations of all bodies.
+    fn extrapolate(self, finger: &mut FingerState, from: &FingerState, time_s: f64, accelerations: &[Twist]) {
+        let [a11, a12, a21, a22] = [L11, L12, L21, L22]
+            .map(|link| self.mirror * (accelerations[self.first + link][2] - self.base_rotation[2]));
+        let angle = |q: f64, rate: f64, a: f64| q + time_s * (rate + 0.5 * time_s * a);
+        finger.q11_rad = angle(from.q11_rad, from.qd11_rad_s, a11);
+        finger.q21_rad = angle(from.q21_rad, from.qd21_rad_s, a21);
+        finger.q12_rad = angle(from.q12_rad, from.qd12_rad_s, a12 - a11);
+        finger.q22_rad = angle(from.q22_rad, from.qd22_rad_s, a22 - a21);
+        finger.q13_rad = finger.q21_rad + finger.q22_rad;
+        finger.qd11_rad_s = from.qd11_rad_s + time_s * a11;
+        finger.qd21_rad_s = from.qd21_rad_s + time_s * a21;
+        finger.qd12_rad_s = from.qd12_rad_s + time_s * (a12 - a11);
+        finger.qd22_rad_s = from.qd22_rad_s + time_s * (a22 - a21);
+    }
+}

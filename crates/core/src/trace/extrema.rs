@@ -1,0 +1,135 @@
+//! Extrema within one step: their search, and the positions that get samples of their own, so that the samples alone
+//! yield the same extrema as the summary of the run.
+
+#[cfg(feature = "engine")]
+use super::{ContactSample, ContactSummary};
+#[cfg(feature = "engine")]
+use crate::engine::ContactExtremum;
+
+/// Steps whose force exceeds this fraction of the largest force so far are searched for a larger one.
+pub(super) const MIN_SEARCHED_FORCE_FRACTION: f64 = 0.8;
+
+/// Number of bisections of a step; they locate a time to 1e-12 of its length.
+pub(super) const BISECTIONS: u32 = 40;
+
+/// Returns the zero in [0, 1] of a rate that starts positive and ends negative.
+pub(super) fn bisect(rate: &mut dyn FnMut(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if rate(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Returns position and value of the largest value of a smooth function on [0, 1], found by successive parabolic
+/// interpolation; the end values are given.
+pub(super) fn parabola_peak(at_start: f64, at_end: f64, value: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
+    let mut points = [(0.0, at_start), (0.5, value(0.5)), (1.0, at_end)];
+    let greater_value = |a: (f64, f64), b: (f64, f64)| if b.1 > a.1 { b } else { a };
+    let mut peak = points.into_iter().fold((0.0, f64::MIN), greater_value);
+    for _ in 0..3 {
+        let [(a, fa), (b, fb), (c, fc)] = points;
+        let (p, q) = ((b - a) * (fb - fc), (b - c) * (fb - fa));
+        let vertex = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q);
+        if !(vertex > a && vertex < c) || (vertex - b).abs() < 1e-4 {
+            break;
+        }
+        let at_vertex = value(vertex);
+        peak = greater_value(peak, (vertex, at_vertex));
+        points =
+            if vertex < b { [(a, fa), (vertex, at_vertex), (b, fb)] } else { [(b, fb), (vertex, at_vertex), (c, fc)] };
+        if at_vertex < fb {
+            // Keep the larger of the two inner points as the middle point.
+            points = if vertex < b {
+                [(vertex, at_vertex), (b, fb), (c, fc)]
+            } else {
+                [(a, fa), (b, fb), (vertex, at_vertex)]
+            };
+        }
+    }
+    peak
+}
+
+/// Positions within one step at which a penetration or a contact force exceeds all earlier values: fractions of the
+/// step, or times after its start, each with what is known there.
+#[derive(Clone, Debug, Default)]
+pub(super) struct StepExtrema<T> {
+    /// Positions inside the step, in order of time after `sort`.
+    inside: Vec<(f64, T)>,
+    /// Whether there is such an extremum at the end of the step.
+    pub at_end: bool,
+}
+
+impl<T> StepExtrema<T> {
+    pub fn clear(&mut self) {
+        self.inside.clear();
+        self.at_end = false;
+    }
+
+    pub fn sort(&mut self) {
+        self.inside.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+
+    /// Removes and returns the first extremum if it lies before a position.
+    pub fn next_before(&mut self, position: f64) -> Option<(f64, T)> {
+        self.inside.first().is_some_and(|(first, _)| *first < position).then(|| self.inside.remove(0))
+    }
+
+    /// Removes and returns the next extremum if it lies exactly at a position.
+    pub fn next_at(&mut self, position: f64) -> Option<T> {
+        self.inside.first().is_some_and(|(first, _)| *first == position).then(|| self.inside.remove(0).1)
+    }
+}
+
+impl StepExtrema<()> {
+    /// Adds a fraction of the step; the start of the step is ignored.
+    pub fn push(&mut self, theta: f64) {
+        if theta >= 1.0 {
+            self.at_end = true;
+        } else if theta > 0.0 {
+            self.inside.push((theta, ()));
+        }
+    }
+}
+
+/// Fraction of a step beyond which an instant counts as the end of the step.
+#[cfg(feature = "engine")]
+const STEP_END: f64 = 1.0 - 1e-9;
+
+/// Extrema of an engine step, each with the index of its contact.
+#[cfg(feature = "engine")]
+impl StepExtrema<(usize, ContactExtremum)> {
+    /// Adds one contact over a step of length `dt_s`: its extrema within the step, if contact was solved by sub-steps,
+    /// and force and penetration at the end.
+    pub fn add_contact(
+        &mut self,
+        contact: usize,
+        summary: &mut ContactSummary,
+        within: Option<[ContactExtremum; 2]>,
+        dt_s: f64,
+        [force, depth]: [f64; 2],
+    ) {
+        if let Some([peak, deepest]) = within {
+            // The geometry is frozen within a step, so extrema at its end are read from the end sample.
+            let inside = |extremum: &ContactExtremum| extremum.after_s > 0.0 && extremum.after_s < STEP_END * dt_s;
+            if inside(&peak) && summary.update_peak_force(peak.normal) {
+                self.inside.push((peak.after_s, (contact, peak)));
+            }
+            if inside(&deepest) && summary.update_max_penetration(-deepest.gap) && deepest.after_s != peak.after_s {
+                self.inside.push((deepest.after_s, (contact, deepest)));
+            }
+        }
+        self.at_end |= summary.update_peak_force(force) | summary.update_max_penetration(depth);
+    }
+}
+
+#[cfg(feature = "engine")]
+impl ContactSample {
+    /// Sets the values at an instant within a step; `impulse_n_s` is the impulse up to the start of the step.
+    pub(super) fn set_extremum(&mut self, extremum: &ContactExtremum, impulse_n_s: f64) {
+        (self.gap_m, self.gap_rate_m_s, self.slip_m_s) = (extremum.gap, extremum.gap_rate, extremum.slip);
+        (self.normal_n, self.tangential_n) = (extremum.normal, extremum.tangential);
+        self.impulse_n_s = impulse_n_s + extremum.impulse;
+    }
+}

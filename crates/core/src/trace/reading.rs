@@ -1,0 +1,177 @@
+//! Converts states of the analytic model to samples; the conversion is the only part of a run that differs between its
+//! two kernels.
+
+use std::ops::Index;
+
+use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, RequiredData, Sample};
+use crate::analytic::multibody::Multibody;
+use crate::analytic::{
+    ContactReading, ContactState, Energies, FingerMode, FingerMotion, Mode, PassiveJoints, QUADRATURES,
+};
+use crate::integrator::State;
+use crate::scene::System;
+
+/// Converts the states of a model to samples.
+pub(super) trait Reader<const N: usize, const Z: usize> {
+    /// Branches of all contact laws.
+    type Mode: Copy + Index<usize, Output = ContactState>;
+
+    /// Reads the required data of one state; `start` contains the energies at the start of the run, the reference for
+    /// work and dissipation.
+    fn read(
+        &self,
+        t: f64,
+        state: &State<N, Z>,
+        mode: &Self::Mode,
+        start: &Energy,
+        required_data: RequiredData,
+        sample: &mut Sample,
+    );
+
+    /// Whether bristle friction slips at a contact; `None` if the contact is inactive, has no bristle, or the mode does
+    /// not record it.
+    fn is_slipping(&self, index: usize, mode: &Self::Mode) -> Option<bool>;
+
+    /// Reads one contact of a state.
+    fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
+}
+
+/// Replaces the elements of a vector, reusing its allocation.
+fn refill<T>(items: &mut Vec<T>, new: impl Iterator<Item = T>) {
+    items.clear();
+    items.extend(new);
+}
+
+/// Converts the energies of a state to those of a sample.
+fn stored_energy(energies: &Energies) -> Energy {
+    Energy {
+        kinetic_j: energies.kinetic,
+        gravity_j: energies.gravity,
+        spring_j: energies.spring,
+        elastic_j: energies.elastic,
+        ..Energy::default()
+    }
+}
+
+/// Converts a contact reading to a sample; `None` is a contact that does not exist.
+fn contact_sample(reading: Option<ContactReading>, impulse_n_s: f64) -> ContactSample {
+    reading.map_or(ContactSample::NONE, |r| ContactSample {
+        gap_m: -r.delta,
+        gap_rate_m_s: -r.delta_rate,
+        slip_m_s: r.slip,
+        normal_n: r.normal,
+        tangential_n: r.tangential,
+        impulse_n_s,
+        point_m: r.geometry.point,
+        normal: r.geometry.normal,
+    })
+}
+
+impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, W> {
+    type Mode = FingerMode;
+
+    fn read(
+        &self,
+        t: f64,
+        state: &State<N, QUADRATURES>,
+        mode: &FingerMode,
+        start: &Energy,
+        required_data: RequiredData,
+        sample: &mut Sample,
+    ) {
+        let snapshot = self.snapshot(state.q, state.v, mode, (required_data.passive, required_data.energies));
+        let (passive, energies) = (&snapshot.passive, &snapshot.energies);
+        let sample_contact =
+            |site: FingerContact| contact_sample(snapshot.contacts[site as usize], state.z[site as usize]);
+        let [.., contact_work, motor_work] = state.z;
+        let finger = FingerState {
+            q11_rad: state.q[0],
+            q21_rad: state.q[1],
+            q12_rad: passive.q12,
+            q22_rad: passive.q22,
+            q13_rad: passive.q13,
+            qd11_rad_s: state.v[0],
+            qd21_rad_s: state.v[1],
+            qd12_rad_s: passive.qd12,
+            qd22_rad_s: passive.qd22,
+            motor_torque_n_m: if required_data.passive { self.motor_torque(t) } else { 0.0 },
+        };
+        sample.time_s = t;
+        refill(&mut sample.fingers, std::iter::once(finger));
+        refill(&mut sample.contacts, FingerContact::ALL.into_iter().map(sample_contact));
+        sample.energy = if required_data.energies {
+            stored_energy(energies).relative_to(start, contact_work, motor_work)
+        } else {
+            Energy::default()
+        };
+    }
+
+    fn is_slipping(&self, index: usize, mode: &FingerMode) -> Option<bool> {
+        mode.is_slipping(index).filter(|_| self.bristle(FingerContact::ALL[index]).is_some())
+    }
+
+    fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &FingerMode) -> ContactSample {
+        contact_sample(self.contact_reading(state.q, state.v, FingerContact::ALL[index], mode[index]), state.z[index])
+    }
+}
+
+/// A model, and its system, which defines the layout of the samples.
+pub(super) struct SystemReader<'a, const N: usize, const C: usize> {
+    pub model: &'a Multibody<N, C>,
+    pub system: &'a System,
+}
+
+impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemReader<'_, N, C> {
+    type Mode = Mode<C>;
+
+    fn read(
+        &self,
+        t: f64,
+        state: &State<N, Z>,
+        mode: &Mode<C>,
+        start: &Energy,
+        required_data: RequiredData,
+        sample: &mut Sample,
+    ) {
+        let (model, State { q, v, z }) = (self.model, state);
+        let torques = if required_data.passive { model.motor_torques(t, v) } else { [0.0; 2] };
+        let finger = |finger: usize| {
+            let passive =
+                if required_data.passive { model.passive_joints(finger, q, v) } else { PassiveJoints::default() };
+            let first = 2 * finger;
+            FingerState {
+                q11_rad: q[first],
+                q21_rad: q[first + 1],
+                q12_rad: passive.q12,
+                q22_rad: passive.q22,
+                q13_rad: passive.q13,
+                qd11_rad_s: v[first],
+                qd21_rad_s: v[first + 1],
+                qd12_rad_s: passive.qd12,
+                qd22_rad_s: passive.qd22,
+                motor_torque_n_m: torques[finger],
+            }
+        };
+        let disc = |disc: usize| {
+            let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.disc_pose(disc, q), model.disc_rates(disc, v));
+            BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
+        };
+        sample.time_s = t;
+        refill(&mut sample.fingers, (0..self.system.fingers.len()).map(finger));
+        refill(&mut sample.bodies, (0..self.system.reported_discs().len()).map(disc));
+        refill(&mut sample.contacts, (0..model.contact_count()).map(|contact| self.contact(state, contact, mode)));
+        sample.energy = if required_data.energies {
+            stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1])
+        } else {
+            Energy::default()
+        };
+    }
+
+    fn is_slipping(&self, index: usize, mode: &Mode<C>) -> Option<bool> {
+        mode.is_slipping(index).filter(|_| self.model.has_stiction(index))
+    }
+
+    fn contact(&self, state: &State<N, Z>, index: usize, mode: &Mode<C>) -> ContactSample {
+        contact_sample(self.model.contact_reading(&state.q, &state.v, index, mode[index]), state.z[index])
+    }
+}

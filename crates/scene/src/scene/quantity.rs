@@ -1,0 +1,169 @@
+//! Types of the values of settings: quantities with a dimension and a range, plain numbers, keywords.
+//!
+//! A value is a number in SI units as soon as it is read; its schema says which units a file may use.
+
+use std::borrow::Cow;
+use std::fmt::Debug;
+use std::marker::PhantomData;
+use std::mem::discriminant;
+use std::ops::Deref;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Deserialize, Deserializer, Error};
+use serde::{Serialize, Serializer};
+
+use crate::units::Dimension;
+
+/// The dimension of a [`Quantity`]; `None` for a plain number.
+pub trait Measure {
+    const DIMENSION: Option<Dimension>;
+}
+
+/// The range of a [`Quantity`] as keywords of JSON Schema with their limits, in SI units.
+pub trait Range {
+    const LIMITS: &'static [(&'static str, f64)];
+}
+
+macro_rules! markers {
+    ($trait:ident: $($(#[doc = $doc:literal])* $name:ident { $($constant:tt)* })*) => {$(
+        $(#[doc = $doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        pub struct $name;
+
+        impl $trait for $name {
+            $($constant)*
+        }
+    )*};
+}
+
+macro_rules! dimensions {
+    ($($name:ident)*) => { markers!(Measure: $($name { const DIMENSION: Option<Dimension> = Some(Dimension::$name); })*); };
+}
+
+dimensions!(Length Angle Time Mass Force Torque Speed AngularRate Acceleration Density Inertia Frequency Pressure);
+dimensions!(AngularStiffness LinearDamping AngularDamping);
+
+markers! { Measure:
+    /// A ratio, or a value in SI units if its unit has a fractional power.
+    Plain { const DIMENSION: Option<Dimension> = None; }
+}
+
+markers! { Range:
+    /// Any finite number.
+    Finite { const LIMITS: &'static [(&'static str, f64)] = &[]; }
+    /// Numbers above 0.
+    Above0 { const LIMITS: &'static [(&'static str, f64)] = &[("exclusiveMinimum", 0.0)]; }
+    /// Numbers from 0.
+    From0 { const LIMITS: &'static [(&'static str, f64)] = &[("minimum", 0.0)]; }
+}
+
+/// A number in SI units with its dimension and range.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
+#[serde(transparent)]
+pub struct Quantity<D, R = Finite>(f64, PhantomData<(D, R)>);
+
+/// A quantity above 0.
+pub type Positive<D> = Quantity<D, Above0>;
+/// A quantity of at least 0.
+pub type NotNegative<D> = Quantity<D, From0>;
+
+impl<D, R> From<f64> for Quantity<D, R> {
+    fn from(si: f64) -> Self {
+        Quantity(si, PhantomData)
+    }
+}
+
+impl<D, R> Deref for Quantity<D, R> {
+    type Target = f64;
+
+    fn deref(&self) -> &f64 {
+        &self.0
+    }
+}
+
+impl<D: Measure, R: Range> JsonSchema for Quantity<D, R> {
+    fn schema_name() -> Cow<'static, str> {
+        "Quantity".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let mut schema = match D::DIMENSION {
+            None => json_schema!({ "type": "number" }),
+            Some(dimension) => json_schema!({
+                "type": "string",
+                "pattern": r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*\S.*$",
+                "examples": [dimension.example()],
+                "x-units": dimension.units().iter().map(|unit| unit.name).collect::<Vec<_>>(),
+            }),
+        };
+        // JSON Schema has limits for numbers only.
+        let prefix = if D::DIMENSION.is_some() { "x-" } else { "" };
+        for (keyword, limit) in R::LIMITS {
+            schema.insert(format!("{prefix}{keyword}"), (*limit).into());
+        }
+        schema
+    }
+}
+
+/// The SI values of a list of quantities.
+pub fn si_values<D, R>(values: &[Quantity<D, R>]) -> Vec<f64> {
+    values.iter().map(|value| **value).collect()
+}
+
+/// Quantities with these SI values.
+pub fn quantities<D, R>(values: impl IntoIterator<Item = f64>) -> Vec<Quantity<D, R>> {
+    values.into_iter().map(Quantity::from).collect()
+}
+
+/// A type whose values are written as keywords.
+pub trait Keyword: Clone + 'static {
+    const KEYWORDS: &'static [(&'static str, Self)];
+
+    /// Returns the keyword of a value, which depends on its variant only.
+    fn keyword(&self) -> &'static str {
+        Self::KEYWORDS.iter().find(|(_, v)| discriminant(v) == discriminant(self)).map_or("", |(w, _)| w)
+    }
+
+    /// Returns the value of a keyword.
+    fn from_keyword(keyword: &str) -> Option<Self> {
+        Self::KEYWORDS.iter().find(|(known, _)| *known == keyword).map(|(_, value)| value.clone())
+    }
+
+    /// All keywords.
+    fn keywords() -> Vec<&'static str> {
+        Self::KEYWORDS.iter().map(|(keyword, _)| *keyword).collect()
+    }
+}
+
+/// A value written as a keyword; by default the first one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Word<K>(pub K);
+
+impl<K: Keyword> Default for Word<K> {
+    fn default() -> Self {
+        Word(K::KEYWORDS[0].1.clone())
+    }
+}
+
+impl<K: Keyword> Serialize for Word<K> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.keyword())
+    }
+}
+
+impl<'de, K: Keyword> Deserialize<'de> for Word<K> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let keyword = String::deserialize(deserializer)?;
+        K::from_keyword(&keyword).map(Word).ok_or_else(|| D::Error::custom(format!("unknown keyword `{keyword}`")))
+    }
+}
+
+impl<K: Keyword> JsonSchema for Word<K> {
+    fn schema_name() -> Cow<'static, str> {
+        "Word".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "string", "enum": K::keywords() })
+    }
+}

@@ -1,0 +1,168 @@
+//! The settings of a scene file: one struct per section, one field per key.
+//!
+//! The doc comment of a field is its description; its type gives unit, range and keywords. From these structs follow the
+//! JSON Schema, the checks of a file, `scene show`, the settings in a log and the tables of the documentation (see
+//! [`schema`](super::schema)). A new setting is one field here, and its use where the scene is
+//! [resolved](super::resolve). An attribute `extend` gives what a type cannot say:
+//!
+//! | keyword | meaning |
+//! |---|---|
+//! | `default` | default, as written in a file |
+//! | `x-kinds` | the kinds of scene that have the key; without it all |
+//! | `x-finger`, `x-bodies`, `x-gripper` | keywords that differ in this kind of scene |
+//! | `x-with` | `KEY = VALUE\|VALUE`: the choice with which the key has an effect |
+//! | `x-required` | the remedy if the key is missing |
+//! | `x-key` | name in a file, if that is not the name of the field without its unit |
+//!
+//! | file | sections |
+//! |---|---|
+//! | `finger` | design, lengths, material, bodies, initial |
+//! | `drive` | motor, spring, differential |
+//! | `bodies` | object, discs, half plane, table |
+//! | `law` | contact, limit |
+//! | `motion` | moves, vibrations, path |
+//! | `run` | integrator, engine, validate, criteria, log |
+
+mod bodies;
+mod drive;
+mod finger;
+mod law;
+mod motion;
+mod run;
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use bodies::{DiscSettings, HalfPlaneSettings, ObjectSettings, TableSettings};
+pub use drive::{DifferentialSettings, MotorSettings, SpringSettings};
+pub use finger::{
+    BodiesSettings, BodySettings, DesignSettings, FingerSettings, InitialSettings, LengthSettings, MaterialSettings,
+};
+pub use law::{ContactOverride, ContactSettings, FrictionSettings, LawSettings, LimitSettings, SurfaceSettings};
+pub use motion::{MoveSettings, PathSettings, VibrationSettings};
+pub use run::{
+    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
+    Stepping, Thresholds,
+};
+
+use super::keywords::SceneKind;
+use super::quantity::{Acceleration, Length, Positive, Quantity, Time, Word};
+
+/// Kinds of scene in `x-kinds`.
+const FINGER: &str = "finger";
+const GRIPPER: &str = "gripper";
+const BODIES: &str = "bodies";
+const FINGERS: &str = "finger gripper";
+const NO_OR_TWO_FINGERS: &str = "bodies gripper";
+
+/// A scene of kind "finger": one finger, the object it grasps, and the settings of the simulation. Omitted keys
+/// have their defaults. Quantities are strings with a unit: "15 mm", "120 deg", "480 N*mm".
+#[derive(Debug, Default, Serialize, JsonSchema)]
+#[schemars(
+    title = "scene of a finger",
+    extend(
+        "x-bodies" = {
+            "title": "scene of discs",
+            "description": "A scene of kind \"bodies\": discs that are fixed, driven or free, and a half plane, to study the \
+                contact laws alone. Omitted keys have their defaults. Quantities are strings with a unit: \"15 mm\", \"0.3 m/s\".",
+        },
+        "x-gripper" = {
+            "title": "scene of a gripper",
+            "description": "A scene of kind \"gripper\": two fingers that close on an object, which may move, with a palm and an \
+                optional table. Omitted keys have their defaults. Quantities are strings with a unit: \"15 mm\", \"120 deg\", \
+                \"480 N*mm\".",
+        }
+    )
+)]
+pub struct SceneFile {
+    #[serde(flatten)]
+    pub top: SceneSettings,
+    #[serde(flatten)]
+    pub finger: FingerSettings,
+    /// Discs, one section per name, chosen freely: [discs.hammer]. At least one disc must move.
+    #[schemars(extend(
+        "x-kinds" = BODIES, "minProperties" = 1,
+        "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "not": { "const": "plane" } }
+    ))]
+    pub discs: Option<BTreeMap<String, DiscSettings>>,
+    #[schemars(extend("x-kinds" = BODIES))]
+    pub half_plane: Option<HalfPlaneSettings>,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub object: Option<ObjectSettings>,
+    #[schemars(extend("x-kinds" = GRIPPER))]
+    pub table: Option<TableSettings>,
+    #[schemars(extend("x-kinds" = GRIPPER))]
+    pub differential: Option<DifferentialSettings>,
+    /// Settings of the right finger that differ from the common ones. The left finger is described by its mirror image.
+    #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
+    pub right: Option<FingerSettings>,
+    /// Settings of the left finger that differ from the common ones. The left finger is described by its mirror image.
+    #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
+    pub left: Option<FingerSettings>,
+    /// One section per name, chosen freely. A move of the palm from rest to rest along a polynomial of order 7, with zero
+    /// rate, acceleration and jerk at both ends. Overlapping moves add up.
+    #[schemars(extend("x-kinds" = GRIPPER, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub moves: Option<BTreeMap<String, MoveSettings>>,
+    /// One section per name, chosen freely. A vibration of the palm, amplitude × sin(2π f (t − start) + phase), with a
+    /// ramp over the first periods.
+    #[schemars(extend("x-kinds" = GRIPPER, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub vibrations: Option<BTreeMap<String, VibrationSettings>>,
+    #[schemars(extend("x-kinds" = GRIPPER))]
+    pub path: Option<PathSettings>,
+    pub integrator: Option<Integrator>,
+    pub engine: Option<Engine>,
+    pub validate: Option<Bounds>,
+    #[schemars(extend("x-kinds" = GRIPPER))]
+    pub criteria: Option<Thresholds>,
+    pub log: Option<LogRates>,
+}
+
+/// Settings at the top level.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct SceneSettings {
+    /// Scene file that this one extends, relative to its own directory: omitted keys are inherited, except
+    /// name and description. A section with `type` or `profile` replaces the inherited section; [lengths] replaces
+    /// [design].
+    #[schemars(extend("minLength" = 1, "x-bodies" = {
+        "description": "Scene file that this one extends, relative to its own directory: omitted keys are inherited, except name \
+            and description."
+    }))]
+    pub extends: Option<String>,
+    /// Name in reports and logs. Default: the name of the file without its extension.
+    #[schemars(extend("minLength" = 1))]
+    pub name: Option<String>,
+    /// Description of the scene; not used by the simulation.
+    #[schemars(extend("minLength" = 1))]
+    pub description: Option<String>,
+    /// Kind of scene: "finger": one finger with two phalanges and one motor; "gripper": two fingers; "bodies": discs
+    /// and a half plane. Determines the other keys.
+    #[schemars(extend(
+        "x-finger" = { "default": "finger" },
+        "x-bodies" = { "description": "Kind of scene: \"bodies\": discs and a half plane. Required." },
+        "x-gripper" = { "description": "Kind of scene: \"gripper\": two fingers and an object. Required." }
+    ))]
+    pub kind: Option<Word<SceneKind>>,
+    /// Simulated time.
+    #[schemars(extend("default" = "20 ms"))]
+    pub duration: Positive<Time>,
+    /// Gravity: x along the palm, y out of it; by default the gripper hangs upside down.
+    #[schemars(extend("default" = ["0 m/s^2", "9.81 m/s^2"], "x-bodies" = {
+        "description": "Gravity on free discs. Default: none.", "default": ["0 m/s^2", "0 m/s^2"]
+    }))]
+    pub gravity: [Quantity<Acceleration>; 2],
+    /// Whether there is a palm, the half plane y ≤ 0.
+    #[schemars(extend("default" = true, "x-kinds" = FINGERS, "x-gripper" = {
+        "description": "Whether there is a palm, the half plane y ≤ 0, which only the object can touch."
+    }))]
+    pub palm: Option<bool>,
+    /// Distance between the ground joints of both fingers. Default: twice the base of [design] or [lengths].
+    #[schemars(extend("x-kinds" = GRIPPER))]
+    pub palm_width: Option<Positive<Length>>,
+    /// Largest positioning error for the initial configuration and `sizing`: both fingers start before the earliest
+    /// contact over both ends of the error, and have the larger torques of motor and spring of both ends (of one end,
+    /// if the other one is out of reach). Default: the offset of the object.
+    #[schemars(extend("x-kinds" = GRIPPER))]
+    pub positioning_error: Option<Quantity<Length>>,
+}

@@ -1,0 +1,434 @@
+//! Integrator, engine, tolerances of the validation, thresholds of grasps, and rates of the log.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{BODIES, FINGERS, NO_OR_TWO_FINGERS};
+use crate::limits::{MAX_PICTURES, MAX_SAMPLES};
+use crate::numeric::elementary::{log10, powi};
+use crate::scene::keywords::SceneKind;
+use crate::scene::quantity::{
+    Angle, AngularRate, Force, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word,
+};
+
+/// Integration of the equations of motion. Defaults depend on the preset.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Integrator {
+    /// "engineering" for general use (rtol 1e-5, in grippers 3e-6), "reference" for comparisons (rtol 1e-11).
+    #[schemars(extend("default" = "engineering"))]
+    pub preset: Preset,
+    /// Integration method: Rodas5P or Radau IIA of order 5.
+    pub method: Method,
+    /// Relative tolerance of rates.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
+    pub rtol: f64,
+    /// Absolute tolerance of angles; for positions of discs the same number in m.
+    #[schemars(with = "Positive<Angle>")]
+    pub atol_angle_rad: f64,
+    /// Absolute tolerance of rates; for velocities of discs the same number in m/s.
+    #[schemars(with = "Positive<AngularRate>")]
+    pub atol_rate_rad_s: f64,
+    /// Maximum number of steps of a run.
+    #[schemars(extend("default" = MAX_STEPS, "minimum" = 1))]
+    pub max_steps: u64,
+}
+
+/// Tolerances of the integrator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    Engineering,
+    Reference,
+}
+
+/// Integration method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Method {
+    #[serde(rename = "rodas5p")]
+    Rodas5p,
+    #[serde(rename = "radau5")]
+    RadauIIa5,
+}
+
+/// Default step budget of both models.
+const MAX_STEPS: u64 = 10_000_000;
+
+/// Default relative tolerance of grippers. Impacts between two fingers and a moving object amplify errors by a factor
+/// of 1e4: at 1e-5, the default of one finger, the error exceeded 1e-5 rad in 5 of 314 random grippers.
+const GRIPPER_RTOL: f64 = 3e-6;
+
+/// Smallest useful absolute tolerance of angles: the precision of an angle of 1 rad.
+const FINEST_ATOL_RAD: f64 = 1e-14;
+/// Smallest useful absolute tolerance of rates: the precision of a rate of 100 rad/s.
+const FINEST_ATOL_RAD_S: f64 = 1e-9;
+
+impl Integrator {
+    /// Returns the settings of a preset.
+    pub const fn preset(preset: Preset) -> Self {
+        let (method, rtol, atol_angle_rad, atol_rate_rad_s) = match preset {
+            Preset::Engineering => (Method::Rodas5p, 1e-5, 1e-9, 1e-5),
+            Preset::Reference => (Method::RadauIIa5, 1e-11, 1e-14, 1e-9),
+        };
+        Self { preset, method, rtol, atol_angle_rad, atol_rate_rad_s, max_steps: MAX_STEPS }
+    }
+
+    /// Returns the default settings of a kind of scene: the engineering preset, with a tighter tolerance for grippers.
+    pub fn engineering_for(kind: SceneKind) -> Self {
+        let defaults = Self::preset(Preset::Engineering);
+        if kind == SceneKind::Gripper { defaults.with_rtol(GRIPPER_RTOL) } else { defaults }
+    }
+
+    /// The settings of another preset, within the same step budget.
+    pub(in crate::scene) const fn with_preset(&self, preset: Preset) -> Self {
+        Self { max_steps: self.max_steps, ..Self::preset(preset) }
+    }
+
+    /// Sets `rtol` and scales the absolute tolerances by the same factor, but not below 1e-14 rad and 1e-9 rad/s, the
+    /// limit of double precision.
+    pub fn with_rtol(&self, rtol: f64) -> Self {
+        let factor = rtol / self.rtol;
+        let scaled = |atol: f64, finest: f64| (factor * atol).max(finest.min(atol));
+        Self {
+            rtol,
+            atol_angle_rad: scaled(self.atol_angle_rad, FINEST_ATOL_RAD),
+            atol_rate_rad_s: scaled(self.atol_rate_rad_s, FINEST_ATOL_RAD_S),
+            ..*self
+        }
+    }
+}
+
+impl Keyword for Preset {
+    const KEYWORDS: &'static [(&'static str, Self)] =
+        &[("engineering", Preset::Engineering), ("reference", Preset::Reference)];
+}
+
+impl Keyword for Method {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[("rodas5p", Method::Rodas5p), ("radau5", Method::RadauIIa5)];
+}
+
+/// Settings of the engine model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(from = "EngineSettings", into = "EngineSettings")]
+#[schemars(with = "EngineSettings")]
+pub struct Engine {
+    pub construction: Construction,
+    pub response: Response,
+    pub stepping: Stepping,
+    /// Sweeps of rapier's projected Gauss–Seidel solver over the joints, per step.
+    pub iterations: u32,
+    /// Step budget; a run that needs more steps ends with an error, and its log is kept.
+    pub max_steps: u64,
+}
+
+/// Coordinates of the engine model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Construction {
+    /// Three coordinates per body; every joint is a constraint between two bodies. Second-order accurate.
+    Maximal,
+    /// Joint coordinates of a tree of bodies; one constraint closes the loop. First-order accurate.
+    Reduced,
+}
+
+/// Contact forces of the engine model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Response {
+    /// The scene's contact laws, applied through the engine's contact-force hook.
+    Laws,
+    /// rapier's own rigid contact, with its Coulomb friction and Newton restitution.
+    Rapier { friction: f64, restitution: f64 },
+}
+
+/// Step sizes of the engine model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    Fixed {
+        step_s: f64,
+    },
+    /// Steps in which no joint deviates by more than `tolerance_m` from its circular path; shorter around impacts.
+    Adaptive {
+        tolerance_m: f64,
+        max_step_s: f64,
+    },
+}
+
+pub const ENGINE_MAX_STEP_S: f64 = 6e-5;
+
+const ADAPTIVE: Stepping = Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: ENGINE_MAX_STEP_S };
+
+impl Keyword for Construction {
+    const KEYWORDS: &'static [(&'static str, Self)] =
+        &[("maximal", Construction::Maximal), ("reduced", Construction::Reduced)];
+}
+
+impl Keyword for Response {
+    const KEYWORDS: &'static [(&'static str, Self)] =
+        &[("scene", Response::Laws), ("rapier", Response::Rapier { friction: f64::NAN, restitution: 0.0 })];
+}
+
+impl Keyword for Stepping {
+    const KEYWORDS: &'static [(&'static str, Self)] =
+        &[("adaptive", ADAPTIVE), ("fixed", Stepping::Fixed { step_s: f64::NAN })];
+}
+
+impl Engine {
+    pub const DEFAULT: Self = Self {
+        construction: Construction::Maximal,
+        response: Response::Laws,
+        stepping: ADAPTIVE,
+        iterations: Self::default_iterations(Response::Laws),
+        max_steps: MAX_STEPS,
+    };
+
+    /// Whether contacts follow the laws of the scene, as in the analytic model.
+    pub fn uses_laws(&self) -> bool {
+        self.response == Response::Laws
+    }
+
+    /// Default number of joint sweeps. With the contact laws of the scene, the engine passes the joint reactions to
+    /// rapier, and the sweeps only confirm them; with rapier's contact, the sweeps must propagate the impulses through
+    /// the linkage.
+    pub const fn default_iterations(response: Response) -> u32 {
+        match response {
+            Response::Laws => 2,
+            Response::Rapier { .. } => 50,
+        }
+    }
+}
+
+/// Construction, contact law and stepping of the engine model.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct EngineSettings {
+    /// "maximal": every body moves freely, and every joint is a constraint; "reduced": a tree of joints in joint
+    /// coordinates, closed by one constraint (for a single finger only).
+    #[schemars(extend("default" = "maximal"))]
+    construction: Word<Construction>,
+    /// Contact law: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
+    #[schemars(extend("default" = "scene"))]
+    law: Word<Response>,
+    /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the contact (of the proximal
+    /// contact of a finger).
+    #[schemars(extend("x-with" = "law = rapier"))]
+    friction: Option<NotNegative<Plain>>,
+    /// Coefficient of rapier's Newton restitution, 0 to 1 (law = "rapier").
+    #[schemars(extend("x-with" = "law = rapier", "default" = 0.0, "minimum" = 0.0, "maximum" = 1.0))]
+    restitution: Option<Quantity<Plain>>,
+    /// "adaptive": steps limited by `tolerance`, shorter around impacts; "fixed": all steps of size `step`.
+    #[schemars(extend("default" = "adaptive"))]
+    stepping: Word<Stepping>,
+    /// Step size. Required with stepping = "fixed", not allowed otherwise.
+    #[schemars(extend("x-with" = "stepping = fixed",
+        "x-required" = "add the step size: step = \"10 us\"; or use stepping = \"adaptive\""))]
+    step: Option<Positive<Time>>,
+    /// Largest deviation of a joint from its circular path in one step, in which bodies move along straight lines
+    /// (stepping = "adaptive"). The default is proportionally smaller if the shortest link is shorter than 2.5 mm.
+    #[schemars(extend("x-with" = "stepping = adaptive", "default" = "1e-4 mm"))]
+    tolerance: Option<Positive<Length>>,
+    /// Longest step (stepping = "adaptive").
+    #[schemars(extend("x-with" = "stepping = adaptive", "default" = "60 us"))]
+    max_step: Option<Positive<Time>>,
+    /// Sweeps of rapier's joint solver in every step. Default: 2, or 50 with law = "rapier".
+    // Bounded, because the step budget cannot end a run if a single step takes too long.
+    #[schemars(extend("minimum" = 1, "maximum" = 10_000))]
+    iterations: Option<u32>,
+    /// Maximum number of steps of a run.
+    #[schemars(extend("default" = MAX_STEPS, "minimum" = 1))]
+    max_steps: u64,
+}
+
+impl From<EngineSettings> for Engine {
+    fn from(settings: EngineSettings) -> Self {
+        let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let response = match settings.law.0 {
+            Response::Laws => Response::Laws,
+            Response::Rapier { .. } => Response::Rapier {
+                friction: number(settings.friction.map(|friction| *friction)),
+                restitution: number(settings.restitution.map(|restitution| *restitution)),
+            },
+        };
+        let stepping = match settings.stepping.0 {
+            Stepping::Fixed { .. } => Stepping::Fixed { step_s: number(settings.step.map(|step| *step)) },
+            Stepping::Adaptive { .. } => Stepping::Adaptive {
+                tolerance_m: number(settings.tolerance.map(|tolerance| *tolerance)),
+                max_step_s: number(settings.max_step.map(|step| *step)),
+            },
+        };
+        let iterations = settings.iterations.unwrap_or(Engine::default_iterations(response));
+        Engine { construction: settings.construction.0, response, stepping, iterations, max_steps: settings.max_steps }
+    }
+}
+
+impl From<Engine> for EngineSettings {
+    fn from(engine: Engine) -> Self {
+        let (friction, restitution) = match engine.response {
+            Response::Laws => (None, None),
+            Response::Rapier { friction, restitution } => (Some(friction.into()), Some(restitution.into())),
+        };
+        let (step, tolerance, max_step) = match engine.stepping {
+            Stepping::Fixed { step_s } => (Some(step_s.into()), None, None),
+            Stepping::Adaptive { tolerance_m, max_step_s } => (None, Some(tolerance_m.into()), Some(max_step_s.into())),
+        };
+        EngineSettings {
+            construction: Word(engine.construction),
+            law: Word(engine.response),
+            friction,
+            restitution,
+            stepping: Word(engine.stepping),
+            step,
+            tolerance,
+            max_step,
+            iterations: Some(engine.iterations),
+            max_steps: engine.max_steps,
+        }
+    }
+}
+
+/// Tolerances of `phalanx validate` for differences between the engine model and the analytic model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Bounds {
+    /// Difference of any joint angle, over the run up to `until`.
+    #[schemars(with = "Positive<Angle>", extend("x-kinds" = FINGERS, "x-finger" = { "default": "2e-5 rad" }, "x-gripper" = {
+        "default": "1e-4 rad", "description": "Difference of any joint angle of either finger, over the run up to `until`."
+    }))]
+    pub angle_rad: f64,
+    /// Distance between the centres of a disc in both models, over the run up to `until`.
+    #[schemars(with = "Positive<Length>", extend("x-kinds" = NO_OR_TWO_FINGERS, "default" = "1 um", "x-gripper" = {
+        "description": "Distance between the object's centres in both models, over the run up to `until`."
+    }))]
+    pub position_m: f64,
+    /// Difference of the times of the first contact of two surfaces.
+    #[schemars(with = "Positive<Time>", extend("default" = "0.5 us", "x-finger" = {
+        "description": "Difference of the times of the first contact of a phalanx with the object."
+    }))]
+    pub contact_time_s: f64,
+    /// Relative difference of a normal force at the end.
+    #[schemars(with = "Positive<Plain>", extend("x-kinds" = FINGERS, "default" = 1e-4, "x-gripper" = { "default": 5e-3 }))]
+    pub final_force: f64,
+    /// Relative difference of the normal impulse of an impact.
+    #[schemars(with = "Positive<Plain>", extend("default" = 5e-3, "x-bodies" = {
+        "description": "Relative difference of the normal impulse of a pair, over the run up to `until`."
+    }))]
+    pub impulse: f64,
+    /// Relative difference of the largest normal force of a pair.
+    #[schemars(with = "Positive<Plain>", extend("x-kinds" = BODIES, "default" = 1e-2))]
+    pub peak_force: f64,
+    /// Opening of a joint of the engine model.
+    #[schemars(with = "Positive<Length>", extend("x-kinds" = FINGERS, "default" = "1e-4 mm"))]
+    pub loop_gap_m: f64,
+    /// Difference of the time to stability.
+    #[schemars(with = "Positive<Time>", extend("x-kinds" = FINGERS, "default" = "10 us", "x-gripper" = {
+        "default": "0.1 ms", "description": "Difference of the time to stability of the whole grasp."
+    }))]
+    pub stability_time_s: f64,
+    /// Difference of the coefficient of restitution of a pair.
+    #[schemars(with = "Positive<Plain>", extend("x-kinds" = BODIES, "default" = 1e-2))]
+    pub restitution: f64,
+    /// End of the comparison of trajectories, at most the duration: later rebounds may be chaotic. Default: the
+    /// duration.
+    #[schemars(with = "Positive<Time>")]
+    pub until_s: f64,
+}
+
+impl Bounds {
+    /// Default tolerances of a kind of scene.
+    pub const fn defaults_for_run(kind: SceneKind, duration_s: f64) -> Self {
+        let finger = Self {
+            angle_rad: 2e-5,
+            position_m: 1e-6,
+            contact_time_s: 5e-7,
+            final_force: 1e-4,
+            impulse: 5e-3,
+            peak_force: 1e-2,
+            loop_gap_m: 1e-7,
+            stability_time_s: 1e-5,
+            restitution: 1e-2,
+            until_s: duration_s,
+        };
+        match kind {
+            SceneKind::Finger | SceneKind::Bodies => finger,
+            SceneKind::Gripper => Self { angle_rad: 1e-4, final_force: 5e-3, stability_time_s: 1e-4, ..finger },
+        }
+    }
+}
+
+/// Thresholds for a lost contact and a held object. A single finger follows the thesis instead, where every loss of
+/// contact counts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Thresholds {
+    /// Shortest loss of contact: a contact is lost if its force is at or below `loss_force` for at least this time.
+    /// Default: 0.1 ms, and at most 0.005 of the duration.
+    #[schemars(with = "NotNegative<Time>")]
+    pub loss_time_s: f64,
+    /// Largest normal force of a lost contact. Default: 1e-4 of the largest motor torque over the length of the
+    /// proximal phalanx.
+    #[schemars(with = "NotNegative<Force>")]
+    pub loss_force_n: f64,
+    /// An object counts as held if it is held without interruption for at least this time. Default: 1 ms, and at most
+    /// 0.05 of the duration.
+    #[schemars(with = "NotNegative<Time>")]
+    pub held_time_s: f64,
+}
+
+impl Thresholds {
+    /// No thresholds, for scenes without a gripper: every loss of contact counts, and an object is held at once.
+    pub const NONE: Self = Self { loss_time_s: 0.0, loss_force_n: 0.0, held_time_s: 0.0 };
+
+    /// Defaults for a run of this duration; `motor_force_n` is the largest motor torque over the length of the proximal
+    /// phalanx.
+    pub fn defaults_for_run(duration_s: f64, motor_force_n: f64) -> Self {
+        let loss_time_s = 1e-4f64.min(0.005 * duration_s);
+        Self { loss_time_s, loss_force_n: 1e-4 * motor_force_n, held_time_s: 10.0 * loss_time_s }
+    }
+}
+
+/// Rates of samples and pictures in the log.
+// In addition, every integrator step during an impact is logged.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LogRates {
+    /// Samples per second of simulated time; during impacts every step is logged in addition. In runs of grippers with
+    /// more than 1000 samples, the analytic model logs 4 to 7 samples in each step that is longer than the sample
+    /// interval.
+    #[schemars(with = "Positive<Frequency>", extend("default" = "10 kHz", "x-key" = "numeric_rate"))]
+    pub numeric_hz: f64,
+    /// Pictures (frames, force arrows) per second of simulated time for 3-D views, at most one per sample; 0 for none.
+    #[schemars(with = "NotNegative<Frequency>", extend("default" = "5 kHz", "x-key" = "picture_rate"))]
+    pub picture_hz: f64,
+}
+
+/// Error for a log with too many samples or pictures.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{:.0} {} ({:e} Hz over {} s) are more than the limit of {:e} per log",
+    .rate_hz * .duration_s, if *.pictures { "pictures" } else { "samples" }, .rate_hz, .duration_s, .max
+)]
+pub struct LogExcess {
+    /// Whether there are too many pictures, or else too many samples.
+    pub pictures: bool,
+    pub rate_hz: f64,
+    pub duration_s: f64,
+    pub max: f64,
+}
+
+impl LogExcess {
+    /// Returns the largest rate for this run, rounded down to one digit.
+    pub fn suggested_rate(&self) -> String {
+        let rate_hz = self.max / self.duration_s;
+        let digit = powi(10.0, log10(rate_hz).floor() as i32);
+        format!("{:e} Hz", (rate_hz / digit).floor() * digit)
+    }
+}
+
+impl LogRates {
+    /// Disables the sample grid of a run of this duration, for criteria that are evaluated at every step.
+    #[must_use]
+    pub fn without_sample_grid(self, duration_s: f64) -> Self {
+        Self { numeric_hz: 1.0 / duration_s, ..self }
+    }
+
+    /// Checks the limits of samples and pictures for a run of this duration.
+    pub fn excess(&self, duration_s: f64) -> Option<LogExcess> {
+        let excess = |pictures, rate_hz, max| LogExcess { pictures, rate_hz, duration_s, max };
+        [excess(false, self.numeric_hz, MAX_SAMPLES), excess(true, self.picture_hz, MAX_PICTURES)]
+            .into_iter()
+            .find(|excess| excess.rate_hz * duration_s > excess.max)
+    }
+}

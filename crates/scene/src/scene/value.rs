@@ -1,0 +1,237 @@
+//! Values of settings: their types by the schema, and reading them from a file.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value as Json;
+use toml::{Spanned, Value};
+
+use super::error::Problem;
+use super::schema::dimension;
+use super::suggest::{closest_match, find_unsupported};
+use super::toml_value::TomlValue;
+use crate::units::{self, Dimension};
+
+/// Type of the values of a key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ValueType {
+    Quantity(Dimension),
+    /// A plain number: a ratio, or a value in SI units if its unit has a fractional power.
+    Number,
+    /// A whole number within limits.
+    Integer(i64, i64),
+    Flag,
+    Choice(Vec<String>),
+    /// Non-empty text.
+    Text,
+    /// A list, perhaps of a fixed length.
+    List(Box<ValueType>, Option<u64>),
+}
+
+type Read<T> = Result<T, Vec<Problem>>;
+
+impl ValueType {
+    /// Type described by a schema.
+    pub fn from_schema(schema: &Json) -> Self {
+        if let Some(dimension) = dimension(schema) {
+            return ValueType::Quantity(dimension);
+        }
+        if let Some(keywords) = schema["enum"].as_array() {
+            return ValueType::Choice(keywords.iter().filter_map(Json::as_str).map(String::from).collect());
+        }
+        let limit = |key| schema.get(key).and_then(Json::as_i64);
+        match (schema["type"].as_str(), schema.get("items")) {
+            (Some("array"), Some(item)) => {
+                ValueType::List(Box::new(Self::from_schema(item)), schema["maxItems"].as_u64())
+            }
+            (Some("number"), _) => ValueType::Number,
+            (Some("integer"), _) => {
+                ValueType::Integer(limit("minimum").unwrap_or(i64::MIN), limit("maximum").unwrap_or(i64::MAX))
+            }
+            (Some("boolean"), _) => ValueType::Flag,
+            _ => ValueType::Text,
+        }
+    }
+
+    /// Suffix of names for the SI unit.
+    pub fn suffix(&self) -> Option<&'static str> {
+        match self {
+            ValueType::Quantity(dimension) => Some(dimension.suffix()),
+            ValueType::List(item, _) => item.suffix(),
+            _ => None,
+        }
+    }
+
+    /// Reads the value of `key`, with quantities in SI units; `key` is for messages.
+    ///
+    /// # Errors
+    /// Returns the problems of a value of another type.
+    pub fn read(&self, key: &str, value: &Spanned<TomlValue>) -> Read<Value> {
+        let found = value.get_ref();
+        let refuse = |name: &str, required: &str, label: &str, help: String| {
+            Err(vec![problem_at(value, format!("`{key}` is {name}, but must be {required}"), label, help)])
+        };
+        match (self, found) {
+            (ValueType::Quantity(dimension), _) => read_quantity(key, value, *dimension).map(Value::Float),
+            (ValueType::Number, TomlValue::Integer(integer)) => Ok(Value::Float(*integer as f64)),
+            (ValueType::Number, TomlValue::Float(number)) if number.is_finite() => Ok(Value::Float(*number)),
+            (ValueType::Number, TomlValue::Float(number)) => {
+                refuse(&number.to_string(), "finite", "a number", "write a finite number".into())
+            }
+            (ValueType::Number, TomlValue::Text(_)) => {
+                let help = "write it without quotes and unit, in SI units: 0.8 or 1e8";
+                refuse(found.name(), "a plain number", "a number", help.into())
+            }
+            (ValueType::Number, _) => {
+                refuse(found.name(), "a plain number", "a number", "write a number such as 0.8 or 1e8".into())
+            }
+            (ValueType::Integer(min, max), TomlValue::Integer(integer)) if (min..=max).contains(&integer) => {
+                Ok(Value::Integer(*integer))
+            }
+            (ValueType::Integer(min, max), _) => {
+                let name = match found {
+                    TomlValue::Integer(integer) => integer.to_string(),
+                    other => other.name().to_string(),
+                };
+                let upper = if *max == i64::MAX { String::new() } else { format!(" to {max}") };
+                let help = format!("write a number from {min}{upper} without point, exponent or quotes");
+                refuse(&name, &format!("a whole number from {min}{upper}"), "a whole number", help)
+            }
+            (ValueType::Flag, TomlValue::Flag(flag)) => Ok(Value::Boolean(*flag)),
+            (ValueType::Flag, _) => {
+                refuse(found.name(), "true or false", "true or false", "write true or false, without quotes".into())
+            }
+            (ValueType::Choice(keywords), _) => {
+                let keywords: Vec<&str> = keywords.iter().map(String::as_str).collect();
+                read_keyword(key, value, &keywords).map(|index| keywords[index].into())
+            }
+            (ValueType::Text, TomlValue::Text(text)) if !text.trim().is_empty() => Ok(Value::from(text.as_str())),
+            (ValueType::Text, _) => {
+                let name = if matches!(found, TomlValue::Text(_)) { "empty" } else { found.name() };
+                refuse(name, "a string", "a string", "write a string in quotes, or remove the key".into())
+            }
+            (ValueType::List(item, None), TomlValue::List(items)) => read_items(key, item, items),
+            (ValueType::List(item, None), _) => {
+                let example = item.example();
+                refuse(found.name(), "a list", "a list in brackets", format!("write [{example}, {example}]"))
+            }
+            (ValueType::List(item, Some(_)), TomlValue::List(items)) => match read_items(key, item, items)? {
+                Value::Array(list) if list.len() != 2 => {
+                    let message = format!("`{key}` has {} values, but must have two, x and y", list.len());
+                    Err(vec![problem_at(value, message, "two values", item.pair_example(found))])
+                }
+                list => Ok(list),
+            },
+            (ValueType::List(item, Some(_)), _) => {
+                refuse(found.name(), "a list of two values", "two values in brackets", item.pair_example(found))
+            }
+        }
+    }
+
+    fn example(&self) -> String {
+        match self {
+            ValueType::Quantity(dimension) => format!("\"{}\"", dimension.example()),
+            _ => "..".to_string(),
+        }
+    }
+
+    /// Remedy for a value that is no pair. A single value is taken as y, which is the usual case for gravity and most
+    /// other vectors.
+    fn pair_example(&self, found: &TomlValue) -> String {
+        let ValueType::Quantity(dimension) = self else { return "write two values: [.., ..]".to_string() };
+        let unit = dimension.units()[0].name;
+        let y = match found {
+            TomlValue::Integer(y) => format!("{y} {unit}"),
+            TomlValue::Float(y) => format!("{y} {unit}"),
+            TomlValue::Text(y) if units::parse(y, *dimension).is_ok() => y.trim().to_string(),
+            _ => dimension.example().to_string(),
+        };
+        format!("write x and y: [\"0 {unit}\", \"{y}\"]")
+    }
+
+    /// Reads a value in SI units as recorded in a log.
+    pub fn restore(&self, text: &str) -> Option<Value> {
+        match self {
+            ValueType::Quantity(dimension) => {
+                text.parse().ok().filter(|si: &f64| si.abs() <= dimension.max_si()).map(Value::Float)
+            }
+            ValueType::Number => text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::Float),
+            ValueType::Integer(min, max) => {
+                text.parse().ok().filter(|integer| (min..=max).contains(&integer)).map(Value::Integer)
+            }
+            ValueType::Flag => text.parse().ok().map(Value::Boolean),
+            ValueType::Choice(keywords) => keywords.iter().any(|keyword| keyword == text).then(|| text.into()),
+            ValueType::Text => (!text.trim().is_empty()).then(|| text.into()),
+            ValueType::List(item, _) => {
+                text.split(' ').map(|text| item.restore(text)).collect::<Option<_>>().map(Value::Array)
+            }
+        }
+    }
+}
+
+fn read_items(key: &str, item: &ValueType, items: &[Spanned<TomlValue>]) -> Read<Value> {
+    let (values, problems): (Vec<_>, Vec<_>) = items.iter().map(|value| item.read(key, value)).partition(Result::is_ok);
+    let problems: Vec<Problem> = problems.into_iter().filter_map(Result::err).flatten().collect();
+    if problems.is_empty() { Ok(Value::Array(values.into_iter().flatten().collect())) } else { Err(problems) }
+}
+
+/// Reads a value of a schema, such as a default, in SI units.
+pub fn from_json(json: &Json, value_type: &ValueType) -> Option<Value> {
+    fn spanned(json: &Json) -> Spanned<TomlValue> {
+        let value = match json {
+            Json::Bool(flag) => TomlValue::Flag(*flag),
+            Json::Number(number) => {
+                number.as_i64().map_or(TomlValue::Float(number.as_f64().unwrap_or(0.0)), TomlValue::Integer)
+            }
+            Json::String(text) => TomlValue::Text(text.clone()),
+            Json::Array(items) => TomlValue::List(items.iter().map(spanned).collect()),
+            Json::Null | Json::Object(_) => TomlValue::Table(BTreeMap::new()),
+        };
+        Spanned::new(0..0, value)
+    }
+    value_type.read("", &spanned(json)).ok()
+}
+
+/// Reads a quantity of one dimension.
+///
+/// # Errors
+/// Returns the problem of a value that is no such quantity.
+pub fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: Dimension) -> Read<f64> {
+    let help = || format!("write a number and its unit, as in \"{}\"", expected.example());
+    let TomlValue::Text(text) = value.get_ref() else {
+        let message = format!(
+            "`{key}` is {}; expected {} as a string with its unit: {}",
+            value.get_ref().name(),
+            expected.name(),
+            expected.unit_list()
+        );
+        return Err(vec![problem_at(value, message, expected.name(), help())]);
+    };
+    units::parse(text, expected).map_err(|e| vec![problem_at(value, format!("`{key}`: {e}"), expected.name(), help())])
+}
+
+/// Reads a keyword of a closed list and returns its index.
+///
+/// # Errors
+/// Returns the problem of a value that is no such keyword.
+pub fn read_keyword(key: &str, value: &Spanned<TomlValue>, keywords: &[&str]) -> Read<usize> {
+    let help = format!("allowed: \"{}\"", keywords.join("\", \""));
+    let TomlValue::Text(text) = value.get_ref() else {
+        let message = format!("`{key}` is {}, but must be a keyword", value.get_ref().name());
+        return Err(vec![problem_at(value, message, "a keyword in quotes", help)]);
+    };
+    if let Some(index) = keywords.iter().position(|keyword| keyword == text) {
+        return Ok(index);
+    }
+    if let Some((reason, instead)) = find_unsupported(key, text) {
+        let (message, help) = (format!("`{key}` has no \"{text}\": {reason}"), format!("{instead}; {help}"));
+        return Err(vec![problem_at(value, message, "not supported by phalanx", help)]);
+    }
+    let label = closest_match(text, keywords).map_or("unknown value".into(), |w| format!("did you mean \"{w}\"?"));
+    let message = format!("\"{}\" is not a valid value of `{key}`", text.escape_debug());
+    Err(vec![problem_at(value, message, label, help)])
+}
+
+/// A problem of a value.
+pub fn problem_at(value: &Spanned<TomlValue>, message: String, label: impl Into<String>, help: String) -> Problem {
+    Problem { span: Some(value.span()), message, label: label.into(), help }
+}

@@ -1,0 +1,228 @@
+//! The statics of a finger: JSON document with units in the keys, and short tables with units.
+
+use serde::{Serialize, Serializer};
+
+use super::super::named::Object;
+use super::closure;
+use super::millimetres;
+use crate::format::numbers::{format_number, row};
+use crate::format::report::{Report, ToReport, table};
+use crate::grasp::finger::{Contact, Drive, Forces, Grasp, SpringAtRest};
+use crate::gripper::SpringKind;
+use crate::statics::Ejection;
+
+/// Report of the static grasp of a finger.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaticsReport<'a> {
+    pub grasp: &'a Grasp,
+    /// Path of the picture, if one was written.
+    pub svg: Option<String>,
+}
+
+impl<'a> StaticsReport<'a> {
+    pub fn new(grasp: &'a Grasp) -> Self {
+        StaticsReport { grasp, svg: None }
+    }
+
+    /// Forces per 1 N·m of motor torque without spring and friction.
+    fn unit_torque_forces_n(&self) -> [f64; 3] {
+        let forces = &self.grasp.unit_torque_forces;
+        [forces.f21_n, forces.f22_n, forces.pfp_n]
+    }
+}
+
+impl Serialize for StaticsReport<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Grasp { scene, end, contacts: [proximal, distal], drive, forces, palm, .. } = self.grasp;
+        let spring = |at_rest: SpringAtRest| {
+            let [kind, placement] = spring_names(&at_rest);
+            Object::default()
+                .with("type", kind)
+                .with("placement", placement)
+                .with("torque_n_m", at_rest.torque_n_m)
+                .with("loads_n_m", at_rest.loads_n_m)
+        };
+        let posture = Object::default()
+            .with("q11_rad", end.posture.q11_rad)
+            .with("q21_rad", end.posture.q21_rad)
+            .with("q12_rad", end.posture.q12_rad)
+            .with("q22_rad", end.posture.q22_rad)
+            .with("phi_c_rad", end.phi_c_rad)
+            .with("proximal", proximal)
+            .with("distal", distal);
+        let drive = Object::default()
+            .with("motor_n_m", drive.motor_n_m)
+            .with("motor_min_n_m", drive.motor_min_n_m)
+            .with("spring", drive.spring.map(spring))
+            .with("loads_n_m", drive.loads_n_m);
+        Object::default()
+            .with("scene", scene)
+            .with("final", posture)
+            .with("drive", drive)
+            .with("forces", forces.iter().map(forces_document).collect::<Vec<_>>())
+            .with("forces_per_n_m", self.unit_torque_forces_n())
+            .with("form_closure", closure::document(&self.grasp.closure, palm))
+            .with_some("svg", self.svg.as_ref())
+            .serialize(serializer)
+    }
+}
+
+fn forces_document(Forces { mu_static, equilibrium, birglen }: &Forces) -> Object<'_> {
+    let [f1_n, f2_n] = birglen.forces_n;
+    let ejection = match equilibrium.ejection() {
+        Ejection::None => "none",
+        Ejection::Proximal => "proximal",
+        Ejection::Distal => "distal",
+        Ejection::Both => "both",
+    };
+    let birglen = Object::default()
+        .with("jacobian_m", birglen.jacobian_m)
+        .with("transmission", birglen.transmission)
+        .with("transmission_inverse", birglen.transmission_inverse)
+        .with("torques_n_m", birglen.torques_n_m)
+        .with("forces_n", birglen.forces_n)
+        .with("difference_n", [f1_n - equilibrium.f21_n, f2_n - equilibrium.f22_n]);
+    Object::default()
+        .with("mu_static", mu_static)
+        .with("f21_n", equilibrium.f21_n)
+        .with("f22_n", equilibrium.f22_n)
+        .with("pfp_n", equilibrium.pfp_n)
+        .with("force_positive", equilibrium.is_force_positive())
+        .with("palm_force_positive", equilibrium.is_palm_force_positive())
+        .with("ejection", ejection)
+        .with("birglen", birglen)
+}
+
+/// Kind and placement of a spring, as in scene files.
+fn spring_names(at_rest: &SpringAtRest) -> [&'static str; 2] {
+    let kind = match at_rest.spring.kind {
+        SpringKind::Constant { .. } => "constant",
+        SpringKind::Torsional { .. } => "torsional",
+    };
+    [kind, at_rest.spring.placement.name()]
+}
+
+impl ToReport for StaticsReport<'_> {
+    fn report(&self) -> Report {
+        let Grasp { scene, drive: loads, forces: all, palm, .. } = self.grasp;
+        let pure = Some(self.unit_torque_forces_n());
+        let sections = [
+            Report::from(format!("{scene}: the grasp at rest\n")),
+            posture(self.grasp),
+            Report::from(drive(loads)),
+            forces(all),
+            birglen(all),
+            closure::text(&self.grasp.closure, palm, "form closure of two fingers", pure),
+        ];
+        let picture = self.svg.iter().map(|path| Report::from(format!("picture: {path}\n")));
+        Report::join(sections.into_iter().chain(picture))
+    }
+}
+
+fn number(value: f64) -> String {
+    format_number(value, 5)
+}
+
+fn posture(Grasp { end, contacts: [proximal, distal], .. }: &Grasp) -> Report {
+    let posture = &end.posture;
+    let degrees = |name: &str, angle_rad: f64| format!("{name} {:.4}°", angle_rad.to_degrees());
+    let angles = [
+        degrees("q11", posture.q11_rad),
+        degrees("q21", posture.q21_rad),
+        degrees("q12", posture.q12_rad),
+        degrees("q22", posture.q22_rad),
+        degrees("phi_c", end.phi_c_rad),
+    ];
+    let line = |name: &str, contact: &Contact| {
+        let [x, y] = contact.point_m;
+        let [from_joint, phalanx, x, y] = [contact.from_joint_m, contact.phalanx_m, x, y].map(millimetres);
+        row([name, &from_joint, &phalanx, &x, &y])
+    };
+    Report::from(format!("final posture: {}\n", angles.join(", "))).with(table(&[
+        row(["contact", "from joint, mm", "phalanx length, mm", "x, mm", "y, mm"]),
+        line("proximal", proximal),
+        line("distal", distal),
+    ]))
+}
+
+fn drive(drive: &Drive) -> String {
+    let milli = |torque_n_m: f64| number(torque_n_m * 1e3);
+    let spring = drive.spring.map_or("no spring".to_string(), |at_rest| {
+        let [kind, placement] = spring_names(&at_rest);
+        format!("{kind} spring {} N·mm at {placement}", milli(at_rest.torque_n_m))
+    });
+    let [motor, q11, q21] = [drive.motor_n_m, drive.loads_n_m[0], drive.loads_n_m[1]].map(milli);
+    let limit = match drive.motor_min_n_m {
+        Some(min_n_m) if min_n_m > 0.0 => {
+            format!("the distal phalanx pushes the object at motor torques above {} N·mm\n", milli(min_n_m))
+        }
+        Some(_) => String::new(),
+        None => {
+            "the distal phalanx pushes the object only at a negative motor torque: q22 decreases as q11 increases\n"
+                .to_string()
+        }
+    };
+    format!("motor {motor} N·mm, {spring}: together ({q11}, {q21}) N·mm on (q11, q21)\n{limit}")
+}
+
+fn friction([proximal, distal]: [f64; 2]) -> String {
+    if proximal == distal { proximal.to_string() } else { format!("{proximal}, {distal}") }
+}
+
+fn forces(all: &[Forces]) -> Report {
+    let yes_or_no = |value: bool| if value { "yes" } else { "no" };
+    let mut rows = vec![row(["μ_s", "F21, N", "F22, N", "force positive", "PFP, N", "palm force positive"])];
+    let mut notes = String::new();
+    for Forces { mu_static, equilibrium, .. } in all {
+        let [f21, f22, pfp] = [equilibrium.f21_n, equilibrium.f22_n, equilibrium.pfp_n].map(number);
+        let positive = yes_or_no(equilibrium.is_force_positive());
+        let palm_positive = yes_or_no(equilibrium.is_palm_force_positive());
+        rows.push(row([&friction(*mu_static), &f21, &f22, positive, &pfp, palm_positive]));
+        let cause = match equilibrium.ejection() {
+            Ejection::None => continue,
+            Ejection::Proximal => {
+                "the proximal phalanx would have to pull: it loses contact, and the object slides along the distal phalanx (ejection)"
+            }
+            Ejection::Distal => {
+                "the distal phalanx would have to pull: the spring opens it against the motor, and the object is released"
+            }
+            Ejection::Both => "both phalanges would have to pull: the finger opens",
+        };
+        notes.push_str(&format!("μ_s {}: {cause}\n", friction(*mu_static)));
+    }
+    Report::from("contact forces at rest, without weight\n").with(table(&rows)).with(notes)
+}
+
+fn birglen(all: &[Forces]) -> Report {
+    let mut text = Report::from("Birglen's frame: phalanges of zero width, θ = (q21, q22)\n");
+    let Some(Forces { birglen: first, .. }) = all.first() else {
+        return text;
+    };
+    let [t21, t22] = first.torques_n_m.map(|torque_n_m| number(torque_n_m * 1e3));
+    let transmission = matrix(&first.transmission, 1.0);
+    text.push(format!("transmission T = {transmission}, torques t = ({t21}, {t22}) N·mm\n"));
+    let mut rows = vec![row(["μ_s", "Jacobian J, mm", "f1, N", "f2, N", "f1 − F21, N", "f2 − F22, N"])];
+    for Forces { mu_static, equilibrium, birglen } in all {
+        let difference = |force_n: f64, other_n: f64| match force_n - other_n {
+            // A difference of this size is rounding error.
+            difference if difference.abs() <= 1e-9 * force_n.abs().max(1.0) => "0".to_string(),
+            difference => format_number(difference, 3),
+        };
+        let [f1, f2] = birglen.forces_n;
+        let differences = [difference(f1, equilibrium.f21_n), difference(f2, equilibrium.f22_n)];
+        let jacobian = matrix(&birglen.jacobian_m, 1e3);
+        rows.push(row([&friction(*mu_static), &jacobian, &number(f1), &number(f2), &differences[0], &differences[1]]));
+    }
+    text.push(table(&rows));
+    if all.iter().any(|forces| forces.mu_static != [0.0; 2]) {
+        text.push_str(
+            "(f differs from F by the friction on the surface of a phalanx, whose lever arm is the half width)\n",
+        );
+    }
+    text
+}
+
+fn matrix(rows: &[[f64; 2]; 2], factor: f64) -> String {
+    let [[a, b], [c, d]] = rows.map(|row| row.map(|value| number(value * factor)));
+    format!("[{a} {b}; {c} {d}]")
+}

@@ -1,0 +1,134 @@
+//! Progress, interruption and parallel execution of a computation.
+
+use std::num::NonZeroUsize;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
+
+use crate::scene::Scene;
+use crate::trace::{Cancellable, Model, Outcome, RunError, Sink, run};
+
+/// Error of a computation.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StudyError {
+    /// The scene or the request does not suit the study; the message contains a remedy.
+    #[error("{0}")]
+    Unsuitable(String),
+    /// A part of the computation failed.
+    #[error("{0}")]
+    Failed(String),
+    #[error("interrupted after {done} of {total} parts")]
+    Stopped { done: usize, total: usize },
+}
+
+/// Returns [`StudyError::Unsuitable`] with a message unless a condition is met.
+pub(crate) fn require(condition: bool, message: impl FnOnce() -> String) -> Result<(), StudyError> {
+    if condition { Ok(()) } else { Err(StudyError::Unsuitable(message())) }
+}
+
+/// Returns whether the computation may continue.
+type KeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Progress and interruption of a computation, shared by its threads.
+pub struct Monitor<'a> {
+    progress: Mutex<Progress<'a>>,
+    keep_running: KeepRunning<'a>,
+}
+
+struct Progress<'a> {
+    done: usize,
+    total: usize,
+    report: Box<dyn FnMut(usize, usize, &str) + Send + 'a>,
+}
+
+impl<'a> Monitor<'a> {
+    /// Creates a monitor. `report` receives the number of completed parts, the total number of parts and the name of the
+    /// current part. The computation stops when `keep_running` returns false.
+    pub fn new(report: impl FnMut(usize, usize, &str) + Send + 'a, keep_running: KeepRunning<'a>) -> Self {
+        let progress = Progress { done: 0, total: 0, report: Box::new(report) };
+        Monitor { progress: Mutex::new(progress), keep_running }
+    }
+
+    /// Creates a monitor without progress reports.
+    pub fn silent(keep_running: KeepRunning<'a>) -> Self {
+        Monitor::new(|_, _, _| (), keep_running)
+    }
+
+    /// Starts a computation of `total` parts.
+    pub fn start(&self, total: usize, name: &str) {
+        self.lock().total = total;
+        self.advance(0, name);
+    }
+
+    /// Counts `parts` more completed parts and reports the name of the current one.
+    pub fn advance(&self, parts: usize, name: &str) {
+        let mut progress = self.lock();
+        progress.done += parts;
+        let Progress { done, total, report } = &mut *progress;
+        report(*done, *total, name);
+    }
+
+    /// Returns the function that tells whether the computation may continue.
+    pub fn keep_running(&self) -> KeepRunning<'a> {
+        self.keep_running
+    }
+
+    /// # Errors
+    /// Returns an error if the computation is to stop.
+    pub fn check(&self) -> Result<(), StudyError> {
+        if (self.keep_running)() { Ok(()) } else { Err(self.stopped()) }
+    }
+
+    /// Returns the error of an interrupted computation.
+    pub fn stopped(&self) -> StudyError {
+        let Progress { done, total, .. } = *self.lock();
+        StudyError::Stopped { done, total }
+    }
+
+    /// Runs a scene until it ends or fails.
+    ///
+    /// # Errors
+    /// Returns an error if the monitor stops the run.
+    pub fn run<S: Sink>(
+        &self,
+        model: Model,
+        scene: &Scene,
+        sink: &mut S,
+    ) -> Result<Result<Outcome, RunError>, StudyError> {
+        match run(model, scene, &mut Cancellable { sink, keep_running: self.keep_running }) {
+            Err(error) if error.is_stop() => Err(self.stopped()),
+            result => Ok(result),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Progress<'a>> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Applies `work` to the jobs on `threads` threads, or on one per core if `threads` is 0, and returns the results in
+/// the order of the jobs.
+///
+/// # Errors
+/// Returns the error of a job; no further jobs are started then.
+///
+/// # Panics
+/// Panics if the system cannot start the threads.
+pub fn map<J: Sync, R: Send>(
+    threads: usize,
+    jobs: &[J],
+    work: impl Fn(&J) -> Result<R, StudyError> + Sync,
+) -> Result<Vec<R>, StudyError> {
+    // Set explicitly: by default, rayon reads an environment variable first.
+    let threads = if threads == 0 { all_cores() } else { threads }.min(jobs.len()).max(1);
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("the system starts threads");
+    // Split down to single jobs, because their run times differ by up to a factor of a thousand.
+    pool.install(|| jobs.par_iter().with_max_len(1).map(&work).collect())
+}
+
+/// Returns the number of cores available to the process.
+pub fn all_cores() -> usize {
+    thread::available_parallelism().map_or(1, NonZeroUsize::get)
+}

@@ -1,0 +1,209 @@
+//! Sizing and statics of the designs (thesis §3.3.2, §4.2.1), and the influence of torques and grid points.
+//!
+//! A grid with points on the faces of the space overweights the faces; points at cell centres do not. Percentages with
+//! other torques on the same points show the influence of sizing.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::simulations::Simulations;
+use super::step_error;
+use crate::criteria::scene_static_grasp;
+use crate::gripper::{Placement, Spring};
+use crate::monitor::{Monitor, StudyError};
+use crate::scene::{self, Scene, SpringKind, Template};
+use crate::sizing::{Profile, ProfilePoint, Rule, Sizing, Task, profile};
+use crate::statics::{NecessaryCount, drive_loads, equilibrium, form_closure};
+use crate::volume::{Axes, Axis, BASES_M, ClosedFinger, close_finger, close_linkage, design_at};
+
+/// Motor torque that the thesis prints for design 95 (§4.3); it has no other source.
+const PRINTED_MOTOR_N_M: f64 = 0.480;
+/// Spring torque that the thesis prints for design 95 (§4.3); it has no other source.
+const PRINTED_SPRING_N_M: f64 = 0.1326;
+
+/// The finger of Figs. 3.2 and 3.3.
+const EXAMPLE: &str =
+    "sizing = \"rigid\"\n[design]\nbase = \"12 mm\"\nl21 = \"18.9 mm\"\nphi22 = \"100 deg\"\narm_ratio = 0.5\n";
+/// Deflection of a torsional spring for the straight finger: a right angle. The thesis does not specify it.
+const PRELOAD_RAD: f64 = FRAC_PI_2;
+/// Number of samples of the example's profile.
+const SAMPLES: usize = 400;
+/// Number of samples of a profile that is evaluated but not plotted.
+const FEW_SAMPLES: usize = 60;
+
+/// Number of cells along each axis of a [`Grid`].
+pub const CELLS_PER_AXIS: usize = 10;
+
+/// Results of the sizing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SizingFound {
+    /// Design 95 by the rigid-phase rule.
+    pub rigid: Sizing,
+    /// Design 95 by the rule over the whole closing.
+    pub whole: Sizing,
+    /// The finger of Figs. 3.2 and 3.3.
+    pub example: Profile,
+    /// Number of designs whose two weakest springs are the last two of the four placements.
+    pub last_placements_weakest: usize,
+    /// Number of designs in which a constant spring never requires more torque than a torsional one.
+    pub constant_spring_weaker: usize,
+}
+
+impl SizingFound {
+    /// Ratios of the printed torques of design 95 to the computed ones: motor, spring.
+    fn printed_ratios(&self) -> [f64; 2] {
+        [PRINTED_MOTOR_N_M / self.rigid.motor_n_m, PRINTED_SPRING_N_M / self.rigid.spring_n_m]
+    }
+}
+
+/// Sizes design 95, the example, and every design.
+pub fn sizing<'a>(designs: impl Iterator<Item = &'a Scene>, chosen: &Scene) -> Result<SizingFound, StudyError> {
+    let example = scene::parse(EXAMPLE, "example.toml").map_err(step_error("the example"))?;
+    let chosen = sizing_profile(chosen, FEW_SAMPLES)?;
+    let mut found = SizingFound {
+        rigid: chosen.rigid,
+        whole: chosen.whole,
+        example: sizing_profile(&example, SAMPLES)?,
+        last_placements_weakest: 0,
+        constant_spring_weaker: 0,
+    };
+    for design in designs {
+        let profile = sizing_profile(design, FEW_SAMPLES)?;
+        let [s1, s2, s3, s4] = profile.placements_n_m;
+        found.last_placements_weakest += usize::from(s3.max(s4) < s1.min(s2));
+        // Up to the contact both springs are equal except for rounding.
+        let is_weaker =
+            |point: &ProfilePoint| point.constant_n_m <= point.torsional_n_m + 1e-12 * point.torsional_n_m.abs();
+        found.constant_spring_weaker += usize::from(profile.points.iter().all(is_weaker));
+    }
+    Ok(found)
+}
+
+fn sizing_profile(scene: &Scene, samples: usize) -> Result<Profile, StudyError> {
+    profile(&scene.finger().linkage, &task(scene)?, PRELOAD_RAD, samples).map_err(step_error("the sizing"))
+}
+
+/// Returns the closing motion for which the finger of a scene is sized.
+fn task(scene: &Scene) -> Result<Task, StudyError> {
+    let object = scene.object().ok_or("there is no object").map_err(step_error("the sizing"))?;
+    Ok(Task::thesis(object.placed()))
+}
+
+/// Number of statically stable designs with another sizing, without and with friction.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct OtherSizing {
+    pub torques: &'static str,
+    pub statically_stable_mu_0: usize,
+    pub statically_stable_mu_0_8: usize,
+}
+
+/// Returns the necessary condition (1.19) for form closure of the grasp of a scene.
+pub fn necessary_count(scene: &Scene) -> Result<NecessaryCount, StudyError> {
+    let rest = scene_static_grasp(scene).map_err(step_error("form closure"))?;
+    Ok(form_closure(&scene.finger().linkage, &rest.end).map_err(step_error("form closure"))?.necessary)
+}
+
+/// Returns the number of form-closed designs of the design space printed in §4.2, in which l21 takes quarters of its
+/// range (errata 15).
+pub fn form_closed_in_quarters() -> Result<usize, StudyError> {
+    let template = Template::thesis();
+    let mut form_closed = 0;
+    for base_m in BASES_M {
+        for l21_fraction in [0.0, 0.25, 0.5, 0.75] {
+            for phi22_deg in [90.0f64, 100.0, 110.0, 120.0] {
+                for arm_ratio in [1.0 / 3.0, 0.5, 2.0 / 3.0] {
+                    let design = design_at(&template, base_m, [l21_fraction, phi22_deg.to_radians(), arm_ratio]);
+                    let finger = close_finger(&template, &design, Rule::Rigid);
+                    let finger = finger.map_err(step_error("the designs in quarters"))?;
+                    form_closed += usize::from(finger.sized.form_closed);
+                }
+            }
+        }
+    }
+    Ok(form_closed)
+}
+
+/// Evaluates static stability with the sizing of the study, with the other rule, and with motor and spring torques
+/// scaled by the printed ratios of design 95.
+pub fn other_sizings(simulations: &Simulations, found: &SizingFound) -> Result<Vec<OtherSizing>, StudyError> {
+    let [motor, spring] = found.printed_ratios();
+    let mut sizings = vec![OtherSizing {
+        torques: "this study: RMS over the rigid phase",
+        statically_stable_mu_0: simulations.count(0, |run| run.force_positive == Some(true)),
+        statically_stable_mu_0_8: simulations.count(1, |run| run.force_positive == Some(true)),
+    }];
+    for (torques, rule, factors) in [
+        ("RMS over all 10 ms", Rule::Whole, [1.0, 1.0]),
+        ("spring of every design stronger by the printed ratio of design 95", Rule::Rigid, [1.0, spring]),
+        ("spring stronger and motor weaker by the printed ratios of design 95", Rule::Rigid, [motor, spring]),
+    ] {
+        let mut stable = [0; 2];
+        for run in &simulations.runs {
+            let closed = close_linkage(run.scene.finger().linkage, &task(&run.scene)?, rule);
+            let closed = closed.map_err(step_error("another sizing"))?;
+            stable[run.condition] += usize::from(is_stable(&closed, factors, [0.0, 0.8][run.condition])?);
+        }
+        sizings.push(OtherSizing { torques, statically_stable_mu_0: stable[0], statically_stable_mu_0_8: stable[1] });
+    }
+    Ok(sizings)
+}
+
+/// Percentages for one base over the centres of [`CELLS_PER_AXIS`]³ cells, without friction and with μ_s = 0.8.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    pub base_m: f64,
+    /// Stable, with the sizing of the volumes.
+    pub stable_percent: [f64; 2],
+    /// Stable without friction and form-closed.
+    pub closed_percent: f64,
+    /// Stable, with the spring torque scaled by the printed ratio of design 95.
+    pub stronger_spring_percent: [f64; 2],
+    /// Stable, with spring and motor torque scaled by the printed ratios of design 95.
+    pub both_torques_percent: [f64; 2],
+}
+
+/// Computes the percentages for each base of the thesis.
+///
+/// # Errors
+/// Returns an error if a finger or its statics cannot be computed, or the monitor stops the computation.
+pub fn grids(sizing: &SizingFound, monitor: &Monitor) -> Result<Vec<Grid>, StudyError> {
+    let [motor_ratio, spring_ratio] = sizing.printed_ratios();
+    let template = Template::thesis();
+    let centres = |axis: Axis| {
+        let half = 0.5 * (axis.to - axis.from) / axis.points as f64;
+        Axis::new(axis.from + half, axis.to - half, axis.points)
+    };
+    let Axes { l21_fraction, phi22_rad, arm_ratio } = Axes::thesis([CELLS_PER_AXIS; 3]);
+    let axes =
+        Axes { l21_fraction: centres(l21_fraction), phi22_rad: centres(phi22_rad), arm_ratio: centres(arm_ratio) };
+    let grid = |base_m: f64| -> Result<Grid, StudyError> {
+        let (mut counts, mut closed_and_stable) = ([[0usize; 2]; 3], 0usize);
+        for index in 0..axes.len() {
+            monitor.check()?;
+            let closed = close_finger(&template, &design_at(&template, base_m, axes.at(index)), Rule::Rigid)
+                .map_err(step_error("the volumes by other torques"))?;
+            let factors = [[1.0, 1.0], [1.0, spring_ratio], [motor_ratio, spring_ratio]];
+            for (count, factors) in counts.iter_mut().zip(factors) {
+                for (mu, mu_static) in [0.0, 0.8].into_iter().enumerate() {
+                    count[mu] += usize::from(is_stable(&closed, factors, mu_static)?);
+                }
+            }
+            closed_and_stable += usize::from(closed.sized.form_closed && is_stable(&closed, [1.0, 1.0], 0.0)?);
+        }
+        let percent = |count: usize| 100.0 * count as f64 / axes.len() as f64;
+        let [stable_percent, stronger_spring_percent, both_torques_percent] = counts.map(|count| count.map(percent));
+        let closed_percent = percent(closed_and_stable);
+        Ok(Grid { base_m, stable_percent, closed_percent, stronger_spring_percent, both_torques_percent })
+    };
+    BASES_M.into_iter().map(grid).collect()
+}
+
+/// Returns whether the grasp is force-positive with motor and spring torque multiplied by factors.
+fn is_stable(closed: &ClosedFinger, [motor, spring]: [f64; 2], mu_static: f64) -> Result<bool, StudyError> {
+    let sizing = closed.sized.sizing;
+    let kind = SpringKind::Constant { torque_n_m: sizing.spring_n_m * spring };
+    let spring = Spring { kind, placement: Placement::Phalanges };
+    let loads = drive_loads(&closed.finger, &closed.end, sizing.motor_n_m * motor, Some(&spring));
+    let loads = loads.map_err(step_error("static stability"))?;
+    let forces = equilibrium(&closed.finger, &closed.end, loads, mu_static).map_err(step_error("static stability"))?;
+    Ok(forces.is_force_positive())
+}

@@ -1,0 +1,349 @@
+//! Force of one impact as a function of the step size, by formulation (thesis §B.1.1.1, Fig. B.3).
+//!
+//! Every run is compared with the analytic model at its reference preset. The force of the engine's laws is known at
+//! the steps and interpolated linearly, as in a plot. rapier's own contact is rigid and has no finite force; it is
+//! represented by the impulse divided by the step, constant over the step.
+
+mod plot;
+mod report;
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+use crate::monitor::{Monitor, StudyError};
+use crate::numeric::elementary::{ln, pow};
+use crate::scene::keywords::SceneKind;
+use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
+use crate::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError};
+
+/// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
+const STEP_FRACTIONS: [f64; 7] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
+/// Number of step sizes in a quick study.
+const QUICK_STEP_COUNT: usize = 5;
+/// Relative tolerances of the analytic integrator; its absolute tolerances are scaled accordingly.
+const TOLERANCES: [f64; 8] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
+/// Error levels for which the largest step size is determined.
+pub const ERROR_LEVELS: [f64; 4] = [0.6, 0.1, 0.01, 1e-4];
+/// Number of times at which forces are compared.
+const COMPARED_TIMES: usize = 20_000;
+/// Number of dense-output samples of the analytic model per run.
+const SAMPLES_PER_RUN: f64 = 50_000.0;
+/// Minimum number of solver iterations for rapier's contact to converge.
+const RAPIER_ITERATIONS: u32 = 50;
+
+/// Formulation of the contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Formulation {
+    /// The engine with the contact laws of the scene, applied in its contact hook.
+    EngineLaws,
+    /// The engine with rapier's own rigid contact.
+    EngineRapier,
+    /// The analytic integrator with a tolerance; its step is the mean step during the contact.
+    Analytic,
+}
+
+impl Formulation {
+    pub const ALL: [Formulation; 3] = [Formulation::EngineLaws, Formulation::EngineRapier, Formulation::Analytic];
+
+    /// Returns the label in tables and plots.
+    pub fn name(self) -> &'static str {
+        match self {
+            Formulation::EngineLaws => "engine, contact laws",
+            Formulation::EngineRapier => "engine, rapier's contact",
+            Formulation::Analytic => "analytic, Rodas5P",
+        }
+    }
+}
+
+/// One run. Force errors are relative to the peak force of the reference; the error of the restitution is absolute.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    pub formulation: Formulation,
+    /// Relative tolerance of the analytic model; `None` for fixed steps.
+    pub rtol: Option<f64>,
+    pub step_s: f64,
+    pub step_fraction: f64,
+    pub steps: u64,
+    pub wall_s: f64,
+    pub peak_error: f64,
+    /// Root mean square difference over the contact of the reference, extended by a quarter of its duration on both
+    /// sides.
+    pub curve_rms_error: f64,
+    /// Largest difference over the same interval.
+    pub curve_max_error: f64,
+    pub restitution_error: f64,
+}
+
+/// Largest step below which the largest error of the force curve stays below a level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Crossing {
+    pub formulation: Formulation,
+    pub error: f64,
+    /// Interpolated between the evaluated steps; `None` if even the finest step is worse.
+    pub step_fraction: Option<f64>,
+    /// Whether the coarsest step is already better, so that the actual value is larger.
+    pub at_least: bool,
+}
+
+/// Results of the study.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StepSize {
+    pub scene: String,
+    pub pair: String,
+    pub plotted_s: f64,
+    pub contact_s: f64,
+    pub peak_n: f64,
+    pub restitution: f64,
+    pub rows: Vec<Row>,
+    pub crossings: Vec<Crossing>,
+}
+
+/// Force curve and impact of one contact pair in a run.
+#[derive(Clone, Debug, Default)]
+struct Impact {
+    pair: usize,
+    points: Vec<(f64, f64)>,
+    approach_m_s: f64,
+    touchdown_s: Option<f64>,
+    liftoff_s: Option<f64>,
+    rate_after_m_s: f64,
+    peak_n: f64,
+    steps: u64,
+}
+
+impl Sink for Impact {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        let contact = &sample.contacts[self.pair];
+        self.points.push((sample.time_s, contact.normal_n));
+        self.rate_after_m_s = contact.gap_rate_m_s;
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        match event.kind {
+            _ if event.contact != self.pair => {}
+            EventKind::TouchDown if self.touchdown_s.is_none() => {
+                (self.touchdown_s, self.approach_m_s) = (Some(event.time_s), event.approach_speed);
+            }
+            EventKind::LiftOff => self.liftoff_s = Some(event.time_s),
+            EventKind::TouchDown | EventKind::Reload | EventKind::Slips | EventKind::Sticks => {}
+        }
+        Ok(())
+    }
+}
+
+/// Runs the study. Parts of the computation are the varied settings.
+///
+/// # Errors
+/// Returns an error if the scene has no suitable impact, a run fails, or the monitor stops the computation.
+pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSize, StudyError> {
+    let scene = scene.require_kind(SceneKind::Bodies).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let fractions = &STEP_FRACTIONS[..if quick { QUICK_STEP_COUNT } else { STEP_FRACTIONS.len() }];
+    let values = |formulation| if formulation == Formulation::Analytic { &TOLERANCES[..] } else { fractions };
+    monitor.start(Formulation::ALL.map(|formulation| values(formulation).len()).iter().sum(), "the reference");
+    let mut reference_scene = scene.clone();
+    reference_scene.apply_preset(Preset::Reference);
+    reference_scene.log.numeric_hz = SAMPLES_PER_RUN / scene.duration_s;
+    // The contact pair with the largest force.
+    let outcome = run(Model::Analytic, &reference_scene, &mut (), monitor)?;
+    let impacts = outcome.contacts.iter().enumerate().filter(|(_, pair)| pair.touchdowns > 0);
+    let strongest = impacts.max_by(|a, b| a.1.peak_normal_n.total_cmp(&b.1.peak_normal_n)).map(|(pair, _)| pair);
+    let no_impact = || {
+        StudyError::Unsuitable(
+            "no contact closes and opens again in this scene; use a scene with an impact that rebounds before the end"
+                .to_string(),
+        )
+    };
+    let reference = simulate(Model::Analytic, &reference_scene, strongest.ok_or_else(no_impact)?, monitor)?;
+    let contact_s = reference.touchdown_s.zip(reference.liftoff_s).ok_or_else(no_impact)?;
+    let mut rows = Vec::new();
+    for formulation in Formulation::ALL {
+        for &setting in values(formulation) {
+            monitor.advance(0, formulation.name());
+            rows.push(evaluate(scene, formulation, setting, &reference, contact_s, monitor)?);
+            monitor.advance(1, formulation.name());
+        }
+    }
+    let crossings = Formulation::ALL
+        .iter()
+        .flat_map(|formulation| ERROR_LEVELS.map(|error| crossing(&rows, *formulation, error)))
+        .collect();
+    Ok(StepSize {
+        scene: scene.name.clone(),
+        pair: scene.system.pair_name(scene.system.pairs()[reference.pair]),
+        plotted_s: scene.duration_s,
+        contact_s: contact_s.1 - contact_s.0,
+        peak_n: reference.peak_n,
+        restitution: reference.rate_after_m_s / reference.approach_m_s,
+        rows,
+        crossings,
+    })
+}
+
+/// Runs one setting and compares its force with the reference, whose contact lasts between two times.
+fn evaluate(
+    scene: &Scene,
+    formulation: Formulation,
+    setting: f64,
+    reference: &Impact,
+    (touchdown_s, liftoff_s): (f64, f64),
+    monitor: &Monitor,
+) -> Result<Row, StudyError> {
+    let restitution = reference.rate_after_m_s / reference.approach_m_s;
+    let mut varied = scene_with_setting(scene, formulation, setting, restitution);
+    let model = if formulation == Formulation::Analytic { Model::Analytic } else { Model::Engine };
+    let start = Instant::now();
+    let at_steps = simulate(model, &varied, reference.pair, monitor)?;
+    let wall_s = start.elapsed().as_secs_f64();
+    let (step_s, found) = match model {
+        Model::Analytic => {
+            let is_in_contact = |point: &&(f64, f64)| point.0 > touchdown_s && point.0 <= liftoff_s;
+            let steps = at_steps.points.iter().filter(is_in_contact).count();
+            // The dense output is not part of the measured time.
+            varied.log.numeric_hz = SAMPLES_PER_RUN / scene.duration_s;
+            let dense = simulate(model, &varied, reference.pair, monitor)?;
+            ((liftoff_s - touchdown_s) / steps.max(1) as f64, dense)
+        }
+        Model::Engine => (setting * scene.duration_s, at_steps.clone()),
+    };
+    let margin_s = 0.25 * (liftoff_s - touchdown_s);
+    let is_stepwise = formulation == Formulation::EngineRapier;
+    let (rms, max) = curve_errors(&found, reference, [touchdown_s - margin_s, liftoff_s + margin_s], is_stepwise);
+    let run_restitution =
+        if found.touchdown_s.is_some() { found.rate_after_m_s / reference.approach_m_s } else { -1.0 };
+    Ok(Row {
+        formulation,
+        rtol: (model == Model::Analytic).then_some(setting),
+        step_s,
+        step_fraction: step_s / scene.duration_s,
+        steps: at_steps.steps,
+        wall_s,
+        peak_error: (found.peak_n / reference.peak_n - 1.0).abs(),
+        curve_rms_error: rms / reference.peak_n,
+        curve_max_error: max / reference.peak_n,
+        restitution_error: (run_restitution - restitution).abs(),
+    })
+}
+
+fn simulate(model: Model, scene: &Scene, pair: usize, monitor: &Monitor) -> Result<Impact, StudyError> {
+    let mut impact = Impact { pair, ..Impact::default() };
+    let outcome = run(model, scene, &mut impact, monitor)?;
+    Ok(Impact { peak_n: outcome.contacts[pair].peak_normal_n, steps: outcome.work.steps, ..impact })
+}
+
+fn run(model: Model, scene: &Scene, sink: &mut impl Sink, monitor: &Monitor) -> Result<Outcome, StudyError> {
+    let result = monitor.run(model, scene, sink)?;
+    result.map_err(|error| StudyError::Failed(format!("the {} model: {error}", model.name())))
+}
+
+/// Returns the scene with a step (as a fraction of its duration) or a tolerance, logged only at the steps. rapier's
+/// contact gets the restitution of the reference as a parameter, unless the scene defines it.
+fn scene_with_setting(scene: &Scene, formulation: Formulation, setting: f64, restitution: f64) -> Scene {
+    let mut scene = scene.clone();
+    scene.log.numeric_hz = 1.0 / scene.duration_s;
+    let engine = &mut scene.engine;
+    match formulation {
+        Formulation::Analytic => {
+            let preset = Integrator::preset(Preset::Engineering);
+            let factor = setting / preset.rtol;
+            scene.integrator = Integrator {
+                method: Method::Rodas5p,
+                rtol: setting,
+                atol_angle_rad: preset.atol_angle_rad * factor,
+                atol_rate_rad_s: preset.atol_rate_rad_s * factor,
+                ..scene.integrator
+            };
+        }
+        Formulation::EngineLaws => {
+            engine.response = Response::Laws;
+            engine.stepping = Stepping::Fixed { step_s: setting * scene.duration_s };
+        }
+        Formulation::EngineRapier => {
+            if engine.response == Response::Laws {
+                engine.response = Response::Rapier { friction: 0.0, restitution: restitution.clamp(0.0, 1.0) };
+            }
+            engine.iterations = engine.iterations.max(RAPIER_ITERATIONS);
+            engine.stepping = Stepping::Fixed { step_s: setting * scene.duration_s };
+        }
+    }
+    scene
+}
+
+/// Returns the root mean square and the largest difference of two curves between two times.
+fn curve_errors(curve: &Impact, reference: &Impact, [from, to]: [f64; 2], is_stepwise: bool) -> (f64, f64) {
+    let (mut squares, mut largest): (f64, f64) = (0.0, 0.0);
+    for i in 0..=COMPARED_TIMES {
+        let t = from + (to - from) * i as f64 / COMPARED_TIMES as f64;
+        let error = (force_at(&curve.points, t, is_stepwise) - force_at(&reference.points, t, false)).abs();
+        squares += error * error;
+        largest = largest.max(error);
+    }
+    ((squares / (COMPARED_TIMES + 1) as f64).sqrt(), largest)
+}
+
+/// Returns the force at a time, interpolated linearly, or, if `is_stepwise`, the value at the end of the step.
+fn force_at(points: &[(f64, f64)], t: f64, is_stepwise: bool) -> f64 {
+    let after = points.partition_point(|point| point.0 < t).min(points.len() - 1);
+    let (t1, f1) = points[after];
+    if is_stepwise || after == 0 || t >= t1 {
+        return f1;
+    }
+    let (t0, f0) = points[after - 1];
+    if t1 > t0 { f0 + (f1 - f0) * (t - t0) / (t1 - t0) } else { f1 }
+}
+
+/// Returns the step size below which the largest error stays below a level, interpolated linearly in the logarithms.
+fn crossing(rows: &[Row], formulation: Formulation, error: f64) -> Crossing {
+    let selected: Vec<&Row> = rows.iter().filter(|row| row.formulation == formulation).collect();
+    let last_above = selected.iter().rposition(|row| row.curve_max_error.is_nan() || row.curve_max_error > error);
+    let step_fraction = match last_above {
+        None => selected.first().map(|row| row.step_fraction),
+        Some(above) => selected.get(above + 1).map(|below| {
+            let above = selected[above];
+            let fraction = ln(above.curve_max_error / error) / ln(above.curve_max_error / below.curve_max_error);
+            above.step_fraction * pow(below.step_fraction / above.step_fraction, fraction.clamp(0.0, 1.0))
+        }),
+    };
+    Crossing { formulation, error, step_fraction, at_least: last_above.is_none() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(step_fraction: f64, curve_max_error: f64) -> Row {
+        Row {
+            formulation: Formulation::EngineLaws,
+            rtol: None,
+            step_s: step_fraction,
+            step_fraction,
+            steps: 1,
+            wall_s: 0.0,
+            peak_error: 0.0,
+            curve_rms_error: 0.0,
+            curve_max_error,
+            restitution_error: 0.0,
+        }
+    }
+
+    #[test]
+    fn crossing_is_the_last_fall_below_the_level() {
+        let rows = [row(1e-1, 1.0), row(1e-2, 1e-2), row(1e-3, 5e-2), row(1e-4, 5e-4)];
+        let step_at = |error: f64| crossing(&rows, Formulation::EngineLaws, error).step_fraction;
+        assert!((step_at(0.1).unwrap() / 10f64.powf(-1.5) - 1.0).abs() < 1e-12);
+        // The error rises above 1e-2 again; only the last fall counts.
+        assert!(step_at(1e-2).unwrap() < 1e-3 && step_at(1e-2).unwrap() > 1e-4);
+        assert_eq!(step_at(1e-5), None);
+        assert!(crossing(&rows, Formulation::EngineLaws, 2.0).at_least);
+    }
+
+    #[test]
+    fn forces_are_interpolated_or_stepwise_constant() {
+        let points = [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0)];
+        assert_eq!(force_at(&points, 0.5, false), 1.0);
+        assert_eq!(force_at(&points, 0.5, true), 2.0);
+        assert_eq!(force_at(&points, 3.0, false), 0.0);
+    }
+}

@@ -1,0 +1,565 @@
+//! Study files: their structure, and the study that they describe. Types, units and unknown keys are checked against
+//! the JSON Schema that is derived from the structure; positions in messages are looked up in the parsed document.
+
+use std::ops::Range as Span;
+use std::path::{Path, PathBuf};
+
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+use serde_json::{Value as Json, json};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer};
+
+use super::axis::{Axis, AxisValues, Range, Spacing};
+use super::base_scene::{Base, Template, base_from_layers, check_scene, check_values, merge, scene_kind};
+use super::field::{AxisValue, Field};
+use super::sequence::{MAX_HALTON_AXES, Method, Sequence};
+use super::{Filter, MAX_RUNS, MAX_SHARDED_RUNS, Study};
+use crate::scene::check::Checker;
+use crate::scene::file::{load_layers, read};
+use crate::scene::keywords::SceneKind;
+use crate::scene::parse::syntax_problem;
+use crate::scene::schema::{schema_for, unwrap_lines};
+use crate::scene::toml_value::TomlValue;
+use crate::scene::{Problem, SceneError, keys};
+use crate::table::Value;
+use crate::trace::Model;
+
+/// Error in a study file. Formatted like an error of a scene: `error:`, location, source line and help.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StudyError {
+    /// The file cannot be read.
+    #[error("error: cannot read study `{file}`: {reason}")]
+    Read { file: String, reason: String },
+    /// The study or its base scene is invalid.
+    #[error(transparent)]
+    Invalid(#[from] SceneError),
+}
+
+/// A study: a base scene, the fields that vary, and the runs to simulate.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(title = "phalanx study")]
+struct StudyFile {
+    /// Name in reports. Default: the file name without its extension.
+    name: String,
+    /// Purpose of the study.
+    description: String,
+    /// The base scene: a path relative to the directory of this file, or a table [scene] with the keys of a scene. It
+    /// may lack the fields of the axes.
+    scene: String,
+    /// Simulation model.
+    #[schemars(extend("default" = "analytic"))]
+    model: ModelName,
+    /// Fields that vary; all combinations are run, the last axis fastest.
+    axes: Vec<AxisTable>,
+    sample: SampleTable,
+    filter: FilterTable,
+}
+
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+enum ModelName {
+    #[default]
+    Analytic,
+    Engine,
+}
+
+/// One axis: values or a range of one field, or rows of values of several fields.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+struct AxisTable {
+    /// Scene field, such as "design.base" or "contact.friction.mu_static".
+    field: String,
+    /// Fields that vary together; requires `rows`.
+    #[schemars(length(min = 1))]
+    fields: Vec<String>,
+    /// Values, written as in a scene.
+    #[schemars(schema_with = "any_list")]
+    values: Vec<Spanned<TomlValue>>,
+    /// Rows of values, one value for each of `fields`.
+    #[schemars(schema_with = "any_list")]
+    rows: Vec<Spanned<TomlValue>>,
+    /// First value of a range.
+    #[schemars(schema_with = "any_value")]
+    from: Option<Spanned<TomlValue>>,
+    /// Last value of a range.
+    #[schemars(schema_with = "any_value")]
+    to: Option<Spanned<TomlValue>>,
+    /// Number of values of the range including both ends. Without it, [sample] determines the values.
+    #[schemars(with = "u64", range(min = 1))]
+    count: Option<u64>,
+    /// Spacing of the values of a range.
+    #[schemars(extend("default" = "linear"))]
+    spacing: Spacing,
+    /// Whether the axis repeats the same designs under other conditions instead of making new designs.
+    again: bool,
+}
+
+/// Sample points of all ranges without `count`. Every combination of the other axes is run with all points.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+struct SampleTable {
+    /// "halton": low discrepancy, and a longer sample contains the shorter one; "latin-hypercube": one point in
+    /// every slice of every axis; "random": independent points.
+    #[schemars(extend("default" = "halton"))]
+    method: Method,
+    /// Number of points. Required.
+    #[schemars(with = "u64", range(min = 1))]
+    count: Option<u64>,
+    /// Seed of the points.
+    #[schemars(with = "u64", range(min = 1), extend("default" = 1))]
+    seed: Option<u64>,
+}
+
+/// Static criteria of the designs to simulate. Other designs are in the results as "filtered".
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+struct FilterTable {
+    /// Whether both contact forces at rest are compressive.
+    #[schemars(with = "bool")]
+    force_positive: Option<bool>,
+    /// Whether the palm force at rest is compressive.
+    #[schemars(with = "bool")]
+    palm_force_positive: Option<bool>,
+    /// Whether the grasp by two such fingers and the palm is form-closed.
+    #[schemars(with = "bool")]
+    form_closed: Option<bool>,
+}
+
+/// Schema of a list of values of any type.
+fn any_list(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": "array", "minItems": 1 })
+}
+
+/// Schema of a value that is checked against its field later.
+fn any_value(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": ["string", "number"] })
+}
+
+/// JSON Schema of study files. [scene] and [set] accept the keys of a finger or a gripper.
+pub fn schema() -> String {
+    let mut schema = own_schema();
+    let kinds = [SceneKind::Finger, SceneKind::Gripper].map(|kind| {
+        let mut schema = schema_for(kind).clone();
+        schema.as_object_mut().map(|map| map.remove("$schema"));
+        schema
+    });
+    let [finger, gripper] = &kinds;
+    let scene = schema["properties"]["scene"]["description"].take();
+    schema["properties"]["scene"] =
+        json!({ "description": scene, "anyOf": [json!({ "type": "string" }), finger, gripper] });
+    let set = "Fields of the base scene that the study replaces in every run.";
+    schema["properties"]["set"] = json!({ "description": set, "anyOf": kinds });
+    format!("{schema:#}\n")
+}
+
+/// Schema of a study file without [scene] and [set], which are checked as scenes.
+fn own_schema() -> Json {
+    /// Removes the values of omitted keys, which are not defaults.
+    fn remove_empty_defaults(schema: &mut Json) {
+        if let Json::Object(map) = schema {
+            if map.get("default").is_some_and(|default| ["", "[]", "\"\"", "null"].contains(&&*default.to_string())) {
+                map.remove("default");
+            }
+            map.values_mut().for_each(remove_empty_defaults);
+        }
+    }
+    let settings = SchemaSettings::draft07().for_deserialize().with(|settings| settings.inline_subschemas = true);
+    let mut schema = settings.into_generator().into_root_schema_for::<StudyFile>().to_value();
+    unwrap_lines(&mut schema);
+    remove_empty_defaults(&mut schema);
+    schema
+}
+
+/// Files of a valid study: its own, then those that its base scene extends, then the base scene.
+///
+/// # Errors
+/// See [`load`].
+pub fn files(path: &Path) -> Result<Vec<PathBuf>, StudyError> {
+    load(path)?;
+    Ok(source_files(path))
+}
+
+/// Files of a study that has been read; only its own file if that is a pipe.
+pub fn source_files(path: &Path) -> Vec<PathBuf> {
+    let text = if path.is_file() { read(path).map_or_else(|_| String::new(), |(text, _)| text) } else { String::new() };
+    let document = DeTable::parse(&text).ok();
+    let base = document.as_ref().and_then(|document| document.get_ref().get("scene")?.get_ref().as_str());
+    let base = base.map(|base| path.parent().unwrap_or(Path::new("")).join(base));
+    let layers = base.and_then(|base| load_layers(&base).ok()).unwrap_or_default();
+    std::iter::once(path.to_path_buf()).chain(layers.into_iter().map(|layer| PathBuf::from(layer.file))).collect()
+}
+
+/// Reads and checks a study file and the base scene it names.
+///
+/// # Errors
+/// Returns an error if the study or its base scene is invalid; the message contains file, line and column.
+pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
+    let (text, file) = read(path.as_ref()).map_err(|error| match error {
+        SceneError::Read { file, reason } => StudyError::Read { file, reason },
+        error => error.into(),
+    })?;
+    parse(&text, &file)
+}
+
+/// Parses the text of a study. `file_name` appears in messages and determines the default name and the directory of the
+/// base scene.
+///
+/// # Errors
+/// Returns an error if the study or its base scene is invalid.
+pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
+    let invalid = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
+    let mut document = DeTable::parse(text).map_err(|error| invalid(vec![syntax_problem(&error)]))?;
+    let inline = take_table(document.get_mut(), "scene");
+    let set = take_table(document.get_mut(), "set");
+    let schema = own_schema();
+    let mut problems = keys::remove_unknown(
+        document.get_mut(),
+        &keys::KeySchemas { kind: "study", schema: &schema, other_kinds: &Vec::new },
+    );
+    check_values(document.get_ref(), &schema, "", &mut problems);
+    let study = StudyFile::deserialize(Deserializer::from(document.clone()));
+    let study = study.map_err(|error| {
+        invalid(if problems.is_empty() { vec![syntax_problem(&error)] } else { std::mem::take(&mut problems) })
+    })?;
+    let checker = Checker::new(text, problems);
+    let mut reader = Reader { document: document.get_ref(), kind: SceneKind::Finger, checker };
+    let base = match inline {
+        Some(inline) => {
+            reader.kind = scene_kind(inline.get_ref());
+            let table = reader.check_scene(inline, "scene");
+            Some(Base { table, kind: reader.kind, text: String::new() })
+        }
+        None if study.scene.is_empty() => {
+            let help = "name the base scene: scene = \"experiment-95.toml\", or write it in a table [scene]";
+            reader.missing("scene", "", help)
+        }
+        None => {
+            let path = Path::new(file_name).parent().unwrap_or(Path::new("")).join(&study.scene);
+            let layers = load_layers(&path).map_err(|error| match error {
+                SceneError::Read { file, reason } => {
+                    let (span, help) = (reader.span("scene"), "its path is relative to the directory of the study");
+                    let message = format!("cannot read the base scene {file}: {reason}");
+                    let help = format!("name a scene file; {help}");
+                    invalid(vec![Problem { span, message, label: "this file".to_string(), help }])
+                }
+                error => error,
+            })?;
+            Some(base_from_layers(&layers, &[])?)
+        }
+    };
+    reader.kind = base.as_ref().map_or(SceneKind::Finger, |base| base.kind);
+    let set = set.map(|table| reader.check_scene(table, "set")).unwrap_or_default();
+    let axes = reader.read_axes(&study.axes);
+    let sequence = reader.read_sample(&study, &axes);
+    let filter = reader.read_filter(&study.filter);
+    let runs = total_runs(&axes, sequence.as_ref());
+    if reader.checker.is_clean() && runs.is_none() {
+        let message = format!("the study has more than {MAX_SHARDED_RUNS} runs");
+        reader.refuse::<()>("", message, "", "remove values, or sample the axes: [sample]");
+    }
+    let (Some(mut base), Some(runs), true) = (base, runs, reader.checker.is_clean()) else {
+        return Err(invalid(reader.checker.into_problems()).into());
+    };
+    merge(&mut base.table, set);
+    let fields: Vec<&str> = axes.iter().flat_map(|axis| &axis.fields).map(|field| field.path.as_str()).collect();
+    let unusable = |reason: String| StudyError::Read { file: file_name.to_string(), reason };
+    let stem = Path::new(file_name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let stem = stem.filter(|stem| !stem.trim().is_empty()).unwrap_or_else(|| "study".to_string());
+    Ok(Study {
+        kind: base.kind,
+        name: if study.name.is_empty() { stem } else { study.name },
+        description: study.description,
+        model: match study.model {
+            ModelName::Analytic => Model::Analytic,
+            ModelName::Engine => Model::Engine,
+        },
+        checked: false,
+        filter,
+        template: Template::new(base.table, &fields).map_err(unusable)?,
+        axes,
+        sequence,
+        runs,
+        source: text.to_string(),
+        base: base.text,
+    })
+}
+
+/// Removes and returns a table of the document. A value of another type stays and is reported later.
+fn take_table<'a>(document: &mut DeTable<'a>, key: &str) -> Option<Spanned<DeTable<'a>>> {
+    document.get(key).filter(|value| matches!(value.get_ref(), DeValue::Table(_)))?;
+    let value = document.remove(key)?;
+    let span = value.span();
+    match value.into_inner() {
+        DeValue::Table(table) => Some(Spanned::new(span, table)),
+        _ => None,
+    }
+}
+
+/// Number of runs; `None` if it exceeds [`MAX_SHARDED_RUNS`].
+fn total_runs(axes: &[Axis], sequence: Option<&Sequence>) -> Option<u64> {
+    let lengths = axes.iter().filter_map(Axis::len).map(|len| len as u64);
+    let sampled = axes.iter().any(|axis| matches!(axis.values, AxisValues::Range(_)));
+    let points = sequence.filter(|_| sampled).map_or(1, Sequence::count);
+    let product = lengths.chain([points]).try_fold(1u64, u64::checked_mul);
+    product.filter(|total| *total <= MAX_SHARDED_RUNS)
+}
+
+/// Reads the tables of a study file and collects their problems.
+struct Reader<'a> {
+    document: &'a DeTable<'a>,
+    /// Kind of the base scene.
+    kind: SceneKind,
+    checker: Checker<'a>,
+}
+
+impl Reader<'_> {
+    /// Position of the value at a path such as `axes.0.values.2`.
+    fn span(&self, path: &str) -> Option<Span<usize>> {
+        let mut names = path.split('.');
+        let mut value = self.document.get(names.next()?)?;
+        for name in names {
+            value = match value.get_ref() {
+                DeValue::Table(table) => table.get(name)?,
+                DeValue::Array(items) => items.get(name.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+        }
+        Some(value.span())
+    }
+
+    /// Reports a problem at a path.
+    fn refuse<T>(&self, path: &str, message: impl Into<String>, label: &str, help: &str) -> Option<T> {
+        self.checker.push(self.span(path), message, label, help);
+        None
+    }
+
+    fn check_scene(&self, table: Spanned<DeTable<'_>>, path: &str) -> toml::Table {
+        let mut problems = Vec::new();
+        let table = check_scene(table, path, self.kind, &mut problems);
+        self.checker.extend(problems);
+        table
+    }
+
+    /// Reports a missing key of the table at a path.
+    fn missing<T>(&self, key: &str, table: &str, help: &str) -> Option<T> {
+        self.checker.report_missing_at(key, self.span(table), help);
+        None
+    }
+
+    /// Reads all valid axes. A study without axes runs its scene once.
+    fn read_axes(&self, tables: &[AxisTable]) -> Vec<Axis> {
+        let mut axes: Vec<Axis> = Vec::new();
+        for (index, table) in tables.iter().enumerate() {
+            let path = format!("axes.{index}");
+            let Some(axis) = self.read_axis(&path, table) else { continue };
+            for field in &axis.fields {
+                if axes.iter().flat_map(|other| &other.fields).any(|other| other.path == field.path) {
+                    let key = if table.field.is_empty() { "fields" } else { "field" };
+                    let message = format!("`{}` is varied by two axes", field.path);
+                    let help = "keep one of the axes, with all values of the field";
+                    self.refuse::<()>(&format!("{path}.{key}"), message, "repeated here", help);
+                }
+            }
+            axes.push(axis);
+        }
+        axes
+    }
+
+    fn read_axis(&self, path: &str, table: &AxisTable) -> Option<Axis> {
+        let at = |key: &str| format!("{path}.{key}");
+        let names: Vec<(String, &String)> = match (table.field.is_empty(), table.fields.is_empty()) {
+            (false, true) => vec![(at("field"), &table.field)],
+            (true, false) => (0..).map(|index| at(&format!("fields.{index}"))).zip(&table.fields).collect(),
+            (false, false) => {
+                let message = "an axis has both `field` and `fields`";
+                return self.refuse(&at("fields"), message, "repeated here", "keep one of them");
+            }
+            (true, true) => {
+                return self.missing("field", path, "name the field of the scene that varies: field = \"design.base\"");
+            }
+        };
+        let mut fields: Vec<Field> = Vec::new();
+        for (path, name) in names {
+            match Field::find(name, schema_for(self.kind)) {
+                Ok(field) if fields.iter().any(|other| other.path == field.path) => {
+                    return self.refuse(
+                        &path,
+                        format!("`{name}` is given twice"),
+                        "repeated here",
+                        "remove one of them",
+                    );
+                }
+                Ok(field) => fields.push(field),
+                Err((message, label, help)) => return self.refuse(&path, message, &label, &help),
+            }
+        }
+        let (unused, reason): (&[&str], _) = if table.field.is_empty() {
+            (&["values", "from", "to", "count", "spacing"], "in an axis of several fields, whose values are `rows`")
+        } else if table.values.is_empty() {
+            (&["rows"], "in an axis of one field, whose values are `values`")
+        } else {
+            (&["rows", "from", "to", "count", "spacing"], "together with `values`")
+        };
+        for key in unused {
+            self.checker.report_unused_at(key, self.span(&at(key)), reason);
+        }
+        let values = if table.field.is_empty() {
+            self.read_rows(path, &fields, &table.rows)?
+        } else if table.values.is_empty() {
+            self.read_range(path, &fields[0], table)?
+        } else {
+            self.read_values(path, &fields[0], &table.values)?
+        };
+        Some(Axis { fields, values, repeats_designs: table.again })
+    }
+
+    /// Reads the rows of an axis of several fields.
+    fn read_rows(&self, path: &str, fields: &[Field], rows: &[Spanned<TomlValue>]) -> Option<AxisValues> {
+        if rows.is_empty() {
+            let help = "give a row of values for each run: rows = [[\"480 N*mm\", \"132.6 N*mm\"], ..]";
+            return self.missing("rows", path, help);
+        }
+        let read_row = |(index, row): (usize, &Spanned<TomlValue>)| {
+            let message = match row.get_ref() {
+                TomlValue::List(values) if values.len() == fields.len() => {
+                    return fields.iter().zip(values).map(|(field, value)| self.read_value(field, value)).collect();
+                }
+                TomlValue::List(values) => {
+                    format!("a row has {} values, but {} fields vary", values.len(), fields.len())
+                }
+                other => format!("a row is {}, but must be a list", other.name()),
+            };
+            let help = "write one value for each of `fields`, in their order";
+            self.refuse(&format!("{path}.rows.{index}"), message, &format!("{} values", fields.len()), help)
+        };
+        rows.iter().enumerate().map(read_row).collect::<Option<_>>().map(AxisValues::Rows)
+    }
+
+    /// Reads the values of an axis of one field.
+    fn read_values(&self, path: &str, field: &Field, values: &[Spanned<TomlValue>]) -> Option<AxisValues> {
+        let rows = values.iter().map(|value| self.read_value(field, value).map(|value| vec![value]));
+        let rows: Vec<Vec<AxisValue>> = rows.collect::<Option<_>>()?;
+        match (0..rows.len()).find(|&index| rows[..index].contains(&rows[index])) {
+            Some(index) => {
+                let message = format!("`{}` has the value {} twice", field.path, rows[index][0].text);
+                self.refuse(&format!("{path}.values.{index}"), message, "repeated here", "remove one of them")
+            }
+            None => Some(AxisValues::Rows(rows)),
+        }
+    }
+
+    /// Reads the range of an axis of one field: a grid if it has a count.
+    fn read_range(&self, path: &str, field: &Field, table: &AxisTable) -> Option<AxisValues> {
+        let at = |key: &str| format!("{path}.{key}");
+        let name = &field.path;
+        let (from, to) = match (&table.from, &table.to) {
+            (Some(from), Some(to)) => (from, to),
+            (None, None) => {
+                return self.missing("values", path, "give values = [..], or a range: from, to and count");
+            }
+            (from, _) => {
+                let key = if from.is_none() { "from" } else { "to" };
+                return self.missing(key, path, "a range requires both ends: from and to");
+            }
+        };
+        let [Some(from), Some(to)] = [from, to].map(|end| self.read_value(field, end)) else { return None };
+        let Some(range) = Range::between(field, &from, &to, table.spacing) else {
+            let message = format!("`{name}` has no range, because it is not numeric");
+            return self.refuse(&at("from"), message, "not a quantity or a number", "list its values: values = [..]");
+        };
+        if range.from == range.to {
+            let message = format!("the ends of the range of `{name}` are equal");
+            return self.refuse(
+                &at("to"),
+                message,
+                "equal to `from`",
+                "give another end, or a single value: values = [..]",
+            );
+        }
+        if table.spacing == Spacing::Log && !(range.from > 0.0 && range.to > 0.0) {
+            let message = format!("the range of `{name}` is not above 0, as spacing = \"log\" requires");
+            let help = "change the range, or use spacing = \"linear\"";
+            return self.refuse(&at("spacing"), message, "requires values above 0", help);
+        }
+        match table.count {
+            None if table.again => {
+                let message = format!("the sampled axis `{name}` cannot repeat the same designs");
+                self.refuse(&at("again"), message, "a sampled axis", "remove `again`, or give `count` or `values`")
+            }
+            None => Some(AxisValues::Range(range)),
+            Some(count @ 2..=1_000_000) => Some(AxisValues::Rows(range.grid(count))),
+            Some(count) => {
+                let message = format!("the range of `{name}` has {count} values, but must have from 2 to 1000000");
+                self.refuse(&at("count"), message, "from 2 to 1000000", "give another count")
+            }
+        }
+    }
+
+    /// Reads a value of a field.
+    fn read_value(&self, field: &Field, value: &Spanned<TomlValue>) -> Option<AxisValue> {
+        let axis_value = field.read(value).map_err(|problems| self.checker.extend(problems)).ok()?;
+        if matches!(&axis_value.value, Value::Text(text) if text.contains(['\n', '\r'])) {
+            let message = format!("a value of `{}` has more than one line", field.path);
+            let help = "remove the line break: a row of the results is one line";
+            self.checker.push(Some(value.span()), message, "one line", help);
+            return None;
+        }
+        Some(axis_value)
+    }
+
+    /// Reads the sample of all ranges.
+    fn read_sample(&self, study: &StudyFile, axes: &[Axis]) -> Option<Sequence> {
+        let SampleTable { method, count, seed } = &study.sample;
+        let ranges = axes.iter().filter(|axis| axis.len().is_none()).count();
+        if self.span("sample").is_none() {
+            let is_range = |axis: &AxisTable| axis.from.is_some() && axis.to.is_some() && axis.count.is_none();
+            if let Some(index) = study.axes.iter().position(is_range) {
+                let help = "give the number of values: count = 10, or sample all ranges: [sample] with count = 1000";
+                let message = "a range has no `count`, and there is no [sample]";
+                self.refuse::<()>(&format!("axes.{index}.from"), message, "count required", help);
+            }
+            return None;
+        }
+        let Some(count) = *count else {
+            return self.missing("count", "sample", "give the number of points: count = 1000");
+        };
+        if count > MAX_SHARDED_RUNS {
+            let message = format!("`sample.count` is {count}, which is too large");
+            return self.refuse(
+                "sample.count",
+                message,
+                "too many",
+                &format!("take at most {MAX_SHARDED_RUNS} points"),
+            );
+        }
+        // Every part of a study shuffles the slices of all points in memory before its first run.
+        if *method == Method::LatinHypercube && count > MAX_RUNS {
+            let message = format!("`sample.count` is {count}, but a latin-hypercube has at most {MAX_RUNS} points");
+            let help = "take fewer, or use method = \"halton\" or \"random\", whose points need no memory";
+            return self.refuse("sample.count", message, "too many for this method", help);
+        }
+        if ranges == 0 && axes.len() == study.axes.len() {
+            let help = "give an axis with `from` and `to` but without `count`, or remove [sample]";
+            self.refuse::<()>("sample", "[sample] has no range to sample", "nothing to sample", help);
+        }
+        if *method == Method::Halton && ranges > MAX_HALTON_AXES {
+            let message = format!("a halton sample has at most {MAX_HALTON_AXES} axes, but the study has {ranges}");
+            self.refuse::<()>("sample.method", message, "too many axes", "use method = \"latin-hypercube\"");
+        }
+        Some(Sequence::new(*method, count, seed.unwrap_or(1), ranges))
+    }
+
+    /// Reads the filter of a study, which does not apply to grippers.
+    fn read_filter(&self, table: &FilterTable) -> Filter {
+        if self.kind == SceneKind::Gripper && self.span("filter").is_some() {
+            let message = "[filter] concerns the statics of one finger, but the base scene is a gripper";
+            let help = "remove it: the results contain the fate and the form closure of every grasp";
+            self.refuse::<()>("filter", message, "has no effect", help);
+        }
+        let FilterTable { force_positive, palm_force_positive, form_closed } = *table;
+        Filter { force_positive, palm_force_positive, form_closed }
+    }
+}
