@@ -138,7 +138,7 @@ commands! {
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
     Validate(validate_args::ValidateArgs) => validate::run,
-    Replay(replay::ReplayArgs) => replay::run,
+    Replay(replay_read::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(
         subcommand,

@@ -6,8 +6,9 @@ use std::path::Path;
 use super::interrupt::Interrupt;
 use super::output::print_result;
 use super::ownership::FileKind;
-use super::replay::{ReplayArgs, print_defects};
-use super::replay_read::{LogPlaybackRecorder, SummarySink, Tee, ensure_drawable, read_failure, read_head};
+use super::replay_read::{
+    LogPlaybackRecorder, ReplayArgs, SummarySink, Tee, ensure_drawable, print_defects, read_failure, read_head,
+};
 use super::save::{PAGE_FILE, save};
 use super::targets::{TargetKind, reserve};
 use super::{Failure, Status};
