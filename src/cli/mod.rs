@@ -128,7 +128,7 @@ commands! {
     Run(run::RunArgs) => run::run,
     Explore(explore::ExploreArgs) => explore::run,
     Validate(validate::ValidateArgs) => validate::run,
-    Replay(replay::ReplayArgs) => replay::run,
+    Replay(replay_read::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
     #[command(
         subcommand,

@@ -1,63 +1,19 @@
 //! `phalanx replay`: summarises a log, verifies it by simulating again, compares two logs, and exports samples as a
 //! table.
 
-use std::path::{Path, PathBuf};
 use std::slice;
 
-use clap::Args;
-
 use super::interrupt::Interrupt;
-use super::output::{print_diagnostic, print_result};
-use super::replay_read::{LogPlaybackRecorder, SummarySink, Tee, ensure_drawable, read_failure, read_head};
+use super::output::print_result;
+use super::replay_read::{
+    LogPlaybackRecorder, ReplayArgs, SummarySink, Tee, ensure_drawable, print_defects, read_failure, read_head,
+};
 use super::samples::{self, write_table};
 use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status, replay_against, replay_verify};
 use crate::format::ToReport;
 use crate::log::{LogSink, LogSummary, read_file};
 use crate::page::{Page, render_page};
-use crate::report::replay::ReplayReport;
-
-/// Summarise the run in a log, verify it by simulating again, compare it with another log, or export its samples.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  phalanx replay run.mcap\n  phalanx replay run.mcap --verify\n  phalanx replay run.mcap --csv \
-                  run.csv\n  phalanx replay analytic.mcap --against engine.mcap --html both.html\n\nA truncated or damaged log is read \
-                  up to the damage (mcap recover extracts what follows). The order of messages in the file does not matter. Exit \
-                  status: 0 the log is complete (with --verify: and identical to the new run); 1 data are lost, a topic is missing, \
-                  or the runs differ; 2 bad input; 3 interrupted, or a file could not be written."
-)]
-pub struct ReplayArgs {
-    /// Log of a run (MCAP), or the partial log of a killed run
-    #[arg(value_name = "LOG.mcap")]
-    pub(super) log: PathBuf,
-
-    /// Print one JSON document with SI units in its keys instead of the summary
-    #[arg(long)]
-    pub(super) json: bool,
-
-    /// Simulate the scene again with all settings in the log and compare all samples and events bit for bit
-    #[arg(long, group = "mode")]
-    pub(super) verify: bool,
-
-    /// Compare with another log of the same kind of scene: results of both with their differences, and the differences
-    /// of the trajectories over the common time
-    #[arg(long, value_name = "OTHER.mcap", group = "mode")]
-    pub(super) against: Option<PathBuf>,
-
-    /// With --against: write the report and plots to this directory, which is created if needed
-    #[arg(long, value_name = "DIR", requires = "against")]
-    pub(super) out: Option<PathBuf>,
-
-    /// Write all samples as comma-separated values to this file, one line per sample, with SI units in the column
-    /// names; - writes to standard output
-    #[arg(long, value_name = "FILE", conflicts_with = "mode")]
-    pub(super) csv: Option<PathBuf>,
-
-    /// Write a page for any browser, also offline: an animation, plots and events; with --against both logs are
-    /// overlaid. If the run has too many samples for a page, some are omitted and the page states this
-    #[arg(long, value_name = "FILE.html", conflicts_with = "verify")]
-    pub(super) html: Option<PathBuf>,
-}
 
 /// Runs `phalanx replay`.
 pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
@@ -109,14 +65,4 @@ fn read_log<S: LogSink>(args: &ReplayArgs, sink: &mut S) -> Result<Option<LogSum
         (Err(failure), _) | (_, Err(failure)) => Err(failure),
         (Ok(summary), Ok(true)) => Ok(Some(summary)),
     }
-}
-
-/// Prints lost, missing and inconsistent parts of a log and returns the resulting exit status.
-pub(super) fn print_defects(log: &Path, report: &ReplayReport) -> Status {
-    let losses = report.reading.losses.iter();
-    let mut messages: Vec<String> =
-        losses.map(|loss| format!("error: {}: {}", log.display(), loss.description)).collect();
-    messages.extend(report.error_messages());
-    messages.iter().for_each(|message| print_diagnostic(message));
-    if messages.is_empty() { Status::Done } else { Status::CheckFailed }
 }

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::interrupt::Interrupt;
 use super::output::print_result;
-use super::replay::{ReplayArgs, print_defects};
-use super::replay_read::{LogPlaybackRecorder, SummarySink, Tee, ensure_drawable, read_failure, read_head};
+use super::replay_read::{
+    LogPlaybackRecorder, ReplayArgs, SummarySink, Tee, ensure_drawable, print_defects, read_failure, read_head,
+};
 use super::targets::{FileKind, PAGE_FILE, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};

@@ -1,7 +1,9 @@
-//! Reading a log for its summary, criteria and page, with progress and interruption.
+//! Arguments of `phalanx replay`; reading a log for its summary, criteria and page, with progress and interruption.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::print_diagnostic;
@@ -14,6 +16,48 @@ pub(super) use crate::report::replay::scene_in_log;
 use crate::report::replay::{LogObserver, ReplayReport, Summary};
 use crate::scene::Scene;
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+
+/// Summarise the run in a log, verify it by simulating again, compare it with another log, or export its samples.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx replay run.mcap\n  phalanx replay run.mcap --verify\n  phalanx replay run.mcap --csv \
+                  run.csv\n  phalanx replay analytic.mcap --against engine.mcap --html both.html\n\nA truncated or damaged log is read \
+                  up to the damage (mcap recover extracts what follows). The order of messages in the file does not matter. Exit \
+                  status: 0 the log is complete (with --verify: and identical to the new run); 1 data are lost, a topic is missing, \
+                  or the runs differ; 2 bad input; 3 interrupted, or a file could not be written."
+)]
+pub struct ReplayArgs {
+    /// Log of a run (MCAP), or the partial log of a killed run
+    #[arg(value_name = "LOG.mcap")]
+    pub(super) log: PathBuf,
+
+    /// Print one JSON document with SI units in its keys instead of the summary
+    #[arg(long)]
+    pub(super) json: bool,
+
+    /// Simulate the scene again with all settings in the log and compare all samples and events bit for bit
+    #[arg(long, group = "mode")]
+    pub(super) verify: bool,
+
+    /// Compare with another log of the same kind of scene: results of both with their differences, and the differences
+    /// of the trajectories over the common time
+    #[arg(long, value_name = "OTHER.mcap", group = "mode")]
+    pub(super) against: Option<PathBuf>,
+
+    /// With --against: write the report and plots to this directory, which is created if needed
+    #[arg(long, value_name = "DIR", requires = "against")]
+    pub(super) out: Option<PathBuf>,
+
+    /// Write all samples as comma-separated values to this file, one line per sample, with SI units in the column
+    /// names; - writes to standard output
+    #[arg(long, value_name = "FILE", conflicts_with = "mode")]
+    pub(super) csv: Option<PathBuf>,
+
+    /// Write a page for any browser, also offline: an animation, plots and events; with --against both logs are
+    /// overlaid. If the run has too many samples for a page, some are omitted and the page states this
+    #[arg(long, value_name = "FILE.html", conflicts_with = "verify")]
+    pub(super) html: Option<PathBuf>,
+}
 
 /// A log sink that collects the summary of a run, shows progress and stops at a signal.
 pub(super) struct SummarySink<'a> {
@@ -168,4 +212,14 @@ impl<A: LogSink, B: LogSink> LogSink for Tee<'_, A, B> {
         self.0.layout(layout)?;
         self.1.layout(layout)
     }
+}
+
+/// Prints lost, missing and inconsistent parts of a log and returns the resulting exit status.
+pub(super) fn print_defects(log: &Path, report: &ReplayReport) -> Status {
+    let losses = report.reading.losses.iter();
+    let mut messages: Vec<String> =
+        losses.map(|loss| format!("error: {}: {}", log.display(), loss.description)).collect();
+    messages.extend(report.error_messages());
+    messages.iter().for_each(|message| print_diagnostic(message));
+    if messages.is_empty() { Status::Done } else { Status::CheckFailed }
 }

@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use super::interrupt::Interrupt;
 use super::output::{print_diagnostic, print_result};
-use super::replay::{ReplayArgs, print_defects};
-use super::replay_read::{SummarySink, read_failure, read_head, scene_in_log};
+use super::replay_read::{ReplayArgs, SummarySink, print_defects, read_failure, read_head, scene_in_log};
 use super::simulate::{CheckPolicy, FailedRun, RunLimits, simulate};
 use super::{Failure, Status};
 use crate::log::{

@@ -10,7 +10,7 @@ use super::super::grasp::GraspReport;
 use super::super::states::States;
 use super::super::tables::{contacts, criteria_table, energies, grasp, states};
 use super::super::text::{engine, integrator};
-use super::observer::Summary;
+use super::summary::Summary;
 use super::verify::VerificationReport;
 use crate::criteria::{Criteria, Fate, GraspCriteria};
 use crate::format::{Report, ToReport, format_duration};

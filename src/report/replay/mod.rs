@@ -3,9 +3,11 @@
 mod comparison;
 mod document;
 mod observer;
+mod summary;
 mod verify;
 
 pub use comparison::{LogComparisonReport, TrajectoryDifference, compare_summaries};
 pub use document::ReplayReport;
-pub use observer::{LogObserver, Summary, scene_in_log};
+pub use observer::{LogObserver, scene_in_log};
+pub use summary::Summary;
 pub use verify::VerificationReport;

@@ -1,11 +1,15 @@
 //! Contact points and forces as foxglove primitives, one entity per contact.
 
-use foxglove::messages::{ArrowPrimitive, Color, Pose, SceneEntity, SceneUpdate, SpherePrimitive, Timestamp, Vector3};
+use foxglove::messages::{
+    ArrowPrimitive, Color, Pose, Quaternion, SceneEntity, SceneUpdate, SpherePrimitive, Timestamp, Vector3,
+};
 
-use super::{WORLD, rotation_about_z};
 use phalanx_core::drawing::Drawing;
-use phalanx_core::numeric::elementary::atan2;
+use phalanx_core::numeric::elementary::{atan2, sin_cos};
 use phalanx_core::trace::ContactSample;
+
+/// Name of the root frame.
+pub const WORLD: &str = "world";
 
 /// Elevation of arrows and points above all bodies, relative to the longest arrow.
 const ARROW_ELEVATION: f64 = 0.05;
@@ -110,4 +114,10 @@ fn pose([x, y]: [f64; 2], angle_rad: f64, longest_m: f64) -> Pose {
         position: Some(Vector3 { x, y, z: ARROW_ELEVATION * longest_m }),
         orientation: Some(rotation_about_z(angle_rad)),
     }
+}
+
+/// Returns the quaternion of a rotation in the plane.
+pub fn rotation_about_z(angle_rad: f64) -> Quaternion {
+    let (sin, cos) = sin_cos(0.5 * angle_rad);
+    Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }
 }

@@ -15,16 +15,12 @@ mod shapes;
 use std::io::Write;
 
 use foxglove::Encode;
-use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Vector3};
+use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate, Vector3};
 
-use self::arrows::Arrows;
+use self::arrows::{Arrows, WORLD, rotation_about_z};
 use super::mcap_file::{ChannelId, McapFile, to_timestamp};
 use phalanx_core::drawing::{Drawing, Pose};
-use phalanx_core::numeric::elementary::sin_cos;
 use phalanx_core::trace::{ContactSample, SinkError};
-
-/// Name of the root frame.
-const WORLD: &str = "world";
 
 /// Change of an arrow that triggers a new picture within an impact, relative to the longest arrow.
 const MIN_ARROW_CHANGE: f64 = 0.05;
@@ -143,10 +139,4 @@ fn transforms(names: &[Option<String>], poses: &[Pose], log_time_ns: u64) -> Fra
     };
     let named = names.iter().zip(poses).filter_map(|(name, pose)| Some((name.as_ref()?, pose)));
     FrameTransforms { transforms: named.map(transform).collect() }
-}
-
-/// Returns the quaternion of a rotation in the plane.
-fn rotation_about_z(angle_rad: f64) -> Quaternion {
-    let (sin, cos) = sin_cos(0.5 * angle_rad);
-    Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }
 }
