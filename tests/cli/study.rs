@@ -14,7 +14,7 @@ fn command_writes_its_files() {
     let output = phalanx(&[&args[..], &["--out", out.to_str().expect("text")]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let read = |name: &str| fs::read_to_string(out.join(name)).expect(name);
-    assert_eq!(stdout(&output), read("table.txt"));
+    assert_eq!(format!("Report by phalanx\n\n{}", stdout(&output)), read("table.txt"));
     let document: Value = serde_json::from_str(&read("stability.json")).expect("JSON");
     assert_eq!(document["grid"]["steps_s"], serde_json::json!([1e-3, 1e-4]));
     assert_eq!(read("stability.csv").lines().count(), 3);
