@@ -14,7 +14,7 @@ use super::targets::{NO_DIRECTORY, TargetKind, reserve};
 use super::value_lists::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
-use crate::study::parts::{PartOptions, merge, write_part};
+use crate::study::parts::{PartOptions, merge, part_files, write_part};
 use crate::study::results::{OpenedResults, ResultsError, Store, open};
 use crate::study::sweep::{self, Row, Study, StudyError, run_while, shard, summary};
 
@@ -263,7 +263,8 @@ fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: 
 /// Runs `phalanx sweep merge`.
 fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
     let study = load(&args.study, args.model, args.check)?;
-    let inputs = [("the study", &sweep::source_files(&args.study)[..]), ("a shard", &args.parts)];
+    let parts = part_files(&args.parts)?;
+    let inputs = [("the study", &sweep::source_files(&args.study)[..]), ("a shard", &parts)];
     reserve(&inputs, &[("--out", Some(&args.out), TargetKind::Results)], NO_DIRECTORY)?;
     let interrupt = Interrupt::listen()?;
     let mut counter = RunCounter::new();

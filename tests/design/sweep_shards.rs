@@ -341,6 +341,16 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
     assert_path_rejected(&out, &["not a table written by phalanx", "not replaced", "--force"]);
     assert_eq!(bytes(&out), b"foreign");
     fs::remove_file(&out).expect("removed");
+    // A shard in a directory is an input too.
+    let (inputs, shard) = (directory.join("inputs"), directory.join("inputs/1-of-1.parquet"));
+    fs::create_dir(&inputs).expect("made");
+    part(&study, (1, 1), &inputs);
+    let valid_bytes = bytes(&shard);
+    assert_failed(
+        &["merge", file.as_str(), text(&inputs), "--out", text(&shard), "--force"],
+        &["is a shard itself, which must not change"],
+    );
+    assert!(bytes(&shard) == valid_bytes);
 
     // An interrupted merge leaves no file, and the parts are still valid.
     let before = names(&directory);

@@ -134,6 +134,8 @@ fn reports_problems_with_their_location() {
         (field("palm", "values = [true]\nfields = [\"palm\"]"), ":5:10", "both `field` and `fields`"),
         (ratio("values = [0.5, 0.5]"), ":4:16", "twice"),
         (ratio("values = []"), ":4:10", "`axes.values` is empty"),
+        ("set = 3".to_string(), ":2:7", "`set` is a single value, but must be a table"),
+        ("sets = 3".to_string(), ":2:1", "sample, scene, set"),
         (ratio("values = 3"), ":4:10", "must be a list"),
         (ratio("from = 0.3\nto = 0.5"), ":4:8", "no `count` … [sample]"),
         (ratio("from = 0.3\nto = 0.3\ncount = 3"), ":5:6", "are equal"),

@@ -213,7 +213,9 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let mut document = DeTable::parse(text).map_err(|error| invalid(vec![syntax_problem(&error)]))?;
     let inline = take_table(document.get_mut(), "scene");
     let set = take_table(document.get_mut(), "set");
-    let schema = own_schema();
+    let mut schema = own_schema();
+    // A table [set] has been taken out; messages list the key and reject other values.
+    schema["properties"]["set"] = json!({ "type": "object", "properties": {} });
     let mut problems = keys::remove_unknown(
         document.get_mut(),
         &keys::KeySchemas { kind: "study", schema: &schema, other_kinds: &Vec::new },
