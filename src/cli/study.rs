@@ -6,10 +6,10 @@ use clap::{Args, Subcommand};
 
 use super::interrupt::{Interrupt, interrupted_failure};
 use super::output::print_result;
+use super::parsers::{parse_number, parse_quantity};
 use super::progress::RunCounter;
 use super::set::{SetArgs, source_files};
 use super::targets::reserve;
-use super::value_lists::{parse_number, parse_quantity};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::scene::Keyword;
@@ -163,9 +163,7 @@ fn run_stability(args: &StabilityArgs) -> Result<Status, Failure> {
     let (grid, accuracy_rad) = (build_grid(args), args.accurate.unwrap_or(ACCURACY_RAD));
     let study =
         compute("the study", &args.output, &interrupt, |monitor| stability(&scene, &grid, accuracy_rad, monitor))?;
-    if let Some(directory) = directory {
-        directory.write(&files, &[study.json(), study.csv(), study.picture(), study.report().to_string()])?;
-    }
+    directory.write(files, || [study.json(), study.csv(), study.picture(), study.report().to_string()])?;
     print_result(&study, args.output.json)?;
     Ok(Status::Done)
 }
@@ -187,9 +185,7 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     let directory = reserve(&[("the scene", &inputs)], &[], ("--out", args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;
     let study = compute("the study", &args.output, &interrupt, |monitor| step_size(&scene, args.quick, monitor))?;
-    if let Some(directory) = directory {
-        directory.write(&files, &[study.report().to_string(), study.json(), study.csv(), study.picture()])?;
-    }
+    directory.write(files, || [study.report().to_string(), study.json(), study.csv(), study.picture()])?;
     print_result(&study, args.output.json)?;
     Ok(Status::Done)
 }

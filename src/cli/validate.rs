@@ -94,9 +94,7 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
         run_ladder_with_progress(&mut validation, scene, (args, options), &interrupt)?;
     }
     let mut report = ValidationReport::new(scene, &validation, options);
-    if let Some(directory) = directory {
-        directory.write_with(|out| write_files(out, args, scene, &validation, &mut report, &interrupt))?;
-    }
+    directory.write_with(|out| write_files(out, args, scene, &validation, &mut report, &interrupt))?;
     match (args.json, report.ladder_report()) {
         (true, _) => print(&report.json())?,
         (false, Some(ladder)) => print_report(&Report::from("\n").with(ladder))?,
@@ -204,7 +202,7 @@ fn record_run(
     let mut recorder = PlaybackRecorder::default();
     let limits = RunLimits { interrupt, until_s: f64::INFINITY, check_policy: CheckPolicy::IfCheap };
     let run = simulate(model, scene, Some(log), &limits, &mut recorder);
-    let mut summary = run.report(model, scene);
+    let mut summary = run.report;
     if scene.kind() == SceneKind::Bodies {
         // Pages of scenes of discs do not show the result of the check.
         summary.check = None;

@@ -1,32 +1,22 @@
 //! Simulates a scene for a report: runs it, evaluates its criteria, optionally checks it and closes its log. Used by
 //! `phalanx run`, `validate --out` and `replay --verify`.
 
-use crate::scene::Scene;
 use std::io::Write;
 
 use super::check::RunCheckReport;
 use super::document::{Failure, RunData, RunReport};
 use crate::check::{self, Check};
-use crate::criteria::{Criteria, GraspCriteria, Rebound};
 use crate::integrator::Reason;
 use crate::log::{self, FinishedRun, ThreadedWriter};
+use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::trace::{Model, Outcome, RunError, Sink, SinkError};
 
 /// A finished simulation.
 pub struct SimulatedRun<W> {
     pub result: Result<Outcome, FailedRun>,
-    /// Criteria of a finger, if it can grasp its object and the run was completed.
-    pub criteria: Option<Criteria>,
-    /// Criteria of a gripper.
-    pub grasp: Option<GraspCriteria>,
-    /// Rebounds of every pair of discs.
-    pub rebounds: Vec<Rebound>,
-    /// Reasons to doubt the results.
-    pub warnings: Vec<String>,
-    pub wall_s: f64,
-    /// Result of the check of the run, if it was checked.
-    pub check: Option<RunCheckReport>,
+    /// Report of the run, with the result of its check if it was checked.
+    pub report: RunReport,
     /// The output of the closed log.
     pub log: Result<Option<W>, SinkError>,
 }
@@ -36,19 +26,6 @@ pub struct FailedRun {
     pub error: Failure,
     /// Results up to the failure.
     pub partial_outcome: Option<Outcome>,
-}
-
-impl<W> SimulatedRun<W> {
-    /// Creates the report of the run.
-    pub fn report(&self, model: Model, scene: &Scene) -> RunReport {
-        let (outcome, error) = match &self.result {
-            Ok(outcome) => (Some(outcome), None),
-            Err(FailedRun { error, partial_outcome }) => (partial_outcome.as_ref(), Some(error.clone())),
-        };
-        let (grasp, rebounds, warnings) = (self.grasp.as_ref(), self.rebounds.as_slice(), self.warnings.as_slice());
-        let data = RunData { wall_s: self.wall_s, outcome, criteria: self.criteria, grasp, rebounds, warnings };
-        RunReport { check: self.check.clone(), ..RunReport::new(scene, model, &data, error) }
-    }
 }
 
 /// Whether a completed run is checked.
@@ -103,6 +80,13 @@ pub fn simulate_and_check<W: Write + Send + 'static>(
     let check = options.check(model, scene, &result);
     let failure = result.as_ref().err().map(|failed_run| (failed_run.error.time_s, failed_run.error.reason.as_str()));
     let log = log.close(failure, check.as_ref());
+    let (outcome, error) = match &result {
+        Ok(outcome) => (Some(outcome), None),
+        Err(FailedRun { error, partial_outcome }) => (partial_outcome.as_ref(), Some(error.clone())),
+    };
+    let (grasp, rebounds, warnings) = (grasp.as_ref(), rebounds.as_slice(), warnings.as_slice());
+    let data = RunData { wall_s, outcome, criteria, grasp, rebounds, warnings };
     let check = check.map(|check| RunCheckReport::new(&check, scene.kind() != SceneKind::Bodies));
-    SimulatedRun { result, criteria, grasp, rebounds, warnings, wall_s, check, log }
+    let report = RunReport { check, ..RunReport::new(scene, model, &data, error) };
+    SimulatedRun { result, report, log }
 }
