@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::interrupt::{Interrupt, interrupted_failure};
+use super::interrupt::{Interrupt, interrupted};
 use super::output::print_result;
 use super::parsers::{parse_number, parse_quantity};
 use super::progress::RunCounter;
@@ -52,7 +52,8 @@ pub fn compute<T>(
     counter.clear();
     result.map_err(|error| match (error, interrupt.signal()) {
         (StudyError::Stopped { done, total }, Some(signal)) => {
-            interrupted_failure(task, signal, (done, total), output.out.is_some())
+            let progress = format!("after {done} of {total} parts; there is no result");
+            interrupted(&format!("{task} was interrupted by {signal} {progress}"), output.out.is_some())
         }
         (error @ StudyError::Unsuitable(_), _) => Failure::bad_input(error),
         (error, _) => Failure::incomplete(error),

@@ -10,7 +10,7 @@ use super::output::{print, print_report};
 use super::progress::RunCounter;
 use super::run::{log_failure, run_info};
 use super::set::{SetArgs, source_files};
-use super::simulate::{CheckPolicy, FailedRun, RunLimits, simulate};
+use super::simulate::{CheckPolicy, RunLimits, simulate};
 use super::targets::{PAGE_FILE, reserve, save, write_failure};
 use super::{Failure, Status};
 use crate::files::replace_file;
@@ -207,12 +207,12 @@ fn record_run(
         // Pages of scenes of discs do not show the result of the check.
         summary.check = None;
     }
-    match (run.result, interrupt.signal()) {
-        (Ok(_), _) => {
+    match (&summary.error, interrupt.signal()) {
+        (None, _) => {
             let result = run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit));
             result.map_err(|error| write_failure(path, error))?;
         }
-        (Err(_), Some(signal)) => {
+        (Some(_), Some(signal)) => {
             // The target is unchanged; the partial log of a validation is of no use.
             let _ = fs::remove_file(log::partial_name(path));
             return Err(Failure::incomplete(format!(
@@ -220,7 +220,7 @@ fn record_run(
                 path.display()
             )));
         }
-        (Err(FailedRun { error, .. }), None) => return Err(write_failure(path, error.reason)),
+        (Some(error), None) => return Err(write_failure(path, &error.reason)),
     }
     Ok(recorder.into_playback(model.name(), scene, summary.report()))
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Serialize, Serializer};
 
 use super::named::Object;
+use super::sweep;
 use crate::criteria::Class;
 use crate::format::numbers::{format_number, row, zero_below_resolution};
 use crate::format::quantity::Quantity;
@@ -151,13 +152,7 @@ fn classes(selection: &Selection) -> Report {
 
 /// Returns the reasons for the classes, and why some runs have none.
 fn reasons(selection: &Selection) -> String {
-    let mut text = String::new();
-    if !selection.class_reasons.is_empty() {
-        text.push_str("\nreasons for the class (numbers from the first run)\n");
-    }
-    for Reason { status, reason, runs, first_run } in &selection.class_reasons {
-        text.push_str(&format!("{runs:>7} {status}, first run {first_run}: {reason}\n"));
-    }
+    let mut text = sweep::reasons("reasons for the class", &selection.class_reasons);
     if !selection.cannot_grasp.is_empty() {
         text.push_str("\nwithout a class (numbers from the first run)\n");
     }
