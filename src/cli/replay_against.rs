@@ -93,7 +93,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
         page: None,
     };
     let page_text = recorders.map(|recorders| build_page(recorders, paths, &report)).transpose()?;
-    if let (Some(out), Some(directory)) = (&args.out, directory) {
+    if let Some(out) = &args.out {
         report.directory = Some(out.display().to_string());
         report.files = Some(
             FILES.into_iter().filter(|file| *file != PAGE_FILE || page_text.is_some()).map(String::from).collect(),

@@ -119,9 +119,7 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::write(path, &ranking_table(&results, &selection)).map_err(Failure::incomplete)?;
     }
-    if let Some(directory) = directory {
-        directory.write_with(|out| write_files(out, &source, &results, &selection))?;
-    }
+    directory.write_with(|out| write_files(out, &source, &results, &selection))?;
     print_result(&SelectionReport::new(&source, &selection, args.best), args.json)?;
     Ok(if selection.ranking.is_empty() { Status::CheckFailed } else { Status::Done })
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::rows::csv;
+use super::rows_csv;
 use crate::format::format_duration;
 use crate::format::numbers::{G_M_S2, format_number};
 use crate::format::report::{Report, ToReport};
@@ -215,5 +215,5 @@ pub fn hold_csv(study: &Hold) -> String {
         row["run"] = json!(run);
         row
     });
-    csv(rows, &columns)
+    rows_csv(rows, &columns)
 }
