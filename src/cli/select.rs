@@ -14,7 +14,7 @@ use crate::format::ToReport;
 use crate::plot;
 use crate::report::select::{SelectionReport, ranking_table};
 use crate::study::select::{
-    Bound, CLASSES, PerTerm, SelectError, Selection, SelectionCriteria, Side, TERMS, Weights, parse_class, select,
+    Bound, PerTerm, SelectError, Selection, SelectionCriteria, Side, TERMS, Weights, parse_class, select,
 };
 use crate::table::{self, Table};
 use crate::units::{self, Dimension};
@@ -175,7 +175,7 @@ fn write_files(out: &Path, source: &str, results: &Table, selection: &Selection)
 }
 
 fn parse_class_arg(text: &str) -> Result<Class, String> {
-    parse_class(text).ok_or_else(|| format!("expected {}", CLASSES.map(Class::name).join(", ")))
+    parse_class(text).ok_or_else(|| format!("expected {}", Class::ALL.map(Class::name).join(", ")))
 }
 
 fn parse_force(text: &str) -> Result<f64, String> {

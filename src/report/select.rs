@@ -11,7 +11,7 @@ use crate::format::numbers::{format_number, row, zero_below_resolution};
 use crate::format::quantity::Quantity;
 use crate::format::report::{Report, ToReport, table};
 use crate::format::{condition_name, criterion_name, percent_of};
-use crate::study::select::{CLASSES, Candidate, ClassCounts, Condition, Ranked, Selection, TERMS, Term};
+use crate::study::select::{Candidate, ClassCounts, Condition, Ranked, Selection, TERMS, Term};
 use crate::study::sweep::{Reason, Status};
 use crate::table::{Column, Kind, Table, Value};
 use crate::units::Dimension;
@@ -143,7 +143,7 @@ fn classes(selection: &Selection) -> Report {
     }
     line("statically stable", &|counts| counts.statically_stable);
     line("form-closed", &|counts| counts.form_closed);
-    for (index, class) in CLASSES.into_iter().enumerate() {
+    for (index, class) in Class::ALL.into_iter().enumerate() {
         line(class.name(), &|counts| counts.dynamic[index]);
     }
     line("stable or semi-stable", &ClassCounts::dynamically_stable);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
 
-use super::sweep::{ShardError, Study, check_unsharded, columns, sorted_table};
+use super::sweep::{Study, check_unsharded, columns, sorted_table};
 use crate::files::{FileKind, cannot_write, check_target, is_forced, replace_file};
 use crate::log::is_same_file;
 use crate::table::{self, Column, Table, TableError, Value};
@@ -31,12 +31,6 @@ pub enum ResultsError {
     /// The operation was interrupted.
     #[error("stopped after {done} of {total} runs; no file was written")]
     Stopped { done: u64, total: u64 },
-}
-
-impl From<ShardError> for ResultsError {
-    fn from(error: ShardError) -> Self {
-        ResultsError::Refused(error.to_string())
-    }
 }
 
 impl ResultsError {
@@ -122,7 +116,7 @@ pub struct Store {
 /// command.
 pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<OpenedResults, ResultsError> {
     table::format(out).map_err(|error| ResultsError::Refused(error.to_string()))?;
-    check_unsharded(study, max_runs)?;
+    check_unsharded(study, max_runs).map_err(ResultsError::Refused)?;
     check_target(out, FileKind::Table).map_err(ResultsError::Refused)?;
     let requested = study.runs().min(max_runs);
     // Rows may have been removed or repeated, so their number does not tell.

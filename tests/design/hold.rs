@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use phalanx::criteria::Fate;
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Axis, Layer, Scene};
-use phalanx::study::hold::{Evaluation, Hold, HoldError, LoadCase, Loads, Plan, StartReason, StaticLimit, hold};
+use phalanx::statics::AccelerationLimit;
+use phalanx::study::hold::{Evaluation, Hold, HoldError, LoadCase, LoadResult, Loads, Plan, StartReason, hold};
 use phalanx::trace::Model;
 
 /// Loads a shipped gripper with overrides.
@@ -106,19 +107,17 @@ fn slow_loads_above_the_static_limit_are_not_held() {
     let scene = gripper("hold", &["contact.friction.mu_static = 0.4"]);
     let slow = Loads::Pulses { directions: 4, length_s: 0.2 };
     let study = run_hold(&scene, Plan { slip_m: 20e-6, to_m_s2: 512.0, scan: 8, ..plan(slow) });
+    let static_limit_m_s2 = |result: &LoadResult| {
+        result.static_limit.as_ref().and_then(AccelerationLimit::acceleration_m_s2).expect("a limit at rest")
+    };
     for result in &study.results {
         let LoadCase::Pulse { direction_rad, .. } = result.case else { panic!("{:?}", result.case) };
-        let Some(StaticLimit::UpTo { acceleration_m_s2: static_limit }) = result.static_limit else {
-            panic!("{:?}", result.static_limit)
-        };
+        let static_limit = static_limit_m_s2(result);
         let limit = result.slips.held.expect("something is held");
         println!("{:.0}°: {limit:.4} held of {static_limit:.4}", direction_rad.to_degrees());
         assert!(limit <= 1.05 * static_limit, "{:.0}°: {limit} of {static_limit}", direction_rad.to_degrees());
     }
-    let [forward, backward] = [0, 2].map(|index| match study.results[index].static_limit {
-        Some(StaticLimit::UpTo { acceleration_m_s2 }) => acceleration_m_s2,
-        other => panic!("{other:?}"),
-    });
+    let [forward, backward] = [0, 2].map(|index| static_limit_m_s2(&study.results[index]));
     assert!((forward - backward).abs() < 1e-9 * forward, "opposite directions have one limit: {forward} {backward}");
 }
 

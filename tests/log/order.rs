@@ -1,8 +1,7 @@
 //! Logs with reordered messages, missing topics or other compression: same results, or a reason and exit status 1.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
 use std::time::{Duration, Instant};
 
@@ -14,6 +13,7 @@ use crate::support::cli::{directory, json, phalanx, stderr, stdout};
 use crate::support::faults::XorShift;
 use crate::support::replay::{
     DISC_SCENE, FINGER_SCENE, LogContents, LogEdits, Message, edit_log, log, read_contents, recompress_chunks,
+    write_log,
 };
 
 const GRIPPER: &str = "scenes/gripper/hold.toml";
@@ -26,12 +26,6 @@ const RUNS: [(&str, Model); 6] = [
     (DISC_SCENE, Model::Analytic),
     (DISC_SCENE, Model::Engine),
 ];
-
-fn write_log(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = directory.join(name);
-    fs::write(&path, bytes).expect("written");
-    path
-}
 
 fn replay(log: &Path, extra_args: &[&str]) -> Output {
     phalanx(&[&["replay", log.to_str().expect("text")], extra_args].concat())

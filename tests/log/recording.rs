@@ -3,12 +3,12 @@
 use phalanx::scene::keywords::SceneKind;
 use std::fs;
 
-use phalanx::log::{read_file, run_to};
+use phalanx::log::run_to;
 use phalanx::scene::{load, load_any};
 use phalanx::trace::{Event, EventKind, FingerContact, Layout, Model, Recording, record, run};
 
 use crate::support::cli::{directory, phalanx, stderr};
-use crate::support::replay::{DISC_SCENE, FINGER_SCENE};
+use crate::support::replay::{DISC_SCENE, FINGER_SCENE, read_recording};
 
 /// Table of `replay --csv`: names and columns of numbers, NaN for empty cells.
 fn read_csv_table(log: &std::path::Path) -> (Vec<String>, Vec<Vec<f64>>) {
@@ -50,8 +50,7 @@ fn finger_recording_matches_the_csv_table() {
         assert_eq!(logged.outcome, outcome);
         assert_same_columns(&recording, &read_csv_table(&path));
         // Reading the log gives the same arrays.
-        let mut read = Recording::new(&Layout::from_kind(SceneKind::Finger));
-        read_file(&path, &mut read).expect("a log");
+        let (_, read) = read_recording(&path);
         assert_same_columns(&read, &read_csv_table(&path));
         assert_eq!(read.events(), recording.events());
     }
@@ -66,8 +65,7 @@ fn disc_recording_matches_the_csv_table() {
     run_to(&scene, Model::Engine, &path).expect("a run");
     assert_same_columns(&recording, &read_csv_table(&path));
     assert!(recording.column("hammer_x_m").is_some() && recording.column("hammer-anvil_normal_n").is_some());
-    let mut read = Recording::new(&Layout::default());
-    read_file(&path, &mut read).expect("a log");
+    let (_, read) = read_recording(&path);
     assert_eq!(read, recording);
     assert!(recording.events().len() >= 2);
 }
@@ -128,13 +126,8 @@ fn slip_events_are_read_back_from_a_log() {
                 "{scene}"
             );
             run_to(&loaded, model, &path).expect("a run");
-            let layout = if loaded.kind() == SceneKind::Finger {
-                Layout::from_kind(SceneKind::Finger)
-            } else {
-                Layout::default()
-            };
-            let mut read = Recording::new(&layout);
-            assert!(read_file(&path, &mut read).expect("a log").is_complete());
+            let (summary, read) = read_recording(&path);
+            assert!(summary.is_complete());
             assert_eq!(read.events(), recording.events(), "{scene}, {}", model.name());
             let output = phalanx(&["replay", path.to_str().expect("text"), "--verify", "--json"]);
             assert!(output.status.success(), "{scene}: {}", stderr(&output));

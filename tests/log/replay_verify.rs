@@ -1,24 +1,18 @@
 //! `phalanx replay --verify`: compares a log with a new simulation and reports the first difference.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout, variant, write};
 use crate::support::replay::{
-    DISC_SCENE, FINGER_SCENE, LogEdits, MessageEdit, edit_log, interrupted_log, log, one_ulp_up,
+    DISC_SCENE, FINGER_SCENE, LogEdits, MessageEdit, edit_log, interrupted_log, log, one_ulp_up, write_log,
 };
 use phalanx::trace::Model;
 use serde_json::Value;
 
 fn verify(log: &Path) -> Output {
     phalanx(&["replay", log.to_str().expect("text"), "--verify", "--json"])
-}
-
-fn write_log(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = directory.join(name);
-    fs::write(&path, bytes).expect("written");
-    path
 }
 
 /// Verification report of a log; checks the exit status.
