@@ -96,13 +96,13 @@ pub fn document([width, height]: [f64; 2], label: &str, draw: impl FnOnce(&mut S
 
 impl Svg {
     /// Opens an element; attributes and a closing call must follow.
-    pub fn open_element(&mut self, name: &str) -> &mut Svg {
+    fn open_element(&mut self, name: &str) -> &mut Svg {
         self.text.push('<');
         self.text.push_str(name);
         self
     }
 
-    pub fn attribute(&mut self, name: &str, value: impl Display) -> &mut Svg {
+    fn attribute(&mut self, name: &str, value: impl Display) -> &mut Svg {
         // Writing to a string cannot fail.
         let _ = write!(self.text, " {name}=\"{}\"", escape_markup(&value.to_string()));
         self
@@ -134,20 +134,15 @@ impl Svg {
         self
     }
 
-    pub fn close(&mut self) {
+    fn close(&mut self) {
         self.text.push_str("/>\n");
     }
 
     /// Closes an element that has children.
-    pub fn with_children(&mut self, name: &str, inside: impl FnOnce(&mut Svg)) {
+    fn with_children(&mut self, name: &str, inside: impl FnOnce(&mut Svg)) {
         self.text.push('>');
         inside(self);
         let _ = writeln!(self.text, "</{name}>");
-    }
-
-    /// Closes an element that has a text.
-    pub fn with_text(&mut self, name: &str, text: &str) {
-        self.with_children(name, |svg| svg.text.push_str(&escape_markup(text)));
     }
 
     /// Draws with a translated origin.
@@ -184,15 +179,6 @@ impl Svg {
         circle.attribute("r", pixels(radius)).paint(paint).close();
     }
 
-    /// Adds an invisible circular link.
-    pub fn link(&mut self, to: &str, title: &str, [x, y]: Pixel, radius: f64) {
-        self.open_element("a").attribute("href", to).with_children("a", |svg| {
-            let circle = svg.open_element("circle").attribute("cx", pixels(x)).attribute("cy", pixels(y));
-            circle.attribute("r", radius).attribute("fill", "transparent");
-            svg.with_children("circle", |svg| svg.open_element("title").with_text("title", title));
-        });
-    }
-
     /// Draws a rectangle given by two opposite corners.
     pub fn rectangle(&mut self, [[left, top], [right, bottom]]: [Pixel; 2], paint: Paint) {
         let rectangle = self.open_element("rect").attribute("x", pixels(left)).attribute("y", pixels(top));
@@ -227,7 +213,7 @@ impl Svg {
                 .attribute("stroke-linejoin", "round")
                 .attribute("paint-order", "stroke");
         }
-        self.with_text("text", text);
+        self.with_children("text", |svg| svg.text.push_str(&escape_markup(text)));
     }
 }
 
@@ -380,7 +366,6 @@ mod tests {
             svg.translated([1.0, 2.0], |svg| {
                 svg.rectangle([[0.0; 2], [1.0; 2]], Paint::fill(INK).with_edge(PAPER).faded(0.5).dashed("1 2"));
                 svg.circle([0.0; 2], 1.0, Paint { cap: "round", ..Paint::line(INK, 1.0) });
-                svg.link(hostile, hostile, [0.0; 2], 1.0);
                 svg.polyline(&[], Paint::default());
                 let text_style =
                     TextStyle { size: 9.0, colour: PAPER, anchor: Anchor::End, is_vertical: true, has_halo: true };
@@ -394,8 +379,7 @@ mod tests {
                 .find(|element_node| element_node.has_tag_name(("http://www.w3.org/2000/svg", name)))
                 .expect(name)
         };
-        assert_eq!([element("text"), element("title")].map(|element_node| element_node.text()), [Some(hostile); 2]);
-        assert_eq!(element("a").attribute("href"), Some(hostile));
+        assert_eq!(element("text").text(), Some(hostile));
         assert!(!svg_text.contains("d=\"\""), "an empty line is omitted");
     }
 }
