@@ -15,7 +15,7 @@ fn command_writes_its_files() {
     let args = [&args.split(' ').collect::<Vec<_>>()[..], &["100 us,1 ms"]].concat();
     let output = succeed(&[&args[..], &["--out", path_text(&out)]].concat());
     let read = |name: &str| fs::read_to_string(out.join(name)).expect(name);
-    assert_eq!(output, read("table.txt"));
+    assert_eq!(read("table.txt"), format!("Report by phalanx\n\n{output}"));
     let document: Value = serde_json::from_str(&read("stability.json")).expect("JSON");
     assert_eq!(document["grid"]["steps_s"], serde_json::json!([1e-3, 1e-4]));
     assert_eq!(read("stability.csv").lines().count(), 3);

@@ -290,7 +290,10 @@ fn rejects_an_unwritable_directory() {
         return;
     }
     let log = unwritable.join("run.mcap");
-    assert_rejected(&["run", EXPERIMENT_95, "--log", path_text(&log)], &["give a writable path"]);
+    assert_rejected(
+        &["run", EXPERIMENT_95, "--log", path_text(&log)],
+        &["give a file in a directory where you may write"],
+    );
     assert_rejected(&["validate", EXPERIMENT_95, "--quick", "--out", path_text(&unwritable)], &[]);
     fs::set_permissions(&directory, fs::Permissions::from_mode(0o755)).expect("set");
 }
