@@ -33,10 +33,8 @@ fn distance_from_surface(shape: &Shape, pose: &Pose, point: [f64; 2]) -> f64 {
 fn joints_and_contact_points_match_the_drawn_bodies() {
     let scene = load("experiment-95");
     let drawing = Drawing::from_scene(&scene);
-    assert_eq!(
-        drawing.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>(),
-        ["palm", "object", "l11", "l12", "l21", "l22"]
-    );
+    let names: Vec<&str> = drawing.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["palm", "object", "l11", "l12", "l21", "l22"]);
     assert_eq!(drawing.contacts, ["proximal", "distal"]);
     let lengths = scene.finger().linkage.lengths;
     let recording = record(Model::Analytic, &scene).unwrap();

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use mcap::read::ChunkFlattener;
 use mcap::records::{Channel, MessageHeader, Metadata, Record};
-use phalanx::log::{LogSummary, RunInfo, Severity, Writer, read_file};
+use phalanx::log::{RunInfo, Severity, Writer};
 use phalanx::scene::load_any;
-use phalanx::trace::{Decimated, Event, Layout, Model, Recording, Sample, Sink, SinkError, run};
+use phalanx::trace::{Decimated, Event, Model, Sample, Sink, SinkError, run};
 
 pub const FINGER_SCENE: &str = "scenes/experiment-95.toml";
 pub const DISC_SCENE: &str = "scenes/laws/impact.toml";
@@ -22,7 +22,7 @@ pub fn log(scene: &str, model: Model, numeric_hz: f64) -> Vec<u8> {
     let file = directory.path().join(scene.rsplit('/').next().expect("a name"));
     let text = fs::read_to_string(scene).expect("a scene");
     if text.contains("extends = ") {
-        let entries = fs::read_dir(std::path::Path::new(scene).parent().expect("a directory")).expect("readable");
+        let entries = fs::read_dir(Path::new(scene).parent().expect("a directory")).expect("readable");
         for other in entries.map(|entry| entry.expect("readable").path()).filter(|path| path.is_file()) {
             fs::copy(&other, directory.path().join(other.file_name().expect("a name"))).expect("copied");
         }
@@ -68,19 +68,6 @@ pub fn interrupted_log(scene: &str, model: Model, samples: usize) -> Vec<u8> {
     let mut sink = decimated.sink;
     sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
     sink.writer.finish().expect("finished")
-}
-
-/// Writes a log to a file; returns its path.
-pub fn write_log(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = directory.join(name);
-    fs::write(&path, bytes).expect("written");
-    path
-}
-
-/// Reads a log into a recording.
-pub fn read_recording(log: &Path) -> (LogSummary, Recording) {
-    let mut recording = Recording::new(&Layout::default());
-    (read_file(log, &mut recording).expect("a log"), recording)
 }
 
 /// Edit of a message.
