@@ -9,9 +9,7 @@ use serde::Serialize;
 use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, tip_outline};
 use crate::law::ContactLaw;
 use crate::numeric::elementary::{cos, hypot, pow, sin, sin_cos};
-use crate::scene::{
-    Actuation, ContactId, Disc, DiscMotion, DrivenFinger, PalmMotion, Scene, Side, System, largest_torque,
-};
+use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, PalmMotion, Scene, Side, System, largest_torque};
 use crate::shape::{self, max_radius};
 use crate::trace::{BodyState, FingerState, Sample};
 
@@ -376,7 +374,7 @@ fn impact_n(system: &System, law: &ContactLaw, pair: ContactId) -> f64 {
         DiscMotion::Driven { velocity_m_s, .. } => (velocity_m_s, f64::INFINITY),
         DiscMotion::Free { velocity_m_s, mass_kg, .. } => (velocity_m_s, mass_kg),
     };
-    let ContactId::Discs(disc, _) | ContactId::Palm(disc) = pair else { return 0.0 };
+    let (ContactId::Discs(disc, _) | ContactId::Palm(disc)) = pair else { return 0.0 };
     let (v1, m1) = velocity_and_mass(disc);
     let (v2, m2) = match pair {
         ContactId::Discs(_, other) => velocity_and_mass(other),
