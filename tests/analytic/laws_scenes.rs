@@ -181,7 +181,7 @@ fn impacts_do_not_depend_on_the_radius() {
         let pairs_in_contact: Vec<usize> =
             (0..scene.system.pairs().len()).filter(|&k| outcome.contacts[k].first_s.is_some()).collect();
         let names: Vec<String> =
-            pairs_in_contact.iter().map(|&k| scene.system.pair_name(scene.system.pairs()[k])).collect();
+            pairs_in_contact.iter().map(|&k| scene.system.contact_name(scene.system.pairs()[k])).collect();
         assert_eq!(names, ["large-target", "medium-target", "small-target"]);
         for &pair in &pairs_in_contact {
             let summary = &outcome.contacts[pair];

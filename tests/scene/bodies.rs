@@ -4,7 +4,7 @@ use phalanx::cli::scene::{SceneCommand, execute};
 use phalanx::cli::set::SetArgs;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::{self, Bounds, DiscMotion, Engine, HalfPlane, Integrator, Partner, Preset, Response, Scene};
+use phalanx::scene::{self, Bounds, ContactId, DiscMotion, Engine, HalfPlane, Integrator, Preset, Response, Scene};
 use phalanx::shape::max_radius;
 use proptest::prelude::*;
 use serde_json::Value;
@@ -97,9 +97,9 @@ fn pairs_include_a_moving_disc_and_are_named() {
         "[half_plane]\n[discs.anvil]\nradius = \"10 mm\"\ncentre = [\"60 mm\", \"20 mm\"]\nmotion = \"fixed\"\n\
          [discs.post]\nradius = \"10 mm\"\ncentre = [\"90 mm\", \"20 mm\"]\nmotion = \"fixed\"\n",
     );
-    let names: Vec<String> = scene.system.pairs().into_iter().map(|pair| scene.system.pair_name(pair)).collect();
+    let names: Vec<String> = scene.system.pairs().into_iter().map(|pair| scene.system.contact_name(pair)).collect();
     assert_eq!(names, ["ball-anvil", "ball-post", "ball-plane"]);
-    assert_eq!(scene.system.pairs()[2].partner, Partner::HalfPlane);
+    assert_eq!(scene.system.pairs()[2], ContactId::Palm(0));
 }
 
 #[test]

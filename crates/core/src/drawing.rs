@@ -9,9 +9,7 @@ use serde::Serialize;
 use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, tip_outline};
 use crate::law::ContactLaw;
 use crate::numeric::elementary::{cos, hypot, pow, sin, sin_cos};
-use crate::scene::{
-    Actuation, ContactId, Disc, DiscMotion, DrivenFinger, Pair, PalmMotion, Partner, Scene, Side, System,
-};
+use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, PalmMotion, Scene, Side, System, largest_torque};
 use crate::shape::{self, max_radius};
 use crate::trace::{BodyState, FingerState, Sample};
 
@@ -356,41 +354,31 @@ fn arrow_scale(system: &System) -> (f64, f64) {
         (if typical_n.is_finite() { typical_n } else { 0.0 }, 0.5 * smallest_m, 2.0 * smallest_m)
     } else {
         let lengths = &system.finger(Side::Right).linkage.lengths;
-        (largest_torque(system) / lengths.l11_m, 0.5 * lengths.l21_m, lengths.l21_m)
+        (driving_torque_n_m(system) / lengths.l11_m, 0.5 * lengths.l21_m, lengths.l21_m)
     };
     (half_m / if typical_n > 0.0 { typical_n } else { 1.0 }, longest_m)
 }
 
 /// Largest torque on a driven link.
-fn largest_torque(system: &System) -> f64 {
-    let motors = system.fingers.iter().map(|finger| peak_torque(&finger.motor.actuation));
-    let input = system.differential.as_ref().map(|input| 0.5 * peak_torque(&input.motor.actuation));
+fn driving_torque_n_m(system: &System) -> f64 {
+    let motors = system.fingers.iter().map(|finger| largest_torque(&finger.motor.actuation));
+    let input = system.differential.as_ref().map(|input| 0.5 * largest_torque(&input.motor.actuation));
     motors.chain(input).fold(0.0, f64::max)
-}
-
-/// Largest absolute motor torque.
-fn peak_torque(actuation: &Actuation) -> f64 {
-    match actuation {
-        Actuation::Constant { torque_n_m }
-        | Actuation::Ramp { torque_n_m, .. }
-        | Actuation::HalfSine { torque_n_m, .. }
-        | Actuation::Reversal { torque_n_m, .. } => torque_n_m.abs(),
-        Actuation::Table { points, .. } => points.iter().map(|point| point.1.abs()).fold(0.0, f64::max),
-    }
 }
 
 /// Largest force of an undamped impact at the initial speeds, k δᵉ with ½ m v² = k δ^(e+1)/(e+1), but at least the
 /// weight.
-fn impact_n(system: &System, law: &ContactLaw, pair: Pair) -> f64 {
+fn impact_n(system: &System, law: &ContactLaw, pair: ContactId) -> f64 {
     let velocity_and_mass = |index: usize| match system.discs[index].motion {
         DiscMotion::Fixed => ([0.0; 2], f64::INFINITY),
         DiscMotion::Driven { velocity_m_s, .. } => (velocity_m_s, f64::INFINITY),
         DiscMotion::Free { velocity_m_s, mass_kg, .. } => (velocity_m_s, mass_kg),
     };
-    let (v1, m1) = velocity_and_mass(pair.disc);
-    let (v2, m2) = match pair.partner {
-        Partner::Disc(index) => velocity_and_mass(index),
-        Partner::HalfPlane => ([0.0; 2], f64::INFINITY),
+    let (ContactId::Discs(disc, _) | ContactId::Palm(disc)) = pair else { return 0.0 };
+    let (v1, m1) = velocity_and_mass(disc);
+    let (v2, m2) = match pair {
+        ContactId::Discs(_, other) => velocity_and_mass(other),
+        _ => ([0.0; 2], f64::INFINITY),
     };
     let mass = (m1.recip() + m2.recip()).recip();
     if !mass.is_finite() {

@@ -325,7 +325,7 @@ impl Reader<'_> {
 
     /// Reports a problem at a path.
     fn refuse<T>(&self, path: &str, message: impl Into<String>, label: &str, help: &str) -> Option<T> {
-        self.checker.push(self.span(path), message, label, help);
+        self.checker.push(Problem::new(self.span(path), message, label, help));
         None
     }
 

@@ -1,7 +1,7 @@
 //! Restitution: separation speed of two surfaces over their approach speed.
 
 use crate::numeric::elementary::hypot;
-use crate::scene::{DiscMotion, Pair, Partner, System};
+use crate::scene::{ContactId, DiscMotion, System};
 use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
 
 /// Smallest approach speed relative to the fastest body. A slower approach is rounding error: the difference of two
@@ -83,12 +83,10 @@ impl Rebounds {
             DiscMotion::Fixed | DiscMotion::Driven { .. } => 0.0,
         };
         let pairs = system.pairs();
-        let pair_mobility = |pair: &Pair| {
-            let partner = match pair.partner {
-                Partner::Disc(disc) => mobility(disc),
-                Partner::HalfPlane => 0.0,
-            };
-            mobility(pair.disc) + partner
+        let pair_mobility = |pair: &ContactId| match *pair {
+            ContactId::Discs(disc, other) => mobility(disc) + mobility(other),
+            ContactId::Phalanx(_, _, disc) | ContactId::Palm(disc) | ContactId::Table(disc) => mobility(disc),
+            ContactId::Stop(_) => 0.0,
         };
         Rebounds { mobilities_per_kg: pairs.iter().map(pair_mobility).collect(), ..Self::new(pairs.len()) }
     }

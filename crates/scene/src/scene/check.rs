@@ -58,19 +58,8 @@ impl<'a> Checker<'a> {
         matching.for_each(|problem| problem.message.push_str(more));
     }
 
-    pub fn push(
-        &self,
-        span: Option<Range<usize>>,
-        message: impl Into<String>,
-        label: impl Into<String>,
-        help: impl Into<String>,
-    ) {
-        self.problems.borrow_mut().push(Problem {
-            span,
-            message: message.into(),
-            label: label.into(),
-            help: help.into(),
-        });
+    pub fn push(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
     }
 
     pub fn extend(&self, problems: Vec<Problem>) {
@@ -84,7 +73,7 @@ impl<'a> Checker<'a> {
         }
         let key = if key.starts_with('[') { key.to_string() } else { format!("`{key}`") };
         let label = if section.is_some() { "in this section" } else { "" };
-        self.push(section, format!("{key} is missing"), label, help);
+        self.push(Problem::new(section, format!("{key} is missing"), label, help));
     }
 
     /// Reports that the key at a position has no effect, for the given reason.
@@ -96,7 +85,7 @@ impl<'a> Checker<'a> {
 
     /// Reports that the key at a position has no effect, with a remedy.
     pub fn report_no_effect(&self, key: &str, span: Option<Range<usize>>, reason: &str, help: &str) {
-        self.push(span, format!("`{key}` has no effect {reason}"), NO_EFFECT, help);
+        self.push(Problem::new(span, format!("`{key}` has no effect {reason}"), NO_EFFECT, help));
     }
 
     /// Text at a position of the file, without quotes.

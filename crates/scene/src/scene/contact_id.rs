@@ -1,6 +1,6 @@
 //! All possible contacts of a system, in the order of its samples.
 
-use super::{GripperContact, Partner, Side, System};
+use super::{GripperContact, Side, System};
 use crate::gripper::FingerContact;
 use crate::law::{FrictionLaw, NormalLaw};
 
@@ -18,13 +18,29 @@ pub enum ContactId {
 }
 
 impl System {
+    /// All pairs of discs, or of a disc and the half plane, with at least one that moves, in the order of both models: by
+    /// the index of the first disc, then of the second, with the half plane last.
+    pub fn pairs(&self) -> Vec<ContactId> {
+        let mut pairs = Vec::new();
+        for (i, first) in self.discs.iter().enumerate() {
+            for (j, second) in self.discs.iter().enumerate().skip(i + 1) {
+                match (first.motion.moves(), second.motion.moves()) {
+                    (true, _) => pairs.push(ContactId::Discs(i, j)),
+                    (false, true) => pairs.push(ContactId::Discs(j, i)),
+                    (false, false) => {}
+                }
+            }
+            if self.palm.is_some() && first.motion.moves() {
+                pairs.push(ContactId::Palm(i));
+            }
+        }
+        pairs
+    }
+
     /// All possible contacts. With fingers: first [`System::gripper_contacts`] with the first disc, whether or not it
     /// exists; then the contacts of the other discs with the fingers; then pairs of discs. Without fingers: only pairs.
     pub fn contact_ids(&self) -> Vec<ContactId> {
-        let pairs = self.pairs().into_iter().map(|pair| match pair.partner {
-            Partner::Disc(other) => ContactId::Discs(pair.disc, other),
-            Partner::HalfPlane => ContactId::Palm(pair.disc),
-        });
+        let pairs = self.pairs().into_iter();
         let table_contacts = |from: usize| {
             let moving = (from..self.discs.len()).filter(|disc| self.discs[*disc].motion.moves());
             moving.filter(|_| self.table.is_some()).map(ContactId::Table)
@@ -52,10 +68,10 @@ impl System {
     pub fn contact_name(&self, contact: ContactId) -> String {
         let (disc, other) = match contact {
             ContactId::Phalanx(side, finger_contact, disc) => {
-                (disc, self.gripper_contact_name(GripperContact::Finger(side, finger_contact)))
+                (disc, GripperContact::Finger(side, finger_contact).name_for(self.fingers.len()))
             }
             ContactId::Stop(side) => {
-                return self.gripper_contact_name(GripperContact::Finger(side, FingerContact::Limit));
+                return GripperContact::Finger(side, FingerContact::Limit).name_for(self.fingers.len());
             }
             ContactId::Discs(disc, other) => (disc, self.discs[other].name.clone()),
             ContactId::Palm(disc) if self.fingers.is_empty() => (disc, "plane".to_string()),

@@ -10,13 +10,13 @@
 //! | `compose`, `texts`, `setting`, `precedence` | merging of a scene with those it extends and with single settings |
 //! | `parse`, `keys` | text → scene; unknown keys |
 //! | `check`, `error`, `suggest`, `locate` | collecting, showing and locating problems |
-//! | `resolve`, `defaults` | scene as written → [`Scene`], physics checked |
+//! | `resolve` | scene as written → [`Scene`], physics checked |
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
 //! | `torque` | motor torque over time |
 //! | `system` | [`System`], the description of the simulated system that both models read |
 //! | `finger`, `disc` | components of a system: fingers, discs and planes |
-//! | `gripper_contact`, `pairs`, `contact_id` | possible contacts |
+//! | `gripper_contact`, `contact_id` | possible contacts |
 //! | `unsupported`, `wrong_kind` | systems that neither model supports; scenes of the wrong kind |
 //! | `palm_motion`, `cycle` | motion of a gripper's palm; brakes; times of a grasp cycle |
 
@@ -24,7 +24,6 @@ pub mod check;
 mod compose;
 mod contact_id;
 mod cycle;
-mod defaults;
 mod disc;
 pub mod error;
 mod finger;
@@ -32,7 +31,6 @@ mod gripper_contact;
 pub mod keys;
 pub mod keywords;
 mod locate;
-mod pairs;
 mod palm_motion;
 pub mod parse;
 pub mod precedence;
@@ -62,7 +60,6 @@ pub use finger::{Differential, DrivenFinger, FingerContactLaws, Initial, Motor};
 pub use gripper_contact::{GripperContact, Side};
 use keywords::SceneKind;
 pub use locate::{LocatedProblem, locate_problems};
-pub use pairs::{Pair, Partner};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use parse::{parse, parse_any, parse_template};
 pub use quantity::Keyword;
@@ -76,7 +73,7 @@ pub use show::{show, show_written};
 pub use suggest::closest_match;
 pub use system::System;
 pub use template::Template;
-pub use torque::{Actuation, Interpolation, next_discontinuity, scaled, torque};
+pub use torque::{Actuation, Interpolation, largest_torque, next_discontinuity, scaled, torque};
 pub use wrong_kind::WrongKind;
 
 pub use crate::gripper::{Placement, Spring, SpringKind};

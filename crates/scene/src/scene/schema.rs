@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use std::sync::OnceLock;
 
 use schemars::generate::SchemaSettings;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use toml::Table;
 
@@ -81,7 +81,7 @@ fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
         map.remove("default");
     }
     if let Some(Value::Object(mut fields)) = map.remove("properties") {
-        let order: Vec<String> = map.remove("required").map(|names| from_value(&names)).unwrap_or_default();
+        let order = map.remove("required").and_then(|names| Vec::<String>::deserialize(names).ok()).unwrap_or_default();
         let mut properties = Map::new();
         for (index, field) in order.into_iter().enumerate() {
             let Some(mut property) = fields.remove(&field) else { continue };
@@ -114,10 +114,6 @@ fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
             .into_iter()
             .for_each(|properties| ["palm", "table"].iter().for_each(|key| _ = properties.remove(*key)));
     }
-}
-
-fn from_value<T: DeserializeOwned + Default>(value: &Value) -> T {
-    T::deserialize(value).unwrap_or_default()
 }
 
 /// Name of a field without its unit.

@@ -268,14 +268,14 @@ impl<'a> SectionInput<'a> {
 
     /// Reports a problem of a key, or of the section if the key is omitted.
     pub fn report(&self, key: &str, message: impl Into<String>, label: &str, help: impl Into<String>) {
-        self.checker.push(self.span(key).or(self.span.clone()), message, label, help);
+        self.checker.push(Problem::new(self.span(key).or(self.span.clone()), message, label, help));
     }
 
     /// Reports a number out of range.
     pub fn report_out_of_range(&self, key: &str, allowed: &str) {
         let span = self.span(key);
         let message = format!("`{}` is {}, but must be {allowed}", self.path(key), self.checker.quoted(span.clone()));
-        self.checker.push(span, message, "not allowed", format!("allowed values: {allowed}"));
+        self.checker.push(Problem::new(span, message, "not allowed", format!("allowed values: {allowed}")));
     }
 
     /// Reports a missing key.

@@ -248,7 +248,9 @@ fn add_defaults(complete: &mut Table, schema: &Json, resolved: Option<&Table>) {
         let actual = resolved.and_then(|resolved| resolved.get(field(property)));
         if !is_written && actual.is_none_or(|actual| *actual == si) {
             let default = &property["default"];
-            let text = if default.is_number() { toml_text(&si, &value_type, None) } else { json_text(default) };
+            // Other values have the notation of JSON, with spaces between the items of lists.
+            let in_json = || default.to_string().replace("\",\"", "\", \"");
+            let text = if default.is_number() { toml_text(&si, &value_type, None) } else { in_json() };
             complete.insert(key.clone(), text.into());
         }
     }
@@ -265,14 +267,6 @@ fn add_defaults(complete: &mut Table, schema: &Json, resolved: Option<&Table>) {
                 complete.insert(key, section.into());
             }
         }
-    }
-}
-
-/// Formats a default of the schema as TOML, whose notation of texts, booleans and lists of them is that of JSON.
-fn json_text(default: &Json) -> String {
-    match default {
-        Json::Array(items) => format!("[{}]", items.iter().map(json_text).collect::<Vec<_>>().join(", ")),
-        other => other.to_string(),
     }
 }
 

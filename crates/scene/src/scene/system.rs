@@ -101,11 +101,6 @@ impl System {
         }
     }
 
-    /// Name of a contact in reports, keys and topics.
-    pub fn gripper_contact_name(&self, contact: GripperContact) -> String {
-        contact.name_for(self.fingers.len())
-    }
-
     /// Discs that samples report: all, except a single fixed object of one finger.
     pub fn reported_discs(&self) -> &[Disc] {
         let only_fixed_object = self.fingers.len() == 1 && self.discs.len() < 2 && self.moving_object().is_none();

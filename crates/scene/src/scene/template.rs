@@ -1,8 +1,12 @@
 //! The common part of all designs of a study: a scene without the four design variables.
 
-use super::defaults;
 use crate::gripper::{Assembly, BodyOverride, Design, ProximalLength, disc};
 use crate::sizing::{CLOSING_S, Rule, Task};
+
+/// Default density of links and object.
+pub const DENSITY_KG_M3: f64 = 1070.0;
+/// Default depth of links and object, perpendicular to the plane.
+pub const DEPTH_M: f64 = 0.040;
 
 /// A gripper with the design variables base, l21, φ22 and r_l left open, and the task it is sized for.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,12 +36,12 @@ impl Template {
         Self {
             name: "thesis".to_string(),
             design: Design::thesis(0.0155, ProximalLength::Fraction(1.0), 120f64.to_radians(), 0.5),
-            density_kg_m3: defaults::DENSITY_KG_M3,
-            depth_m: defaults::DEPTH_M,
+            density_kg_m3: DENSITY_KG_M3,
+            depth_m: DEPTH_M,
             overrides: [BodyOverride::default(); 4],
             assembly: Assembly::Reference,
-            opening_rad: defaults::OFFSET_DEG.to_radians(),
-            gravity_m_s2: defaults::GRAVITY_M_S2,
+            opening_rad: 25f64.to_radians(),
+            gravity_m_s2: [0.0, crate::units::G_M_S2],
             closing_s: CLOSING_S,
             rule: None,
             mu_static: [0.0; 2],

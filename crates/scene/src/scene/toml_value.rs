@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
@@ -74,12 +75,8 @@ impl<'de> Visitor<'de> for TomlValueVisitor {
         Ok(TomlValue::Text(value.to_string()))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<TomlValue, A::Error> {
-        let mut list = Vec::new();
-        while let Some(item) = seq.next_element()? {
-            list.push(item);
-        }
-        Ok(TomlValue::List(list))
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<TomlValue, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(TomlValue::List)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<TomlValue, A::Error> {

@@ -43,11 +43,9 @@ pub fn parse(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
     let (number, rest) = text.split_at(number_length(text));
     if number.is_empty() {
         let unsigned = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-        return Err(if unsigned.starts_with("inf") || unsigned.starts_with("nan") {
-            QuantityError::NotFinite { text: text.into() }
-        } else {
-            let text = text.into();
-            QuantityError::NotANumber { text, expected }
+        return Err(match unsigned.starts_with("inf") || unsigned.starts_with("nan") {
+            true => QuantityError::NotFinite { text: text.into() },
+            false => QuantityError::NotANumber { text: text.into(), expected },
         });
     }
     if rest.starts_with(',') && rest[1..].starts_with(|c: char| c.is_ascii_digit()) {
@@ -55,8 +53,7 @@ pub fn parse(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
     }
     let name = canonical(rest);
     if name.is_empty() {
-        let text = text.into();
-        return Err(QuantityError::MissingUnit { text, expected });
+        return Err(QuantityError::MissingUnit { text: text.into(), expected });
     }
     let Some(unit) = expected.units().iter().find(|u| u.name == name) else {
         let found = Dimension::ALL.into_iter().find(|d| d.units().iter().any(|u| u.name == name));
@@ -73,10 +70,7 @@ pub fn parse(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
         Some(si) if si.abs() <= expected.max_si() => Ok(si),
         Some(si) if si.is_finite() => Err(QuantityError::TooLarge { text: text.into(), expected }),
         Some(_) => Err(QuantityError::NotFinite { text: text.into() }),
-        None => {
-            let text = text.into();
-            Err(QuantityError::NotANumber { text, expected })
-        }
+        None => Err(QuantityError::NotANumber { text: text.into(), expected }),
     }
 }
 
@@ -153,9 +147,8 @@ fn canonical(unit: &str) -> String {
         }
     }
     // A space is a product, except next to an operator.
-    let words: Vec<&str> = name.split_whitespace().collect();
     let mut joined = String::with_capacity(name.len());
-    for word in words {
+    for word in name.split_whitespace() {
         let operator = |c: char| matches!(c, '*' | '/' | '^');
         if !joined.is_empty() && !joined.ends_with(operator) && !word.starts_with(operator) {
             joined.push('*');

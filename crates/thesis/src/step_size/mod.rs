@@ -172,7 +172,7 @@ pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSi
         .collect();
     Ok(StepSize {
         scene: scene.name.clone(),
-        pair: scene.system.pair_name(scene.system.pairs()[reference.pair]),
+        pair: scene.system.contact_name(scene.system.pairs()[reference.pair]),
         plotted_s: scene.duration_s,
         contact_s: contact_s.1 - contact_s.0,
         peak_n: reference.peak_n,

@@ -2,8 +2,10 @@
 
 use super::super::section_input::SectionInput;
 use super::super::settings::{FrictionSettings, LawSettings, LimitSettings, SurfaceSettings};
-use super::super::{FingerContactLaws, defaults};
 use crate::law::{Bristle, ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
+
+/// Damping of a bristle if the normal law has no damper.
+const BRISTLE_DAMPING_N_S_PER_M: f64 = 1e6;
 
 /// A section that determines laws: [contact], or the section that overrides its keys for one contact.
 pub struct Level<'a> {
@@ -125,7 +127,8 @@ fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
         return None;
     }
     let mu_static = *law.mu_static;
-    let mu_dynamic = law.mu_dynamic.map_or_else(|| defaults::mu_dynamic(mu_static), |mu_dynamic| *mu_dynamic);
+    // 0.7 μ_s; exactly 0.56 for 0.8.
+    let mu_dynamic = law.mu_dynamic.map_or(7.0 * mu_static / 10.0, |mu_dynamic| *mu_dynamic);
     let (v_static, v_dynamic) = (*law.v_static?, *law.v_dynamic?);
     if mu_dynamic > mu_static {
         let path = last.path("mu_dynamic");
@@ -145,7 +148,7 @@ fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
         None => None,
         Some(_) => {
             let normal = levels.last().map_or(0.0, |level| *level.normal.damping);
-            let default = if normal > 0.0 { normal } else { defaults::BRISTLE_DAMPING_N_S_PER_M };
+            let default = if normal > 0.0 { normal } else { BRISTLE_DAMPING_N_S_PER_M };
             let damping_n_s_per_m = law.bristle_damping.map_or(default, |damping| *damping);
             Some(Bristle { damping_n_s_per_m, relaxation_s: *law.bristle_relaxation? })
         }
@@ -158,11 +161,4 @@ fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
 pub fn limit(input: &SectionInput<'_>) -> Option<NormalLaw> {
     check_exponent(input);
     input.read::<LimitSettings>().law()
-}
-
-/// Laws of both contacts of a finger with the object.
-pub fn finger_laws(input: &SectionInput<'_>, object_radius_m: f64) -> Option<FingerContactLaws> {
-    let common = Level::common(input.clone(), object_radius_m);
-    let (proximal, distal) = (common.law_of("proximal"), common.law_of("distal"));
-    Some(FingerContactLaws { proximal: proximal?, distal: distal? })
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::super::error::Problem;
 use super::super::keywords::Motion;
 use super::super::section_input::{SceneInput, SectionInput};
 use super::super::settings::DiscSettings;
@@ -78,7 +79,7 @@ fn check_name(input: &SectionInput<'_>, text: &str, name_span: Option<Range<usiz
     };
     let help =
         "use a letter followed by letters, digits and _, as in [discs.hammer_2]: the name is part of topics and keys";
-    input.checker.push(name_span, problem, "invalid name", help);
+    input.checker.push(Problem::new(name_span, problem, "invalid name", help));
     None
 }
 

@@ -1,5 +1,6 @@
 //! Motor and spring of a finger, given or sized.
 
+use super::super::error::Problem;
 use super::super::section_input::SectionInput;
 use super::super::settings::{InitialSettings, MotorSettings, SpringSettings};
 use super::super::{Actuation, Motor, Spring, SpringKind};
@@ -9,38 +10,18 @@ use crate::gripper::{Finger, contact_angle_proximal};
 use crate::shape::PlacedShape;
 use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 
-/// Result of the sizing of motor and spring.
-#[derive(Clone, Copy, Debug)]
-pub enum SizingResult {
-    /// The scene does not request a sizing.
-    NotRequested,
-    /// The requested sizing failed; the problem has been reported.
-    Failed,
-    Sized(Sizing),
-}
+/// Result of the sizing of motor and spring: `Some(None)` if the scene does not request it, `None` if it failed.
+pub type SizingResult = Option<Option<Sizing>>;
 
-impl SizingResult {
-    /// Combines the sizings of two tasks: the spring has the larger torque, the motor the one that `motors` selects.
-    pub fn combine(self, second: Self, motors: fn(f64, f64) -> f64) -> Self {
-        match (self, second) {
-            (SizingResult::Sized(first), SizingResult::Sized(second)) => SizingResult::Sized(Sizing {
-                motor_n_m: motors(first.motor_n_m, second.motor_n_m),
-                spring_n_m: first.spring_n_m.max(second.spring_n_m),
-            }),
-            (SizingResult::NotRequested, SizingResult::NotRequested) => SizingResult::NotRequested,
-            _ => SizingResult::Failed,
-        }
-    }
-
-    fn sizing(self) -> Option<Sizing> {
-        match self {
-            SizingResult::Sized(sizing) => Some(sizing),
-            SizingResult::NotRequested | SizingResult::Failed => None,
-        }
+/// Combines the sizings of two tasks: the spring has the larger torque, the motor the one that `motors` selects.
+pub fn combine(first: Sizing, second: Sizing, motors: fn(f64, f64) -> f64) -> Sizing {
+    Sizing {
+        motor_n_m: motors(first.motor_n_m, second.motor_n_m),
+        spring_n_m: first.spring_n_m.max(second.spring_n_m),
     }
 }
 
-/// Resolves the motor, with the torque of the sizing for [`SizingResult::Sized`].
+/// Resolves the motor, with the torque of the sizing if there is one.
 pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
     let settings: MotorSettings = input.read();
     // If the profile is invalid, the required keys are unknown.
@@ -49,12 +30,12 @@ pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
         (Actuation::Table { .. }, _) => {
             Actuation::Table { points: table(input, &settings)?, interpolation: settings.interpolation.0 }
         }
-        (_, SizingResult::NotRequested) if !input.has("torque") => {
+        (_, Some(None)) if !input.has("torque") => {
             input.report_missing("torque", "add the motor's torque on l11: [motor] torque = \"480 N*mm\"");
             return None;
         }
         _ => settings
-            .actuation(sized.sizing().map_or(*settings.torque.unwrap_or_default(), |sizing| sizing.motor_n_m))?,
+            .actuation(sized.flatten().map_or(*settings.torque.unwrap_or_default(), |sizing| sizing.motor_n_m))?,
     };
     let motor = settings.motor(actuation)?;
     if let Some(brake) = motor.brake
@@ -86,7 +67,8 @@ fn table(input: &SectionInput<'_>, settings: &MotorSettings) -> Option<Vec<(f64,
     if let Some(i) = (1..times.len()).find(|&i| *times[i] <= *times[i - 1]) {
         let message = format!("the times of the motor's table do not increase: value {} is not after value {i}", i + 1);
         let help = "put the times in increasing order, without duplicates";
-        input.checker.push(input.item_span("times", i), message, "not later than the preceding time", help);
+        let label = "not later than the preceding time";
+        input.checker.push(Problem::new(input.item_span("times", i), message, label, help));
         return None;
     }
     Some(times.iter().zip(torques).map(|(time, torque)| (**time, **torque)).collect())
@@ -99,20 +81,20 @@ pub fn spring(input: &SectionInput<'_>, sized: SizingResult) -> Option<Option<Sp
     let preload_rad = *settings.preload;
     let kind = match (settings.r#type.0, sized) {
         (None, _) => return Some(None),
-        (Some(SpringKind::Constant { .. }), SizingResult::NotRequested) => {
+        (Some(SpringKind::Constant { .. }), Some(None)) => {
             if !input.has("torque") {
                 let help = "add the spring's torque: [spring] torque = \"132.6 N*mm\"; or remove the spring: [spring] type = \"none\"";
                 input.report_missing("torque", help);
             }
             SpringKind::Constant { torque_n_m: *settings.torque? }
         }
-        (Some(SpringKind::Torsional { .. }), SizingResult::NotRequested) => {
+        (Some(SpringKind::Torsional { .. }), Some(None)) => {
             if !input.has("stiffness") {
                 input.report_missing("stiffness", "add the spring's stiffness: stiffness = \"100 N*mm/rad\"");
             }
             SpringKind::Torsional { stiffness_n_m_per_rad: *settings.stiffness?, preload_rad }
         }
-        (Some(SpringKind::Constant { .. }), _) => SpringKind::Constant { torque_n_m: sized.sizing()?.spring_n_m },
+        (Some(SpringKind::Constant { .. }), _) => SpringKind::Constant { torque_n_m: sized.flatten()?.spring_n_m },
         // c_s q_p = k_s (2.30): the same torque in the straight configuration.
         (Some(SpringKind::Torsional { .. }), _) => {
             if !input.has("preload") {
@@ -121,7 +103,7 @@ pub fn spring(input: &SectionInput<'_>, sized: SizingResult) -> Option<Option<Sp
             } else if input.is_valid("preload") && preload_rad == 0.0 {
                 input.report_out_of_range("preload", "above 0");
             }
-            SpringKind::Torsional { stiffness_n_m_per_rad: sized.sizing()?.spring_n_m / preload_rad, preload_rad }
+            SpringKind::Torsional { stiffness_n_m_per_rad: sized.flatten()?.spring_n_m / preload_rad, preload_rad }
         }
     };
     Some(Some(Spring { kind, placement: settings.placement.0 }))
@@ -138,21 +120,21 @@ pub fn size(
 ) -> SizingResult {
     if !input.has("sizing") {
         input.report_unused("closing_time", "without sizing = \"rigid\" or \"whole\"");
-        return SizingResult::NotRequested;
+        return Some(None);
     }
     reject_given(input);
-    let Some((finger, target)) = finger_and_target else { return SizingResult::Failed };
+    let (finger, target) = finger_and_target?;
     if target.object.is_none() {
         let message = "`sizing` needs the object that the finger closes on, and this scene has none";
         let help = "give [motor] torque and [spring] torque instead, or remove [object] present = false";
         input.report("sizing", message, "requires an object", help);
-        return SizingResult::Failed;
+        return None;
     }
     let has_range = target.ends.windows(2).any(|pair| pair[0] != pair[1]);
-    let trials: Vec<_> = target.ends.iter().map(|_| input.checker.for_trial()).collect();
     let mut sized = Vec::new();
-    for (object, trial) in target.ends.iter().zip(&trials) {
-        sized.push(size_for(&input.with_checker(trial), lengths, finger, *object, gravity_m_s2));
+    for object in &target.ends {
+        let trial = input.checker.for_trial();
+        let sizing = size_for(&input.with_checker(&trial), lengths, finger, *object, gravity_m_s2);
         if has_range {
             let base = -object.centre_m[0] * 1e3;
             let details = format!(
@@ -160,17 +142,16 @@ pub fn size(
             );
             trial.append_to_messages(SIZING_LABEL, &details);
         }
+        sized.push((sizing, trial));
     }
-    let is_reachable = |sized: &SizingResult| matches!(sized, SizingResult::Sized(_));
-    let is_any_reachable = sized.iter().any(is_reachable);
-    let mut combined = None;
-    for (sized, trial) in sized.into_iter().zip(trials) {
-        if !is_any_reachable || is_reachable(&sized) {
+    let reachable = sized.iter().filter_map(|(sizing, _)| *sizing);
+    let combined = reachable.reduce(|first, second| combine(first, second, f64::max));
+    for (sizing, trial) in sized {
+        if sizing.is_some() || combined.is_none() {
             input.checker.extend(trial.into_problems());
-            combined = Some(combined.map_or(sized, |before: SizingResult| before.combine(sized, f64::max)));
         }
     }
-    combined.unwrap_or(SizingResult::Failed)
+    combined.map(Some)
 }
 
 /// Sizes motor and spring for one position of the object.
@@ -180,18 +161,11 @@ fn size_for(
     finger: &Finger,
     object: PlacedShape,
     gravity_m_s2: [f64; 2],
-) -> SizingResult {
-    let Some(opening_rad) = opening(input, finger, object) else { return SizingResult::Failed };
-    let Some(rule) = lengths.rule else { return SizingResult::Failed };
+) -> Option<Sizing> {
+    let (opening_rad, rule) = (opening(input, finger, object)?, lengths.rule?);
     let placement = input.subsection("spring").read::<SpringSettings>().placement.0;
     let task = Task { object, opening_rad, gravity_m_s2, closing_s: lengths.closing_s };
-    match size_with(finger, &task, rule, placement, INTERVALS) {
-        Ok(sizing) => SizingResult::Sized(sizing),
-        Err(error) => {
-            geometry(input, "sizing", SIZING_LABEL, &error.to_string());
-            SizingResult::Failed
-        }
-    }
+    geometry(input, "sizing", SIZING_LABEL, size_with(finger, &task, rule, placement, INTERVALS))
 }
 
 /// Reports values that are given in addition to the sizing.
@@ -230,13 +204,8 @@ fn opening(input: &SectionInput<'_>, finger: &Finger, object: PlacedShape) -> Op
         return settings.offset.map(|offset| *offset);
     }
     let q21_rad = *settings.q21?;
-    match contact_angle_proximal(finger.lengths.half_width_m, object) {
-        Ok(contact) => Some(contact - q21_rad),
-        Err(error) => {
-            geometry(input, "sizing", SIZING_LABEL, &SizingError::from(error).to_string());
-            None
-        }
-    }
+    let contact = contact_angle_proximal(finger.lengths.half_width_m, object).map_err(SizingError::from);
+    Some(geometry(input, "sizing", SIZING_LABEL, contact)? - q21_rad)
 }
 
 /// Label of an impossible sizing.

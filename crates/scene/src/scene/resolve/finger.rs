@@ -1,5 +1,7 @@
 //! The links of a finger: lengths, given or from a design, and bodies from outlines, material and overrides.
 
+use std::fmt::Display;
+
 use super::super::section_input::SectionInput;
 use super::super::settings::{BodySettings, DesignSettings, LengthSettings, MaterialSettings};
 use crate::gripper::{self, Assembly, BodyOverride, Design, DesignError, Finger, Lengths, MassError, ProximalLength};
@@ -50,7 +52,9 @@ pub fn resolve_lengths(input: &SectionInput<'_>, object_radius_m: f64) -> Finger
             let design = design(&design_input, half_width_m, object_radius_m);
             base_m = design.map(|design| design.base_m);
             lengths = design.and_then(|design| {
-                gripper::lengths(&design).map_err(|error| reject_design(&design_input, &error)).ok()
+                let lengths = gripper::lengths(&design);
+                let key = lengths.as_ref().map_or_else(|error| wrong_key(&design_input, error), |_| "");
+                geometry(&design_input, key, "no finger has this design", lengths)
             });
         }
         (false, true) => {
@@ -85,23 +89,19 @@ pub fn design(input: &SectionInput<'_>, half_width_m: f64, object_radius_m: f64)
     })
 }
 
-fn reject_design(input: &SectionInput<'_>, error: &DesignError) {
-    let key = match error {
+/// Key of [design] that an error is about.
+fn wrong_key(input: &SectionInput<'_>, error: &DesignError) -> &'static str {
+    match error {
         DesignError::BaseTooSmall { .. } | DesignError::BaseTooLarge { .. } | DesignError::NoProximalRange { .. } => {
             "base"
         }
         DesignError::ProximalOutOfRange { .. } | DesignError::TipNotPositive { .. } | DesignError::Fraction { .. } => {
-            if input.has("l21") {
-                "l21"
-            } else {
-                "l21_fraction"
-            }
+            if input.has("l21") { "l21" } else { "l21_fraction" }
         }
         DesignError::Phi22 { .. } => "phi22",
         DesignError::TipContactMin { .. } => "tip_contact_min",
         _ => "",
-    };
-    geometry(input, key, "no finger has this design", &error.to_string());
+    }
 }
 
 fn complete_lengths(input: &SectionInput<'_>, settings: &LengthSettings, half_width_m: f64) -> Option<Lengths> {
@@ -113,13 +113,7 @@ fn complete_lengths(input: &SectionInput<'_>, settings: &LengthSettings, half_wi
     let l12_m = settings.l12.map_or_else(straight_m, |l12_m| *l12_m);
     let lengths = Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m };
     // Both assembly modes exist if one of them does.
-    match gripper::gamma(&lengths, Assembly::Reference) {
-        Ok(_) => Some(lengths),
-        Err(error) => {
-            geometry(input, "l12", "not a finger", &error.to_string());
-            None
-        }
-    }
+    geometry(input, "l12", "not a finger", gripper::gamma(&lengths, Assembly::Reference)).map(|_| lengths)
 }
 
 /// Material, and overrides of the mass properties of l11, l12, l21 and l22.
@@ -133,18 +127,14 @@ pub fn mass_settings(input: &SectionInput<'_>) -> (MaterialSettings, [BodyOverri
 pub fn linkage(input: &SectionInput<'_>, lengths: &FingerLengths) -> Option<Finger> {
     let (material, overrides) = mass_settings(input);
     let (assembly, lengths) = (lengths.assembly, lengths.lengths?);
-    match gripper::bodies_with_overrides(&lengths, *material.density, *material.depth, &overrides) {
-        Ok(bodies) => Some(Finger { lengths, bodies, assembly }),
-        Err(error) => {
-            let section = match error {
-                MassError::DegenerateTriangle { .. } if input.has("lengths") => "lengths",
-                MassError::DegenerateTriangle { .. } => "design",
-                _ => "material",
-            };
-            geometry(&input.subsection(section), "phi22", "invalid mass", &error.to_string());
-            None
-        }
-    }
+    let bodies = gripper::bodies_with_overrides(&lengths, *material.density, *material.depth, &overrides);
+    let section = match bodies {
+        Err(MassError::DegenerateTriangle { .. }) if input.has("lengths") => "lengths",
+        Err(MassError::DegenerateTriangle { .. }) => "design",
+        _ => "material",
+    };
+    let bodies = geometry(&input.subsection(section), "phi22", "invalid mass", bodies)?;
+    Some(Finger { lengths, bodies, assembly })
 }
 
 /// Example of a base for messages, with three digits. As in the example of the thesis, it exceeds the smallest base of
@@ -154,8 +144,12 @@ pub fn example_base_m(half_width_m: f64, reach_m: f64) -> f64 {
     format!("{base_m:.2e}").parse().unwrap_or(base_m)
 }
 
-/// Reports an error of the geometry; the help is the part of its message after the last colon.
-pub fn geometry(input: &SectionInput<'_>, key: &str, label: &str, error: &str) {
-    let (message, help) = error.rsplit_once(": ").unwrap_or((error, "change these lengths or angles"));
-    input.report(key, message, label, help);
+/// Returns a result of the geometry, or reports its error; the help is the part of its message after the last colon.
+pub fn geometry<T, E: Display>(input: &SectionInput<'_>, key: &str, label: &str, result: Result<T, E>) -> Option<T> {
+    let report = |error: E| {
+        let error = error.to_string();
+        let (message, help) = error.rsplit_once(": ").unwrap_or((&error, "change these lengths or angles"));
+        input.report(key, message, label, help);
+    };
+    result.map_err(report).ok()
 }

@@ -31,7 +31,7 @@ use super::error::Problem;
 use super::keywords::SceneKind;
 use super::section_input::{SceneInput, SectionInput};
 use super::settings::{Bounds, Engine, Integrator, LogRates, SceneSettings, Thresholds};
-use super::{Construction, Preset, Response, Scene, Stepping, System, defaults};
+use super::{Construction, Preset, Response, Scene, Stepping, System};
 use crate::units::{Dimension, format};
 
 /// Resolves a scene; its default name is derived from `file_name`.
@@ -97,6 +97,9 @@ fn integrator(input: &SectionInput<'_>) -> Integrator {
     input.read_over(&base)
 }
 
+/// Default duration.
+const DURATION_S: f64 = 0.020;
+
 /// For links shorter than this, m, the default tolerance of steps is proportional to their length: the error of angles
 /// is the tolerance divided by the length.
 const SHORT_LINK_M: f64 = 2.5e-3;
@@ -129,7 +132,7 @@ fn engine(input: &SectionInput<'_>, system: Option<&System>) -> Engine {
 
 /// Resolves the tolerances of the validation; only the end of the comparison depends on the duration.
 fn bounds(input: &SectionInput<'_>, duration_s: Option<f64>) -> Bounds {
-    let defaults = Bounds::defaults_for_run(input.kind, duration_s.unwrap_or(defaults::DURATION_S));
+    let defaults = Bounds::defaults_for_run(input.kind, duration_s.unwrap_or(DURATION_S));
     let bounds: Bounds = input.read_over(&defaults);
     let help = "lower it, raise `duration`, or remove it (default: the duration)";
     check_within_duration(input, "until", bounds.until_s, duration_s, help);
@@ -140,7 +143,7 @@ fn bounds(input: &SectionInput<'_>, duration_s: Option<f64>) -> Bounds {
 fn thresholds(input: &SectionInput<'_>, system: Option<&System>, duration_s: Option<f64>) -> Thresholds {
     let motor_force_n = system.map_or(0.0, System::motor_force_n);
     let defaults = match input.kind {
-        SceneKind::Gripper => Thresholds::defaults_for_run(duration_s.unwrap_or(defaults::DURATION_S), motor_force_n),
+        SceneKind::Gripper => Thresholds::defaults_for_run(duration_s.unwrap_or(DURATION_S), motor_force_n),
         SceneKind::Finger | SceneKind::Bodies => Thresholds::NONE,
     };
     let thresholds: Thresholds = input.read_over(&defaults);

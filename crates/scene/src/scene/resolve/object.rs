@@ -3,7 +3,8 @@
 use super::super::keywords::Motion;
 use super::super::section_input::{SceneInput, SectionInput};
 use super::super::settings::{HalfPlaneSettings, ObjectSettings, SceneSettings, TableSettings};
-use super::super::{Disc, DiscMotion, Side, defaults};
+use super::super::template::{DENSITY_KG_M3, DEPTH_M};
+use super::super::{Disc, DiscMotion, Side};
 use super::finger::{FingerLengths, example_base_m};
 use crate::numeric::elementary::hypot;
 use crate::shape::{self, PlacedShape, Shape, tangent};
@@ -29,7 +30,7 @@ pub fn shape(input: &SectionInput<'_>) -> Shape {
 }
 
 fn shape_of(settings: &ObjectSettings) -> Shape {
-    settings.radius.map_or(defaults::OBJECT, |radius| Shape::Disc { radius_m: *radius })
+    Shape::Disc { radius_m: settings.radius.map_or(0.020, |radius| *radius) }
 }
 
 /// The object as given: of one finger, its position is NaN along the palm if the base determines it.
@@ -54,7 +55,7 @@ pub fn object(input: &SectionInput<'_>) -> Object {
     let mut disc = Disc::fixed_object(placed);
     if settings.motion.is_some_and(|motion| motion.0 == Motion::Free) {
         let mass_kg =
-            settings.mass.map_or_else(|| shape::mass(&shape, defaults::DENSITY_KG_M3, defaults::DEPTH_M), |mass| *mass);
+            settings.mass.map_or_else(|| shape::mass(&shape, DENSITY_KG_M3, DEPTH_M), |mass| *mass);
         let inertia_kg_m2 = Some(settings.inertia.map_or_else(|| shape::inertia(&shape, mass_kg), |inertia| *inertia));
         let velocity_m_s = settings.velocity.map_or([0.0; 2], |velocity| velocity.map(|rate| *rate));
         let spin_rad_s = settings.spin.map_or(0.0, |spin| *spin);

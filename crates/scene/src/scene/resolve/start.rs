@@ -47,13 +47,8 @@ pub fn initial(
         }
     };
     let (section, key) = start_place(input);
-    let posture = match gripper::close_loop(lengths, finger_lengths.assembly, q11_rad, q21_rad) {
-        Ok(posture) => posture,
-        Err(error) => {
-            geometry(&section, key, "cannot be assembled here", &error.to_string());
-            return None;
-        }
-    };
+    let posture = gripper::close_loop(lengths, finger_lengths.assembly, q11_rad, q21_rad);
+    let posture = geometry(&section, key, "cannot be assembled here", posture)?;
     if limit.is_some() {
         check_limit(&section, key, &posture, lengths);
     }
@@ -95,15 +90,9 @@ fn angle_before_contact(
     let first = all.try_fold(f64::INFINITY, |first, placed| {
         gripper::contact_angle_proximal(lengths.half_width_m, *placed).map(|contact| first.min(contact))
     });
-    match first {
-        Ok(contact) => Some(contact - offset),
-        Err(error) => {
-            let object = input.subsection("object");
-            let (section, key) = if object.has("centre") { (object, "centre") } else { start_place(input) };
-            geometry(&section, key, "no initial configuration", &error.to_string());
-            None
-        }
-    }
+    let object = input.subsection("object");
+    let (section, key) = if object.has("centre") { (object, "centre") } else { start_place(input) };
+    Some(geometry(&section, key, "no initial configuration", first)? - offset)
 }
 
 /// q11 of the straight configuration.
@@ -114,14 +103,9 @@ fn straight(input: &SectionInput<'_>, finger_lengths: &FingerLengths, lengths: &
         input.report("assembly", message, "no default start", help);
         return None;
     }
-    match gripper::straight_posture(lengths, q21_rad) {
-        Ok(posture) => Some(posture.q11_rad),
-        Err(error) => {
-            let (section, key) = start_place(input);
-            geometry(&section, key, "cannot be straight", &error.to_string());
-            None
-        }
-    }
+    let (section, key) = start_place(input);
+    let posture = geometry(&section, key, "cannot be straight", gripper::straight_posture(lengths, q21_rad))?;
+    Some(posture.q11_rad)
 }
 
 fn check_limit(input: &SectionInput<'_>, key: &str, posture: &Posture, lengths: &Lengths) {

@@ -2,7 +2,7 @@
 
 use super::super::section_input::{SceneInput, SectionInput};
 use super::super::settings::{DifferentialSettings, SceneSettings};
-use super::super::{Differential, DiscMotion, DrivenFinger, HalfPlane, Motor, Side, System};
+use super::super::{Differential, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Motor, Side, System};
 use super::contact::Level;
 use super::drive::{self, SizingResult};
 use super::finger::{self, FingerLengths, resolve_lengths};
@@ -44,7 +44,11 @@ pub fn system(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSetti
     }
     let differential = match (differential_settings, &sizings[..]) {
         (Some(settings), [right, left]) => {
-            let sized = right.combine(*left, |right, left| right + left);
+            let sized = match (*right, *left) {
+                (Some(Some(right)), Some(Some(left))) => Some(Some(drive::combine(right, left, |right, left| right + left))),
+                (Some(None), Some(None)) => Some(None),
+                _ => None,
+            };
             differential(root, &settings, sized).map(Some)
         }
         _ => Some(None),
@@ -99,7 +103,8 @@ fn driven_finger(
     let motor = if has_motor { drive::motor(&input.subsection("motor"), sized) } else { Some(Motor::NONE) };
     let spring = drive::spring(&input.subsection("spring"), sized);
     let limit = contact::limit(&input.subsection("limit"));
-    let contact = contact::finger_laws(&input.subsection("contact"), curvature_m);
+    let contact = Level::common(input.subsection("contact"), curvature_m);
+    let (proximal, distal) = (contact.law_of("proximal"), contact.law_of("distal"));
     let initial = start::initial(input, lengths, finger_and_target, limit);
     let finger = || {
         Some(DrivenFinger {
@@ -107,7 +112,7 @@ fn driven_finger(
             motor: motor?,
             spring: spring?,
             limit,
-            contact: contact?,
+            contact: FingerContactLaws { proximal: proximal?, distal: distal? },
             initial: initial?,
         })
     };

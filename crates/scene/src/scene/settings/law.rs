@@ -43,9 +43,18 @@ pub struct ContactOverride {
     pub friction: FrictionSettings,
 }
 
+/// Settings of a given normal law, of a contact or of the joint limit.
+fn normal(law: NormalLaw) -> Table {
+    table([
+        ("stiffness_si", law.stiffness_n_per_m_e.into()),
+        ("exponent", law.exponent.into()),
+        ("damping", law.damping_max_n_s_per_m.into()),
+        ("transition", law.transition_m.into()),
+    ])
+}
+
 /// Settings of a given law.
 pub fn contact(law: &ContactLaw) -> Table {
-    let NormalLaw { stiffness_n_per_m_e, exponent, damping_max_n_s_per_m, transition_m } = law.normal;
     let friction = match &law.friction {
         None => table([("mu_static", 0.0.into()), ("mu_dynamic", 0.0.into())]),
         Some(law) => {
@@ -61,13 +70,9 @@ pub fn contact(law: &ContactLaw) -> Table {
             ])
         }
     };
-    table([
-        ("stiffness_si", stiffness_n_per_m_e.into()),
-        ("exponent", exponent.into()),
-        ("damping", damping_max_n_s_per_m.into()),
-        ("transition", transition_m.into()),
-        ("friction", friction.into()),
-    ])
+    let mut settings = normal(law.normal);
+    settings.insert("friction".to_string(), friction.into());
+    settings
 }
 
 /// Normal law of one or several contacts.
@@ -188,12 +193,7 @@ impl LimitSettings {
 
 /// Settings of a given limit.
 pub fn limit(law: Option<NormalLaw>) -> Table {
-    let Some(law) = law else { return table([("enabled", false.into())]) };
-    table([
-        ("enabled", true.into()),
-        ("stiffness_si", law.stiffness_n_per_m_e.into()),
-        ("exponent", law.exponent.into()),
-        ("damping", law.damping_max_n_s_per_m.into()),
-        ("transition", law.transition_m.into()),
-    ])
+    let mut settings = law.map_or_else(Table::new, normal);
+    settings.insert("enabled".to_string(), law.is_some().into());
+    settings
 }
