@@ -137,12 +137,11 @@ impl Merged {
         let document = DeTable::parse(&text).ok()?;
         let (path, merged_key, merged_value) = entry_at(document.get_ref(), span.start)?;
         let is_table = find(&self.texts, &path.join("."))?.is_table();
-        let first_with_path = || {
-            layers.iter().position(|layer| {
-                DeTable::parse(&layer.text).is_ok_and(|document| entry(document.get_ref(), &path).is_some())
-            })
-        };
-        let layer = find(&self.origins, &path.join(".")).and_then(first_origin).or_else(first_with_path)?;
+        let has_path =
+            |layer: &&Layer| DeTable::parse(&layer.text).is_ok_and(|text| entry(text.get_ref(), &path).is_some());
+        // An empty table has no origin. It may have replaced a value of an earlier layer.
+        let last_with_path = || layers.iter().rposition(has_path);
+        let layer = find(&self.origins, &path.join(".")).and_then(first_origin).or_else(last_with_path)?;
         let document = DeTable::parse(&layers[layer].text).ok()?;
         let (key, value) = entry(document.get_ref(), &path)?;
         // Values are verbatim: their parts have the same positions.
