@@ -1,6 +1,5 @@
 //! Reading of complete, truncated, damaged and foreign logs.
 
-use crate::support::cli::assert_contains;
 use crate::support::faults::{LogItem, LogItems, read_bytes};
 use crate::support::synthetic::{lift_off, reload, sample, scene, touch_down};
 use phalanx::log::{LogSummary, Loss, LossKind, ReadError, RunInfo, Severity, Writer};
