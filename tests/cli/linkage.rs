@@ -110,13 +110,3 @@ fn figure_errors_leave_files_unchanged() {
     }
     assert_eq!(fs::read_to_string(&scene).expect("the scene"), text);
 }
-
-#[test]
-fn malicious_name_is_escaped() {
-    let text = fs::read_to_string(EXPERIMENT_95).expect("experiment-95");
-    let name = "</title><script>alert(1)</script>\\u001b[31m";
-    let scene = scene::parse(&text.replace("experiment-95\"\n", &format!("{name}\"\n")), "x.toml").expect("a scene");
-    let svg = linkage(&scene).svg;
-    assert!(!svg.contains("<script") && svg.contains("&lt;script&gt;"));
-    assert!(!svg.contains('\u{1b}'));
-}
