@@ -189,7 +189,7 @@ fn compute_differences(
         (false, false) => ["joint angles and centre", "|difference|, rad or m"],
         (true, _) => ["centres", "distance, m"],
     };
-    let difference = plot::plot_differences(&DifferencePlot {
+    let difference = plot::plot_differences(DifferencePlot {
         title: format!("{}: differences of {subject}", build_title(logs, labels)),
         label,
         curves: plot::path_differences(layout, sparse, dense, until_s),

@@ -2,8 +2,8 @@
 
 use serde::{Serialize, Serializer};
 
-use super::csv;
 use super::named::Object;
+use super::samples::cell;
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, row};
 use crate::format::report::{Report, ToReport, table};
@@ -154,7 +154,7 @@ pub fn sizing_csv(profile: &Profile) -> String {
         let springs = point.springs_n_m.unwrap_or([f64::NAN; 4]);
         let motion = [point.time_s, point.q11_rad, point.q21_rad, point.q22_rad, point.qd11_rad_s, point.qdd11_rad_s2];
         let motor = [point.net_n_m.unwrap_or(f64::NAN), point.constant_n_m, point.torsional_n_m];
-        let cells: Vec<String> = motion.into_iter().chain(springs).chain(motor).map(csv::cell).collect();
+        let cells: Vec<String> = motion.into_iter().chain(springs).chain(motor).map(cell).collect();
         text.extend([&cells.join(","), "\n"]);
     }
     text

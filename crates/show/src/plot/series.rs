@@ -2,8 +2,8 @@
 
 use super::axis::Axis;
 use super::canvas::{
-    AXIS_HEIGHT, Area, Frame, LEFT_MARGIN, LEGEND_WIDTH, LegendEntry, Marker, PlotPoint, THIN_LINE, TITLE_HEIGHT, WIDTH,
-    frame, legend, markers, picture, text_right_of,
+    AXIS_HEIGHT, Area, Frame, LEFT_MARGIN, LEGEND_WIDTH, LegendEntry, Marker, PlotPoint, THIN_LINE, TITLE_HEIGHT,
+    WIDTH, frame, legend, markers, picture, text_right_of,
 };
 use super::svg::Svg;
 use super::theme::{Colour, INK};
