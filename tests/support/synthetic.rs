@@ -1,20 +1,82 @@
 //! A synthetic run in closed form for the tests of the sinks.
 
-use phalanx::scene::{Integrator, LogRates, Scene, Thresholds, load, show};
+use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
+use phalanx::law::{ContactLaw, NormalLaw};
+use phalanx::scene::keywords::SceneKind;
+use phalanx::scene::{
+    Actuation, Bounds, Disc, DrivenFinger, Engine, FingerContactLaws, HalfPlane, Initial, Integrator, LogRates, Method,
+    Motor, Placement, Preset, Scene, Spring, SpringKind, System, Thresholds, show,
+};
+use phalanx::shape::PlacedShape;
 use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerContact, FingerState, Sample};
 
 /// A scene whose source is its resolved text, with a non-ASCII comment.
 pub fn scene() -> Scene {
-    let scene = load("scenes/experiment-95-frictionless.toml").unwrap_or_else(|error| panic!("{error}"));
-    let scene = Scene {
+    let scene = resolved();
+    Scene { source: format!("# a scene with a µ and no particular meaning\n{}", show(&scene)), ..scene }
+}
+
+fn resolved() -> Scene {
+    Scene {
         name: "synthetic".to_string(),
         description: String::new(),
-        integrator: Integrator { rtol: 1e-4, ..scene.integrator },
+        source: String::new(),
+        system: System {
+            fingers: vec![finger()],
+            palm_width_m: 0.0,
+            differential: None,
+            discs: vec![Disc::fixed_object(PlacedShape::disc(20e-3, [-15.5e-3, 20e-3]))],
+            between_discs: None,
+            palm: Some(HalfPlane { level_m: 0.0, contact: None }),
+            table: None,
+            palm_motion: None,
+            gravity_m_s2: [0.0, 9.81],
+        },
+        duration_s: 20e-3,
+        integrator: Integrator {
+            preset: Preset::Engineering,
+            method: Method::Rodas5p,
+            rtol: 1e-4,
+            atol_angle_rad: 1e-10,
+            atol_rate_rad_s: 1e-6,
+            max_steps: 1_000_000,
+        },
+        engine: Engine::DEFAULT,
+        bounds: Bounds::defaults_for_run(SceneKind::Finger, 20e-3),
         thresholds: Thresholds::NONE,
         log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
-        ..scene
-    };
-    Scene { source: format!("# a scene with a µ and no particular meaning\n{}", show(&scene)), ..scene }
+    }
+}
+
+fn finger() -> DrivenFinger {
+    let body = Body { mass_kg: 5e-3, com_m: [1e-2, 0.0], inertia_kg_m2: 1e-7 };
+    let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    let contact = ContactLaw { normal, friction: None };
+    DrivenFinger {
+        linkage: Finger {
+            lengths: Lengths {
+                l11_m: 15e-3,
+                l12_m: 22.3628e-3,
+                l21_m: 24.4324e-3,
+                l22_m: 7.5e-3,
+                t22_m: 12.8566e-3,
+                phi22_rad: 120f64.to_radians(),
+                half_width_m: 2.5e-3,
+            },
+            bodies: Bodies { l11: body, l12: body, l21: body, l22: body },
+            assembly: Assembly::Reference,
+        },
+        motor: Motor::from_actuation(Actuation::Constant { torque_n_m: 0.48 }),
+        spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: 0.1326 }, placement: Placement::Phalanges }),
+        limit: Some(normal),
+        contact: FingerContactLaws { proximal: contact, distal: contact },
+        initial: Initial {
+            q11_rad: -50f64.to_radians(),
+            q21_rad: 40f64.to_radians(),
+            qd11_rad_s: 0.0,
+            qd21_rad_s: 0.0,
+        },
+    }
 }
 
 /// A sample in which all figures differ; each is computed from the time.
