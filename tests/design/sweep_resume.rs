@@ -150,13 +150,13 @@ fn finished_runs_are_not_repeated() {
     let mut rows: Vec<&str> = text.lines().collect();
     rows[7] = rows[6];
     fs::write(&out, rows.join("\n") + "\n").expect("written");
-    assert_eq!(json(&sweep(&study, &out, &["--json"]))["now"]["runs"], 1);
+    assert_eq!(sweep(&study, &out, &[])["now"]["runs"], 1);
     assert!(fs::read(&out).expect("the file is readable") == contents);
     // Damaged results are discarded on request only.
     for flag in ["--restart", "--force"] {
         fs::write(&out, format!("{}\n1,2\n", rows[0])).expect("written");
-        assert_rejected(&sweep(&study, &out, &[]), &["out.csv:", "--restart"]);
-        assert_eq!(json(&sweep(&study, &out, &[flag, "--json"]))["now"]["runs"], 300);
+        assert_rejected(&study, &out, &[], &["out.csv:", "--restart"]);
+        assert_eq!(sweep(&study, &out, &[flag])["now"]["runs"], 300);
         assert!(fs::read(&out).expect("the file is readable") == contents);
     }
     assert!(!partial(&out).exists());

@@ -15,10 +15,7 @@ pub type SizingResult = Option<Option<Sizing>>;
 
 /// Combines the sizings of two tasks: the spring has the larger torque, the motor the one that `motors` selects.
 pub fn combine(first: Sizing, second: Sizing, motors: fn(f64, f64) -> f64) -> Sizing {
-    Sizing {
-        motor_n_m: motors(first.motor_n_m, second.motor_n_m),
-        spring_n_m: first.spring_n_m.max(second.spring_n_m),
-    }
+    Sizing { motor_n_m: motors(first.motor_n_m, second.motor_n_m), spring_n_m: first.spring_n_m.max(second.spring_n_m) }
 }
 
 /// Resolves the motor, with the torque of the sizing if there is one.
