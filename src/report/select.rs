@@ -60,7 +60,7 @@ impl<'a> Serialize for SelectionReport<'a> {
                 .with("tts_s", run.tts_s)
                 .with("f21_n", run.f21_n)
                 .with("f22_n", run.f22_n)
-                .with("parts", &ranked.terms)
+                .with("parts", ranked.terms)
                 .with("r_wc", ranked.r_wc)
         };
         Object::default()
@@ -75,7 +75,7 @@ impl<'a> Serialize for SelectionReport<'a> {
             .with("criteria", &selection.tallies)
             .with("selected", selection.ranking.len())
             .with("emptied_by", selection.emptied_by().map(|tally| tally.criterion.key()))
-            .with("weights", &selection.weights)
+            .with("weights", selection.weights)
             .with("ranking", selection.ranking.iter().map(ranked).collect::<Vec<_>>())
             .serialize(serializer)
     }

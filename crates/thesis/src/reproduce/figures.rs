@@ -180,7 +180,7 @@ impl Comparison {
             Verdict::NotJudged => CellStyle::Plain,
         };
         let figure = Some((self.key.to_string(), self.computed));
-        Cell { text: self.ours_text(), figure, style, ..Cell::default() }
+        Cell { text: self.ours_text(), figure, style }
     }
 
     fn rounded(&self, value: f64) -> String {
