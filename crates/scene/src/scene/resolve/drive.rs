@@ -15,10 +15,7 @@ pub type SizingResult = Option<Option<Sizing>>;
 
 /// Combines the sizings of two tasks: the spring has the larger torque, the motor the one that `motors` selects.
 pub fn combine(first: Sizing, second: Sizing, motors: fn(f64, f64) -> f64) -> Sizing {
-    Sizing {
-        motor_n_m: motors(first.motor_n_m, second.motor_n_m),
-        spring_n_m: first.spring_n_m.max(second.spring_n_m),
-    }
+    Sizing { motor_n_m: motors(first.motor_n_m, second.motor_n_m), spring_n_m: first.spring_n_m.max(second.spring_n_m) }
 }
 
 /// Resolves the motor, with the torque of the sizing if there is one.
@@ -135,20 +132,22 @@ pub fn size(
     for object in &target.ends {
         let trial = input.checker.for_trial();
         let sizing = size_for(&input.with_checker(&trial), lengths, finger, *object, gravity_m_s2);
+        let mut problems = trial.into_problems();
         if has_range {
             let base = -object.centre_m[0] * 1e3;
             let details = format!(
                 " with the object at the end of the positioning error, {base:.3} mm from the ground joint along the palm"
             );
-            trial.append_to_messages(SIZING_LABEL, &details);
+            let failed = problems.iter_mut().filter(|problem| problem.label == SIZING_LABEL);
+            failed.for_each(|problem| problem.message.push_str(&details));
         }
-        sized.push((sizing, trial));
+        sized.push((sizing, problems));
     }
     let reachable = sized.iter().filter_map(|(sizing, _)| *sizing);
     let combined = reachable.reduce(|first, second| combine(first, second, f64::max));
-    for (sizing, trial) in sized {
+    for (sizing, problems) in sized {
         if sizing.is_some() || combined.is_none() {
-            input.checker.extend(trial.into_problems());
+            input.checker.extend(problems);
         }
     }
     combined.map(Some)

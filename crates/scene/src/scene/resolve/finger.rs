@@ -96,7 +96,11 @@ fn wrong_key(input: &SectionInput<'_>, error: &DesignError) -> &'static str {
             "base"
         }
         DesignError::ProximalOutOfRange { .. } | DesignError::TipNotPositive { .. } | DesignError::Fraction { .. } => {
-            if input.has("l21") { "l21" } else { "l21_fraction" }
+            if input.has("l21") {
+                "l21"
+            } else {
+                "l21_fraction"
+            }
         }
         DesignError::Phi22 { .. } => "phi22",
         DesignError::TipContactMin { .. } => "tip_contact_min",

@@ -54,8 +54,7 @@ pub fn object(input: &SectionInput<'_>) -> Object {
     }
     let mut disc = Disc::fixed_object(placed);
     if settings.motion.is_some_and(|motion| motion.0 == Motion::Free) {
-        let mass_kg =
-            settings.mass.map_or_else(|| shape::mass(&shape, DENSITY_KG_M3, DEPTH_M), |mass| *mass);
+        let mass_kg = settings.mass.map_or_else(|| shape::mass(&shape, DENSITY_KG_M3, DEPTH_M), |mass| *mass);
         let inertia_kg_m2 = Some(settings.inertia.map_or_else(|| shape::inertia(&shape, mass_kg), |inertia| *inertia));
         let velocity_m_s = settings.velocity.map_or([0.0; 2], |velocity| velocity.map(|rate| *rate));
         let spin_rad_s = settings.spin.map_or(0.0, |spin| *spin);

@@ -45,7 +45,9 @@ pub fn system(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSetti
     let differential = match (differential_settings, &sizings[..]) {
         (Some(settings), [right, left]) => {
             let sized = match (*right, *left) {
-                (Some(Some(right)), Some(Some(left))) => Some(Some(drive::combine(right, left, |right, left| right + left))),
+                (Some(Some(right)), Some(Some(left))) => {
+                    Some(Some(drive::combine(right, left, |right, left| right + left)))
+                }
                 (Some(None), Some(None)) => Some(None),
                 _ => None,
             };
