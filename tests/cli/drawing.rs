@@ -2,7 +2,7 @@
 
 use phalanx::drawing::{self, BodyRole, Drawing, Pose, Shape};
 use phalanx::gripper::{Posture, joint_positions};
-use phalanx::scene::{self, Scene};
+use phalanx::scene::{self, ContactId, Scene};
 use phalanx::shape::max_radius;
 use phalanx::trace::{FingerContact, FingerState, Model};
 use phalanx::validate::record;
@@ -115,7 +115,8 @@ fn disc_poses_match_samples() {
             assert_eq!(pose.angle_rad, sample.bodies[index].angle_rad);
         }
         let (pair, contact) = (scene.system.pairs()[0], &sample.contacts[0]);
-        let index = offset + pair.disc;
+        let (ContactId::Discs(disc, _) | ContactId::Palm(disc)) = pair else { panic!("{pair:?}") };
+        let index = offset + disc;
         let pose = &drawing::poses(&scene, sample)[index];
         let distance_m = distance_from_surface(&drawing.bodies[index].shapes[0], pose, contact.point_m);
         assert!(distance_m < 1e-12, "{distance_m}");

@@ -99,7 +99,7 @@ fn pairs_include_a_moving_disc_and_are_named() {
     );
     let names: Vec<String> = scene.system.pairs().into_iter().map(|pair| scene.system.contact_name(pair)).collect();
     assert_eq!(names, ["ball-anvil", "ball-post", "ball-plane"]);
-    assert_eq!(scene.system.pairs()[2], ContactId::Palm(0));
+    assert_eq!(scene.system.pairs()[2], ContactId::Palm(1));
 }
 
 #[test]
