@@ -3,7 +3,6 @@
 use phalanx::format::ToReport;
 use phalanx::grasp::finger::{GraspOverrides, grasp};
 use phalanx::grasp::gripper::{GripperGraspRequest, gripper_grasp};
-use phalanx::report::sizing::SizingReport;
 use phalanx::report::statics::{GripperStaticsReport, StaticsReport};
 use phalanx::report::validation::ValidationReport;
 use phalanx::scene::Axis;
@@ -132,7 +131,7 @@ pub fn size<'py>(
     };
     let sizing = interruptible::run(py, |_| size_finger(&scene.scene, options))?;
     let sizing = sizing.map_err(|error| errors::argument(py, error))?;
-    conversion::parse_json(py, &SizingReport::from(&sizing).json())
+    conversion::parse_json(py, &sizing.json())
 }
 
 /// Finds the accelerations up to which a gripper holds its object (`phalanx hold --json`).

@@ -171,7 +171,7 @@ fn simulate<S: Sink>(
     let options =
         SimulationOptions { check_policy, keep_running: &|| keep_running(), describe_reason: &ToString::to_string };
     let run = simulate_and_check(input.model, scene, log, &options, &mut cancellable);
-    let mut report = run.report(input.model, scene);
+    let mut report = run.report;
     report.log = log_path.map(|path| path.display().to_string());
     run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit)).map_err(|error| error.to_string())?;
     Ok((report, sink))

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use phalanx::study::parts::{self, MergeResult, PartOptions, WrittenPart};
 use phalanx::study::results::{OpenedResults, ResultsError, open};
 use phalanx::study::sweep::{
-    Row, Study, check_unsharded, files, load as load_study_file, run_while, shard, sorted_table,
+    Row, Study, check_unsharded, load as load_study_file, run_while, shard, sorted_table, source_files,
 };
 use phalanx::table;
 use pyo3::prelude::*;
@@ -123,7 +123,7 @@ pub fn sweep_shard<'py>(
     restart: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = load(py, &study, model, check)?;
-    let shard = shard(&study, k, n).map_err(|error| results_error(py, &error.into()))?;
+    let shard = shard(&study, k, n).map_err(|error| results_error(py, &ResultsError::Refused(error)))?;
     let options = PartOptions { threads, restart };
     let written =
         interruptible::run(py, |keep_running| parts::write_part(&study, shard, &out, options, keep_running, |_| {}))?;
@@ -162,7 +162,8 @@ pub fn sweep_merge<'py>(
 /// Returns the files of a study: the study file, then the files of its base scene.
 #[pyfunction]
 pub fn _study_files(py: Python<'_>, study: PathBuf) -> PyResult<Vec<PathBuf>> {
-    files(&study).map_err(|error| errors::study(py, &error))
+    load_study_file(&study).map_err(|error| errors::study(py, &error))?;
+    Ok(source_files(&study))
 }
 
 /// Describes a study: `name`, `model`, `runs`, `designs`, and `fingerprint`, which differs between studies with

@@ -1,7 +1,6 @@
 //! Opens a page in the user's browser.
 
 use std::env;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -15,8 +14,8 @@ const FAILURE_TIMEOUT: Duration = Duration::from_millis(1500);
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Browser {
     program: PathBuf,
-    /// Arguments before the path of the page.
-    arguments: Vec<OsString>,
+    /// Argument before the path of the page.
+    argument: Option<&'static str>,
 }
 
 /// Hint for a system without a browser.
@@ -31,7 +30,7 @@ impl Browser {
         if let Some(named) = env::var_os("BROWSER").filter(|named| !named.is_empty()) {
             // BROWSER may be a list of programs; xdg-open reads it in the same way.
             let browser = env::split_paths(&named).find_map(|name| find_program(&name));
-            return browser.map(|program| Browser { program, arguments: Vec::new() }).ok_or_else(|| {
+            return browser.map(|program| Browser { program, argument: None }).ok_or_else(|| {
                 format!(
                     "no browser was found to open the page: BROWSER is {:?}, which names no program; set it to one, or {ALTERNATIVE}",
                     named.display().to_string()
@@ -39,10 +38,10 @@ impl Browser {
             });
         }
         if cfg!(target_os = "macos") {
-            return Ok(Browser { program: "open".into(), arguments: Vec::new() });
+            return Ok(Browser { program: "open".into(), argument: None });
         }
         if cfg!(windows) {
-            return Ok(Browser { program: "explorer".into(), arguments: Vec::new() });
+            return Ok(Browser { program: "explorer".into(), argument: None });
         }
         let displays = ["DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME"];
         if displays.iter().all(|name| env::var_os(name).is_none_or(|value| value.is_empty())) {
@@ -59,7 +58,7 @@ impl Browser {
                  or {ALTERNATIVE}"
             )
         })?;
-        Ok(Browser { program, arguments: argument.map(OsString::from).into_iter().collect() })
+        Ok(Browser { program, argument })
     }
 
     /// Opens a page. Does not wait until it is closed.
@@ -68,7 +67,7 @@ impl Browser {
     /// Returns an error if the program does not start, or ends unsuccessfully within [`FAILURE_TIMEOUT`].
     pub fn open(&self, page: &Path) -> Result<(), String> {
         let mut child = Command::new(&self.program)
-            .args(&self.arguments)
+            .args(self.argument)
             .arg(page.canonicalize().unwrap_or_else(|_| page.to_path_buf()))
             .stdin(Stdio::null())
             .stdout(Stdio::null())

@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::choice_args::ModelArg;
 use super::interrupt::{interrupted, run_study};
 use super::output::print_result;
-use super::parsers::{number, positive};
+use super::parsers::{model, number, positive};
 use super::set::{SetArgs, source_files};
 use super::targets::reserve;
 use super::{Failure, Status};
@@ -17,6 +16,7 @@ use crate::report::capture::capture_csv;
 use crate::scene;
 use crate::study::capture::{CaptureError, Plan, SceneSource, capture};
 use crate::study::require_gripper;
+use crate::trace::Model;
 use crate::units::Dimension;
 
 /// Find which positioning errors of the object a gripper captures.
@@ -57,8 +57,8 @@ pub struct CaptureArgs {
     tolerance_m: f64,
 
     /// Simulation model
-    #[arg(long, value_enum, default_value_t = ModelArg::Analytic)]
-    model: ModelArg,
+    #[arg(long, value_parser = model(), default_value = "analytic")]
+    model: Model,
 
     /// Write capture.txt, .json, .csv and .svg to this directory, which is created if needed; an existing file is
     /// replaced only when the new one is complete
@@ -82,8 +82,7 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
         .map_err(Failure::bad_input)?;
     let source = SceneSource { layers: scene::load_layers(&args.scene)?, settings: args.set.settings().to_vec() };
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
-    let plan =
-        Plan { model: args.model.into(), error_m, position_count: args.position_count, tolerance_m: args.tolerance_m };
+    let plan = Plan { model: args.model, error_m, position_count: args.position_count, tolerance_m: args.tolerance_m };
     let load = |offset_m: f64| source.load_at_offset(error_m, offset_m);
     let study = run_study(
         "positions",
@@ -97,10 +96,8 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
             (CaptureError::Scene(error), _) => error.into(),
         },
     )?;
-    if let Some(directory) = directory {
-        let texts = [study.json(), capture_csv(&study), plot::capture(&study), study.report().to_string()];
-        directory.write(&FILES, &texts)?;
-    }
+    let texts = || [study.json(), capture_csv(&study), plot::capture(&study), study.report().to_string()];
+    directory.write(FILES, texts)?;
     print_result(&study, args.json)?;
     Ok(Status::Done)
 }

@@ -3,12 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::choice_args::ModelArg;
 use super::interrupt::{interrupted, run_study};
 use super::output::print_result;
-use super::parsers::{count, number, positive};
+use super::parsers::{choice, count, model, number, positive};
 use super::set::{SetArgs, source_files};
 use super::targets::{FileKind, TargetKind, reserve, save};
 use super::{Failure, Status};
@@ -18,6 +16,7 @@ use crate::report::hold::hold_csv;
 use crate::scene::Axis;
 use crate::study::hold::{HoldError, Loads, Plan, axis_name, hold};
 use crate::study::require_gripper;
+use crate::trace::Model;
 use crate::units::Dimension;
 
 /// Find the largest acceleration at which a gripper holds its object.
@@ -77,7 +76,7 @@ pub struct HoldArgs {
     /// palm
     #[arg(
         long,
-        value_parser = PossibleValuesParser::new(AXES.map(axis_name)).map(|name| parse_axis(&name)),
+        value_parser = choice([Axis::X, Axis::Y, Axis::Angle].map(|axis| (axis_name(axis), "", axis))),
         value_name = "AXES",
         value_delimiter = ',',
         default_value = "x,y",
@@ -121,8 +120,8 @@ pub struct HoldArgs {
     tol: f64,
 
     /// Simulation model
-    #[arg(long, value_enum, default_value_t = ModelArg::Analytic)]
-    model: ModelArg,
+    #[arg(long, value_parser = model(), default_value = "analytic")]
+    model: Model,
 
     /// Write a plot to this file: limits in polar coordinates for pulses, limits over frequency for three or more
     /// vibrations, else the slip of every run; an existing file is replaced only when the new one is complete
@@ -146,12 +145,6 @@ const FILES: [&str; 4] = ["hold.json", "hold.csv", "hold.svg", "hold.txt"];
 #[derive(Clone, Debug, PartialEq)]
 struct Frequencies(Vec<f64>);
 
-const AXES: [Axis; 3] = [Axis::X, Axis::Y, Axis::Angle];
-
-fn parse_axis(name: &str) -> Axis {
-    AXES.into_iter().find(|axis| axis_name(*axis) == name).unwrap_or(Axis::X)
-}
-
 /// Runs `phalanx hold`.
 pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
     let scene = args.set.load_any(&args.scene)?;
@@ -172,9 +165,7 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
             (error, _) => Failure::bad_input(error),
         },
     )?;
-    if let Some(directory) = directory {
-        directory.write(&FILES, &[study.json(), hold_csv(&study), plot::hold(&study), study.report().to_string()])?;
-    }
+    directory.write(FILES, || [study.json(), hold_csv(&study), plot::hold(&study), study.report().to_string()])?;
     if let Some(path) = &args.svg {
         save(path, &plot::hold(&study))?;
     }
@@ -191,7 +182,7 @@ fn build_plan(args: &HoldArgs) -> Result<Plan, Failure> {
         (None, false) => Loads::Pulses { directions: args.directions, length_s: args.pulse },
     };
     let plan = Plan {
-        model: args.model.into(),
+        model: args.model,
         loads,
         start_s: args.at,
         slip_m: args.slip,

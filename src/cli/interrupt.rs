@@ -23,9 +23,6 @@ const SIGNALS: &[(i32, &str)] = &[
 /// A closing terminal sends this signal, often twice.
 const HANGUP: &str = "SIGHUP";
 
-/// Part of the message of an interrupted command with `--out`.
-pub const NO_FILE_WRITTEN: &str = "; no file was written, and existing files are unchanged";
-
 /// Makes writes beyond the file size limit (`ulimit -f`) fail with an error, as on a full disk, instead of killing the
 /// process.
 pub fn fail_writes_beyond_file_limit() {
@@ -40,20 +37,11 @@ fn ignores_hangup() -> bool {
     mask.is_none_or(|mask| mask & 1 == 1)
 }
 
-/// Returns the failure of a command that a signal ended after some of its parts.
-pub fn interrupted_failure(task: &str, signal: &str, (done, total): (usize, usize), has_out: bool) -> Failure {
-    let message = format!("{task} was interrupted by {signal} after {done} of {total} parts; there is no result");
-    interrupted(&message, has_out)
-}
-
-/// Receives the completed and the total number of parts of a study.
-pub type ReportProgress<'a> = &'a mut (dyn FnMut(u64, u64) + Send);
-
-/// Computes a study with a progress line of its `parts`, until a signal arrives. `failure` converts an error, with the
-/// name of the signal if one has arrived.
+/// Computes a study with a progress line of its `parts`, until a signal arrives. The study reports how many parts are
+/// done and their total. `failure` converts an error, with the name of the signal if one has arrived.
 pub fn run_study<T, E>(
     parts: &str,
-    study: impl FnOnce(ReportProgress<'_>, &(dyn Fn() -> bool + Sync)) -> Result<T, E>,
+    study: impl FnOnce(&mut (dyn FnMut(u64, u64) + Send), &(dyn Fn() -> bool + Sync)) -> Result<T, E>,
     failure: impl FnOnce(E, Option<&'static str>) -> Failure,
 ) -> Result<T, Failure> {
     let interrupt = Interrupt::listen()?;
@@ -66,7 +54,8 @@ pub fn run_study<T, E>(
 
 /// Returns the failure of a command that a signal ended. With `--out`, it states that no file was written.
 pub fn interrupted(message: &str, has_out: bool) -> Failure {
-    Failure::incomplete(format!("{message}{}", if has_out { NO_FILE_WRITTEN } else { "" }))
+    let unwritten = if has_out { "; no file was written, and existing files are unchanged" } else { "" };
+    Failure::incomplete(format!("{message}{unwritten}"))
 }
 
 /// Records whether a signal has interrupted the command.

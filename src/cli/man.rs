@@ -1,13 +1,13 @@
 //! `phalanx man`: manual pages.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
 
 use super::output::print;
-use super::targets::reserve;
+use super::targets::{reserve, save};
 use super::{Cli, Failure, Status};
 
 /// Print the manual page of phalanx, or write the pages of phalanx and all its commands to a directory.
@@ -24,29 +24,25 @@ pub struct ManArgs {
 
 /// Runs `phalanx man`.
 pub fn run(args: &ManArgs) -> Result<Status, Failure> {
-    let pages =
-        pages(Cli::command()).map_err(|error| Failure::incomplete(format!("cannot write the pages: {error}")))?;
+    let pages = pages().map_err(|error| Failure::incomplete(format!("cannot write the pages: {error}")))?;
     let Some(dir) = &args.dir else {
         print(pages.first().map_or("", |(_, page)| page))?;
         return Ok(Status::Done);
     };
-    let (names, texts): (Vec<&str>, Vec<String>) =
-        pages.iter().map(|(name, page)| (name.as_str(), page.clone())).unzip();
-    // This command takes the directory as an argument and has no --out.
+    let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
+    let write = |out: &Path| pages.iter().try_for_each(|(name, page)| save(&out.join(name), page));
     let directory = reserve(&[], &[], ("", Some(dir), &names));
-    directory.and_then(|directory| directory.map_or(Ok(()), |directory| directory.write(&names, &texts))).map_err(
-        |Failure { message, status }| Failure {
-            message: message.replace("another --out", "another directory"),
-            status,
-        },
-    )?;
-    print(&format!("wrote {} pages to {}\n", names.len(), dir.display()))?;
+    directory.and_then(|directory| directory.write_with(write)).map_err(|Failure { message, status }| {
+        // This command takes the directory as an argument and has no --out.
+        Failure { message: message.replace("another --out", "another directory"), status }
+    })?;
+    print(&format!("wrote {} pages to {}\n", pages.len(), dir.display()))?;
     Ok(Status::Done)
 }
 
 /// Returns the file names and texts of the manual pages: the main command first, then its subcommands.
-fn pages(command: Command) -> io::Result<Vec<(String, String)>> {
-    let mut command = command.disable_help_subcommand(true);
+fn pages() -> io::Result<Vec<(String, String)>> {
+    let mut command = Cli::command().disable_help_subcommand(true);
     // Completes the names of subcommands and propagates the global options.
     command.build();
     let mut pages = Vec::new();
@@ -70,7 +66,7 @@ mod tests {
 
     #[test]
     fn every_command_has_a_page() {
-        let pages = pages(Cli::command()).expect("pages");
+        let pages = pages().expect("pages");
         let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names.first(), Some(&"phalanx.1"));
         for name in ["phalanx-run.1", "phalanx-scene.1", "phalanx-scene-show.1", "phalanx-study-stability.1"] {

@@ -9,7 +9,6 @@
 
 mod browser;
 mod capture;
-mod choice_args;
 mod completions;
 mod explore;
 mod hold;
@@ -43,11 +42,8 @@ mod statics;
 mod study;
 mod sweep;
 mod targets;
-mod terminal;
 mod validate;
-mod value_lists;
 mod volume;
-mod watch;
 
 use std::any::TypeId;
 use std::fmt::Display;
@@ -220,7 +216,7 @@ fn exit_with_error(error: clap::Error) -> ! {
 /// Builds the command line parser. Help is as wide as the terminal, or as COLUMNS requests.
 fn build_command() -> clap::Command {
     let command = allow_negative_values(Cli::command());
-    match terminal::width() {
+    match output::terminal_width() {
         Some(width) => command.term_width(width.min(MAX_HELP_WIDTH)),
         None => command,
     }

@@ -1,10 +1,11 @@
-//! Writing to stdout and stderr. A closed pipe does not cause a panic.
+//! Writing to stdout and stderr, and the width of printed text. A closed pipe does not cause a panic.
 
 use std::borrow::Cow;
-use std::io::{self, ErrorKind, Write};
+use std::env;
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Failure, terminal};
+use super::Failure;
 use crate::format::{Report, ToReport, is_unsafe_char};
 use crate::scene::error::shortened;
 
@@ -79,7 +80,7 @@ pub fn print_result(result: &impl ToReport, json: bool) -> Result<(), Failure> {
 
 /// Prints a report, wrapped to the width of the terminal.
 pub fn print_report(report: &Report) -> Result<(), Failure> {
-    print(&match terminal::width() {
+    print(&match terminal_width() {
         Some(width) => report.to_wrapped_text(width),
         None => report.to_string(),
     })
@@ -97,6 +98,30 @@ pub fn print_diagnostic(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", escape_unsafe_chars(&shortened(message)));
 }
 
+/// Width of a terminal of unknown size.
+const DEFAULT_WIDTH: usize = 80;
+
+/// Minimum width; narrower text is unreadable.
+const MIN_WIDTH: usize = 20;
+
+/// Number of columns of stdout; `None` if it is unlimited. In a pipe or file each row of a table is one line. The
+/// variable COLUMNS also applies to pipes, because `watch` and pagers set it for their programs.
+pub fn terminal_width() -> Option<usize> {
+    let measure = || {
+        let stdout = io::stdout();
+        stdout.is_terminal().then(|| {
+            terminal_size::terminal_size_of(&stdout)
+                .map_or(DEFAULT_WIDTH, |(terminal_size::Width(width), _)| width.into())
+        })
+    };
+    parse_columns(env::var("COLUMNS").ok().as_deref()).or_else(measure).map(|width| width.max(MIN_WIDTH))
+}
+
+/// Parses the value of COLUMNS; `None` if it is not a positive width.
+fn parse_columns(columns: Option<&str>) -> Option<usize> {
+    columns?.trim().parse().ok().filter(|width| *width > 0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,5 +137,11 @@ mod tests {
         let document = serde_json::to_string(&"\u{1b}\u{9b}\u{202e}").expect("JSON");
         let read: String = serde_json::from_str(&escape_unsafe_chars(&document)).expect("still JSON");
         assert_eq!(read, "\u{1b}\u{9b}\u{202e}");
+    }
+
+    #[test]
+    fn invalid_columns_are_ignored() {
+        let all = [Some("132"), Some(" 90 "), Some("0"), Some("wide"), Some("-4"), Some(""), None];
+        assert_eq!(all.map(parse_columns), [Some(132), Some(90), None, None, None, None, None]);
     }
 }

@@ -1,25 +1,19 @@
 //! Flags of `phalanx run` that override fields of the scene.
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::Failure;
+use super::parsers::choice;
 use crate::scene::{Construction, Preset, Scene};
 use crate::trace::Model;
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
-
-/// Returns a parser of one of two named values.
-fn one_of<T: Copy + Send + Sync + 'static>(choices: [(&'static str, T); 2]) -> impl TypedValueParser<Value = T> {
-    let [(first, _), (second, _)] = choices;
-    PossibleValuesParser::new([first, second]).map(move |name| choices[usize::from(name == second)].1)
-}
 
 /// Settings of the simulation given on the command line.
 #[derive(Debug, Args)]
 pub struct Overrides {
     /// Preset of integrator method and tolerances of the analytic model: engineering for everyday runs, reference for
     /// reference results with tight tolerances [default: as in the scene]
-    #[arg(long, value_parser = one_of([("engineering", Preset::Engineering), ("reference", Preset::Reference)]))]
+    #[arg(long, value_parser = choice([("engineering", "", Preset::Engineering), ("reference", "", Preset::Reference)]))]
     preset: Option<Preset>,
 
     /// Relative tolerance of the analytic model [default: from the scene or preset]; absolute tolerances are scaled by
@@ -29,7 +23,7 @@ pub struct Overrides {
 
     /// Coordinates of the engine model: maximal for free bodies, whose joints are all constraints; reduced for joint
     /// coordinates of a tree, closed by one constraint [default: as in the scene]
-    #[arg(long, value_parser = one_of([("maximal", Construction::Maximal), ("reduced", Construction::Reduced)]))]
+    #[arg(long, value_parser = choice([("maximal", "", Construction::Maximal), ("reduced", "", Construction::Reduced)]))]
     construction: Option<Construction>,
 
     /// Use fixed steps of this size in the engine model, such as "1 us" [default: stepping of the scene]

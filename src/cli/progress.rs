@@ -11,7 +11,6 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::output::is_quiet;
 use crate::format::format_duration;
-use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Time before the line is shown.
 const DISPLAY_DELAY: Duration = Duration::from_secs(1);
@@ -78,7 +77,7 @@ fn format_wall_time(time: Duration) -> String {
     }
 }
 
-/// A [`Sink`] that shows the simulated time.
+/// Shows the simulated time.
 pub struct Progress {
     duration_s: f64,
     line: ProgressLine,
@@ -111,17 +110,6 @@ fn format_progress(time_s: f64, duration_s: f64) -> String {
     match duration_s.is_finite() {
         true => format!("{} of {}", format_duration(time_s), format_duration(duration_s)),
         false => format_duration(time_s),
-    }
-}
-
-impl Sink for Progress {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.update(sample.time_s);
-        Ok(())
-    }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
     }
 }
 

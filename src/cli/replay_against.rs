@@ -93,7 +93,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
         page: None,
     };
     let page_text = recorders.map(|recorders| build_page(recorders, paths, &report)).transpose()?;
-    if let (Some(out), Some(directory)) = (&args.out, directory) {
+    if let Some(out) = &args.out {
         report.directory = Some(out.display().to_string());
         report.files = Some(
             FILES.into_iter().filter(|file| *file != PAGE_FILE || page_text.is_some()).map(String::from).collect(),
@@ -189,7 +189,7 @@ fn compute_differences(
         (false, false) => ["joint angles and centre", "|difference|, rad or m"],
         (true, _) => ["centres", "distance, m"],
     };
-    let difference = plot::plot_differences(&DifferencePlot {
+    let difference = plot::plot_differences(DifferencePlot {
         title: format!("{}: differences of {subject}", build_title(logs, labels)),
         label,
         curves: plot::path_differences(layout, sparse, dense, until_s),

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::interrupt::Interrupt;
 use super::output::{print_diagnostic, print_result};
 use super::replay_read::{ReplayArgs, SummarySink, print_defects, read_failure, read_head, scene_in_log};
-use super::simulate::{CheckPolicy, FailedRun, RunLimits, simulate};
+use super::simulate::{CheckPolicy, RunLimits, simulate};
 use super::{Failure, Status};
 use crate::log::{
     ComparisonOptions, LogComparison, LogFile, LogSummary, RunInfo, Settings, open_log, read_file, settings, stamp_ns,
@@ -40,10 +40,10 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
             "interrupted by {signal} while the run was simulated again; nothing was compared"
         )));
     }
-    let new_end = match run.result {
-        Ok(_) => "completed".to_string(),
-        Err(FailedRun { partial_outcome: None, error }) => return Err(Failure::incomplete(error.reason)),
-        Err(FailedRun { error, .. }) => error.reason,
+    let new_end = match run.report.error {
+        None => "completed".to_string(),
+        Some(error) if run.has_failed_sink => return Err(Failure::incomplete(error.reason)),
+        Some(error) => error.reason,
     };
     let wall_s = start.elapsed().as_secs_f64();
     let log_end = summary.run_end.as_ref().map(|end| end.stopped.clone().unwrap_or_else(|| "completed".to_string()));

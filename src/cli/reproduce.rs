@@ -8,9 +8,9 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::{print_note, print_result};
+use super::parsers::parse_threads_or_all;
 use super::study::{OutputArgs, compute};
 use super::targets::{reserve, save, write_failure};
-use super::value_lists::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};
 use crate::page::report_page;
@@ -51,9 +51,7 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
         compute("the reproduction", &args.output, &interrupt, |monitor| reproduce(args.quick, args.threads, monitor))?;
     let wall_s = start.elapsed().as_secs_f64();
     let report = ReproductionReport::new(&reproduced);
-    if let Some(directory) = directory {
-        directory.write_with(|out| write(out, &reproduced, &report))?;
-    }
+    directory.write_with(|out| write(out, &reproduced, &report))?;
     print_result(&report, args.output.json)?;
     if !args.output.json {
         print_note(&format!("computed in {}", format_duration(wall_s)));

@@ -1,27 +1,33 @@
 //! `phalanx run`: one simulation with its summary and log.
 
-use crate::scene::Scene;
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, SystemTime};
 
 use clap::Args;
 
-use super::choice_args::ModelArg;
 use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
-use super::output::print_result;
+use super::output::{print_diagnostic, print_note, print_result};
 use super::overrides::Overrides;
+use super::parsers;
 use super::run_page::PageArgs;
 use super::samples::{self, write_table};
 use super::set::{SetArgs, source_files};
 use super::simulate::{CheckPolicy, RunLimits, simulate};
 use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve};
-use super::{Failure, Status, run_page, watch};
+use super::{Failure, Status, run_page};
 use crate::format::{ToReport, format_duration};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::PlaybackRecorder;
 use crate::report::document;
+use crate::scene::Scene;
 use crate::trace::columns::columns;
 use crate::trace::{Layout, Model, SinkError};
+
+/// Polling period of `--watch`, and time for an editor to finish writing.
+const PERIOD: Duration = Duration::from_millis(100);
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
 #[derive(Debug, Args)]
@@ -40,8 +46,8 @@ pub struct RunArgs {
     pub(super) set: SetArgs,
 
     /// Simulation model; the two models are independent
-    #[arg(long, value_enum, default_value_t = ModelArg::Analytic)]
-    pub(super) model: ModelArg,
+    #[arg(long, value_parser = parsers::model(), default_value = "analytic")]
+    model: Model,
 
     /// Write a log (MCAP; FILE.mcap.partial is readable during the run); an existing log is replaced only when the new
     /// one is complete
@@ -81,10 +87,6 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    pub(super) fn model(&self) -> Model {
-        self.model.into()
-    }
-
     /// Returns when to check the run.
     pub(super) fn check_policy(&self) -> CheckPolicy {
         match (self.check, self.no_check) {
@@ -100,16 +102,50 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
     match args.watch {
         true => {
             args.page.ensure_watchable()?;
-            watch::watch(&args.scene, |first| run_once(args, first))
+            watch(args)
         }
         false => run_once(args, true),
     }
 }
 
+/// Performs a run immediately and after each change of the scene, until a signal arrives. A failure is printed and does
+/// not end the loop, because the next change may fix it.
+fn watch(args: &RunArgs) -> Result<Status, Failure> {
+    let interrupt = Interrupt::listen()?;
+    let mut first = true;
+    loop {
+        let files = source_files(&args.scene);
+        let previous = file_stamps(&files);
+        let status = run_once(args, first).unwrap_or_else(|failure| {
+            print_diagnostic(&failure.message);
+            failure.status
+        });
+        first = false;
+        if interrupt.signal().is_some() {
+            return Ok(status);
+        }
+        print_note(&format!("\nwatching {}: save the file to run again; Ctrl-C to stop", args.scene.display()));
+        // Many editors remove the file and write a new one, so a missing file is not a change.
+        while matches!(file_stamps(&files), stamps if stamps == previous || stamps.is_none()) {
+            if interrupt.signal().is_some() {
+                return Ok(Status::Done);
+            }
+            sleep(PERIOD);
+        }
+        sleep(PERIOD);
+    }
+}
+
+/// Modification times and sizes of the files; `None` if a file is missing.
+fn file_stamps(paths: &[PathBuf]) -> Option<Vec<(SystemTime, u64)>> {
+    let file_stamp = |path: &PathBuf| fs::metadata(path).and_then(|found| Ok((found.modified()?, found.len()))).ok();
+    paths.iter().map(file_stamp).collect()
+}
+
 /// Performs one run. `first`: whether it is the first of several.
 fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let mut scene = args.set.load_any(&args.scene)?;
-    args.overrides.apply(args.model(), &mut scene)?;
+    args.overrides.apply(args.model, &mut scene)?;
     let scene = &scene;
     let (name, duration_s) = (scene.name.as_str(), scene.duration_s);
     let csv = samples::csv_file(args.csv.as_deref(), args.json)?;
@@ -126,19 +162,18 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let log = create_log(args, scene, live.as_ref(), &interrupt)?;
     let limits = RunLimits { interrupt: &interrupt, until_s: f64::INFINITY, check_policy: args.check_policy() };
     let (run, table) = match &args.csv {
-        None => (simulate(args.model(), scene, log, &limits, &mut recorder), Ok(true)),
+        None => (simulate(args.model, scene, log, &limits, &mut recorder), Ok(true)),
         Some(path) => {
             let columns = columns(&Layout::from_system(&scene.system));
-            let model = args.model();
             let (run, table) =
-                write_table(path, columns, &mut recorder, |table| Ok(simulate(model, scene, log, &limits, table)));
+                write_table(path, columns, &mut recorder, |table| Ok(simulate(args.model, scene, log, &limits, table)));
             (run?, table)
         }
     };
-    let mut report = run.report(args.model(), scene);
+    let mut report = run.report;
     // Pages are shared, so the page does not contain local paths.
     let page_path = page.as_ref().zip(recorder).map(|(page, recorder)| {
-        let playback = recorder.into_playback(args.model().name(), scene, report.report());
+        let playback = recorder.into_playback(args.model.name(), scene, report.report());
         page.write(name, &scene.description, playback)
     });
     report.page = page_path.as_ref().and_then(|path| path.as_ref().ok().cloned());
@@ -171,7 +206,7 @@ fn create_log(
         return Ok(None);
     }
     let feed = live.map(|live| live.feed(interrupt));
-    let run_info = run_info(scene, &args.scene, args.model().name());
+    let run_info = run_info(scene, &args.scene, args.model.name());
     let log = log::create_with_feed(args.log.as_deref(), &run_info, feed).map_err(log_failure)?;
     if let Some(live) = live {
         live.wait_for_client();

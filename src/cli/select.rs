@@ -14,7 +14,7 @@ use crate::format::ToReport;
 use crate::plot;
 use crate::report::select::{SelectionReport, ranking_table};
 use crate::study::select::{
-    Bound, CLASSES, PerTerm, SelectError, Selection, SelectionCriteria, Side, TERMS, Weights, parse_class, select,
+    Bound, PerTerm, SelectError, Selection, SelectionCriteria, Side, TERMS, Weights, parse_class, select,
 };
 use crate::table::{self, Table};
 use crate::units::{self, Dimension};
@@ -119,9 +119,7 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::write(path, &ranking_table(&results, &selection)).map_err(Failure::incomplete)?;
     }
-    if let Some(directory) = directory {
-        directory.write_with(|out| write_files(out, &source, &results, &selection))?;
-    }
+    directory.write_with(|out| write_files(out, &source, &results, &selection))?;
     print_result(&SelectionReport::new(&source, &selection, args.best), args.json)?;
     Ok(if selection.ranking.is_empty() { Status::CheckFailed } else { Status::Done })
 }
@@ -177,7 +175,7 @@ fn write_files(out: &Path, source: &str, results: &Table, selection: &Selection)
 }
 
 fn parse_class_arg(text: &str) -> Result<Class, String> {
-    parse_class(text).ok_or_else(|| format!("expected {}", CLASSES.map(Class::name).join(", ")))
+    parse_class(text).ok_or_else(|| format!("expected {}", Class::ALL.map(Class::name).join(", ")))
 }
 
 fn parse_force(text: &str) -> Result<f64, String> {

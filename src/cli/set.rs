@@ -22,7 +22,7 @@ impl SetArgs {
 
     /// Loads the scene of a finger and applies these fields.
     pub fn load(&self, path: &Path) -> Result<Scene, SceneError> {
-        scene::load_with(path, &self.set)
+        scene::parse_layers(&scene::load_layers(path)?, &self.set, scene::parse)
     }
 
     /// Parses the text of a shipped scene and applies these fields.
@@ -42,7 +42,7 @@ impl SetArgs {
 
     /// Loads the template that all designs of a study share and applies these fields.
     pub fn load_template(&self, path: &Path) -> Result<Template, SceneError> {
-        scene::load_template_with(path, &self.set)
+        scene::parse_layers(&scene::load_layers(path)?, &self.set, scene::parse_template)
     }
 }
 

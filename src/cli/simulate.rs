@@ -8,7 +8,7 @@ use super::output::print_diagnostic;
 use super::progress::Progress;
 use crate::criteria::static_grasp;
 use crate::log::ThreadedWriter;
-pub(super) use crate::report::simulation::{CheckPolicy, FailedRun, SimulatedRun};
+pub(super) use crate::report::simulation::{CheckPolicy, SimulatedRun};
 use crate::report::simulation::{SimulationOptions, simulate_and_check};
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;

@@ -4,17 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::choice_args::RuleArg;
 use super::output::print_result;
+use super::parsers::rule;
 use super::set::{SetArgs, source_files};
 use super::targets::reserve;
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::sizing::{SizingReport, sizing_csv};
+use crate::report::sizing::sizing_csv;
+use crate::sizing::Rule;
 use crate::study::size::{SizingOptions, size_finger};
-use crate::units::Dimension;
-use crate::units::parse_positive;
+use crate::units::{Dimension, parse_positive};
 
 /// Size the spring and motor of a finger from a test trajectory.
 ///
@@ -35,8 +35,8 @@ pub struct SizeArgs {
     set: SetArgs,
 
     /// Time span over which the motor torque is averaged
-    #[arg(long, value_enum, default_value_t = RuleArg::Rigid)]
-    rule: RuleArg,
+    #[arg(long, value_parser = rule(), default_value = "rigid")]
+    rule: Rule,
 
     /// Duration of the test trajectory with its unit [default: 10 ms]
     #[arg(long, value_name = "TIME", value_parser = parse_closing_time)]
@@ -66,25 +66,23 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
     let defaults = SizingOptions::default();
     let options = SizingOptions {
-        rule: args.rule.into(),
+        rule: args.rule,
         closing_s: args.closing_time.unwrap_or(defaults.closing_s),
         preload_rad: args.preload,
     };
     let sizing = size_finger(&scene, options).map_err(Failure::bad_input)?;
-    let report = SizingReport::from(&sizing);
     let profile = &sizing.profile;
-    if let Some(directory) = directory {
-        let texts = [
-            report.report().to_string(),
-            report.json(),
+    directory.write(FILES, || {
+        [
+            sizing.report().to_string(),
+            sizing.json(),
             sizing_csv(profile),
             plot::sizing_trajectory(&scene.name, profile),
             plot::sizing_springs(&scene.name, profile),
             plot::sizing_spring_types(&scene.name, profile),
-        ];
-        directory.write(&FILES, &texts)?;
-    }
-    print_result(&report, args.json)?;
+        ]
+    })?;
+    print_result(&sizing, args.json)?;
     Ok(Status::Done)
 }
 

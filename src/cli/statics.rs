@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::print_result;
+use super::parsers::number;
 use super::set::{SetArgs, source_files};
 use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status};
@@ -17,8 +18,7 @@ use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::statics::StaticsError;
 use crate::study::posture::{PostureSpec, parse_direction_count, parse_posture};
-use crate::units::parse_positive;
-use crate::units::{self, Dimension};
+use crate::units::{self, Dimension, parse_positive};
 
 /// Analyse the static grasp: contact forces, ejection, form and force closure, and admissible accelerations.
 ///
@@ -186,10 +186,8 @@ impl StaticsArgs {
 }
 
 fn parse_friction(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(mu) if mu.is_finite() && mu >= 0.0 => Ok(mu),
-        _ => Err("expected one or more comma-separated numbers, each 0 or more, such as 0,0.4,0.8".to_string()),
-    }
+    let expected = "one or more comma-separated numbers, each 0 or more, such as 0,0.4,0.8";
+    number(|mu: &f64| mu.is_finite() && *mu >= 0.0, expected)(text)
 }
 
 fn parse_torque(text: &str) -> Result<f64, String> {

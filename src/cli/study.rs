@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::interrupt::{Interrupt, interrupted_failure};
+use super::interrupt::{Interrupt, interrupted};
 use super::output::print_result;
+use super::parsers::{parse_number, parse_quantity};
 use super::progress::RunCounter;
 use super::set::{SetArgs, source_files};
 use super::targets::reserve;
-use super::value_lists::{parse_number, parse_quantity};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::scene::Keyword;
@@ -52,7 +52,8 @@ pub fn compute<T>(
     counter.clear();
     result.map_err(|error| match (error, interrupt.signal()) {
         (StudyError::Stopped { done, total }, Some(signal)) => {
-            interrupted_failure(task, signal, (done, total), output.out.is_some())
+            let progress = format!("after {done} of {total} parts; there is no result");
+            interrupted(&format!("{task} was interrupted by {signal} {progress}"), output.out.is_some())
         }
         (error @ StudyError::Unsuitable(_), _) => Failure::bad_input(error),
         (error, _) => Failure::incomplete(error),
@@ -163,9 +164,7 @@ fn run_stability(args: &StabilityArgs) -> Result<Status, Failure> {
     let (grid, accuracy_rad) = (build_grid(args), args.accurate.unwrap_or(ACCURACY_RAD));
     let study =
         compute("the study", &args.output, &interrupt, |monitor| stability(&scene, &grid, accuracy_rad, monitor))?;
-    if let Some(directory) = directory {
-        directory.write(&files, &[study.json(), study.csv(), study.picture(), study.report().to_string()])?;
-    }
+    directory.write(files, || [study.json(), study.csv(), study.picture(), study.report().to_string()])?;
     print_result(&study, args.output.json)?;
     Ok(Status::Done)
 }
@@ -187,9 +186,7 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     let directory = reserve(&[("the scene", &inputs)], &[], ("--out", args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;
     let study = compute("the study", &args.output, &interrupt, |monitor| step_size(&scene, args.quick, monitor))?;
-    if let Some(directory) = directory {
-        directory.write(&files, &[study.report().to_string(), study.json(), study.csv(), study.picture()])?;
-    }
+    directory.write(files, || [study.report().to_string(), study.json(), study.csv(), study.picture()])?;
     print_result(&study, args.output.json)?;
     Ok(Status::Done)
 }

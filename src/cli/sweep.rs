@@ -6,17 +6,17 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, Subcommand};
 
-use super::choice_args::ModelArg;
 use super::interrupt::Interrupt;
 use super::output::{print, print_note, print_report, print_result};
+use super::parsers::{model, number, parse_threads_or_all};
 use super::progress::RunCounter;
 use super::targets::{NO_DIRECTORY, TargetKind, reserve};
-use super::value_lists::parse_threads_or_all;
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
-use crate::study::parts::{PartOptions, merge, write_part};
+use crate::study::parts::{PartOptions, merge, part_files, write_part};
 use crate::study::results::{OpenedResults, ResultsError, Store, open};
 use crate::study::sweep::{self, Row, Study, StudyError, run_while, shard, summary};
+use crate::trace::Model;
 
 /// Number of rows that `--list` shows by default.
 const DEFAULT_LISTED_RUNS: u64 = 12;
@@ -53,8 +53,8 @@ pub struct SweepArgs {
     out: Option<PathBuf>,
 
     /// Simulation model, instead of the one in the study
-    #[arg(long, value_enum)]
-    model: Option<ModelArg>,
+    #[arg(long, value_parser = model())]
+    model: Option<Model>,
 
     /// Check every run, with three additional runs for each; adds the columns `check` (sure, uncertain, chaotic or
     /// unknown) and `check_error_rad`
@@ -119,8 +119,8 @@ struct MergeArgs {
     out: PathBuf,
 
     /// Simulation model of the shards, if it is not the one in the study
-    #[arg(long, value_enum)]
-    model: Option<ModelArg>,
+    #[arg(long, value_parser = model())]
+    model: Option<Model>,
 
     /// The shards were written with --check
     #[arg(long)]
@@ -191,9 +191,9 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
 }
 
 /// Loads a study with the model and the checks of the command line.
-fn load(file: &Path, model: Option<ModelArg>, check: bool) -> Result<Study, Failure> {
+fn load(file: &Path, model: Option<Model>, check: bool) -> Result<Study, Failure> {
     let mut study = sweep::load(file)?;
-    study.model = model.map_or(study.model, Into::into);
+    study.model = model.unwrap_or(study.model);
     study.checked = check;
     Ok(study)
 }
@@ -263,7 +263,8 @@ fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: 
 /// Runs `phalanx sweep merge`.
 fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
     let study = load(&args.study, args.model, args.check)?;
-    let inputs = [("the study", &sweep::source_files(&args.study)[..]), ("a shard", &args.parts)];
+    let parts = part_files(&args.parts)?;
+    let inputs = [("the study", &sweep::source_files(&args.study)[..]), ("a shard", &parts)];
     reserve(&inputs, &[("--out", Some(&args.out), TargetKind::Results)], NO_DIRECTORY)?;
     let interrupt = Interrupt::listen()?;
     let mut counter = RunCounter::new();
@@ -322,8 +323,7 @@ impl SweepProgress {
 }
 
 fn parse_run_limit(text: &str) -> Result<u64, String> {
-    let number = text.parse().ok().filter(|runs| *runs > 0);
-    number.ok_or("expected a number of runs, 1 or more; omit the flag to perform all runs".to_string())
+    number(|runs: &u64| *runs > 0, "a number of runs, 1 or more; omit the flag to perform all runs")(text)
 }
 
 /// Parses `3/7`. Accepts digits only, without leading zeros, so that each part has exactly one name.

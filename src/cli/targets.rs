@@ -46,7 +46,7 @@ pub fn reserve(
     inputs: &[(&str, &[PathBuf])],
     targets: &[Target<'_>],
     directory: Directory<'_>,
-) -> Result<Option<OutputDirectory>, Failure> {
+) -> Result<OutputDirectory, Failure> {
     // Flag, its path, and each file that it writes.
     let mut outputs: Vec<(&str, &Path, PathBuf)> = Vec::new();
     for (flag, path, kind) in targets.iter().filter_map(|(flag, path, kind)| Some((*flag, (*path)?, kind))) {
@@ -87,7 +87,7 @@ pub fn reserve(
         remove_foreign_log(path, kind)?;
     }
     let (_, out, names) = directory;
-    out.map(|out| OutputDirectory::open(out, names)).transpose()
+    OutputDirectory::open(out, names)
 }
 
 /// Removes an accepted file where a log is written: the writer of logs replaces only logs, also with `--force`.
@@ -98,13 +98,14 @@ fn remove_foreign_log(path: &Path, kind: FileKind) -> Result<(), Failure> {
     }
 }
 
-/// Writable directory for the output files of a command.
+/// Writable directory for the output files of a command; `None` if no directory was given, so nothing is written.
 #[derive(Debug)]
-pub struct OutputDirectory(PathBuf);
+pub struct OutputDirectory(Option<PathBuf>);
 
 impl OutputDirectory {
     /// Creates the directory if needed. Called before any computation.
-    fn open(out: &Path, names: &[&str]) -> Result<OutputDirectory, Failure> {
+    fn open(out: Option<&Path>, names: &[&str]) -> Result<OutputDirectory, Failure> {
+        let Some(out) = out else { return Ok(OutputDirectory(None)) };
         let shown_path = out.display();
         if out.exists() && !out.is_dir() {
             return Err(Failure::bad_input(format!(
@@ -130,17 +131,17 @@ impl OutputDirectory {
                 remove_foreign_log(&path, FileKind::from_extension(&path))
             })?;
         }
-        Ok(OutputDirectory(out.to_path_buf()))
+        Ok(OutputDirectory(Some(out.to_path_buf())))
     }
 
     /// Calls `write` with the directory.
     pub fn write_with(self, write: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
-        write(&self.0)
+        self.0.as_deref().map_or(Ok(()), write)
     }
 
     /// Writes each text to the file of its name.
-    pub fn write(self, names: &[&str], texts: &[String]) -> Result<(), Failure> {
-        names.iter().zip(texts).try_for_each(|(name, text)| save(&self.0.join(name), text))
+    pub fn write<const N: usize>(self, names: [&str; N], texts: impl FnOnce() -> [String; N]) -> Result<(), Failure> {
+        self.write_with(|out| names.iter().zip(texts()).try_for_each(|(name, text)| save(&out.join(name), &text)))
     }
 }
 

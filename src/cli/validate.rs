@@ -10,7 +10,7 @@ use super::output::{print, print_report};
 use super::progress::RunCounter;
 use super::run::{log_failure, run_info};
 use super::set::{SetArgs, source_files};
-use super::simulate::{CheckPolicy, FailedRun, RunLimits, simulate};
+use super::simulate::{CheckPolicy, RunLimits, simulate};
 use super::targets::{PAGE_FILE, reserve, save, write_failure};
 use super::{Failure, Status};
 use crate::files::replace_file;
@@ -94,9 +94,7 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
         run_ladder_with_progress(&mut validation, scene, (args, options), &interrupt)?;
     }
     let mut report = ValidationReport::new(scene, &validation, options);
-    if let Some(directory) = directory {
-        directory.write_with(|out| write_files(out, args, scene, &validation, &mut report, &interrupt))?;
-    }
+    directory.write_with(|out| write_files(out, args, scene, &validation, &mut report, &interrupt))?;
     match (args.json, report.ladder_report()) {
         (true, _) => print(&report.json())?,
         (false, Some(ladder)) => print_report(&Report::from("\n").with(ladder))?,
@@ -204,17 +202,17 @@ fn record_run(
     let mut recorder = PlaybackRecorder::default();
     let limits = RunLimits { interrupt, until_s: f64::INFINITY, check_policy: CheckPolicy::IfCheap };
     let run = simulate(model, scene, Some(log), &limits, &mut recorder);
-    let mut summary = run.report(model, scene);
+    let mut summary = run.report;
     if scene.kind() == SceneKind::Bodies {
         // Pages of scenes of discs do not show the result of the check.
         summary.check = None;
     }
-    match (run.result, interrupt.signal()) {
-        (Ok(_), _) => {
+    match (&summary.error, interrupt.signal()) {
+        (None, _) => {
             let result = run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit));
             result.map_err(|error| write_failure(path, error))?;
         }
-        (Err(_), Some(signal)) => {
+        (Some(_), Some(signal)) => {
             // The target is unchanged; the partial log of a validation is of no use.
             let _ = fs::remove_file(log::partial_name(path));
             return Err(Failure::incomplete(format!(
@@ -222,7 +220,7 @@ fn record_run(
                 path.display()
             )));
         }
-        (Err(FailedRun { error, .. }), None) => return Err(write_failure(path, error.reason)),
+        (Some(error), None) => return Err(write_failure(path, &error.reason)),
     }
     Ok(recorder.into_playback(model.name(), scene, summary.report()))
 }

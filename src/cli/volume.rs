@@ -4,17 +4,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::TypedValueParser;
 
-use super::choice_args::RuleArg;
 use super::interrupt::Interrupt;
 use super::output::{print_diagnostic, print_result};
+use super::parsers::{choice, parse_limits, parse_number, parse_quantity, parse_threads, rule};
 use super::set::{SetArgs, source_files};
 use super::study::{OutputArgs, compute};
-use super::targets::reserve;
-use super::targets::save;
-use super::value_lists::{parse_limits, parse_number, parse_quantity, parse_threads};
+use super::targets::{reserve, save};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::page::{Note, volume_page};
@@ -80,8 +78,8 @@ pub struct VolumeArgs {
     arm_ratio: Option<[f64; 2]>,
 
     /// Rule for sizing motor and spring [default: the rule of the scene, else rigid]
-    #[arg(long, value_enum)]
-    sizing: Option<RuleArg>,
+    #[arg(long, value_parser = rule())]
+    sizing: Option<Rule>,
 
     /// Quantities that the plots show within the stable region, comma-separated; the page shows all quantities
     #[arg(
@@ -96,8 +94,8 @@ pub struct VolumeArgs {
     colour_by: Vec<Quantity>,
 
     /// Format of the file with all points
-    #[arg(long, value_enum, default_value_t = DataArg::Csv, requires = "out")]
-    data: DataArg,
+    #[arg(long, value_parser = points_parser(), default_value = "csv", requires = "out")]
+    data: &'static str,
 
     #[command(flatten)]
     output: OutputArgs,
@@ -105,14 +103,6 @@ pub struct VolumeArgs {
     /// Number of threads [default: all cores]; the result does not depend on it
     #[arg(long, value_name = "NUMBER", value_parser = parse_threads)]
     threads: Option<usize>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum DataArg {
-    /// Comma-separated values: text that any program reads
-    Csv,
-    /// Binary columns: smaller and faster to read with data tools
-    Parquet,
 }
 
 /// Files in the output directory.
@@ -131,10 +121,8 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let wall_s = start.elapsed().as_secs_f64();
     let mut report = VolumeReport::new(&request, &volumes);
     check_designs_exist(&report)?;
-    if let (Some(out), Some(directory)) = (out, directory) {
-        report.directory = Some(out.display().to_string());
-        directory.write_with(|out| write(out, &request, &volumes, args, &mut report, &interrupt))?;
-    }
+    report.directory = out.map(|out| out.display().to_string());
+    directory.write_with(|out| write(out, &request, &volumes, args, &mut report, &interrupt))?;
     report.timing = Some(Timing { wall_s, threads });
     print_result(&report, args.output.json)?;
     Ok(Status::Done)
@@ -190,7 +178,7 @@ fn build_request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
             Some(mu_static) => mu_static,
             None => vec![single_friction(&template)?],
         },
-        rule: args.sizing.map(Rule::from).or(template.rule).unwrap_or(defaults.rule),
+        rule: args.sizing.or(template.rule).unwrap_or(defaults.rule),
         template,
         axes,
     })
@@ -217,8 +205,7 @@ fn write(
     report: &mut VolumeReport,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    let points = if args.data == DataArg::Csv { "points.csv" } else { "points.parquet" };
-    report.files = ["table.txt", "table.json", "page.html", points].map(String::from).to_vec();
+    report.files = ["table.txt", "table.json", "page.html", args.data].map(String::from).to_vec();
     for &quantity in &args.colour_by {
         let [key, ..] = quantity.names();
         let mut save_slices = |region: &str, rows: &[Vec<&Volume>]| -> Result<(), Failure> {
@@ -237,7 +224,7 @@ fn write(
         }
     }
     interrupt.check()?;
-    table::write(&out.join(points), &points_table(volumes)).map_err(Failure::incomplete)?;
+    table::write(&out.join(args.data), &points_table(volumes)).map_err(Failure::incomplete)?;
     interrupt.check()?;
     let description = format!(
         "Designs that hold the object, over three design variables. Every cell is a design that is sized by the rule “{}” and closed \
@@ -288,9 +275,15 @@ fn quantity_parser() -> impl TypedValueParser<Value = Quantity> {
         Quantity::Mass => "Mass of a finger, g",
         Quantity::FormClosed => "Whether the object is immobilised even without friction",
     };
-    let values = Quantity::ALL.map(|quantity| PossibleValue::new(quantity.names()[0]).help(help(quantity)));
-    let find = |key: String| Quantity::ALL.into_iter().find(|quantity| quantity.names()[0] == key);
-    PossibleValuesParser::new(values).map(move |key| find(key).expect("one of the possible values"))
+    choice(Quantity::ALL.map(|quantity| (quantity.names()[0], help(quantity), quantity)))
+}
+
+/// Returns the parser of the format of all points, which gives the name of their file.
+fn points_parser() -> impl TypedValueParser<Value = &'static str> {
+    choice([
+        ("csv", "Comma-separated values: text that any program reads", "points.csv"),
+        ("parquet", "Binary columns: smaller and faster to read with data tools", "points.parquet"),
+    ])
 }
 
 fn parse_base(item: &str) -> Result<f64, String> {

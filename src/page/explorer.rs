@@ -10,7 +10,6 @@ use crate::criteria::{Class, Fate};
 use crate::format::escape_markup;
 use crate::limits::MAX_SCENE_BYTES;
 use crate::plot::theme::{VERDICTS, variable};
-use crate::study::select::CLASSES;
 
 const TEMPLATE: &str = include_str!("assets/explorer/page.html");
 const STYLES: [&str; 3] =
@@ -75,7 +74,7 @@ pub fn explorer_page(module: &[u8], start: &InitialScene, version: &str) -> Stri
     let initial_preset = presets.iter().find(|preset| preset.file == start.file);
     let title = initial_preset.map_or(&start.file, |preset| &preset.name);
     // Names of results, from good to bad, and the CSS variable of the colour of each.
-    let names = [&CLASSES.map(Class::name)[..], &Fate::NAMES, &["yes", "no"]];
+    let names = [&Class::ALL.map(Class::name)[..], &Fate::NAMES, &["yes", "no"]];
     let data = json!({
         "module": BASE64_STANDARD.encode(module),
         "start": start,

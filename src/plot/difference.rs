@@ -1,7 +1,7 @@
 //! The difference of two runs over time, with touch-downs.
 
 use super::axis::Axis;
-use super::canvas::Marker;
+use super::canvas::{Marker, PlotPoint};
 use super::series::{Series, series_chart};
 use super::theme::{INK, SERIES, SOFT};
 use crate::scene::Scene;
@@ -14,16 +14,7 @@ const MAX_DECADES: f64 = 8.0;
 const MAX_TOUCHDOWNS: usize = 60;
 
 /// A curve of differences: its name, and points (time in s, difference).
-pub struct DifferenceCurve {
-    pub name: String,
-    pub points: Vec<(f64, f64)>,
-}
-
-/// Touch-downs of one contact.
-pub struct TouchdownTimes {
-    pub name: String,
-    pub times_s: Vec<f64>,
-}
+pub type DifferenceCurve = (String, Vec<PlotPoint>);
 
 /// Content of a plot of differences.
 pub struct DifferencePlot<'a> {
@@ -31,7 +22,7 @@ pub struct DifferencePlot<'a> {
     /// Label of the vertical axis, with its unit.
     pub label: &'a str,
     pub curves: Vec<DifferenceCurve>,
-    pub touchdowns: Vec<TouchdownTimes>,
+    pub touchdowns: Vec<Series>,
     pub bound: Option<f64>,
     pub until_s: f64,
 }
@@ -43,7 +34,7 @@ pub fn difference(scene: &Scene, found: &Validation) -> String {
         true => ("the joint angles", "|engine − analytic|, rad"),
         false => ("the joint angles and the object", "|engine − analytic|, rad or m"),
     };
-    plot_differences(&DifferencePlot {
+    plot_differences(DifferencePlot {
         title: format!("{name}: difference of {quantity} over time"),
         label,
         curves: path_differences(&layout, &found.engine, &found.reference, until_s),
@@ -60,46 +51,39 @@ pub fn path_differences(layout: &Layout, run: &Recording, reference: &Recording,
         .iter()
         .flat_map(|finger| Angle::ALL.map(|angle| [finger.as_str(), angle.name()].join(" ").trim_start().to_string()));
     let names = angles.chain(layout.bodies.iter().cloned());
-    let mut curves: Vec<DifferenceCurve> = names.map(|name| DifferenceCurve { name, points: Vec::new() }).collect();
+    let mut curves: Vec<DifferenceCurve> = names.map(|name| (name, Vec::new())).collect();
     let mut cursor = 0;
     for sample in run.samples.iter().filter(|sample| sample.time_s <= until_s) {
         let Some(expected) = reference.interpolate(sample.time_s, &mut cursor) else { continue };
-        for (curve, error) in curves.iter_mut().zip(coordinate_errors(sample, &expected)) {
-            curve.points.push((sample.time_s, error.abs()));
+        for ((_, points), error) in curves.iter_mut().zip(coordinate_errors(sample, &expected)) {
+            points.push((sample.time_s, error.abs()));
         }
     }
     curves
 }
 
-/// Touch-downs of all contacts between surfaces.
-pub fn touchdowns(layout: &Layout, run: &Recording, until_s: f64) -> Vec<TouchdownTimes> {
-    let contact_touchdowns = |contact: usize| TouchdownTimes {
-        name: layout.contacts[contact].name.clone(),
-        times_s: run
-            .events
-            .iter()
-            .filter(|event| event.contact == contact && event.kind == EventKind::TouchDown && event.time_s <= until_s)
-            .map(|event| event.time_s)
-            .collect(),
-    };
-    layout.surfaces().map(contact_touchdowns).collect()
+/// Vertical lines at the touch-downs of all contacts between surfaces.
+pub fn touchdowns(layout: &Layout, run: &Recording, until_s: f64) -> Vec<Series> {
+    let mut lines = Vec::new();
+    for (contact, colour) in layout.surfaces().zip([SOFT, INK].into_iter().cycle()) {
+        let name = format!("touch-down {}", layout.contacts[contact].name);
+        let events = run.events.iter().filter(|event| event.contact == contact && event.kind == EventKind::TouchDown);
+        let shown = events.filter(|event| event.time_s <= until_s).take(MAX_TOUCHDOWNS);
+        lines.extend(shown.map(|event| Series::vertical(colour, event.time_s * 1e3).named(&name)));
+    }
+    lines
 }
 
 /// Draws differences on a logarithmic axis over time.
-pub fn plot_differences(found: &DifferencePlot<'_>) -> String {
-    let all = found.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
+pub fn plot_differences(found: DifferencePlot<'_>) -> String {
+    let all = found.curves.iter().flat_map(|(_, points)| points.iter().map(|point| point.1));
     let y = Axis::logarithmic(found.label, all.chain(found.bound), MAX_DECADES);
     let x = Axis::linear("time, ms", [0.0, found.until_s * 1e3]);
-    let mut series = Vec::new();
-    for (contact, colour) in found.touchdowns.iter().zip([SOFT, INK].into_iter().cycle()) {
-        let times = contact.times_s.iter().take(MAX_TOUCHDOWNS);
-        let name = format!("touch-down {}", contact.name);
-        series.extend(times.map(|time_s| Series::vertical(colour, time_s * 1e3).named(&name)));
-    }
+    let mut series = found.touchdowns;
     let bound = |bound| Series::horizontal(Marker::FaintLine { width: 4.0 }, INK, bound).named("bound of the scene");
     series.extend(found.bound.map(bound));
-    series.extend(found.curves.iter().zip(SERIES.into_iter().cycle()).map(|(curve, colour)| {
-        Series::over_time(Marker::Line { width: 2.0 }, colour, curve.points.iter().copied()).named(&curve.name)
+    series.extend(found.curves.into_iter().zip(SERIES.into_iter().cycle()).map(|((name, points), colour)| {
+        Series::over_time(Marker::Line { width: 2.0 }, colour, points.into_iter()).named(name)
     }));
     series_chart(&found.title, 560.0, &x, &y, &series)
 }

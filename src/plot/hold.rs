@@ -8,7 +8,8 @@ use super::canvas::{Marker, PlotPoint, THIN_LINE};
 use super::series::{Series, series_chart};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, SERIES, SOFT};
 use crate::scene;
-use crate::study::hold::{Evaluation, Hold, Limit, LoadCase, LoadResult, Loads, StaticLimit, Verdict};
+use crate::statics::AccelerationLimit;
+use crate::study::hold::{Evaluation, Hold, Limit, LoadCase, LoadResult, Loads, Verdict};
 
 /// Minimum number of directions or frequencies of a curve.
 const MIN_CURVE_POINTS: usize = 3;
@@ -67,10 +68,7 @@ fn circle(radius: f64) -> Series {
 
 /// Balanced acceleration at rest, as a limit; without values unless it is finite.
 fn at_rest(result: &LoadResult) -> Limit {
-    let balanced = match result.static_limit {
-        Some(StaticLimit::UpTo { acceleration_m_s2 }) => Some(acceleration_m_s2),
-        _ => None,
-    };
+    let balanced = result.static_limit.as_ref().and_then(AccelerationLimit::acceleration_m_s2);
     Limit { held: balanced, failed: balanced, ..Limit::default() }
 }
 

@@ -22,9 +22,7 @@ mod speed_error;
 use phalanx_show::plot::{axis, canvas, outline, series, svg};
 
 pub use capture::capture;
-pub use difference::{
-    DifferenceCurve, DifferencePlot, TouchdownTimes, difference, path_differences, plot_differences, touchdowns,
-};
+pub use difference::{DifferenceCurve, DifferencePlot, difference, path_differences, plot_differences, touchdowns};
 pub use hold::hold;
 pub use linkage::{LabelBox, Linkage, linkage};
 pub use overlay::{overlay, overlay_runs};

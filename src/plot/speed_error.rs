@@ -1,7 +1,8 @@
 //! Wall time against error: one point per setting, one line per family of settings.
 
 use super::axis::Axis;
-use super::canvas::{LegendEntry, Marker, THIN_LINE, chart, line, points, vertical_line};
+use super::canvas::{Marker, PlotPoint, THIN_LINE};
+use super::series::{Series, series_chart};
 use super::theme::{AMBER, BLUE, Colour, GREEN, INK, ORANGE, PURPLE, SOFT};
 use crate::validate::{Family, LadderRow, Validation};
 
@@ -16,38 +17,29 @@ pub fn speed_error(scene: &str, found: &Validation) -> String {
         (true, _) => "largest distance of a disc from its position in the reference, m",
     };
     let bound = found.path_bound;
-    let all: Vec<(&LadderRow, f64, f64)> =
-        found.ladder.iter().filter_map(|row| error_and_time(row).map(|(x, y)| (row, x, y))).collect();
-    let x = Axis::logarithmic(label, all.iter().map(|point| point.1).chain([bound]), 16.0);
-    let y = Axis::logarithmic("wall time of a run, ms", all.iter().map(|point| point.2), 16.0);
-    chart(&format!("{scene}: speed against error"), HEIGHT, &x, &y, |svg, frame| {
-        vertical_line(svg, frame, x.coordinate(bound), SOFT);
-        let point_of = |(_, error, wall_ms): &(&LadderRow, f64, f64)| (x.coordinate(*error), y.coordinate(*wall_ms));
-        let mut entries = Vec::new();
-        for family in Family::ALL {
-            let family_points = || all.iter().filter(move |point| point.0.configuration.family == family);
-            if family_points().next().is_none() {
-                continue;
-            }
-            let (marker, colour) = style(family);
-            line(svg, frame, family_points().map(point_of), THIN_LINE, colour);
-            points(svg, frame, family_points().map(point_of), marker, colour);
-            points(
-                svg,
-                frame,
-                family_points().filter(|point| point.0.configuration.is_from_scene).map(point_of),
-                Marker::Ring,
-                INK,
-            );
-            entries.push(LegendEntry::new(marker, colour, family.name()));
-        }
-        entries.push(LegendEntry::new(Marker::Ring, INK, "the scene's settings"));
-        entries.push(LegendEntry::new(THIN_LINE, SOFT, "bound of the scene"));
-        entries
-    })
+    let all: Vec<(&LadderRow, PlotPoint)> =
+        found.ladder.iter().filter_map(|row| Some((row, error_and_time(row)?))).collect();
+    let x = Axis::logarithmic(label, all.iter().map(|(_, point)| point.0).chain([bound]), 16.0);
+    let y = Axis::logarithmic("wall time of a run, ms", all.iter().map(|(_, point)| point.1), 16.0);
+    let mut series = vec![Series::vertical(SOFT, bound)];
+    for family in Family::ALL {
+        let points = |marker, colour, is_shown: fn(&LadderRow) -> bool| {
+            let rows = all.iter().filter(|(row, _)| row.configuration.family == family && is_shown(row));
+            Series::new(marker, colour, rows.map(|(_, point)| *point))
+        };
+        let (marker, colour) = style(family);
+        series.push(points(THIN_LINE, colour, |_| true));
+        let named = points(marker, colour, |_| true).named(family.name());
+        series.extend(Some(named).filter(|named| !named.points.is_empty()));
+        series.push(points(Marker::Ring, INK, |row| row.configuration.is_from_scene));
+    }
+    series.push(Series::key(Marker::Ring, INK, "the scene's settings"));
+    series.push(Series::key(THIN_LINE, SOFT, "bound of the scene"));
+    series_chart(&format!("{scene}: speed against error"), HEIGHT, &x, &y, &series)
 }
 
-fn error_and_time(row: &LadderRow) -> Option<(f64, f64)> {
+/// Error and wall time in ms of a setting with a finite error.
+fn error_and_time(row: &LadderRow) -> Option<PlotPoint> {
     let (differences, wall_s) = row.differences.as_ref().zip(row.cost.wall_s)?;
     let error = differences.path_max();
     (error.is_finite() && error > 0.0).then_some((error, wall_s * 1e3))

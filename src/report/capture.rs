@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::rows::csv;
+use super::rows_csv;
 use super::tables::milliseconds;
 use crate::criteria::GraspCriteria;
 use crate::format::numbers::{format_number, row, zero_below_resolution};
@@ -130,5 +130,5 @@ pub fn capture_csv(study: &Capture) -> String {
         "steps",
         "reason",
     ];
-    csv(study.placements.iter().map(|placement| json!(placement)), &columns)
+    rows_csv(study.placements.iter().map(|placement| json!(placement)), &columns)
 }

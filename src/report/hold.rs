@@ -2,11 +2,12 @@
 
 use serde_json::json;
 
-use super::rows::csv;
+use super::rows_csv;
 use crate::format::format_duration;
 use crate::format::numbers::{G_M_S2, format_number};
 use crate::format::report::{Report, ToReport};
-use crate::study::hold::{Hold, Limit, LoadCase, LoadResult, LoadSize, Loads, StartReason, StaticLimit, axis_name};
+use crate::statics::AccelerationLimit;
+use crate::study::hold::{Hold, Limit, LoadCase, LoadResult, LoadSize, Loads, StartReason, axis_name};
 
 impl ToReport for Hold {
     fn report(&self) -> Report {
@@ -78,11 +79,11 @@ fn describe_load(load: &LoadResult, study: &Hold) -> String {
         (None, Some(_)) => format!(" and is {fate} there"),
         (None, None) => String::new(),
     };
-    let balanced = match load.static_limit {
+    let balanced = match &load.static_limit {
         None => return format!("{slips}{drops}"),
-        Some(StaticLimit::Infeasible) => "nothing".to_string(),
-        Some(StaticLimit::UpTo { acceleration_m_s2 }) => acceleration(acceleration_m_s2),
-        Some(StaticLimit::Unlimited) => "any acceleration".to_string(),
+        Some(AccelerationLimit::Infeasible) => "nothing".to_string(),
+        Some(AccelerationLimit::Limited(limit)) => acceleration(limit.acceleration_m_s2),
+        Some(AccelerationLimit::Unlimited) => "any acceleration".to_string(),
     };
     format!("{slips}{drops}; contacts at rest balance {balanced}")
 }
@@ -215,5 +216,5 @@ pub fn hold_csv(study: &Hold) -> String {
         row["run"] = json!(run);
         row
     });
-    csv(rows, &columns)
+    rows_csv(rows, &columns)
 }

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
+use super::named::Object;
+use super::sweep;
 use crate::criteria::Class;
 use crate::format::numbers::{format_number, row, zero_below_resolution};
 use crate::format::quantity::Quantity;
 use crate::format::report::{Report, ToReport, table};
 use crate::format::{condition_name, criterion_name, percent_of};
-use crate::study::select::{CLASSES, Candidate, ClassCounts, Condition, Ranked, Selection, TERMS, Term};
+use crate::study::select::{Candidate, ClassCounts, Condition, Ranked, Selection, TERMS, Term};
 use crate::study::sweep::{Reason, Status};
 use crate::table::{Column, Kind, Table, Value};
 use crate::units::Dimension;
@@ -31,36 +32,52 @@ impl<'a> SelectionReport<'a> {
     }
 }
 
-impl Serialize for SelectionReport<'_> {
+impl<'a> Serialize for SelectionReport<'a> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let selection = self.selection;
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("source", &self.source)?;
-        map.serialize_entry("runs", &selection.runs.len())?;
-        map.serialize_entry("designs", &selection.designs())?;
-        map.serialize_entry("missing_runs", &selection.missing_runs.len())?;
-        map.serialize_entry("axes", &selection.axes)?;
-        let classes = selection.conditions.iter().zip(&selection.classes);
-        let classes = classes.map(|(Condition { values }, counts)| ConditionDocument {
+        let selection: &'a Selection = self.selection;
+        let condition = |(Condition { values }, counts): (&'a Condition, &'a ClassCounts)| ConditionDocument {
             condition: values.iter().map(|(column, value)| (column.as_str(), value)).collect(),
             counts,
-        });
-        map.serialize_entry("classes", &classes.collect::<Vec<_>>())?;
-        let reasons = selection.class_reasons.iter().map(|Reason { status, reason, runs, first_run }| ReasonDocument {
-            class: status,
-            class_reason: reason,
-            runs: *runs,
-            first_run: *first_run,
-        });
-        map.serialize_entry("class_reasons", &reasons.collect::<Vec<_>>())?;
-        map.serialize_entry("cannot_grasp", &selection.cannot_grasp)?;
-        map.serialize_entry("criteria", &selection.tallies)?;
-        map.serialize_entry("selected", &selection.ranking.len())?;
-        map.serialize_entry("emptied_by", &selection.emptied_by().map(|tally| tally.criterion.key()))?;
-        map.serialize_entry("weights", &selection.weights)?;
-        let ranking = selection.ranking.iter().map(|ranked| RankedDocument(selection, ranked));
-        map.serialize_entry("ranking", &ranking.collect::<Vec<_>>())?;
-        map.end()
+        };
+        let reason = |Reason { status, reason, runs, first_run }: &'a Reason| {
+            Object::default()
+                .with("class", status)
+                .with("class_reason", reason)
+                .with("runs", runs)
+                .with("first_run", first_run)
+        };
+        let ranked = |ranked: &'a Ranked| {
+            let run = &selection.runs[ranked.run_index];
+            let axes = selection.axes.iter().zip(&run.axes).map(|(axis, value)| (axis.column.as_str(), value));
+            Object::default()
+                .with("place", ranked.rank)
+                .with("run", run.run)
+                .with("design", run.design)
+                .with("axes", axes.collect::<BTreeMap<&str, &Value>>())
+                .with("class", run.class)
+                .with("class_reason", &run.class_reason)
+                .with("pfp_n", run.pfp_n)
+                .with("tts_s", run.tts_s)
+                .with("f21_n", run.f21_n)
+                .with("f22_n", run.f22_n)
+                .with("parts", &ranked.terms)
+                .with("r_wc", ranked.r_wc)
+        };
+        Object::default()
+            .with("source", &self.source)
+            .with("runs", selection.runs.len())
+            .with("designs", selection.designs())
+            .with("missing_runs", selection.missing_runs.len())
+            .with("axes", &selection.axes)
+            .with("classes", selection.conditions.iter().zip(&selection.classes).map(condition).collect::<Vec<_>>())
+            .with("class_reasons", selection.class_reasons.iter().map(reason).collect::<Vec<_>>())
+            .with("cannot_grasp", &selection.cannot_grasp)
+            .with("criteria", &selection.tallies)
+            .with("selected", selection.ranking.len())
+            .with("emptied_by", selection.emptied_by().map(|tally| tally.criterion.key()))
+            .with("weights", &selection.weights)
+            .with("ranking", selection.ranking.iter().map(ranked).collect::<Vec<_>>())
+            .serialize(serializer)
     }
 }
 
@@ -71,40 +88,6 @@ struct ConditionDocument<'a> {
     condition: BTreeMap<&'a str, &'a Value>,
     #[serde(flatten)]
     counts: &'a ClassCounts,
-}
-
-/// Runs of one class with the same reason, up to its numbers.
-#[derive(Serialize)]
-struct ReasonDocument<'a> {
-    class: &'a str,
-    class_reason: &'a str,
-    runs: u64,
-    first_run: u64,
-}
-
-/// A selected run.
-struct RankedDocument<'a>(&'a Selection, &'a Ranked);
-
-impl Serialize for RankedDocument<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let RankedDocument(selection, ranked) = self;
-        let run = &selection.runs[ranked.run_index];
-        let axes = selection.axes.iter().zip(&run.axes).map(|(axis, value)| (axis.column.as_str(), value));
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("place", &ranked.rank)?;
-        map.serialize_entry("run", &run.run)?;
-        map.serialize_entry("design", &run.design)?;
-        map.serialize_entry("axes", &axes.collect::<BTreeMap<&str, &Value>>())?;
-        map.serialize_entry("class", &run.class)?;
-        map.serialize_entry("class_reason", &run.class_reason)?;
-        map.serialize_entry("pfp_n", &run.pfp_n)?;
-        map.serialize_entry("tts_s", &run.tts_s)?;
-        map.serialize_entry("f21_n", &run.f21_n)?;
-        map.serialize_entry("f22_n", &run.f22_n)?;
-        map.serialize_entry("parts", &ranked.terms)?;
-        map.serialize_entry("r_wc", &ranked.r_wc)?;
-        map.end()
-    }
 }
 
 /// Tables of classes, criteria and the best remaining runs.
@@ -160,7 +143,7 @@ fn classes(selection: &Selection) -> Report {
     }
     line("statically stable", &|counts| counts.statically_stable);
     line("form-closed", &|counts| counts.form_closed);
-    for (index, class) in CLASSES.into_iter().enumerate() {
+    for (index, class) in Class::ALL.into_iter().enumerate() {
         line(class.name(), &|counts| counts.dynamic[index]);
     }
     line("stable or semi-stable", &ClassCounts::dynamically_stable);
@@ -169,13 +152,7 @@ fn classes(selection: &Selection) -> Report {
 
 /// Returns the reasons for the classes, and why some runs have none.
 fn reasons(selection: &Selection) -> String {
-    let mut text = String::new();
-    if !selection.class_reasons.is_empty() {
-        text.push_str("\nreasons for the class (numbers from the first run)\n");
-    }
-    for Reason { status, reason, runs, first_run } in &selection.class_reasons {
-        text.push_str(&format!("{runs:>7} {status}, first run {first_run}: {reason}\n"));
-    }
+    let mut text = sweep::reasons("reasons for the class", &selection.class_reasons);
     if !selection.cannot_grasp.is_empty() {
         text.push_str("\nwithout a class (numbers from the first run)\n");
     }

@@ -1,84 +1,23 @@
-//! Simulates a scene for a report: runs it, evaluates its criteria, optionally checks it and closes its log. Used by
-//! `phalanx run`, `validate --out` and `replay --verify`.
+//! Simulates a scene for a report. Used by `phalanx run`, `validate --out` and `replay --verify`.
 
-use crate::scene::Scene;
 use std::io::Write;
 
 use super::check::RunCheckReport;
 use super::document::{Failure, RunData, RunReport};
-use crate::check::{self, Check};
-use crate::criteria::{Criteria, GraspCriteria, Rebound};
-use crate::integrator::Reason;
-use crate::log::{self, FinishedRun, ThreadedWriter};
+use crate::log::{self, ThreadedWriter};
+pub use crate::log::{CheckPolicy, SimulationOptions};
+use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
-use crate::trace::{Model, Outcome, RunError, Sink, SinkError};
+use crate::trace::{Model, RunError, Sink, SinkError};
 
 /// A finished simulation.
 pub struct SimulatedRun<W> {
-    pub result: Result<Outcome, FailedRun>,
-    /// Criteria of a finger, if it can grasp its object and the run was completed.
-    pub criteria: Option<Criteria>,
-    /// Criteria of a gripper.
-    pub grasp: Option<GraspCriteria>,
-    /// Rebounds of every pair of discs.
-    pub rebounds: Vec<Rebound>,
-    /// Reasons to doubt the results.
-    pub warnings: Vec<String>,
-    pub wall_s: f64,
-    /// Result of the check of the run, if it was checked.
-    pub check: Option<RunCheckReport>,
+    /// Report of the run, with the result of its check if it was checked.
+    pub report: RunReport,
+    /// Whether a sink failed, so the results of the run are unknown.
+    pub has_failed_sink: bool,
     /// The output of the closed log.
     pub log: Result<Option<W>, SinkError>,
-}
-
-/// A run that was not completed.
-pub struct FailedRun {
-    pub error: Failure,
-    /// Results up to the failure.
-    pub partial_outcome: Option<Outcome>,
-}
-
-impl<W> SimulatedRun<W> {
-    /// Creates the report of the run.
-    pub fn report(&self, model: Model, scene: &Scene) -> RunReport {
-        let (outcome, error) = match &self.result {
-            Ok(outcome) => (Some(outcome), None),
-            Err(FailedRun { error, partial_outcome }) => (partial_outcome.as_ref(), Some(error.clone())),
-        };
-        let (grasp, rebounds, warnings) = (self.grasp.as_ref(), self.rebounds.as_slice(), self.warnings.as_slice());
-        let data = RunData { wall_s: self.wall_s, outcome, criteria: self.criteria, grasp, rebounds, warnings };
-        RunReport { check: self.check.clone(), ..RunReport::new(scene, model, &data, error) }
-    }
-}
-
-/// Whether a completed run is checked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CheckPolicy {
-    Never,
-    /// Checks only runs of up to a few thousand steps.
-    IfCheap,
-    Always,
-}
-
-/// Options of a simulation.
-pub struct SimulationOptions<'a> {
-    pub check_policy: CheckPolicy,
-    /// Returns whether to continue. The sink can also stop the run.
-    pub keep_running: &'a dyn Fn() -> bool,
-    /// Describes why a run ended early.
-    pub describe_reason: &'a dyn Fn(&Reason) -> String,
-}
-
-impl SimulationOptions<'_> {
-    /// Checks a run, unless it was interrupted or the policy excludes it.
-    fn check(&self, model: Model, scene: &Scene, result: &Result<Outcome, FailedRun>) -> Option<Check> {
-        match (result, self.check_policy) {
-            (_, CheckPolicy::Never) => None,
-            (Err(FailedRun { error, .. }), _) => Some(Check::not_completed(model, error.time_s, &error.reason)),
-            (Ok(outcome), CheckPolicy::IfCheap) if outcome.work.steps > check::MAX_CHECKED_STEPS => None,
-            (Ok(_), _) => (self.keep_running)().then(|| check::check(model, scene, self.keep_running)),
-        }
-    }
 }
 
 /// Simulates a scene. `extra_sink` receives the same samples and events as the log.
@@ -89,20 +28,22 @@ pub fn simulate_and_check<W: Write + Send + 'static>(
     options: &SimulationOptions<'_>,
     extra_sink: &mut impl Sink,
 ) -> SimulatedRun<W> {
-    let FinishedRun { result, criteria, grasp, rebounds, warnings, last_s, wall_s, log } =
-        log::simulate(model, scene, log, extra_sink);
-    let result = result.map_err(|error| match error {
-        RunError::Simulation { failure, partial_outcome } => {
-            let reason = (options.describe_reason)(&failure.reason);
-            FailedRun { error: Failure { time_s: failure.time_s, reason }, partial_outcome: Some(*partial_outcome) }
-        }
-        RunError::Sink(error) => {
-            FailedRun { error: Failure { time_s: last_s, reason: error.to_string() }, partial_outcome: None }
-        }
-    });
-    let check = options.check(model, scene, &result);
-    let failure = result.as_ref().err().map(|failed_run| (failed_run.error.time_s, failed_run.error.reason.as_str()));
-    let log = log.close(failure, check.as_ref());
-    let check = check.map(|check| RunCheckReport::new(&check, scene.kind() != SceneKind::Bodies));
-    SimulatedRun { result, criteria, grasp, rebounds, warnings, wall_s, check, log }
+    let run = log::simulate(model, scene, log, options, extra_sink);
+    let outcome = match &run.result {
+        Ok(outcome) => Some(outcome),
+        Err(RunError::Simulation { partial_outcome, .. }) => Some(&**partial_outcome),
+        Err(RunError::Sink(_)) => None,
+    };
+    let data = RunData {
+        wall_s: run.wall_s,
+        outcome,
+        criteria: run.criteria,
+        grasp: run.grasp.as_ref(),
+        rebounds: &run.rebounds,
+        warnings: &run.warnings,
+    };
+    let error = run.stopped.map(|(time_s, reason)| Failure { time_s, reason });
+    let check = run.check.map(|check| RunCheckReport::new(&check, scene.kind() != SceneKind::Bodies));
+    let report = RunReport { check, ..RunReport::new(scene, model, &data, error) };
+    SimulatedRun { report, has_failed_sink: outcome.is_none(), log: run.log }
 }

@@ -2,41 +2,14 @@
 
 use serde::{Serialize, Serializer};
 
-use super::csv;
 use super::named::Object;
+use super::samples::cell;
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, row};
 use crate::format::report::{Report, ToReport, table};
 use crate::gripper::Placement;
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
 use crate::study::size::FingerSizing;
-
-/// The sizing of a finger and the current torques of its scene.
-#[derive(Clone, Debug)]
-pub struct SizingReport<'a> {
-    pub scene: &'a str,
-    pub profile: &'a Profile,
-    pub rule: Rule,
-    /// Preload of the torsional spring used for comparison.
-    pub preload_rad: f64,
-    /// Motor torque of the scene, if it is constant.
-    pub scene_motor_n_m: Option<f64>,
-    /// Spring torque of the scene, if it is constant.
-    pub scene_spring_n_m: Option<f64>,
-}
-
-impl<'a> From<&'a FingerSizing> for SizingReport<'a> {
-    fn from(found: &'a FingerSizing) -> Self {
-        SizingReport {
-            scene: &found.scene,
-            profile: &found.profile,
-            rule: found.options.rule,
-            preload_rad: found.preload_rad,
-            scene_motor_n_m: found.given_motor_n_m,
-            scene_spring_n_m: found.given_spring_n_m,
-        }
-    }
-}
 
 /// Returns the maximum and the RMS of the motor torque after the contact, for a constant and for a torsional spring.
 fn torques_after_contact(profile: &Profile) -> [[f64; 2]; 2] {
@@ -54,9 +27,9 @@ fn torques_after_contact(profile: &Profile) -> [[f64; 2]; 2] {
     [max_and_rms(|point| point.constant_n_m), max_and_rms(|point| point.torsional_n_m)]
 }
 
-impl ToReport for SizingReport<'_> {
+impl ToReport for FingerSizing {
     fn report(&self) -> Report {
-        let SizingReport { scene, profile, .. } = self;
+        let FingerSizing { scene, profile, .. } = self;
         let closing = &profile.closing;
         let deg = |rad: f64| format_number(rad.to_degrees(), 5);
         let torque = |n_m: f64| format_number(n_m * 1e3, 5);
@@ -78,14 +51,14 @@ impl ToReport for SizingReport<'_> {
         text.push('\n');
         let or_dash = |n_m: Option<f64>| n_m.map_or("–".to_string(), torque);
         let line = |name: &str, rule: Rule, sizing: &Sizing| {
-            let marker = if rule == self.rule { "<-" } else { "" };
+            let marker = if rule == self.options.rule { "<-" } else { "" };
             row([name, &torque(sizing.motor_n_m), &torque(sizing.spring_n_m), marker])
         };
         text.push(table(&[
             row(["", "motor τ11, N·mm", "spring k_s, N·mm", ""]),
             line("rigid: RMS until the contact", Rule::Rigid, &profile.rigid),
             line("whole: RMS of the whole trajectory", Rule::Whole, &profile.whole),
-            row(["in the scene", &or_dash(self.scene_motor_n_m), &or_dash(self.scene_spring_n_m), ""]),
+            row(["in the scene", &or_dash(self.given_motor_n_m), &or_dash(self.given_spring_n_m), ""]),
         ]));
         text.push_str(&format!(
             "Doubling the number of samples changes these torques by at most {} (relative).\n\n",
@@ -115,15 +88,15 @@ impl ToReport for SizingReport<'_> {
     }
 }
 
-impl Serialize for SizingReport<'_> {
+impl Serialize for FingerSizing {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let SizingReport { scene, profile, rule, .. } = *self;
+        let FingerSizing { scene, profile, .. } = self;
         let (closing, end) = (&profile.closing, &profile.closing.end.posture);
         let torques = |motor_n_m: Option<f64>, spring_n_m: Option<f64>| {
             Object::default().with("motor_n_m", motor_n_m).with("spring_n_m", spring_n_m)
         };
         let sized = |sizing: &Sizing| torques(Some(sizing.motor_n_m), Some(sizing.spring_n_m));
-        let chosen = match rule {
+        let chosen = match self.options.rule {
             Rule::Rigid => profile.rigid,
             Rule::Whole => profile.whole,
         };
@@ -156,12 +129,12 @@ impl Serialize for SizingReport<'_> {
         ];
         Object::default()
             .with("scene", scene)
-            .with("rule", rule.name())
+            .with("rule", self.options.rule.name())
             .with("motor_n_m", chosen.motor_n_m)
             .with("spring_n_m", chosen.spring_n_m)
             .with("rigid", sized(&profile.rigid))
             .with("whole", sized(&profile.whole))
-            .with("given", torques(self.scene_motor_n_m, self.scene_spring_n_m))
+            .with("given", torques(self.given_motor_n_m, self.given_spring_n_m))
             .with("convergence_relative", profile.convergence)
             .with("intervals", crate::sizing::INTERVALS)
             .with("trajectory", trajectory)
@@ -181,7 +154,7 @@ pub fn sizing_csv(profile: &Profile) -> String {
         let springs = point.springs_n_m.unwrap_or([f64::NAN; 4]);
         let motion = [point.time_s, point.q11_rad, point.q21_rad, point.q22_rad, point.qd11_rad_s, point.qdd11_rad_s2];
         let motor = [point.net_n_m.unwrap_or(f64::NAN), point.constant_n_m, point.torsional_n_m];
-        let cells: Vec<String> = motion.into_iter().chain(springs).chain(motor).map(csv::cell).collect();
+        let cells: Vec<String> = motion.into_iter().chain(springs).chain(motor).map(cell).collect();
         text.extend([&cells.join(","), "\n"]);
     }
     text

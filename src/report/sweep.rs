@@ -100,7 +100,7 @@ impl ToReport for SweepReport {
             let no_class = (summary.no_class > 0).then(|| ("no class".to_string(), summary.no_class));
             text.push(list(&summary.by_class.iter().chain(&no_class).map(line).collect::<Vec<_>>()));
         }
-        text.push_str(&reasons(&summary.reasons));
+        text.push_str(&reasons("reasons", &summary.reasons));
         let mut done = String::new();
         if let Some(parts) = parts {
             done.push_str(&format!("Merged from {parts} {}.", if *parts == 1 { "shard" } else { "shards" }));
@@ -124,19 +124,13 @@ impl ToReport for SweepReport {
     }
 }
 
-/// Returns the reasons why runs were not completed or have no class, one per line; empty if there are none.
-pub(super) fn reasons(reasons: &[Reason]) -> String {
-    if reasons.is_empty() {
-        return String::new();
-    }
-    let mut text = "\nreasons (numbers from the first run)\n".to_string();
-    for reason in reasons {
-        text.push_str(&format!(
-            "{:>7} {}, first run {}: {}\n",
-            reason.runs, reason.status, reason.first_run, reason.reason
-        ));
-    }
-    text
+/// Returns a heading and the reasons for the status of runs, one per line; empty if there are none.
+pub(super) fn reasons(heading: &str, reasons: &[Reason]) -> String {
+    let line = |Reason { status, reason, runs, first_run }: &Reason| {
+        format!("{runs:>7} {status}, first run {first_run}: {reason}\n")
+    };
+    let lines: String = reasons.iter().map(line).collect();
+    if lines.is_empty() { lines } else { format!("\n{heading} (numbers from the first run)\n{lines}") }
 }
 
 /// Lists the axes of a study and its first `max_runs` runs.

@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::error::line_column;
-use super::{Layer, Problem, Scene, SceneError, Template, extended, parse, parse_any, parse_layers, parse_template};
+use super::{Layer, Problem, Scene, SceneError, extended, parse, parse_any, parse_layers};
 use crate::files::read_at_most;
 use crate::limits::MAX_SCENE_BYTES;
 
@@ -13,15 +13,7 @@ use crate::limits::MAX_SCENE_BYTES;
 /// # Errors
 /// Returns all problems of the file, or an error if the scene is of another kind.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
-    load_with(path, &[])
-}
-
-/// Like [`load`], but single fields are overridden by `settings`: lines of `key = value` as in a scene file.
-///
-/// # Errors
-/// Returns all problems of the file and of the settings, or an error if the scene is of another kind.
-pub fn load_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Scene, SceneError> {
-    parse_layers(&load_layers(path.as_ref())?, settings, parse)
+    parse_layers(&load_layers(path.as_ref())?, &[], parse)
 }
 
 /// Reads, checks and resolves a scene file of any kind.
@@ -29,28 +21,12 @@ pub fn load_any(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     load_any_with(path, &[])
 }
 
-/// Like [`load_any`], but single fields are overridden; see [`load_with`].
+/// Like [`load_any`], but single fields are overridden by `settings`: lines of `key = value` as in a scene file.
 ///
 /// # Errors
 /// Returns all problems of the file and of the settings.
 pub fn load_any_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Scene, SceneError> {
     parse_layers(&load_layers(path.as_ref())?, settings, parse_any)
-}
-
-/// Reads the scene file of a finger as a template for many designs.
-///
-/// # Errors
-/// Returns all problems of the file, including keys that tie the scene to one design.
-pub fn load_template(path: impl AsRef<Path>) -> Result<Template, SceneError> {
-    load_template_with(path, &[])
-}
-
-/// Like [`load_template`], but single fields are overridden; see [`load_with`].
-///
-/// # Errors
-/// See [`load_template`].
-pub fn load_template_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Template, SceneError> {
-    parse_layers(&load_layers(path.as_ref())?, settings, parse_template)
 }
 
 /// Maximum number of scenes in a chain of extensions.

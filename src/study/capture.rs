@@ -16,6 +16,7 @@ use crate::grasp::{geometric_posture, run};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
 use crate::statics::{Blocked, GraspConfiguration, PerContact, gripper_closure};
+use crate::study::sweep::problem_messages;
 use crate::study::{bisect, pool};
 use crate::trace::Model;
 use crate::units::{self, Dimension};
@@ -236,9 +237,7 @@ fn simulate_placement(
     let scene = match load(offset_m) {
         Ok(scene) => scene,
         Err(error) => {
-            let messages: Vec<&str> = error.problems().iter().map(|problem| problem.message.as_str()).collect();
-            let outcome = Err(if messages.is_empty() { error.to_string() } else { messages.join("; ") });
-            return Some(Placement { offset_m, geometric_form_closed: None, outcome });
+            return Some(Placement { offset_m, geometric_form_closed: None, outcome: Err(problem_messages(&error)) });
         }
     };
     let mut tracker = GraspTracker::for_scene(&scene);

@@ -9,7 +9,6 @@
 //! | `parts` | sweeps distributed over several machines: parts of a study and their merge |
 //! | `pool` | thread pool of the studies |
 //! | `quantity` | short names and common units of columns and keys |
-//! | `random` | reproducible random numbers |
 //! | `results` | incremental storage of sweep results |
 //! | `select` | selection and ranking of the designs of a sweep |
 //! | `size` | sizing of spring and motor for the finger of a scene |
@@ -22,7 +21,6 @@ pub mod parts;
 mod pool;
 pub mod posture;
 pub mod quantity;
-mod random;
 pub mod results;
 pub mod select;
 pub mod size;

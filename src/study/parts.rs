@@ -67,13 +67,13 @@ impl PartInfo {
                 ("version of phalanx", info.version.clone()),
                 ("study", format!("`{}`", info.study)),
                 ("model", format!("--model {}", info.model)),
-                ("option", check(info)),
+                ("sweep", check(info)),
                 ("text (study or base scene, by its fingerprint)", info.fingerprint.clone()),
             ]
         };
         let mut pairs = values(self).into_iter().zip(values(&expected));
         let ((name, found), (_, expected)) = pairs.find(|(found, expected)| found != expected)?;
-        Some(format!("its {name} is {found}, but here it is {expected}; use the same for all shards and the merge"))
+        Some(format!("its {name} is {found}, but here it is {expected}"))
     }
 }
 
@@ -87,11 +87,14 @@ struct Part {
 impl Part {
     /// Opens a part and reads its metadata.
     fn open(path: &Path) -> Result<Self, ResultsError> {
+        let help = "give files written by `phalanx sweep STUDY --shard K/N --out SHARD.parquet`";
         let not_a_part = |reason: &dyn Display| {
-            let help = "give files written by `phalanx sweep STUDY --shard K/N --out SHARD.parquet`";
             ResultsError::Refused(format!("{} is not a shard of a sweep: {reason}; {help}", path.display()))
         };
-        let groups = RowGroups::open(path).map_err(|error| not_a_part(&error))?;
+        let groups = RowGroups::open(path).map_err(|error| match path.exists() {
+            true => not_a_part(&error),
+            false => ResultsError::Refused(error.to_string()),
+        })?;
         let info = groups.metadata_value(METADATA_KEYS[0]).and_then(|text| serde_json::from_str(text).ok());
         let info: PartInfo =
             info.ok_or_else(|| not_a_part(&"it has no metadata about its study, which --shard writes"))?;
@@ -240,7 +243,14 @@ fn existing_summary(
     let existing = match Part::open(out) {
         // Only a shard is replaced, also if it is damaged.
         Ok(_) if restart => return Ok(None),
-        existing => existing?,
+        Ok(existing) => existing,
+        Err(_) => {
+            return Err(ResultsError::Refused(cannot_write(
+                out,
+                "the existing file is not a shard of a sweep, so it is not replaced; give another --out, or replace it with \
+                 --force",
+            )));
+        }
     };
     let PartInfo { shard: Shard { number, count, .. }, .. } = existing.info;
     let reason = match existing.info.mismatch(study) {
@@ -345,7 +355,7 @@ fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, Resu
         }
     }
     if !foreign.is_empty() {
-        return Err(ResultsError::Refused(list_message("", foreign, "")));
+        return Err(ResultsError::Refused(list_message("", foreign, "; use the same for all shards and the merge")));
     }
     parts.sort_by(|(a, path_a), (b, path_b)| (a.first, a.last, path_a).cmp(&(b.first, b.last, path_b)));
     let overlaps = find_overlaps(&parts);
@@ -358,7 +368,10 @@ fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, Resu
 }
 
 /// Replaces directories by the Parquet files in them.
-fn part_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ResultsError> {
+///
+/// # Errors
+/// Returns an error if a directory cannot be read, or contains no Parquet file.
+pub(crate) fn part_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ResultsError> {
     let mut files = Vec::with_capacity(paths.len());
     for path in paths {
         if !path.is_dir() {

@@ -4,6 +4,7 @@
 //! `OUT.study.json` contains the exact text of the study. Its fingerprint tells a repeated command whether the results
 //! are its own; a CSV table has no place for it.
 
+use std::collections::HashSet;
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
 
-use super::sweep::{ShardError, Study, check_unsharded, columns, sorted_table};
+use super::sweep::{Study, check_unsharded, columns, sorted_table};
 use crate::files::{FileKind, cannot_write, check_target, is_forced, replace_file};
 use crate::log::is_same_file;
 use crate::table::{self, Column, Table, TableError, Value};
@@ -30,12 +31,6 @@ pub enum ResultsError {
     /// The operation was interrupted.
     #[error("stopped after {done} of {total} runs; no file was written")]
     Stopped { done: u64, total: u64 },
-}
-
-impl From<ShardError> for ResultsError {
-    fn from(error: ShardError) -> Self {
-        ResultsError::Refused(error.to_string())
-    }
 }
 
 impl ResultsError {
@@ -121,11 +116,20 @@ pub struct Store {
 /// command.
 pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<OpenedResults, ResultsError> {
     table::format(out).map_err(|error| ResultsError::Refused(error.to_string()))?;
-    check_unsharded(study, max_runs)?;
+    check_unsharded(study, max_runs).map_err(ResultsError::Refused)?;
     check_target(out, FileKind::Table).map_err(ResultsError::Refused)?;
     let requested = study.runs().min(max_runs);
-    let is_complete = |table: &Table| !restart && table.rows.len() as u64 >= requested;
-    if let Some(table) = read_finished(study, out)?.filter(is_complete) {
+    // Rows may have been removed or repeated, so their number does not tell.
+    let is_complete = |table: &Table| {
+        let numbers = table.rows.iter().filter_map(|row| u64::try_from(row.first()?.as_integer()?).ok());
+        let runs: HashSet<u64> = numbers.filter(|run| (1..=requested).contains(run)).collect();
+        runs.len() as u64 == requested
+    };
+    // Discarded results may be damaged, but OUT.study.json must be of a sweep.
+    if is_of_study(study, out)?
+        && !restart
+        && let Some(table) = read_finished(study, out)?.filter(is_complete)
+    {
         return Ok(OpenedResults::Complete(table));
     }
     let [partial, _] = companion_files(out);
@@ -163,7 +167,12 @@ fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, ResultsErro
         Ok(table::Format::Csv) => table::read_csv(out, &columns(study)),
         _ => table::read(out),
     };
-    let table = table.map_err(|error: TableError| ResultsError::Refused(error.to_string()))?;
+    let table = match table {
+        Err(_) if is_forced() => return Ok(None),
+        table => table.map_err(|error: TableError| {
+            ResultsError::Refused(format!("{error}; or replace the results with --restart"))
+        })?,
+    };
     Ok((table.columns == columns(study)).then_some(table))
 }
 

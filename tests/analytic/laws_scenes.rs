@@ -253,7 +253,7 @@ fn run_reports_text_and_json() {
         let output = phalanx(&["run", "scenes/laws/impact.toml", "--model", model]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         for expected_text in
-            ["impact: ", model, "hammer-anvil", "5.000000", "restitution", "0.60", "hammer     free", "drive work"]
+            ["impact: ", model, "hammer-anvil", "5.000000", "restitution", "0.60", "hammer    free", "drive work"]
         {
             assert!(stdout(&output).contains(expected_text), "no {expected_text} in\n{}", stdout(&output));
         }

@@ -33,10 +33,8 @@ fn distance_from_surface(shape: &Shape, pose: &Pose, point: [f64; 2]) -> f64 {
 fn joints_and_contact_points_match_the_drawn_bodies() {
     let scene = load("experiment-95");
     let drawing = Drawing::from_scene(&scene);
-    assert_eq!(
-        drawing.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>(),
-        ["palm", "object", "l11", "l12", "l21", "l22"]
-    );
+    let names: Vec<&str> = drawing.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["palm", "object", "l11", "l12", "l21", "l22"]);
     assert_eq!(drawing.contacts, ["proximal", "distal"]);
     let lengths = scene.finger().linkage.lengths;
     let recording = record(Model::Analytic, &scene).unwrap();
@@ -114,9 +112,8 @@ fn disc_poses_match_samples() {
             assert_eq!(pose.position_m, sample.bodies[index].centre_m);
             assert_eq!(pose.angle_rad, sample.bodies[index].angle_rad);
         }
-        let (pair, contact) = (scene.system.pairs()[0], &sample.contacts[0]);
-        let (ContactId::Discs(disc, _) | ContactId::Palm(disc)) = pair else { panic!("{pair:?}") };
-        let index = offset + disc;
+        let (ContactId::Discs(disc, _) | ContactId::Palm(disc)) = scene.system.pairs()[0] else { panic!("a pair") };
+        let (index, contact) = (offset + disc, &sample.contacts[0]);
         let pose = &drawing::poses(&scene, sample)[index];
         let distance_m = distance_from_surface(&drawing.bodies[index].shapes[0], pose, contact.point_m);
         assert!(distance_m < 1e-12, "{distance_m}");

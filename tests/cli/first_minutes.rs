@@ -5,7 +5,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use crate::support::cli::{
-    EXPERIMENT_95, assert_rejected, directory, phalanx, run_json, stderr, stdout, variant, write,
+    EXPERIMENT_95, assert_contains, assert_rejected, assert_status, directory, path_in, path_text, signal, start,
+    stderr, stdout, succeed, succeed_json, succeed_silently, variant, write,
 };
 use phalanx::scene;
 
@@ -31,23 +32,19 @@ fn fake_browser(directory: &Path, status: u8) -> String {
 #[test]
 fn new_scene_runs_unchanged_and_has_comments() {
     let directory = directory("cli_new");
-    let place = directory.join("my gripper.toml");
-    let file = place.to_str().expect("UTF-8 path");
-    let output = phalanx(&["new", file]);
-    assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-    assert!(stdout(&output).starts_with(&format!("wrote {file}")), "{}", stdout(&output));
+    let file = path_in(&directory, "my gripper.toml");
+    let output = succeed_silently(&["new", &file]);
+    assert!(output.starts_with(&format!("wrote {file}")), "{output}");
 
-    let text = fs::read_to_string(&place).expect("the scene");
-    for section in ["[design]", "[object]", "[motor]", "[spring]", "[contact.friction]", "[initial]"] {
-        assert!(text.contains(section), "{section}");
-    }
+    let text = fs::read_to_string(&file).expect("the scene");
+    assert_contains(&text, &["[design]", "[object]", "[motor]", "[spring]", "[contact.friction]", "[initial]"]);
     let values = text.lines().filter(|line| line.contains(" = ") && !line.starts_with('#'));
     assert!(values.count() >= 10 && text.matches('#').count() >= 20);
-    let scene = scene::load(&place).unwrap_or_else(|error| panic!("{error}"));
+    let scene = scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.name, "my gripper");
     // The scene equals experiment-95, whose outcome is known.
     assert_eq!(scene.finger().linkage, scene::load(EXPERIMENT_95).expect("experiment-95").finger().linkage);
-    assert_eq!(run_json(&["run", file, "--json"])["criteria"]["class"], "stable");
+    assert_eq!(succeed_json(&["run", &file])["criteria"]["class"], "stable");
 }
 
 #[test]
@@ -68,27 +65,25 @@ fn new_scene_does_not_replace_files() {
 #[test]
 fn run_writes_page() {
     let directory = directory("cli_run_html");
-    let place = |name: &str| directory.join(name).to_str().expect("UTF-8 path").to_string();
+    let place = |name: &str| path_in(&directory, name);
     for (scene, model) in
         [(EXPERIMENT_95, "analytic"), (EXPERIMENT_95, "engine"), ("scenes/laws/impact.toml", "analytic")]
     {
         let (page, log) = (place("run.html"), place("run.mcap"));
-        let output = phalanx(&["run", scene, "--model", model, "--html", &page, "--log", &log]);
-        assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-        assert!(stdout(&output).contains(&format!("\npage: {page}\n")), "{}", stdout(&output));
+        let output = succeed_silently(&["run", scene, "--model", model, "--html", &page, "--log", &log]);
+        assert!(output.contains(&format!("\npage: {page}\n")), "{output}");
         let run_page = fs::read_to_string(&page).expect("the page");
         // Pages are shared, so they must not contain local paths.
         assert!(!run_page.contains(&directory.display().to_string()));
         // The page of the log contains the same data.
-        let output = phalanx(&["replay", &log, "--html", &page]);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        succeed(&["replay", &log, "--html", &page]);
         let log_page = fs::read_to_string(&page).expect("the page");
         let data = |html: &str| {
             html.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next().map(String::from))
         };
         assert!(data(&run_page).is_some());
         assert_eq!(data(&run_page), data(&log_page), "{scene}, {model}");
-        assert_eq!(run_json(&["run", scene, "--model", model, "--html", &page, "--json"])["page"], page.as_str());
+        assert_eq!(succeed_json(&["run", scene, "--model", model, "--html", &page])["page"], page.as_str());
     }
 }
 
@@ -97,8 +92,7 @@ fn page_of_stopped_run_says_not_completed() {
     let directory = directory("cli_run_html_stopped");
     let page = directory.join("run.html");
     let scene = variant(&directory, "few-steps.toml", "[integrator]\nmax_steps = 60");
-    let output = phalanx(&["run", &scene, "--html", page.to_str().expect("UTF-8 path")]);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert_status(&["run", &scene, "--html", path_text(&page)], 3, &[]);
     assert!(fs::read_to_string(&page).expect("the page").contains("NOT COMPLETED"));
 }
 
@@ -108,10 +102,8 @@ fn page_opens_in_session_browser() {
     let directory = directory("cli_open");
     let page = directory.join("run.html");
     let browser = fake_browser(&directory, 0);
-    let output = phalanx_with_env(
-        &[("BROWSER", &browser)],
-        &["run", EXPERIMENT_95, "--open", "--html", page.to_str().expect("UTF-8 path")],
-    );
+    let args = ["run", EXPERIMENT_95, "--open", "--html", path_text(&page)];
+    let output = phalanx_with_env(&[("BROWSER", &browser)], &args);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
     let opened_page = || fs::read_to_string(directory.join("opened")).expect("the browser was started");
     assert_eq!(Path::new(&opened_page()), page.canonicalize().expect("the page"));
@@ -130,19 +122,13 @@ fn page_opens_in_session_browser() {
 #[test]
 fn saved_scene_runs_again() {
     use std::io::{BufRead, BufReader};
-    use std::process::Stdio;
     use std::sync::mpsc::channel;
     use std::time::Duration;
 
     let directory = directory("cli_watch");
     let scene = write(&directory, "scene.toml", &fs::read_to_string(EXPERIMENT_95).expect("experiment-95"));
     let page = directory.join("run.html");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_phalanx"))
-        .args(["run", &scene, "--watch", "--no-check", "--html", page.to_str().expect("UTF-8 path")])
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the binary starts");
+    let mut child = start(&["run", &scene, "--watch", "--no-check", "--html", path_text(&page)]);
     let (send, lines) = channel();
     let errors = BufReader::new(child.stderr.take().expect("stderr"));
     let reader =
@@ -159,8 +145,7 @@ fn saved_scene_runs_again() {
     variant(&directory, "scene.toml", "[initial]\noffset = \"20 deg\"");
     wait_for("save the file to run again");
     assert_ne!(fs::read_to_string(&page).expect("the page"), first);
-    let kill_status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
-    assert!(kill_status.success());
+    signal(&child, "INT");
     assert_eq!(child.wait().expect("exit status").code(), Some(0));
     reader.join().expect("a finished reader");
 
@@ -175,16 +160,10 @@ fn failing_browser_leaves_the_page() {
     let directory = directory("cli_open_fails");
     let page = directory.join("run.html");
     let browser = fake_browser(&directory, 4);
-    let output = phalanx_with_env(
-        &[("BROWSER", &browser)],
-        &["run", EXPERIMENT_95, "--open", "--html", page.to_str().expect("UTF-8 path")],
-    );
+    let output =
+        phalanx_with_env(&[("BROWSER", &browser)], &["run", EXPERIMENT_95, "--open", "--html", path_text(&page)]);
     assert_eq!(output.status.code(), Some(3));
-    assert!(
-        stderr(&output).contains("could not be opened") && stderr(&output).contains("run.html"),
-        "{}",
-        stderr(&output)
-    );
+    assert_contains(stderr(&output), &["could not be opened", "run.html"]);
     assert!(page.exists() && stdout(&output).contains("stable"));
 }
 
@@ -198,7 +177,7 @@ fn missing_browser_is_reported_before_simulation() {
     ] {
         let output = phalanx_with_env(settings, &["run", EXPERIMENT_95, "--open"]);
         assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""));
-        assert!(stderr(&output).contains(part) && stderr(&output).contains("--html FILE.html"), "{}", stderr(&output));
+        assert_contains(stderr(&output), &[part, "--html FILE.html"]);
     }
 }
 

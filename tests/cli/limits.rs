@@ -4,10 +4,12 @@
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, phalanx, stderr, variant, write};
+use crate::support::cli::{
+    EXPERIMENT_95, assert_contains, assert_rejected, directory, path_in, path_text, signal, start, stderr, succeed,
+    variant, write,
+};
 use phalanx::limits;
 use phalanx::units::Dimension;
 
@@ -52,10 +54,8 @@ fn limits_page_matches_constants() {
     }
     let have_equal_limits = |list: &[Dimension]| list.windows(2).all(|pair| pair[0].max_si() == pair[1].max_si());
     use Dimension::*;
-    assert!(
-        have_equal_limits(&[Angle, Mass, Speed, Density])
-            && have_equal_limits(&[Pressure, AngularStiffness, LinearDamping, AngularDamping])
-    );
+    assert!(have_equal_limits(&[Angle, Mass, Speed, Density]));
+    assert!(have_equal_limits(&[Pressure, AngularStiffness, LinearDamping, AngularDamping]));
     assert!(have_equal_limits(&[Force, Torque, AngularRate, Acceleration, Inertia, Frequency]));
 }
 
@@ -68,17 +68,14 @@ fn endless_and_invalid_files_are_rejected_quickly() {
         }
         let link = directory.join("zero.csv");
         std::os::unix::fs::symlink("/dev/zero", &link).expect("linked");
-        assert_rejected(
-            &["select", link.to_str().expect("UTF-8 path")],
-            &["larger than 256 MiB", "select fewer rows or columns"],
-        );
+        assert_rejected(&["select", path_text(&link)], &["larger than 256 MiB", "select fewer rows or columns"]);
         assert_rejected(
             &["explore", "--module", "/dev/zero"],
             &["/dev/zero", "not a regular file", "tools/explorer.sh"],
         );
         let oversized = directory.join("huge.wasm.gz");
         fs::File::create(&oversized).and_then(|file| file.set_len(1 << 40)).expect("a sparse file");
-        assert_rejected(&["explore", "--module", oversized.to_str().expect("UTF-8 path")], &["larger than 16 MiB"]);
+        assert_rejected(&["explore", "--module", path_text(&oversized)], &["larger than 16 MiB"]);
     }
     let keys: String = (0..70_000).map(|key| format!("k{key} = 1\n")).collect();
     let scene = write(&directory, "keys.toml", &keys);
@@ -126,8 +123,7 @@ fn oversized_scenes_are_rejected() {
     );
     // The suggested value is accepted.
     let high_rate = variant(&directory, "fine.toml", "[log]\nnumeric_rate = \"5e8 Hz\"\npicture_rate = \"5e7 Hz\"");
-    let output = phalanx(&["scene", "check", &high_rate]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeed(&["scene", "check", &high_rate]);
 }
 
 #[cfg(unix)]
@@ -135,8 +131,7 @@ fn oversized_scenes_are_rejected() {
 fn long_commands_stop_soon_after_an_interrupt() {
     let directory = directory("limits_interrupts");
     let hundred_discs = write(&directory, "crowd.toml", &discs(100));
-    let out = directory.join("out");
-    let out = out.to_str().expect("UTF-8 path");
+    let out = &path_in(&directory, "out");
     let commands: [(&[&str], &str); 6] = [
         (&["reproduce", "--threads", "1", "--out", out], "the reproduction was interrupted by SIGINT"),
         (&["study", "step-size", "--out", out], "the study was interrupted by SIGINT"),
@@ -146,20 +141,17 @@ fn long_commands_stop_soon_after_an_interrupt() {
         (&["run", &hundred_discs, "--model", "engine", "--no-check"], "interrupted by SIGINT"),
     ];
     for (args, message) in commands {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
-        let child =
-            command.args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts");
+        let child = start(args);
         std::thread::sleep(Duration::from_millis(400));
-        let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is installed");
-        assert!(status.success(), "{args:?} ended before it could be interrupted");
+        signal(&child, "INT");
         let start = Instant::now();
         let output = child.wait_with_output().expect("exit status");
         // The tolerance allows for a busy machine.
         assert!(start.elapsed() < Duration::from_secs(3), "{args:?}: {:?}", start.elapsed());
         assert_eq!(output.status.code(), Some(3), "{args:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(message), "{args:?}: {}", stderr(&output));
+        assert_contains(stderr(&output), &[message]);
         if args.contains(&"--out") {
-            assert!(stderr(&output).contains("no file was written"), "{args:?}: {}", stderr(&output));
+            assert_contains(stderr(&output), &["no file was written"]);
             let file_count = fs::read_dir(out).map_or(0, |entries| entries.count());
             assert_eq!(file_count, 0, "{args:?} leaves no files");
         }

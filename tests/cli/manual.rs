@@ -3,7 +3,9 @@
 use std::fs;
 use std::process::{Command, Stdio};
 
-use crate::support::cli::{EXPERIMENT_95, directory, phalanx, stderr, stdout, write};
+use crate::support::cli::{
+    EXPERIMENT_95, assert_rejected, directory, phalanx, stdout, succeed, succeed_silently, write,
+};
 
 /// Commands with a manual page of their own; subcommands after a space.
 const PAGES: &str = "new,run,validate,replay,scene,size,statics,volume,sweep,select,reproduce,study,man,scene show,scene check,\
@@ -20,9 +22,7 @@ fn is_valid_script(shell: &str, file: &str) -> Option<bool> {
 fn completion_scripts_contain_every_command_and_option() {
     let directory = directory("cli_completions");
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        let output = phalanx(&["completions", shell]);
-        assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""), "{shell}");
-        let script = stdout(&output);
+        let script = succeed_silently(&["completions", shell]);
         let words = PAGES.split([',', ' ']).chain(["completions", "--no-form-closed", "--quiet", "analytic"]);
         for word in words {
             // fish lists options without dashes.
@@ -30,14 +30,12 @@ fn completion_scripts_contain_every_command_and_option() {
             assert!(script.contains(word), "{shell}: no {word}");
         }
         assert!(!script.contains("\\u00"), "{shell}: a harmless character was escaped");
-        let file = write(&directory, shell, script);
+        let file = write(&directory, shell, &script);
         if ["bash", "zsh", "fish"].contains(&shell) {
             assert_ne!(is_valid_script(shell, &file), Some(false), "{shell}");
         }
     }
-    let output = phalanx(&["completions", "tcsh"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("tcsh") && stderr(&output).contains("bash, elvish, fish"), "{}", stderr(&output));
+    assert_rejected(&["completions", "tcsh"], &["tcsh", "bash, elvish, fish"]);
 }
 
 /// Long options in the help of a command.
@@ -52,9 +50,8 @@ fn options(help: &str) -> Vec<&str> {
 fn every_command_has_a_manual_page_with_all_its_options() {
     let out = directory("cli_man").join("man1");
     let directory_text = out.display().to_string();
-    let output = phalanx(&["man", &directory_text]);
-    assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-    assert!(stdout(&output).starts_with("wrote ") && stdout(&output).contains(&directory_text), "{}", stdout(&output));
+    let output = succeed_silently(&["man", &directory_text]);
+    assert!(output.starts_with("wrote ") && output.contains(&directory_text), "{output}");
     for words in PAGES.split(',').map(|command| command.split(' ').collect::<Vec<_>>()).chain([Vec::new()]) {
         let name = [&["phalanx"], &words[..]].concat().join("-");
         let page = fs::read_to_string(out.join(format!("{name}.1"))).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -76,16 +73,12 @@ fn every_command_has_a_manual_page_with_all_its_options() {
 fn manual_pages_replace_only_manual_pages_of_phalanx() {
     let out = directory("cli_man_own");
     let directory_text = out.display().to_string();
-    assert_eq!(phalanx(&["man", &directory_text]).status.code(), Some(0));
-    assert_eq!(phalanx(&["man", &directory_text]).status.code(), Some(0), "pages of phalanx");
+    succeed(&["man", &directory_text]);
+    succeed(&["man", &directory_text]);
     let other_file = write(&out, "phalanx-run.1", "my notes");
-    let output = phalanx(&["man", &directory_text]);
-    assert_eq!(output.status.code(), Some(2));
-    let message = stderr(&output);
-    assert!(message.contains("phalanx-run.1") && message.contains("not replaced"), "{message}");
-    assert!(message.contains("give another directory") && !message.contains("--out"), "{message}");
+    let parts = ["phalanx-run.1", "not replaced", "give another directory"];
+    let message = assert_rejected(&["man", &directory_text], &parts);
+    assert!(!message.contains("--out"), "{message}");
     assert_eq!(fs::read_to_string(other_file).expect("readable"), "my notes");
-    let file = phalanx(&["man", EXPERIMENT_95]);
-    assert_eq!(file.status.code(), Some(2), "{}", stderr(&file));
-    assert!(stderr(&file).contains(EXPERIMENT_95), "{}", stderr(&file));
+    assert_rejected(&["man", EXPERIMENT_95], &[EXPERIMENT_95]);
 }

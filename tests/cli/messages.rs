@@ -69,9 +69,8 @@ fn endless_and_empty_requests_are_rejected() {
 
 #[test]
 fn log_given_as_scene_is_rejected() {
-    let log = directory("messages_log").join("closing.mcap");
-    let log = log.to_str().expect("UTF-8 path");
-    assert_eq!(phalanx(&["run", EXPERIMENT_95, "--log", log]).status.code(), Some(0));
+    let log = &cli::path_in(&directory("messages_log"), "closing.mcap");
+    cli::succeed(&["run", EXPERIMENT_95, "--log", log]);
     let suggestion = format!("phalanx replay {log}");
     for command in ["run", "validate", "statics", "size"] {
         assert_rejected(&[command, log], &["is the log of a run (MCAP), not a scene", &suggestion]);

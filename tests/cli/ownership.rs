@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::support::cli::{EXPERIMENT_95, directory as test_directory, phalanx, stderr, stdout};
+use crate::support::cli::{self, EXPERIMENT_95, directory as test_directory, path_text, phalanx, stderr};
 
 const OTHER_FILE_TEXT: &str = "name = \"mine\"\n";
 const THESIS: &str = "scenes/studies/thesis.toml";
@@ -29,22 +29,12 @@ fn run_ok(args: &[&str]) {
     assert!(matches!(output.status.code(), Some(0 | 1)), "{args:?}: {}", stderr(&output));
 }
 
-/// Asserts that a command is rejected with status 2 and a message that contains each of `parts`, and that the directory
-/// is unchanged.
+/// Asserts that a command is rejected and that the directory is unchanged.
 #[track_caller]
 fn assert_rejected(directory: &Path, args: &[&str], parts: &[&str]) {
     let before = contents(directory);
-    let output = phalanx(args);
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
-    assert_eq!(stdout(&output), "", "{args:?}");
-    for part in parts {
-        assert!(stderr(&output).contains(part), "{args:?}: no {part:?} in {}", stderr(&output));
-    }
+    cli::assert_rejected(args, parts);
     assert!(contents(directory) == before, "{args:?}");
-}
-
-fn path_text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8 path")
 }
 
 #[test]

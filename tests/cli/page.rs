@@ -9,10 +9,6 @@ use phalanx::validate::{Recording, record};
 use serde_json::Value;
 
 fn load(name: &str) -> Scene {
-    scene::load(format!("scenes/{name}.toml")).expect("a scene")
-}
-
-fn load_discs(name: &str) -> Scene {
     scene::load_any(format!("scenes/{name}.toml")).expect("a scene")
 }
 
@@ -111,10 +107,8 @@ fn page_contains_every_sample_bit_for_bit() {
             let series = list(&panel["series"]).iter().find(|each| each["name"] == name).expect("a series");
             bits(column(run, &series["values"]))
         };
-        assert_eq!(
-            series("Normal force", "distal"),
-            bits(samples.iter().map(|s| s.contact(FingerContact::Distal).normal_n))
-        );
+        let distal_n = samples.iter().map(|s| s.contact(FingerContact::Distal).normal_n);
+        assert_eq!(series("Normal force", "distal"), bits(distal_n));
         assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger().qd22_rad_s)));
         assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy.balance_j)));
         assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.contact(FingerContact::Limit).normal_n)));
@@ -150,12 +144,12 @@ fn page_is_small_self_contained_and_reproducible() {
 #[test]
 fn scene_text_is_never_markup() {
     let untrusted_text = "</script><script>alert(1)</script><!--<svg onload='x'>\"&amp;{{data}}\u{2028}";
-    let mut scene = load_discs("laws/two-free");
+    let mut scene = load("laws/two-free");
     scene.name = untrusted_text.to_string();
     scene.system.discs[0].name = untrusted_text.to_string();
     let recording = record(Model::Analytic, &scene).expect("a run");
     let named = build_playback(untrusted_text, &scene, &recording.samples, &recording.events, untrusted_text);
-    let plain = build_playback("label", &load_discs("laws/two-free"), &recording.samples, &recording.events, "text");
+    let plain = build_playback("label", &load("laws/two-free"), &recording.samples, &recording.events, "text");
     let contents = Page {
         title: untrusted_text.to_string(),
         description: untrusted_text.to_string(),
@@ -183,7 +177,7 @@ fn scene_text_is_never_markup() {
 #[test]
 fn plot_escapes_scene_name() {
     let untrusted_text = "</svg><script>alert(1)</script>";
-    let mut scene = load_discs("laws/spring");
+    let mut scene = load("laws/spring");
     scene.name = untrusted_text.to_string();
     let mut validation = phalanx::validate::validate(&scene, &|| true).expect("a validation of a scene of discs");
     let plan = phalanx::validate::LadderOptions { quick: true, time_s: 1.0 };
@@ -208,7 +202,7 @@ fn a_swing_without_an_object_has_no_contacts() {
 
 #[test]
 fn page_contains_discs_bit_for_bit() {
-    let scene = load_discs("laws/rolling");
+    let scene = load("laws/rolling");
     let recording = record(Model::Analytic, &scene).expect("a run");
     let (count, step) = (recording.samples.len(), recording.samples.len().div_ceil(MAX_SAMPLES));
     let samples: Vec<_> = recording.samples.iter().step_by(step).cloned().collect();

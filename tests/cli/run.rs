@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
 
 use crate::support::cli::{
-    EXPERIMENT_95, assert_contains, directory, json, phalanx, stderr, succeed, succeed_json, variant,
+    EXPERIMENT_95, assert_contains, assert_status, directory, json, path_in, path_text, phalanx, stderr, succeed,
+    succeed_json, variant,
 };
 use foxglove::Decode;
 use mcap::{MessageStream, Summary};
@@ -33,7 +33,7 @@ fn assert_positive(document: &Value, paths: &[&str]) {
 }
 
 /// Settings in the metadata of a log.
-fn settings(log: &Path) -> BTreeMap<String, String> {
+fn settings(log: &str) -> BTreeMap<String, String> {
     let bytes = fs::read(log).expect("a log");
     let summary = Summary::read(&bytes).expect("readable").expect("indexed");
     mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("readable").metadata
@@ -104,8 +104,7 @@ fn log_contains_run_and_scene_and_is_reproducible() {
 
 #[test]
 fn command_line_overrides_are_recorded_in_the_log() {
-    let path = directory("cli_run_overrides").join("run.mcap");
-    let log = path.to_str().expect("UTF-8 path");
+    let log = &path_in(&directory("cli_run_overrides"), "run.mcap");
     let run = succeed_json(&["run", EXPERIMENT_95, "--duration", "5 ms", "--preset", "reference", "--log", log]);
     assert_values(
         &run,
@@ -119,15 +118,14 @@ fn command_line_overrides_are_recorded_in_the_log() {
             ("/criteria/class", json!("unstable")),
         ],
     );
-    let settings = settings(&path);
+    let settings = settings(log);
     assert_eq!((&*settings["duration_s"], &*settings["integrator_preset"]), ("0.005", "reference"));
     assert_eq!(succeed_json(&["run", EXPERIMENT_95, "--rtol", "1e-3"])["integrator"]["rtol"], 1e-3);
 }
 
 #[test]
 fn engine_runs_experiment_95() {
-    let path = directory("cli_run_engine").join("run.mcap");
-    let log = path.to_str().expect("UTF-8 path");
+    let log = &path_in(&directory("cli_run_engine"), "run.mcap");
     let run = succeed_json(&["run", EXPERIMENT_95, "--model", "engine", "--log", log]);
     assert_values(
         &run,
@@ -149,7 +147,7 @@ fn engine_runs_experiment_95() {
     assert_near(&run["final"]["q11_rad"], 2.088778f64.to_radians(), 2e-5);
     assert_near(&run["contacts"]["distal"]["first_s"], 6.883746e-3, 5e-7);
 
-    let settings = settings(&path);
+    let settings = settings(log);
     assert_eq!((&*settings["model"], &*settings["engine_construction"]), ("engine", "maximal"));
     let tolerance_m = run["engine"]["tolerance_m"].as_f64().expect("a length");
     assert_eq!(settings["engine_tolerance_m"], format!("{tolerance_m:?}"));
@@ -178,8 +176,8 @@ fn the_engine_takes_its_settings_from_the_command_line() {
 fn a_free_swing_has_no_contacts_and_no_criteria() {
     let directory = directory("cli_run_swing");
     let scene = variant(&directory, "swing.toml", "[object]\npresent = false\n[limit]\nenabled = false");
-    let log = directory.join("swing.mcap");
-    let run = succeed_json(&["run", &scene, "--duration", "3 ms", "--log", log.to_str().expect("UTF-8 path")]);
+    let log = path_in(&directory, "swing.mcap");
+    let run = succeed_json(&["run", &scene, "--duration", "3 ms", "--log", &log]);
     assert_eq!(run["criteria"], Value::Null);
     for name in ["proximal", "distal"] {
         let expected = [("/first_s", Value::Null), ("/touchdowns", json!(0)), ("/final_normal_n", json!(0.0))];
@@ -198,15 +196,15 @@ fn every_shipped_scene_runs_to_its_end() {
     let scenes: Vec<_> = entries.filter(|path| !path.is_dir()).collect();
     assert!(!scenes.is_empty());
     for path in scenes {
-        assert_eq!(succeed_json(&["run", path.to_str().expect("UTF-8 path")])["completed"], true, "{}", path.display());
+        assert_eq!(succeed_json(&["run", path_text(&path)])["completed"], true, "{}", path.display());
     }
 }
 
 #[test]
 fn log_events_record_grasp_and_outcome() {
-    let log = directory("cli_run_grasp").join("run.mcap");
+    let log = path_in(&directory("cli_run_grasp"), "run.mcap");
     let lines = |arguments: &[&str]| -> Vec<String> {
-        succeed(&[&["run", EXPERIMENT_95, "--log", log.to_str().expect("UTF-8 path")], arguments].concat());
+        succeed(&[&["run", EXPERIMENT_95, "--log", &log], arguments].concat());
         let bytes = fs::read(&log).expect("a log");
         let messages = MessageStream::new(&bytes).expect("a log").map(|message| message.expect("readable"));
         let lines = messages.filter(|message| message.channel.topic == "/events");
@@ -252,8 +250,7 @@ fn finger_without_grasp_reports_why_it_has_no_class() {
     assert_eq!(document["criteria"], Value::Null);
     assert!(document["no_criteria"].as_str().is_some_and(|message| message.starts_with(reason)), "{document}");
     // An incomplete run has no class either.
-    let broken = phalanx(&["run", "scenes/hard/through-the-fold.toml", "--no-check", "--json"]);
-    assert_eq!(broken.status.code(), Some(3));
+    let broken = assert_status(&["run", "scenes/hard/through-the-fold.toml", "--no-check", "--json"], 3, &[]);
     let no_criteria = ("/no_criteria", json!("the run was not completed"));
     assert_values(&json(&broken), [("/criteria", Value::Null), no_criteria]);
     assert_eq!(succeed_json(&["run", EXPERIMENT_95, "--no-check"])["no_criteria"], Value::Null);

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::cli::{assert_rejected, directory, json, phalanx, stderr, stdout};
+use crate::support::cli::{
+    assert_contains, assert_rejected, assert_status, directory, path_text, stdout, succeed, succeed_json,
+};
 use crate::support::sweep_results::{SweepRun, results_table, successful_run};
 use phalanx::table;
 
@@ -16,7 +18,7 @@ fn write_results(directory: &Path) -> String {
     ];
     let path = directory.join("results.parquet");
     table::write(&path, &results_table(&runs)).expect("written");
-    path.to_str().expect("UTF-8 path").to_string()
+    path_text(&path).to_string()
 }
 
 #[test]
@@ -24,13 +26,12 @@ fn tables_json_and_files_agree() {
     let directory = directory("select-files");
     let file = write_results(&directory);
     let (out, best) = (directory.join("out"), directory.join("best.parquet"));
-    let output = phalanx(&["select", &file, "--out", out.to_str().unwrap(), "--ranking", best.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stdout(&output).contains("2 of 3 runs meet all criteria"), "{}", stdout(&output));
+    let output = succeed(&["select", &file, "--out", path_text(&out), "--ranking", path_text(&best)]);
+    assert_contains(&output, &["2 of 3 runs meet all criteria"]);
     for name in ["criteria.svg", "classes.svg", "static.svg", "forces.svg", "variables.svg"] {
         assert!(fs::read_to_string(out.join(name)).expect(name).starts_with("<svg"), "{name}");
     }
-    let document = json(&phalanx(&["select", &file, "--json"]));
+    let document = succeed_json(&["select", &file]);
     let mut saved: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(out.join("selection.json")).expect("readable")).expect("JSON");
     assert_eq!(saved.as_object_mut().expect("an object").remove("generator"), Some("phalanx".into()));
@@ -47,11 +48,10 @@ fn tables_json_and_files_agree() {
 fn empty_selection_is_status_1_and_bad_input_status_2() {
     let directory = directory("select-status");
     let file = write_results(&directory);
-    let empty_selection = phalanx(&["select", &file, "--min-pfp", "50 N"]);
-    assert_eq!(empty_selection.status.code(), Some(1));
-    assert!(stdout(&empty_selection).contains("\"PFP ≥ 50 N\" removed the last"), "{}", stdout(&empty_selection));
-    let any = phalanx(&["select", &file, "--no-form-closed", "--min-pfp", "-1 N", "--best", "1", "--json"]);
-    assert_eq!((any.status.code(), &json(&any)["selected"]), (Some(0), &3.into()));
+    let empty_selection = assert_status(&["select", &file, "--min-pfp", "50 N"], 1, &[]);
+    assert_contains(stdout(&empty_selection), &["\"PFP ≥ 50 N\" removed the last"]);
+    let any = succeed_json(&["select", &file, "--no-form-closed", "--min-pfp", "-1 N", "--best", "1"]);
+    assert_eq!(any["selected"], 3);
     for (args, message) in [
         (vec!["select", "none.csv"], "none.csv"),
         (vec!["select", "Cargo.toml"], "Cargo.toml"),

@@ -6,7 +6,9 @@ use std::path::Path;
 use phalanx::scene;
 use serde_json::Value;
 
-use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, json, phalanx, run_json, stderr, stdout, write};
+use crate::support::cli::{
+    EXPERIMENT_95, assert_contains, assert_rejected, directory, json, phalanx, run_json, stderr, stdout, succeed, write,
+};
 
 /// Writes experiment-95 without its name, so that scenes are named after their files.
 fn write_unnamed_scene(directory: &Path) -> String {
@@ -120,19 +122,18 @@ fn one_element_of_a_pair_is_set_and_swept() {
     let final_state_with = |field: &str| final_state(&[EXPERIMENT_95, "--set", "duration=3 ms", "--set", field]);
     assert_eq!(final_state_with("object.centre[0]=-14 mm"), final_state_with("object.centre=[\"-14 mm\", \"20 mm\"]"));
     assert_eq!(final_state_with("gravity[0]=1 g"), final_state_with("gravity=[\"9.81 m/s^2\", \"9.81 m/s^2\"]"));
-    let output = phalanx(&["scene", "show", EXPERIMENT_95, "--set", "object.centre[1]=21 mm"]);
-    assert!(stdout(&output).contains("\n\"centre[1]\" = \"21 mm\"\n"), "{}", stdout(&output));
+    let shown = succeed(&["scene", "show", EXPERIMENT_95, "--set", "object.centre[1]=21 mm"]);
+    assert_contains(&shown, &["\n\"centre[1]\" = \"21 mm\"\n"]);
     let dir = directory("cli_set_element");
     let unnamed_scene = write_unnamed_scene(&dir);
     let study = format!(
         "scene = \"{unnamed_scene}\"\nset.duration = \"3 ms\"\n[[axes]]\nfield = \"object.centre[0]\"\nvalues = [\"-14 mm\", \"-15 mm\"]\n"
     );
     let (study, csv) = (write(&dir, "study.toml", &study), dir.join("results.csv").display().to_string());
-    let sweep_output = phalanx(&["sweep", &study, "--out", &csv]);
-    assert_eq!(sweep_output.status.code(), Some(0), "{}", stderr(&sweep_output));
+    succeed(&["sweep", &study, "--out", &csv]);
     // The distance of the contact from its joint depends on the position of the object.
     let results = fs::read_to_string(&csv).expect("results");
-    assert!(["object.centre[0]_m", "14.9588 mm", "13.5352 mm"].iter().all(|part| results.contains(part)), "{results}");
+    assert_contains(&results, &["object.centre[0]_m", "14.9588 mm", "13.5352 mm"]);
 }
 
 #[test]
@@ -174,14 +175,13 @@ fn extending_scene_contains_only_differences() {
     assert_eq!(extended.name, "soft");
     assert_eq!(extended.finger().contact.proximal.friction.expect("friction").mu_static, 0.6);
     // The shown scene and the scene in a log do not need the extended files.
-    let shown_output = phalanx(&["scene", "show", &soft]);
-    assert!(!stdout(&shown_output).contains("extends"), "{}", stdout(&shown_output));
-    let standalone = write(&dir, "alone.toml", stdout(&shown_output));
+    let shown = succeed(&["scene", "show", &soft]);
+    assert!(!shown.contains("extends"), "{shown}");
+    let standalone = write(&dir, "alone.toml", &shown);
     assert_eq!(final_state(&[&standalone]), final_state(&[&soft]));
     let log = dir.join("soft.mcap").display().to_string();
-    assert_eq!(phalanx(&["run", &soft, "--log", &log]).status.code(), Some(0));
-    let verified = phalanx(&["replay", &log, "--verify"]);
-    assert_eq!(verified.status.code(), Some(0), "{}{}", stdout(&verified), stderr(&verified));
+    succeed(&["run", &soft, "--log", &log]);
+    succeed(&["replay", &log, "--verify"]);
     // The scene of this study extends another one.
     let study = write(
         &dir,
@@ -189,8 +189,7 @@ fn extending_scene_contains_only_differences() {
         "scene = \"variants/rough.toml\"\n[[axes]]\nfield = \"motor.torque\"\nvalues = [\"480 N*mm\", \"500 N*mm\"]\n",
     );
     let csv = dir.join("results.csv").display().to_string();
-    let sweep_output = phalanx(&["sweep", &study, "--out", &csv]);
-    assert_eq!(sweep_output.status.code(), Some(0), "{}", stderr(&sweep_output));
+    succeed(&["sweep", &study, "--out", &csv]);
 }
 
 #[test]

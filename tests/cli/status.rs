@@ -2,9 +2,12 @@
 
 use std::fs;
 use std::io::Read;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, json, phalanx, stderr, stdout, variant, write};
+use crate::support::cli::{
+    EXPERIMENT_95, assert_contains, assert_rejected, assert_status, directory, json, path_in, path_text, run_json,
+    start, stderr, stdout, succeed, variant, write,
+};
 use mcap::MessageStream;
 use serde_json::Value;
 
@@ -53,12 +56,9 @@ fn bad_scenes_are_rejected_with_their_position() {
 #[test]
 fn unwritable_logs_are_rejected_before_the_run() {
     let directory = directory("cli_status_logs");
-    let missing_directory = directory.join("nowhere").join("run.mcap");
-    assert_rejected(
-        &["run", EXPERIMENT_95, "--log", missing_directory.to_str().expect("UTF-8 path")],
-        &["nowhere", "does not exist", "mkdir"],
-    );
-    assert_rejected(&["run", EXPERIMENT_95, "--log", directory.to_str().expect("UTF-8 path")], &["is a directory"]);
+    let missing = path_in(&directory, "nowhere/run.mcap");
+    assert_rejected(&["run", EXPERIMENT_95, "--log", &missing], &["nowhere", "does not exist", "mkdir"]);
+    assert_rejected(&["run", EXPERIMENT_95, "--log", path_text(&directory)], &["is a directory"]);
     let scene = variant(&directory, "mine.toml", "");
     let before = fs::read(&scene).expect("the scene");
     assert_rejected(&["run", &scene, "--log", &scene], &["the scene itself"]);
@@ -69,13 +69,9 @@ fn unwritable_logs_are_rejected_before_the_run() {
 fn incomplete_run_reports_time_and_reason_and_keeps_its_log() {
     let directory = directory("cli_status_budget");
     let scene = variant(&directory, "budget.toml", "[integrator]\nmax_steps = 40");
-    let path = directory.join("run.mcap");
-    let log = path.to_str().expect("UTF-8 path");
-    let output = phalanx(&["run", &scene, "--json", "--log", log]);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-    let message = stderr(&output);
-    assert!(message.starts_with("error: the simulation stopped at "), "{message}");
-    assert!(message.contains("of 20 ms") && message.contains("40") && message.contains(log), "{message}");
+    let log = &path_in(&directory, "run.mcap");
+    let output = assert_status(&["run", &scene, "--json", "--log", log], 3, &["of 20 ms", "40", log]);
+    assert!(stderr(&output).starts_with("error: the simulation stopped at "), "{}", stderr(&output));
 
     let run = json(&output);
     assert_eq!(run["completed"], false);
@@ -85,7 +81,7 @@ fn incomplete_run_reports_time_and_reason_and_keeps_its_log() {
     assert_eq!(run["criteria"], Value::Null);
     assert_eq!(run["steps"], 40);
 
-    let bytes = fs::read(&path).expect("a log");
+    let bytes = fs::read(log).expect("a log");
     let messages: Vec<_> =
         MessageStream::new(&bytes).expect("readable").collect::<Result<_, _>>().expect("readable to the end");
     assert!(messages.iter().filter(|message| message.channel.topic == "/state").count() > 1);
@@ -94,32 +90,23 @@ fn incomplete_run_reports_time_and_reason_and_keeps_its_log() {
     let text = String::from_utf8_lossy(&last.data);
     assert!(text.contains("stopped: ") && text.contains("40"), "{text}");
 
-    let output = phalanx(&["run", &scene]);
-    assert_eq!(output.status.code(), Some(3));
+    // The message suggests --log.
+    let output = assert_status(&["run", &scene], 3, &["--log"]);
     assert!(stdout(&output).contains("NOT COMPLETED"));
-    assert!(stderr(&output).contains("--log"), "the message suggests --log");
 }
 
 #[test]
 fn help_contains_an_example() {
     for args in [&["--help"][..], &["run", "--help"]] {
-        let output = phalanx(args);
-        assert_eq!(output.status.code(), Some(0));
-        assert!(stdout(&output).contains("phalanx run scenes/experiment-95.toml"), "{}", stdout(&output));
-        assert!(stdout(&output).contains("Exit status"));
+        let output = succeed(args);
+        assert_contains(&output, &["phalanx run scenes/experiment-95.toml", "Exit status"]);
     }
 }
 
 #[test]
 fn closed_pipe_is_no_error() {
     for extra in [&[][..], &["--json"]] {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_phalanx"))
-            .args(["run", EXPERIMENT_95])
-            .args(extra)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the binary starts");
+        let mut child = start(&[&["run", EXPERIMENT_95], extra].concat());
         drop(child.stdout.take());
         let mut message = String::new();
         child.stderr.take().expect("piped").read_to_string(&mut message).expect("UTF-8 text");
@@ -144,10 +131,8 @@ fn closed_stdout_is_status_3() {
 
 #[test]
 fn scene_command_uses_the_same_statuses() {
-    let output = phalanx(&["scene", "check", EXPERIMENT_95]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let schema = phalanx(&["scene", "schema"]);
-    assert!(json(&schema).is_object());
+    succeed(&["scene", "check", EXPERIMENT_95]);
+    assert!(run_json(&["scene", "schema"]).is_object());
     let scene = write(&directory("cli_status_scene"), "bad.toml", "duration = \"20 mm\"\n");
-    assert_eq!(phalanx(&["scene", "check", &scene]).status.code(), Some(2));
+    assert_rejected(&["scene", "check", &scene], &[]);
 }

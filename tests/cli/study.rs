@@ -4,23 +4,24 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, variant, write};
+use crate::support::cli::{
+    EXPERIMENT_95, assert_rejected, directory, path_text, succeed, succeed_json, variant, write,
+};
 
 #[test]
 fn command_writes_its_files() {
     let out = directory("study_stability");
     let args = "study stability scenes/experiment-95.toml --stiffness 1 --damping 1 --steps";
     let args = [&args.split(' ').collect::<Vec<_>>()[..], &["100 us,1 ms"]].concat();
-    let output = phalanx(&[&args[..], &["--out", out.to_str().expect("text")]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = succeed(&[&args[..], &["--out", path_text(&out)]].concat());
     let read = |name: &str| fs::read_to_string(out.join(name)).expect(name);
-    assert_eq!(stdout(&output), read("table.txt"));
+    assert_eq!(read("table.txt"), format!("Report by phalanx\n\n{output}"));
     let document: Value = serde_json::from_str(&read("stability.json")).expect("JSON");
     assert_eq!(document["grid"]["steps_s"], serde_json::json!([1e-3, 1e-4]));
     assert_eq!(read("stability.csv").lines().count(), 3);
     assert!(read("stability.svg").starts_with("<svg"));
     // A stricter bound changes the verdict.
-    let strict = json(&phalanx(&[&args[..], &["--accurate", "1e-6 rad", "--json"]].concat()));
+    let strict = succeed_json(&[&args[..], &["--accurate", "1e-6 rad"]].concat());
     assert_eq!(strict["cells"][1]["verdict"], "inaccurate");
     assert_eq!(document["cells"][1]["verdict"], "accurate");
 }
@@ -49,9 +50,6 @@ fn rejects_unsuitable_scenes_and_grids() {
         (&[EXPERIMENT_95, "--accurate", "0 rad"], "more than 0"),
     ];
     for (args, message) in cases {
-        let output = phalanx(&[&["study", "stability"], args].concat());
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stdout(&output));
-        let flat = stderr(&output).split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(flat.contains(message), "{args:?}: {flat}");
+        assert_rejected(&[&["study", "stability"], args].concat(), &[message]);
     }
 }

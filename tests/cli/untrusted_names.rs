@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::cli::{EXPERIMENT_95, directory as test_directory, json, phalanx, stderr, stdout, write};
+use crate::support::cli::{
+    EXPERIMENT_95, directory as test_directory, path_in, phalanx, stderr, stdout, succeed, succeed_json, write,
+};
 
 /// Contains sequences that colour the terminal and move the cursor, a tag, and special characters of XML.
 const NAME: &str = "\u{1b}[31mred\u{7}\u{9b}2J<b>&\"\u{202e}\u{2028}\u{61c}";
@@ -24,8 +26,7 @@ fn assert_no_control_chars(source: &str, text: &str) {
 fn terminal_output_escapes_names() {
     let directory = test_directory("foreign_terminal");
     let scene = scene_with_untrusted_name(&directory);
-    let log = directory.join("\u{1b}]0;title\u{7}.mcap");
-    let log = log.to_str().expect("UTF-8 path");
+    let log = &path_in(&directory, "\u{1b}]0;title\u{7}.mcap");
     let broken = write(&directory, "\u{1b}[1mbroken.toml", "name = \"\\u001b\"\n\"k\\u001by\" = 1\n");
     for args in [
         &["run", &scene, "--log", log][..],
@@ -47,15 +48,15 @@ fn terminal_output_escapes_names() {
         assert_no_control_chars("stdout", stdout(&output));
         assert_no_control_chars("stderr", stderr(&output));
     }
-    assert_eq!(json(&phalanx(&["run", &scene, "--json"]))["scene"], NAME);
-    assert_eq!(json(&phalanx(&["replay", log, "--json"]))["scene"], NAME);
+    assert_eq!(succeed_json(&["run", &scene])["scene"], NAME);
+    assert_eq!(succeed_json(&["replay", log])["scene"], NAME);
 }
 
 #[test]
 fn pictures_and_pages_escape_names() {
     let directory = test_directory("foreign_pictures");
     let scene = scene_with_untrusted_name(&directory);
-    let path_in = |name: &str| directory.join(name).to_str().expect("UTF-8 path").to_string();
+    let path_in = |name: &str| path_in(&directory, name);
     let log = path_in("\u{1b}x.mcap");
     for args in [
         &["run", &scene, "--log", &log][..],
@@ -66,17 +67,10 @@ fn pictures_and_pages_escape_names() {
         &["validate", &scene, "--quick", "--set", "duration=1 ms", "--out", &path_in("validated")],
         &["scene", "show", &scene, "--figure", &path_in("linkage.svg")],
     ] {
-        let output = phalanx(args);
-        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+        succeed(args);
     }
-    for name in [
-        "grasp.svg",
-        "linkage.svg",
-        "two/overlay.svg",
-        "two/difference.svg",
-        "sized/springs.svg",
-        "sized/trajectory.svg",
-    ] {
+    let statics = ["grasp.svg", "linkage.svg", "sized/springs.svg", "sized/trajectory.svg"];
+    for name in statics.into_iter().chain(["two/overlay.svg", "two/difference.svg"]) {
         let text = fs::read_to_string(directory.join(name)).expect(name);
         assert_no_control_chars(name, &text);
         assert!(!text.contains("<b>") && text.contains("&lt;b&gt;&amp;"), "{name}: the name is there as text");

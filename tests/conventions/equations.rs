@@ -3,24 +3,13 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use super::independence::source_files;
 
 const PAGE: &str = "src/docs/equations.md";
 const BEGIN: &str = "<!-- equations:begin -->\n";
 const END: &str = "<!-- equations:end -->";
-
-fn collect_sources(directory: &Path, paths: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> =
-        fs::read_dir(directory).expect("a directory").map(|entry| entry.expect("an entry").path()).collect();
-    entries.sort();
-    for path in entries {
-        match path.is_dir() {
-            true => collect_sources(&path, paths),
-            false if path.extension().is_some_and(|kind| kind == "rs") => paths.push(path),
-            false => {}
-        }
-    }
-}
 
 /// An equation number: chapter (5 for appendix B) and number.
 type Number = (u32, u32);
@@ -61,19 +50,14 @@ fn declared_name(line: &str) -> Option<String> {
 /// Returns every equation with the items and files whose docstrings cite it.
 fn equation_index() -> BTreeMap<Number, Vec<String>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut files = Vec::new();
-    for directory in [
-        "crates/mechanics/src",
-        "crates/integrator/src",
-        "crates/scene/src",
-        "crates/core/src",
-        "crates/show/src",
-        "crates/log/src",
-        "crates/thesis/src",
-        "src",
-    ] {
-        collect_sources(&root.join(directory), &mut files);
-    }
+    let crates = ["mechanics", "integrator", "scene", "core", "show", "log", "thesis"];
+    let roots = crates.map(|name| format!("crates/{name}")).into_iter().chain([String::new()]);
+    let files = roots.flat_map(|root| {
+        let mut files = source_files(&root, "src");
+        files.retain(|path| path.extension().is_some_and(|kind| kind == "rs"));
+        files.sort();
+        files
+    });
     let mut citations: BTreeMap<Number, Vec<String>> = BTreeMap::new();
     for path in files {
         let text = fs::read_to_string(&path).expect("a source");
@@ -129,24 +113,8 @@ fn the_index_matches_the_docstrings() {
 #[test]
 fn every_equation_of_the_mechanism_is_cited() {
     let equation_index = equation_index();
-    for number in [
-        (2, 1),
-        (2, 2),
-        (2, 8),
-        (2, 16),
-        (2, 23),
-        (2, 24),
-        (2, 30),
-        (2, 31),
-        (2, 32),
-        (2, 35),
-        (2, 38),
-        (2, 39),
-        (3, 2),
-        (4, 1),
-        (4, 2),
-        (5, 7),
-    ] {
+    let chapter_2 = [1, 2, 8, 16, 23, 24, 30, 31, 32, 35, 38, 39].map(|number| (2, number));
+    for number in chapter_2.into_iter().chain([(3, 2), (4, 1), (4, 2), (5, 7)]) {
         assert!(equation_index.contains_key(&number), "{number:?}");
     }
 }

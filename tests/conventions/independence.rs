@@ -111,7 +111,9 @@ const THESIS: CrateLayers = CrateLayers {
 /// The command line and its studies; may use all crates.
 const SHELL: CrateLayers = CrateLayers {
     root: "src",
-    layers: &["files", "scene", "table", "validate", "study", "live", "format", "plot", "page", "report", "cli"],
+    layers: &[
+        "files", "scene", "table", "validate", "study", "live", "format", "plot", "page", "report", "cli", "prelude",
+    ],
     dependencies: &["phalanx_core", "phalanx_log", "phalanx_show", "phalanx_thesis"],
 };
 const CRATE_LAYERS: [CrateLayers; 7] = [MECHANICS, INTEGRATOR, SCENE, CORE, SHOW, THESIS, SHELL];

@@ -11,7 +11,7 @@ use phalanx::statics::{
 };
 
 use crate::support::designs::{THIRDS, design_95, sweep_designs};
-use crate::support::statics::{Grasp, Random, constant_spring, grasp};
+use crate::support::statics::{Grasp, Random, constant_spring, grasp, mirrored_configuration, symmetric_configuration};
 
 const WEIGHT: [f64; 2] = [0.0, 9.81];
 const MASS: f64 = 0.053784;
@@ -24,14 +24,9 @@ fn drives(torque_n_m: f64, brake_n_m: [f64; 2]) -> Vec<Drive> {
 }
 
 /// Returns a finger and its mirror image around an object on the palm.
-fn symmetric(Grasp { finger, disc, end }: &Grasp, mu: f64, drives: Vec<Drive>) -> HandAtRest<'_> {
+fn symmetric(grasp: &Grasp, mu: f64, drives: Vec<Drive>) -> HandAtRest<'_> {
     HandAtRest {
-        configuration: GraspConfiguration {
-            fingers: [finger; 2],
-            angles_rad: [[end.posture.q11_rad, end.posture.q21_rad]; 2],
-            palm_width_m: -2.0 * disc.centre_m[0],
-            object: disc.at([0.0, disc.centre_m[1]]),
-        },
+        configuration: symmetric_configuration(grasp),
         friction: PerContact { phalanges: [[Some(mu); 2]; 2], palm: Some(mu) },
         limits: [false; 2],
         springs: [Some(constant_spring(0.1326)); 2],
@@ -380,17 +375,9 @@ fn limits_agree_with_vertex_enumeration() {
 
 /// Returns the hand mirrored about the centre of the palm.
 fn mirrored<'a>(hand: &HandAtRest<'a>) -> HandAtRest<'a> {
-    let GraspConfiguration { fingers: [right, left], angles_rad: [right_angles, left_angles], object, .. } =
-        hand.configuration;
-    let [x, y] = object.centre_m;
     let [mu_right, mu_left] = hand.friction.phalanges;
     HandAtRest {
-        configuration: GraspConfiguration {
-            fingers: [left, right],
-            angles_rad: [left_angles, right_angles],
-            object: object.at([-x, y]),
-            ..hand.configuration
-        },
+        configuration: mirrored_configuration(&hand.configuration),
         friction: PerContact { phalanges: [mu_left, mu_right], ..hand.friction },
         gravity_m_s2: [-hand.gravity_m_s2[0], hand.gravity_m_s2[1]],
         ..hand.clone()

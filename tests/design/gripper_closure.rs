@@ -2,7 +2,9 @@
 //! displaced bodies, and between both decision methods.
 
 use crate::support::designs::{THIRDS, design_95, sweep_designs};
-use crate::support::statics::{Grasp, Random, check_certificate, grasp};
+use crate::support::statics::{
+    Grasp, Random, check_certificate, grasp, mirrored_configuration as mirrored, symmetric_configuration as symmetric,
+};
 use phalanx::gripper::{FingerContact, close_loop};
 use phalanx::statics::{
     Blocked, Certificate, Decision, FormClosure, GraspConfiguration, PerContact, Row, RowKind, Unilateral, Unknown,
@@ -10,16 +12,6 @@ use phalanx::statics::{
 };
 
 const ALL: PerContact<bool> = PerContact { phalanges: [[true; 2]; 2], palm: true };
-
-/// Returns the final posture of a finger and its mirror image, with the object on the palm between them.
-fn symmetric(Grasp { finger, disc, end }: &Grasp) -> GraspConfiguration<'_> {
-    GraspConfiguration {
-        fingers: [finger; 2],
-        angles_rad: [[end.posture.q11_rad, end.posture.q21_rad]; 2],
-        palm_width_m: -2.0 * disc.centre_m[0],
-        object: disc.at([0.0, disc.centre_m[1]]),
-    }
-}
 
 /// Returns fingers of different designs in perturbed postures around an object away from the centre. Contacts use the actual normals,
 /// regardless of the gaps.
@@ -39,18 +31,6 @@ fn disturbed<'a>(random: &mut Random, [right, left]: [&'a Grasp; 2]) -> GraspCon
         if gripper_unilateral(&configuration, &ALL, Blocked::Outputs).is_ok() {
             return configuration;
         }
-    }
-}
-
-/// Returns the configuration mirrored about the centre of the palm.
-fn mirrored<'a>(configuration: &GraspConfiguration<'a>) -> GraspConfiguration<'a> {
-    let ([right, left], [right_angles, left_angles]) = (configuration.fingers, configuration.angles_rad);
-    let [x, y] = configuration.object.centre_m;
-    GraspConfiguration {
-        fingers: [left, right],
-        angles_rad: [left_angles, right_angles],
-        object: configuration.object.at([-x, y]),
-        ..*configuration
     }
 }
 
@@ -143,11 +123,8 @@ fn mirrored_grasps_have_equal_closure() {
             let [original, mirrored_closure] = [configuration, mirrored(&configuration)].map(|configuration| {
                 decide_with_certificate(&gripper_unilateral(&configuration, &ALL, blocked).expect("a posture"))
             });
-            assert_eq!(
-                (original.closed, original.rank),
-                (mirrored_closure.closed, mirrored_closure.rank),
-                "{configuration:?}"
-            );
+            let decisions = [&original, &mirrored_closure].map(|closure| (closure.closed, closure.rank));
+            assert_eq!(decisions[0], decisions[1], "{configuration:?}");
             closed += usize::from(original.closed);
             let Some((original_values, mirrored_values)) = multipliers(&original).zip(multipliers(&mirrored_closure))
             else {

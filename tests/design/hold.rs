@@ -6,8 +6,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use phalanx::criteria::Fate;
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Axis, Layer, Scene};
-use phalanx::study::hold::{Evaluation, Hold, HoldError, LoadCase, Loads, Plan, StartReason, StaticLimit, hold};
+use phalanx::statics::AccelerationLimit;
+use phalanx::study::hold::{Evaluation, Hold, HoldError, LoadCase, LoadResult, Loads, Plan, StartReason, hold};
 use phalanx::trace::Model;
+
+use crate::support::cli::assert_contains;
+use crate::support::designs::assert_near;
 
 /// Loads a shipped gripper with overrides.
 fn gripper(name: &str, overrides: &[&str]) -> Scene {
@@ -63,10 +67,7 @@ fn mirrored_loads_have_equal_limits_for_any_number_of_threads() {
             slip(right).zip(slip(left))
         });
         for (right, left) in slips.filter(|(right, _)| right.displacement_m < 1e-3) {
-            assert!(
-                (right.displacement_m - left.displacement_m).abs() < 1e-3 * left.displacement_m,
-                "{right:?} {left:?}"
-            );
+            assert_near(right.displacement_m, left.displacement_m, 1e-3 * left.displacement_m);
         }
     }
     for result in &single.results {
@@ -91,11 +92,7 @@ fn both_models_have_equal_limits() {
         for (analytic, engine) in analytic.results.iter().zip(&engine.results) {
             let [analytic_m_s2, engine_m_s2] =
                 [analytic, engine].map(|result| result.slips.held.expect("something is held"));
-            assert!(
-                (analytic_m_s2 - engine_m_s2).abs() < 0.03 * analytic_m_s2,
-                "{:?}: {analytic_m_s2} {engine_m_s2}",
-                analytic.case
-            );
+            assert_near(engine_m_s2, analytic_m_s2, 0.03 * analytic_m_s2);
         }
     }
 }
@@ -106,19 +103,17 @@ fn slow_loads_above_the_static_limit_are_not_held() {
     let scene = gripper("hold", &["contact.friction.mu_static = 0.4"]);
     let slow = Loads::Pulses { directions: 4, length_s: 0.2 };
     let study = run_hold(&scene, Plan { slip_m: 20e-6, to_m_s2: 512.0, scan: 8, ..plan(slow) });
+    let static_limit_m_s2 = |result: &LoadResult| {
+        result.static_limit.as_ref().and_then(AccelerationLimit::acceleration_m_s2).expect("a limit at rest")
+    };
     for result in &study.results {
         let LoadCase::Pulse { direction_rad, .. } = result.case else { panic!("{:?}", result.case) };
-        let Some(StaticLimit::UpTo { acceleration_m_s2: static_limit }) = result.static_limit else {
-            panic!("{:?}", result.static_limit)
-        };
+        let static_limit = static_limit_m_s2(result);
         let limit = result.slips.held.expect("something is held");
         println!("{:.0}°: {limit:.4} held of {static_limit:.4}", direction_rad.to_degrees());
         assert!(limit <= 1.05 * static_limit, "{:.0}°: {limit} of {static_limit}", direction_rad.to_degrees());
     }
-    let [forward, backward] = [0, 2].map(|index| match study.results[index].static_limit {
-        Some(StaticLimit::UpTo { acceleration_m_s2 }) => acceleration_m_s2,
-        other => panic!("{other:?}"),
-    });
+    let [forward, backward] = [0, 2].map(|index| static_limit_m_s2(&study.results[index]));
     assert!((forward - backward).abs() < 1e-9 * forward, "opposite directions have one limit: {forward} {backward}");
 }
 
@@ -140,11 +135,7 @@ fn blocked_motors_hold_more_than_their_torque_does() {
     let lifted = run_hold(&gripper("lift", &bristles), Plan { scan: 2, tolerance: 0.9, ..plan(down) });
     // The direction out of the palm is down. The clearance of 24.5 mm allows 24.5e-3 · 7.513 / 0.04² m/s².
     let largest_m_s2 = 24.5e-3 * 3.36 * 5f64.sqrt() / 0.0016;
-    assert!(
-        (lifted.results[1].to_m_s2 - largest_m_s2).abs() < 2e-3 * largest_m_s2,
-        "{} {largest_m_s2}",
-        lifted.results[1].to_m_s2
-    );
+    assert_near(lifted.results[1].to_m_s2, largest_m_s2, 2e-3 * largest_m_s2);
     assert_eq!(lifted.results[0].to_m_s2, 1024.0);
 }
 
@@ -155,11 +146,7 @@ fn move_load_scales_the_duration_of_the_scenes_own_moves() {
     assert_eq!((study.start_reason, study.setup.start_s), (StartReason::OwnMove, 20e-3));
     // The transfer of 305 mm in 0.2 s has the peak acceleration.
     let transfer_m_s2 = 0.305 * 3.36 * 5f64.sqrt() / 0.04;
-    assert!(
-        (study.setup.scene_peak_m_s2 - transfer_m_s2).abs() < 1e-5 * transfer_m_s2,
-        "{}",
-        study.setup.scene_peak_m_s2
-    );
+    assert_near(study.setup.scene_peak_m_s2, transfer_m_s2, 1e-5 * transfer_m_s2);
     let own_s = LoadCase::Move.size(&study.setup, study.setup.scene_peak_m_s2);
     assert!((own_s - 1.0).abs() < 1e-12);
     let slips: Vec<f64> = study.results[0]
@@ -175,19 +162,15 @@ fn move_load_scales_the_duration_of_the_scenes_own_moves() {
 #[test]
 fn errors_name_the_cause_and_a_remedy() {
     let assert_message = |error: HoldError, fragments: &[&str]| {
-        let message = error.to_string();
-        assert!(fragments.iter().all(|fragment| message.contains(fragment)), "{fragments:?}: {message}");
+        assert_contains(&error.to_string(), fragments);
     };
+    let of = |name: &str| hold_error(&gripper(name, &[]), plan(pulses(1)));
+    assert_message(of("fixed"), &["fixed in the world", "object.motion = \"free\""]);
+    assert_message(of("table"), &["on a table", "moves.lift.y", "table.present=false"]);
     assert_message(
-        hold_error(&gripper("fixed", &[]), plan(pulses(1))),
-        &["fixed in the world", "object.motion = \"free\""],
+        of("design-95"),
+        &["without a load, the object slips by", "is held at the end", "bristle", "--slip"],
     );
-    assert_message(
-        hold_error(&gripper("table", &[]), plan(pulses(1))),
-        &["on a table", "moves.lift.y", "table.present=false"],
-    );
-    let creeping = hold_error(&gripper("design-95", &[]), plan(pulses(1)));
-    assert_message(creeping, &["without a load, the object slips by", "is held at the end", "bristle", "--slip"]);
     let late_start = Plan { start_s: Some(0.36), ..plan(pulses(1)) };
     assert_message(
         hold_error(&gripper("cycle", &["table.present = false"]), late_start),
@@ -222,10 +205,8 @@ fn directions_are_measured_from_the_x_axis_of_the_palm() {
     let load = study.results[1].case.load(&study.setup, 10.0);
     let pose = load.motion.pose(1.0).position;
     let distance = 10.0 * 0.0016 / (3.36 * 5f64.sqrt());
-    assert!(
-        (pose[0] + 0.5 * distance).abs() < 1e-15 && (pose[1] - 0.75f64.sqrt() * distance).abs() < 1e-15,
-        "{pose:?}"
-    );
+    assert_near(pose[0], -0.5 * distance, 1e-15);
+    assert_near(pose[1], 0.75f64.sqrt() * distance, 1e-15);
     assert!(study.results.iter().all(|result| result.slips.held == Some(5.0) && result.slips.failed.is_none()));
 }
 

@@ -1,5 +1,6 @@
 //! Selection on small tables: runs removed by each criterion, r_WC, and selections without a result.
 
+use crate::support::cli::assert_contains;
 use crate::support::sweep_results::{SweepRun, refused_run, results_table, successful_run, ungraspable_run};
 use phalanx::criteria::Class;
 use phalanx::format::ToReport;
@@ -267,16 +268,17 @@ fn runs_that_cannot_grasp_are_counted_and_not_selected() {
         assert_eq!((tally.holds, tally.fails, tally.unknown), (2, 3, 1));
         let report = SelectionReport::new("made.csv", &selection, 5);
         let text = report.report().to_string();
-        for part in [
-            "cannot grasp           3 (50.0 %)",
-            "2 rows cannot grasp, first run 2: the distal phalanx does not reach its contact: it is 15.7800 mm long",
-            "1 row cannot grasp, first run 4: the proximal phalanx misses the object: it is 9 mm long",
-            "can grasp its object",
-            &format!("1 semi-stable, first run 6: {semi_stable_reason}"),
-            &format!("run 6 is semi-stable: {semi_stable_reason}"),
-        ] {
-            assert!(text.contains(part), "{part} is not in\n{text}");
-        }
+        assert_contains(
+            &text,
+            &[
+                "cannot grasp           3 (50.0 %)",
+                "2 rows cannot grasp, first run 2: the distal phalanx does not reach its contact: it is 15.7800 mm long",
+                "1 row cannot grasp, first run 4: the proximal phalanx misses the object: it is 9 mm long",
+                "can grasp its object",
+                &format!("1 semi-stable, first run 6: {semi_stable_reason}"),
+                &format!("run 6 is semi-stable: {semi_stable_reason}"),
+            ],
+        );
         let document: serde_json::Value = serde_json::from_str(&report.json()).expect("JSON");
         assert_eq!(document["classes"][0]["cannot_grasp"], 3);
         assert_eq!(

@@ -5,33 +5,33 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::Child;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
+use serde_json::Value;
+
+use crate::support::cli::{
+    self, assert_contains, assert_status, directory, json, path_text, run_json, stderr, stdout, succeed, succeed_json,
+    write,
+};
 use crate::support::faults::XorShift;
 use crate::support::studies::{write_short_study, write_short_study_as};
 use phalanx::table;
 
-fn sweep(study: &str, out: &Path, flags: &[&str]) -> Output {
-    let mut args = vec!["sweep", study, "--out", out.to_str().expect("text")];
-    args.extend(flags);
-    phalanx(&args)
+/// Sweeps a study, which must succeed; returns the report.
+#[track_caller]
+fn sweep(study: &str, out: &Path, flags: &[&str]) -> Value {
+    succeed_json(&[&["sweep", study, "--out", path_text(out)], flags].concat())
 }
 
 #[track_caller]
-fn assert_rejected(output: &Output, words: &[&str]) {
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(output));
-    for word in words {
-        assert!(stderr(output).contains(word), "no {word:?} in {}", stderr(output));
-    }
+fn assert_rejected(study: &str, out: &Path, flags: &[&str], words: &[&str]) {
+    cli::assert_rejected(&[&["sweep", study, "--out", path_text(out)], flags].concat(), words);
 }
 
 fn start(study: &str, out: &Path, threads: &str) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
-    command.args(["sweep", study, "--threads", threads, "--out"]).arg(out);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
+    cli::start(&["sweep", study, "--threads", threads, "--out", path_text(out)])
 }
 
 fn partial(out: &Path) -> PathBuf {
@@ -55,9 +55,7 @@ fn repeated_kills_do_not_change_the_results() {
     let directory = directory("sweep_kill");
     let study = write_short_study(&directory, 4000);
     let uninterrupted = directory.join("uninterrupted.csv");
-    let output = sweep(&study, &uninterrupted, &["--threads", "2", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let document = json(&output);
+    let document = sweep(&study, &uninterrupted, &["--threads", "2"]);
     for status in ["completed", "refused", "failed"] {
         assert!(document["by_status"][status].as_u64().expect("a count") > 50, "{document:#}");
     }
@@ -88,8 +86,7 @@ fn repeated_kills_do_not_change_the_results() {
         kills += 1;
     }
     assert!(kills >= 5, "{kills}");
-    let output = sweep(&study, &out, &["--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    sweep(&study, &out, &[]);
     assert!(fs::read(&out).expect("the file is readable") == expected, "the results differ after {kills} kills");
     assert!(!partial(&out).exists());
 }
@@ -102,20 +99,16 @@ fn a_signal_stops_the_sweep_cleanly_and_it_can_resume() {
         let out = directory.join(format!("{name}.parquet"));
         let child = start(&study, &out, "2");
         wait_for_rows(&out, 20);
-        let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
-        assert!(sent.expect("kill is available").success());
+        cli::signal(&child, name);
         let output = child.wait_with_output().expect("the process ends");
         assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-        let message = stderr(&output);
-        assert!(message.contains(&format!("interrupted by {signal}")), "{message}");
-        assert!(message.contains("the same command resumes"), "{message}");
         assert!(!out.exists());
         // Complete lines only, as many as reported.
         let rows = lines(&partial(&out)) - 2;
-        assert!(message.contains(&format!("{rows} of 6000 runs are in")), "{message}");
-        let output = sweep(&study, &out, &["--json"]);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        assert_eq!(json(&output)["now"]["runs"].as_u64(), Some(6000 - rows as u64));
+        let words =
+            [&format!("interrupted by {signal}"), "the same command resumes", &format!("{rows} of 6000 runs are in")];
+        assert_contains(stderr(&output), &words);
+        assert_eq!(sweep(&study, &out, &[])["now"]["runs"].as_u64(), Some(6000 - rows as u64));
     }
     let [int, term] =
         ["INT", "TERM"].map(|name| fs::read(directory.join(format!("{name}.parquet"))).expect("the file is readable"));
@@ -128,27 +121,19 @@ fn finished_runs_are_not_repeated() {
     let study = write_short_study(&directory, 300);
     let out = directory.join("out.csv");
     // Two partial sweeps equal one complete sweep.
-    let output = sweep(&study, &out, &["--limit", "100", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(sweep(&study, &out, &["--limit", "100"])["now"]["runs"], 100);
     assert_eq!(lines(&out), 101);
-    assert_eq!(json(&output)["now"]["runs"], 100);
-    let output = sweep(&study, &out, &["--json"]);
-    assert_eq!(json(&output)["now"]["runs"], 200);
+    assert_eq!(sweep(&study, &out, &[])["now"]["runs"], 200);
     let contents = fs::read(&out).expect("the file is readable");
-    let output = sweep(&study, &out, &["--json"]);
-    assert_eq!((json(&output)["now"]["runs"].as_u64(), output.status.code()), (Some(0), Some(0)));
-    assert!(
-        stderr(&output).contains("nothing was run") && stderr(&output).contains("--restart"),
-        "{}",
-        stderr(&output)
-    );
-    let output = sweep(&study, &out, &["--restart", "--json"]);
-    assert_eq!(json(&output)["now"]["runs"], 300);
+    let again = ["sweep", &study, "--out", path_text(&out), "--json"];
+    let output = assert_status(&again, 0, &["nothing was run", "--restart"]);
+    assert_eq!(json(&output)["now"]["runs"], 0);
+    assert_eq!(sweep(&study, &out, &["--restart"])["now"]["runs"], 300);
     assert!(fs::read(&out).expect("the file is readable") == contents);
 
     // CSV and Parquet contain the same rows.
     let other = directory.join("out.parquet");
-    assert_eq!(sweep(&study, &other, &[]).status.code(), Some(0));
+    sweep(&study, &other, &[]);
     let [csv, parquet] = [&out, &other].map(|path| table::read(path).expect("a table"));
     assert_eq!(csv.rows.len(), 300);
     for name in ["motor.torque_n_m", "mass_kg", "l12_m"] {
@@ -159,8 +144,21 @@ fn finished_runs_are_not_repeated() {
     // Rows that were removed are made again.
     let text = String::from_utf8(contents.clone()).expect("text");
     fs::write(&out, text.lines().take(200).map(|line| format!("{line}\n")).collect::<String>()).expect("written");
-    assert_eq!(json(&sweep(&study, &out, &["--json"]))["now"]["runs"], 101);
+    assert_eq!(sweep(&study, &out, &[])["now"]["runs"], 101);
     assert!(fs::read(&out).expect("the file is readable") == contents);
+    // A repeated row does not hide a missing one.
+    let mut rows: Vec<&str> = text.lines().collect();
+    rows[7] = rows[6];
+    fs::write(&out, rows.join("\n") + "\n").expect("written");
+    assert_eq!(sweep(&study, &out, &[])["now"]["runs"], 1);
+    assert!(fs::read(&out).expect("the file is readable") == contents);
+    // Damaged results are discarded on request only.
+    for flag in ["--restart", "--force"] {
+        fs::write(&out, format!("{}\n1,2\n", rows[0])).expect("written");
+        assert_rejected(&study, &out, &[], &["out.csv:", "--restart"]);
+        assert_eq!(sweep(&study, &out, &[flag])["now"]["runs"], 300);
+        assert!(fs::read(&out).expect("the file is readable") == contents);
+    }
     assert!(!partial(&out).exists());
 }
 
@@ -170,37 +168,37 @@ fn results_of_another_study_are_kept() {
     let (study, out) = (write_short_study(&directory, 50), directory.join("out.csv"));
     fs::write(&out, "another,table\n1,2\n").expect("the file is writable");
     for flags in [&[][..], &["--restart"]] {
-        assert_rejected(&sweep(&study, &out, flags), &["not replaced", "--force"]);
+        assert_rejected(&study, &out, flags, &["not replaced", "--force"]);
         assert_eq!(lines(&out), 2);
     }
-    assert_eq!(sweep(&study, &out, &["--force"]).status.code(), Some(0));
+    sweep(&study, &out, &["--force"]);
     assert_eq!(lines(&out), 51);
     // Results of another study, and a damaged or unreadable file of the study.
     let other = write_short_study_as(&directory, "other.toml", 60);
-    assert_rejected(&sweep(&other, &out, &[]), &["results of another study", "--restart"]);
+    assert_rejected(&other, &out, &[], &["results of another study", "--restart"]);
     let provenance = directory.join("out.csv.study.json");
     fs::write(&provenance, "mine").expect("written");
-    assert_rejected(&sweep(&study, &out, &[]), &["cannot read", "out.csv.study.json", "--force"]);
+    assert_rejected(&study, &out, &[], &["cannot read", "out.csv.study.json", "--force"]);
     fs::remove_file(&provenance).expect("removed");
     fs::create_dir(&provenance).expect("made");
-    assert_rejected(&sweep(&study, &out, &["--restart"]), &["cannot read", "out.csv.study.json"]);
+    assert_rejected(&study, &out, &["--restart"], &["cannot read", "out.csv.study.json"]);
     fs::remove_dir(&provenance).expect("removed");
     fs::remove_file(&out).expect("removed");
 
     // Unfinished results of a study that was changed since.
     fs::write(partial(&out), "# phalanx sweep 0123456789abcdef of 50, unfinished\nrun\n1\n")
         .expect("the file is writable");
-    assert_rejected(&sweep(&study, &out, &[]), &["another study", "--restart discards them", "another --out"]);
+    assert_rejected(&study, &out, &[], &["another study", "--restart discards them", "another --out"]);
     assert_eq!(lines(&partial(&out)), 3);
-    assert_eq!(sweep(&study, &out, &["--restart"]).status.code(), Some(0));
+    sweep(&study, &out, &["--restart"]);
     assert_eq!(lines(&out), 51);
 
     // Another file with the name of the partial file is kept even with --restart.
     let other = directory.join("other.csv");
     fs::write(partial(&other), "another file\n").expect("the file is writable");
-    assert_rejected(&sweep(&study, &other, &["--restart"]), &["contains other data"]);
+    assert_rejected(&study, &other, &["--restart"], &["contains other data"]);
     assert_eq!(fs::read_to_string(partial(&other)).expect("the file exists"), "another file\n");
-    assert_eq!(sweep(&study, &other, &["--force"]).status.code(), Some(0));
+    sweep(&study, &other, &["--force"]);
 }
 
 #[test]
@@ -209,7 +207,7 @@ fn concurrent_sweeps_of_one_table_are_rejected() {
     let (study, out) = (write_short_study(&directory, 6000), directory.join("out.csv"));
     let mut first = start(&study, &out, "1");
     wait_for_rows(&out, 5);
-    assert_rejected(&sweep(&study, &out, &["--restart"]), &["another command is writing"]);
+    assert_rejected(&study, &out, &["--restart"], &["another command is writing"]);
     assert!(first.wait().expect("the process ends").success());
     assert_eq!(lines(&out), 6001);
 }
@@ -223,15 +221,12 @@ fn arguments_are_checked_before_running() {
         [("out.txt", "neither CSV nor Parquet"), ("none/out.csv", "mkdir -p"), ("dir.csv", "is a directory")]
     {
         fs::create_dir_all(path("dir.csv")).expect("made");
-        assert_rejected(&sweep(&study, &path(out), &[]), &[words]);
+        assert_rejected(&study, &path(out), &[], &[words]);
     }
-    assert_rejected(&phalanx(&["sweep", &study]), &["--out"]);
-    let output = phalanx(&["sweep", &study, "--list"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stdout(&output).contains("50 runs") && stdout(&output).contains("motor.torque_n_m"), "{}", stdout(&output));
-    assert!(stdout(&output).contains("and 38 more"), "{}", stdout(&output));
-    let output = phalanx(&["sweep", "--schema"]);
-    assert_eq!(json(&output)["title"], "phalanx study");
+    cli::assert_rejected(&["sweep", &study], &["--out"]);
+    let output = succeed(&["sweep", &study, "--list"]);
+    assert_contains(&output, &["50 runs", "motor.torque_n_m", "and 38 more"]);
+    assert_eq!(run_json(&["sweep", "--schema"])["title"], "phalanx study");
     assert_eq!(fs::read_dir(&directory).expect("read").count(), 2, "only the study and the directory of this test");
 }
 
@@ -240,13 +235,7 @@ fn reports_that_no_run_could_be_simulated() {
     let directory = directory("sweep_nothing");
     let text = "[scene]\ndesign.base = \"15 mm\"\n[[axes]]\nfield = \"design.arm_ratio\"\nvalues = [0.4, 0.5]\n";
     let (study, out) = (write(&directory, "study.toml", text), directory.join("out.csv"));
-    let output = sweep(&study, &out, &[]);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-    assert!(stderr(&output).contains("no run could be completed"), "{}", stderr(&output));
-    assert!(
-        stdout(&output).contains("2 refused, first run 1: `design.l21_fraction` is missing"),
-        "{}",
-        stdout(&output)
-    );
+    let output = assert_status(&["sweep", &study, "--out", path_text(&out)], 3, &["no run could be completed"]);
+    assert_contains(stdout(&output), &["2 refused, first run 1: `design.l21_fraction` is missing"]);
     assert_eq!(lines(&out), 3);
 }

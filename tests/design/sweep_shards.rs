@@ -5,7 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
+use crate::support::cli::{
+    assert_contains, assert_rejected, assert_status, directory, json, path_text as text, stderr, write,
+};
 use crate::support::faults::XorShift;
 use crate::support::studies::{write_short_study, write_short_study_as};
 use phalanx::study::parts::{PartOptions, merge, write_part};
@@ -15,28 +17,16 @@ use phalanx::table;
 
 const KEEP_RUNNING: &(dyn Fn() -> bool + Sync) = &|| true;
 
-fn text(path: &Path) -> &str {
-    path.to_str().expect("a path of plain text")
-}
-
 /// Runs `phalanx sweep` and asserts success.
 #[track_caller]
 fn succeed(args: &[&str]) -> Output {
-    let output = phalanx(&[&["sweep"], args].concat());
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
-    output
+    assert_status(&[&["sweep"], args].concat(), 0, &[])
 }
 
-/// Runs `phalanx sweep`, asserts that it is rejected with these words, and returns the message.
+/// Asserts that `phalanx sweep` is rejected with these words; returns the message.
 #[track_caller]
 fn assert_failed(args: &[&str], words: &[&str]) -> String {
-    let output = phalanx(&[&["sweep"], args].concat());
-    let message = stderr(&output).to_string();
-    assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{args:?}: {message}");
-    for word in words {
-        assert!(message.contains(word), "{args:?}: no {word:?} in {message}");
-    }
-    message
+    assert_rejected(&[&["sweep"], args].concat(), words)
 }
 
 /// Simulates a part with the library and returns its path.
@@ -341,6 +331,16 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
     assert_path_rejected(&out, &["not a table written by phalanx", "not replaced", "--force"]);
     assert_eq!(bytes(&out), b"foreign");
     fs::remove_file(&out).expect("removed");
+    // A shard in a directory is an input too.
+    let (inputs, shard) = (directory.join("inputs"), directory.join("inputs/1-of-1.parquet"));
+    fs::create_dir(&inputs).expect("made");
+    part(&study, (1, 1), &inputs);
+    let valid_bytes = bytes(&shard);
+    assert_failed(
+        &["merge", file.as_str(), text(&inputs), "--out", text(&shard), "--force"],
+        &["is a shard itself, which must not change"],
+    );
+    assert!(bytes(&shard) == valid_bytes);
 
     // An interrupted merge leaves no file, and the parts are still valid.
     let before = names(&directory);
@@ -397,17 +397,16 @@ fn a_part_of_a_billion_runs_starts_immediately() {
 /// These tests detect from /proc that a part is being made.
 #[cfg(target_os = "linux")]
 mod interruption {
-    use std::process::{Child, Command, Stdio};
+    use std::process::Child;
     use std::thread::sleep;
     use std::time::{Duration, Instant};
 
     use super::*;
+    use crate::support::cli::{signal as send_signal, start};
 
     /// Starts a part and waits until the process handles signals and has started its runs.
     fn start_part(study: &str, out: &Path) -> Child {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
-        command.args(["sweep", study, "--threads", "1", "--shard", "1/2", "--out"]).arg(out);
-        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts");
+        let child = start(&["sweep", study, "--threads", "1", "--shard", "1/2", "--out", text(out)]);
         let deadline = Instant::now() + Duration::from_secs(60);
         // Bit 1 of the mask is SIGINT.
         while caught_signals(child.id()).is_none_or(|mask| mask & 2 == 0) {
@@ -440,15 +439,12 @@ mod interruption {
         }
         for (name, signal) in [("INT", "SIGINT"), ("TERM", "SIGTERM")] {
             let child = start_part(&study, &out);
-            let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
-            assert!(sent.expect("kill is available").success());
+            send_signal(&child, name);
             let output = child.wait_with_output().expect("the process ends");
             let message = stderr(&output);
             assert_eq!(output.status.code(), Some(3), "{message}");
             let interrupted = format!("shard 1/2 was interrupted by {signal}");
-            for words in [interrupted.as_str(), "of its 20000 runs", "no file was written"] {
-                assert!(message.contains(words), "no {words:?} in {message}");
-            }
+            assert_contains(message, &[interrupted.as_str(), "of its 20000 runs", "no file was written"]);
             assert_eq!(names(&parts), [""; 0]);
         }
         // A smaller study can be finished with the same commands.

@@ -4,6 +4,8 @@ use phalanx::scene;
 use phalanx::study::sweep::{Study, columns, load, parse, schema};
 use phalanx::table::{Kind, Value};
 
+use crate::support::cli::assert_contains;
+
 /// Study of design 95 with these additional lines.
 fn study(lines: &str) -> Study {
     let text = format!("scene = \"../experiment-95.toml\"\n{lines}");
@@ -33,19 +35,8 @@ fn the_thesis_study_has_192_designs_under_two_conditions() {
     let study = load("scenes/studies/thesis.toml").expect("a shipped file");
     assert_eq!((study.runs(), study.designs()), (384, 192));
     let names: Vec<String> = columns(&study).into_iter().map(|column| column.name).collect();
-    assert_eq!(
-        names[..8],
-        [
-            "run",
-            "design",
-            "contact.friction.mu_static",
-            "design.base_m",
-            "design.l21_fraction",
-            "design.phi22_rad",
-            "design.arm_ratio",
-            "l12_m"
-        ]
-    );
+    let axes = "contact.friction.mu_static design.base_m design.l21_fraction design.phi22_rad design.arm_ratio";
+    assert_eq!(names[..8].join(" "), format!("run design {axes} l12_m"));
     assert_eq!(numbers(&study, 1), [0.0, 0.012, 0.0, 90f64.to_radians(), 1.0 / 3.0]);
     assert_eq!(numbers(&study, 2), [0.0, 0.012, 0.0, 90f64.to_radians(), 0.5]);
     assert_eq!(numbers(&study, 95), [0.0, 0.0155, 1.0, 120f64.to_radians(), 0.5]);
@@ -134,6 +125,8 @@ fn reports_problems_with_their_location() {
         (field("palm", "values = [true]\nfields = [\"palm\"]"), ":5:10", "both `field` and `fields`"),
         (ratio("values = [0.5, 0.5]"), ":4:16", "twice"),
         (ratio("values = []"), ":4:10", "`axes.values` is empty"),
+        ("set = 3".to_string(), ":2:7", "`set` is a single value, but must be a table"),
+        ("sets = 3".to_string(), ":2:1", "sample, scene, set"),
         (ratio("values = 3"), ":4:10", "must be a list"),
         (ratio("from = 0.3\nto = 0.5"), ":4:8", "no `count` … [sample]"),
         (ratio("from = 0.3\nto = 0.3\ncount = 3"), ":5:6", "are equal"),
@@ -176,22 +169,17 @@ fn reports_problems_with_their_location() {
 
 #[test]
 fn reports_problems_of_the_base_scene_in_its_own_file() {
-    let error = |text: &str| parse(text, "scenes/studies/study.toml").expect_err(text).to_string();
-    let message = error("scene = \"../no-such.toml\"\n");
-    assert!(message.contains("study.toml:1:9") && message.contains("there is no such file"), "{message}");
-    let message = error("scene = \"../laws/spring.toml\"\n");
-    assert!(message.contains("laws/spring.toml:") && message.contains("a sweep simulates fingers"), "{message}");
-    let message = error("[scene]\ndesign.base = 3\n");
-    assert!(
-        message.contains("study.toml:2:15") && message.contains("`scene.design.base` is a bare number"),
-        "{message}"
-    );
-    let message = error("name = \"x\"\n");
-    assert!(message.contains("`scene` is missing"), "{message}");
-    let message = error("scene = 3\n");
-    assert!(message.contains("study.toml:1:9") && message.contains("`scene` is a bare number"), "{message}");
+    for (text, parts) in [
+        ("scene = \"../no-such.toml\"\n", ["study.toml:1:9", "there is no such file"]),
+        ("scene = \"../laws/spring.toml\"\n", ["laws/spring.toml:", "a sweep simulates fingers"]),
+        ("[scene]\ndesign.base = 3\n", ["study.toml:2:15", "`scene.design.base` is a bare number"]),
+        ("name = \"x\"\n", ["study.toml", "`scene` is missing"]),
+        ("scene = 3\n", ["study.toml:1:9", "`scene` is a bare number"]),
+    ] {
+        assert_contains(&parse(text, "scenes/studies/study.toml").expect_err(text).to_string(), &parts);
+    }
     let message = load("scenes/studies/none.toml").expect_err("no such file").to_string();
-    assert!(message.contains("cannot read study") && message.contains("there is no such file"), "{message}");
+    assert_contains(&message, &["cannot read study", "there is no such file"]);
 }
 
 #[test]

@@ -1,31 +1,13 @@
 //! Tables: bit-exact round trips in both formats, and error messages with locations.
 
 use std::fs;
-use std::path::PathBuf;
 
 use phalanx::table::{
     Column, Format, Kind, RowGroups, RowWriter, Table, Value, read, read_csv, write, write_with_metadata,
 };
 use proptest::prelude::*;
 
-/// Temporary directory that is removed at the end of a test.
-struct TestDirectory(tempfile::TempDir);
-
-impl TestDirectory {
-    fn new() -> Self {
-        TestDirectory(tempfile::tempdir().expect("a directory"))
-    }
-
-    fn file(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
-        let path = self.file(name);
-        fs::write(&path, bytes).expect("a file");
-        path
-    }
-}
+use crate::support::cli::{directory as test_directory, write_bytes};
 
 fn columns() -> Vec<Column> {
     vec![
@@ -54,9 +36,9 @@ fn sample() -> Table {
 
 #[test]
 fn both_formats_round_trip() {
-    let directory = TestDirectory::new();
+    let directory = test_directory("table_both_formats_round_trip");
     for name in ["table.csv", "table.parquet", "TABLE.CSV"] {
-        let path = directory.file(name);
+        let path = directory.join(name);
         write(&path, &sample()).expect(name);
         assert_eq!(read(&path).expect(name), sample(), "{name}");
         let first = fs::read(&path).expect(name);
@@ -65,8 +47,8 @@ fn both_formats_round_trip() {
     }
     for name in ["none.csv", "none.parquet"] {
         let empty = Table::new(columns(), Vec::new());
-        write(&directory.file(name), &empty).expect(name);
-        let reread = read(&directory.file(name)).expect(name);
+        write(&directory.join(name), &empty).expect(name);
+        let reread = read(&directory.join(name)).expect(name);
         assert!(reread.rows.is_empty());
         assert_eq!(reread.columns.len(), 4);
     }
@@ -88,20 +70,21 @@ proptest! {
         rows in prop::collection::vec(
             (value(Kind::Integer), value(Kind::Number), value(Kind::Flag), value(Kind::Text)), 0..20)
     ) {
-        let directory = TestDirectory::new();
+        let directory = test_directory("table_any_table_round_trips");
         let table = Table::new(columns(), rows.into_iter().map(|(a, b, c, d)| vec![a, b, c, d]).collect());
-        write(&directory.file("any.parquet"), &table).expect("written");
-        prop_assert_eq!(&read(&directory.file("any.parquet")).expect("read"), &table);
+        write(&directory.join("any.parquet"), &table).expect("written");
+        prop_assert_eq!(&read(&directory.join("any.parquet")).expect("read"), &table);
         // Random texts may look like numbers, which CSV cannot distinguish; the kinds are therefore given.
-        write(&directory.file("any.csv"), &table).expect("written");
-        prop_assert_eq!(&read_csv(&directory.file("any.csv"), &columns()).expect("read"), &table);
+        write(&directory.join("any.csv"), &table).expect("written");
+        prop_assert_eq!(&read_csv(&directory.join("any.csv"), &columns()).expect("read"), &table);
     }
 }
 
 #[test]
 fn kinds_of_csv_columns_are_detected() {
-    let directory = TestDirectory::new();
-    let path = directory.write("kinds.csv", "\u{feff}a,b,c,d,e,f\n1,1,true,x,,inf\n2,2.5,False,3,,info\n".as_bytes());
+    let directory = test_directory("table_kinds_of_csv_columns_are_detected");
+    let path =
+        write_bytes(&directory, "kinds.csv", "\u{feff}a,b,c,d,e,f\n1,1,true,x,,inf\n2,2.5,False,3,,info\n".as_bytes());
     let table = read(&path).expect("a table");
     let kinds: Vec<Kind> = table.columns.iter().map(|column| column.kind).collect();
     assert_eq!(kinds, [Kind::Integer, Kind::Number, Kind::Flag, Kind::Text, Kind::Text, Kind::Text]);
@@ -114,14 +97,14 @@ fn kinds_of_csv_columns_are_detected() {
 
 #[test]
 fn read_errors_name_the_location() {
-    let directory = TestDirectory::new();
+    let directory = test_directory("table_read_errors_name_the_location");
     let message = |name: &str, bytes: &[u8]| {
-        let path = directory.write(name, bytes);
+        let path = write_bytes(&directory, name, bytes);
         let text = match read(&path) {
             Err(error) => error.to_string(),
             Ok(table) => table.numbers("mass_kg").expect_err("no such numbers").to_string(),
         };
-        text.replace(&format!("{}/", directory.0.path().display()), "")
+        text.replace(&format!("{}/", directory.display()), "")
     };
     for (bytes, expected) in [
         (&b"run,mass_kg\n1,2.5\n2,heavy\n"[..], "x.csv:3, column 2 (`mass_kg`): \"heavy\" is not a number"),
@@ -138,34 +121,34 @@ fn read_errors_name_the_location() {
     }
     assert!(message("x.parquet", b"PAR1 or not").starts_with("x.parquet is not a readable Parquet table"));
     assert!(message("x.txt", b"").contains("neither CSV nor Parquet"));
-    let missing = read(&directory.file("none.csv")).expect_err("no file").to_string();
+    let missing = read(&directory.join("none.csv")).expect_err("no file").to_string();
     assert!(missing.contains("there is no such file"), "{missing}");
 }
 
 #[test]
 fn damaged_parquet_is_rejected_without_panic() {
-    let directory = TestDirectory::new();
-    let path = directory.file("whole.parquet");
+    let directory = test_directory("table_damaged_parquet_is_rejected_without_panic");
+    let path = directory.join("whole.parquet");
     write(&path, &sample()).expect("written");
     let contents = fs::read(&path).expect("read");
     for offset in 0..contents.len() {
         let mut bytes = contents.clone();
         bytes[offset] ^= 0x55;
-        let damaged = directory.write("damaged.parquet", &bytes);
+        let damaged = write_bytes(&directory, "damaged.parquet", &bytes);
         // A changed byte may still give a valid value; if not, the error names the file.
         if let Err(error) = read(&damaged) {
             assert!(error.to_string().contains("damaged.parquet"), "{error}");
         }
-        let truncated = directory.write("cut.parquet", &contents[..offset]);
+        let truncated = write_bytes(&directory, "cut.parquet", &contents[..offset]);
         assert!(read(&truncated).is_err(), "cut at {offset}");
     }
 }
 
 #[test]
 fn invalid_tables_do_not_replace_existing_files() {
-    let directory = TestDirectory::new();
+    let directory = test_directory("table_invalid_tables_do_not_replace_existing_files");
     for name in ["old.csv", "old.parquet"] {
-        let path = directory.file(name);
+        let path = directory.join(name);
         write(&path, &sample()).expect("written");
         let mut invalid = sample();
         invalid.rows[1][0] = Value::from("one");
@@ -175,7 +158,7 @@ fn invalid_tables_do_not_replace_existing_files() {
         assert!(write(&path, &invalid).is_err());
         assert_eq!(read(&path).expect("the existing file"), sample());
     }
-    let error = write(&directory.file("no/such/place.csv"), &sample()).expect_err("no directory").to_string();
+    let error = write(&directory.join("no/such/place.csv"), &sample()).expect_err("no directory").to_string();
     assert!(error.starts_with("cannot write"), "{error}");
 }
 
@@ -192,9 +175,9 @@ fn row_writer_and_row_groups_match_whole_tables() {
         ]
     };
     let table = Table::new(columns(), (1..=150_000).map(row).collect());
-    let directory = TestDirectory::new();
+    let directory = test_directory("table_row_writer_and_row_groups_match_whole_tables");
     for (name, format) in [("rows.csv", Format::Csv), ("rows.parquet", Format::Parquet)] {
-        let path = directory.file(name);
+        let path = directory.join(name);
         write(&path, &table).expect("written");
         let mut bytes = Vec::new();
         let mut writer = RowWriter::new(&mut bytes, format, &columns()).expect("written to memory");
@@ -205,12 +188,12 @@ fn row_writer_and_row_groups_match_whole_tables() {
         writer.finish(&[]).expect("written to memory");
         assert!(bytes == fs::read(&path).expect("readable"), "{name}");
     }
-    let groups = RowGroups::open(&directory.file("rows.parquet")).expect("a table");
+    let groups = RowGroups::open(&directory.join("rows.parquet")).expect("a table");
     assert_eq!((groups.columns(), groups.row_count()), (&columns()[..], 150_000));
     let groups: Vec<Vec<Vec<Value>>> = groups.collect::<Result<_, _>>().expect("valid groups");
     assert!(groups.iter().all(|rows| rows.len() <= 1 << 16) && groups.concat() == table.rows);
 
-    let with_metadata = directory.file("metadata.parquet");
+    let with_metadata = directory.join("metadata.parquet");
     write_with_metadata(&with_metadata, &sample(), &[("whose".to_string(), "mine".to_string())]).expect("written");
     let groups = RowGroups::open(&with_metadata).expect("a table");
     assert_eq!((groups.metadata_value("whose"), groups.metadata_value("else")), (Some("mine"), None));

@@ -3,9 +3,9 @@
 use std::cell::RefCell;
 use std::fs;
 use std::io::{self, Write};
-use std::path::PathBuf;
 use std::rc::Rc;
 
+use crate::support::cli::directory;
 use crate::support::synthetic::{sample, scene};
 use mcap::{MessageStream, Summary};
 use phalanx::log::{CHUNK_BYTES, LogError, RunInfo, Writer, create, partial_name};
@@ -123,13 +123,6 @@ fn full_disk_is_an_error() {
     let error = (0..SAMPLES).find_map(|i| writer.sample(&sample(1e-6 * i as f64)).err()).expect("the disk is full");
     assert_eq!(error.to_string(), "cannot write the log run.mcap: no space left");
     assert!(writer.finish().is_err());
-}
-
-fn directory(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).expect("a directory for the test");
-    path
 }
 
 #[test]

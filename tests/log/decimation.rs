@@ -1,10 +1,10 @@
 //! Decimation of samples: time grid, every step of an impact, extremes.
 
 use phalanx::scene;
-use phalanx::trace::{ContactSample, Decimated, Event, EventKind, FingerContact, Model, Sample, Sink, SinkError, run};
+use phalanx::trace::{ContactSample, Decimated, Event, EventKind, Model, Sample, Sink, SinkError, run};
 use phalanx::validate::Recording;
 
-fn decimated_run(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Recording) {
+pub fn decimated_run(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Recording) {
     let mut sink = Decimated::new(scene.log.numeric_hz, Recording::default());
     let outcome = run(model, scene, &mut sink).expect("a run");
     sink.end().expect("decimated");
@@ -78,41 +78,19 @@ fn samples_around_an_event_are_retained() {
 }
 
 #[test]
-fn retained_samples_contain_the_extremes_of_a_finger_run() {
-    for name in ["experiment-95", "long-fingers", "hard/damper-none", "hard/start-in-penetration"] {
-        let scene = scene::load(format!("scenes/{name}.toml")).expect("a scene");
+fn retained_samples_contain_the_extremes_of_a_run() {
+    let fingers = ["experiment-95", "long-fingers", "hard/damper-none", "hard/start-in-penetration"];
+    for name in fingers.into_iter().chain(["laws/impact", "laws/two-free", "laws/spring"]) {
+        let scene = scene::load_any(format!("scenes/{name}.toml")).expect("a scene");
         for model in [Model::Analytic, Model::Engine] {
             let (outcome, retained) = decimated_run(&scene, model);
-            for finger_contact in FingerContact::ALL {
-                let (mut force, mut depth) = (0.0f64, 0.0f64);
-                for sample in &retained.samples {
-                    let (f, d) = sample.contact(finger_contact).force_and_penetration();
-                    (force, depth) = (force.max(f), depth.max(d));
-                }
-                let expected = outcome.finger_contact(finger_contact);
-                let label = format!("{name} {} {}", model.name(), finger_contact.name());
-                assert_eq!(depth, expected.max_penetration_m, "{label} {:?}", retained.events);
-                assert_eq!(force, expected.peak_normal_n, "{label}");
-            }
-        }
-    }
-}
-
-#[test]
-fn retained_samples_contain_the_extremes_of_a_disc_run() {
-    for name in ["impact", "two-free", "spring"] {
-        let scene = scene::load_any(format!("scenes/laws/{name}.toml")).expect("a scene");
-        for model in [Model::Analytic, Model::Engine] {
-            let mut sink = Decimated::new(scene.log.numeric_hz, Recording::default());
-            let outcome = run(model, &scene, &mut sink).expect("a run");
-            sink.end().expect("decimated");
-            for (pair, expected) in outcome.contacts.iter().enumerate() {
+            for (contact, expected) in outcome.contacts.iter().enumerate() {
                 let largest = |value: fn(&ContactSample) -> f64| {
-                    sink.sink.samples.iter().map(|sample| value(&sample.contacts[pair])).fold(0.0, f64::max)
+                    retained.samples.iter().map(|sample| value(&sample.contacts[contact])).fold(0.0, f64::max)
                 };
-                let label = format!("{name} {}", model.name());
-                assert_eq!(largest(|contact| -contact.gap_m), expected.max_penetration_m, "{label}");
-                assert_eq!(largest(|contact| contact.normal_n), expected.peak_normal_n, "{label}");
+                let label = format!("{name} {} {contact} {:?}", model.name(), retained.events);
+                assert_eq!(largest(|contact| contact.force_and_penetration().1), expected.max_penetration_m, "{label}");
+                assert_eq!(largest(|contact| contact.force_and_penetration().0), expected.peak_normal_n, "{label}");
             }
         }
     }
@@ -139,13 +117,8 @@ fn steps_are_retained_within_impacts_but_not_in_between() {
             assert!(all.len() >= 3 && all.iter().all(|t| retained_times.contains(t)), "{} {event:?}", model.name());
         }
         let (all, retained_times) = (within(&all_samples.samples, 1e-3, 4e-3), within(&retained.samples, 1e-3, 4e-3));
-        assert!(
-            retained_times.len() >= 30 && retained_times.len() <= 34,
-            "{} {} of {}",
-            model.name(),
-            retained_times.len(),
-            all.len()
-        );
+        let count = retained_times.len();
+        assert!((30..=34).contains(&count), "{} {count} of {}", model.name(), all.len());
         assert!(retained.samples.windows(2).all(|pair| pair[0].time_s <= pair[1].time_s));
     }
 }

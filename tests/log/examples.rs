@@ -18,7 +18,7 @@ mod torque;
 
 use phalanx::trace::FingerContact;
 
-use crate::support::cli::{directory, phalanx, stderr};
+use crate::support::cli::{directory, path_text, succeed};
 
 #[test]
 fn closing_example_contacts_both_phalanges() {
@@ -55,8 +55,7 @@ fn logged_example_writes_and_reads_a_valid_log() {
     assert_eq!(reading.run_end.expect("an end").stopped, None);
     assert_eq!(reading.samples, recording.time().len() as u64);
     assert_eq!(recording.column("motor_torque_n_m").expect("a column").first(), Some(&0.0));
-    let output = phalanx(&["replay", path.to_str().expect("text"), "--verify"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    succeed(&["replay", path_text(&path), "--verify"]);
 }
 
 #[test]

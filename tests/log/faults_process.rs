@@ -4,13 +4,15 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Output};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::support::cli::{EXPERIMENT_95, directory, json, phalanx, stderr, stdout, write};
+use crate::support::cli::{
+    EXPERIMENT_95, assert_rejected, assert_status, directory, json, path_text, signal, start, stderr, stdout, succeed,
+    write,
+};
 use crate::support::faults::{LogItems, XorShift, read_bytes, read_path, write_long_hold_scene};
 use phalanx::log::{Loss, LossKind, ReadError};
 
@@ -21,9 +23,7 @@ const MAX_DELAY_MS: usize = 60;
 const OLDER_LOG: &[u8] = b"\x89MCAP0\r\nthe header of an older phalanx log";
 
 fn start_run(scene: &str, log: &Path) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
-    command.args(["run", scene, "--json", "--log"]).arg(log);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
+    start(&["run", scene, "--json", "--log", path_text(log)])
 }
 
 fn partial(log: &Path) -> PathBuf {
@@ -39,23 +39,14 @@ fn wait_for_file(path: &Path) {
     }
 }
 
-fn signal(child: &Child, name: &str) {
-    let status = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
-    assert!(status.expect("kill is installed").success());
-}
-
-fn wait_for_exit(mut child: Child) -> Output {
-    let mut output = Output { status: child.wait().expect("ends"), stdout: Vec::new(), stderr: Vec::new() };
-    child.stdout.take().expect("piped").read_to_end(&mut output.stdout).expect("read");
-    child.stderr.take().expect("piped").read_to_end(&mut output.stderr).expect("read");
-    output
+fn wait_for_exit(child: Child) -> Output {
+    child.wait_with_output().expect("ends")
 }
 
 /// Bytes and contents of the log of the same run without interruption.
 fn uninterrupted_run(scene: &str, directory: &Path) -> (Vec<u8>, LogItems) {
     let log = directory.join("undisturbed.mcap");
-    let output = phalanx(&["run", scene, "--log", log.to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeed(&["run", scene, "--log", path_text(&log)]);
     let (reading, items) = read_path(&log);
     assert!(reading.is_complete() && reading.chunks > 20, "{} chunks", reading.chunks);
     (fs::read(log).expect("the log"), items)
@@ -106,12 +97,9 @@ fn killed_run_leaves_a_log_readable_up_to_its_last_chunk() {
     println!("faults: {} kills, {read} of them with samples in the log", KILL_COUNT - finished);
 
     // `replay` mentions the partial log.
-    let output = phalanx(&["replay", directory.join("gone.mcap").to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(2));
+    assert_rejected(&["replay", directory.join("gone.mcap").to_str().expect("text")], &[]);
     fs::write(directory.join("gone.mcap.partial"), &bytes[..bytes.len() / 2]).expect("written");
-    let output = phalanx(&["replay", directory.join("gone.mcap").to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("gone.mcap.partial"), "{}", stderr(&output));
+    assert_rejected(&["replay", directory.join("gone.mcap").to_str().expect("text")], &["gone.mcap.partial"]);
 }
 
 #[test]
@@ -152,10 +140,8 @@ fn interrupts_a_run_without_log_and_with_rare_samples() {
     // A free swing never comes to rest, so the run takes small steps for minutes and samples are rare.
     let text = fs::read_to_string("scenes/free-swing.toml").expect("the scene");
     let scene = write(&directory, "seldom.toml", &format!("{text}\n[log]\nnumeric_rate = \"0.01 Hz\"\n"));
-    for model in [["--model", "engine"], ["--model", "analytic"]] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
-        command.args(["run", &scene, "--duration", "50 s"]).args(model).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let child = command.spawn().expect("the binary starts");
+    for model in ["engine", "analytic"] {
+        let child = start(&["run", &scene, "--duration", "50 s", "--model", model]);
         sleep(Duration::from_millis(300));
         signal(&child, "INT");
         let start = Instant::now();
@@ -171,9 +157,7 @@ fn interrupts_a_run_without_log_and_with_rare_samples() {
 fn interrupted_validation_keeps_older_files() {
     let out = directory("faults_validate_interrupt");
     let older = older_validation(&out);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
-    command.args(["validate", EXPERIMENT_95, "--out"]).arg(&out).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let child = command.spawn().expect("the binary starts");
+    let child = start(&["validate", EXPERIMENT_95, "--out", path_text(&out)]);
     sleep(Duration::from_millis(250));
     signal(&child, "TERM");
     let output = wait_for_exit(child);
@@ -184,8 +168,7 @@ fn interrupted_validation_keeps_older_files() {
 
 /// Writes the files of a validation and returns them by name.
 fn older_validation(out: &Path) -> BTreeMap<String, Vec<u8>> {
-    let output = phalanx(&["validate", "scenes/free-swing.toml", "--quick", "--out", out.to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeed(&["validate", "scenes/free-swing.toml", "--quick", "--out", path_text(out)]);
     let files = read_directory(out);
     assert_eq!(files.len(), 9);
     files
@@ -210,21 +193,13 @@ fn full_disk_is_reported_and_keeps_the_older_log() {
     let scene = write_long_hold_scene(&directory, "200 ms", "50 kHz");
     let (bytes, complete_items) = uninterrupted_run(&scene, &directory);
     let log = directory.join("run.mcap");
-    let path = log.to_str().expect("text");
+    let path = path_text(&log);
     fs::write(&log, OLDER_LOG).expect("written");
     let required_blocks = bytes.len() / 512;
     let mut last = 0;
-    let quotas = [
-        1,
-        4,
-        10,
-        required_blocks / 8,
-        required_blocks / 4,
-        required_blocks / 2,
-        required_blocks * 3 / 4,
-        required_blocks,
-    ];
-    for quota in quotas {
+    let fractions = [1, 2, 4, 6, 8].map(|eighths| required_blocks * eighths / 8);
+    let quotas = [&[1, 4, 10][..], &fractions].concat();
+    for &quota in &quotas {
         let output = run_with_file_size_limit(quota, &["run", &scene, "--log", path]);
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(3), "{quota} blocks: {message}");
@@ -240,16 +215,13 @@ fn full_disk_is_reported_and_keeps_the_older_log() {
         let (reading, items) = read_bytes(&remaining);
         assert!(!reading.expect("the beginning of a log").is_complete(), "{quota} blocks");
         items.assert_prefix_of(&complete_items, &format!("{quota} blocks"));
-        assert!(
-            items.sample_count() * 3 > complete_items.sample_count() || quota < required_blocks / 2,
-            "{quota} blocks"
-        );
+        let has_third = items.sample_count() * 3 > complete_items.sample_count();
+        assert!(has_third || quota < required_blocks / 2, "{quota} blocks");
         last = quota;
     }
     assert_eq!(last, required_blocks);
     // With enough space, the next run replaces the partial log.
-    let output = phalanx(&["run", &scene, "--log", path]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeed(&["run", &scene, "--log", path]);
     assert!(fs::read(&log).expect("the log") == bytes && !partial(&log).exists());
     println!("faults: {} file size limits", quotas.len());
 }
@@ -260,11 +232,8 @@ fn writes_to_full_and_null_devices() {
         println!("not tested: /dev/full does not exist");
         return;
     }
-    let output = phalanx(&["run", EXPERIMENT_95, "--log", "/dev/full"]);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-    assert!(stderr(&output).contains("cannot write the log /dev/full: No space left"), "{}", stderr(&output));
-    let output = phalanx(&["run", EXPERIMENT_95, "--log", "/dev/null"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_status(&["run", EXPERIMENT_95, "--log", "/dev/full"], 3, &["cannot write the log /dev/full: No space left"]);
+    succeed(&["run", EXPERIMENT_95, "--log", "/dev/null"]);
     assert!(Path::new("/dev/null").exists() && !Path::new("/dev/null.partial").exists());
     // A run fails if the device of its standard output is full.
     let full_device = fs::OpenOptions::new().write(true).open("/dev/full").expect("writable");
@@ -321,11 +290,11 @@ fn rejects_an_unwritable_directory() {
         return;
     }
     let log = unwritable.join("run.mcap");
-    let output = phalanx(&["run", EXPERIMENT_95, "--log", log.to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("give a writable path"), "{}", stderr(&output));
-    let output = phalanx(&["validate", EXPERIMENT_95, "--quick", "--out", unwritable.to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert_rejected(
+        &["run", EXPERIMENT_95, "--log", path_text(&log)],
+        &["give a file in a directory where you may write"],
+    );
+    assert_rejected(&["validate", EXPERIMENT_95, "--quick", "--out", path_text(&unwritable)], &[]);
     fs::set_permissions(&directory, fs::Permissions::from_mode(0o755)).expect("set");
 }
 
@@ -334,7 +303,7 @@ fn full_disk_during_validation_keeps_the_older_report() {
     let out = directory("faults_validate_full");
     let older = older_validation(&out);
     // The limit is too small for any picture.
-    let path = out.to_str().expect("text");
+    let path = path_text(&out);
     let output = run_with_file_size_limit(4, &["validate", "scenes/free-swing.toml", "--quick", "--out", path]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stderr(&output).contains("cannot write") && stderr(&output).contains(".svg"), "{}", stderr(&output));
@@ -348,9 +317,7 @@ fn rejects_a_second_run_with_the_same_log() {
     let log = directory.join("run.mcap");
     let first = start_run(&scene, &log);
     wait_for_file(&partial(&log));
-    let output = phalanx(&["run", EXPERIMENT_95, "--log", log.to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("another run is writing it"), "{}", stderr(&output));
+    assert_rejected(&["run", EXPERIMENT_95, "--log", path_text(&log)], &["another run is writing it"]);
     sleep(Duration::from_millis(100));
     signal(&first, "INT");
     assert_eq!(wait_for_exit(first).status.code(), Some(3));
@@ -372,8 +339,7 @@ fn writes_a_log_to_a_pipe() {
     let copy = directory.join("copy");
     let out = fs::File::create(&copy).expect("made");
     let mut reader = Command::new("cat").arg(&make_fifo).stdout(out).spawn().expect("cat is installed");
-    let output = phalanx(&["run", EXPERIMENT_95, "--log", make_fifo.to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeed(&["run", EXPERIMENT_95, "--log", path_text(&make_fifo)]);
     assert!(reader.wait().expect("ends").success());
     assert!(read_bytes(&fs::read(copy).expect("readable")).0.expect("a log").is_complete());
     assert!(!partial(&make_fifo).exists());

@@ -1,8 +1,7 @@
 //! Logs with reordered messages, missing topics or other compression: same results, or a reason and exit status 1.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
 use std::time::{Duration, Instant};
 
@@ -10,7 +9,9 @@ use mcap::{Compression, WriteOptions};
 use phalanx::trace::Model;
 use serde_json::Value;
 
-use crate::support::cli::{directory, json, phalanx, stderr, stdout};
+use crate::support::cli::{
+    assert_contains, assert_status, directory, json, path_in, path_text, phalanx, stderr, stdout, write_bytes,
+};
 use crate::support::faults::XorShift;
 use crate::support::replay::{
     DISC_SCENE, FINGER_SCENE, LogContents, LogEdits, Message, edit_log, log, read_contents, recompress_chunks,
@@ -27,14 +28,10 @@ const RUNS: [(&str, Model); 6] = [
     (DISC_SCENE, Model::Engine),
 ];
 
-fn write_log(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = directory.join(name);
-    fs::write(&path, bytes).expect("written");
-    path
-}
-
-fn replay(log: &Path, extra_args: &[&str]) -> Output {
-    phalanx(&[&["replay", log.to_str().expect("text")], extra_args].concat())
+/// Replays a log; asserts the exit status, and that standard error contains each of `parts`.
+#[track_caller]
+fn replay(log: &Path, extra_args: &[&str], status: i32, parts: &[&str]) -> Output {
+    assert_status(&[&["replay", path_text(log)], extra_args].concat(), status, parts)
 }
 
 /// Report of a log without its name and size.
@@ -43,9 +40,7 @@ fn report(log: &Path, status: i32) -> Value {
 }
 
 fn report_of(log: &Path, extra_args: &[&str], status: i32) -> Value {
-    let output = replay(log, &[&["--json"], extra_args].concat());
-    assert_eq!(output.status.code(), Some(status), "{}", stderr(&output));
-    let mut report = json(&output);
+    let mut report = json(&replay(log, &[&["--json"], extra_args].concat(), status, &[]));
     for key in ["log", "bytes"] {
         report.as_object_mut().expect("an object").remove(key);
     }
@@ -99,20 +94,20 @@ fn message_order_does_not_change_the_report() {
     let directory = directory("order_any");
     for (scene, model) in RUNS {
         let bytes = log(scene, model, 1e4);
-        let original = write_log(&directory, "whole.mcap", &bytes);
+        let original = write_bytes(&directory, "whole.mcap", &bytes);
         let expected = report(&original, 0);
-        let table = replay(&original, &["--csv", "-"]);
+        let table = replay(&original, &["--csv", "-"], 0, &[]);
         let results = [&expected["criteria"], &expected["grasp"], &expected["contacts"]];
         assert!(results.iter().any(|figures| !figures.is_null()) && expected["samples"].as_u64() > Some(50), "{scene}");
         for (order, bytes) in reorderings(&read_contents(&bytes)) {
             let label = format!("{scene}, {}, {order}", model.name());
-            let path = write_log(&directory, "reordered.mcap", &bytes);
+            let path = write_bytes(&directory, "reordered.mcap", &bytes);
             let mut document = report(&path, 0);
             if order == "every message twice" {
                 document["messages"] = expected["messages"].clone();
             }
             assert_eq!(document, expected, "{label}");
-            assert_eq!(stdout(&replay(&path, &["--csv", "-"])), stdout(&table), "{label}");
+            assert_eq!(stdout(&replay(&path, &["--csv", "-"], 0, &[])), stdout(&table), "{label}");
         }
     }
 }
@@ -122,10 +117,10 @@ fn verifies_messages_in_any_order() {
     let directory = directory("order_verify");
     for (scene, model) in [(FINGER_SCENE, Model::Engine), (GRIPPER, Model::Analytic), (DISC_SCENE, Model::Analytic)] {
         let bytes = log(scene, model, 1e4);
-        let samples = &report(&write_log(&directory, "whole.mcap", &bytes), 0)["samples"];
+        let samples = &report(&write_bytes(&directory, "whole.mcap", &bytes), 0)["samples"];
         let contents = read_contents(&bytes);
         for (order, bytes) in reorderings(&contents) {
-            let path = write_log(&directory, "reordered.mcap", &bytes);
+            let path = write_bytes(&directory, "reordered.mcap", &bytes);
             let verification = &report_of(&path, &["--verify"], 0)["verification"];
             assert_eq!((&verification["same"], &verification["complete"]), (&true.into(), &true.into()), "{order}");
             assert_eq!(&verification["samples_compared"], samples, "{scene}, {order}");
@@ -134,10 +129,17 @@ fn verifies_messages_in_any_order() {
         let mut messages = shuffle(&contents.messages, 9);
         let index = messages.iter().position(|message| message.topic == "/energy").expect("a message");
         *messages[index].data.last_mut().expect("a byte") ^= 1;
-        let path = write_log(&directory, "planted.mcap", &contents.log(&messages, options()));
+        let path = write_bytes(&directory, "planted.mcap", &contents.log(&messages, options()));
         let verification = &report_of(&path, &["--verify"], 1)["verification"];
         assert_eq!((&verification["same"], &verification["samples_differing"]), (&false.into(), &1.into()), "{scene}");
         assert_eq!(verification["first_difference"]["quantity"], "balance_j");
+        // So is an event at another log time, because the class depends on the order of events and samples.
+        let mut messages = shuffle(&contents.messages, 9);
+        let event = messages.iter_mut().find(|message| message.topic.starts_with("/impact/")).expect("an event");
+        event.log_time_ns += 1000;
+        let path = write_bytes(&directory, "displaced.mcap", &contents.log(&messages, options()));
+        let verification = &report_of(&path, &["--verify"], 1)["verification"];
+        assert_eq!(verification["events_differing"], 1, "{scene}: {verification:#}");
     }
 }
 
@@ -150,7 +152,7 @@ fn reads_a_truncated_log_out_of_order() {
     let mut by_time = shuffle(&contents.messages, 3);
     by_time.sort_by_key(|message| message.log_time_ns);
     let bytes = contents.log(&by_time, options());
-    let truncated = write_log(&directory, "cut.mcap", &bytes[..bytes.len() / 2]);
+    let truncated = write_bytes(&directory, "cut.mcap", &bytes[..bytes.len() / 2]);
     let document = report(&truncated, 1);
     assert_eq!((&document["whole"], &document["criteria"]), (&false.into(), &Value::Null));
     assert!(document["samples"].as_u64() > Some(500), "{document}");
@@ -192,19 +194,15 @@ fn reports_a_missing_topic_and_omits_dependent_results() {
                     continue;
                 }
                 let label = format!("{scene}, {}: {amount} of {topic}", model.name());
-                let path = write_log(&directory, "without.mcap", &remove_messages(&contents, topic, drops));
-                let output = replay(&path, &["--json"]);
-                assert_eq!(output.status.code(), Some(1), "{label}: {}", stderr(&output));
-                assert!(stderr(&output).contains(&format!("missing data: {topic} ")), "{label}: {}", stderr(&output));
-                let document = json(&output);
+                let path = write_bytes(&directory, "without.mcap", &remove_messages(&contents, topic, drops));
+                let document = json(&replay(&path, &["--json"], 1, &[&format!("missing data: {topic} ")]));
                 let missing = document["missing"].as_array().expect("a list");
                 assert!(missing.iter().any(|missing| missing["topic"] == topic), "{label}: {missing:?}");
                 assert_eq!(document["whole"], true, "{label}: nothing is damaged");
                 let verdicts = [&document["criteria"], &document["grasp"]].iter().any(|verdict| !verdict.is_null());
                 assert_eq!(verdicts, has_verdict && scene != DISC_SCENE, "{label}");
                 assert!(document["samples"].as_u64() > Some(50), "{label}: other topics are read");
-                let text = replay(&path, &[]);
-                assert_eq!(text.status.code(), Some(1), "{label}");
+                let text = replay(&path, &[], 1, &[]);
                 assert!(stdout(&text).contains(&format!("MISSING: {topic} ")), "{label}:\n{}", stdout(&text));
                 assert!(!stdout(&text).contains("NaN"), "{label}:\n{}", stdout(&text));
                 let has_words = ["stable", "not grasped", "first held"].iter().any(|word| stdout(&text).contains(word));
@@ -222,7 +220,7 @@ fn reports_a_missing_topic_and_omits_dependent_results() {
         let is_required =
             |message: &&Message| !["/tf", "/tf_static", "/scene", "/forces"].contains(&message.topic.as_str());
         let remaining: Vec<Message> = contents.messages.iter().filter(is_required).cloned().collect();
-        let path = write_log(&directory, "undrawn.mcap", &contents.log(&remaining, options()));
+        let path = write_bytes(&directory, "undrawn.mcap", &contents.log(&remaining, options()));
         assert_eq!(report(&path, 0)["missing"], Value::Array(Vec::new()), "{scene}");
     }
 }
@@ -231,39 +229,28 @@ fn reports_a_missing_topic_and_omits_dependent_results() {
 fn every_mode_reports_missing_topics() {
     let directory = directory("order_modes");
     let bytes = log(FINGER_SCENE, Model::Analytic, 1e4);
-    let original = write_log(&directory, "whole.mcap", &bytes);
+    let original = write_bytes(&directory, "whole.mcap", &bytes);
     let contents = read_contents(&bytes);
-    let path = write_log(&directory, "without.mcap", &remove_messages(&contents, "/contact/distal", &|_| true));
-    let name = |file: &str| directory.join(file).to_str().expect("text").to_string();
-    let assert_missing_topic = |output: &Output| {
-        assert_eq!(output.status.code(), Some(1), "{}", stderr(output));
-        assert!(stderr(output).contains("missing data: /contact/distal "), "{}", stderr(output));
-    };
+    let path = write_bytes(&directory, "without.mcap", &remove_messages(&contents, "/contact/distal", &|_| true));
+    let name = |file: &str| path_in(&directory, file);
+    let replay = |log: &Path, args: &[&str]| replay(log, args, 1, &["missing data: /contact/distal "]);
     // Its columns are empty.
     let output = replay(&path, &["--csv", "-"]);
-    assert_missing_topic(&output);
     let heads: Vec<&str> = stdout(&output).lines().next().expect("names").split(',').collect();
     let last: Vec<&str> = stdout(&output).lines().last().expect("a row").split(',').collect();
     let cell = |column: &str| last[heads.iter().position(|head| *head == column).expect("a column")];
     assert_eq!(cell("distal_normal_n"), "");
     assert!(cell("proximal_normal_n").parse::<f64>().is_ok() && cell("q11_rad").parse::<f64>().is_ok());
-    assert_missing_topic(&replay(&path, &["--csv", &name("table.csv")]));
+    replay(&path, &["--csv", &name("table.csv")]);
     // No page is written.
-    assert_missing_topic(&replay(&path, &["--html", &name("page.html")]));
+    replay(&path, &["--html", &name("page.html")]);
     assert!(!directory.join("page.html").exists());
-    let output = replay(&path, &["--against", original.to_str().expect("text"), "--json"]);
-    assert_missing_topic(&output);
-    assert!(stdout(&output).contains("missing in "), "{}", stdout(&output));
-    let output = replay(&original, &["--against", path.to_str().expect("text"), "--out", &name("both")]);
-    assert_missing_topic(&output);
+    let output = replay(&path, &["--against", path_text(&original), "--json"]);
+    assert_contains(stdout(&output), &["missing in "]);
+    replay(&original, &["--against", path_text(&path), "--out", &name("both")]);
     assert!(!directory.join("both/page.html").exists() && directory.join("both/overlay.svg").exists());
-    assert_missing_topic(&replay(
-        &original,
-        &["--against", path.to_str().expect("text"), "--html", &name("both.html")],
-    ));
-    let output = replay(&path, &["--verify", "--json"]);
-    assert_missing_topic(&output);
-    let verification = &json(&output)["verification"];
+    replay(&original, &["--against", path_text(&path), "--html", &name("both.html")]);
+    let verification = &json(&replay(&path, &["--verify", "--json"]))["verification"];
     assert_eq!((&verification["same"], &verification["complete"]), (&false.into(), &false.into()));
 }
 
@@ -274,7 +261,7 @@ fn incomplete_logs_have_no_class() {
         let contents = read_contents(&log(scene, model, 1e4));
         let remaining: Vec<Message> =
             contents.messages.iter().filter(|message| message.topic == "/events").cloned().collect();
-        let path = write_log(&directory, "empty.mcap", &contents.log(&remaining, options()));
+        let path = write_bytes(&directory, "empty.mcap", &contents.log(&remaining, options()));
         let document = report(&path, 1);
         assert_eq!(document["samples"], 0, "{scene}");
         assert!(document["criteria"].is_null() && document["grasp"].is_null(), "{scene}: {document}");
@@ -284,7 +271,7 @@ fn incomplete_logs_have_no_class() {
     let contents = read_contents(&log(FINGER_SCENE, Model::Analytic, 1e4));
     let delayed: Vec<Message> =
         contents.messages.iter().filter(|message| message.log_time_ns > 3_000_000).cloned().collect();
-    let path = write_log(&directory, "late.mcap", &contents.log(&delayed, options()));
+    let path = write_bytes(&directory, "late.mcap", &contents.log(&delayed, options()));
     let document = report(&path, 1);
     assert_eq!(document["criteria"], Value::Null);
     assert!(document["missing"].to_string().contains("has no message before 3."), "{document}");
@@ -295,25 +282,22 @@ fn reads_lz4_and_reports_unknown_compression() {
     let directory = directory("order_lz4");
     for (scene, model) in [(FINGER_SCENE, Model::Analytic), (GRIPPER, Model::Engine), (DISC_SCENE, Model::Engine)] {
         let bytes = log(scene, model, 1e4);
-        let expected = report(&write_log(&directory, "whole.mcap", &bytes), 0);
+        let expected = report(&write_bytes(&directory, "whole.mcap", &bytes), 0);
         let contents = read_contents(&bytes);
         let uncompressed = contents.log(&contents.messages, options().compression(None::<Compression>));
-        assert_eq!(report(&write_log(&directory, "plain.mcap", &uncompressed), 0), expected, "{scene}");
+        assert_eq!(report(&write_bytes(&directory, "plain.mcap", &uncompressed), 0), expected, "{scene}");
         let compressed = contents.log(&contents.messages, options().compression(Some(Compression::Lz4)));
         assert!(compressed.len() < uncompressed.len(), "{scene}");
-        assert_eq!(report(&write_log(&directory, "lz4.mcap", &compressed), 0), expected, "{scene}");
+        assert_eq!(report(&write_bytes(&directory, "lz4.mcap", &compressed), 0), expected, "{scene}");
         // A chunk that cannot be decompressed counts as damaged.
         let broken = recompress_chunks(&uncompressed, "lz4", &|records| records.to_vec());
-        let document = report(&write_log(&directory, "broken.mcap", &broken), 1);
+        let document = report(&write_bytes(&directory, "broken.mcap", &broken), 1);
         assert!(document["losses"].to_string().contains("cannot be decompressed"), "{document}");
         // An unknown compression is reported, but not as damage.
         let unknown = recompress_chunks(&uncompressed, "brotli", &|records| records.to_vec());
-        let path = write_log(&directory, "brotli.mcap", &unknown);
-        let output = replay(&path, &["--json"]);
-        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-        for part in ["compressed with \"brotli\"", "not supported", "mcap compress"] {
-            assert!(stderr(&output).contains(part), "no {part} in {}", stderr(&output));
-        }
+        let path = write_bytes(&directory, "brotli.mcap", &unknown);
+        let parts = ["compressed with \"brotli\"", "not supported", "mcap compress"];
+        let output = replay(&path, &["--json"], 1, &parts);
         assert!(!stderr(&output).contains("damaged"), "{}", stderr(&output));
         let document = json(&output);
         assert!(document["criteria"].is_null() && document["grasp"].is_null(), "{document}");
@@ -329,17 +313,12 @@ fn reports_an_inconsistent_log_immediately() {
             entries.insert("duration_s".to_string(), "150".to_string());
         };
         let bytes = edit_log(&log(scene, Model::Analytic, 1e4), &LogEdits { metadata: &longer, ..LogEdits::default() });
-        let path = write_log(&directory, "long.mcap", &bytes);
+        let path = write_bytes(&directory, "long.mcap", &bytes);
         let start = Instant::now();
-        let output = replay(&path, &["--json"]);
-        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-        assert!(stderr(&output).contains("the log is inconsistent"), "{}", stderr(&output));
-        let report = json(&output);
+        let report = json(&replay(&path, &["--json"], 1, &["the log is inconsistent"]));
         assert_eq!((&report["completed"], &report["criteria"]), (&false.into(), &Value::Null));
-        assert!(stdout(&replay(&path, &[])).contains("NOT COMPLETED: stopped at "));
-        let output = replay(&path, &["--verify", "--json"]);
-        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-        let report = &json(&output)["verification"];
+        assert_contains(stdout(&phalanx(&["replay", path_text(&path)])), &["NOT COMPLETED: stopped at "]);
+        let report = &report_of(&path, &["--verify"], 1)["verification"];
         assert_eq!(report["complete"], false, "{report:#}");
         assert!(report["samples_compared"].as_u64() > Some(50), "{report:#}");
         assert!(start.elapsed() < Duration::from_secs(60));

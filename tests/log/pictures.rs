@@ -8,38 +8,25 @@ use mcap::MessageStream;
 use phalanx::drawing::{self, Drawing, Shape};
 use phalanx::log::{RunInfo, Writer};
 use phalanx::scene::{self, Scene};
-use phalanx::trace::{Decimated, Event, FingerContact, Model, Sample, Sink, SinkError, run};
+use phalanx::trace::{Decimated, FingerContact, Model, Sample, run};
+
+use super::decimation::decimated_run;
 
 /// A message: topic, log time, payload.
 type RawMessage = (String, u64, Vec<u8>);
-
-/// Records the samples that the log receives.
-struct RecordingSink<W: Sink> {
-    writer: W,
-    samples: Vec<Sample>,
-}
-
-impl<W: Sink> Sink for RecordingSink<W> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.samples.push(sample.clone());
-        self.writer.sample(sample)
-    }
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.writer.event(event)
-    }
-}
 
 fn load(name: &str) -> Scene {
     scene::load(format!("scenes/{name}.toml")).expect("a scene")
 }
 
+/// Messages in the log of a run, and the samples that the log receives.
 fn log_run(scene: &Scene, model: Model) -> (Vec<RawMessage>, Vec<Sample>) {
     let info = RunInfo { scene, scene_file: "scene.toml", model: model.name() };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-    let mut sink = Decimated::new(scene.log.numeric_hz, RecordingSink { writer, samples: Vec::new() });
+    let mut sink = Decimated::new(scene.log.numeric_hz, writer);
     run(model, scene, &mut sink).expect("a run");
     sink.end().expect("written");
-    (messages(&sink.sink.writer.finish().expect("finished")), sink.sink.samples)
+    (messages(&sink.sink.finish().expect("finished")), decimated_run(scene, model).1.samples)
 }
 
 fn messages(bytes: &[u8]) -> Vec<RawMessage> {
@@ -84,10 +71,8 @@ fn frames_match_body_poses() {
             for ((body, pose), frame) in moving.into_iter().zip(&frames.transforms) {
                 assert_eq!((frame.parent_frame_id.as_str(), &frame.child_frame_id), ("world", &body.name));
                 let translation = frame.translation.expect("a translation");
-                assert_eq!(
-                    [translation.x, translation.y, translation.z],
-                    [pose.position_m[0], pose.position_m[1], 0.0]
-                );
+                let [x, y] = pose.position_m;
+                assert_eq!([translation.x, translation.y, translation.z], [x, y, 0.0]);
                 assert!(((rotation_angle(frame.rotation) - pose.angle_rad) * 0.5).sin().abs() < 1e-14, "{}", body.name);
                 let timestamp = frame.timestamp.expect("a timestamp");
                 assert_eq!(u64::from(timestamp.sec()) * 1_000_000_000 + u64::from(timestamp.nsec()), message.1);
@@ -211,12 +196,7 @@ fn frames_precede_shapes_and_forces_at_each_instant() {
 #[test]
 fn draws_discs() {
     let scene = scene::load_any("scenes/laws/two-free.toml").expect("a scene");
-    let info = RunInfo { scene: &scene, scene_file: "two-free.toml", model: "analytic" };
-    let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-    let mut sink = Decimated::new(scene.log.numeric_hz, writer);
-    run(Model::Analytic, &scene, &mut sink).expect("a run");
-    sink.end().expect("written");
-    let messages = messages(&sink.sink.finish().expect("finished"));
+    let (messages, _) = log_run(&scene, Model::Analytic);
     let last = messages_on_topic(&messages, "/tf").last().expect("pictures");
     for (frame, disc) in decode_transforms(last).transforms.iter().zip(&scene.system.discs) {
         assert_eq!(frame.child_frame_id, disc.name);
@@ -227,10 +207,8 @@ fn draws_discs() {
         let translation = frame.translation.expect("a translation");
         assert_eq!((translation.x, translation.y), (number(1), number(2)));
     }
-    assert_eq!(
-        update(messages_on_topic(&messages, "/scene").next().expect("shapes")).entities.len(),
-        scene.system.discs.len()
-    );
+    let shapes = update(messages_on_topic(&messages, "/scene").next().expect("shapes"));
+    assert_eq!(shapes.entities.len(), scene.system.discs.len());
     assert!(messages_on_topic(&messages, "/forces").any(|message| !update(message).entities[0].arrows.is_empty()));
     let end = update(messages_on_topic(&messages, "/forces").last().expect("forces"));
     assert!(end.entities[0].arrows.is_empty(), "the discs have separated");

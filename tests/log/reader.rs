@@ -141,14 +141,17 @@ fn reports_damage_outside_chunks_and_keeps_all_samples() {
     assert!(items_read == items && reading.scene.is_none());
     assert!(reading.losses[0].kind == LossKind::Scene, "{:?}", reading.losses);
 
-    let mut metadata_damaged = bytes.clone();
-    metadata_damaged[find(b"rodas5p")] ^= 1;
-    let (reading, items_read) = read_log(&metadata_damaged);
-    assert!(
-        items_read == items && reading.losses[0].description.contains("outside the chunks"),
-        "{:?}",
-        reading.losses
-    );
+    // The length of the profile in the header, a setting, and the length of an index of messages.
+    let index = mcap::Summary::read(&bytes).expect("readable").expect("indexed");
+    let message_index = *index.chunk_indexes[1].message_index_offsets.values().next().expect("an index") as usize;
+    for at_byte in [mcap::MAGIC.len() + 9, find(b"rodas5p"), message_index + 9 + 2] {
+        let mut metadata_damaged = bytes.clone();
+        metadata_damaged[at_byte] ^= 1;
+        let (reading, items_read) = read_log(&metadata_damaged);
+        let description = &reading.losses[0].description;
+        assert!(items_read == items && description.contains("outside the chunks"), "{at_byte}: {description}");
+        assert!(reading.losses[0].kind == LossKind::Metadata && !description.contains("recover"), "{description}");
+    }
 
     let mut index_damaged = bytes.clone();
     let index = bytes.len() - 200;

@@ -1,31 +1,28 @@
 //! `phalanx replay --verify`: compares a log with a new simulation and reports the first difference.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
 
-use crate::support::cli::{directory, json, phalanx, stderr, stdout, variant, write};
+use crate::support::cli::{
+    assert_contains, assert_rejected, assert_status, directory, json, path_in, path_text, signal, start, stderr,
+    stdout, succeed, variant, write, write_bytes,
+};
 use crate::support::replay::{
     DISC_SCENE, FINGER_SCENE, LogEdits, MessageEdit, edit_log, interrupted_log, log, one_ulp_up,
 };
 use phalanx::trace::Model;
 use serde_json::Value;
 
-fn verify(log: &Path) -> Output {
-    phalanx(&["replay", log.to_str().expect("text"), "--verify", "--json"])
-}
-
-fn write_log(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = directory.join(name);
-    fs::write(&path, bytes).expect("written");
-    path
+/// Verifies a log; asserts the exit status, and that standard error contains each of `parts`.
+#[track_caller]
+fn verify(log: &Path, status: i32, parts: &[&str]) -> Output {
+    assert_status(&["replay", path_text(log), "--verify", "--json"], status, parts)
 }
 
 /// Verification report of a log; checks the exit status.
 fn verified(log: &Path, status: i32) -> Value {
-    let output = verify(log);
-    assert_eq!(output.status.code(), Some(status), "{}", stderr(&output));
-    json(&output)["verification"].clone()
+    json(&verify(log, status, &[]))["verification"].clone()
 }
 
 /// Parses a number of an object exactly; the JSON parser rounds.
@@ -67,25 +64,19 @@ fn recorded_settings_reproduce_the_same_bytes() {
     ];
     for (scene, args, status) in runs {
         let log = directory.join("run.mcap");
-        let output = phalanx(&[&["run", scene, "--log", log.to_str().expect("text")], *args].concat());
-        assert_eq!(output.status.code(), Some(*status), "{scene} {args:?}: {}", stderr(&output));
-        let output = verify(&log);
-        assert_eq!(output.status.code(), Some(0), "{scene} {args:?}: {}", stderr(&output));
-        assert_eq!(stderr(&output), "");
+        assert_status(&[&["run", scene, "--log", path_text(&log)], *args].concat(), *status, &[]);
+        let output = verify(&log, 0, &[]);
+        assert_eq!(stderr(&output), "", "{scene} {args:?}");
         let report = json(&output);
         let verification = &report["verification"];
-        assert_eq!(
-            (&verification["same"], &verification["complete"]),
-            (&true.into(), &true.into()),
-            "{scene} {args:?}"
-        );
+        let states = ["same", "complete"].map(|key| &verification[key]);
+        assert_eq!(states, [true, true], "{scene} {args:?}");
         assert_eq!(verification["samples_compared"], report["samples"], "{scene} {args:?}");
         assert!(report["samples"].as_u64() > Some(5), "{scene} {args:?}");
         assert_eq!(verification["first_difference"], Value::Null);
         assert_eq!(verification["samples_not_compared"], 0);
     }
-    let output = phalanx(&["replay", directory.join("run.mcap").to_str().expect("text"), "--verify"]);
-    assert!(stdout(&output).contains("VERIFIED: "), "{}", stdout(&output));
+    assert_contains(&succeed(&["replay", &path_in(&directory, "run.mcap"), "--verify"]), &["VERIFIED: "]);
 }
 
 #[test]
@@ -98,17 +89,15 @@ fn finds_a_difference_of_one_ulp() {
         (DISC_SCENE, Model::Engine, "/contact/hammer-anvil", "hammer-anvil_gap_m", 2),
     ] {
         let bytes = log(scene, model, 1e4);
-        let (original, count) = (write_log(&directory, "whole.mcap", &bytes), 77);
+        let (original, count) = (write_bytes(&directory, "whole.mcap", &bytes), 77);
         let change = |message_topic: &str, number: u64, data: &[u8]| match message_topic == topic && number == count {
             true => MessageEdit::Change(one_ulp_up(data, field)),
             false => MessageEdit::Keep,
         };
         let modified = edit_log(&bytes, &LogEdits { message: &change, ..LogEdits::default() });
         assert_eq!(verified(&original, 0)["same"], true);
-        let modified = write_log(&directory, "planted.mcap", &modified);
-        let output = verify(&modified);
-        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-        assert!(stderr(&output).contains(quantity), "{}", stderr(&output));
+        let modified = write_bytes(&directory, "planted.mcap", &modified);
+        let output = verify(&modified, 1, &[quantity]);
         let verification = &json(&output)["verification"];
         let counts = ["differing", "only_in_log", "only_in_new_run"].map(|key| &verification[format!("samples_{key}")]);
         assert_eq!((counts, &verification["same"]), ([&1.into(), &0.into(), &0.into()], &false.into()));
@@ -118,15 +107,13 @@ fn finds_a_difference_of_one_ulp() {
         assert_eq!(log, rerun.next_up());
         assert_eq!(absolute, (log - rerun).abs());
         // The reported time is the time of the modified message, as in the table of samples.
-        let table = phalanx(&["replay", original.to_str().expect("text"), "--csv", "-"]);
-        let row = stdout(&table).lines().nth(1 + count as usize).expect("a row");
+        let table = succeed(&["replay", path_text(&original), "--csv", "-"]);
+        let row = table.lines().nth(1 + count as usize).expect("a row");
         assert_eq!(row.split(',').next().expect("a time").parse(), Ok(time_s));
         assert_eq!(verification["quantities"].as_array().expect("a list").len(), 1);
         assert_eq!(verification["quantities"][0]["samples"], 1);
-        let text = phalanx(&["replay", modified.to_str().expect("text"), "--verify"]);
-        for part in ["DIFFERENT: ", "1 of ", "first difference at ", quantity, "  new run  "] {
-            assert!(stdout(&text).contains(part), "no {part} in\n{}", stdout(&text));
-        }
+        let text = assert_status(&["replay", path_text(&modified), "--verify"], 1, &[]);
+        assert_contains(stdout(&text), &["DIFFERENT: ", "1 of ", "first difference at ", quantity, "  new run  "]);
     }
 }
 
@@ -136,7 +123,7 @@ fn counts_missing_and_differing_data_and_compares_the_rest() {
     let bytes = log(FINGER_SCENE, Model::Analytic, 1e4);
     let edited = |message: &dyn Fn(&str, u64, &[u8]) -> MessageEdit| {
         let bytes = edit_log(&bytes, &LogEdits { message, ..LogEdits::default() });
-        verified(&write_log(&directory, "edited.mcap", &bytes), 1)
+        verified(&write_bytes(&directory, "edited.mcap", &bytes), 1)
     };
     let verification = edited(&|topic, number, data| match (topic, number) {
         ("/energy", 40) => MessageEdit::Drop,
@@ -174,18 +161,14 @@ fn compares_an_interrupted_run_up_to_the_interrupt() {
         (DISC_SCENE, Model::Analytic),
         (DISC_SCENE, Model::Engine),
     ] {
-        let log = write_log(&directory, "run.mcap", &interrupted_log(scene, model, 60));
+        let log = write_bytes(&directory, "run.mcap", &interrupted_log(scene, model, 60));
         let verification = verified(&log, 0);
-        assert_eq!(
-            (&verification["same"], &verification["complete"]),
-            (&true.into(), &true.into()),
-            "{scene} {model:?}: {verification:#}"
-        );
+        let states = ["same", "complete"].map(|key| &verification[key]);
+        assert_eq!(states, [true, true], "{scene} {model:?}: {verification:#}");
         assert!(verification["samples_compared"].as_u64() > Some(50), "{verification:#}");
         // The last sample is not compared.
         assert_eq!(verification["samples_not_compared"], 1, "{scene} {model:?}");
-        let text = phalanx(&["replay", log.to_str().expect("text"), "--verify"]);
-        assert!(stdout(&text).contains("not compared: the last "), "{}", stdout(&text));
+        assert_contains(&succeed(&["replay", path_text(&log), "--verify"]), &["not compared: the last "]);
     }
 }
 
@@ -196,15 +179,13 @@ fn verifies_a_run_ended_by_a_signal() {
     let directory = directory("verify_signal");
     let scene = variant(&directory, "hold.toml", "[log]\nnumeric_rate = \"1 MHz\"");
     let (log, partial) = (directory.join("run.mcap"), directory.join("run.mcap.partial"));
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_phalanx"));
-    let mut run = command.args(["run", &scene, "--duration", "9 s", "--log"]).arg(&log).spawn().expect("started");
+    let mut run = start(&["run", &scene, "--duration", "9 s", "--log", path_text(&log)]);
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(20);
     while fs::metadata(&partial).map_or(0, |metadata| metadata.len()) < 200_000 {
         assert!(std::time::Instant::now() < deadline, "the log does not grow");
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
-    let kill = std::process::Command::new("kill").args(["-INT", &run.id().to_string()]).status();
-    assert!(kill.expect("kill is installed").success());
+    signal(&run, "INT");
     assert_eq!(run.wait().expect("ends").code(), Some(3));
     let verification = verified(&log, 0);
     assert_eq!(verification["same"], true, "{verification:#}");
@@ -216,16 +197,10 @@ fn matching_prefix_is_not_a_complete_comparison() {
     let directory = directory("verify_prefix");
     for scene in [FINGER_SCENE, DISC_SCENE] {
         let bytes = log(scene, Model::Engine, 3e5);
-        let log = write_log(&directory, "cut.mcap", &bytes[..2 * bytes.len() / 3]);
-        let output = verify(&log);
-        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-        assert!(stderr(&output).contains("only part of the run could be compared"), "{}", stderr(&output));
-        let verification = &json(&output)["verification"];
-        assert_eq!(
-            (&verification["same"], &verification["complete"]),
-            (&true.into(), &false.into()),
-            "{verification:#}"
-        );
+        let log = write_bytes(&directory, "cut.mcap", &bytes[..2 * bytes.len() / 3]);
+        let verification = &json(&verify(&log, 1, &["only part of the run could be compared"]))["verification"];
+        let states = ["same", "complete"].map(|key| &verification[key]);
+        assert_eq!(states, [true, false], "{verification:#}");
         assert!(verification["samples_compared"].as_u64() > Some(200));
     }
 }
@@ -240,28 +215,23 @@ fn compares_logs_of_other_versions() {
         },
         ..LogEdits::default()
     };
-    let path = write_log(&directory, "older.mcap", &edit_log(&bytes, &older));
+    let path = write_bytes(&directory, "older.mcap", &edit_log(&bytes, &older));
     let verification = verified(&path, 0);
     assert_eq!((&verification["same"], &verification["phalanx_version_log"]), (&true.into(), &"0.0.9".into()));
-    let text = phalanx(&["replay", path.to_str().expect("text"), "--verify"]);
-    assert!(stdout(&text).contains("the log was written by phalanx 0.0.9; this is phalanx"), "{}", stdout(&text));
+    let parts = ["the log was written by phalanx 0.0.9; this is phalanx"];
+    assert_contains(&succeed(&["replay", path_text(&path), "--verify"]), &parts);
 }
 
 #[test]
 fn rejects_logs_that_cannot_be_simulated_again() {
     let directory = directory("verify_refused");
     let bytes = log(FINGER_SCENE, Model::Analytic, 1e4);
-    let assert_rejected = |changes: &LogEdits<'_>, parts: &[&str]| {
-        let path = write_log(&directory, "refused.mcap", &edit_log(&bytes, changes));
-        let output = verify(&path);
-        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-        assert_eq!(stdout(&output), "");
-        for part in parts {
-            assert!(stderr(&output).contains(part), "no {part} in {}", stderr(&output));
-        }
+    let assert_edit_rejected = |changes: &LogEdits<'_>, parts: &[&str]| {
+        let path = write_bytes(&directory, "refused.mcap", &edit_log(&bytes, changes));
+        assert_rejected(&["replay", path_text(&path), "--verify", "--json"], parts);
         // The summary is still printed; an invalid duration contradicts a completed run.
         let status = if parts[0] == "duration_s" { 1 } else { 0 };
-        assert_eq!(phalanx(&["replay", path.to_str().expect("text")]).status.code(), Some(status));
+        assert_status(&["replay", path_text(&path)], status, &[]);
     };
     type Entries = std::collections::BTreeMap<String, String>;
     let set_entry = |key: &'static str, value: &'static str| {
@@ -270,7 +240,7 @@ fn rejects_logs_that_cannot_be_simulated_again() {
         }
     };
     let reject_metadata = |metadata: &dyn Fn(&mut Entries), parts: &[&str]| {
-        assert_rejected(&LogEdits { metadata, ..LogEdits::default() }, parts)
+        assert_edit_rejected(&LogEdits { metadata, ..LogEdits::default() }, parts)
     };
     reject_metadata(&set_entry("integrator_zeal", "11"), &["integrator_zeal", "does not know"]);
     reject_metadata(&set_entry("integrator_rtol", "lots"), &["integrator_rtol", "lots", "a number between 0 and 1"]);
@@ -281,27 +251,18 @@ fn rejects_logs_that_cannot_be_simulated_again() {
     reject_metadata(&set_entry("integrator_method", "euler"), &["\"rodas5p\" or \"radau5\""]);
     reject_metadata(&set_entry("model", "wooden"), &["\"analytic\" or \"engine\""]);
     reject_metadata(&|entries| drop(entries.remove("duration_s")), &["does not record `duration_s`"]);
-    assert_rejected(
-        &LogEdits { scene: &|_| None, ..LogEdits::default() },
-        &["the part of the log with its scene is lost"],
-    );
+    let reject_scene = |scene: &dyn Fn(&str) -> Option<String>, parts: &[&str]| {
+        assert_edit_rejected(&LogEdits { scene, ..LogEdits::default() }, parts)
+    };
+    reject_scene(&|_| None, &["the part of the log with its scene is lost"]);
     let other = fs::read_to_string(DISC_SCENE).expect("a scene");
-    assert_rejected(
-        &LogEdits { scene: &|_| Some(other.clone()), ..LogEdits::default() },
-        &["differs from the kind in its metadata"],
-    );
+    reject_scene(&|_| Some(other.clone()), &["differs from the kind in its metadata"]);
     let broken = |text: &str| Some(text.replace("[motor]", "[mortar]"));
-    assert_rejected(
-        &LogEdits { scene: &broken, ..LogEdits::default() },
-        &["cannot be read by this version of phalanx", "mortar"],
-    );
+    reject_scene(&broken, &["cannot be read by this version of phalanx", "mortar"]);
 }
 
 #[test]
 fn rejects_conflicting_options() {
-    let directory = directory("verify_options");
-    let log = write(&directory, "run.mcap", "");
-    let output = phalanx(&["replay", &log, "--verify", "--against", "b.mcap"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("cannot be used with"), "{}", stderr(&output));
+    let log = write(&directory("verify_options"), "run.mcap", "");
+    assert_rejected(&["replay", &log, "--verify", "--against", "b.mcap"], &["cannot be used with"]);
 }

@@ -221,8 +221,3 @@ fn log_contains_only_topics_of_the_scene() {
     swing.log.picture_hz = 0.0;
     assert_eq!(topics(&swing), set("/energy /events /state"));
 }
-
-#[test]
-fn same_run_gives_the_same_bytes() {
-    assert_eq!(write(&scene(), &test_records()), write(&scene(), &test_records()));
-}

@@ -8,7 +8,7 @@ use phalanx::scene::{Actuation, Scene, load, load_any};
 use phalanx::shape::{Shape, max_radius};
 use phalanx::trace::{FingerContact, Model, RunError};
 
-use crate::support::cli::{directory, json, phalanx, stderr, stdout};
+use crate::support::cli::{directory, path_in, path_text, run_json, succeed};
 use crate::support::replay::{DISC_SCENE, FINGER_SCENE};
 
 fn finger() -> Scene {
@@ -21,24 +21,19 @@ fn discs() -> Scene {
 
 /// Log written by the command for a scene file named `scene.toml`, as for scenes in memory.
 fn write_log_with_command(directory: &Path, scene: &str, model: Model) -> Vec<u8> {
-    let (file, log) = (directory.join("scene.toml"), directory.join("command.mcap"));
+    let [file, log] = ["scene.toml", "command.mcap"].map(|name| path_in(directory, name));
     fs::copy(scene, &file).expect("copied");
-    let [file, log] = [file, log].map(|path| path.to_str().expect("text").to_string());
-    let output = phalanx(&["run", &file, "--model", model.name(), "--log", &log]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    succeed(&["run", &file, "--model", model.name(), "--log", &log]);
     fs::read(log).expect("the log")
 }
 
 /// Asserts that a log verifies and is complete.
 fn assert_verifies(log: &Path) {
-    let log = log.to_str().expect("text");
-    let output = phalanx(&["replay", log, "--verify", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let verification = &json(&output)["verification"];
+    let log = path_text(log);
+    let verification = &run_json(&["replay", log, "--verify", "--json"])["verification"];
     assert_eq!((&verification["same"], &verification["complete"]), (&true.into(), &true.into()), "{verification:#}");
-    let text = phalanx(&["replay", log]);
-    assert!(stdout(&text).contains("\ncompleted, "), "{}", stdout(&text));
-    assert!(!stdout(&text).contains("NOT COMPLETE"), "{}", stdout(&text));
+    let text = succeed(&["replay", log]);
+    assert!(text.contains("\ncompleted, ") && !text.contains("NOT COMPLETE"), "{text}");
 }
 
 #[test]
@@ -103,6 +98,5 @@ fn stopped_run_is_an_error_and_its_log_contains_the_reason() {
     let run_end = reading.run_end.expect("an end");
     assert_eq!(run_end.stopped, Some(failure.reason.to_string()));
     // The new run stops at the same step.
-    let output = phalanx(&["replay", path.to_str().expect("text"), "--verify", "--json"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    succeed(&["replay", path_text(&path), "--verify", "--json"]);
 }

@@ -10,7 +10,7 @@ use phalanx::trace::{Layout, Model, Recording};
 use prost_reflect::prost::Message;
 use prost_reflect::prost_types::FileDescriptorSet;
 
-use crate::support::cli::{directory, json, phalanx, stderr};
+use crate::support::cli::{directory, path_text, run_json};
 use crate::support::replay::{DISC_SCENE, FINGER_SCENE, LogContents, LogEdits, edit_log, log, read_contents};
 
 /// Returns the schema name of every topic.
@@ -85,27 +85,17 @@ fn old_schema_names_do_not_change_contents_or_verification() {
         fs::write(&current, &bytes).expect("written");
         fs::write(&old, with_old_schema_names(&bytes)).expect("written");
         assert!(schemas(&fs::read(&old).expect("a log")).values().any(|name| name == "energy.Energy"));
-        match scene {
-            FINGER_SCENE => {
-                let [mut a, mut b] = [
-                    Recording::new(&Layout::from_kind(SceneKind::Finger)),
-                    Recording::new(&Layout::from_kind(SceneKind::Finger)),
-                ];
-                read_file(&current, &mut a).expect("a log");
-                read_file(&old, &mut b).expect("a log");
-                assert!(a.time().len() > 20 && a.column("q21_rad") == b.column("q21_rad"));
-                assert_eq!(a.events(), b.events());
-            }
-            _ => {
-                let [mut a, mut b] = [(); 2].map(|()| Recording::new(&Layout::default()));
-                read_file(&current, &mut a).expect("a log");
-                read_file(&old, &mut b).expect("a log");
-                assert!(a.time().len() > 15);
-                assert_eq!(a, b);
-            }
-        }
-        let output = phalanx(&["replay", old.to_str().expect("text"), "--verify", "--json"]);
-        assert!(output.status.success(), "{}", stderr(&output));
-        assert_eq!(json(&output)["verification"]["same"], true);
+        let is_finger = scene == FINGER_SCENE;
+        let [a, b] = [&current, &old].map(|path| {
+            let layout = if is_finger { Layout::from_kind(SceneKind::Finger) } else { Layout::default() };
+            let mut recording = Recording::new(&layout);
+            read_file(path, &mut recording).expect("a log");
+            recording
+        });
+        assert!(a.time().len() > if is_finger { 20 } else { 15 });
+        assert!(if is_finger { a.column("q21_rad") == b.column("q21_rad") } else { a == b });
+        assert_eq!(a.events(), b.events());
+        let output = run_json(&["replay", path_text(&old), "--verify", "--json"]);
+        assert_eq!(output["verification"]["same"], true);
     }
 }

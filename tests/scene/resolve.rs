@@ -64,6 +64,12 @@ fn stiction_applies_only_to_contacts_with_bristles() {
     let bristles = [scene.finger().contact.proximal, scene.finger().contact.distal].map(|law| law.bristle());
     assert_eq!(bristles, [Some(Bristle { damping_n_s_per_m: 3e4, relaxation_s: 1e-3 }); 2]);
     assert!(!finger_with("[contact.friction]\nmu_static = 0.8\n").system.has_stiction());
+    // A contact that repeats the law keeps the other common keys.
+    let scene = finger_with(
+        "[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_relaxation = \"2 ms\"\n[contact.distal.friction]\n\
+         law = \"bristle\"\n",
+    );
+    assert_eq!(scene.finger().contact.distal.bristle(), scene.finger().contact.proximal.bristle());
 }
 
 #[test]

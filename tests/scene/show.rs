@@ -90,6 +90,23 @@ fn other_toml_notations_are_shown_as_written() {
 }
 
 #[test]
+fn derived_friction_is_shown_for_its_contact() {
+    // The simulated scene is written with another common section than the file has.
+    let finger = "[lengths]\nbase = \"15.3 mm\"\nl21 = \"24 mm\"\nl22 = \"7.5 mm\"\nt22 = \"13 mm\"\nphi22 = \"120 deg\"\n[motor]\ntorque = \"1 N*m\"\n\
+        [spring]\ntype = \"none\"\n[contact.friction]\nmu_static = 0.8\n[contact.proximal.friction]\nmu_static = 0.5\n";
+    let scene = parse_any(finger, "given.toml").unwrap_or_else(|error| panic!("{error}"));
+    let text = show_and_check(&scene, "finger");
+    for part in
+        ["# [contact.proximal.friction]\n# mu_dynamic = 0.35", "# [contact.distal.friction]\n# mu_dynamic = 0.56"]
+    {
+        assert!(text.contains(part) && !text.contains("# [contact.friction]"), "{part}\n{text}");
+    }
+    let text = show_and_check(&load_any("scenes/gripper/different.toml").expect("a scene"), "gripper");
+    assert!(text.contains("# [left.contact.friction]\n# mu_dynamic = 0.0"), "{text}");
+    assert!(!text.contains("# [contact.friction]"), "{text}");
+}
+
+#[test]
 fn a_modified_scene_is_shown_as_modified() {
     let mut scene = load_any("scenes/experiment-95.toml").expect("a scene");
     scene.duration_s = 0.5;

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -23,9 +23,9 @@ pub fn stderr(output: &Output) -> &str {
 }
 
 /// Asserts that a command is rejected soon, with status 2, an empty stdout, and a short error that contains each of
-/// `parts`, whose words may be on several lines.
+/// `parts`, whose words may be on several lines; returns the error.
 #[track_caller]
-pub fn assert_rejected(args: &[&str], parts: &[&str]) {
+pub fn assert_rejected(args: &[&str], parts: &[&str]) -> String {
     let start = Instant::now();
     let output = phalanx(args);
     let message = stderr(&output);
@@ -33,10 +33,43 @@ pub fn assert_rejected(args: &[&str], parts: &[&str]) {
     let is_error = message.lines().any(|line| line.starts_with("error: "));
     assert!(is_error && message.len() < 20_000, "{args:?}: {message}");
     assert!(start.elapsed() < Duration::from_secs(10), "{args:?}: {:?}", start.elapsed());
-    let unwrapped = message.replace('\n', " ");
+    let unwrapped = message.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in parts {
         assert!(message.contains(part) || unwrapped.contains(part), "{args:?}: no {part:?} in {message}");
     }
+    message.to_string()
+}
+
+/// Asserts the exit status of a command, and that its standard error contains each of `parts`.
+#[track_caller]
+pub fn assert_status(args: &[&str], status: i32, parts: &[&str]) -> Output {
+    let output = phalanx(args);
+    assert_eq!(output.status.code(), Some(status), "{args:?}: {}", stderr(&output));
+    assert_contains(stderr(&output), parts);
+    output
+}
+
+/// Starts a command with both output streams in pipes.
+pub fn start(args: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
+    command.args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
+}
+
+/// Sends a signal, such as `INT`, to a running command.
+#[track_caller]
+pub fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
+    assert!(status.expect("kill is installed").success(), "the command ended before the signal");
+}
+
+/// Path of a file in a directory, as an argument.
+pub fn path_in(directory: &Path, name: &str) -> String {
+    path_text(&directory.join(name)).to_string()
+}
+
+/// A path as an argument.
+pub fn path_text(path: &Path) -> &str {
+    path.to_str().expect("a path of plain text")
 }
 
 /// Runs a command that succeeds and parses its JSON document.
@@ -66,16 +99,27 @@ pub fn variant(directory: &Path, name: &str, more: &str) -> String {
 }
 
 pub fn write(directory: &Path, name: &str, text: &str) -> String {
+    path_text(&write_bytes(directory, name, text.as_bytes())).to_string()
+}
+
+/// Writes a file; returns its path.
+pub fn write_bytes(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = directory.join(name);
-    fs::write(&path, text).expect("written");
-    path.to_str().expect("a path of plain text").to_string()
+    fs::write(&path, bytes).expect("written");
+    path
 }
 
 /// Runs a command that must succeed; returns its standard output.
 #[track_caller]
 pub fn succeed(args: &[&str]) -> String {
-    let output = phalanx(args);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+    stdout(&assert_status(args, 0, &[])).to_string()
+}
+
+/// Runs a command that must succeed without a message on standard error; returns its standard output.
+#[track_caller]
+pub fn succeed_silently(args: &[&str]) -> String {
+    let output = assert_status(args, 0, &[]);
+    assert_eq!(stderr(&output), "", "{args:?}");
     stdout(&output).to_string()
 }
 

@@ -36,23 +36,21 @@ pub struct State {
 
 /// Cases with a palm at rest and without stiction, ordered by their letter in the specification.
 pub fn cases_at_rest() -> Vec<ReferenceCase> {
-    all_cases()
-        .into_iter()
-        .filter(|case| case.scene.system.palm_motion.is_none() && !case.scene.system.has_stiction())
-        .collect()
+    cases(|system| system.palm_motion.is_none() && !system.has_stiction())
 }
 
 /// Cases with a moving palm and braked motors, without stiction.
 pub fn cases_with_moving_palm() -> Vec<ReferenceCase> {
-    all_cases()
-        .into_iter()
-        .filter(|case| case.scene.system.palm_motion.is_some() && !case.scene.system.has_stiction())
-        .collect()
+    cases(|system| system.palm_motion.is_some() && !system.has_stiction())
 }
 
 /// Cases with stiction.
 pub fn cases_with_stiction() -> Vec<ReferenceCase> {
-    all_cases().into_iter().filter(|case| case.scene.system.has_stiction()).collect()
+    cases(System::has_stiction)
+}
+
+fn cases(is_included: impl Fn(&System) -> bool) -> Vec<ReferenceCase> {
+    all_cases().into_iter().filter(|case| is_included(&case.scene.system)).collect()
 }
 
 fn all_cases() -> Vec<ReferenceCase> {

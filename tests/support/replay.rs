@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
+use std::path::Path;
 use std::process::Command;
 
 use mcap::read::ChunkFlattener;
@@ -21,7 +22,7 @@ pub fn log(scene: &str, model: Model, numeric_hz: f64) -> Vec<u8> {
     let file = directory.path().join(scene.rsplit('/').next().expect("a name"));
     let text = fs::read_to_string(scene).expect("a scene");
     if text.contains("extends = ") {
-        let entries = fs::read_dir(std::path::Path::new(scene).parent().expect("a directory")).expect("readable");
+        let entries = fs::read_dir(Path::new(scene).parent().expect("a directory")).expect("readable");
         for other in entries.map(|entry| entry.expect("readable").path()).filter(|path| path.is_file()) {
             fs::copy(&other, directory.path().join(other.file_name().expect("a name"))).expect("copied");
         }

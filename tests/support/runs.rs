@@ -77,11 +77,7 @@ pub fn impact_impulse(run: &CollectSink, finger_contact: FingerContact, window_s
     let impulse_at = |t: f64| {
         let after = run.samples.partition_point(|s| s.time_s < t).clamp(1, run.samples.len() - 1);
         let sample = interpolate(&run.samples[after - 1], &run.samples[after], t);
-        match finger_contact {
-            FingerContact::Proximal => sample.contact(FingerContact::Proximal).impulse_n_s,
-            FingerContact::Distal => sample.contact(FingerContact::Distal).impulse_n_s,
-            FingerContact::Limit => sample.contact(FingerContact::Limit).impulse_n_s,
-        }
+        sample.contact(finger_contact).impulse_n_s
     };
     impulse_at(contact_s + window_s) - impulse_at(contact_s)
 }

@@ -6,7 +6,7 @@ use phalanx::gripper::{
     final_posture, lengths,
 };
 use phalanx::shape::{PlacedShape, max_radius};
-use phalanx::statics::{Certificate, FormClosure, Unilateral};
+use phalanx::statics::{Certificate, FormClosure, GraspConfiguration, Unilateral};
 use serde_json::Value;
 
 /// A finger in its final posture on a disc.
@@ -51,6 +51,28 @@ impl Random {
                 return grasp;
             }
         }
+    }
+}
+
+/// Returns the final posture of a finger and its mirror image, with the object on the palm between them.
+pub fn symmetric_configuration(Grasp { finger, disc, end }: &Grasp) -> GraspConfiguration<'_> {
+    GraspConfiguration {
+        fingers: [finger; 2],
+        angles_rad: [[end.posture.q11_rad, end.posture.q21_rad]; 2],
+        palm_width_m: -2.0 * disc.centre_m[0],
+        object: disc.at([0.0, disc.centre_m[1]]),
+    }
+}
+
+/// Returns the configuration mirrored about the centre of the palm.
+pub fn mirrored_configuration<'a>(configuration: &GraspConfiguration<'a>) -> GraspConfiguration<'a> {
+    let ([right, left], [right_angles, left_angles]) = (configuration.fingers, configuration.angles_rad);
+    let [x, y] = configuration.object.centre_m;
+    GraspConfiguration {
+        fingers: [left, right],
+        angles_rad: [left_angles, right_angles],
+        object: configuration.object.at([-x, y]),
+        ..*configuration
     }
 }
 

@@ -1,20 +1,8 @@
-//! Channels of a log: their topics, which part of a sample each one contains, and the writer of their messages.
+//! Channels of a log: their topics, and which part of a sample each one contains.
 
-use std::io::Write;
-
-use foxglove::Encode;
-use foxglove::messages::{Log, log::Level};
-
-use super::lines::{GraspState, describe_event};
-use super::mcap_file::{ChannelId, McapFile};
-use super::messages::{
-    CONTACT, DISC, ENERGY, IMPACT, LIMIT, LIMIT_IMPACT, MessageType, SLIP, STATE, contact_numbers, disc_numbers,
-    event_flags, limit_numbers, state_numbers,
-};
-use super::pictures::Pictures;
-use phalanx_core::drawing::{self, Drawing};
-use phalanx_core::scene::{self, Scene, System};
-use phalanx_core::trace::{BodyState, Channels as _, Event, FingerState, Layout, Sample, SinkError};
+use super::messages::{CONTACT, DISC, ENERGY, IMPACT, LIMIT, LIMIT_IMPACT, MessageType, SLIP, STATE};
+use phalanx_core::scene::System;
+use phalanx_core::trace::Layout;
 
 /// Content of a channel. Indices are those of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,104 +106,4 @@ pub fn contacts_of(system: &System) -> Vec<Option<bool>> {
         Some(friction.is_some_and(|friction| friction.bristle.is_some()))
     });
     of_gripper.chain(others).collect()
-}
-
-/// Writer of the channels of a run.
-pub struct Channels {
-    list: Vec<(ChannelId, ChannelContent)>,
-    layout: Layout,
-    /// Contacts drawn in pictures.
-    drawn_contacts: Vec<usize>,
-    pictures: Option<Pictures>,
-    /// Grasp state; `None` unless the scene is a single finger.
-    grasp: Option<GraspState>,
-    /// Channel of the event lines.
-    pub lines: ChannelId,
-    /// Scene whose bodies are drawn.
-    scene: Scene,
-}
-
-impl Channels {
-    /// Registers the channels when a log starts.
-    pub fn register<W: Write>(out: &mut McapFile<W>, scene: &Scene) -> Result<Self, SinkError> {
-        let system = &scene.system;
-        let (layout, contacts) = (Layout::from_system(system), contacts_of(system));
-        let mut list = Vec::new();
-        for (topic, content) in channel_list(&layout, &contacts) {
-            let schema = content.message_type().map(MessageType::schema);
-            list.push((out.register(&topic, schema)?, content));
-        }
-        let start = Sample {
-            fingers: vec![FingerState::default(); system.fingers.len()],
-            bodies: system.reported_discs().iter().map(initial_state).collect(),
-            ..Sample::default()
-        };
-        let pictures =
-            Pictures::register(out, &Drawing::from_scene(scene), &drawing::poses(scene, &start), scene.log.picture_hz)?;
-        let lines = out.register("/events", Log::get_schema())?;
-        let drawn_contacts = layout.surfaces().filter(|&contact| contacts[contact].is_some()).collect();
-        let grasp = (system.fingers.len() == 1).then(GraspState::default);
-        Ok(Channels { list, layout, drawn_contacts, pictures, grasp, lines, scene: scene.clone() })
-    }
-
-    /// Writes a sample.
-    pub fn sample<W: Write>(&mut self, out: &mut McapFile<W>, sample: &Sample) -> Result<(), SinkError> {
-        let Sample { time_s, fingers, bodies, contacts, energy } = sample;
-        for (channel, content) in &self.list {
-            let numbers: &[f64] = match *content {
-                ChannelContent::Finger(index) => &state_numbers(&fingers[index]),
-                ChannelContent::Body(index) => &disc_numbers(&bodies[index]),
-                ChannelContent::Contact(index) => &contact_numbers(&contacts[index]),
-                ChannelContent::Limit(index) => &limit_numbers(&contacts[index]),
-                ChannelContent::Energy => &energy.values(),
-                _ => continue,
-            };
-            out.write_numbers(*channel, *time_s, &[], numbers)?;
-        }
-        let Some(pictures) = &mut self.pictures else { return Ok(()) };
-        let poses = || drawing::poses(&self.scene, sample);
-        pictures.sample(out, *time_s, poses, self.drawn_contacts.iter().map(|&contact| &contacts[contact]))
-    }
-
-    /// Writes an event as a message and as text.
-    pub fn event<W: Write>(&mut self, out: &mut McapFile<W>, event: &Event) -> Result<(), SinkError> {
-        let about_contact = || self.list.iter().filter(|(_, content)| content.contact() == Some(event.contact));
-        if about_contact().next().is_some() {
-            let is_friction = event.kind.is_friction_event();
-            for (channel, content) in about_contact() {
-                let numbers: &[f64] = match content {
-                    ChannelContent::Slip(_) if is_friction => &[],
-                    ChannelContent::Impact(_) | ChannelContent::LimitImpact(_) if !is_friction => {
-                        &[event.approach_speed, event.impulse]
-                    }
-                    _ => continue,
-                };
-                out.write_numbers(*channel, event.time_s, event_flags(event.kind), numbers)?;
-            }
-            let contact = &self.layout.contacts[event.contact];
-            let display_name = match event.contact < self.scene.system.gripper_contacts().len() {
-                true => display_name(&contact.name),
-                false => contact.name.clone(),
-            };
-            let text = describe_event(event, &display_name, contact.is_angular);
-            out.write_line(self.lines, event.time_s, Level::Info, &contact.name, &text)?;
-        }
-        match self.grasp.as_mut().and_then(|grasp| grasp.update(event)) {
-            Some(text) => out.write_line(self.lines, event.time_s, Level::Info, "grasp", &text),
-            None => Ok(()),
-        }
-    }
-}
-
-fn initial_state(disc: &scene::Disc) -> BodyState {
-    BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() }
-}
-
-/// Name of a contact of a finger, the palm or the table in the text of event lines.
-fn display_name(name: &str) -> String {
-    match name.rsplit('_').next() {
-        Some("palm" | "table") => format!("object on the {name}"),
-        Some("limit") => name.replace('_', " ").replace("limit", "joint limit"),
-        _ => format!("{} phalanx", name.replace('_', " ")),
-    }
 }

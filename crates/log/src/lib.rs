@@ -89,7 +89,9 @@ pub use reader::{
     read_head,
 };
 pub use settings::{Settings, SettingsError, Solver, settings};
-pub use simulate::{FinishedRun, LoggedRun, LoggedRunError, run_into, run_to, simulate};
+pub use simulate::{
+    CheckPolicy, FinishedRun, LoggedRun, LoggedRunError, SimulationOptions, run_into, run_to, simulate,
+};
 pub use threaded::ThreadedWriter;
 pub use verify::{ComparisonOptions, Difference, EntryDifference, LogComparison, QuantityTally, Verification};
 pub use writer::Writer;

@@ -14,13 +14,34 @@ use phalanx_core::check::{self, Check};
 use phalanx_core::criteria::{
     Criteria, GraspCriteria, LinkOverlap, Rebound, RunCriteria, RunCriteriaTracker, fate_reason,
 };
+use phalanx_core::integrator::Reason;
 use phalanx_core::invariants::EnergyAudit;
 use phalanx_core::scene::Scene;
 use phalanx_core::trace::{Decimated, Event, Model, Outcome, RunError, Sample, Sink, SinkError, run};
 
-/// A finished run and its log, which is still open.
-pub struct FinishedRun<W: Write + Send + 'static> {
+/// Whether a completed run is checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CheckPolicy {
+    Never,
+    /// Checks only runs of up to [`check::MAX_CHECKED_STEPS`] steps.
+    IfCheap,
+    Always,
+}
+
+/// Options of a simulation.
+pub struct SimulationOptions<'a> {
+    pub check_policy: CheckPolicy,
+    /// Returns whether to continue. The sink can also stop the run.
+    pub keep_running: &'a dyn Fn() -> bool,
+    /// Describes why a run ended early.
+    pub describe_reason: &'a dyn Fn(&Reason) -> String,
+}
+
+/// A finished run.
+pub struct FinishedRun<W> {
     pub result: Result<Outcome, RunError>,
+    /// Time and reason of the end of a run that was not completed.
+    pub stopped: Option<(f64, String)>,
     /// Criteria of a completed run of a single finger that can grasp its object.
     pub criteria: Option<Criteria>,
     /// Grasp criteria, only for a gripper.
@@ -29,28 +50,20 @@ pub struct FinishedRun<W: Write + Send + 'static> {
     pub rebounds: Vec<Rebound>,
     /// Reasons to doubt the results, as sentences; also written to the log.
     pub warnings: Vec<String>,
-    /// Time of the latest sample.
-    pub last_s: f64,
+    /// Result of the check of the run, if it was checked.
+    pub check: Option<Check>,
     pub wall_s: f64,
-    pub log: OpenLog<W>,
+    /// The output of the closed log.
+    pub log: Result<Option<W>, SinkError>,
 }
 
-/// A log that lacks its final lines.
-pub struct OpenLog<W: Write + Send + 'static> {
-    log: Option<ThreadedWriter<W>>,
-    /// Result of writing the last sample.
-    last_sample: Result<(), SinkError>,
-    last_s: f64,
-    /// Final line about the grasp.
-    verdict: Option<String>,
-    warnings: Vec<String>,
-}
-
-/// Simulates a scene. `extra_sink` receives the same samples and events as the log and can stop the run.
+/// Simulates a scene, evaluates its criteria, checks the run unless it was interrupted or the policy excludes it, and
+/// closes the log. `extra_sink` receives the same samples and events as the log and can stop the run.
 pub fn simulate<W: Write + Send + 'static>(
     model: Model,
     scene: &Scene,
     log: Option<ThreadedWriter<W>>,
+    options: &SimulationOptions<'_>,
     extra_sink: &mut impl Sink,
 ) -> FinishedRun<W> {
     let audit = EnergyAudit::new(model, scene);
@@ -72,31 +85,36 @@ pub fn simulate<W: Write + Send + 'static>(
         .or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate_sentence));
     let energy_warning = audit.violation().map(|breach| breach.to_string());
     let warnings: Vec<String> = energy_warning.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
-    let log = OpenLog { log, last_sample, last_s, verdict, warnings: warnings.clone() };
-    FinishedRun { result, criteria, grasp, rebounds, warnings, last_s, wall_s, log }
-}
-
-impl<W: Write + Send + 'static> OpenLog<W> {
-    /// Writes how the run ended and finishes the log. `stopped`: time and reason if the run ended early.
-    pub fn close(self, stopped: Option<(f64, &str)>, check: Option<&Check>) -> Result<Option<W>, SinkError> {
-        let Some(mut log) = self.log else { return Ok(None) };
-        self.last_sample?;
-        if let Some(verdict) = &self.verdict {
-            log.note(self.last_s, Level::Info, "grasp", verdict)?;
+    let stopped = result.as_ref().err().map(|error| match error {
+        RunError::Simulation { failure, .. } => (failure.time_s, (options.describe_reason)(&failure.reason)),
+        RunError::Sink(error) => (last_s, error.to_string()),
+    });
+    let check = match (&result, &stopped, options.check_policy) {
+        (.., CheckPolicy::Never) => None,
+        (_, Some((time_s, reason)), _) => Some(Check::not_completed(model, *time_s, reason)),
+        (Ok(outcome), _, CheckPolicy::IfCheap) if outcome.work.steps > check::MAX_CHECKED_STEPS => None,
+        _ => (options.keep_running)().then(|| check::check(model, scene, options.keep_running)),
+    };
+    let close = |mut log: ThreadedWriter<W>| {
+        last_sample?;
+        if let Some(verdict) = &verdict {
+            log.note(last_s, Level::Info, "grasp", verdict)?;
         }
-        for warning in &self.warnings {
-            log.note(self.last_s, Level::Warning, "run", warning)?;
+        for warning in &warnings {
+            log.note(last_s, Level::Warning, "run", warning)?;
         }
-        match stopped {
-            None => log.note(self.last_s, Level::Info, "run", "completed")?,
-            Some((time_s, reason)) => log.note(time_s, Level::Error, "run", &format!("stopped: {reason}"))?,
+        match &stopped {
+            None => log.note(last_s, Level::Info, "run", "completed")?,
+            Some((time_s, reason)) => log.note(*time_s, Level::Error, "run", &format!("stopped: {reason}"))?,
         }
         // Last, because a metadata record ends the chunk.
-        if let Some(check) = check {
+        if let Some(check) = &check {
             log.record(CHECK_NAME, check_entries(check))?;
         }
-        log.finish().map(Some)
-    }
+        log.finish()
+    };
+    let log = log.map(close).transpose();
+    FinishedRun { result, stopped, criteria, grasp, rebounds, warnings, check, wall_s, log }
 }
 
 /// All sinks of a run.
@@ -215,24 +233,15 @@ fn run_logged<W: Write + Send + 'static>(
     model: Model,
     log: ThreadedWriter<W>,
 ) -> (Result<LoggedRun, RunError>, Result<W, SinkError>) {
-    let FinishedRun { result, criteria, rebounds, warnings, last_s, log, .. } =
-        simulate(model, scene, Some(log), &mut ());
-    let (work, stopped) = match &result {
-        Ok(outcome) => (Some(outcome.work), None),
-        Err(RunError::Simulation { failure, partial_outcome }) => {
-            (Some(partial_outcome.work), Some((failure.time_s, failure.reason.to_string())))
-        }
-        Err(RunError::Sink(error)) => (None, Some((last_s, error.to_string()))),
+    let options = SimulationOptions {
+        check_policy: CheckPolicy::IfCheap,
+        keep_running: &|| true,
+        describe_reason: &ToString::to_string,
     };
-    let stopped = stopped.as_ref().map(|(time_s, reason)| (*time_s, reason.as_str()));
-    let is_short = work.is_some_and(|work| work.steps <= check::MAX_CHECKED_STEPS);
-    let check = match stopped {
-        Some((time_s, reason)) => Some(Check::not_completed(model, time_s, reason)),
-        None => is_short.then(|| check::check(model, scene, &|| true)),
-    };
-    let finished_log = log.close(stopped, check.as_ref());
+    let FinishedRun { result, criteria, rebounds, warnings, check, log, .. } =
+        simulate(model, scene, Some(log), &options, &mut ());
     let missing_log =
         || SinkError { target: UNNAMED_LOG.to_string(), source: io::Error::other("the log was not started") };
-    let finished_log = finished_log.and_then(|out| out.ok_or_else(missing_log));
+    let finished_log = log.and_then(|out| out.ok_or_else(missing_log));
     (result.map(|outcome| LoggedRun { outcome, criteria, rebounds, warnings, check }), finished_log)
 }

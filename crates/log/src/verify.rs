@@ -115,7 +115,9 @@ pub struct LogComparison<R> {
     assembler: Assembler,
     options: ComparisonOptions,
     log: Contents,
-    new_events: Vec<Event>,
+    new_events: Vec<StampedEvent>,
+    /// Log time that the new run has reached, ns.
+    clock_ns: u64,
     /// Columns of the log that the new run has too: in the log and in the new run.
     columns: Vec<[Column; 2]>,
     /// For each contact of the new run, its index in the log.
@@ -124,11 +126,16 @@ pub struct LogComparison<R> {
     result: Verification,
 }
 
+/// An event with its log time in ns. The class of a run depends on the order of samples and events, hence on both times.
+type StampedEvent = (Event, u64);
+
 /// Contents of the log that are not compared yet.
 #[derive(Default)]
 struct Contents {
     samples: VecDeque<Sample>,
-    events: Vec<Event>,
+    events: Vec<StampedEvent>,
+    /// Log time of the group being read, ns.
+    time_ns: u64,
 }
 
 impl LogSink for Contents {
@@ -138,7 +145,7 @@ impl LogSink for Contents {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.events.push(*event);
+        self.events.push((*event, self.time_ns));
         Ok(())
     }
 }
@@ -177,6 +184,7 @@ impl<R: Read + Seek> LogComparison<R> {
             options,
             log: Contents::default(),
             new_events: Vec::new(),
+            clock_ns: 0,
             result: Verification { metadata: differing, ..Verification::default() },
         })
     }
@@ -189,10 +197,11 @@ impl<R: Read + Seek> LogComparison<R> {
         while let Some(sample) = self.next_sample()? {
             self.count_extra(sample.time_s, true);
         }
-        let mut pairs: BTreeMap<(usize, bool), [Vec<Event>; 2]> = BTreeMap::new();
+        let mut pairs: BTreeMap<(usize, bool), [Vec<StampedEvent>; 2]> = BTreeMap::new();
         for (side, events) in [&self.log.events, &self.new_events].into_iter().enumerate() {
-            for event in events.iter().filter(|event| self.is_compared(event.time_s)) {
-                pairs.entry((event.contact, event.kind.is_friction_event())).or_default()[side].push(*event);
+            for &(event, time_ns) in events.iter().filter(|(event, _)| self.is_compared(event.time_s)) {
+                let pair = pairs.entry((event.contact, event.kind.is_friction_event())).or_default();
+                pair[side].push((event, time_ns));
             }
         }
         for ((contact, _), [log, new_run]) in pairs {
@@ -221,8 +230,9 @@ impl<R: Read + Seek> LogComparison<R> {
             match self.log.samples.pop_front() {
                 Some(sample) if self.is_compared(sample.time_s) => return Ok(Some(sample)),
                 Some(_) => self.result.samples_not_compared += 1,
-                None if self.messages.next_time_ns().is_none() => return Ok(None),
                 None => {
+                    let Some(time_ns) = self.messages.next_time_ns() else { return Ok(None) };
+                    self.log.time_ns = time_ns;
                     let group = self.messages.next_group()?;
                     if self.assembler.group(&group, &mut self.log)?.is_err() {
                         return Ok(None);
@@ -262,7 +272,7 @@ impl<R: Read + Seek> LogComparison<R> {
     }
 
     /// Compares the events of one contact. A log without the end of its run may lack events at its end.
-    fn compare_events(&mut self, contact: usize, log: &[Event], new_run: &[Event]) {
+    fn compare_events(&mut self, contact: usize, log: &[StampedEvent], new_run: &[StampedEvent]) {
         let name = &self.assembler.layout().contacts[contact].name;
         let has_run_end = self.has_run_end();
         let result = &mut self.result;
@@ -281,12 +291,17 @@ impl<R: Read + Seek> LogComparison<R> {
                 }
             };
             *counter += 1;
-            let Some(event) = log.or(new_run) else { return };
-            let quantity = format!("{name} {}", event.kind.name());
+            let Some((event, _)) = log.or(new_run) else { return };
+            let only_log_time = log.zip(new_run).is_some_and(|(a, b)| a.0 == b.0);
+            let suffix = if only_log_time { " (log time)" } else { "" };
+            let quantity = format!("{name} {}{suffix}", event.kind.name());
             // A touch-down has a speed, a lift-off an impulse.
-            let is_simultaneous = log.zip(new_run).is_some_and(|(a, b)| a.time_s == b.time_s);
-            let value =
-                |event: &Event| if is_simultaneous { event.approach_speed + event.impulse } else { event.time_s };
+            let is_simultaneous = log.zip(new_run).is_some_and(|(a, b)| a.0.time_s == b.0.time_s);
+            let value = |(event, time_ns): &StampedEvent| match is_simultaneous {
+                _ if only_log_time => *time_ns as f64 * 1e-9,
+                true => event.approach_speed + event.impulse,
+                false => event.time_s,
+            };
             result.record(Difference::new(event.time_s, &quantity, log.map(value), new_run.map(value)));
         }
     }
@@ -294,6 +309,7 @@ impl<R: Read + Seek> LogComparison<R> {
 
 impl<R: Read + Seek> Sink for LogComparison<R> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.clock_ns = self.clock_ns.max(stamp_ns(sample.time_s));
         if !self.is_compared(sample.time_s) {
             return Ok(());
         }
@@ -317,8 +333,9 @@ impl<R: Read + Seek> Sink for LogComparison<R> {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.clock_ns = self.clock_ns.max(stamp_ns(event.time_s));
         let index = self.contacts[event.contact];
-        self.new_events.extend(index.map(|contact| Event { contact, ..*event }));
+        self.new_events.extend(index.map(|contact| (Event { contact, ..*event }, self.clock_ns)));
         Ok(())
     }
 }

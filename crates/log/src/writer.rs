@@ -3,12 +3,18 @@
 use std::collections::BTreeMap;
 use std::io::Write;
 
-use foxglove::messages::log::Level;
+use foxglove::Encode;
+use foxglove::messages::{Log, log::Level};
 
-use super::channels::Channels;
-use super::mcap_file::{McapFile, MessageFeed};
+use super::channels::{ChannelContent, channel_list, contacts_of};
+use super::lines::{GraspState, describe_event};
+use super::mcap_file::{ChannelId, McapFile, MessageFeed};
+use super::messages::{MessageType, contact_numbers, disc_numbers, event_flags, limit_numbers, state_numbers};
 use super::metadata::RunInfo;
-use phalanx_core::trace::{Event, Sample, Sink, SinkError};
+use super::pictures::Pictures;
+use phalanx_core::drawing::{self, Drawing};
+use phalanx_core::scene::{self, Scene};
+use phalanx_core::trace::{BodyState, Channels as _, Event, FingerState, Layout, Sample, Sink, SinkError};
 
 /// Streams one run to an MCAP file. Memory use is one chunk plus about 400 bytes of index per written chunk. The writer
 /// never seeks, so `W` can be a pipe.
@@ -19,7 +25,17 @@ use phalanx_core::trace::{Event, Sample, Sink, SinkError};
 /// Dropping a writer also finishes the log but discards errors; [`Writer::finish`] returns them.
 pub struct Writer<W: Write> {
     file: McapFile<W>,
-    channels: Channels,
+    channels: Vec<(ChannelId, ChannelContent)>,
+    layout: Layout,
+    /// Contacts drawn in pictures.
+    drawn_contacts: Vec<usize>,
+    pictures: Option<Pictures>,
+    /// Grasp state; `None` unless the scene is a single finger.
+    grasp: Option<GraspState>,
+    /// Channel of the event lines.
+    lines: ChannelId,
+    /// Scene whose bodies are drawn.
+    scene: Scene,
 }
 
 impl<W: Write> Writer<W> {
@@ -36,13 +52,30 @@ impl<W: Write> Writer<W> {
         feed: Option<Box<dyn MessageFeed>>,
     ) -> Result<Self, SinkError> {
         let mut file = McapFile::start(out, name, run, feed)?;
-        let channels = Channels::register(&mut file, run.scene)?;
-        Ok(Writer { file, channels })
+        let scene = run.scene.clone();
+        let system = &scene.system;
+        let (layout, contacts) = (Layout::from_system(system), contacts_of(system));
+        let mut channels = Vec::new();
+        for (topic, content) in channel_list(&layout, &contacts) {
+            let schema = content.message_type().map(MessageType::schema);
+            channels.push((file.register(&topic, schema)?, content));
+        }
+        let start = Sample {
+            fingers: vec![FingerState::default(); system.fingers.len()],
+            bodies: system.reported_discs().iter().map(initial_state).collect(),
+            ..Sample::default()
+        };
+        let (drawing, poses) = (Drawing::from_scene(&scene), drawing::poses(&scene, &start));
+        let pictures = Pictures::register(&mut file, &drawing, &poses, scene.log.picture_hz)?;
+        let lines = file.register("/events", Log::get_schema())?;
+        let drawn_contacts = layout.surfaces().filter(|&contact| contacts[contact].is_some()).collect();
+        let grasp = (system.fingers.len() == 1).then(GraspState::default);
+        Ok(Writer { file, channels, layout, drawn_contacts, pictures, grasp, lines, scene })
     }
 
     /// Writes a line to `/events`, for example how the run ended; `source` names its subject.
     pub fn note(&mut self, time_s: f64, severity: Level, source: &str, text: &str) -> Result<(), SinkError> {
-        self.file.write_line(self.channels.lines, time_s, severity, source, text)
+        self.file.write_line(self.lines, time_s, severity, source, text)
     }
 
     /// Writes a metadata record about the whole run.
@@ -58,7 +91,23 @@ impl<W: Write> Writer<W> {
 
 impl<W: Write> Sink for Writer<W> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.channels.sample(&mut self.file, sample)?;
+        let Sample { time_s, fingers, bodies, contacts, energy } = sample;
+        for (channel, content) in &self.channels {
+            let numbers: &[f64] = match *content {
+                ChannelContent::Finger(index) => &state_numbers(&fingers[index]),
+                ChannelContent::Body(index) => &disc_numbers(&bodies[index]),
+                ChannelContent::Contact(index) => &contact_numbers(&contacts[index]),
+                ChannelContent::Limit(index) => &limit_numbers(&contacts[index]),
+                ChannelContent::Energy => &energy.values(),
+                _ => continue,
+            };
+            self.file.write_numbers(*channel, *time_s, &[], numbers)?;
+        }
+        if let Some(pictures) = &mut self.pictures {
+            let poses = || drawing::poses(&self.scene, sample);
+            let drawn = self.drawn_contacts.iter().map(|&contact| &contacts[contact]);
+            pictures.sample(&mut self.file, *time_s, poses, drawn)?;
+        }
         self.file.close_full_chunk()
     }
 
@@ -66,8 +115,46 @@ impl<W: Write> Sink for Writer<W> {
         self.sample(sample)
     }
 
+    /// Writes an event as a message and as text.
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.channels.event(&mut self.file, event)?;
-        self.file.close_full_chunk()
+        let file = &mut self.file;
+        let about_contact = || self.channels.iter().filter(|(_, content)| content.contact() == Some(event.contact));
+        if about_contact().next().is_some() {
+            let is_friction = event.kind.is_friction_event();
+            for (channel, content) in about_contact() {
+                let numbers: &[f64] = match content {
+                    ChannelContent::Slip(_) if is_friction => &[],
+                    ChannelContent::Impact(_) | ChannelContent::LimitImpact(_) if !is_friction => {
+                        &[event.approach_speed, event.impulse]
+                    }
+                    _ => continue,
+                };
+                file.write_numbers(*channel, event.time_s, event_flags(event.kind), numbers)?;
+            }
+            let contact = &self.layout.contacts[event.contact];
+            let display_name = match event.contact < self.scene.system.gripper_contacts().len() {
+                true => display_name(&contact.name),
+                false => contact.name.clone(),
+            };
+            let text = describe_event(event, &display_name, contact.is_angular);
+            file.write_line(self.lines, event.time_s, Level::Info, &contact.name, &text)?;
+        }
+        if let Some(text) = self.grasp.as_mut().and_then(|grasp| grasp.update(event)) {
+            file.write_line(self.lines, event.time_s, Level::Info, "grasp", &text)?;
+        }
+        file.close_full_chunk()
+    }
+}
+
+fn initial_state(disc: &scene::Disc) -> BodyState {
+    BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() }
+}
+
+/// Name of a contact of a finger, the palm or the table in the text of event lines.
+fn display_name(name: &str) -> String {
+    match name.rsplit('_').next() {
+        Some("palm" | "table") => format!("object on the {name}"),
+        Some("limit") => name.replace('_', " ").replace("limit", "joint limit"),
+        _ => format!("{} phalanx", name.replace('_', " ")),
     }
 }

@@ -130,15 +130,6 @@ mod tests {
     }
 
     #[test]
-    fn labels_of_one_anchor_do_not_overlap() {
-        let boxes = place_labels(&vec![request([100.0, 100.0]); 9], &[], [200.0, 200.0]);
-        for (index, label_box) in boxes.iter().enumerate() {
-            assert!(label_box.is_within([200.0, 200.0]), "{label_box:?}");
-            assert!(boxes[index + 1..].iter().all(|other| !label_box.overlaps(other, 0.0)), "{boxes:?}");
-        }
-    }
-
-    #[test]
     fn labels_avoid_lines_and_stay_within_the_picture() {
         let line = [[0.0, 85.0], [200.0, 85.0]];
         let boxes = place_labels(&[request([100.0, 100.0]), request([100.0, 4.0])], &[line], [200.0, 200.0]);

@@ -163,11 +163,7 @@ fn order(axis: &Axis) -> Vec<Value> {
 }
 
 fn number(value: &Value) -> f64 {
-    match value {
-        Value::Number(value) => *value,
-        Value::Integer(value) => *value as f64,
-        _ => f64::INFINITY,
-    }
+    value.as_number().unwrap_or(f64::INFINITY)
 }
 
 /// Rank of a value in the order.

@@ -10,7 +10,7 @@ use crate::plot::canvas::{LegendEntry, Marker, THIN_LINE, TITLE_HEIGHT, WIDTH, h
 use crate::plot::series::{Panel, Series, Stack};
 use crate::plot::theme::{AMBER, BLUE, Colour, GREEN, INK, ORANGE, PURPLE, SOFT};
 use crate::study::select::{Candidate, Selection};
-use crate::table::{Table, Value};
+use crate::table::Table;
 
 /// Colours of the first conditions.
 const COLOURS: [Colour; 5] = [BLUE, ORANGE, GREEN, PURPLE, AMBER];
@@ -102,11 +102,7 @@ fn design_axis(selection: &Selection) -> Axis {
 /// Points (design, displayed value) of the first run of every design that has a value.
 fn values(results: &Table, selection: &Selection, column: usize, scale: f64) -> Vec<(f64, f64)> {
     let mut seen = HashSet::new();
-    let value = |row: usize| match results.rows[row][column] {
-        Value::Number(value) if value.is_finite() => Some(value * scale),
-        Value::Integer(value) => Some(value as f64 * scale),
-        _ => None,
-    };
-    let with_value = selection.runs.iter().filter_map(|run| Some((run.design, value(run.row)?)));
+    let value = |row: usize| results.rows[row][column].as_number().filter(|value| value.is_finite());
+    let with_value = selection.runs.iter().filter_map(|run| Some((run.design, value(run.row)? * scale)));
     with_value.filter(|(design, _)| seen.insert(*design)).map(|(design, value)| (design as f64, value)).collect()
 }

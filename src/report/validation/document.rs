@@ -50,7 +50,7 @@ impl<'a> ValidationReport<'a> {
         }
     }
 
-    fn model(&self, model: Model) -> ModelDocument {
+    fn model(&self, model: Model) -> ModelDocument<'_> {
         let Validation { reference, engine, reference_invariants, engine_invariants, ladder, .. } = self.validation;
         let (recording, invariants) = match model {
             Model::Analytic => (reference, reference_invariants),
@@ -66,7 +66,7 @@ impl<'a> ValidationReport<'a> {
             contacts: Contacts::new(&self.layout, outcome, &[]),
             energy: outcome.last.energy,
             loop_gap_m: (self.scene.kind() != SceneKind::Bodies).then_some(outcome.loop_gap_m),
-            invariants: invariants.iter().map(FindingDocument::from).collect(),
+            invariants,
         }
     }
 
@@ -149,7 +149,7 @@ impl Serialize for ValidationReport<'_> {
 
 /// Run of one of the models for the scene itself.
 #[derive(Serialize)]
-struct ModelDocument {
+struct ModelDocument<'a> {
     setting: String,
     steps: u64,
     /// Median wall time without output; null without a ladder, which measures it.
@@ -162,35 +162,7 @@ struct ModelDocument {
     energy: Energy,
     #[serde(skip_serializing_if = "Option::is_none")]
     loop_gap_m: Option<f64>,
-    invariants: Vec<FindingDocument>,
-}
-
-/// Margin of one invariant: measured value and limit in the SI unit of the quantity.
-#[derive(Serialize)]
-struct FindingDocument {
-    invariant: &'static str,
-    meaning: &'static str,
-    held: bool,
-    share: f64,
-    measured: f64,
-    allowed: f64,
-    place: Option<String>,
-    time_s: f64,
-}
-
-impl From<&Finding> for FindingDocument {
-    fn from(found: &Finding) -> Self {
-        Self {
-            invariant: found.invariant.name(),
-            meaning: found.invariant.meaning(),
-            held: !found.is_violated(),
-            share: found.ratio_to_limit(),
-            measured: found.measured,
-            allowed: found.allowed,
-            place: found.contact.clone(),
-            time_s: found.time_s,
-        }
-    }
+    invariants: &'a [Finding],
 }
 
 /// One touch-down in both models.

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::super::csv::cell;
+use super::super::samples::cell;
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::trace::columns::{Column, columns};

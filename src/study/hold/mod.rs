@@ -34,6 +34,7 @@ use crate::criteria::{Fate, GraspTracker};
 use crate::grasp::run;
 use crate::numeric::elementary::{ln, log2};
 use crate::scene::Scene;
+use crate::statics::AccelerationLimit;
 use crate::study::pool;
 use crate::trace::Model;
 use crate::units::MAX_TIME_S;
@@ -42,7 +43,7 @@ use prepare::PreparedScene;
 
 pub use load::{Load, LoadCase, LoadSetup, LoadSize, axis_name};
 pub use plan::{HoldError, KeepRunning, LoadOutcome, Loads, Plan, REST_SPEED_M_S, SETTLING_S};
-pub use prepare::{StartReason, StaticLimit};
+pub use prepare::StartReason;
 pub use search::{Limit, Verdict};
 
 /// Result of a hold study.
@@ -64,7 +65,7 @@ pub struct LoadResult {
     /// Largest load of the scan: the plan's, or the largest that keeps the object clear of the table.
     pub to_m_s2: f64,
     /// Acceleration that is balanced at rest at the start of the loads; `None` if this kind of load has no such limit.
-    pub static_limit: Option<StaticLimit>,
+    pub static_limit: Option<AccelerationLimit>,
     /// Evaluations, sorted by load.
     pub evaluations: Vec<Evaluation>,
     pub slips: Limit,
@@ -184,11 +185,11 @@ impl Serialize for LoadResult {
             held_above_m_s2: Option<f64>,
             unfinished: usize,
         }
-        let (quasi_static, quasi_static_m_s2) = match self.static_limit {
+        let (quasi_static, quasi_static_m_s2) = match &self.static_limit {
             None => (None, None),
-            Some(StaticLimit::Infeasible) => (Some("nothing"), None),
-            Some(StaticLimit::UpTo { acceleration_m_s2 }) => (Some("up to"), Some(acceleration_m_s2)),
-            Some(StaticLimit::Unlimited) => (Some("any"), None),
+            Some(AccelerationLimit::Infeasible) => (Some("nothing"), None),
+            Some(AccelerationLimit::Limited(limit)) => (Some("up to"), Some(limit.acceleration_m_s2)),
+            Some(AccelerationLimit::Unlimited) => (Some("any"), None),
         };
         let limit = |limit: &Limit| LimitDocument {
             held_m_s2: limit.held,

@@ -234,22 +234,11 @@ fn is_clear(prepared: &PreparedScene, load: &Load) -> bool {
     })
 }
 
-/// Largest acceleration that contact forces can balance with the hand at rest, in both directions along a line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StaticLimit {
-    /// Even a palm at rest is not balanced.
-    Infeasible,
-    UpTo {
-        acceleration_m_s2: f64,
-    },
-    /// Any acceleration is balanced.
-    Unlimited,
-}
-
-/// Returns the quasi-static limit of a load for the active contacts of a sample; `None` for loads that rotate the palm
-/// or change their direction, and where statics has no solution. Engaged brakes hold up to their torque; if a motor has
+/// Returns the largest acceleration that contact forces can balance with the hand at rest, in both directions of a load,
+/// for the active contacts of a sample; `None` for loads that rotate the palm or change their direction, and where
+/// statics has no solution. Engaged brakes hold up to their torque; if a motor has
 /// no engaged brake, all motors apply only their actuation torque.
-pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &LoadCase) -> Option<StaticLimit> {
+pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &LoadCase) -> Option<AccelerationLimit> {
     let (sin, cos) = match case {
         LoadCase::Pulse { direction_rad, .. } => sin_cos(*direction_rad),
         LoadCase::Vibration { axis: Axis::X, .. } => (0.0, 1.0),
@@ -261,20 +250,16 @@ pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &Loa
     let driven = if all_engaged { DriveMode::Blocked } else { DriveMode::AtTorque };
     let hand = sampled_hand_at_rest(&prepared.scene, sample, driven)?;
     // A load accelerates in one direction and brakes in the other.
-    let mut smallest = StaticLimit::Unlimited;
-    for direction in [[cos, sin], [-cos, -sin]] {
-        smallest = match (smallest, balanced_acceleration(&hand, direction).ok()?.largest) {
-            (StaticLimit::Infeasible, _) | (_, AccelerationLimit::Infeasible) => StaticLimit::Infeasible,
-            (found, AccelerationLimit::Unlimited) => found,
-            (StaticLimit::UpTo { acceleration_m_s2: a }, AccelerationLimit::Limited(limit)) => {
-                StaticLimit::UpTo { acceleration_m_s2: a.min(limit.acceleration_m_s2) }
-            }
-            (StaticLimit::Unlimited, AccelerationLimit::Limited(limit)) => {
-                StaticLimit::UpTo { acceleration_m_s2: limit.acceleration_m_s2 }
-            }
-        };
-    }
-    Some(smallest)
+    let limits =
+        [[cos, sin], [-cos, -sin]].map(|direction| Some(balanced_acceleration(&hand, direction).ok()?.largest));
+    let value = |limit: &AccelerationLimit| match limit {
+        AccelerationLimit::Infeasible => f64::NEG_INFINITY,
+        AccelerationLimit::Limited(limit) => limit.acceleration_m_s2,
+        AccelerationLimit::Unlimited => f64::INFINITY,
+    };
+    let [forward, backward] = limits;
+    let (forward, backward) = forward.zip(backward)?;
+    Some(if value(&backward) < value(&forward) { backward } else { forward })
 }
 
 #[cfg(test)]

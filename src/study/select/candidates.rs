@@ -10,9 +10,6 @@ use crate::study::quantity::Quantity;
 use crate::study::sweep::Status;
 use crate::table::{Table, TableError, Value};
 
-/// Dynamic classes from best to worst.
-pub const CLASSES: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];
-
 /// Axis of a study: a column and its values in the order of the runs. Serialised with the number of values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Axis {
@@ -79,7 +76,7 @@ impl Candidate {
 
 /// Returns the class with this name.
 pub fn parse_class(name: &str) -> Option<Class> {
-    CLASSES.into_iter().find(|class| class.name() == name)
+    Class::ALL.into_iter().find(|class| class.name() == name)
 }
 
 /// Content of a table of results.

@@ -128,7 +128,7 @@ impl Criterion {
             Criterion::ForcePositive => run.force_positive,
             Criterion::FormClosed => run.form_closed,
             Criterion::Settled => completed.then_some(run.tts_s.is_some()),
-            // The variants are declared in the order of `CLASSES`.
+            // The variants are declared in the order of `Class::ALL`.
             Criterion::Class(worst) => run.class.map(|class| class as u8 <= *worst as u8),
             Criterion::Bound(Bound { side, value, column }) => {
                 match bounded_value.filter(|number| number.is_finite()) {

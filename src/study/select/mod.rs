@@ -19,10 +19,11 @@ use std::collections::HashSet;
 
 use serde::{Serialize, Serializer};
 
+use crate::criteria::Class;
 use crate::study::sweep::{Reason, Status, group_reasons};
 use crate::table::Table;
 
-pub use candidates::{Axis, CLASSES, Candidate, Condition, SelectError, condition_name, parse_class};
+pub use candidates::{Axis, Candidate, Condition, SelectError, condition_name, parse_class};
 pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict, criterion_name};
 pub use ranking::{PerTerm, Ranked, TERMS, Term, Weights};
 
@@ -171,7 +172,7 @@ pub struct ClassCounts {
     pub statically_stable: usize,
     pub statically_unstable: usize,
     pub form_closed: usize,
-    /// Runs by dynamic class, in the order of [`CLASSES`].
+    /// Runs by dynamic class, in the order of [`Class::ALL`].
     #[serde(flatten, serialize_with = "by_class")]
     pub dynamic: [usize; 4],
 }
@@ -181,7 +182,7 @@ fn by_status<S: Serializer>(counts: &[usize; 4], serializer: S) -> Result<S::Ok,
 }
 
 fn by_class<S: Serializer>(counts: &[usize; 4], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(CLASSES.map(|class| class.name().replace('-', "_")).into_iter().zip(counts))
+    serializer.collect_map(Class::ALL.map(|class| class.name().replace('-', "_")).into_iter().zip(counts))
 }
 
 impl ClassCounts {
@@ -200,7 +201,7 @@ fn count_classes(runs: &[Candidate], conditions: usize) -> Vec<ClassCounts> {
             runs: members.len(),
             cannot_grasp: count(&Candidate::cannot_grasp),
             statuses: Status::ALL.map(|status| count(&|run| run.status == status)),
-            dynamic: CLASSES.map(|class| count(&|run| run.class == Some(class))),
+            dynamic: Class::ALL.map(|class| count(&|run| run.class == Some(class))),
             statically_stable: count(&|run| run.force_positive == Some(true)),
             statically_unstable: count(&|run| run.force_positive == Some(false)),
             form_closed: count(&|run| run.form_closed == Some(true)),
@@ -224,7 +225,7 @@ fn class_reasons(runs: &[Candidate]) -> Vec<Reason> {
     let mut reasons = group_reasons(
         runs.iter().filter_map(|run| Some((run.run.unsigned_abs(), run.class?.name(), run.class_reason.as_deref()?))),
     );
-    let rank = |name: &str| CLASSES.iter().position(|class| class.name() == name);
+    let rank = |name: &str| Class::ALL.iter().position(|class| class.name() == name);
     reasons.sort_by_key(|reason| (rank(&reason.status), Reverse(reason.runs), reason.first_run));
     reasons
 }

@@ -32,14 +32,15 @@ mod study_file;
 mod summary;
 
 pub(in crate::study) use shard::{find_gaps, list_message, missing_message, run_range_text};
+pub(in crate::study) use single_run::problem_messages;
 pub(in crate::study) use summary::group_reasons;
 
 pub use field::{AxisValue, Field, FieldType};
 pub use in_memory::{InMemoryStudyError, in_memory_study};
 pub use row::{Row, Status, column_type, columns, sorted_table, table};
 pub use run::{RunStats, run_range, run_while};
-pub use shard::{Shard, ShardError, check_unsharded, shard, shard_range};
-pub use study_file::{StudyError, files, load, parse, schema, source_files};
+pub use shard::{Shard, check_unsharded, shard, shard_range};
+pub use study_file::{StudyError, load, parse, schema, source_files};
 pub use summary::{Reason, Summary, summary};
 
 use axis::{Axis, AxisValues};

@@ -11,11 +11,12 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::study::random::{scramble, unit_interval};
-
 /// The first primes: bases of the axes of a Halton sequence. For larger bases, two axes are correlated over too many
 /// points.
 const PRIMES: [u64; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];
+
+/// Increment of the state of SplitMix64: 2⁶⁴ over the golden ratio.
+const INCREMENT: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Maximum number of axes of a Halton sequence.
 pub const MAX_HALTON_AXES: usize = PRIMES.len();
@@ -95,9 +96,31 @@ fn random_permutation(count: u32, seed: u64) -> Vec<u32> {
     order
 }
 
+/// Output of SplitMix64 (Steele, Lea and Flood 2014) for the state after `state`. Its sequence is fixed by its
+/// definition; the generators of a library may change with its version.
+fn scramble(state: u64) -> u64 {
+    let mut z = state.wrapping_add(INCREMENT);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// Converts the upper 53 bits to a number in [0, 1).
+fn unit_interval(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1u64 << 53) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Reference: output of the authors' code for the seed 1234567.
+    #[test]
+    fn scramble_matches_the_reference_sequence() {
+        let states = [0, 1, 2].map(|step: u64| 1_234_567u64.wrapping_add(step.wrapping_mul(INCREMENT)));
+        let expected = [6_457_827_717_110_365_317, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423];
+        assert_eq!(states.map(scramble), expected);
+    }
 
     /// Largest deviation of the fraction of points in [0, x) from x on one axis.
     fn discrepancy(sequence: &Sequence, axis: usize) -> f64 {

@@ -30,29 +30,22 @@ impl Shard {
     }
 }
 
-/// Error while dividing a study into parts.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct ShardError(String);
-
 /// Returns part `number` of `count`. The parts differ by at most one run and together cover the study in order.
 ///
 /// # Errors
 /// Returns an error if there is no such part, or it has more than [`MAX_RUNS`] runs.
-pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, ShardError> {
+pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, String> {
     let Some(shard) = shard_range(study.runs(), number, count) else {
         let last = count.max(1);
-        return Err(ShardError(format!(
-            "there is no shard {number}/{count}: shards are numbered from 1/{last} to {last}/{last}"
-        )));
+        return Err(format!("there is no shard {number}/{count}: shards are numbered from 1/{last} to {last}/{last}"));
     };
     match shard.runs() {
         0..=MAX_RUNS => Ok(shard),
-        runs => Err(ShardError(format!(
+        runs => Err(format!(
             "shard {number}/{count} has {runs} runs, but a part has at most {MAX_RUNS}, because it is stored in memory until \
              it is written; give at least {} shards",
             min_shard_count(study.runs())
-        ))),
+        )),
     }
 }
 
@@ -60,16 +53,16 @@ pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, ShardError
 ///
 /// # Errors
 /// Returns an error if there are more than [`MAX_RUNS`] runs.
-pub fn check_unsharded(study: &Study, max_runs: u64) -> Result<(), ShardError> {
+pub fn check_unsharded(study: &Study, max_runs: u64) -> Result<(), String> {
     let (runs, count) = (study.runs().min(max_runs), min_shard_count(study.runs()));
     if runs <= MAX_RUNS {
         return Ok(());
     }
-    Err(ShardError(format!(
+    Err(format!(
         "the study has {runs} runs, but an undivided sweep has at most {MAX_RUNS}, because they are sorted in memory; make it in \
          parts (--shard 1/{count} to --shard {count}/{count}, or more of them) and join these with `phalanx sweep merge`, or make \
          only the first runs (--limit)"
-    )))
+    ))
 }
 
 /// Returns part `number` of `count` of a study with this number of runs; `None` if there is no such part.

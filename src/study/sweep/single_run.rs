@@ -36,7 +36,7 @@ pub(super) fn run_one(study: &Study, run: u64, keep_running: &(dyn Fn() -> bool 
 }
 
 /// Problems of a scene in one line, without their location in the generated text.
-fn problem_messages(error: &SceneError) -> String {
+pub(in crate::study) fn problem_messages(error: &SceneError) -> String {
     let messages: Vec<&str> = error.problems().iter().map(|problem| problem.message.as_str()).collect();
     if messages.is_empty() { error.to_string() } else { messages.join("; ") }
 }

@@ -172,16 +172,8 @@ fn own_schema() -> Json {
     schema
 }
 
-/// Files of a valid study: its own, then those that its base scene extends, then the base scene.
-///
-/// # Errors
-/// See [`load`].
-pub fn files(path: &Path) -> Result<Vec<PathBuf>, StudyError> {
-    load(path)?;
-    Ok(source_files(path))
-}
-
-/// Files of a study that has been read; only its own file if that is a pipe.
+/// Files of a study that has been read: its own, then those that its base scene extends, then the base scene; only its
+/// own file if that is a pipe.
 pub fn source_files(path: &Path) -> Vec<PathBuf> {
     let text = if path.is_file() { read(path).map_or_else(|_| String::new(), |(text, _)| text) } else { String::new() };
     let document = DeTable::parse(&text).ok();
@@ -213,7 +205,9 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let mut document = DeTable::parse(text).map_err(|error| invalid(vec![syntax_problem(&error)]))?;
     let inline = take_table(document.get_mut(), "scene");
     let set = take_table(document.get_mut(), "set");
-    let schema = own_schema();
+    let mut schema = own_schema();
+    // A table [set] has been taken out; messages list the key and reject other values.
+    schema["properties"]["set"] = json!({ "type": "object", "properties": {} });
     let mut problems = keys::remove_unknown(
         document.get_mut(),
         &keys::KeySchemas { kind: "study", schema: &schema, other_kinds: &Vec::new },

@@ -8,9 +8,6 @@ use super::Status;
 use crate::criteria::{Class, Fate};
 use crate::table::{Table, TableError};
 
-/// Dynamic classes from best to worst.
-const CLASSES: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];
-
 /// Counts of the rows of a sweep.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Summary {
@@ -79,7 +76,7 @@ pub fn summary(table: &Table) -> Result<Summary, TableError> {
     let grasp = table.texts("grasp");
     let (class, classes) = match grasp {
         Ok(fates) => (fates, Fate::NAMES.to_vec()),
-        Err(_) => (table.texts("class")?, CLASSES.map(Class::name).to_vec()),
+        Err(_) => (table.texts("class")?, Class::ALL.map(Class::name).to_vec()),
     };
     let reason = table.texts("reason")?;
     let count = |column: &[Option<&str>], name: &str| column.iter().filter(|cell| **cell == Some(name)).count() as u64;

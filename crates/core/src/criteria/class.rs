@@ -49,6 +49,9 @@ pub enum Class {
 }
 
 impl Class {
+    /// All classes from best to worst.
+    pub const ALL: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];
+
     /// Returns the class of a finger:
     ///
     /// | class | rebound | tts |

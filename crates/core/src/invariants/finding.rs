@@ -3,6 +3,9 @@
 use std::cmp::Ordering;
 use std::fmt;
 
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
 use crate::scene::{Engine, Integrator, Response, Stepping};
 use crate::trace::Model;
 
@@ -112,6 +115,22 @@ impl fmt::Display for Finding {
             self.allowed,
             self.time_s * 1e3
         )
+    }
+}
+
+/// Serialises measured value and limit in the SI unit of the quantity.
+impl Serialize for Finding {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("invariant", self.invariant.name())?;
+        map.serialize_entry("meaning", self.invariant.meaning())?;
+        map.serialize_entry("held", &!self.is_violated())?;
+        map.serialize_entry("share", &self.ratio_to_limit())?;
+        map.serialize_entry("measured", &self.measured)?;
+        map.serialize_entry("allowed", &self.allowed)?;
+        map.serialize_entry("place", &self.contact)?;
+        map.serialize_entry("time_s", &self.time_s)?;
+        map.end()
     }
 }
 

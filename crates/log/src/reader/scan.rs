@@ -256,9 +256,13 @@ fn include(chunk: &mut ChunkIndex, log_time_ns: u64) {
     chunk.message_end_time = chunk.message_end_time.max(log_time_ns);
 }
 
-/// Parses a record of an untrusted file.
+/// Parses a record of an untrusted file. Records that are not used, such as the header and indexes, may be invalid.
 fn parse(opcode: u8, data: &[u8]) -> Result<Record<'_>, Defect> {
+    use op::{ATTACHMENT, CHANNEL, CHUNK, MESSAGE, METADATA, SCHEMA};
     match has_valid_lengths(opcode, data) {
+        _ if ![ATTACHMENT, CHANNEL, CHUNK, MESSAGE, METADATA, SCHEMA].contains(&opcode) => {
+            Ok(Record::Unknown { opcode, data: data.into() })
+        }
         true => Ok(parse_record(opcode, data)?),
         false => Err(Defect::damaged("a field extends beyond its record")),
     }

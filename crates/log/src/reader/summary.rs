@@ -142,6 +142,8 @@ pub enum LossKind {
     Truncated,
     /// The file contains invalid data.
     Damaged,
+    /// Metadata or index are damaged; the samples are not affected.
+    Metadata,
     /// A chunk has an unsupported compression.
     UnsupportedCompression,
     /// The attached scene is damaged; samples are not affected.
@@ -161,6 +163,7 @@ impl Loss {
                 "the log is damaged at byte {at_byte} of {bytes}: {reason}; {readable}; to extract intact parts after \
                  that: `mcap recover`"
             ),
+            LossKind::Metadata => format!("the log is damaged at byte {at_byte} of {bytes}: {reason}; {readable}"),
             LossKind::UnsupportedCompression => format!(
                 "the chunk at byte {at_byte} of {bytes} is compressed with {reason:?}, which is not supported (zstd, lz4 \
                  and no compression are); {readable}; recompress the log: `mcap compress --compression zstd`"
@@ -189,11 +192,16 @@ impl From<McapError> for Defect {
             McapError::UnsupportedCompression(name) => {
                 Defect { kind: LossKind::UnsupportedCompression, reason: name.chars().take(40).collect() }
             }
-            McapError::BadDataCrc { .. } => Defect::damaged(
-                "the checksum of the data section does not match, but all chunks are valid: the change is outside the \
-                 chunks, for example in the metadata",
-            ),
-            McapError::BadSummaryCrc { .. } => Defect::damaged("the checksum of the index does not match"),
+            McapError::BadDataCrc { .. } => Defect {
+                kind: LossKind::Metadata,
+                reason: "the checksum of the data section does not match, but all chunks are valid: the change is \
+                         outside the chunks, for example in the metadata"
+                    .to_string(),
+            },
+            McapError::BadSummaryCrc { .. } => {
+                let reason = "the checksum of the index does not match".to_string();
+                Defect { kind: LossKind::Metadata, reason }
+            }
             McapError::BadChunkCrc { .. } => Defect::damaged("the checksum of a chunk does not match"),
             McapError::BadAttachmentCrc { .. } => Defect::damaged("the checksum of the attached scene does not match"),
             McapError::BadMagic => Defect::damaged("it does not end with the MCAP magic bytes"),

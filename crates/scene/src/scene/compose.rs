@@ -134,8 +134,9 @@ impl Merged {
         let (path, merged_key, merged_value) = entry_at(document.get_ref(), span.start)?;
         let joined = path.join(".");
         let is_table = find(&self.texts, &joined)?.is_table();
-        let first_with_path = || self.layers.iter().position(|layer| find(layer, &joined).is_some());
-        let layer = self.origin(&joined).or_else(first_with_path)?;
+        // An empty table has no origin. It may have replaced a value of an earlier layer.
+        let last_with_path = || self.layers.iter().rposition(|layer| find(layer, &joined).is_some());
+        let layer = self.origin(&joined).or_else(last_with_path)?;
         let document = DeTable::parse(&layers[layer].text).ok()?;
         let (key, value) = entry(document.get_ref(), &path)?;
         // Values are verbatim: their parts have the same positions.

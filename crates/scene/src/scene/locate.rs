@@ -121,5 +121,9 @@ mod tests {
         let found = locate_problems(&error).remove(0);
         assert_eq!((found.file.as_str(), found.line, found.column), ("set", Some(1), Some(30)));
         assert_eq!(found.field.as_deref(), Some("contact.friction.mu_static"));
+        // A table in place of a value of the file.
+        let settings = [Layer { file: "set".into(), text: "duration = {}".into() }];
+        let found = locate_problems(&parse_layers(&files, &settings, parse_any).expect_err("a table")).remove(0);
+        assert_eq!((found.file.as_str(), found.line, found.column), ("set", Some(1), Some(1)));
     }
 }

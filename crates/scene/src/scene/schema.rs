@@ -62,6 +62,7 @@ pub fn other_schemas(kind: SceneKind) -> Vec<(&'static str, &'static Value)> {
 fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
     let Some(map) = schema.as_object_mut() else { return };
     let overrides = overrides || map.contains_key("x-overrides");
+    let description = map.get("description").cloned();
     let own = SceneKind::ALL.map(|kind| (kind, map.remove(&format!("x-{}", kind.keyword()))));
     for (_, own) in own.into_iter().filter(|(own_kind, _)| *own_kind == kind) {
         map.extend(own.as_ref().and_then(Value::as_object).cloned().unwrap_or_default());
@@ -109,6 +110,8 @@ fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
         properties
             .into_iter()
             .for_each(|properties| ["palm", "table"].iter().for_each(|key| _ = properties.remove(*key)));
+        // That of a finger; the one of a gripper names palm and table.
+        schema["description"] = description.unwrap_or_default();
     }
 }
 

@@ -262,6 +262,26 @@ fn add_defaults(complete: &mut Table, schema: &Json, resolved: Option<&Table>) {
     }
 }
 
+/// The settings of a scene with a contact law by the contact to which it belongs, where the contacts differ: [contact] is
+/// then not the section of this name in the scene as written.
+fn by_contact(resolved: &Table) -> Table {
+    let mut file = resolved.clone();
+    let differs = ["right", "left"].iter().any(|side| file.contains_key(*side));
+    for (key, section) in &mut file {
+        let contact = if key == "contact" { Some(section) } else { section.get_mut("contact") };
+        let Some(Value::Table(laws)) = contact else { continue };
+        let (others, law): (Table, Table) =
+            std::mem::take(laws).into_iter().partition(|(key, _)| ["distal", "palm", "table"].contains(&key.as_str()));
+        match (others.contains_key("distal"), key == "contact" && differs) {
+            (true, _) => laws.extend([("proximal".to_string(), law.into())]),
+            (false, true) => {}
+            (false, false) => laws.extend(law),
+        }
+        laws.extend(others);
+    }
+    file
+}
+
 /// Returns the values derived from the scene, rounded, as comments.
 fn derived_values(schema: &Json, resolved: &Table, complete: &Table) -> String {
     // A value may be given in a common section: that of both fingers, the common contact law, or the design for some
@@ -275,7 +295,7 @@ fn derived_values(schema: &Json, resolved: &Table, complete: &Table) -> String {
         [path, common, &law, &design].into_iter().any(|path| find(complete, path).is_some())
     };
     let mut text = String::new();
-    let derived = to_texts(schema, resolved, "", &|value, value_type, path| {
+    let derived = to_texts(schema, &by_contact(resolved), "", &|value, value_type, path| {
         (!is_given(path)).then(|| toml_text(value, value_type, Some(DIGITS)))
     });
     write_texts(&mut text, schema, &derived, "");

@@ -97,7 +97,8 @@ impl ValueType {
                 };
                 let upper = if *max == i64::MAX { String::new() } else { format!(" to {max}") };
                 let help = format!("write a number from {min}{upper} without point, exponent or quotes");
-                refuse(&name, &format!("a whole number from {min}{upper}"), "a whole number", help)
+                let label = if upper.is_empty() { "a whole number" } else { &format!("from {min}{upper}") };
+                refuse(&name, &format!("a whole number from {min}{upper}"), label, help)
             }
             (ValueType::Flag, TomlValue::Flag(flag)) => Ok(Value::Boolean(*flag)),
             (ValueType::Flag, _) => {

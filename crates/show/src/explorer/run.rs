@@ -153,8 +153,4 @@ impl Sink for CsvSink {
         csv_sample(&mut self.text, &self.columns, sample).expect("writing to memory cannot fail");
         Ok(())
     }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
 }

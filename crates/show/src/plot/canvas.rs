@@ -124,22 +124,6 @@ pub fn picture(title: &str, height: f64, draw: impl FnOnce(&mut Svg)) -> String 
     })
 }
 
-/// Draws a picture of one frame with a legend on its right.
-pub fn chart(
-    title: &str,
-    height: f64,
-    x: &Axis,
-    y: &Axis,
-    draw: impl FnOnce(&mut Svg, &Frame) -> Vec<LegendEntry>,
-) -> String {
-    picture(title, height, |svg| {
-        let area = Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND_WIDTH, height: height - TITLE_HEIGHT };
-        let frame = frame(svg, area, x, y, true);
-        let entries = draw(svg, &frame);
-        legend(svg, [WIDTH - LEGEND_WIDTH, 0.0], LEGEND_WIDTH, &entries);
-    })
-}
-
 /// Draws an empty frame with its axes; `has_labels` states whether the horizontal axis has its labels.
 pub fn frame(svg: &mut Svg, area: Area, x: &Axis, y: &Axis, has_labels: bool) -> Frame {
     let frame_area = Area {
@@ -182,35 +166,13 @@ pub fn frame(svg: &mut Svg, area: Area, x: &Axis, y: &Axis, has_labels: bool) ->
     frame
 }
 
-/// Draws a line in a frame.
-pub fn line(svg: &mut Svg, frame: &Frame, points: impl IntoIterator<Item = PlotPoint>, marker: Marker, colour: Colour) {
-    let pixels: Vec<Pixel> = points.into_iter().map(|position| frame.pixel(position)).collect();
-    svg.polyline(&pixels, stroke(marker, colour));
-}
-
-/// Draws a line over the whole height of a frame.
-pub fn vertical_line(svg: &mut Svg, frame: &Frame, x: f64, colour: Colour) {
-    line(svg, frame, [(x, frame.y.from), (x, frame.y.to)], THIN_LINE, colour);
-}
-
-/// Draws a line over the whole width of a frame.
-pub fn horizontal_line(svg: &mut Svg, frame: &Frame, y: f64, marker: Marker, colour: Colour) {
-    line(svg, frame, [(frame.x.from, y), (frame.x.to, y)], marker, colour);
-}
-
-/// Draws a marker in a frame.
-pub fn point(svg: &mut Svg, frame: &Frame, position: PlotPoint, marker: Marker, colour: Colour) {
-    points(svg, frame, [position], marker, colour);
-}
-
-/// Draws markers of one kind in a frame.
-pub fn points(svg: &mut Svg, frame: &Frame, all: impl IntoIterator<Item = PlotPoint>, marker: Marker, colour: Colour) {
-    let pixels: Vec<Pixel> = all.into_iter().map(|position| frame.pixel(position)).collect();
-    markers(svg, &pixels, marker, colour);
-}
-
-/// Draws markers of one kind at pixels.
+/// Draws a line through pixels, or markers of one kind at them.
 pub fn markers(svg: &mut Svg, pixels: &[Pixel], marker: Marker, colour: Colour) {
+    match marker {
+        Marker::Line { width } => return svg.polyline(pixels, Paint::line(colour, width)),
+        Marker::FaintLine { width } => return svg.polyline(pixels, Paint::line(colour, width).faded(0.35)),
+        _ => {}
+    }
     let mut path = Path::default();
     for &[x, y] in pixels.iter().filter(|position| position.iter().all(|component| component.is_finite())) {
         let triangle = |r: f64| [[x, y - r], [x + 0.87 * r, y + 0.5 * r], [x - 0.87 * r, y + 0.5 * r]];
@@ -233,8 +195,7 @@ pub fn markers(svg: &mut Svg, pixels: &[Pixel], marker: Marker, colour: Colour) 
         Marker::Ring => Paint::line(colour, 2.0),
         Marker::Circle => round(10.0),
         Marker::SmallDot => round(4.0),
-        Marker::TinyDot => round(2.0),
-        Marker::Line { .. } | Marker::FaintLine { .. } => return,
+        _ => round(2.0),
     };
     svg.path(&path, paint);
 }
@@ -287,12 +248,9 @@ pub fn colour_key<'a>(
 }
 
 fn legend_symbol(svg: &mut Svg, [x, y]: Pixel, entry: &LegendEntry) {
-    match entry.marker {
-        Marker::Line { .. } | Marker::FaintLine { .. } => {
-            svg.polyline(&[[x - 14.0, y], [x + 14.0, y]], stroke(entry.marker, entry.colour));
-        }
-        marker => markers(svg, &[[x, y]], marker, entry.colour),
-    }
+    let is_line = matches!(entry.marker, Marker::Line { .. } | Marker::FaintLine { .. });
+    let pixels = if is_line { vec![[x - 14.0, y], [x + 14.0, y]] } else { vec![[x, y]] };
+    markers(svg, &pixels, entry.marker, entry.colour);
 }
 
 /// Draws text centred at a pixel.
@@ -379,14 +337,6 @@ pub fn tile_border(svg: &mut Svg, corners: [Pixel; 2], edge: Colour) {
 /// Draws a tile with a border, given two opposite corners.
 pub fn tile(svg: &mut Svg, corners: [Pixel; 2], fill: Colour, edge: Colour) {
     svg.rectangle(corners, Paint::fill(fill).with_edge(edge));
-}
-
-fn stroke(marker: Marker, colour: Colour) -> Paint {
-    match marker {
-        Marker::FaintLine { width } => Paint::line(colour, width).faded(0.35),
-        Marker::Line { width } => Paint::line(colour, width),
-        _ => Paint::line(colour, 2.0),
-    }
 }
 
 #[cfg(test)]

@@ -2,13 +2,11 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `series` | charts and stacked panels of curves and markers with their legend |
 //! | `svg` | SVG elements, paths and texts |
 //! | `theme` | colours for light and dark backgrounds, and their CSS variables |
 //! | `axis` | ranges and ticks, linear and logarithmic |
 //! | `canvas` | titles, frames, markers, legends |
 //! | `colours` | colour scales |
-//! | `curve` | decimation of curves to the resolution of a picture |
 //! | `outline` | bodies as filled outlines, and arrows |
 //! | `balance` | accelerations that a gripper's grasp withstands in all directions |
 //! | `grasp` | a grasp at rest: fingers, forces, a free motion |
@@ -19,7 +17,6 @@ pub mod axis;
 mod balance;
 pub mod canvas;
 pub mod colours;
-pub mod curve;
 mod grasp;
 pub mod outline;
 pub mod series;

@@ -2,12 +2,14 @@
 
 use super::axis::Axis;
 use super::canvas::{
-    AXIS_HEIGHT, Area, Frame, LEFT_MARGIN, LEGEND_WIDTH, LegendEntry, Marker, PlotPoint, THIN_LINE, WIDTH, chart,
-    frame, legend, line, points, text_right_of,
+    AXIS_HEIGHT, Area, Frame, LEFT_MARGIN, LEGEND_WIDTH, LegendEntry, Marker, PlotPoint, THIN_LINE, TITLE_HEIGHT,
+    WIDTH, frame, legend, markers, picture, text_right_of,
 };
-use super::curve::decimate;
 use super::svg::Svg;
 use super::theme::{Colour, INK};
+
+/// Number of columns in which a decimated line retains its ends and extremes.
+const COLUMNS: usize = 1200;
 
 /// A curve, or markers of one kind, in the units of the axes.
 pub struct Series {
@@ -51,11 +53,8 @@ impl Series {
     }
 
     fn draw(&self, svg: &mut Svg, frame: &Frame) {
-        let coordinates = self.points.iter().map(|&(x, y)| (frame.x.coordinate(x), frame.y.coordinate(y)));
-        match self.marker {
-            Marker::Line { .. } | Marker::FaintLine { .. } => line(svg, frame, coordinates, self.marker, self.colour),
-            marker => points(svg, frame, coordinates, marker, self.colour),
-        }
+        let pixel = |&(x, y): &PlotPoint| frame.pixel((frame.x.coordinate(x), frame.y.coordinate(y)));
+        markers(svg, &self.points.iter().map(pixel).collect::<Vec<_>>(), self.marker, self.colour);
     }
 }
 
@@ -75,7 +74,12 @@ fn draw_all(svg: &mut Svg, frame: &Frame, series: &[Series]) -> Vec<LegendEntry>
 
 /// Draws a picture of one frame with the legend of its series.
 pub fn series_chart(title: &str, height: f64, x: &Axis, y: &Axis, series: &[Series]) -> String {
-    chart(title, height, x, y, |svg, frame| draw_all(svg, frame, series))
+    picture(title, height, |svg| {
+        let area = Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND_WIDTH, height: height - TITLE_HEIGHT };
+        let frame = frame(svg, area, x, y, true);
+        let entries = draw_all(svg, &frame, series);
+        legend(svg, [WIDTH - LEGEND_WIDTH, 0.0], LEGEND_WIDTH, &entries);
+    })
 }
 
 /// One of several stacked panels.
@@ -120,5 +124,40 @@ impl Stack {
                 legend(svg, [width, top], LEGEND_WIDTH, &entries);
             }
         }
+    }
+}
+
+/// Retains the first, lowest, highest and last point of every column; `points` must be sorted by x.
+fn decimate(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let (Some(&(from, _)), Some(&(to, _))) = (points.first(), points.last()) else { return points };
+    if points.len() <= 4 * COLUMNS || to <= from {
+        return points;
+    }
+    let column = |x: f64| ((x - from) / (to - from) * COLUMNS as f64) as usize;
+    let mut decimated = Vec::with_capacity(4 * COLUMNS);
+    for group in points.chunk_by(|a, b| column(a.0) == column(b.0)) {
+        let low = (0..group.len()).min_by(|&a, &b| group[a].1.total_cmp(&group[b].1)).unwrap_or(0);
+        let high = (0..group.len()).max_by(|&a, &b| group[a].1.total_cmp(&group[b].1)).unwrap_or(0);
+        let mut chosen = [0, low.min(high), low.max(high), group.len() - 1].to_vec();
+        chosen.dedup();
+        decimated.extend(chosen.into_iter().map(|index| group[index]));
+    }
+    decimated
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimation_retains_ends_and_spikes() {
+        let mut points: Vec<(f64, f64)> = (0..100_000).map(|k| (f64::from(k), 1.0)).collect();
+        points[54_321].1 = 7.0;
+        points[54_325].1 = -7.0;
+        let decimated_points = decimate(points.clone());
+        assert!(decimated_points.len() <= 4 * COLUMNS + 4);
+        assert_eq!((decimated_points[0], decimated_points[decimated_points.len() - 1]), (points[0], points[99_999]));
+        assert!(decimated_points.contains(&points[54_321]) && decimated_points.contains(&points[54_325]));
+        assert!(decimated_points.is_sorted_by(|a, b| a.0 <= b.0));
     }
 }

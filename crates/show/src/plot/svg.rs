@@ -96,13 +96,13 @@ pub fn document([width, height]: [f64; 2], label: &str, draw: impl FnOnce(&mut S
 
 impl Svg {
     /// Opens an element; attributes and a closing call must follow.
-    pub fn open_element(&mut self, name: &str) -> &mut Svg {
+    fn open_element(&mut self, name: &str) -> &mut Svg {
         self.text.push('<');
         self.text.push_str(name);
         self
     }
 
-    pub fn attribute(&mut self, name: &str, value: impl Display) -> &mut Svg {
+    fn attribute(&mut self, name: &str, value: impl Display) -> &mut Svg {
         // Writing to a string cannot fail.
         let _ = write!(self.text, " {name}=\"{}\"", escape_markup(&value.to_string()));
         self
@@ -134,20 +134,15 @@ impl Svg {
         self
     }
 
-    pub fn close(&mut self) {
+    fn close(&mut self) {
         self.text.push_str("/>\n");
     }
 
     /// Closes an element that has children.
-    pub fn with_children(&mut self, name: &str, inside: impl FnOnce(&mut Svg)) {
+    fn with_children(&mut self, name: &str, inside: impl FnOnce(&mut Svg)) {
         self.text.push('>');
         inside(self);
         let _ = writeln!(self.text, "</{name}>");
-    }
-
-    /// Closes an element that has a text.
-    pub fn with_text(&mut self, name: &str, text: &str) {
-        self.with_children(name, |svg| svg.text.push_str(&escape_markup(text)));
     }
 
     /// Draws with a translated origin.
@@ -184,15 +179,6 @@ impl Svg {
         circle.attribute("r", pixels(radius)).paint(paint).close();
     }
 
-    /// Adds an invisible circular link.
-    pub fn link(&mut self, to: &str, title: &str, [x, y]: Pixel, radius: f64) {
-        self.open_element("a").attribute("href", to).with_children("a", |svg| {
-            let circle = svg.open_element("circle").attribute("cx", pixels(x)).attribute("cy", pixels(y));
-            circle.attribute("r", radius).attribute("fill", "transparent");
-            svg.with_children("circle", |svg| svg.open_element("title").with_text("title", title));
-        });
-    }
-
     /// Draws a rectangle given by two opposite corners.
     pub fn rectangle(&mut self, [[left, top], [right, bottom]]: [Pixel; 2], paint: Paint) {
         let rectangle = self.open_element("rect").attribute("x", pixels(left)).attribute("y", pixels(top));
@@ -227,7 +213,7 @@ impl Svg {
                 .attribute("stroke-linejoin", "round")
                 .attribute("paint-order", "stroke");
         }
-        self.with_text("text", text);
+        self.with_children("text", |svg| svg.text.push_str(&escape_markup(text)));
     }
 }
 
@@ -362,40 +348,26 @@ mod tests {
     }
 
     #[test]
-    fn escapes_texts_and_attributes() {
-        let hostile = "</text><script>\"&\u{1b}'";
-        let style =
-            TextStyle { size: TEXT_SIZE, colour: INK, anchor: Anchor::Start, is_vertical: false, has_halo: false };
-        let svg_text = document([10.0, 20.0], hostile, |svg| svg.text(hostile, [1.0, 2.0], style));
-        assert!(svg_text.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"10\" height=\"20\""));
-        assert!(!svg_text.contains("<script") && !svg_text.contains('\u{1b}'));
-        assert_eq!(svg_text.matches("&lt;/text&gt;&lt;script&gt;&quot;&amp;\u{fffd}&#39;").count(), 2, "{svg_text}");
-        assert!(svg_text.find(PICTURE_MARK).expect("a mark") < svg_text.find("<style>").expect("a style"));
-    }
-
-    #[test]
-    fn document_is_well_formed_and_preserves_texts() {
-        let hostile = "a < b && \"c\" > 'd' </svg>]]><!--";
+    fn document_is_well_formed_and_escapes_texts() {
+        let hostile = "a < b && \"c\" > 'd' </text><script></svg>]]><!--\u{1b}";
+        let shown = hostile.replace('\u{1b}', "\u{fffd}");
         let svg_text = document([10.0, 20.0], hostile, |svg| {
             svg.translated([1.0, 2.0], |svg| {
                 svg.rectangle([[0.0; 2], [1.0; 2]], Paint::fill(INK).with_edge(PAPER).faded(0.5).dashed("1 2"));
                 svg.circle([0.0; 2], 1.0, Paint { cap: "round", ..Paint::line(INK, 1.0) });
-                svg.link(hostile, hostile, [0.0; 2], 1.0);
                 svg.polyline(&[], Paint::default());
                 let text_style =
                     TextStyle { size: 9.0, colour: PAPER, anchor: Anchor::End, is_vertical: true, has_halo: true };
                 svg.text(hostile, [0.0; 2], text_style);
             });
         });
+        assert!(svg_text.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"10\" height=\"20\""));
+        assert!(!svg_text.contains("<script") && !svg_text.contains('\u{1b}'));
+        assert!(svg_text.find(PICTURE_MARK).expect("a mark") < svg_text.find("<style>").expect("a style"));
         let xml = roxmltree::Document::parse(&svg_text).expect("well-formed");
-        assert_eq!(xml.root_element().attribute("aria-label"), Some(hostile));
-        let element = |name| {
-            xml.descendants()
-                .find(|element_node| element_node.has_tag_name(("http://www.w3.org/2000/svg", name)))
-                .expect(name)
-        };
-        assert_eq!([element("text"), element("title")].map(|element_node| element_node.text()), [Some(hostile); 2]);
-        assert_eq!(element("a").attribute("href"), Some(hostile));
+        assert_eq!(xml.root_element().attribute("aria-label"), Some(&*shown));
+        let text = xml.descendants().find(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "text")));
+        assert_eq!(text.and_then(|node| node.text()), Some(&*shown));
         assert!(!svg_text.contains("d=\"\""), "an empty line is omitted");
     }
 }

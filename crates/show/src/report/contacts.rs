@@ -1,6 +1,6 @@
 //! The contacts of a run in the JSON document, by their names.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::named::Named;
 use crate::criteria::Rebound;
@@ -8,10 +8,12 @@ use crate::trace::{Layout, Outcome};
 
 /// The contacts of a run by name, such as `distal` for one finger, `right_distal` for two fingers, or `hammer-anvil`
 /// for discs, in the order of their names.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
 pub struct Contacts {
     pub all: Named<ContactReport>,
     /// Whether the scene consists of discs only, whose names are given by the user.
+    #[serde(skip)]
     is_discs_only: bool,
 }
 
@@ -134,12 +136,6 @@ impl Contacts {
             "limit" => "joint limit".to_string(),
             name => name.replace('_', " "),
         }
-    }
-}
-
-impl Serialize for Contacts {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.all.serialize(serializer)
     }
 }
 

@@ -6,12 +6,11 @@
 //! | `states`, `contacts`, `grasp`, `named` | parts of it |
 //! | `check` | the result of a check |
 //! | `text`, `tables` | the summary for people |
-//! | `csv`, `samples` | samples as comma-separated values |
+//! | `samples` | samples as comma-separated values |
 //! | `statics` | the grasp at rest |
 
 pub mod check;
 pub mod contacts;
-pub mod csv;
 pub mod document;
 pub mod grasp;
 pub use crate::format::object as named;

@@ -1,10 +1,15 @@
-//! Samples of a log as comma-separated values: one line per sample, one column per figure with its SI unit.
+//! Samples of a log as comma-separated values: one line per sample, one column per figure with its SI unit. Names
+//! contain no commas; numbers read back to the same double.
 
 use std::io::{self, Write};
 
-use super::csv::line;
 use crate::trace::Sample;
-use crate::trace::columns::{self, Column};
+use crate::trace::columns::Column;
+
+/// Formats a number; a number that is not finite (the gap to a missing object) is an empty cell.
+pub fn cell(value: f64) -> String {
+    if value.is_finite() { format!("{value:?}") } else { String::new() }
+}
 
 /// Writes the names of the columns.
 pub fn csv_head(out: &mut dyn Write, columns: &[Column]) -> io::Result<()> {
@@ -12,12 +17,8 @@ pub fn csv_head(out: &mut dyn Write, columns: &[Column]) -> io::Result<()> {
     writeln!(out, "{}", names.join(","))
 }
 
-/// Whether a line is the header of a table of samples.
-pub fn is_samples(head: &str) -> bool {
-    columns::are_sample_columns(&head.split(',').collect::<Vec<_>>())
-}
-
 /// Writes a sample. The cells of contacts with a missing body are empty.
 pub fn csv_sample(out: &mut dyn Write, columns: &[Column], sample: &Sample) -> io::Result<()> {
-    line(out, columns.iter().map(|column| column.value(sample)))
+    let cells: Vec<String> = columns.iter().map(|column| cell(column.value(sample))).collect();
+    writeln!(out, "{}", cells.join(","))
 }

@@ -5,8 +5,8 @@ use crate::criteria::{Criteria, Tracker, scene_static_grasp};
 use crate::gripper::total_mass;
 use crate::monitor::StudyError;
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{LegendEntry, Marker, chart, line};
-use crate::plot::curve::time_series;
+use crate::plot::canvas::Marker;
+use crate::plot::series::{Series, series_chart};
 use crate::plot::theme::{BLUE, Colour, GREEN, ORANGE};
 use crate::scene::Scene;
 use crate::statics::palm_force;
@@ -74,16 +74,12 @@ pub fn plot_closings(title: &str, closings: &[&Closing]) -> String {
     let x = Axis::from_range("time, ms", 0.0, end.max(1e-9));
     let values = points().flat_map(|point| angles.iter().map(move |(.., angle)| angle(&point.1)));
     let y = Axis::linear("angle, deg", values);
-    chart(title, 460.0, &x, &y, |svg, frame| {
-        let mut entries = Vec::new();
-        for (index, closing) in closings.iter().enumerate() {
-            let marker = if index == 0 { Marker::Line { width: 2.0 } } else { Marker::FaintLine { width: 3.0 } };
-            for (name, colour, angle) in angles {
-                let curve = closing.points.iter().map(|point| (point.0, angle(&point.1)));
-                line(svg, frame, time_series(curve, &y), marker, colour);
-                entries.push(LegendEntry::new(marker, colour, &format!("{name}, {}", closing.name)));
-            }
-        }
-        entries
-    })
+    let curves = closings.iter().enumerate().flat_map(|(index, closing)| {
+        let marker = if index == 0 { Marker::Line { width: 2.0 } } else { Marker::FaintLine { width: 3.0 } };
+        angles.map(|(name, colour, angle)| {
+            let curve = closing.points.iter().map(|point| (point.0, angle(&point.1)));
+            Series::over_time(marker, colour, curve).named(format!("{name}, {}", closing.name))
+        })
+    });
+    series_chart(title, 460.0, &x, &y, &curves.collect::<Vec<_>>())
 }

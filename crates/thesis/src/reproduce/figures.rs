@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::format::report::{Cell, CellStyle};
 use crate::text::UNITS;
@@ -73,22 +73,14 @@ fn decimals(text: &str) -> usize {
 }
 
 /// Whether a computed value is as expected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Verdict {
     Inside,
     Outside,
     /// There is no expected value, or the computation has a reduced resolution.
+    #[serde(rename = "not judged")]
     NotJudged,
-}
-
-impl Serialize for Verdict {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(match self {
-            Verdict::Inside => "inside",
-            Verdict::Outside => "outside",
-            Verdict::NotJudged => "not judged",
-        })
-    }
 }
 
 /// One compared value, in SI units.

@@ -1,8 +1,9 @@
 //! Sections of the paper on the 384 simulations (thesis §4.2, Table 4.1, Figs. 4.3–4.5, A.15, A.18–A.23) and the
 //! selection (thesis §4.3, Fig. 4.6).
 
-use super::simulations::{CLASSES, RankedRun, Run, is_stable};
+use super::simulations::{RankedRun, Run, is_stable};
 use super::{CHOSEN_DESIGN, Checks, ClassChange, MAX_TTS_DIFFERENCE_S, Reproduction, Simulations, VARIATIONS};
+use crate::criteria::Class;
 use crate::format::format_duration;
 use crate::format::numbers::format_number;
 use crate::format::report::{Cell, Report};
@@ -40,7 +41,7 @@ fn class_table(section: Report, simulations: &Simulations) -> Report {
         std::iter::once(Cell::new(name)).chain(conditions.clone().map(cell)).collect()
     };
     let mut rows: Vec<Vec<Cell>> =
-        CLASSES.into_iter().map(|class| row(class.name(), &|run| run.class == Some(class))).collect();
+        Class::ALL.into_iter().map(|class| row(class.name(), &|run| run.class == Some(class))).collect();
     rows.push(row("stable or semi-stable", &|run| is_stable(run.class)));
     rows.push(row("statically stable", &|run| run.force_positive == Some(true)));
     let header: Vec<&str> = std::iter::once("class").chain(simulations.conditions.iter().map(String::as_str)).collect();

@@ -7,9 +7,6 @@ use crate::scene::Scene;
 /// Number of the design that the thesis chooses.
 pub const CHOSEN_DESIGN: i64 = 95;
 
-/// Dynamic classes from best to worst.
-pub const CLASSES: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];
-
 /// Results of the study of the thesis.
 #[derive(Clone, Debug)]
 pub struct Simulations {

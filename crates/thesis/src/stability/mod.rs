@@ -33,7 +33,7 @@ use crate::monitor::{Monitor, StudyError, map, require};
 use crate::numeric::plane::wrap_angle;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Engine, Preset, Response, Scene, Stepping};
-use crate::trace::{Event, FingerState, Model, RunError, Sample, Sink, SinkError, interpolate};
+use crate::trace::{FingerState, Model, RunError, Sample, Sink, SinkError, interpolate};
 
 /// Spurious energy relative to the reference's throughput above which a run counts as failed.
 pub const ENERGY_TOLERANCE: f64 = 0.1;
@@ -320,10 +320,6 @@ impl Sink for Observer<'_> {
             None => self.samples.push(sample.clone()),
         }
         self.invariants.sample(sample)
-    }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
     }
 }
 

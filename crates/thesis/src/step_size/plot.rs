@@ -3,7 +3,8 @@
 
 use super::{ERROR_LEVELS, Formulation, Row, StepSize};
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{LegendEntry, Marker, THIN_LINE, chart, horizontal_line, line, points};
+use crate::plot::canvas::{Marker, THIN_LINE};
+use crate::plot::series::{Series, series_chart};
 use crate::plot::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
 
 const HEIGHT: f64 = 600.0;
@@ -15,28 +16,22 @@ impl StepSize {
         let steps = self.rows.iter().map(|row| row.step_fraction);
         let x = Axis::logarithmic("step, part of the plotted time", steps, 12.0).with_margin();
         let y = Axis::logarithmic("error of the contact force, relative to its peak", errors.chain(ERROR_LEVELS), 12.0);
-        chart(&format!("{}: contact force against step size", self.scene), HEIGHT, &x, &y, |svg, frame| {
-            for error_level in ERROR_LEVELS {
-                horizontal_line(svg, frame, y.coordinate(error_level), THIN_LINE, SOFT);
-            }
-            let peak_marker = Marker::FaintLine { width: 3.0 };
-            let mut entries = Vec::new();
-            for formulation in Formulation::ALL {
-                let (marker, colour) = style(formulation);
-                let error_curve = |error: fn(&Row) -> f64| -> Vec<(f64, f64)> {
-                    let rows = self.rows.iter().filter(|row| row.formulation == formulation && error(row) > 0.0);
-                    rows.map(|row| (x.coordinate(row.step_fraction), y.coordinate(error(row)))).collect()
-                };
-                line(svg, frame, error_curve(|row| row.peak_error), peak_marker, colour);
-                let max_errors = error_curve(|row| row.curve_max_error);
-                line(svg, frame, max_errors.clone(), THIN_LINE, colour);
-                points(svg, frame, max_errors, marker, colour);
-                entries.push(LegendEntry::new(marker, colour, formulation.name()));
-            }
-            entries.push(LegendEntry::new(THIN_LINE, SOFT, "60, 10, 1, 0.01 %"));
-            entries.push(LegendEntry::new(peak_marker, SOFT, "faint: the peak only"));
-            entries
-        })
+        let peak_marker = Marker::FaintLine { width: 3.0 };
+        let mut series: Vec<Series> =
+            ERROR_LEVELS.into_iter().map(|level| Series::horizontal(THIN_LINE, SOFT, level)).collect();
+        for formulation in Formulation::ALL {
+            let (marker, colour) = style(formulation);
+            let error_curve = |marker, error: fn(&Row) -> f64| {
+                let rows = self.rows.iter().filter(|row| row.formulation == formulation && error(row) > 0.0);
+                Series::new(marker, colour, rows.map(|row| (row.step_fraction, error(row))))
+            };
+            series.push(error_curve(peak_marker, |row| row.peak_error));
+            series.push(error_curve(THIN_LINE, |row| row.curve_max_error));
+            series.push(error_curve(marker, |row| row.curve_max_error).named(formulation.name()));
+        }
+        series.push(Series::key(THIN_LINE, SOFT, "60, 10, 1, 0.01 %"));
+        series.push(Series::key(peak_marker, SOFT, "faint: the peak only"));
+        series_chart(&format!("{}: contact force against step size", self.scene), HEIGHT, &x, &y, &series)
     }
 }
 

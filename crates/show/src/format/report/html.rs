@@ -1,6 +1,6 @@
 //! A report as HTML elements of a page.
 
-use super::{Block, Cell, CellStyle, Figure, Table, Text};
+use super::{Block, Cell, CellStyle, Figure, Table};
 use crate::format::escape_markup;
 
 /// Renders blocks in order; each heading starts a section.
@@ -28,12 +28,6 @@ pub(super) fn blocks(blocks: &[Block], title: &str) -> String {
                 figures += 1;
                 figure_element(figure, figures)
             }
-            Block::Text(Text { id, title, text }) => format!(
-                "<div class=\"text\" id=\"{}\" tabindex=\"-1\"><h3>{}</h3><pre>{}</pre></div>\n",
-                escape_markup(id),
-                escape_markup(title),
-                escape_markup(text)
-            ),
         });
     }
     if sections > 0 {
@@ -107,10 +101,6 @@ fn cell((index, cell): (usize, &Cell)) -> String {
         |(key, value): &(String, f64)| format!(" data-figure=\"{}\" data-si=\"{value:e}\"", escape_markup(key));
     let figure = cell.figure.as_ref().map_or(String::new(), figure_attributes);
     let text = escape_markup(cell.text.trim());
-    let text = match &cell.link {
-        Some(id) => format!("<a href=\"#{}\">{text}</a>", escape_markup(id)),
-        None => text,
-    };
     match index {
         0 => format!("<th scope=\"row\"{class}{figure}>{text}</th>"),
         _ => format!("<td{class}{figure}>{text}</td>"),

@@ -21,7 +21,6 @@ pub(super) fn report(report: &Report) -> String {
                 figures += 1;
                 text.push_str(&picture(figure, figures));
             }
-            Block::Text(item) => text.push_str(&format!("**{}**\n\n```\n{}\n```\n", item.title, item.text.trim_end())),
         }
     }
     text
@@ -67,10 +66,10 @@ mod tests {
         all.push("one\ntwo\n");
         all.push(Table::new(&[row(["", "x,"]), row(["", "mm"]), row(["whole"]), row(["  a", "1"])]).header_rows(2));
         assert_eq!(
-            report(&all.with_text("id", "A text", "a = 1\n".to_string())),
+            report(&all),
             "# All\n\n## First\n\ngoes on\n\n- one\n\n**Table 1.** What.\n\n|  | x |\n| --- | ---: |\n| a\\|b | **2** \
              |\n\n![f.svg](figures/f.svg)\n\n**Figure 1.** How.\n\none  \ntwo\n\n|  | x, mm |\n| --- | ---: |\n| whole |  |\n| a | 1 \
-             |\n\n**A text**\n\n```\na = 1\n```\n"
+             |\n"
         );
     }
 }

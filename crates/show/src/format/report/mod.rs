@@ -59,7 +59,6 @@ pub enum Block {
     Notes(Vec<String>),
     Table(Table),
     Figure(Figure),
-    Text(Text),
 }
 
 /// A picture of [`plot`](crate::plot).
@@ -70,15 +69,6 @@ pub struct Figure {
     pub caption: String,
     /// A complete SVG document.
     pub svg: String,
-}
-
-/// A verbatim text, such as a scene file, that cells of a table may link to; a page shows it when its link is selected.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Text {
-    /// Identifier that links refer to.
-    pub id: String,
-    pub title: String,
-    pub text: String,
 }
 
 impl Report {
@@ -136,10 +126,6 @@ impl Report {
 
     pub fn with_figure(self, file: &str, caption: &str, svg: String) -> Report {
         self.with(Block::Figure(Figure { file: file.to_string(), caption: caption.to_string(), svg }))
-    }
-
-    pub fn with_text(self, id: &str, title: &str, text: String) -> Report {
-        self.with(Block::Text(Text { id: id.to_string(), title: title.to_string(), text }))
     }
 
     pub fn is_empty(&self) -> bool {

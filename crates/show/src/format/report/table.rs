@@ -95,8 +95,6 @@ pub struct Cell {
     pub text: String,
     /// Key of the figure, and its value in SI units.
     pub figure: Option<(String, f64)>,
-    /// Id of the text of the report that the cell links to.
-    pub link: Option<String>,
     pub style: CellStyle,
 }
 

@@ -22,7 +22,6 @@ pub(super) fn report(report: &Report, width: Option<usize>) -> String {
         Block::Table(item) if item.caption.is_empty() => table(item, width),
         Block::Table(item) => lines(&format!("{}\n", item.caption)) + &table(item, width),
         Block::Figure(figure) => lines(&format!("{}: {}\n", figure.file, figure.caption)),
-        Block::Text(item) => format!("{}\n{}\n", item.title, item.text.trim_end()),
     };
     report.blocks.iter().map(render).collect()
 }
