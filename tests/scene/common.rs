@@ -12,6 +12,20 @@ pub fn parse(text: &str) -> Scene {
     scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
+/// Parses the finger of design 95 with more keys.
+#[track_caller]
+pub fn finger_with(rest: &str) -> Scene {
+    parse(&format!("{DESIGN}{DRIVE}{rest}"))
+}
+
+/// Asserts that a text is a scene with an exact round trip, or is rejected with a message: it causes no panic.
+pub fn assert_scene_or_message(text: &str) {
+    match scene::parse_any(text, "changed.toml") {
+        Ok(scene) => assert_round_trip(&scene),
+        Err(error) => assert!(error.to_string().starts_with("error: "), "{error}"),
+    }
+}
+
 /// Asserts that the shown scene parses to the same scene, bit for bit (`{:?}` of different `f64` values differs), except
 /// for its source.
 #[track_caller]

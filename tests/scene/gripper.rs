@@ -215,24 +215,3 @@ fn the_base_sets_the_palm_width_and_motions_keep_their_names() {
     let error = scene::parse_any(&text, "test.toml").expect_err("twice").to_string();
     assert!(error.contains("`lengths.base` has no effect with palm_width"), "{error}");
 }
-
-#[test]
-fn shipped_grippers_are_described_and_round_trip_exactly() {
-    let files = ["scenes/gripper", "scenes/hard"].into_iter().flat_map(|directory| {
-        let entries = std::fs::read_dir(directory).expect("scenes");
-        let named = entries.map(|entry| entry.expect("entry").path());
-        named.filter(|path| path.to_string_lossy().contains("gripper")).collect::<Vec<_>>()
-    });
-    let files: Vec<_> = files.collect();
-    assert!(files.len() >= 17, "{}", files.len());
-    for file in files {
-        let text = std::fs::read_to_string(&file).expect("text");
-        assert!(text.starts_with("# ") && text.contains("\n# Expect: "), "{}", file.display());
-        let scene = scene::load_any(&file).unwrap_or_else(|e| panic!("{e}"));
-        let stem = file.file_stem().expect("a name").to_string_lossy().into_owned();
-        let stem = if stem.starts_with("gripper-") { stem } else { format!("gripper-{stem}") };
-        assert_eq!(scene.name, stem);
-        assert!(!scene.description.is_empty());
-        assert_round_trip(&scene);
-    }
-}

@@ -8,18 +8,14 @@ use phalanx::scene::{
 };
 use phalanx::shape::max_radius;
 
-use super::common::{DESIGN, DRIVE, parse};
+use super::common::{DESIGN, DRIVE, finger_with, parse};
 
 const LENGTHS: &str = "[lengths]\nl21 = \"24 mm\"\nl22 = \"7.5 mm\"\nt22 = \"13 mm\"\nphi22 = \"120 deg\"\n[object]\n\
                        centre = [\"-15.5 mm\", \"20 mm\"]\n";
 
-fn scene_with(rest: &str) -> Scene {
-    parse(&format!("{DESIGN}{DRIVE}{rest}"))
-}
-
 #[test]
 fn a_short_scene_has_the_parameters_of_table_3_2() {
-    let scene = scene_with("");
+    let scene = finger_with("");
     assert_eq!(scene.name, "test");
     let design = Design::thesis(0.0155, ProximalLength::Fraction(1.0), 120f64.to_radians(), 0.5);
     assert_eq!(Ok(scene.finger().linkage.lengths), gripper::lengths(&design));
@@ -45,7 +41,7 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
 
 #[test]
 fn single_keys_override_the_preset() {
-    let scene = scene_with("[integrator]\npreset = \"reference\"\nrtol = 1e-9\nmax_steps = 5\n");
+    let scene = finger_with("[integrator]\npreset = \"reference\"\nrtol = 1e-9\nmax_steps = 5\n");
     // Absolute tolerances default to multiples of the relative one.
     let expected = Integrator { max_steps: 5, ..Integrator::preset(Preset::Reference).with_rtol(1e-9) };
     assert!((expected.atol_angle_rad / 1e-12 - 1.0).abs() < 1e-12);
@@ -57,18 +53,19 @@ fn single_keys_override_the_preset() {
 /// law.
 #[test]
 fn stiction_applies_only_to_contacts_with_bristles() {
-    let scene = scene_with(
+    let scene = finger_with(
         "[contact.friction]\nmu_static = 0.8\n[contact.proximal]\ndamping = \"5e5 N*s/m\"\n[contact.proximal.friction]\n\
          law = \"bristle\"\nbristle_relaxation = \"2 ms\"\n",
     );
     assert_eq!(scene.finger().contact.proximal.bristle(), Some(Bristle { damping_n_s_per_m: 5e5, relaxation_s: 2e-3 }));
     assert!(scene.finger().contact.distal.bristle().is_none() && scene.system.has_stiction());
-    let scene = scene_with("[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_damping = \"3e4 N*s/m\"\n");
+    let scene =
+        finger_with("[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_damping = \"3e4 N*s/m\"\n");
     let bristles = [scene.finger().contact.proximal, scene.finger().contact.distal].map(|law| law.bristle());
     assert_eq!(bristles, [Some(Bristle { damping_n_s_per_m: 3e4, relaxation_s: 1e-3 }); 2]);
-    assert!(!scene_with("[contact.friction]\nmu_static = 0.8\n").system.has_stiction());
+    assert!(!finger_with("[contact.friction]\nmu_static = 0.8\n").system.has_stiction());
     // A contact that repeats the law keeps the other common keys.
-    let scene = scene_with(
+    let scene = finger_with(
         "[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_relaxation = \"2 ms\"\n[contact.distal.friction]\n\
          law = \"bristle\"\n",
     );
@@ -77,7 +74,7 @@ fn stiction_applies_only_to_contacts_with_bristles() {
 
 #[test]
 fn friction_of_one_contact_overrides_the_common_one() {
-    let scene = scene_with(
+    let scene = finger_with(
         "[contact.friction]\nmu_static = 0.8\nmu_dynamic = 0.7\nv_dynamic = \"0.3 m/s\"\n[contact.distal.friction]\n\
          mu_static = 0.4\n[contact.distal]\ndamping = \"5 N*s/m\"\n",
     );
@@ -90,7 +87,7 @@ fn friction_of_one_contact_overrides_the_common_one() {
     assert_eq!(scene.finger().contact.distal.normal.damping_max_n_s_per_m, 5.0);
     assert_eq!(scene.finger().contact.distal.normal.stiffness_n_per_m_e, 1e8);
     // Only one contact is frictionless; the other has the exact default of `mu_dynamic`.
-    let scene = scene_with("[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0\n");
+    let scene = finger_with("[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0\n");
     assert_eq!(scene.finger().contact.proximal.friction.map(|f| f.mu_dynamic), Some(0.56));
     assert_eq!(scene.finger().contact.distal.friction, None);
 }
@@ -98,7 +95,7 @@ fn friction_of_one_contact_overrides_the_common_one() {
 #[test]
 fn materials_give_the_hertz_law() {
     // Rigid object of radius R on a soft flat: E* = E/(1 − ν²), k = 4/3 E* √R.
-    let scene = scene_with(
+    let scene = finger_with(
         "[contact.materials]\nobject = { modulus = \"1e12 GPa\", poisson = 0.3 }\n\
          phalanx = { modulus = \"10 MPa\", poisson = 0.5 }\n[contact.distal]\nstiffness_si = 1e7\n",
     );
@@ -108,7 +105,7 @@ fn materials_give_the_hertz_law() {
     assert_eq!(law.exponent, 1.5);
     assert_eq!(scene.finger().contact.distal.normal.stiffness_n_per_m_e, 1e7);
     // A rounded phalanx of the same radius halves R.
-    let scene = scene_with(
+    let scene = finger_with(
         "[contact.materials]\nobject = { modulus = \"1e12 GPa\", poisson = 0.3 }\n\
          phalanx = { modulus = \"10 MPa\", poisson = 0.5, radius = \"20 mm\" }\n",
     );
@@ -118,8 +115,8 @@ fn materials_give_the_hertz_law() {
 
 #[test]
 fn a_mass_alone_scales_the_inertia() {
-    let plain = scene_with("").finger().linkage.bodies;
-    let scene = scene_with(
+    let plain = finger_with("").finger().linkage.bodies;
+    let scene = finger_with(
         "[bodies]\nl21 = { mass = \"4.73 g\" }\nl22 = { com = [\"1 mm\", \"-2 mm\"], inertia = \"500 g*mm^2\" }\n",
     );
     let bodies = scene.finger().linkage.bodies;
@@ -165,13 +162,13 @@ fn initial_angles_follow_from_offset_or_given_angles() {
         |scene: &Scene| (scene.finger().initial.q11_rad.to_degrees(), scene.finger().initial.q21_rad.to_degrees());
     let assert_near =
         |(a, b): (f64, f64), (c, d): (f64, f64)| assert!((a - c).abs() < 1e-9 && (b - d).abs() < 1e-9, "{a} {b}");
-    let default = degrees(&scene_with(""));
-    assert_near(degrees(&scene_with("[initial]\noffset = \"20 deg\"\n")), (default.0 + 5.0, default.1 + 5.0));
-    assert_near(degrees(&scene_with("[initial]\nq21 = \"30 deg\"\n")), (-60.0, 30.0));
-    assert_near(degrees(&scene_with("[initial]\nq21 = \"30 deg\"\nq11 = \"-50 deg\"\n")), (-50.0, 30.0));
+    let default = degrees(&finger_with(""));
+    assert_near(degrees(&finger_with("[initial]\noffset = \"20 deg\"\n")), (default.0 + 5.0, default.1 + 5.0));
+    assert_near(degrees(&finger_with("[initial]\nq21 = \"30 deg\"\n")), (-60.0, 30.0));
+    assert_near(degrees(&finger_with("[initial]\nq21 = \"30 deg\"\nq11 = \"-50 deg\"\n")), (-50.0, 30.0));
     // Without an object, the posture follows from the object of the design.
-    assert_near(degrees(&scene_with("[object]\npresent = false\n")), default);
-    let scene = scene_with("[initial]\nqd11 = \"60 rpm\"\nqd21 = \"-1 rad/s\"\n");
+    assert_near(degrees(&finger_with("[object]\npresent = false\n")), default);
+    let scene = finger_with("[initial]\nqd11 = \"60 rpm\"\nqd21 = \"-1 rad/s\"\n");
     assert!((scene.finger().initial.qd11_rad_s - std::f64::consts::TAU).abs() < 1e-14);
     assert_eq!(scene.finger().initial.qd21_rad_s, -1.0);
 }
@@ -181,24 +178,29 @@ fn motor_profiles_are_resolved() {
     let motor = |text: &str| {
         parse(&format!("{DESIGN}[spring]\ntype = \"none\"\n[motor]\n{text}\n")).finger().motor.actuation.clone()
     };
-    let table = "profile = \"table\"\ntimes = [\"0 ms\", \"5 ms\"]\ntorques = [\"0 N*mm\", \"480 N*mm\"]";
-    let points = vec![(0.0, 0.0), (0.005, 0.48)];
-    let interpolation = Interpolation::Linear;
-    assert_eq!(motor(table), Actuation::Table { points, interpolation });
-    let ramp = "profile = \"ramp\"\ntorque = \"480 N*mm\"\nrise = \"2 ms\"";
-    let (torque_n_m, rise_s) = (0.48, 0.002);
-    assert_eq!(motor(ramp), Actuation::Ramp { torque_n_m, rise_s });
-    let sine = "profile = \"half-sine\"\ntorque = \"480 N*mm\"\npulse = \"8 ms\"";
-    let length_s = 0.008;
-    assert_eq!(motor(sine), Actuation::HalfSine { torque_n_m, length_s });
-    let reversal = "profile = \"reversal\"\ntorque = \"480 N*mm\"\nreverse_at = \"10 ms\"";
-    let at_s = 0.01;
-    assert_eq!(motor(reversal), Actuation::Reversal { torque_n_m, at_s });
+    let (torque_n_m, points) = (0.48, vec![(0.0, 0.0), (0.005, 0.48)]);
+    for (text, expected) in [
+        (
+            "profile = \"table\"\ntimes = [\"0 ms\", \"5 ms\"]\ntorques = [\"0 N*mm\", \"480 N*mm\"]",
+            Actuation::Table { points, interpolation: Interpolation::Linear },
+        ),
+        ("profile = \"ramp\"\ntorque = \"480 N*mm\"\nrise = \"2 ms\"", Actuation::Ramp { torque_n_m, rise_s: 0.002 }),
+        (
+            "profile = \"half-sine\"\ntorque = \"480 N*mm\"\npulse = \"8 ms\"",
+            Actuation::HalfSine { torque_n_m, length_s: 0.008 },
+        ),
+        (
+            "profile = \"reversal\"\ntorque = \"480 N*mm\"\nreverse_at = \"10 ms\"",
+            Actuation::Reversal { torque_n_m, at_s: 0.01 },
+        ),
+    ] {
+        assert_eq!(motor(text), expected);
+    }
 }
 
 #[test]
 fn line_endings_and_byte_order_marks_are_ignored() {
-    let unix = scene_with("");
+    let unix = finger_with("");
     let mut dos = parse(&format!("\u{feff}{DESIGN}{DRIVE}").replace('\n', "\r\n"));
     dos.source = unix.source.clone();
     assert_eq!(dos, unix);

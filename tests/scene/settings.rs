@@ -5,7 +5,7 @@ use std::path::Path;
 
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::schema::{field, is_within, markdown, properties, record, restore, schema_for};
-use phalanx::scene::{Bounds, Engine, Response, Stepping};
+use phalanx::scene::{Bounds, Engine, Keyword, Response, Stepping};
 use serde_json::Value;
 
 const BEGIN: &str = "<!-- settings: PHALANX_BLESS=1 cargo test --test scene settings -->\n";
@@ -46,7 +46,7 @@ fn for_each_default(schema: &Value, path: &str, check: &mut impl FnMut(&str, &Va
 fn defaults_are_valid() {
     for kind in SceneKind::ALL {
         let mut count = 0;
-        for_each_default(schema_for(kind), kind_name(kind), &mut |path, property| {
+        for_each_default(schema_for(kind), kind.keyword(), &mut |path, property| {
             count += 1;
             let si = property.get("x-si").unwrap_or_else(|| panic!("{path}: {}", property["default"]));
             assert!(si.as_f64().is_none_or(|si| is_within(si, property)), "{path}: {si}");
@@ -58,10 +58,6 @@ fn defaults_are_valid() {
             assert!(property.get("x-si").is_none_or(|si| si.as_f64() == value), "{kind:?} {key}: {value:?}");
         }
     }
-}
-
-fn kind_name(kind: SceneKind) -> &'static str {
-    phalanx::scene::Keyword::keyword(&kind)
 }
 
 /// The record of settings in a log contains only those with an effect, and restores them bit for bit.

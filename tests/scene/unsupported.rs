@@ -1,5 +1,7 @@
 //! Systems from the API that no model supports are rejected by both models, not simulated as another system.
 
+use std::fmt::Display;
+
 use phalanx::grasp::finger::{GraspOverrides, grasp};
 use phalanx::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
 use phalanx::scene::{Disc, DiscMotion, PalmMotion, Scene, load_any};
@@ -83,44 +85,30 @@ fn discs_start_at_their_angle() {
     }
 }
 
-/// Functions for one kind of scene reject the other kinds.
+/// Asserts that a function for one kind of scene rejects another kind.
+#[track_caller]
+fn assert_rejected<T>(result: Result<T, impl Display>, required: &str) {
+    let error = result.map(drop).map_err(|error| error.to_string()).expect_err(required);
+    let message = format!("a scene of kind \"{required}\" is required");
+    assert!(error.contains("is a scene of kind") && error.contains(&message), "{error}");
+}
+
 #[test]
 fn other_scene_kinds_are_rejected() {
-    let assert_rejected = |result: Result<(), String>, message: &str| {
-        let error = result.expect_err(message);
-        assert!(error.contains("is a scene of kind") && error.contains(message), "{error}");
-    };
     let [finger, gripper, discs] = [FINGER, GRIPPER, DISCS].map(load);
     let keep_running = &|| true;
+    let grid = Grid { steps_s: vec![1e-5], stiffness_factors: vec![1.0], damping_factors: vec![1.0] };
     for other in [&gripper, &discs] {
-        let expected = "a scene of kind \"finger\" is required";
-        assert_rejected(
-            grasp(other, &GraspOverrides::default()).map(drop).map_err(|error| error.to_string()),
-            expected,
-        );
-        assert_rejected(
-            size_finger(other, SizingOptions::default()).map(drop).map_err(|error| error.to_string()),
-            expected,
-        );
-        let grid = Grid { steps_s: vec![1e-5], stiffness_factors: vec![1.0], damping_factors: vec![1.0] };
-        let map = stability(other, &grid, 1e-3, &Monitor::silent(keep_running));
-        assert_rejected(map.map(drop).map_err(|error| error.to_string()), expected);
+        assert_rejected(grasp(other, &GraspOverrides::default()), "finger");
+        assert_rejected(size_finger(other, SizingOptions::default()), "finger");
+        assert_rejected(stability(other, &grid, 1e-3, &Monitor::silent(keep_running)), "finger");
     }
+    let posture = PostureRequest::Geometric;
+    let request = GripperGraspRequest { posture, mu_static: Vec::new(), motor_n_m: None, directions: 8 };
     for other in [&finger, &discs] {
-        let expected = "a scene of kind \"gripper\" is required";
-        let request = GripperGraspRequest {
-            posture: PostureRequest::Geometric,
-            mu_static: Vec::new(),
-            motor_n_m: None,
-            directions: 8,
-        };
-        assert_rejected(
-            gripper_grasp(other, &request, keep_running).map(drop).map_err(|error| error.to_string()),
-            expected,
-        );
+        assert_rejected(gripper_grasp(other, &request, keep_running), "gripper");
     }
     for other in [&finger, &gripper] {
-        let result = step_size(other, true, &Monitor::silent(keep_running));
-        assert_rejected(result.map(drop).map_err(|error| error.to_string()), "a scene of kind \"bodies\" is required");
+        assert_rejected(step_size(other, true, &Monitor::silent(keep_running)), "bodies");
     }
 }

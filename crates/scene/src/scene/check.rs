@@ -51,13 +51,6 @@ impl<'a> Checker<'a> {
         all
     }
 
-    /// Appends a text to the messages of all problems with this label.
-    pub fn append_to_messages(&self, label: &str, more: &str) {
-        let mut problems = self.problems.borrow_mut();
-        let matching = problems.iter_mut().filter(|problem| problem.label == label);
-        matching.for_each(|problem| problem.message.push_str(more));
-    }
-
     pub fn push(&self, problem: Problem) {
         self.problems.borrow_mut().push(problem);
     }

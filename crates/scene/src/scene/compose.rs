@@ -67,17 +67,17 @@ pub fn parse_layers<T>(
         let places = without_effect.filter_map(|problem| merged.place(problem.span.as_ref()?, &layers));
         let inherited: Vec<String> =
             places.filter(|place| place.layer < base_layers.len()).map(|place| place.path.join(".")).collect();
-        if inherited.iter().filter(|path| merged.remove(path)).count() == 0 {
+        if inherited.iter().filter(|path| remove(&mut merged.texts, path)).count() == 0 {
             break;
         }
     }
     parse(&merged.text(), &scene_file.file).map_err(|error| merged.assign_to_layers(error, &layers))
 }
 
-/// The merged texts of all values, and the index of the layer from which each comes, in tables of the same form.
+/// The merged texts of all values, and those of each layer.
 struct Merged {
     texts: Table,
-    origins: Table,
+    layers: Vec<Table>,
 }
 
 /// A position in a layer, and the path of the key there.
@@ -90,8 +90,7 @@ struct Place {
 impl Merged {
     /// Merges the layers; those up to `file_count` are files, and the others settings, which form one text.
     fn new(layers: &[&Layer], file_count: usize) -> Result<Self, SceneError> {
-        let mut merged = Merged { texts: Table::new(), origins: Table::new() };
-        let mut set = Merged { texts: Table::new(), origins: Table::new() };
+        let (mut merged, mut set) = (Merged { texts: Table::new(), layers: Vec::new() }, Table::new());
         for (index, layer) in layers.iter().enumerate() {
             let document = DeTable::parse(&layer.text).map_err(|error| SceneError::Invalid {
                 file: layer.file.clone(),
@@ -100,29 +99,26 @@ impl Merged {
             })?;
             let mut texts = texts(document.get_ref(), &layer.text);
             if index >= file_count {
-                let origins = with_origin(&texts, index);
-                set.merge(texts, origins, false);
-                continue;
+                merge(&mut set, texts.clone(), false);
+            } else {
+                texts.remove(EXTENDS);
+                if index > 0 {
+                    NOT_INHERITED.into_iter().for_each(|key| _ = merged.texts.remove(key));
+                }
+                merge(&mut merged.texts, texts.clone(), true);
             }
-            texts.remove(EXTENDS);
-            if index > 0 {
-                NOT_INHERITED.into_iter().for_each(|key| _ = merged.remove(key));
-            }
-            let origins = with_origin(&texts, index);
-            merged.merge(texts, origins, true);
+            merged.layers.push(texts);
         }
-        merged.merge(set.texts, set.origins, true);
+        merge(&mut merged.texts, set, true);
         Ok(merged)
     }
 
-    fn merge(&mut self, texts: Table, origins: Table, replaces_kinds: bool) {
-        merge(&mut self.texts, texts, replaces_kinds);
-        merge(&mut self.origins, origins, replaces_kinds);
-    }
-
-    fn remove(&mut self, path: &str) -> bool {
-        remove(&mut self.origins, path);
-        remove(&mut self.texts, path)
+    /// The layer from which a value comes, the last one that has it; of a table, the first one of its values.
+    fn origin(&self, path: &str) -> Option<usize> {
+        match find(&self.texts, path)? {
+            Value::Table(inner) => inner.keys().filter_map(|key| self.origin(&format!("{path}.{key}"))).min(),
+            _ => self.layers.iter().rposition(|layer| find(layer, path).is_some_and(Value::is_str)),
+        }
     }
 
     fn text(&self) -> String {
@@ -136,12 +132,11 @@ impl Merged {
         let text = self.text();
         let document = DeTable::parse(&text).ok()?;
         let (path, merged_key, merged_value) = entry_at(document.get_ref(), span.start)?;
-        let is_table = find(&self.texts, &path.join("."))?.is_table();
-        let has_path =
-            |layer: &&Layer| DeTable::parse(&layer.text).is_ok_and(|text| entry(text.get_ref(), &path).is_some());
+        let joined = path.join(".");
+        let is_table = find(&self.texts, &joined)?.is_table();
         // An empty table has no origin. It may have replaced a value of an earlier layer.
-        let last_with_path = || layers.iter().rposition(has_path);
-        let layer = find(&self.origins, &path.join(".")).and_then(first_origin).or_else(last_with_path)?;
+        let last_with_path = || self.layers.iter().rposition(|layer| find(layer, &joined).is_some());
+        let layer = self.origin(&joined).or_else(last_with_path)?;
         let document = DeTable::parse(&layers[layer].text).ok()?;
         let (key, value) = entry(document.get_ref(), &path)?;
         // Values are verbatim: their parts have the same positions.
@@ -174,23 +169,6 @@ impl Merged {
         };
         let mut errors: Vec<SceneError> = problems_by_layer.into_iter().map(invalid).collect();
         if errors.len() == 1 { errors.remove(0) } else { SceneError::Layers(errors) }
-    }
-}
-
-/// A table of the same form with the index of a layer for each value.
-fn with_origin(table: &Table, layer: usize) -> Table {
-    let origin = |value: &Value| match value.as_table() {
-        Some(inner) => Value::Table(with_origin(inner, layer)),
-        None => Value::Integer(layer as i64),
-    };
-    table.iter().map(|(key, value)| (key.clone(), origin(value))).collect()
-}
-
-/// The first layer from which a value of a table comes.
-fn first_origin(origins: &Value) -> Option<usize> {
-    match origins {
-        Value::Table(inner) => inner.values().filter_map(first_origin).min(),
-        other => other.as_integer().and_then(|layer| usize::try_from(layer).ok()),
     }
 }
 

@@ -169,6 +169,7 @@ fn location(path: &str) -> String {
     }
 }
 
-fn join(path: &str, key: &str) -> String {
+/// Path of a key of the table at a path.
+pub fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
 }

@@ -34,21 +34,13 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
     match error {
         SceneError::Invalid { file, text, problems } => {
             let document = DeTable::parse(text).ok();
-            let position = |span: &Range<usize>| {
-                let (line, column) = line_column(text, span.start);
-                let field = document.as_ref().and_then(|document| entry_at(document.get_ref(), span.start));
-                (line, column, field.map(|(path, ..)| path.join(".")))
-            };
             let to_located = |problem: &super::Problem| {
-                let position = problem.span.as_ref().map(position);
-                LocatedProblem {
-                    file: file.clone(),
-                    line: position.as_ref().map(|(line, _, _)| *line),
-                    column: position.as_ref().map(|(_, column, _)| *column),
-                    field: position.and_then(|(_, _, field)| field),
-                    message: shortened(&problem.message),
-                    help: problem.help.clone(),
-                }
+                let start = problem.span.as_ref().map(|span| span.start);
+                let (line, column) = start.map(|start| line_column(text, start)).unzip();
+                let entry = document.as_ref().zip(start).and_then(|(document, at)| entry_at(document.get_ref(), at));
+                let field = entry.map(|(path, ..)| path.join("."));
+                let (message, help) = (shortened(&problem.message), problem.help.clone());
+                LocatedProblem { file: file.clone(), line, column, field, message, help }
             };
             problems.iter().map(to_located).collect()
         }

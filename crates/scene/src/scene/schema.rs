@@ -84,19 +84,15 @@ fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
     if let Some(Value::Object(mut fields)) = map.remove("properties") {
         let order = map.remove("required").and_then(|names| Vec::<String>::deserialize(names).ok()).unwrap_or_default();
         let mut properties = Map::new();
+        let take = |property: &mut Value, key: &str| Some(property.as_object_mut()?.remove(key)?.as_str()?.to_string());
         for (index, field) in order.into_iter().enumerate() {
             let Some(mut property) = fields.remove(&field) else { continue };
-            let kinds = property.as_object_mut().and_then(|map| map.remove("x-kinds"));
-            if !kinds
-                .as_ref()
-                .and_then(Value::as_str)
-                .is_none_or(|kinds| kinds.split(' ').any(|name| name == kind.keyword()))
-            {
+            let kinds = take(&mut property, "x-kinds");
+            if kinds.is_some_and(|kinds| kinds.split(' ').all(|name| name != kind.keyword())) {
                 continue;
             }
             adapt(&mut property, kind, overrides);
-            let key = property.as_object_mut().and_then(|map| map.remove("x-key"));
-            let key = key.as_ref().and_then(Value::as_str).unwrap_or(without_unit(&field, &property)).to_string();
+            let key = take(&mut property, "x-key").unwrap_or_else(|| without_unit(&field, &property).to_string());
             property["x-order"] = index.into();
             property["x-field"] = field.into();
             properties.insert(key, property);
@@ -337,7 +333,7 @@ fn collect_sections(schema: &'static Value, path: &str, found: &mut Vec<(String,
     let named = schema.get("additionalProperties").filter(|each| each.is_object());
     let named = named.map(|each| ("NAME".to_string(), each));
     for (key, section) in properties(schema).into_iter().map(|(key, section)| (key.clone(), section)).chain(named) {
-        let path = if path.is_empty() { key } else { format!("{path}.{key}") };
+        let path = super::keys::join(path, &key);
         // A section that overrides another one has the same keys.
         if section.get("x-overrides").is_none() && super::keys::is_table(section) {
             if value_properties(section).next().is_some() {

@@ -1,14 +1,12 @@
 //! Formats a scene as a complete scene file, as simulated or as written. It parses back to the same scene bit for bit,
 //! except for `source`.
 
-use std::fmt::Write as _;
-
 use serde::Serialize;
 use serde_json::Value as Json;
 use toml::de::DeTable;
 use toml::{Table, Value};
 
-use super::keys::{is_table, pair_element};
+use super::keys::{is_table, join, pair_element};
 use super::locate::locate_problems;
 use super::schema::{effect, field, properties, schema_for, value_properties};
 use super::settings::{self, table};
@@ -27,9 +25,9 @@ const OPTIONAL: [&str; 5] = ["design", "lengths", "half_plane", "table", "differ
 /// Returns the scene as simulated, with all values.
 pub fn show(scene: &Scene) -> String {
     let mut text = "# Scene with every default filled in; masses and lengths as simulated.\n".to_string();
-    write_values(&mut text, schema_for(scene.kind()), &resolved(scene), "", &|value, value_type, _| {
-        Some(toml_text(value, value_type, None))
-    });
+    let schema = schema_for(scene.kind());
+    let exact = |value: &Value, value_type: &ValueType, _: &str| Some(toml_text(value, value_type, None));
+    write_texts(&mut text, schema, &to_texts(schema, &resolved(scene), "", &exact), "");
     text
 }
 
@@ -132,34 +130,28 @@ fn add_gripper(file: &mut Table, system: &System) {
     }
 }
 
-/// Writes a table and its sections in the order of the schema; `line` returns the text of a value at a path, or `None`
-/// to omit it.
-fn write_values(
-    text: &mut String,
+/// Returns the texts of a table in SI units and its sections; `text` returns the text of a value at a path, or `None` to
+/// omit it.
+fn to_texts(
     schema: &Json,
     values: &Table,
     path: &str,
-    line: &impl Fn(&Value, &ValueType, &str) -> Option<String>,
-) {
-    let inner = |key: &str| if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
-    // Writing to a string cannot fail.
-    for (key, property) in value_properties(schema) {
-        let is_set = |value: &&Value| {
-            let items = value.as_array().map_or(std::slice::from_ref(*value), Vec::as_slice);
-            !items.is_empty() && items.iter().all(|item| item.as_float().is_none_or(f64::is_finite))
-        };
-        let value = values.get(field(property)).filter(is_set).filter(|_| effect(property, schema, values).is_ok());
-        let value = value.and_then(|value| line(value, &ValueType::from_schema(property), &inner(key)));
-        value.into_iter().for_each(|value| _ = writeln!(text, "{key} = {value}"));
-    }
-    for (key, property) in tables(schema, values) {
-        let Some(Value::Table(section)) = values.get(key) else { continue };
-        let is_named_group = property.get("properties").is_none();
-        if !is_named_group && (section.is_empty() || section.values().any(|value| !value.is_table())) {
-            let _ = write!(text, "\n[{}]\n", inner(key));
-        }
-        write_values(text, property, section, &inner(key), line);
-    }
+    text: &impl Fn(&Value, &ValueType, &str) -> Option<String>,
+) -> Table {
+    let is_set = |value: &&Value| {
+        let items = value.as_array().map_or(std::slice::from_ref(*value), Vec::as_slice);
+        !items.is_empty() && items.iter().all(|item| item.as_float().is_none_or(f64::is_finite))
+    };
+    let value = |(key, property): (&String, &Json)| {
+        let value = values.get(field(property)).filter(is_set).filter(|_| effect(property, schema, values).is_ok())?;
+        Some((key.clone(), text(value, &ValueType::from_schema(property), &join(path, key))?.into()))
+    };
+    let section = |(key, property): (&String, &Json)| {
+        let section = to_texts(property, values.get(key)?.as_table()?, &join(path, key), text);
+        // A group of sections with free names has no values of its own.
+        (!section.is_empty() || property.get("properties").is_some()).then(|| (key.clone(), section.into()))
+    };
+    value_properties(schema).filter_map(value).chain(tables(schema, values).into_iter().filter_map(section)).collect()
 }
 
 /// Sections of a table in the order of the schema, with their schemas; those with free names in the order of names.
@@ -303,9 +295,10 @@ fn derived_values(schema: &Json, resolved: &Table, complete: &Table) -> String {
         [path, common, &law, &design].into_iter().any(|path| find(complete, path).is_some())
     };
     let mut text = String::new();
-    write_values(&mut text, schema, &by_contact(resolved), "", &|value, value_type, path| {
+    let derived = to_texts(schema, &by_contact(resolved), "", &|value, value_type, path| {
         (!is_given(path)).then(|| toml_text(value, value_type, Some(DIGITS)))
     });
+    write_texts(&mut text, schema, &derived, "");
     // Headers without values are omitted.
     let sections = text.split("\n\n").filter(|section| section.contains(" = "));
     let lines: Vec<String> = sections

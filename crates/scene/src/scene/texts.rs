@@ -6,7 +6,7 @@ use serde_json::Value as Json;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
-use super::keys::{child_schema, pair_element};
+use super::keys::{child_schema, join, pair_element};
 use super::schema::properties;
 
 /// The texts of all values as written, by section.
@@ -55,7 +55,7 @@ pub fn write_texts(text: &mut String, schema: &Json, values: &Table, path: &str)
     }
     for (key, value) in entries {
         let Value::Table(inner) = value else { continue };
-        let section = if path.is_empty() { key_text(key) } else { format!("{path}.{}", key_text(key)) };
+        let section = join(path, &key_text(key));
         if inner.is_empty() || inner.values().any(Value::is_str) {
             let _ = write!(text, "\n[{section}]\n");
         }

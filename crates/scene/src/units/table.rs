@@ -147,14 +147,12 @@ impl Dimension {
 }
 
 const fn unit(name: &'static str, factor: f64) -> Unit {
-    let shown = true;
-    Unit { name, factor, shown }
+    Unit { name, factor, shown: true }
 }
 
 /// Creates a unit that is accepted but not used in output.
 const fn read_only(name: &'static str, factor: f64) -> Unit {
-    let shown = false;
-    Unit { name, factor, shown }
+    Unit { name, factor, shown: false }
 }
 
 const MILLI: f64 = 1e-3;

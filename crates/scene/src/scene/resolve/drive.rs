@@ -132,20 +132,22 @@ pub fn size(
     for object in &target.ends {
         let trial = input.checker.for_trial();
         let sizing = size_for(&input.with_checker(&trial), lengths, finger, *object, gravity_m_s2);
+        let mut problems = trial.into_problems();
         if has_range {
             let base = -object.centre_m[0] * 1e3;
             let details = format!(
                 " with the object at the end of the positioning error, {base:.3} mm from the ground joint along the palm"
             );
-            trial.append_to_messages(SIZING_LABEL, &details);
+            let failed = problems.iter_mut().filter(|problem| problem.label == SIZING_LABEL);
+            failed.for_each(|problem| problem.message.push_str(&details));
         }
-        sized.push((sizing, trial));
+        sized.push((sizing, problems));
     }
     let reachable = sized.iter().filter_map(|(sizing, _)| *sizing);
     let combined = reachable.reduce(|first, second| combine(first, second, f64::max));
-    for (sizing, trial) in sized {
+    for (sizing, problems) in sized {
         if sizing.is_some() || combined.is_none() {
-            input.checker.extend(trial.into_problems());
+            input.checker.extend(problems);
         }
     }
     combined.map(Some)
