@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use toml::de::DeTable;
-use toml::{Table, Value};
+use toml::{Spanned, Table, Value};
 
 use super::SceneError;
 use super::check::NO_EFFECT;
@@ -64,7 +64,7 @@ pub fn parse_layers<T>(
         let is_new =
             |problem: &&Problem| base_problems.iter().all(|other| other.message != shortened(&problem.message));
         let without_effect = error.problems().iter().filter(|problem| problem.label == NO_EFFECT).filter(is_new);
-        let places = without_effect.filter_map(|problem| merged.place(problem.span.as_ref()?, &layers));
+        let places = merged.places(without_effect.map(|problem| problem.span.clone()), &layers).into_iter().flatten();
         let inherited: Vec<String> =
             places.filter(|place| place.layer < base_layers.len()).map(|place| place.path.join(".")).collect();
         if inherited.iter().filter(|path| remove(&mut merged.texts, path)).count() == 0 {
@@ -127,18 +127,24 @@ impl Merged {
         text
     }
 
-    /// Returns the original place of a position in the merged text.
-    fn place(&self, span: &Range<usize>, layers: &[&Layer]) -> Option<Place> {
+    /// Returns the original places of positions in the merged text. All texts are parsed once.
+    fn places(&self, spans: impl Iterator<Item = Option<Range<usize>>>, layers: &[&Layer]) -> Vec<Option<Place>> {
+        fn parse(text: &str) -> DeTable<'_> {
+            DeTable::parse(text).map_or_else(|_| DeTable::default(), Spanned::into_inner)
+        }
         let text = self.text();
-        let document = DeTable::parse(&text).ok()?;
-        let (path, merged_key, merged_value) = entry_at(document.get_ref(), span.start)?;
+        let (merged, layers) = (parse(&text), layers.iter().map(|layer| parse(&layer.text)).collect::<Vec<_>>());
+        spans.map(|span| self.place(&span?, &merged, &layers)).collect()
+    }
+
+    fn place(&self, span: &Range<usize>, merged: &DeTable<'_>, layers: &[DeTable<'_>]) -> Option<Place> {
+        let (path, merged_key, merged_value) = entry_at(merged, span.start)?;
         let joined = path.join(".");
         let is_table = find(&self.texts, &joined)?.is_table();
         // An empty table has no origin. It may have replaced a value of an earlier layer.
         let last_with_path = || self.layers.iter().rposition(|layer| find(layer, &joined).is_some());
         let layer = self.origin(&joined).or_else(last_with_path)?;
-        let document = DeTable::parse(&layers[layer].text).ok()?;
-        let (key, value) = entry(document.get_ref(), &path)?;
+        let (key, value) = entry(&layers[layer], &path)?;
         // Values are verbatim: their parts have the same positions.
         let within = |start: usize, from: &Range<usize>| start + span.start - from.start;
         let span = match is_table || merged_key.contains(&span.start) {
@@ -157,8 +163,8 @@ impl Merged {
         // Problems without a position are assigned to the scene's own file.
         let default_layer = layers.iter().rposition(|layer| layer.file == file).unwrap_or(0);
         let mut problems_by_layer: BTreeMap<usize, Vec<Problem>> = BTreeMap::new();
-        for mut problem in problems {
-            let place = problem.span.take().and_then(|span| self.place(&span, layers));
+        let places = self.places(problems.iter().map(|problem| problem.span.clone()), layers);
+        for (mut problem, place) in problems.into_iter().zip(places) {
             let layer = place.as_ref().map_or(default_layer, |place| place.layer);
             problem.span = place.map(|place| place.span);
             problems_by_layer.entry(layer).or_default().push(problem);
