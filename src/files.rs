@@ -17,11 +17,11 @@ const HEAD_BYTES: u64 = 4096;
 /// Mark in the head of every page.
 const PAGE_MARK: &str = "<meta name=\"generator\" content=\"phalanx\">";
 /// First line of the text reports in a directory of results.
-pub const TEXT_MARK: &str = "Report by phalanx\n\n";
+pub(crate) const TEXT_MARK: &str = "Report by phalanx\n\n";
 /// First line of the Markdown reports in a directory of results.
-pub const MARKDOWN_MARK: &str = "<!-- Report by phalanx -->\n\n";
+pub(crate) const MARKDOWN_MARK: &str = "<!-- Report by phalanx -->\n\n";
 /// Start of the JSON reports in a directory of results.
-pub const JSON_MARK: &str = "{\n  \"generator\": \"phalanx\",";
+pub(crate) const JSON_MARK: &str = "{\n  \"generator\": \"phalanx\",";
 /// Line in the head of every manual page.
 const MANUAL_MARK: &str = "\n.TH phalanx";
 
@@ -39,7 +39,7 @@ const TABLE_HEADS: [&str; 8] = [
 
 /// Kind of an output file, which its first bytes identify.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FileKind {
+pub(crate) enum FileKind {
     Page,
     Picture,
     Log,
@@ -50,7 +50,7 @@ pub enum FileKind {
 
 impl FileKind {
     /// Kind of a file in a directory of results, according to its extension.
-    pub fn from_extension(path: &Path) -> FileKind {
+    pub(crate) fn from_extension(path: &Path) -> FileKind {
         match path.extension().and_then(|extension| extension.to_str()) {
             Some("html") => FileKind::Page,
             Some("svg") => FileKind::Picture,
@@ -96,12 +96,12 @@ fn is_own_parquet(path: &Path) -> bool {
 static FORCE: AtomicBool = AtomicBool::new(false);
 
 /// Allows the replacement of files that phalanx did not write (`--force`).
-pub fn set_force() {
+pub(crate) fn set_force() {
     FORCE.store(true, Ordering::Relaxed);
 }
 
 /// Whether [`set_force`] was called.
-pub fn is_forced() -> bool {
+pub(crate) fn is_forced() -> bool {
     FORCE.load(Ordering::Relaxed)
 }
 
@@ -110,13 +110,13 @@ pub fn is_forced() -> bool {
 /// # Errors
 /// Returns an error if the path cannot be written, or contains a file of another kind or of another program. Such a
 /// file is accepted after [`set_force`].
-pub fn check_target(path: &Path, kind: FileKind) -> Result<(), String> {
+pub(crate) fn check_target(path: &Path, kind: FileKind) -> Result<(), String> {
     let checked = check_writable(path).and_then(|()| check_replaceable(path, kind, "name"));
     checked.map_err(|reason| cannot_write(path, reason))
 }
 
 /// Like [`check_target`] for a file in a directory of results, whose kind follows from its extension.
-pub fn check_result_file(path: &Path) -> Result<(), String> {
+pub(crate) fn check_result_file(path: &Path) -> Result<(), String> {
     match path.is_dir() {
         true => Err("that is a directory; give another --out, or move it away".to_string()),
         false => check_replaceable(path, FileKind::from_extension(path), "--out"),
@@ -125,7 +125,7 @@ pub fn check_result_file(path: &Path) -> Result<(), String> {
 }
 
 /// Message for a path that cannot be written.
-pub fn cannot_write(path: &Path, reason: impl std::fmt::Display) -> String {
+pub(crate) fn cannot_write(path: &Path, reason: impl std::fmt::Display) -> String {
     format!("cannot write {}: {reason}", path.display())
 }
 
@@ -169,7 +169,10 @@ fn check_writable(path: &Path) -> Result<(), String> {
 ///
 /// An existing file stays unchanged until the new one is completely on disk, and after an error. Devices and pipes
 /// cannot be replaced and are written directly. A link remains; its target is replaced.
-pub fn replace_file(path: &Path, fill: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>) -> io::Result<()> {
+pub(crate) fn replace_file(
+    path: &Path,
+    fill: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+) -> io::Result<()> {
     if is_special(path) {
         let mut out = BufWriter::new(OpenOptions::new().write(true).open(path)?);
         fill(&mut out)?;
@@ -185,7 +188,7 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut (dyn Write + Send)) -> i
 }
 
 /// Reads a file; `None` if it is larger than `max_bytes`. The limit also stops endless devices.
-pub fn read_at_most(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
+pub(crate) fn read_at_most(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(max_bytes + 1).read_to_end(&mut bytes)?;
     Ok((bytes.len() as u64 <= max_bytes).then_some(bytes))
@@ -193,7 +196,7 @@ pub fn read_at_most(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> 
 
 /// Whether two paths refer to the same file, existing or not. Compares resolved paths and file identities (hard links).
 /// Pipes and devices are not overwritten and never count as the same.
-pub fn refer_to_same_file(first: &Path, second: &Path) -> bool {
+pub(crate) fn refer_to_same_file(first: &Path, second: &Path) -> bool {
     if is_special(first) || is_special(second) {
         return false;
     }
@@ -229,7 +232,7 @@ fn create_temporary(target: &Path) -> io::Result<tempfile::NamedTempFile> {
 }
 
 /// Removes the path of the temporary file from an error.
-pub fn without_temporary_path(error: io::Error) -> io::Error {
+pub(crate) fn without_temporary_path(error: io::Error) -> io::Error {
     let inner = error.get_ref().and_then(|outer| outer.source()?.downcast_ref::<io::Error>());
     inner.and_then(io::Error::raw_os_error).map_or(error, io::Error::from_raw_os_error)
 }

@@ -32,7 +32,7 @@ use crate::units::Dimension;
     after_help = "Examples:\n  phalanx capture scenes/gripper/offset.toml\n  phalanx capture scenes/gripper/seesaw.toml --to \"3 mm\" \
                   --out capture\n\nExit status: 0 done, whatever the result; 2 bad input; 3 interrupted, or files could not be written."
 )]
-pub struct CaptureArgs {
+pub(crate) struct CaptureArgs {
     /// Gripper scene file (TOML)
     scene: PathBuf,
 

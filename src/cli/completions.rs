@@ -14,7 +14,7 @@ use super::{Cli, Failure, Status};
                   ~/.config/fish/completions/phalanx.fish\n\nThe directory must exist. zsh searches ~/.zfunc if \
                   ~/.zshrc contains `fpath+=~/.zfunc` before `compinit`. Start a new shell to use the completions."
 )]
-pub struct CompletionsArgs {
+pub(crate) struct CompletionsArgs {
     /// Shell to generate the script for
     shell: Shell,
 }

@@ -37,7 +37,7 @@ const BUILD_HINT: &str = "in the source directory of phalanx, run: tools/explore
                   object.radius=\"15 mm\" -o page.html\n\nExit status: 0 done; 2 bad input, or the explorer's module is missing; 3 the page could \
                   not be written or opened."
 )]
-pub struct ExploreArgs {
+pub(crate) struct ExploreArgs {
     /// Finger or gripper scene file (TOML) to open [default: experiment-95, which is built in]
     scene: Option<PathBuf>,
 

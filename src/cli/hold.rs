@@ -34,7 +34,7 @@ use crate::units::Dimension;
                   --vibration \"50 Hz, 200 Hz\" --along x,y,angle\n  phalanx hold scenes/gripper/cycle.toml --move --slip \"0.1 mm\" --out \
                   hold\n\nExit status: 0 done, whatever the result; 2 bad input; 3 interrupted, or files could not be written."
 )]
-pub struct HoldArgs {
+pub(crate) struct HoldArgs {
     /// Gripper scene file (TOML)
     scene: PathBuf,
 

@@ -25,7 +25,7 @@ const HANGUP: &str = "SIGHUP";
 
 /// Makes writes beyond the file size limit (`ulimit -f`) fail with an error, as on a full disk, instead of killing the
 /// process.
-pub fn fail_writes_beyond_file_limit() {
+pub(crate) fn fail_writes_beyond_file_limit() {
     #[cfg(unix)]
     let _ = flag::register(SIGXFSZ, Arc::default());
 }
@@ -60,14 +60,14 @@ pub fn interrupted(message: &str, has_out: bool) -> Failure {
 
 /// Records whether a signal has interrupted the command.
 #[derive(Debug)]
-pub struct Interrupt {
+pub(crate) struct Interrupt {
     /// Index of the signal in [`SIGNALS`] plus 1; 0 if none has arrived.
     signal: Arc<AtomicUsize>,
 }
 
 impl Interrupt {
     /// Installs the signal handlers.
-    pub fn listen() -> Result<Self, Failure> {
+    pub(crate) fn listen() -> Result<Self, Failure> {
         let signal = Arc::new(AtomicUsize::new(0));
         let already_received = Arc::new(AtomicBool::new(false));
         for (index, &(number, name)) in SIGNALS.iter().enumerate() {
@@ -104,7 +104,7 @@ impl Interrupt {
 
     /// Returns an owned function that reports whether a signal has arrived.
     #[cfg_attr(not(feature = "live"), expect(dead_code))]
-    pub fn stop_flag(&self) -> impl Fn() -> bool + Send + use<> {
+    pub(crate) fn stop_flag(&self) -> impl Fn() -> bool + Send + use<> {
         let signal = Arc::clone(&self.signal);
         move || signal.load(Ordering::Relaxed) != 0
     }

@@ -14,7 +14,7 @@ const DEFAULT_WALL_S: f64 = 20.0;
 
 /// Arguments of a streamed run.
 #[derive(Debug, Args)]
-pub struct LiveArgs {
+pub(crate) struct LiveArgs {
     /// Stream the run to the Foxglove app (Open connection, Foxglove WebSocket, ws://ADDRESS:PORT) [default address:
     /// 127.0.0.1:8765]
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = DEFAULT_ADDRESS)]
@@ -47,7 +47,7 @@ fn parse_speed(text: &str) -> Result<f64, String> {
 }
 
 /// Server for one run.
-pub struct Live {
+pub(crate) struct Live {
     server: Server,
     speed: f64,
     waits_for_client: bool,
@@ -87,7 +87,7 @@ impl Live {
     }
 
     /// Waits for a first client if requested. The channels must already exist.
-    pub fn wait_for_client(&self) {
+    pub(crate) fn wait_for_client(&self) {
         if self.waits_for_client {
             print_note("live: waits for a client");
             self.server.wait_for_client(&self.stop);

@@ -16,7 +16,7 @@ use super::{Cli, Failure, Status};
     after_help = "Examples:\n  phalanx man | man -l -\n  phalanx man ~/.local/share/man/man1\n\nAfter the second command, `man \
                   phalanx-run` shows the page of `phalanx run`."
 )]
-pub struct ManArgs {
+pub(crate) struct ManArgs {
     /// Write phalanx.1, phalanx-run.1 and so on to this directory, which is created if needed; only pages written by
     /// phalanx are replaced
     dir: Option<PathBuf>,

@@ -168,7 +168,7 @@ pub struct Failure {
 
 impl Failure {
     /// Failure caused by invalid arguments, or an invalid scene or path.
-    pub fn bad_input(message: impl Display) -> Self {
+    pub(crate) fn bad_input(message: impl Display) -> Self {
         Failure { message: format!("error: {message}"), status: Status::BadInput }
     }
 

@@ -16,7 +16,7 @@ const SCENE: &str = include_str!("new.toml");
 /// Write a commented scene file as a starting point for your own gripper; it runs without changes.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open")]
-pub struct NewArgs {
+pub(crate) struct NewArgs {
     /// File to write; an existing file is replaced only with --force
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,

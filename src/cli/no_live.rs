@@ -8,7 +8,7 @@ use crate::log::MessageFeed;
 
 /// Flag of a build with the server, hidden from the help.
 #[derive(Debug, Args)]
-pub struct LiveArgs {
+pub(crate) struct LiveArgs {
     #[arg(long, hide = true, num_args = 0..=1, default_missing_value = "", value_parser = reject)]
     live: Option<String>,
 }
@@ -20,7 +20,7 @@ fn reject(_: &str) -> Result<String, String> {
 }
 
 /// Server for one run; never constructed in this build.
-pub enum Live {}
+pub(crate) enum Live {}
 
 impl LiveArgs {
     pub fn start(&self, _: &str, _: f64, _: &Interrupt) -> Result<Option<Live>, Failure> {
@@ -33,7 +33,7 @@ impl Live {
         match *self {}
     }
 
-    pub fn wait_for_client(&self) {
+    pub(crate) fn wait_for_client(&self) {
         match *self {}
     }
 

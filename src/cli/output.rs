@@ -13,17 +13,17 @@ use crate::scene::error::shortened;
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 /// Disables progress and notes.
-pub fn set_quiet() {
+pub(crate) fn set_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-pub fn is_quiet() -> bool {
+pub(crate) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
 /// Escapes control characters that a terminal would interpret, because names in scenes and logs are untrusted. The
 /// escapes are those of JSON, so a JSON document remains valid.
-pub fn escape_unsafe_chars(text: &str) -> Cow<'_, str> {
+pub(crate) fn escape_unsafe_chars(text: &str) -> Cow<'_, str> {
     if !text.contains(is_unsafe_char) {
         return Cow::Borrowed(text);
     }
@@ -74,12 +74,12 @@ pub fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// Prints the result of a command, as one JSON document or as a text report.
-pub fn print_result(result: &impl ToReport, json: bool) -> Result<(), Failure> {
+pub(crate) fn print_result(result: &impl ToReport, json: bool) -> Result<(), Failure> {
     if json { print(&result.json()) } else { print_report(&result.report()) }
 }
 
 /// Prints a report, wrapped to the width of the terminal.
-pub fn print_report(report: &Report) -> Result<(), Failure> {
+pub(crate) fn print_report(report: &Report) -> Result<(), Failure> {
     print(&match terminal_width() {
         Some(width) => report.to_wrapped_text(width),
         None => report.to_string(),
@@ -87,14 +87,14 @@ pub fn print_report(report: &Report) -> Result<(), Failure> {
 }
 
 /// Prints a note to stderr, except with `--quiet`.
-pub fn print_note(note: &str) {
+pub(crate) fn print_note(note: &str) {
     if !is_quiet() {
         print_diagnostic(note);
     }
 }
 
 /// Prints a warning or an error to stderr. Write errors are ignored.
-pub fn print_diagnostic(message: &str) {
+pub(crate) fn print_diagnostic(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", escape_unsafe_chars(&shortened(message)));
 }
 
@@ -106,7 +106,7 @@ const MIN_WIDTH: usize = 20;
 
 /// Number of columns of stdout; `None` if it is unlimited. In a pipe or file each row of a table is one line. The
 /// variable COLUMNS also applies to pipes, because `watch` and pagers set it for their programs.
-pub fn terminal_width() -> Option<usize> {
+pub(crate) fn terminal_width() -> Option<usize> {
     let measure = || {
         let stdout = io::stdout();
         stdout.is_terminal().then(|| {

@@ -68,7 +68,12 @@ pub fn rule() -> impl TypedValueParser<Value = Rule> {
 }
 
 /// Parses a finite number for which `is_valid` holds; `name` names such numbers.
-pub fn parse_number(item: &str, is_valid: impl Fn(f64) -> bool, name: &str, expected: &str) -> Result<f64, String> {
+pub(crate) fn parse_number(
+    item: &str,
+    is_valid: impl Fn(f64) -> bool,
+    name: &str,
+    expected: &str,
+) -> Result<f64, String> {
     let number = item.trim().parse().ok().filter(|value: &f64| value.is_finite() && is_valid(*value));
     number.ok_or_else(|| format!("`{}` is not {name}; expected {expected}", item.trim()))
 }
@@ -89,7 +94,7 @@ pub fn parse_quantity(
 }
 
 /// Parses two comma-separated values, the lower one first.
-pub fn parse_limits(
+pub(crate) fn parse_limits(
     text: &str,
     expected: &str,
     read: impl Fn(&str) -> Result<f64, String>,
@@ -103,14 +108,14 @@ pub fn parse_limits(
 }
 
 /// Parses a number of threads.
-pub fn parse_threads(text: &str) -> Result<usize, String> {
+pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|threads| (1..=MAX_THREADS).contains(threads));
     number
         .ok_or_else(|| format!("expected a number of threads from 1 to {MAX_THREADS}; omit the flag to use all cores"))
 }
 
 /// Parses a number of threads; 0 selects all cores.
-pub fn parse_threads_or_all(text: &str) -> Result<usize, String> {
+pub(crate) fn parse_threads_or_all(text: &str) -> Result<usize, String> {
     if text == "0" { Ok(0) } else { parse_threads(text) }
 }
 

@@ -114,7 +114,7 @@ fn format_progress(time_s: f64, duration_s: f64) -> String {
 }
 
 /// Shows how many of several runs are completed and which one is next.
-pub struct RunCounter {
+pub(crate) struct RunCounter {
     line: ProgressLine,
     has_started: bool,
 }

@@ -26,7 +26,7 @@ use crate::trace::{Event, Layout, Sample, Sink, SinkError};
                   status: 0 the log is complete (with --verify: and identical to the new run); 1 data are lost, a topic is missing, \
                   or the runs differ; 2 bad input; 3 interrupted, or a file could not be written."
 )]
-pub struct ReplayArgs {
+pub(crate) struct ReplayArgs {
     /// Log of a run (MCAP), or the partial log of a killed run
     #[arg(value_name = "LOG.mcap")]
     pub(super) log: PathBuf,
@@ -82,7 +82,7 @@ impl<'a> SummarySink<'a> {
     }
 
     /// Clears the progress line.
-    pub fn clear_progress(&mut self) {
+    pub(crate) fn clear_progress(&mut self) {
         self.progress.clear();
     }
 
@@ -164,7 +164,7 @@ impl LogPlaybackRecorder {
     }
 
     /// Returns the name and description of the scene.
-    pub fn name_and_description(&self) -> (String, String) {
+    pub(crate) fn name_and_description(&self) -> (String, String) {
         (self.scene.name.clone(), self.scene.description.clone())
     }
 

@@ -29,7 +29,7 @@ use crate::table;
                   report.json\n\n--out writes report.md with figures/, report.html (self-contained), report.json, results.csv and ranking.csv. Exit status: 0 every value is as expected; 1 a value is outside its bounds; 3 something \
                   could not be computed or written."
 )]
-pub struct ReproduceArgs {
+pub(crate) struct ReproduceArgs {
     #[command(flatten)]
     output: OutputArgs,
 

@@ -38,7 +38,7 @@ const PERIOD: Duration = Duration::from_millis(100);
                   opens in Foxglove, Rerun and PlotJuggler. Exit status: 0 done; 2 bad input; 3 the simulation could not be \
                   completed (the log up to that time is kept)."
 )]
-pub struct RunArgs {
+pub(crate) struct RunArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
     pub(super) scene: PathBuf,
 

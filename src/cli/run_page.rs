@@ -11,7 +11,7 @@ use crate::page::{Page, Playback, render_page};
 
 /// Flags of the page.
 #[derive(Debug, Args)]
-pub struct PageArgs {
+pub(crate) struct PageArgs {
     /// Write a page for any browser, also offline: an animation, plots and events. If the run has too many samples for a
     /// page, some are omitted and the page states this
     #[arg(long, value_name = "FILE.html")]
@@ -30,7 +30,7 @@ pub(super) struct PageOutput {
 
 impl PageArgs {
     /// Returns an error for `--watch --open` without `--html`, because each run would write another temporary page.
-    pub fn ensure_watchable(&self) -> Result<(), Failure> {
+    pub(crate) fn ensure_watchable(&self) -> Result<(), Failure> {
         match (self.open, &self.html) {
             (true, None) => Err(Failure::bad_input(
                 "--watch --open: every run would write a page of another name; name the page with --html FILE.html, open it once, \
@@ -41,7 +41,7 @@ impl PageArgs {
     }
 
     /// Finds the browser and the target before the simulation. Only the `first` of several runs opens its page.
-    pub fn prepare(&self, first: bool) -> Result<Option<PageOutput>, Failure> {
+    pub(crate) fn prepare(&self, first: bool) -> Result<Option<PageOutput>, Failure> {
         let browser = if self.open && first { Some(Browser::find()) } else { None };
         let browser = browser.transpose().map_err(|reason| Failure::bad_input(format!("--open: {reason}")))?;
         let target = match (&self.html, &browser) {

@@ -36,7 +36,7 @@ use crate::units::{self, Dimension};
                   pfp=2,tts=1,f21=0,f22=0 --json\n\nExit status: 0 done; 1 no run meets the criteria; 2 bad input; 3 files \
                   could not be written."
 )]
-pub struct SelectArgs {
+pub(crate) struct SelectArgs {
     /// Results of `phalanx sweep` (.csv or .parquet)
     results: PathBuf,
 

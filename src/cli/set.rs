@@ -41,7 +41,7 @@ impl SetArgs {
     }
 
     /// Loads the template that all designs of a study share and applies these fields.
-    pub fn load_template(&self, path: &Path) -> Result<Template, SceneError> {
+    pub(crate) fn load_template(&self, path: &Path) -> Result<Template, SceneError> {
         scene::parse_layers(&scene::load_layers(path)?, &self.set, scene::parse_template)
     }
 }

@@ -27,7 +27,7 @@ use crate::units::{Dimension, parse_positive};
                   ms\" --json\n  phalanx size my-gripper.toml --out sizing\n\nA scene with sizing = \"rigid\" (or \"whole\") at \
                   its top uses these torques automatically. Exit status: 0 done; 2 bad input, or a finger that cannot be sized."
 )]
-pub struct SizeArgs {
+pub(crate) struct SizeArgs {
     /// Finger scene file (TOML)
     scene: PathBuf,
 

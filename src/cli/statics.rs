@@ -42,7 +42,7 @@ use crate::units::{self, Dimension, parse_positive};
                   reach its object; 3 form closure of a finger or the balance of forces could not be decided, a run could not be \
                   completed, or a file could not be written."
 )]
-pub struct StaticsArgs {
+pub(crate) struct StaticsArgs {
     /// Scene file (TOML) of a finger with an object, or of a gripper
     scene: PathBuf,
 
@@ -73,7 +73,7 @@ pub struct StaticsArgs {
 
 /// Arguments for grippers only.
 #[derive(Clone, Debug, Args)]
-pub struct GripperArgs {
+pub(crate) struct GripperArgs {
     /// Posture: "run" is the posture of a run of the scene; "geometric" has all phalanges on the object at its position
     /// in the scene; or angles with units, such as "q11=2 deg, q21=65 deg" for both fingers, q11_r, q21_r, q11_l, q21_l
     /// for one finger, and x and y for the object's centre
@@ -100,7 +100,7 @@ const MAX_PICTURE_SPACING_DEG: f64 = 1.0;
 impl GripperArgs {
     /// Returns the first of these flags that differs from its default; such a flag is an error for other kinds of
     /// scene.
-    pub fn first_given_flag(&self) -> Option<&'static str> {
+    pub(crate) fn first_given_flag(&self) -> Option<&'static str> {
         let flags = [
             (self.posture != PostureSpec::Run, "--posture"),
             (self.at.is_some(), "--at"),

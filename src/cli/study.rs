@@ -25,7 +25,7 @@ const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
 
 /// Output of a study.
 #[derive(Debug, Args)]
-pub struct OutputArgs {
+pub(crate) struct OutputArgs {
     /// Write the files named below to this directory, which is created if needed; an existing file is replaced only when
     /// the new one is complete
     #[arg(long, value_name = "DIR")]
@@ -61,7 +61,7 @@ pub fn compute<T>(
 }
 
 #[derive(Debug, Subcommand)]
-pub enum StudyCommand {
+pub(crate) enum StudyCommand {
     Stability(StabilityArgs),
     StepSize(StepSizeArgs),
 }
@@ -82,7 +82,7 @@ pub enum StudyCommand {
                   scenes/experiment-95.toml --out map\n  phalanx study stability scenes/experiment-95.toml --steps \"100 us, 10 us\" \
                   --stiffness 1,100 --damping 0,1 --json\n\n--out writes table.txt, stability.json, stability.csv and stability.svg. Exit status: 0 done, even if runs of the map failed; 2 bad input; 3 \
                   interrupted, or files could not be written.")]
-pub struct StabilityArgs {
+pub(crate) struct StabilityArgs {
     /// Scene file (TOML) of a finger with an object
     scene: PathBuf,
 
@@ -124,7 +124,7 @@ pub struct StabilityArgs {
     after_help = "Examples:\n  phalanx study step-size\n  phalanx study step-size my-impact.toml --out study\n  phalanx study \
                   step-size --quick --json > study.json\n\n--out writes step-size.txt, .json, .csv and .svg."
 )]
-pub struct StepSizeArgs {
+pub(crate) struct StepSizeArgs {
     /// Disc scene file (TOML) with an impact that rebounds [default: the shipped scenes/laws/step-size.toml]
     scene: Option<PathBuf>,
 

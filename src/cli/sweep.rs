@@ -40,7 +40,7 @@ const DEFAULT_LISTED_RUNS: u64 = 12;
                   study.schema.json\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
                   resumes), or no run could be simulated."
 )]
-pub struct SweepArgs {
+pub(crate) struct SweepArgs {
     #[command(subcommand)]
     command: Option<SweepCommand>,
 

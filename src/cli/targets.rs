@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::output::escape_unsafe_chars;
-pub use crate::files::FileKind;
+pub(crate) use crate::files::FileKind;
 use crate::files::{
     JSON_MARK, MARKDOWN_MARK, TEXT_MARK, cannot_write, check_result_file, check_target, refer_to_same_file,
     replace_file,
@@ -21,7 +21,7 @@ pub(super) const PAGE_FILE: &str = "page.html";
 
 /// Kind of the file that a flag names; some kinds come with companion files.
 #[derive(Clone, Copy, Debug)]
-pub enum TargetKind {
+pub(crate) enum TargetKind {
     File(FileKind),
     /// A log with its unfinished file.
     Log,
@@ -35,14 +35,14 @@ pub type Target<'a> = (&'a str, Option<&'a Path>, TargetKind);
 pub type Directory<'a> = (&'a str, Option<&'a Path>, &'a [&'a str]);
 
 /// No directory.
-pub const NO_DIRECTORY: Directory<'static> = ("", None, &[]);
+pub(crate) const NO_DIRECTORY: Directory<'static> = ("", None, &[]);
 
 /// Checks the targets of a command and opens its output directory.
 ///
 /// # Errors
 /// Returns an error if two targets are the same file, a target is an input, a target cannot be written, or a target is
 /// a file of another program. `inputs` lists the name of each input in messages and its files.
-pub fn reserve(
+pub(crate) fn reserve(
     inputs: &[(&str, &[PathBuf])],
     targets: &[Target<'_>],
     directory: Directory<'_>,
@@ -100,7 +100,7 @@ fn remove_foreign_log(path: &Path, kind: FileKind) -> Result<(), Failure> {
 
 /// Writable directory for the output files of a command; `None` if no directory was given, so nothing is written.
 #[derive(Debug)]
-pub struct OutputDirectory(Option<PathBuf>);
+pub(crate) struct OutputDirectory(Option<PathBuf>);
 
 impl OutputDirectory {
     /// Creates the directory if needed. Called before any computation.
@@ -135,7 +135,7 @@ impl OutputDirectory {
     }
 
     /// Calls `write` with the directory.
-    pub fn write_with(self, write: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
+    pub(crate) fn write_with(self, write: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
         self.0.as_deref().map_or(Ok(()), write)
     }
 

@@ -36,7 +36,7 @@ use crate::validate::{
                   [validate] of a scene sets its bounds. Exit status: 0 within bounds; 1 out of bounds; 2 bad input; 3 a \
                   simulation could not be completed."
 )]
-pub struct ValidateArgs {
+pub(crate) struct ValidateArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
     scene: PathBuf,
 

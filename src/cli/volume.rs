@@ -44,7 +44,7 @@ use crate::units::{self, Dimension};
                   table.json, all points as points.csv (or .parquet), slices as pictures (slices-*.svg), and page.html, which \
                   shows the volumes in three dimensions in any browser. Exit status: 0 done; 2 bad input; 3 interrupted, or files could not be written."
 )]
-pub struct VolumeArgs {
+pub(crate) struct VolumeArgs {
     /// Scene file (TOML) of a finger with a [design]; it defines everything that is not varied
     scene: Option<PathBuf>,
 

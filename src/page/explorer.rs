@@ -40,7 +40,7 @@ const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// The scene that the page shows first.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct InitialScene {
+pub(crate) struct InitialScene {
     /// Name of the scene in messages.
     pub file: String,
     /// Text of the scene, which extends no other.
@@ -51,7 +51,7 @@ pub struct InitialScene {
 
 impl InitialScene {
     /// Returns the first preset without overridden fields.
-    pub fn first_preset() -> Self {
+    pub(crate) fn first_preset() -> Self {
         let first = presets().into_iter().next().expect("the list of presets is not empty");
         InitialScene { file: first.file, text: first.text, set: Vec::new() }
     }
@@ -64,12 +64,12 @@ fn result_colours<'a>(names: &[&'a str]) -> Vec<(&'a str, &'a str)> {
 }
 
 /// Whether the bytes are a gzip file, the format in which [`explorer_page`] takes a module.
-pub fn is_gzip(bytes: &[u8]) -> bool {
+pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(&GZIP_MAGIC)
 }
 
 /// Renders the page with a module of `crates/explorer` that is compressed with gzip. Equal arguments give equal bytes.
-pub fn explorer_page(module: &[u8], start: &InitialScene, version: &str) -> String {
+pub(crate) fn explorer_page(module: &[u8], start: &InitialScene, version: &str) -> String {
     let presets = presets();
     let initial_preset = presets.iter().find(|preset| preset.file == start.file);
     let title = initial_preset.map_or(&start.file, |preset| &preset.name);

@@ -20,14 +20,15 @@ mod presets;
 mod report;
 mod volume;
 
-pub use explorer::{InitialScene, explorer_page, is_gzip};
+pub(crate) use explorer::{InitialScene, explorer_page, is_gzip};
 pub use html::render_page;
 pub use phalanx_show::playback::{
     Body, ContactSeries, EventMarker, MAX_SAMPLES, Panel, Playback, PlaybackRecorder, Scale, Series, build_playback,
 };
-pub use presets::{Preset, presets, standalone_text};
+pub(crate) use presets::standalone_text;
+pub use presets::{Preset, presets};
 pub use report::report_page;
-pub use volume::volume_page;
+pub(crate) use volume::volume_page;
 
 use crate::format::Report;
 

@@ -84,7 +84,7 @@ fn preset(file: &str, text: &str) -> Result<Preset, SceneError> {
 }
 
 /// Returns `file_text` if the scene extends no other, otherwise the text merged from all layers.
-pub fn standalone_text(scene: &Scene, file_text: &str) -> String {
+pub(crate) fn standalone_text(scene: &Scene, file_text: &str) -> String {
     // `source` omits the key `extends`.
     if scene::extended(file_text).is_some() { scene.source.clone() } else { file_text.to_string() }
 }

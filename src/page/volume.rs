@@ -23,7 +23,7 @@ const SCRIPTS: [&str; 11] = [
 
 /// Renders the page with the volumes as a JSON document ([`page_data`](crate::thesis::volume::page_data)). Equal
 /// contents give equal bytes.
-pub fn volume_page(title: &str, description: &str, data: &str, notes: &[Note]) -> String {
+pub(crate) fn volume_page(title: &str, description: &str, data: &str, notes: &[Note]) -> String {
     let data = escape_for_script(data);
     let PageScript { nonce, script } = PageScript::new(&data, &SCRIPTS);
     let fields = [

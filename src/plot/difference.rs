@@ -14,10 +14,10 @@ const MAX_DECADES: f64 = 8.0;
 const MAX_TOUCHDOWNS: usize = 60;
 
 /// A curve of differences: its name, and points (time in s, difference).
-pub type DifferenceCurve = (String, Vec<PlotPoint>);
+pub(crate) type DifferenceCurve = (String, Vec<PlotPoint>);
 
 /// Content of a plot of differences.
-pub struct DifferencePlot<'a> {
+pub(crate) struct DifferencePlot<'a> {
     pub title: String,
     /// Label of the vertical axis, with its unit.
     pub label: &'a str,
@@ -45,7 +45,12 @@ pub fn difference(scene: &Scene, found: &Validation) -> String {
 }
 
 /// Differences of the angles of fingers and of the centres of bodies between a run and a reference.
-pub fn path_differences(layout: &Layout, run: &Recording, reference: &Recording, until_s: f64) -> Vec<DifferenceCurve> {
+pub(crate) fn path_differences(
+    layout: &Layout,
+    run: &Recording,
+    reference: &Recording,
+    until_s: f64,
+) -> Vec<DifferenceCurve> {
     let angles = layout
         .fingers
         .iter()
@@ -75,7 +80,7 @@ pub fn touchdowns(layout: &Layout, run: &Recording, until_s: f64) -> Vec<Series>
 }
 
 /// Draws differences on a logarithmic axis over time.
-pub fn plot_differences(found: DifferencePlot<'_>) -> String {
+pub(crate) fn plot_differences(found: DifferencePlot<'_>) -> String {
     let all = found.curves.iter().flat_map(|(_, points)| points.iter().map(|point| point.1));
     let y = Axis::logarithmic(found.label, all.chain(found.bound), MAX_DECADES);
     let x = Axis::linear("time, ms", [0.0, found.until_s * 1e3]);

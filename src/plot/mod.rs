@@ -22,10 +22,12 @@ mod speed_error;
 use phalanx_show::plot::{axis, canvas, outline, series, svg};
 
 pub use capture::capture;
-pub use difference::{DifferenceCurve, DifferencePlot, difference, path_differences, plot_differences, touchdowns};
+pub(crate) use difference::{DifferencePlot, path_differences, plot_differences};
+pub use difference::{difference, touchdowns};
 pub use hold::hold;
 pub use linkage::{LabelBox, Linkage, linkage};
-pub use overlay::{overlay, overlay_runs};
+pub use overlay::overlay;
+pub(crate) use overlay::overlay_runs;
 pub use phalanx_show::plot::{
     PICTURE_MARK, PictureFormat, balance, colours, grasp, sizing_spring_types, sizing_springs, sizing_trajectory, theme,
 };

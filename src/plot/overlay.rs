@@ -27,7 +27,13 @@ pub fn overlay(scene: &Scene, found: &Validation) -> String {
 }
 
 /// Draws two runs of this layout. Surfaces without contact are omitted if others have contact.
-pub fn overlay_runs(title: String, labels: [&str; 2], layout: &Layout, runs: [&Recording; 2], end_s: f64) -> String {
+pub(crate) fn overlay_runs(
+    title: String,
+    labels: [&str; 2],
+    layout: &Layout,
+    runs: [&Recording; 2],
+    end_s: f64,
+) -> String {
     let x = Axis::linear("time, ms", [0.0, end_s * 1e3]);
     let mut panels = panels(layout, runs);
     if let Some(first) = panels.first_mut() {

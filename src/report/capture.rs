@@ -114,7 +114,7 @@ fn form_closure(study: &Capture) -> String {
 }
 
 /// Returns all initial positions as CSV, one per line. Unknown values are empty.
-pub fn capture_csv(study: &Capture) -> String {
+pub(crate) fn capture_csv(study: &Capture) -> String {
     let columns = [
         "offset_m",
         "form_closed_there",

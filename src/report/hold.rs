@@ -191,7 +191,7 @@ fn remarks(load: &LoadResult, study: &Hold) -> Vec<String> {
 }
 
 /// Returns all runs as CSV, one per line. Unknown values are empty.
-pub fn hold_csv(study: &Hold) -> String {
+pub(crate) fn hold_csv(study: &Hold) -> String {
     let columns = [
         "load",
         "direction_rad",

@@ -269,12 +269,6 @@ const RANKING_COLUMNS: [(&str, Kind); 6] = [
     ("part_f22", Kind::Number),
 ];
 
-/// Whether a table is a ranking.
-pub fn is_ranking(table: &Table) -> bool {
-    let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
-    names.starts_with(&RANKING_COLUMNS.map(|(name, _)| name))
-}
-
 /// Returns one row for each selected run, best first: rank, r_WC and its terms, then all columns of the results.
 pub fn ranking_table(results: &Table, selection: &Selection) -> Table {
     // If the results are already a ranking, the new ranking columns replace the old ones.

@@ -145,7 +145,7 @@ impl Serialize for FingerSizing {
 }
 
 /// Returns the profile as CSV, one sample per line. Torques of the rigid phase are empty after it.
-pub fn sizing_csv(profile: &Profile) -> String {
+pub(crate) fn sizing_csv(profile: &Profile) -> String {
     let mut text =
         "time_s,q11_rad,q21_rad,q22_rad,qd11_rad_s,qdd11_rad_s2,spring_q21_q11_n_m,spring_q12_n_m,spring_q22_n_m,\
                     spring_coupler_distal_n_m,motor_net_n_m,motor_constant_spring_n_m,motor_torsional_spring_n_m\n"

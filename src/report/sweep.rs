@@ -11,7 +11,7 @@ use crate::table::Value;
 
 /// Report of a finished sweep or shard.
 #[derive(Clone, Debug, Serialize)]
-pub struct SweepReport {
+pub(crate) struct SweepReport {
     pub study: String,
     pub model: String,
     /// File of the results.
@@ -50,7 +50,7 @@ impl SweepReport {
 
 /// Computational cost of one invocation of `phalanx sweep`.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct SweepWork {
+pub(crate) struct SweepWork {
     pub runs: u64,
     /// Number of simulated runs: neither filtered nor rejected.
     pub simulations: u64,
@@ -134,7 +134,7 @@ pub(super) fn reasons(heading: &str, reasons: &[Reason]) -> String {
 }
 
 /// Lists the axes of a study and its first `max_runs` runs.
-pub fn sweep_list(study: &Study, max_runs: u64) -> Report {
+pub(crate) fn sweep_list(study: &Study, max_runs: u64) -> Report {
     let runs = study.runs();
     let (name, model, designs) = (&study.name, study.model.name(), study.designs());
     let mut text = Report::from(format!("{name}: {model} model, {runs} runs, {designs} designs\n\n"));

@@ -78,7 +78,7 @@ pub struct RunOutcome {
 
 impl Placement {
     /// Whether the object is held at the end.
-    pub fn is_captured(&self) -> bool {
+    pub(crate) fn is_captured(&self) -> bool {
         self.outcome.as_ref().is_ok_and(|outcome| outcome.criteria.fate == Fate::Held)
     }
 }
@@ -133,7 +133,7 @@ pub enum CaptureError {
 }
 
 /// Loads the scene with its object at an offset, designed for the largest error of the plan.
-pub type SceneLoader<'a> = &'a (dyn Fn(f64) -> Result<Scene, SceneError> + Sync);
+pub(crate) type SceneLoader<'a> = &'a (dyn Fn(f64) -> Result<Scene, SceneError> + Sync);
 
 /// Texts of a scene and additional settings.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 ///
 /// # Panics
 /// Panics if the system cannot start the threads.
-pub fn build_pool(threads: usize, jobs: usize) -> ThreadPool {
+pub(crate) fn build_pool(threads: usize, jobs: usize) -> ThreadPool {
     // Set explicitly: by default, rayon reads an environment variable first.
     let threads = if threads == 0 { all_cores() } else { threads };
     ThreadPoolBuilder::new().num_threads(threads.min(jobs).max(1)).build().expect("the system starts threads")

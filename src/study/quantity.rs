@@ -41,7 +41,7 @@ fn display_unit(dimension: Dimension) -> (&'static str, f64) {
 
 impl Quantity {
     /// Returns the format of a column of results.
-    pub fn for_column(column: &str) -> Quantity {
+    pub(crate) fn for_column(column: &str) -> Quantity {
         Quantity::new(column, &column_type(column).unwrap_or(FieldType::Number))
     }
 
@@ -83,7 +83,7 @@ impl Quantity {
     }
 
     /// Formats a value with name and unit: `mu_static 0.8`, `base 15.5 mm`.
-    pub fn name_and_value(&self, value: &Value) -> String {
+    pub(crate) fn name_and_value(&self, value: &Value) -> String {
         let gap = if self.unit.is_empty() || self.unit == "°" || self.unit == "%" { "" } else { " " };
         format!("{} {}{gap}{}", self.name, self.value(value, 4), self.unit)
     }

@@ -77,7 +77,7 @@ fn is_of_study(study: &Study, out: &Path) -> Result<bool, ResultsError> {
 }
 
 /// Files next to the results: the unfinished results and the study.
-pub fn companion_files(out: &Path) -> [PathBuf; 2] {
+pub(crate) fn companion_files(out: &Path) -> [PathBuf; 2] {
     [".partial.csv", ".study.json"].map(|suffix| {
         let mut name = OsString::from(out);
         name.push(suffix);

@@ -107,7 +107,7 @@ fn convert_error(error: &csv::Error, file: &str) -> TableError {
 }
 
 /// Formats one line of a CSV file, including its line feed.
-pub fn format_csv_line<'a>(values: impl IntoIterator<Item = &'a Value>) -> String {
+pub(crate) fn format_csv_line<'a>(values: impl IntoIterator<Item = &'a Value>) -> String {
     let mut writer = writer(Vec::new());
     // Writing to memory cannot fail.
     let written = writer.write_record(values.into_iter().map(cell));

@@ -18,7 +18,9 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 
-pub use csv_file::{format_csv_line, read_csv, read_rows};
+pub use csv_file::{read_csv, read_rows};
+
+pub(crate) use csv_file::format_csv_line;
 pub use parquet_file::RowGroups;
 pub use value::{Kind, Value};
 
@@ -267,10 +269,10 @@ pub fn write(path: &Path, table: &Table) -> Result<(), TableError> {
     write_with_metadata(path, table, &[])
 }
 
-/// Like [`write`], with keys and values in the metadata of a Parquet file.
+/// Like [`write()`], with keys and values in the metadata of a Parquet file.
 ///
 /// # Errors
-/// See [`write`].
+/// See [`write()`].
 pub fn write_with_metadata(path: &Path, table: &Table, metadata: &[(String, String)]) -> Result<(), TableError> {
     let format = format(path)?;
     table.check()?;

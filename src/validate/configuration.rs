@@ -9,7 +9,7 @@ use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, S
 use crate::trace::Model;
 
 /// Configurations with more predicted steps than this are skipped.
-pub const MAX_PREDICTED_STEPS: f64 = 2e6;
+pub(crate) const MAX_PREDICTED_STEPS: f64 = 2e6;
 /// Finer configurations are run after a failed verdict only up to this number of predicted steps.
 const MAX_FINER_STEPS: f64 = 2e5;
 /// Configurations with more fixed steps than this are run once instead of with the whole ensemble.
@@ -111,7 +111,7 @@ impl SolverConfiguration {
 
     /// Predicts the number of steps of a run; `None` if it cannot be predicted. `scene_steps` is the number of steps of
     /// the engine at the scene's own settings.
-    pub fn predicted_steps(&self, scene: &Scene, scene_steps: u64) -> Option<f64> {
+    pub(crate) fn predicted_steps(&self, scene: &Scene, scene_steps: u64) -> Option<f64> {
         let Settings::Engine(Engine { stepping, .. }) = self.settings else { return None };
         match (stepping, scene.engine.stepping) {
             (Stepping::Fixed { step_s }, _) => Some(scene.duration_s / step_s),
@@ -124,7 +124,7 @@ impl SolverConfiguration {
 }
 
 /// Returns the configuration that the scene requests.
-pub fn scene_configuration(scene: &Scene) -> SolverConfiguration {
+pub(crate) fn scene_configuration(scene: &Scene) -> SolverConfiguration {
     SolverConfiguration::engine(scene.engine, scene)
 }
 
@@ -152,7 +152,7 @@ fn parameters(configuration: &SolverConfiguration) -> Vec<(&'static str, &'stati
 }
 
 /// Returns the name of a configuration without its family.
-pub fn configuration_name(configuration: &SolverConfiguration) -> String {
+pub(crate) fn configuration_name(configuration: &SolverConfiguration) -> String {
     let names = parameters(configuration).into_iter().map(|(label, _, value)| format!("{label} {value}"));
     names.collect::<Vec<_>>().join(", ")
 }
@@ -219,7 +219,7 @@ pub fn ladder_configurations(scene: &Scene, quick: bool) -> Vec<SolverConfigurat
 /// Returns configurations of the engine finer than the scene's, each by a factor of ten, from coarse to fine, up to
 /// 200,000 predicted steps. There are none for rapier's own contact model, which does not converge to the scene's
 /// contact law.
-pub fn finer_configurations(scene: &Scene, scene_steps: u64) -> Vec<SolverConfiguration> {
+pub(crate) fn finer_configurations(scene: &Scene, scene_steps: u64) -> Vec<SolverConfiguration> {
     if matches!(scene.engine.response, Response::Rapier { .. }) {
         return Vec::new();
     }
@@ -257,7 +257,7 @@ fn rounded(value: f64, factor: f64) -> f64 {
 pub enum Status {
     Done,
     Failed,
-    /// Skipped because it is predicted to take more than [`MAX_PREDICTED_STEPS`].
+    /// Skipped because it is predicted to take more than `MAX_PREDICTED_STEPS`.
     TooLong,
     /// Skipped because it was expected to exceed the time limit of the ladder.
     NoTime,

@@ -136,12 +136,12 @@ impl Differences {
     }
 
     /// Largest difference of an angle of any finger.
-    pub fn angle_max(&self) -> f64 {
+    pub(crate) fn angle_max(&self) -> f64 {
         self.path[..self.rate_rms_rad_s.len()].iter().map(|error| error.max).fold(0.0, f64::max)
     }
 
     /// Largest distance between the centres of any body.
-    pub fn centre_max(&self) -> f64 {
+    pub(crate) fn centre_max(&self) -> f64 {
         self.path[self.rate_rms_rad_s.len()..].iter().map(|error| error.max).fold(0.0, f64::max)
     }
 
@@ -326,7 +326,7 @@ impl Sink for Comparison<'_> {
 
 /// Returns the errors of the coordinates of a sample: q11, q21, q22 of every finger modulo a full turn, then the
 /// distances between the centres of all bodies.
-pub fn coordinate_errors(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
+pub(crate) fn coordinate_errors(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
     let fingers = sample.fingers.iter().zip(&expected.fingers);
     let angles =
         fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| wrap_angle((joint.angle_rad)(a) - (joint.angle_rad)(b))));

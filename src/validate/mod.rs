@@ -5,8 +5,8 @@
 //! [`run_ladder`] compares and times a ladder of other solver configurations of both models without judging them.
 //!
 //! **Ensemble.** The position of an integrator's steps relative to an impact is arbitrary, so a single run may be
-//! accurate by chance. The error of a configuration is therefore the worst over [`ENSEMBLE_SIZE`] runs (grippers:
-//! [`GRIPPER_ENSEMBLE_SIZE`]) whose motor torques differ by parts in 1e9. Each run has its own reference.
+//! accurate by chance. The error of a configuration is therefore the worst over `ENSEMBLE_SIZE` runs (grippers:
+//! `GRIPPER_ENSEMBLE_SIZE`) whose motor torques differ by parts in 1e9. Each run has its own reference.
 //! Configurations that take long are run once; the report states the number of runs.
 //!
 //! **Criteria.** The criteria of both runs are compared as well: class, fate, time to stability, lost contacts, form
@@ -42,21 +42,21 @@ mod verdict;
 
 pub use crate::numeric::plane::wrap_angle;
 pub use configuration::{
-    Cost, Family, LadderRow, MAX_PREDICTED_STEPS, Settings, SolverConfiguration, Status, configuration_name,
-    finer_configurations, ladder_configurations, reference_configuration, scene_configuration,
+    Cost, Family, LadderRow, Settings, SolverConfiguration, Status, ladder_configurations, reference_configuration,
 };
-pub use difference::{Angle, Comparison, CoordinateError, Differences, compare, coordinate_errors, largest};
+pub(crate) use configuration::{configuration_name, finer_configurations, scene_configuration};
+pub(crate) use difference::coordinate_errors;
+pub use difference::{Angle, Comparison, CoordinateError, Differences, compare, largest};
 pub use ladder::{LADDER_TIME_S, LadderOptions, run_ladder};
-pub use recording::{IMPACT_S, Impact, Impacts, Recording, record, record_cancellable};
+pub(crate) use recording::record_cancellable;
+pub use recording::{IMPACT_S, Impact, Impacts, Recording, record};
+pub(crate) use scenes::{MEMBER_PERTURBATION, ensemble_member, ensemble_size, path_bound};
 pub use scenes::{
-    ENSEMBLE_SIZE, GRIPPER_ENSEMBLE_SIZE, MEMBER_PERTURBATION, check_invariants, check_sample_count, compared_scene,
-    ensemble_member, ensemble_size, path_bound, reference_scene, sampled_scene, scene_sampled_at_steps,
+    check_invariants, check_sample_count, compared_scene, reference_scene, sampled_scene, scene_sampled_at_steps,
 };
-pub use statistics::{
-    MAX_STANDARD_ERRORS, STATISTIC_NAMES, STATISTICS_RUNS, Statistic, Statistics, TORQUE_SPREAD, compare_statistics,
-};
-pub use validation::{FinerConfiguration, SyncKeepRunning, Validation, ValidationError, validate};
+pub use statistics::{MAX_STANDARD_ERRORS, Statistic, Statistics, compare_statistics};
+pub use validation::{FinerConfiguration, Validation, ValidationError, validate};
+pub(crate) use verdict::CRITERIA;
 pub use verdict::{
-    CRITERIA, Check, Criterion, CriterionKind, MAX_LOST_CONTACTS_DIFFERENCE, MAX_LOST_TIME_DIFFERENCE, MIN_LOSS_SCALE,
-    Value, Verdict, check_bounds, compare_criteria, criteria_checks, reason_not_judged,
+    Check, Criterion, Value, Verdict, check_bounds, compare_criteria, criteria_checks, reason_not_judged,
 };

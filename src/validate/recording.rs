@@ -58,7 +58,11 @@ pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
 }
 
 /// Runs the scene until it ends or `keep_running` returns false, and records it.
-pub fn record_cancellable(model: Model, scene: &Scene, keep_running: KeepRunning) -> Result<Recording, RunError> {
+pub(crate) fn record_cancellable(
+    model: Model,
+    scene: &Scene,
+    keep_running: KeepRunning,
+) -> Result<Recording, RunError> {
     let mut sink = JudgedRecording(Recording::default(), RunCriteriaTracker::for_scene(scene));
     let outcome = run(model, scene, &mut Cancellable { sink: &mut sink, keep_running })?;
     let JudgedRecording(mut recording, criteria) = sink;
@@ -164,7 +168,7 @@ pub struct Impacts {
 
 impl Impacts {
     /// Iterates over the impacts of one contact.
-    pub fn of_contact(&self, contact: usize) -> impl Iterator<Item = &Impact> {
+    pub(crate) fn of_contact(&self, contact: usize) -> impl Iterator<Item = &Impact> {
         self.all.iter().filter(move |impact| impact.contact == contact)
     }
 }

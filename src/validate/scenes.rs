@@ -10,12 +10,12 @@ use crate::scene::{DiscMotion, GripperContact, Preset, Scene, Side};
 use crate::trace::{Model, Sink};
 
 /// Number of runs of a scene with a finger or discs; the worst one determines the result.
-pub const ENSEMBLE_SIZE: usize = 5;
+pub(crate) const ENSEMBLE_SIZE: usize = 5;
 /// Number of runs of a gripper scene, which take 50 times as long: the scene itself and one perturbed scene.
-pub const GRIPPER_ENSEMBLE_SIZE: usize = 2;
+pub(crate) const GRIPPER_ENSEMBLE_SIZE: usize = 2;
 /// Relative difference between the motor torques of consecutive members. It shifts the integrator's steps, but its
 /// effect is far below any bound.
-pub const MEMBER_PERTURBATION: f64 = 1e-9;
+pub(crate) const MEMBER_PERTURBATION: f64 = 1e-9;
 
 /// Maximum number of samples of a reference grid: five references at 500 bytes a sample stay below 250 MB.
 const MAX_REFERENCE_SAMPLES: f64 = 1e5;
@@ -33,13 +33,13 @@ pub fn compared_scene(scene: &Scene) -> Scene {
 }
 
 /// Returns the number of runs of a scene; the worst one determines the result.
-pub fn ensemble_size(scene: &Scene) -> usize {
+pub(crate) fn ensemble_size(scene: &Scene) -> usize {
     if scene.kind() == SceneKind::Gripper { GRIPPER_ENSEMBLE_SIZE } else { ENSEMBLE_SIZE }
 }
 
 /// Returns the scene of member `index`; member 0 is the scene itself. The motor torque is scaled, or for scenes of discs
 /// all velocities and gravity.
-pub fn ensemble_member(scene: &Scene, index: usize) -> Scene {
+pub(crate) fn ensemble_member(scene: &Scene, index: usize) -> Scene {
     let perturbation = index as f64 * MEMBER_PERTURBATION;
     if !scene.system.fingers.is_empty() {
         return perturbed(scene, perturbation);
@@ -117,7 +117,7 @@ pub fn scene_sampled_at_steps(scene: &Scene) -> Scene {
 }
 
 /// Largest allowed error of the engine's trajectory, in the unit of the errors of [`check`](crate::check).
-pub fn path_bound(scene: &Scene) -> f64 {
+pub(crate) fn path_bound(scene: &Scene) -> f64 {
     let bounds = &scene.bounds;
     match scene.kind() {
         SceneKind::Finger => bounds.angle_rad,

@@ -13,9 +13,9 @@ use crate::trace::{Cancellable, KeepRunning};
 use crate::trace::{Event, EventKind, FingerContact, Model, RunError, Sample, Sink, SinkError, run};
 
 /// Number of runs of each model.
-pub const STATISTICS_RUNS: usize = 24;
+pub(crate) const STATISTICS_RUNS: usize = 24;
 /// Half the relative spread of the motor torque over the runs.
-pub const TORQUE_SPREAD: f64 = 0.01;
+pub(crate) const TORQUE_SPREAD: f64 = 0.01;
 /// Largest accepted difference of two means, in standard errors. With six statistics and two correct models, one scene
 /// in two thousand is judged wrongly.
 pub const MAX_STANDARD_ERRORS: f64 = 4.0;
@@ -24,7 +24,7 @@ pub const MAX_STANDARD_ERRORS: f64 = 4.0;
 const INTEGRATION_HZ: f64 = 1e5;
 
 /// Names of the statistics of a run, with their units.
-pub const STATISTIC_NAMES: [&str; 6] = [
+pub(crate) const STATISTIC_NAMES: [&str; 6] = [
     "touchdowns_proximal",
     "touchdowns_distal",
     "impulse_proximal_n_s",

@@ -18,7 +18,7 @@ use crate::scene::keywords::SceneKind;
 use crate::trace::{Cancellable, Model, RunError, run};
 
 /// A callback that returns whether to continue, called from several threads.
-pub type SyncKeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
+pub(crate) type SyncKeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// A finer configuration of the engine that was run because a bound failed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,7 +71,7 @@ impl Validation {
 
     /// Returns the model to trust if the models differ by more than a bound: the analytic one, if its two integration
     /// methods agree and it breaks no invariant.
-    pub fn trusted_model(&self) -> Option<Model> {
+    pub(crate) fn trusted_model(&self) -> Option<Model> {
         (!self.verdict.passed() && !self.verdict.fails(&REFERENCE_BOUNDS)).then_some(Model::Analytic)
     }
 }

@@ -11,16 +11,16 @@ use crate::scene::{Bounds, Scene};
 use crate::trace::Layout;
 
 /// Largest allowed error of the reference, as a fraction of the largest allowed error of the engine.
-pub const MAX_REFERENCE_ERROR_SHARE: f64 = 0.1;
+pub(crate) const MAX_REFERENCE_ERROR_SHARE: f64 = 0.1;
 /// Bounds that do not depend on the engine. If one fails, the analytic model is not a valid reference.
-pub const REFERENCE_BOUNDS: [&str; 2] = ["reference", "analytic_invariants"];
+pub(crate) const REFERENCE_BOUNDS: [&str; 2] = ["reference", "analytic_invariants"];
 /// Largest difference of the number of lost contacts, as a fraction of the larger number or of [`MIN_LOSS_SCALE`],
 /// whichever is larger. A difference of one always passes; a difference of two in four fails.
-pub const MAX_LOST_CONTACTS_DIFFERENCE: f64 = 0.25;
+pub(crate) const MAX_LOST_CONTACTS_DIFFERENCE: f64 = 0.25;
 /// Smallest denominator of [`MAX_LOST_CONTACTS_DIFFERENCE`].
-pub const MIN_LOSS_SCALE: u32 = 4;
+pub(crate) const MIN_LOSS_SCALE: u32 = 4;
 /// Largest difference of the time during which a contact is lost, as a fraction of the duration.
-pub const MAX_LOST_TIME_DIFFERENCE: f64 = 0.02;
+pub(crate) const MAX_LOST_TIME_DIFFERENCE: f64 = 0.02;
 
 /// One bound and the measured value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -122,7 +122,7 @@ pub(super) fn judge(found: &Differences, bounds: &Bounds, evidence: &Evidence) -
 }
 
 /// A criterion that both models must agree on.
-pub struct CriterionKind {
+pub(crate) struct CriterionKind {
     /// Key of its bound, with its unit.
     pub bound: &'static str,
     pub meaning: &'static str,
@@ -134,7 +134,7 @@ pub struct CriterionKind {
 }
 
 /// All criteria, in the order of their bounds in a verdict.
-pub const CRITERIA: [CriterionKind; 7] = [
+pub(crate) const CRITERIA: [CriterionKind; 7] = [
     kind("class", "class in both models: 0 equal, 1 different", ("class", 1.0, 5)),
     kind("fate", "fate of the object in both models: 0 equal, 1 different", ("fate", 1.0, 5)),
     kind("stability_time_s", "difference of the time to stability", ("time to stability, ms", 1e3, 8)),

@@ -73,7 +73,7 @@ pub enum Shape {
 
 impl Shape {
     /// Converts a shape: a disc if it is round, otherwise a polygon.
-    pub fn from_shape(shape: &shape::Shape) -> Self {
+    pub(crate) fn from_shape(shape: &shape::Shape) -> Self {
         let polygon = || Shape::Polygon { corners_m: shape.at([0.0; 2]).outline_m() };
         shape::circle_radius(shape).map_or_else(polygon, |radius_m| Shape::Disc { radius_m })
     }

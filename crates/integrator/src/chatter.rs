@@ -31,7 +31,7 @@ impl<const S: usize> Chatter<S> {
     }
 
     /// Whether the step just taken used a clamped law; resets the flag.
-    pub fn take_clamped(&mut self) -> bool {
+    pub(crate) fn take_clamped(&mut self) -> bool {
         std::mem::take(&mut self.is_clamped)
     }
 }

@@ -37,13 +37,13 @@ const MIN_TOLERANCES: Tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rto
 impl Tolerances {
     /// Allowed relative error of the depth, or of the sticking range, of an active contact in a step.
     #[inline(always)]
-    pub fn contact_tolerance(&self) -> f64 {
+    pub(crate) fn contact_tolerance(&self) -> f64 {
         (CONTACT_TOLERANCE_FACTOR * self.rtol_v).clamp(CONTACT_TOLERANCE_RANGE[0], CONTACT_TOLERANCE_RANGE[1])
     }
 
     /// Tolerances for the normal rate of a rebound: its errors persist, and the next rebound multiplies them.
     #[inline(always)]
-    pub fn for_rebounds(&self) -> Self {
+    pub(crate) fn for_rebounds(&self) -> Self {
         Self { atol_q: self.atol_q, ..self.scaled(REBOUND_FACTOR) }
     }
 
@@ -60,7 +60,7 @@ impl Tolerances {
 
     /// Scaled error of the rate along a row.
     #[inline(always)]
-    pub fn rate_error_along<const N: usize, const Z: usize>(
+    pub(crate) fn rate_error_along<const N: usize, const Z: usize>(
         &self,
         row: &[f64; N],
         error_v: &[f64; N],
@@ -123,7 +123,7 @@ impl ToleranceSchedule {
 
 /// Proportional–integral control (Gustafsson; Hairer & Wanner, Solving ODEs II, IV.2).
 #[derive(Clone, Copy, Debug)]
-pub struct Controller {
+pub(crate) struct Controller {
     exponent: f64,
     last_error: Option<f64>,
     last_h: f64,

@@ -15,7 +15,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Raises the tolerance of rates above `noise_scale` times the rounding noise of the rate of a stiff contact.
 #[inline(always)]
-pub fn raise_above_noise<const N: usize, const Z: usize, const S: usize>(
+pub(crate) fn raise_above_noise<const N: usize, const Z: usize, const S: usize>(
     tolerances: &mut Tolerances,
     functions: &[EventFunction<N>; S],
     state: &State<N, Z>,

@@ -215,7 +215,7 @@ fn golden_section(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f6
 ///
 /// This detects a linkage that reaches a fold of its loop. The real linkage snaps through, but the numerical solution
 /// bounces off: the rate jumps from closing to opening, and the cubic falls below zero.
-pub fn may_have_passed(start: (f64, f64), end: (f64, f64), h: f64) -> bool {
+pub(crate) fn may_have_passed(start: (f64, f64), end: (f64, f64), h: f64) -> bool {
     const SAMPLES: usize = 16;
     let ((y0, r0), (y1, r1)) = (start, end);
     r0 < 0.0

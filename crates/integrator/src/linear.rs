@@ -28,11 +28,11 @@ impl Field for Complex64 {
 /// Largest number of coordinates without tests for zeros: with them, a closing motion of one finger takes 0.7 % more
 /// instructions. For more coordinates most matrices are sparse, as the internal state of a bristle depends only on its
 /// own contact.
-pub const MAX_DENSE_SIZE: usize = 3;
+pub(crate) const MAX_DENSE_SIZE: usize = 3;
 
 /// LU factorisation with row pivoting, P A = L U. The diagonal of U is stored as reciprocals.
 #[derive(Clone, Copy, Debug)]
-pub struct Lu<F, const N: usize> {
+pub(crate) struct Lu<F, const N: usize> {
     lu: [[F; N]; N],
     order: [usize; N],
     /// Size in use; entries beyond it are ignored.
@@ -99,7 +99,7 @@ impl<F: Field, const N: usize> Lu<F, N> {
 ///
 /// x_q = (r_q + x_v)/s and (s − a_v − a_q/s) x_v = r_v + a_q r_q / s.
 #[derive(Clone, Copy, Debug)]
-pub struct ShiftedSolver<'a, F, const N: usize> {
+pub(crate) struct ShiftedSolver<'a, F, const N: usize> {
     inverse_shift: F,
     a_q: &'a [[f64; N]; N],
     lu: Lu<F, N>,

@@ -17,7 +17,7 @@ pub struct Attempt<const N: usize, const Z: usize> {
 
 impl<const N: usize, const Z: usize> Attempt<N, Z> {
     /// Whether the error is acceptable; a failed step is not.
-    pub fn is_acceptable(&self) -> bool {
+    pub(crate) fn is_acceptable(&self) -> bool {
         self.error <= 1.0
     }
 }

@@ -57,24 +57,24 @@ impl StallDetector {
 
     /// Whether oscillating contacts may be projected onto their equilibrium.
     #[inline(always)]
-    pub fn may_project(&self) -> bool {
+    pub(crate) fn may_project(&self) -> bool {
         self.stalls > self.max_stalls
     }
 
     /// Whether to project a contact whose oscillation decays at this rate, given the remaining time.
-    pub fn should_project(&self, decay_rate: f64, remaining_time: f64) -> bool {
+    pub(crate) fn should_project(&self, decay_rate: f64, remaining_time: f64) -> bool {
         decay_rate * remaining_time > MIN_DECAY || self.stalls > self.max_stalls_undamped
     }
 
     /// Noise level that steps may assume, relative to rounding noise.
     #[inline(always)]
-    pub fn noise_scale(&self) -> f64 {
+    pub(crate) fn noise_scale(&self) -> f64 {
         powi(NOISE_GROWTH, self.stalls.saturating_sub(MAX_STALLS_BEFORE_NOISE).min(MAX_NOISE_EXPONENT) as i32)
     }
 
     /// Whether the run would need too many steps at the rate of its last window. Evaluated once per window.
     #[inline(always)]
-    pub fn is_stalled(&mut self, steps: u64, time: f64, end: f64) -> bool {
+    pub(crate) fn is_stalled(&mut self, steps: u64, time: f64, end: f64) -> bool {
         let steps_taken = (steps - self.steps) as f64;
         if steps_taken * WINDOWS_PER_LIMIT < self.max_remaining_steps {
             return false;

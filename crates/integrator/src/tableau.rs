@@ -1,7 +1,7 @@
 //! Coefficients of Rodas5P: G. Steinebach, BIT Numer. Math. 63:27 (2023), in the form
 //! (1/(hγ) − J) kᵢ = f(t + cᵢh, y + Σ aᵢⱼ kⱼ) + Σ Cᵢⱼ/h kⱼ + h dᵢ ∂f/∂t.
 
-pub const STAGES: usize = 8;
+pub(crate) const STAGES: usize = 8;
 
 pub const GAMMA: f64 = 0.21193756319429014;
 
@@ -43,7 +43,7 @@ pub const C: [[f64; 7]; STAGES] = [
 ];
 
 /// Abscissae cᵢ.
-pub const NODES: [f64; STAGES] =
+pub(crate) const NODES: [f64; STAGES] =
     [0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1.0, 1.0, 1.0];
 
 /// Weights dᵢ of ∂f/∂t.

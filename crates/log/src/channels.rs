@@ -24,7 +24,7 @@ pub enum ChannelContent {
 
 impl ChannelContent {
     /// Type of the messages; `None` for messages of Foxglove.
-    pub fn message_type(self) -> Option<&'static MessageType> {
+    pub(crate) fn message_type(self) -> Option<&'static MessageType> {
         match self {
             ChannelContent::Finger(_) => Some(&STATE),
             ChannelContent::Body(_) => Some(&DISC),
@@ -65,7 +65,7 @@ impl ChannelContent {
 
 /// Returns topic and content of the channels with figures, in the order of their registration, which the bytes of
 /// existing logs depend on. `contacts` tells for each contact whether it has a slip channel; `None`: it does not exist.
-pub fn channel_list(layout: &Layout, contacts: &[Option<bool>]) -> Vec<(String, ChannelContent)> {
+pub(crate) fn channel_list(layout: &Layout, contacts: &[Option<bool>]) -> Vec<(String, ChannelContent)> {
     let is_single_finger = layout.fingers.len() == 1;
     let finger_topic = |name: &String| if name.is_empty() { "/state".to_string() } else { format!("/state/{name}") };
     let folder = if layout.fingers.is_empty() { "/disc/" } else { "/" };
@@ -98,7 +98,7 @@ pub fn channel_list(layout: &Layout, contacts: &[Option<bool>]) -> Vec<(String, 
 
 /// Returns for each contact of a system's samples whether it has a slip channel, which only friction with stiction has;
 /// `None` for a contact that the scene does not have.
-pub fn contacts_of(system: &System) -> Vec<Option<bool>> {
+pub(crate) fn contacts_of(system: &System) -> Vec<Option<bool>> {
     let gripper_contacts = system.gripper_contacts();
     let of_gripper = gripper_contacts.iter().map(|&id| system.has_contact(id).then(|| system.bristle(id).is_some()));
     let others = system.contact_ids().into_iter().skip(gripper_contacts.len()).map(|id| {

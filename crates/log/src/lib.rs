@@ -83,7 +83,8 @@ pub use file::{
 pub use foxglove::messages::log::Level as Severity;
 pub use mcap_file::{CHUNK_BYTES, MessageFeed};
 pub use messages::stamp_ns;
-pub use metadata::{ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, metadata, scene_text};
+pub(crate) use metadata::METADATA_NAME;
+pub use metadata::{RunInfo, metadata, scene_text};
 pub use reader::{
     LogSink, LogSummary, Loss, LossKind, MAX_RECORD_BYTES, MissingData, ReadError, RunEnd, open_log, read, read_file,
     read_head,

@@ -32,7 +32,7 @@ impl GraspState {
 }
 
 /// Describes a contact event in one line; `angular`: the gap is an angle.
-pub fn describe_event(event: &Event, contact_name: &str, angular: bool) -> String {
+pub(crate) fn describe_event(event: &Event, contact_name: &str, angular: bool) -> String {
     let Event { time_s, kind, approach_speed: speed, impulse, .. } = *event;
     let [speed_unit, impulse_unit] = if angular { ["rad/s", "N·m·s"] } else { ["m/s", "N·s"] };
     let time_ms = time_s * 1e3;
@@ -55,6 +55,6 @@ const SLIP_PHRASE: &str = "begins to slip at";
 const STICK_PHRASE: &str = "sticks again at";
 
 /// Whether an event line is about friction.
-pub fn is_friction_line(line: &str) -> bool {
+pub(crate) fn is_friction_line(line: &str) -> bool {
     [SLIP_PHRASE, STICK_PHRASE].iter().any(|phrase| line.contains(phrase))
 }

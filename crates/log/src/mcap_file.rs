@@ -47,7 +47,7 @@ pub trait MessageFeed: Send {
 pub struct ChannelId(usize);
 
 /// Buffered writer of the file; it never seeks.
-pub struct McapFile<W: Write> {
+pub(crate) struct McapFile<W: Write> {
     mcap: mcap::Writer<NoSeek<BufWriter<W>>>,
     /// Name of this log in errors.
     name: String,
@@ -152,7 +152,7 @@ impl<W: Write> McapFile<W> {
     }
 
     /// Writes a message of phalanx.
-    pub fn write_numbers(
+    pub(crate) fn write_numbers(
         &mut self,
         channel: ChannelId,
         time_s: f64,
@@ -195,7 +195,7 @@ impl<W: Write> McapFile<W> {
     }
 
     /// Closes and flushes the chunk once it is full.
-    pub fn close_full_chunk(&mut self) -> Result<(), SinkError> {
+    pub(crate) fn close_full_chunk(&mut self) -> Result<(), SinkError> {
         let limit = (self.closed_chunk_bytes / CHUNK_GROWTH_DIVISOR).clamp(FIRST_CHUNK_BYTES, CHUNK_BYTES);
         if self.open_chunk_bytes < limit {
             return Ok(());
@@ -220,6 +220,6 @@ fn sink_error(name: &str, error: McapError) -> SinkError {
 }
 
 /// Converts a log time to a Foxglove timestamp. Seconds saturate at `u32::MAX`, which is 136 years.
-pub fn to_timestamp(log_time_ns: u64) -> Timestamp {
+pub(crate) fn to_timestamp(log_time_ns: u64) -> Timestamp {
     Timestamp::new(u32::try_from(log_time_ns / 1_000_000_000).unwrap_or(u32::MAX), (log_time_ns % 1_000_000_000) as u32)
 }

@@ -17,21 +17,21 @@ const PACKAGE: &str = "phalanx";
 
 /// Name and fields of a message; names are separated by spaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MessageType {
+pub(crate) struct MessageType {
     pub name: &'static str,
     flags: &'static str,
     numbers: &'static str,
 }
 
 /// Joint angles and rates, motor torque.
-pub const STATE: MessageType = MessageType {
+pub(crate) const STATE: MessageType = MessageType {
     name: "State",
     flags: "",
     numbers: "q11_rad q21_rad q12_rad q22_rad q13_rad qd11_rad_s qd21_rad_s qd12_rad_s qd22_rad_s motor_torque_n_m",
 };
 
 /// One disc. The angle is counter-clockwise and not wrapped.
-pub const DISC: MessageType =
+pub(crate) const DISC: MessageType =
     MessageType { name: "Disc", flags: "", numbers: "x_m y_m angle_rad vx_m_s vy_m_s spin_rad_s" };
 
 /// One phalanx against the object, or a disc against its partner. Forces act on the phalanx (the disc); the normal is a
@@ -43,11 +43,11 @@ pub const CONTACT: MessageType = MessageType {
 };
 
 /// The joint limit q22 ≥ −φ22.
-pub const LIMIT: MessageType =
+pub(crate) const LIMIT: MessageType =
     MessageType { name: "Limit", flags: "", numbers: "gap_rad gap_rate_rad_s torque_n_m impulse_n_m_s" };
 
 /// Energies, and works since the start.
-pub const ENERGY: MessageType = MessageType {
+pub(crate) const ENERGY: MessageType = MessageType {
     name: "Energy",
     flags: "",
     numbers: "kinetic_j gravity_j spring_j elastic_j dissipated_j motor_work_j balance_j",
@@ -60,16 +60,16 @@ pub const ENERGY: MessageType = MessageType {
 /// | touch-down | true | true | with its approach speed |
 /// | lift-off | false | false | with the impulse since the touch-down |
 /// | reload | true | false | the force returns before the surfaces have parted |
-pub const IMPACT: MessageType =
+pub(crate) const IMPACT: MessageType =
     MessageType { name: "Impact", flags: "pressed touch_down", numbers: "approach_speed_m_s impulse_n_s" };
 
 /// A change of contact at the joint limit, as [`IMPACT`].
-pub const LIMIT_IMPACT: MessageType =
+pub(crate) const LIMIT_IMPACT: MessageType =
     MessageType { name: "LimitImpact", flags: "pressed touch_down", numbers: "approach_speed_rad_s impulse_n_m_s" };
 
 /// Friction with stiction reaches the friction cone, where the slider of its bristle begins to slip (`slips`), or is
 /// inside the cone again.
-pub const SLIP: MessageType = MessageType { name: "Slip", flags: "slips", numbers: "" };
+pub(crate) const SLIP: MessageType = MessageType { name: "Slip", flags: "slips", numbers: "" };
 
 impl MessageType {
     /// Returns the schema, such as `phalanx.State`, with its file descriptor set.
@@ -103,7 +103,7 @@ impl MessageType {
 
     /// Whether a schema name denotes this type. In older logs every message has a package of its own
     /// (`state.State`).
-    pub fn has_name(&self, schema_name: &str) -> bool {
+    pub(crate) fn has_name(&self, schema_name: &str) -> bool {
         schema_name
             .split_once('.')
             .is_some_and(|(package, name)| name == self.name && (package == PACKAGE || package == name.to_lowercase()))
@@ -149,7 +149,7 @@ pub fn decode<const N: usize>(mut message: &[u8]) -> Result<[f64; N], DecodeErro
 }
 
 /// Returns the numbers of a [`STATE`] message.
-pub fn state_numbers(finger: &FingerState) -> [f64; 10] {
+pub(crate) fn state_numbers(finger: &FingerState) -> [f64; 10] {
     let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, .. } = *finger;
     let FingerState { qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, motor_torque_n_m, .. } = *finger;
     [q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, motor_torque_n_m]
@@ -164,7 +164,7 @@ pub fn state(numbers: [f64; 10]) -> FingerState {
 }
 
 /// Returns the numbers of a [`DISC`] message.
-pub fn disc_numbers(disc: &BodyState) -> [f64; 6] {
+pub(crate) fn disc_numbers(disc: &BodyState) -> [f64; 6] {
     let BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s } = *disc;
     [x, y, angle_rad, vx, vy, spin_rad_s]
 }
@@ -175,7 +175,7 @@ pub fn disc([x, y, angle_rad, vx, vy, spin_rad_s]: [f64; 6]) -> BodyState {
 }
 
 /// Returns the numbers of a [`CONTACT`] message.
-pub fn contact_numbers(contact: &ContactSample) -> [f64; 10] {
+pub(crate) fn contact_numbers(contact: &ContactSample) -> [f64; 10] {
     let ContactSample { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, .. } = *contact;
     let ContactSample { point_m: [x, y], normal: [normal_x, normal_y], .. } = *contact;
     [gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, x, y, normal_x, normal_y, impulse_n_s]
@@ -189,7 +189,7 @@ pub fn contact(numbers: [f64; 10]) -> ContactSample {
 }
 
 /// Returns the numbers of a [`LIMIT`] message.
-pub fn limit_numbers(limit: &ContactSample) -> [f64; 4] {
+pub(crate) fn limit_numbers(limit: &ContactSample) -> [f64; 4] {
     [limit.gap_m, limit.gap_rate_m_s, limit.normal_n, limit.impulse_n_s]
 }
 
@@ -205,7 +205,7 @@ pub fn energy(numbers: [f64; 7]) -> Energy {
 }
 
 /// Returns the flags of an [`IMPACT`] or [`SLIP`] message.
-pub fn event_flags(kind: EventKind) -> &'static [bool] {
+pub(crate) fn event_flags(kind: EventKind) -> &'static [bool] {
     match kind {
         EventKind::TouchDown => &[true, true],
         EventKind::LiftOff => &[false, false],
@@ -216,7 +216,7 @@ pub fn event_flags(kind: EventKind) -> &'static [bool] {
 }
 
 /// Decodes an [`IMPACT`] or [`LIMIT_IMPACT`] message of a contact.
-pub fn decode_impact(contact: usize, message: &[u8]) -> Result<Event, DecodeError> {
+pub(crate) fn decode_impact(contact: usize, message: &[u8]) -> Result<Event, DecodeError> {
     let [time_s, pressed, touch_down, approach_speed, impulse] = decode(message)?;
     let kind = match (pressed != 0.0, touch_down != 0.0) {
         (false, _) => EventKind::LiftOff,
@@ -227,7 +227,7 @@ pub fn decode_impact(contact: usize, message: &[u8]) -> Result<Event, DecodeErro
 }
 
 /// Decodes a [`SLIP`] message of a contact.
-pub fn decode_slip(contact: usize, message: &[u8]) -> Result<Event, DecodeError> {
+pub(crate) fn decode_slip(contact: usize, message: &[u8]) -> Result<Event, DecodeError> {
     let [time_s, slips] = decode(message)?;
     let kind = if slips != 0.0 { EventKind::Slips } else { EventKind::Sticks };
     Ok(Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 })

@@ -8,10 +8,10 @@ use phalanx_core::scene::schema::record;
 use phalanx_core::scene::{Keyword, Scene, parse_any, show};
 
 /// Name of the metadata record.
-pub const METADATA_NAME: &str = "phalanx";
+pub(crate) const METADATA_NAME: &str = "phalanx";
 
 /// Media type of the scene attachment.
-pub const ATTACHMENT_MEDIA_TYPE: &str = "application/toml";
+pub(crate) const ATTACHMENT_MEDIA_TYPE: &str = "application/toml";
 
 /// Name of the engine model.
 const ENGINE_MODEL: &str = "engine";
@@ -37,10 +37,10 @@ fn with_settings_of(as_written: &Scene, settings_source: &Scene) -> Scene {
 }
 
 /// Name of the metadata record with the result of an accuracy check; absent if the run was not checked.
-pub const CHECK_NAME: &str = "phalanx-check";
+pub(crate) const CHECK_NAME: &str = "phalanx-check";
 
 /// Returns the entries of the check record. Errors are in rad, for discs in m.
-pub fn check_entries(check: &Check) -> BTreeMap<String, String> {
+pub(crate) fn check_entries(check: &Check) -> BTreeMap<String, String> {
     let entries = [
         ("verdict", check.verdict.name().to_string()),
         ("error", format!("{:?}", check.errors.path)),

@@ -45,7 +45,7 @@ impl<W: Write> Writer<W> {
     }
 
     /// Like [`Writer::new`], and also passes every message to a feed.
-    pub fn with_feed(
+    pub(crate) fn with_feed(
         out: W,
         name: &str,
         run: &RunInfo<'_>,

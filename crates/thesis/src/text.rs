@@ -15,7 +15,7 @@ pub const UNITS: [(&str, f64, &str); 8] = [
 ];
 
 /// Returns the unit of a column of SI values and the factor from SI, according to the longest suffix of its name.
-pub fn column_unit(column: &str) -> (&'static str, f64) {
+pub(crate) fn column_unit(column: &str) -> (&'static str, f64) {
     let units = UNITS.iter().filter(|(.., suffix)| column.ends_with(suffix));
     units.max_by_key(|(.., suffix)| suffix.len()).map_or(("", 1.0), |&(unit, scale, _)| (unit, scale))
 }
@@ -27,12 +27,12 @@ pub fn short(value: f64, decimals: usize) -> String {
 }
 
 /// Returns a length in mm without the rounding error of its conversion.
-pub fn rounded_mm(value_m: f64) -> f64 {
+pub(crate) fn rounded_mm(value_m: f64) -> f64 {
     (1e3 * value_m * 1e6).round() / 1e6
 }
 
 /// Formats a count with its share of `total` in percent.
-pub fn count_and_share(count: usize, total: usize) -> String {
+pub(crate) fn count_and_share(count: usize, total: usize) -> String {
     format!("{count} ({:.1} %)", 100.0 * count as f64 / total as f64)
 }
 

@@ -5,7 +5,7 @@ pub type Point = [f64; 2];
 
 /// A label to be placed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LabelRequest {
+pub(crate) struct LabelRequest {
     /// Point that the label refers to.
     pub anchor: Point,
     /// Preferred direction from the anchor; of any length but 0.
@@ -72,7 +72,7 @@ impl LabelBox {
 
 /// Places labels one after the other: near their anchors, in the preferred direction, off the lines of the picture.
 /// Labels do not overlap and stay within a picture of that size, unless no candidate satisfies this.
-pub fn place_labels(requests: &[LabelRequest], lines: &[[Point; 2]], size: [f64; 2]) -> Vec<LabelBox> {
+pub(crate) fn place_labels(requests: &[LabelRequest], lines: &[[Point; 2]], size: [f64; 2]) -> Vec<LabelBox> {
     let mut boxes: Vec<LabelBox> = Vec::with_capacity(requests.len());
     for request in requests {
         let others = requests.iter().map(|other| other.anchor);

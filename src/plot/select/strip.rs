@@ -7,7 +7,7 @@ use crate::plot::theme::{Colour, SOFT};
 /// Draws adjacent cells in a rectangle, each in the colour of its index in the palette.
 ///
 /// With more cells than pixels, a column of pixels shows the shares of its cells, stacked in the order of the palette.
-pub fn strip(svg: &mut Svg, [[left, top], [right, bottom]]: [Pixel; 2], cells: &[usize], palette: &[Colour]) {
+pub(crate) fn strip(svg: &mut Svg, [[left, top], [right, bottom]]: [Pixel; 2], cells: &[usize], palette: &[Colour]) {
     if cells.is_empty() || right <= left {
         return;
     }

@@ -13,7 +13,7 @@ use crate::validate::wrap_angle;
 
 /// Comparison of two logs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LogComparisonReport {
+pub(crate) struct LogComparisonReport {
     /// `finger` or `bodies`.
     pub kind: &'static str,
     /// Labels of the two logs.
@@ -42,7 +42,7 @@ pub struct LogComparisonReport {
 
 /// Values of one number in both summaries.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NumberComparison {
+pub(crate) struct NumberComparison {
     /// Path, such as `contacts.proximal.first_s`, which ends in the unit.
     #[serde(rename = "figure")]
     pub path: String,
@@ -55,7 +55,7 @@ pub struct NumberComparison {
 
 /// Values of one text in both summaries.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TextComparison {
+pub(crate) struct TextComparison {
     #[serde(rename = "figure")]
     pub path: String,
     pub values: [Option<String>; 2],
@@ -63,7 +63,7 @@ pub struct TextComparison {
 
 /// Difference of one quantity over the common time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TrajectoryDifference {
+pub(crate) struct TrajectoryDifference {
     /// Name with unit, such as `q11_rad` or `hammer_centre_m`.
     pub quantity: String,
     pub max: f64,
@@ -84,7 +84,7 @@ const KEY_ORDER: &str = "\
     restitution tts_s rebound_percent kinetic_j gravity_j spring_j elastic_j dissipated_j motor_work_j balance_j";
 
 /// Returns the numbers and text values of two summaries side by side.
-pub fn compare_summaries(logs: &[ReplayReport; 2]) -> (Vec<NumberComparison>, Vec<TextComparison>) {
+pub(crate) fn compare_summaries(logs: &[ReplayReport; 2]) -> (Vec<NumberComparison>, Vec<TextComparison>) {
     let documents = logs.each_ref().map(|log| serde_json::to_value(log).unwrap_or(Value::Null));
     let [first, second] = &documents;
     let (mut numbers, mut texts) = (Vec::new(), Vec::new());

@@ -167,7 +167,7 @@ impl ReplayReport {
     }
 
     /// Returns error messages about missing topics and inconsistencies.
-    pub fn error_messages(&self) -> Vec<String> {
+    pub(crate) fn error_messages(&self) -> Vec<String> {
         let (log, withheld_results) = (&self.log, self.withheld_results());
         let mut lines: Vec<String> = Vec::new();
         for missing in &self.reading.missing {

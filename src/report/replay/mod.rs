@@ -6,7 +6,7 @@ mod observer;
 mod summary;
 mod verify;
 
-pub use comparison::{LogComparisonReport, TrajectoryDifference, compare_summaries};
+pub(crate) use comparison::{LogComparisonReport, TrajectoryDifference, compare_summaries};
 pub use document::ReplayReport;
 pub use observer::{LogObserver, scene_in_log};
 pub use summary::Summary;

@@ -49,7 +49,7 @@ impl VerificationReport {
     }
 
     /// Returns error messages about differences and uncompared parts.
-    pub fn error_messages(&self, log: &Path) -> Vec<String> {
+    pub(crate) fn error_messages(&self, log: &Path) -> Vec<String> {
         let path = log.display();
         let mut lines = Vec::new();
         if !self.is_identical {

@@ -13,4 +13,4 @@ mod series;
 mod text;
 
 pub use document::ValidationReport;
-pub use series::write_series;
+pub(crate) use series::write_series;

@@ -49,7 +49,7 @@ const OMITTED_FOR_DISCS: [&str; 10] = [
 /// −π and π, rates, gaps, forces and energies; scenes of discs have positions and rates of every disc, gap and forces of
 /// every pair, and energies; a gripper has all quantities of a sample. Quantities of a contact without an object are
 /// empty.
-pub fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
+pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
     let is_finger = scene.kind() == SceneKind::Finger;
     // The first column is the time.
     let all = columns(&Layout::from_system(&scene.system)).into_iter().skip(1);

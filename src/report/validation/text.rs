@@ -23,7 +23,7 @@ impl ToReport for ValidationReport<'_> {
 
 impl ValidationReport<'_> {
     /// Returns the verdict and the results it is based on.
-    pub fn verdict_report(&self) -> Report {
+    pub(crate) fn verdict_report(&self) -> Report {
         let validation = self.validation;
         let mut sections = vec![Report::from(heading(self)), checks(&validation.verdict.checks)];
         sections.extend(criteria(&validation.criteria, validation.reason_not_judged));
@@ -43,7 +43,7 @@ impl ValidationReport<'_> {
     }
 
     /// Returns the ladder and the list of files; `None` without either.
-    pub fn ladder_report(&self) -> Option<Report> {
+    pub(crate) fn ladder_report(&self) -> Option<Report> {
         let ladder = self.ladder.map(|options| settings(self, options));
         let files = self.files.as_ref().map(|(directory, files)| format!("in {directory}: {}\n", files.join(", ")));
         let sections: Vec<Report> = ladder.into_iter().chain(files.map(Report::from)).collect();

@@ -48,7 +48,7 @@ impl Serialize for LoadCase {
 }
 
 /// Returns the name of an axis of the palm.
-pub fn axis_name(axis: Axis) -> &'static str {
+pub(crate) fn axis_name(axis: Axis) -> &'static str {
     match axis {
         Axis::X => "x",
         Axis::Y => "y",

@@ -2,7 +2,7 @@
 //!
 //! The scene runs until its object is at rest. Then a load moves the palm: pulses in several directions, vibrations, or
 //! a pick-and-place move with a scaled duration. Loads of one kind differ only in their peak acceleration. A run
-//! continues for [`SETTLING_S`] after the load. The object *slips* under a load if it is not held at the end, or if it
+//! continues for `SETTLING_S` after the load. The object *slips* under a load if it is not held at the end, or if it
 //! moves further in the hand than the bound after the start of the load (`grasp.cycle.carried` of a run). It is
 //! *dropped* if it is not held at the end.
 //!
@@ -41,8 +41,11 @@ use crate::units::MAX_TIME_S;
 
 use prepare::PreparedScene;
 
-pub use load::{Load, LoadCase, LoadSetup, LoadSize, axis_name};
-pub use plan::{HoldError, KeepRunning, LoadOutcome, Loads, Plan, REST_SPEED_M_S, SETTLING_S};
+pub use load::{Load, LoadCase, LoadSetup, LoadSize};
+
+pub(crate) use load::axis_name;
+pub(crate) use plan::SETTLING_S;
+pub use plan::{HoldError, KeepRunning, LoadOutcome, Loads, Plan};
 pub use prepare::StartReason;
 pub use search::{Limit, Verdict};
 
@@ -105,12 +108,12 @@ impl Evaluation {
 
 impl LoadResult {
     /// Returns the evaluation of a load.
-    pub fn evaluation_at(&self, peak_m_s2: f64) -> Option<&Evaluation> {
+    pub(crate) fn evaluation_at(&self, peak_m_s2: f64) -> Option<&Evaluation> {
         self.evaluations.iter().find(|evaluation| evaluation.peak_m_s2 == peak_m_s2)
     }
 
     /// Returns the size of the largest load below the first failure.
-    pub fn held_size(&self, limit: &Limit) -> Option<LoadSize> {
+    pub(crate) fn held_size(&self, limit: &Limit) -> Option<LoadSize> {
         Some(self.evaluation_at(limit.held?)?.size)
     }
 

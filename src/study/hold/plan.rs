@@ -7,9 +7,9 @@ use crate::units::MAX_TIME_S;
 
 /// Time for which a run continues after its load, s. An object without contacts has left the hand by then, while a
 /// rattling one has not.
-pub const SETTLING_S: f64 = 30e-3;
+pub(crate) const SETTLING_S: f64 = 30e-3;
 /// Speed below which an object counts as at rest in the hand, m/s: in a pulse of 40 ms it would creep by 40 µm.
-pub const REST_SPEED_M_S: f64 = 1e-3;
+pub(crate) const REST_SPEED_M_S: f64 = 1e-3;
 
 /// Loads of the palm.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,7 +17,7 @@ use crate::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
 pub enum StartReason {
     /// The start time was requested.
     Requested,
-    /// All holding contacts are closed, the brakes are engaged, and the object stays slower than [`REST_SPEED_M_S`].
+    /// All holding contacts are closed, the brakes are engaged, and the object stays slower than `REST_SPEED_M_S`.
     AtRest,
     /// The scene ends while the object still moves.
     StillMoving { speed_m_s: f64 },
@@ -29,7 +29,7 @@ pub enum StartReason {
 
 /// Common start of all runs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PreparedScene {
+pub(crate) struct PreparedScene {
     /// Scene without palm motion, with the drives fixed from the start of the loads.
     pub scene: Scene,
     pub setup: LoadSetup,

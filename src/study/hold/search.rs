@@ -26,7 +26,7 @@ pub struct Limit {
 
 impl Limit {
     /// Returns the limit from the verdicts, in any order.
-    pub fn from_verdicts(verdicts: impl Iterator<Item = (f64, Verdict)> + Clone) -> Self {
+    pub(crate) fn from_verdicts(verdicts: impl Iterator<Item = (f64, Verdict)> + Clone) -> Self {
         let loads =
             |required: Verdict| verdicts.clone().filter(move |(_, verdict)| *verdict == required).map(|(load, _)| load);
         let failed = loads(Verdict::Failed).reduce(f64::min);
@@ -43,14 +43,14 @@ impl Limit {
 
     /// Returns the geometric mean of the bracket as the next load; `None` if the limit is known to the relative
     /// `tolerance`, if only one end is known, or if a run in between was not completed.
-    pub fn next_load(&self, tolerance: f64) -> Option<f64> {
+    pub(crate) fn next_load(&self, tolerance: f64) -> Option<f64> {
         let (held, failed) = self.held.zip(self.failed)?;
         (self.unknown == 0 && failed - held > tolerance * failed).then(|| (held * failed).sqrt())
     }
 }
 
 /// Returns `count` geometrically spaced loads, with exact ends.
-pub fn geometric_loads(from: f64, to: f64, count: usize) -> Vec<f64> {
+pub(crate) fn geometric_loads(from: f64, to: f64, count: usize) -> Vec<f64> {
     let last = count - 1;
     let ratio = ln(to / from) / last as f64;
     let load_at = |index: usize| match index {

@@ -33,7 +33,7 @@ pub struct Condition {
 }
 
 /// Returns the name of a condition, such as `mu_static 0.8`; "all runs" for a condition without values.
-pub fn condition_name(condition: &Condition) -> String {
+pub(crate) fn condition_name(condition: &Condition) -> String {
     let name = |(column, value): &(String, Value)| Quantity::for_column(column).name_and_value(value);
     let names: Vec<String> = condition.values.iter().map(name).collect();
     if names.is_empty() { "all runs".to_string() } else { names.join(", ") }
@@ -75,7 +75,7 @@ impl Candidate {
 }
 
 /// Returns the class with this name.
-pub fn parse_class(name: &str) -> Option<Class> {
+pub(crate) fn parse_class(name: &str) -> Option<Class> {
     Class::ALL.into_iter().find(|class| class.name() == name)
 }
 

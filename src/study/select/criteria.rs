@@ -147,7 +147,7 @@ impl Criterion {
 }
 
 /// Returns the name of a criterion in tables.
-pub fn criterion_name(criterion: &Criterion) -> String {
+pub(crate) fn criterion_name(criterion: &Criterion) -> String {
     criterion.key_and_name().1
 }
 

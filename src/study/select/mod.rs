@@ -23,8 +23,11 @@ use crate::criteria::Class;
 use crate::study::sweep::{Reason, Status, group_reasons};
 use crate::table::Table;
 
-pub use candidates::{Axis, Candidate, Condition, SelectError, condition_name, parse_class};
-pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict, criterion_name};
+pub use candidates::{Axis, Candidate, Condition, SelectError};
+
+pub(crate) use candidates::{condition_name, parse_class};
+pub(crate) use criteria::criterion_name;
+pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict};
 pub use ranking::{PerTerm, Ranked, TERMS, Term, Weights};
 
 /// A finished selection.
@@ -187,7 +190,7 @@ fn by_class<S: Serializer>(counts: &[usize; 4], serializer: S) -> Result<S::Ok, 
 
 impl ClassCounts {
     /// Number of stable and semi-stable runs.
-    pub fn dynamically_stable(&self) -> usize {
+    pub(crate) fn dynamically_stable(&self) -> usize {
         self.dynamic[0] + self.dynamic[1]
     }
 }

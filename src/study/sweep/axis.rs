@@ -19,7 +19,7 @@ pub struct Axis {
 
 /// The values of an axis.
 #[derive(Clone, Debug)]
-pub enum AxisValues {
+pub(crate) enum AxisValues {
     /// One value for each field, row by row.
     Rows(Vec<Vec<AxisValue>>),
     /// A range of the only field; the sample determines its values.
@@ -77,7 +77,7 @@ impl Range {
     }
 
     /// Value at fraction `x` of the range. With `is_grid`, rounding errors in the last decimals are removed.
-    pub fn value_at(&self, x: f64, is_grid: bool) -> AxisValue {
+    pub(crate) fn value_at(&self, x: f64, is_grid: bool) -> AxisValue {
         let exact = match self.spacing {
             _ if x == 0.0 => self.from,
             _ if x == 1.0 => self.to,

@@ -24,7 +24,7 @@ pub struct Base {
 }
 
 /// Builds a base scene from the arguments of `scene::parse_layers`.
-pub fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
+pub(crate) fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
     parse_layers(layers, settings, |text: &str, file: &str| {
         let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
         let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
@@ -35,13 +35,13 @@ pub fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, Sc
 }
 
 /// Kind of the scene in a document; a finger if it is missing or unknown.
-pub fn scene_kind(document: &DeTable<'_>) -> SceneKind {
+pub(crate) fn scene_kind(document: &DeTable<'_>) -> SceneKind {
     let name = document.get("kind").and_then(|kind| kind.get_ref().as_str());
     SceneKind::ALL.into_iter().find(|kind| Some(kind.keyword()) == name).unwrap_or(SceneKind::Finger)
 }
 
 /// Checks a scene of this kind, or a section of one at `path` of its file. Returns its valid content.
-pub fn check_scene(
+pub(crate) fn check_scene(
     mut document: Spanned<DeTable<'_>>,
     path: &str,
     kind: SceneKind,
@@ -66,7 +66,7 @@ pub fn check_scene(
 }
 
 /// Checks the types and units of single values against a schema. Values of several types are accepted.
-pub fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, problems: &mut Vec<Problem>) {
+pub(crate) fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, problems: &mut Vec<Problem>) {
     for (key, value) in table {
         let key = key.get_ref().as_ref();
         let (path, schema) = (join(path, key), keys::child_schema(schema, key).unwrap_or(&Json::Null));

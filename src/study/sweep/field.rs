@@ -29,7 +29,7 @@ pub struct AxisValue {
 }
 
 /// Error for a path that is not a field: message, label and help.
-pub type UnknownField = (String, String, String);
+pub(crate) type UnknownField = (String, String, String);
 
 impl Field {
     /// Finds a field by its path in scenes with this schema.
@@ -77,7 +77,7 @@ impl Field {
     }
 
     /// Finds the field with this result column in scenes with this schema.
-    pub fn from_column(column: &str, schema: &Json) -> Option<Self> {
+    pub(crate) fn from_column(column: &str, schema: &Json) -> Option<Self> {
         let paths = Dimension::ALL
             .into_iter()
             .filter_map(|dimension| column.strip_suffix(dimension.suffix())?.strip_suffix('_'));
@@ -107,7 +107,7 @@ impl Field {
 }
 
 /// Kind of a result column with values of this type.
-pub fn column_kind(field_type: &FieldType) -> Kind {
+pub(crate) fn column_kind(field_type: &FieldType) -> Kind {
     match field_type {
         FieldType::Quantity(_) | FieldType::Number | FieldType::Percent => Kind::Number,
         FieldType::Integer(..) => Kind::Integer,

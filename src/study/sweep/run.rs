@@ -23,7 +23,7 @@ pub struct RunStats {
     pub complete: bool,
 }
 
-/// Performs those of the first `max_runs` runs of a study that are not in `done`; see [`run_range`].
+/// Performs those of the first `max_runs` runs of a study that are not in `done`; see `run_range`.
 pub fn run_while(
     study: &Study,
     threads: usize,
@@ -41,7 +41,7 @@ pub fn run_while(
 ///
 /// A free thread takes the next run, so that rows are finished nearly in order. It calls `on_row` itself, so that no
 /// other thread has to be woken.
-pub fn run_range(
+pub(crate) fn run_range(
     study: &Study,
     threads: usize,
     runs: RangeInclusive<u64>,

@@ -19,7 +19,7 @@ const PRIMES: [u64; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 4
 const INCREMENT: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Maximum number of axes of a Halton sequence.
-pub const MAX_HALTON_AXES: usize = PRIMES.len();
+pub(crate) const MAX_HALTON_AXES: usize = PRIMES.len();
 
 /// Sampling method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]

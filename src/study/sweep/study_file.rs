@@ -137,7 +137,7 @@ fn any_value(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": ["string", "number"] })
 }
 
-/// JSON Schema of study files. [scene] and [set] accept the keys of a finger or a gripper.
+/// JSON Schema of study files. `[scene]` and `[set]` accept the keys of a finger or a gripper.
 pub fn schema() -> String {
     let mut schema = own_schema();
     let kinds = [SceneKind::Finger, SceneKind::Gripper].map(|kind| {

@@ -15,7 +15,7 @@ use crate::shape::{PlacedShape, Support};
 
 /// A finger with all constant terms precomputed.
 #[derive(Clone, Debug)]
-pub struct FingerModel {
+pub(crate) struct FingerModel {
     pub(super) dynamics: Dynamics,
     pub(super) spring: Option<SpringModel>,
     pub(super) limit: Option<NormalLaw>,

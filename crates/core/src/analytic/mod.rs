@@ -16,5 +16,5 @@ pub mod multibody;
 pub use finger::PassiveJoints;
 pub use mode::{ContactState, Mode};
 pub use model::{
-    BristleModel, ContactReading, EVENT_FUNCTIONS, Energies, FingerMode, FingerMotion, Model, QUADRATURES, Snapshot,
+    BristleModel, ContactReading, EVENT_FUNCTIONS, Energies, FingerMode, FingerMotion, Model, QUADRATURES,
 };

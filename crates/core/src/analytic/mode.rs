@@ -55,7 +55,7 @@ pub struct Mode<const C: usize> {
 impl DamperRange {
     /// Range at the depth `delta`.
     #[inline(always)]
-    pub fn at_depth(law: &NormalLaw, delta: f64) -> Self {
+    pub(crate) fn at_depth(law: &NormalLaw, delta: f64) -> Self {
         match is_damped(law) {
             false => DamperRange::Any,
             true if delta < law.transition_m => DamperRange::Engaging,
@@ -87,7 +87,7 @@ impl<const C: usize> IndexMut<usize> for Mode<C> {
 }
 
 /// Coordinates and rates.
-pub type StateRef<'a, const N: usize> = (&'a [f64; N], &'a [f64; N]);
+pub(crate) type StateRef<'a, const N: usize> = (&'a [f64; N], &'a [f64; N]);
 
 /// State of one contact: penetration and its rate, slip, and the rows that give the rates of gap and slip.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +102,7 @@ pub struct ContactVariables<const N: usize> {
 }
 
 /// State of a contact from which its event functions are evaluated, with its laws.
-pub type ContactWithLaws<'a, const N: usize> = (ContactVariables<N>, &'a NormalLaw, Option<&'a FrictionLaw>);
+pub(crate) type ContactWithLaws<'a, const N: usize> = (ContactVariables<N>, &'a NormalLaw, Option<&'a FrictionLaw>);
 
 /// Spring and damper force of the normal law, N (limit: N·m); their sum may be negative.
 #[derive(Clone, Copy, Debug, Default)]
@@ -227,7 +227,7 @@ impl EventTolerances {
 
 /// Whether a low derivative of the spring force is infinite at zero depth, so that the polynomial of a step cannot
 /// follow it.
-pub fn is_kinked(law: &NormalLaw) -> bool {
+pub(crate) fn is_kinked(law: &NormalLaw) -> bool {
     law.exponent.fract() != 0.0 && law.exponent < 3.0
 }
 
@@ -259,7 +259,7 @@ impl<const C: usize> Mode<C> {
     /// Determines the mode of a state. `contact_variables` gives the contacts; `accelerations` gives the accelerations
     /// in a mode. A contact at zero depth is active if its gap closes, or if it is at rest and would close without the
     /// forces of all contacts at zero depth.
-    pub fn at_state<'a, const N: usize>(
+    pub(crate) fn at_state<'a, const N: usize>(
         event_tolerances: &EventTolerances,
         contact_variables: impl Fn(usize) -> Option<ContactWithLaws<'a, N>>,
         accelerations: impl FnOnce(&Self) -> [f64; N],
@@ -293,7 +293,7 @@ impl<const C: usize> Mode<C> {
 
     /// Whether the friction of a contact is outside its sticking range; `None` without a force, or if the range is not
     /// monitored.
-    pub fn is_slipping(&self, index: usize) -> Option<bool> {
+    pub(crate) fn is_slipping(&self, index: usize) -> Option<bool> {
         match self.friction_ranges[index] {
             _ if !self.contacts[index].has_force() => None,
             FrictionRange::Any => None,
@@ -304,7 +304,7 @@ impl<const C: usize> Mode<C> {
     /// All event functions of the first `count` contacts: those of normal laws, then friction laws, then dampers.
     /// Contacts without a branch or friction range that can end are not evaluated.
     #[inline(always)]
-    pub fn event_functions<'a, const N: usize, const G: usize>(
+    pub(crate) fn event_functions<'a, const N: usize, const G: usize>(
         &self,
         count: usize,
         event_tolerances: &EventTolerances,
@@ -328,7 +328,7 @@ impl<const C: usize> Mode<C> {
 
     /// One event function of a contact, without its error weight; inactive if the contact does not exist.
     #[inline(always)]
-    pub fn event_function<const N: usize>(
+    pub(crate) fn event_function<const N: usize>(
         &self,
         event: usize,
         event_tolerances: &EventTolerances,
@@ -520,7 +520,7 @@ impl<const C: usize> Mode<C> {
     }
 
     /// Returns the mode after a step in which released surfaces have separated; `None` if none has.
-    pub fn with_separated_contacts<const N: usize, const G: usize>(
+    pub(crate) fn with_separated_contacts<const N: usize, const G: usize>(
         &self,
         functions: &[EventFunction<N>; G],
     ) -> Option<Self> {
@@ -559,7 +559,7 @@ fn sticking_error_weight<const N: usize>(
 
 /// Product of a row and a column, such as the rate of a gap.
 #[inline(always)]
-pub fn row_dot<const N: usize>(row: &[f64; N], column: &[f64; N]) -> f64 {
+pub(crate) fn row_dot<const N: usize>(row: &[f64; N], column: &[f64; N]) -> f64 {
     let mut sum = -0.0;
     for i in 0..N {
         sum += row[i] * column[i];

@@ -61,7 +61,7 @@ pub struct Energies {
 
 /// Passive joints, contacts and energies of one state.
 #[derive(Clone, Copy, Debug)]
-pub struct Snapshot {
+pub(crate) struct Snapshot {
     pub passive: PassiveJoints,
     /// Contacts in the order of [`FingerContact::ALL`]; `None` where the scene has no such contact.
     pub contacts: [Option<ContactReading>; 3],

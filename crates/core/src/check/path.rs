@@ -221,7 +221,7 @@ const DURATION_FACTOR: f64 = 1.25;
 
 /// Options of one run of a check.
 #[derive(Clone, Copy)]
-pub struct RunOptions<'a> {
+pub(crate) struct RunOptions<'a> {
     /// Whether to use the reference settings: another method, or smaller steps.
     pub finer: bool,
     /// Relative change of the actuation.
@@ -275,7 +275,7 @@ fn other_method(integrator: &Integrator) -> Integrator {
 }
 
 /// Name of the reference.
-pub fn reference_name(scene: &Scene, reference_model: Model) -> String {
+pub(crate) fn reference_name(scene: &Scene, reference_model: Model) -> String {
     match reference_model {
         Model::Analytic => {
             let integrator = other_method(&scene.integrator);
@@ -286,7 +286,7 @@ pub fn reference_name(scene: &Scene, reference_model: Model) -> String {
 }
 
 /// Whether the analytic model takes the scene, and both models use the same contact laws.
-pub fn is_comparable(scene: &Scene) -> bool {
+pub(crate) fn is_comparable(scene: &Scene) -> bool {
     let is_supported = scene.kind() != SceneKind::Bodies || count_moving_discs(&scene.system).is_ok();
     scene.engine.uses_laws() && is_supported
 }

@@ -43,7 +43,7 @@ const MANY_EVENTS: u64 = 1000;
 const MAX_PATH_ERROR_MANY_EVENTS: f64 = 1e-6;
 
 /// Limits of a run of a model with this number of events.
-pub fn error_limits(model: Model, events: u64) -> ErrorLimits {
+pub(crate) fn error_limits(model: Model, events: u64) -> ErrorLimits {
     match model {
         Model::Engine => ENGINE_LIMITS,
         Model::Analytic if events > MANY_EVENTS => ErrorLimits { path: MAX_PATH_ERROR_MANY_EVENTS, ..ANALYTIC_LIMITS },
@@ -58,7 +58,7 @@ pub fn reference_length_m(system: &System) -> f64 {
 
 /// The path error above which a run is uncertain.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ErrorLimit {
+pub(crate) struct ErrorLimit {
     /// Limit in the unit of errors: rad, or m in scenes without fingers.
     pub error: f64,
     /// Effect of the perturbation above which the run is chaotic.
@@ -70,7 +70,7 @@ pub struct ErrorLimit {
 }
 
 /// Returns the error limit of a run; `ordinary_limit` is the limit for a motion of a radian.
-pub fn path_error_limit(system: &System, run: &Path, ordinary_limit: f64) -> ErrorLimit {
+pub(crate) fn path_error_limit(system: &System, run: &Path, ordinary_limit: f64) -> ErrorLimit {
     let is_discs = system.fingers.is_empty();
     let size = if is_discs { DISC_LENGTH_RADII * smallest_reach(system) } else { 1.0 };
     let largest_displacement = largest_displacement(run).max(REST_FRACTION * size);

@@ -13,13 +13,13 @@ pub const EPSILON_RAD: f64 = 0.2 * std::f64::consts::PI / 180.0;
 pub const RESOLUTION_S: f64 = 1e-6;
 
 /// Time to stability below which a finger can be "stable" or "semi-stable" (thesis §4.1.1.1: 15 ms).
-pub const STABLE_WITHIN_S: f64 = 15e-3;
+pub(crate) const STABLE_WITHIN_S: f64 = 15e-3;
 
 /// Time to stability below which a finger is at least "semi-unstable" (thesis §4.2: 20 ms).
-pub const SEMI_UNSTABLE_WITHIN_S: f64 = 20e-3;
+pub(crate) const SEMI_UNSTABLE_WITHIN_S: f64 = 20e-3;
 
 /// Largest rebound of a "semi-stable" finger, in percent (thesis §4.1.1.2).
-pub const SMALL_REBOUND_PERCENT: f64 = 5.0;
+pub(crate) const SMALL_REBOUND_PERCENT: f64 = 5.0;
 
 /// Returns the rebound in percent (4.1): 100 |mean(t_geo…T) / mean(tts…T) − 1| = 100 |(t_geo + T)/(tts + T) − 1|.
 ///

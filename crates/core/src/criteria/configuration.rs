@@ -48,7 +48,7 @@ pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
 }
 
 /// Returns the static friction coefficients of phalanges and palm.
-pub fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
+pub(crate) fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
     let palm =
         scene.system.law(GripperContact::Palm).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
     PerContact { phalanges: Side::BOTH.map(|side| scene.system.finger(side).contact.mu_static()), palm }
@@ -111,7 +111,7 @@ pub struct GraspState<'a> {
 }
 
 /// Returns the grasp state of a sample.
-pub fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
+pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
     let is_at_limit = |side| sample.contacts[GripperContact::Finger(side, FingerContact::Limit).index()].normal_n > 0.0;
     GraspState {
         configuration: grasp_configuration(scene, sample),
@@ -122,7 +122,11 @@ pub fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
 }
 
 /// Returns the gripper at rest with its active contacts; `None` if its object is fixed.
-pub fn hand_at_rest<'a>(scene: &'a Scene, grasp_state: &GraspState<'a>, mode: DriveMode) -> Option<HandAtRest<'a>> {
+pub(crate) fn hand_at_rest<'a>(
+    scene: &'a Scene,
+    grasp_state: &GraspState<'a>,
+    mode: DriveMode,
+) -> Option<HandAtRest<'a>> {
     let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else { return None };
     let GraspState { configuration, active, at_limit, time_s } = *grasp_state;
     let drive = |motor: &Motor, weights: [f64; 2]| Drive {
@@ -155,7 +159,7 @@ pub fn hand_at_rest<'a>(scene: &'a Scene, grasp_state: &GraspState<'a>, mode: Dr
     })
 }
 
-/// Returns [`hand_at_rest`] with the grasp state of a sample.
+/// Returns `hand_at_rest` with the grasp state of a sample.
 pub fn sampled_hand_at_rest<'a>(scene: &'a Scene, sample: &Sample, mode: DriveMode) -> Option<HandAtRest<'a>> {
     hand_at_rest(scene, &grasp_state(scene, sample), mode)
 }

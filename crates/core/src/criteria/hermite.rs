@@ -10,7 +10,7 @@ pub struct Hermite {
 }
 
 /// Tolerance of crossing times, s.
-pub const CROSSING_TOLERANCE_S: f64 = 1e-9;
+pub(crate) const CROSSING_TOLERANCE_S: f64 = 1e-9;
 
 impl Hermite {
     /// Creates the interpolant through (t0, q0) with rate v0 and (t1, q1) with rate v1; t1 > t0.

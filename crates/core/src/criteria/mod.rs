@@ -30,10 +30,10 @@ mod tracker;
 
 pub use class::{Class, ClassReason, Condition, EPSILON_RAD, FinalContact, Loss, RESOLUTION_S, rebound_percent};
 pub use configuration::{
-    DriveMode, FinalAngles, GraspState, StaticGrasp, friction_coefficients, grasp_configuration, grasp_state,
-    hand_at_rest, is_form_closed, normal_forces, sample_force_closure, sampled_hand_at_rest, scene_static_grasp,
-    static_grasp,
+    DriveMode, FinalAngles, GraspState, StaticGrasp, grasp_configuration, is_form_closed, normal_forces,
+    sample_force_closure, sampled_hand_at_rest, scene_static_grasp, static_grasp,
 };
+pub(crate) use configuration::{friction_coefficients, grasp_state, hand_at_rest};
 pub use grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, fate_reason};
 pub use grasp_tracker::GraspTracker;
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};

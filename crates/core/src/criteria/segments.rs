@@ -16,7 +16,7 @@ pub struct Segment<'a, const K: usize> {
 }
 
 /// Observer of the segments of a run, in order of time.
-pub trait SegmentObserver<const K: usize> {
+pub(crate) trait SegmentObserver<const K: usize> {
     /// Interpolant of the coordinates between two samples.
     type Interpolant;
 
@@ -34,7 +34,7 @@ pub trait SegmentObserver<const K: usize> {
 /// of their events. Between two samples of a closed contact, the normal force counts as positive if it is positive at
 /// both; the zero at the touch-down is ignored.
 #[derive(Clone, Debug)]
-pub struct SegmentSplitter<const K: usize> {
+pub(crate) struct SegmentSplitter<const K: usize> {
     last: Option<Sample>,
     contacts: [ContactStatus; K],
     /// Contact changes since the last sample.

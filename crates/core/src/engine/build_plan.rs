@@ -15,19 +15,19 @@ use crate::scene::{
 };
 
 /// Index of the driven link l11 in its finger.
-pub const L11: usize = 0;
+pub(crate) const L11: usize = 0;
 /// Index of the coupler l12 in its finger.
-pub const L12: usize = 1;
+pub(crate) const L12: usize = 1;
 /// Index of the proximal phalanx l21 in its finger.
 pub const L21: usize = 2;
 /// Index of the distal phalanx l22 in its finger.
 pub const L22: usize = 3;
 
 /// Number of links of a finger.
-pub const LINKS: usize = 4;
+pub(crate) const LINKS: usize = 4;
 
 /// Body index of the first link of a finger; the others follow in order.
-pub fn first_link(side: Side) -> usize {
+pub(crate) fn first_link(side: Side) -> usize {
     LINKS * side as usize
 }
 
@@ -351,7 +351,7 @@ fn add_differential(plan: &mut Plan, differential: &Differential) {
 
 /// Torque of the brakes on the driven link of a finger, N·m, positive in closing; `torque` returns the torque of a
 /// brake by its index.
-pub fn driven_link_brake_torque(plan: &Plan, side: Side, torque: impl Fn(usize) -> f64) -> f64 {
+pub(crate) fn driven_link_brake_torque(plan: &Plan, side: Side, torque: impl Fn(usize) -> f64) -> f64 {
     let driven = first_link(side) + L11;
     let ratio = |brake: &PlannedBrake| {
         let on = std::iter::once(brake.on).chain(brake.against).find(|(body, _)| *body == driven);

@@ -101,10 +101,10 @@ pub struct MotorSlope {
 }
 
 /// Gaps below this fraction of the transition are rounding errors of surfaces that a step has brought into contact.
-pub const GAP_ROUNDING: f64 = 1e-9;
+pub(crate) const GAP_ROUNDING: f64 = 1e-9;
 /// Rates below this value are rounding errors, m/s (stop: rad/s); the analytic model uses the same value at the start
 /// of a run.
-pub const ZERO_RATE: f64 = 1e-12;
+pub(crate) const ZERO_RATE: f64 = 1e-12;
 
 impl ContactCandidate {
     /// A candidate with a zero gap, without friction, and not subject to its law.
@@ -140,7 +140,7 @@ impl ContactCandidate {
     /// Friction at the end of an implicit step: opposing force along the slip row at the rate `slip`, with its
     /// derivatives with respect to rate and normal force, as in [`BristleStep`]. A law without internal state leaves the bristle state unchanged.
     #[inline(always)]
-    pub fn friction_at_step_end(&self, [slip, bristle_state, normal]: [f64; 3], h: f64) -> BristleStep {
+    pub(crate) fn friction_at_step_end(&self, [slip, bristle_state, normal]: [f64; 3], h: f64) -> BristleStep {
         if let Some(MotorSlope { sign, slope }) = self.motor {
             let relative_torque = slope * slip - sign;
             return BristleStep {
@@ -163,12 +163,12 @@ impl ContactCandidate {
     }
 
     /// Whether there is a force along the slip row.
-    pub fn has_tangent(&self) -> bool {
+    pub(crate) fn has_tangent(&self) -> bool {
         self.friction.is_some() || self.motor.is_some()
     }
 
     /// Whether the candidate has a gap, as surfaces and stops do.
-    pub fn has_gap(&self) -> bool {
+    pub(crate) fn has_gap(&self) -> bool {
         !matches!(self.source, Source::Brake(_) | Source::Motor(_))
     }
 
@@ -179,7 +179,7 @@ impl ContactCandidate {
 
     /// Whether the candidate is a pair of surfaces, whose normal rotates with the bodies; the gap of a stop is an
     /// angle.
-    pub fn is_between_surfaces(&self) -> bool {
+    pub(crate) fn is_between_surfaces(&self) -> bool {
         matches!(self.source, Source::Contact(_))
     }
 }
@@ -267,7 +267,7 @@ fn shaft_candidate(index: usize, source: Source, on: (usize, f64), against: Opti
 
 /// Sets the forces of brakes and motors for the step of `dt` from time `t`: a parabola through the values at start,
 /// middle and end.
-pub fn set_shaft_torques(plan: &Plan, t: f64, dt: f64, candidates: &mut [ContactCandidate]) {
+pub(crate) fn set_shaft_torques(plan: &Plan, t: f64, dt: f64, candidates: &mut [ContactCandidate]) {
     // Discontinuities at both ends belong to adjacent steps.
     let times = [1e-9, 0.5, 1.0 - 1e-9].map(|fraction| t + fraction * dt);
     for candidate in candidates {
@@ -295,7 +295,7 @@ pub fn set_shaft_torques(plan: &Plan, t: f64, dt: f64, candidates: &mut [Contact
 }
 
 /// Sets the gap to zero where surfaces at rest overlap only by a rounding error, which must not cause a contact force.
-pub fn zero_rounding_gaps(candidates: &mut [ContactCandidate], velocities: &[Twist]) {
+pub(crate) fn zero_rounding_gaps(candidates: &mut [ContactCandidate], velocities: &[Twist]) {
     for candidate in candidates.iter_mut().filter(|candidate| candidate.is_between_surfaces()) {
         let is_rounding = candidate.gap < 0.0 && candidate.gap >= -candidate.rounding;
         if is_rounding && candidate.normal_row.rate(velocities).abs() <= ZERO_RATE {
@@ -305,7 +305,7 @@ pub fn zero_rounding_gaps(candidates: &mut [ContactCandidate], velocities: &[Twi
 }
 
 /// Sets the rotation rates of the normals, from the normals `before`, a time `dt` earlier.
-pub fn set_normal_rotation_rates(candidates: &mut [ContactCandidate], before: &[[f64; 2]], dt: f64) {
+pub(crate) fn set_normal_rotation_rates(candidates: &mut [ContactCandidate], before: &[[f64; 2]], dt: f64) {
     for (candidate, before) in candidates.iter_mut().zip(before) {
         let [x, y] = sub(candidate.normal, *before);
         candidate.normal_rotation_rate = hypot(x, y) / dt;
@@ -313,7 +313,12 @@ pub fn set_normal_rotation_rates(candidates: &mut [ContactCandidate], before: &[
 }
 
 /// Returns the gap and the slip row of a candidate at other body poses.
-pub fn gap_and_slip_row_at(candidate: &ContactCandidate, world: &World, plan: &Plan, poses: &[BodyPose]) -> (f64, Row) {
+pub(crate) fn gap_and_slip_row_at(
+    candidate: &ContactCandidate,
+    world: &World,
+    plan: &Plan,
+    poses: &[BodyPose],
+) -> (f64, Row) {
     match candidate.source {
         Source::Stop(index) => (stop_gap(plan, index, poses), candidate.slip_row),
         Source::Brake(_) | Source::Motor(_) => (candidate.gap, candidate.slip_row),

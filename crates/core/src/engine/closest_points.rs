@@ -28,7 +28,11 @@ struct PlacedSurface {
 }
 
 /// Returns the closest points of a contact; `None` if both surfaces are round or flat, which parry handles.
-pub fn closest_points_of_shapes(plan: &Plan, contact: &PlannedContact, poses: &[BodyPose]) -> Option<ClosestPoints> {
+pub(crate) fn closest_points_of_shapes(
+    plan: &Plan,
+    contact: &PlannedContact,
+    poses: &[BodyPose],
+) -> Option<ClosestPoints> {
     let shape_of = |partner: ContactPartner| match partner {
         ContactPartner::Body(body) => plan.bodies[body].shape,
         ContactPartner::Fixed(index) => Some(plan.fixed_surfaces[index].shape),

@@ -137,7 +137,7 @@ impl ContactSpace {
     }
 
     /// Adds the generalised impulses on every body due to impulses along all rows, including joint reactions.
-    pub fn add_impulses(&self, linkage: &Linkage, impulses: &[f64], out: &mut [Twist]) {
+    pub(crate) fn add_impulses(&self, linkage: &Linkage, impulses: &[f64], out: &mut [Twist]) {
         let bodies = out.len();
         for (j, size) in impulses.iter().enumerate().filter(|(_, size)| **size != 0.0) {
             let response = &self.response[j * bodies..(j + 1) * bodies];
@@ -177,7 +177,7 @@ const MIN_CURVATURE_STEP_S: f64 = 1e-7;
 
 /// A row to correct.
 #[derive(Clone, Copy, Debug)]
-pub struct CorrectedRow {
+pub(crate) struct CorrectedRow {
     /// Index of the row in the contact space.
     pub index: usize,
     pub row: Row,
@@ -192,7 +192,7 @@ pub struct CorrectedRow {
 
 /// Rows to correct, and the impulses along them.
 #[derive(Clone, Debug, Default)]
-pub struct RateCorrection {
+pub(crate) struct RateCorrection {
     pub rows: Vec<CorrectedRow>,
     response: Vec<Twist>,
     w: Vec<f64>,
@@ -249,7 +249,7 @@ impl RateCorrection {
 
     /// Returns the index of each corrected row of the contact space and the work of its impulse on the bodies: the
     /// impulse times the mean of the rates before and after the impulse.
-    pub fn impulse_work(&self, velocities: &[Twist]) -> impl Iterator<Item = (usize, f64)> {
+    pub(crate) fn impulse_work(&self, velocities: &[Twist]) -> impl Iterator<Item = (usize, f64)> {
         let mean = |(row, before): (&CorrectedRow, &f64)| 0.5 * (before + row.row.rate(velocities));
         let means = self.rows.iter().zip(&self.rates).map(mean);
         let works = means.zip(&self.impulses).map(|(rate, impulse)| rate * impulse);

@@ -2,13 +2,13 @@
 //! allocate.
 
 /// Replaces the items of a list, reusing its allocation.
-pub fn refill<T>(list: &mut Vec<T>, items: impl IntoIterator<Item = T>) {
+pub(crate) fn refill<T>(list: &mut Vec<T>, items: impl IntoIterator<Item = T>) {
     list.clear();
     list.extend(items);
 }
 
 /// Sets a list to `count` equal items, reusing its allocation.
-pub fn reset<T: Clone>(list: &mut Vec<T>, count: usize, item: T) {
+pub(crate) fn reset<T: Clone>(list: &mut Vec<T>, count: usize, item: T) {
     list.clear();
     list.resize(count, item);
 }
@@ -30,7 +30,7 @@ pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
 
 /// Like [`solve`], but for slices of the exact lengths; inlined for compile-time sizes.
 #[inline(always)]
-pub fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
+pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
     assert!(a.len() == size * size && b.len() == size);
     for k in 0..size {
         let mut pivot = k;
@@ -71,7 +71,7 @@ pub fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
 /// Computes the Cholesky factor L of a symmetric positive definite matrix and stores it in the matrix's lower triangle,
 /// with 1/Lᵢᵢ on the diagonal. Row i is zero before column `first[i]` in the matrix and in the factor; those entries
 /// are not accessed. Returns false if the matrix is not positive definite.
-pub fn factorise(a: &mut [f64], first: &[usize]) -> bool {
+pub(crate) fn factorise(a: &mut [f64], first: &[usize]) -> bool {
     let size = first.len();
     for i in 0..size {
         let (above, rest) = a.split_at_mut(i * size);
@@ -93,7 +93,7 @@ pub fn factorise(a: &mut [f64], first: &[usize]) -> bool {
 }
 
 /// Solves L Lᵀ x = b with the factor of [`factorise`]; `b` becomes x.
-pub fn solve_factorised(factor: &[f64], first: &[usize], b: &mut [f64]) {
+pub(crate) fn solve_factorised(factor: &[f64], first: &[usize], b: &mut [f64]) {
     match first.len() {
         // Five pins are the usual case: unrolled, and processing zeros is cheaper than reading the first column.
         10 => substitute(factor, |_| 0, b, 10),

@@ -17,7 +17,7 @@ use crate::scene::{Pose, SpringKind};
 
 /// Computes forces and torques about the centres of mass at time `t`, at the poses of the linkage. Motors with a
 /// no-load speed are rows of the contact space instead.
-pub fn smooth_forces(plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) {
+pub(crate) fn smooth_forces(plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) {
     let [gx, gy] = plan.gravity_m_s2;
     for (force, inertia) in out.iter_mut().zip(&linkage.inertias) {
         *force = [inertia.mass * gx, inertia.mass * gy, 0.0];
@@ -38,7 +38,7 @@ pub fn smooth_forces(plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) 
 }
 
 /// Adds the torques of motors with a no-load speed, at time `t` and these velocities.
-pub fn add_speed_dependent_motors(plan: &Plan, velocities: &[Twist], t: f64, out: &mut [Twist]) {
+pub(crate) fn add_speed_dependent_motors(plan: &Plan, velocities: &[Twist], t: f64, out: &mut [Twist]) {
     for motor in plan.motors.iter().filter(|motor| motor.no_load_speed_rad_s.is_some()) {
         add_motor(motor, motor.torque(t, |body| velocities[body][2]), out);
     }
@@ -66,7 +66,7 @@ fn spring_torque(spring: &PlannedSpring, extension: f64) -> f64 {
 
 /// Returns the energies of gravity and springs, J, in the frame of a moving palm; the spring energy is zero in the
 /// straight configuration.
-pub fn potential_energies(plan: &Plan, linkage: &Linkage, frame: &PalmFrame) -> (f64, f64) {
+pub(crate) fn potential_energies(plan: &Plan, linkage: &Linkage, frame: &PalmFrame) -> (f64, f64) {
     let [gx, gy] = plan.gravity_m_s2;
     let gravity_energy = |(inertia, pose): (&Inertia, &BodyPose)| {
         let [x, y] = frame.point(pose.com);
@@ -122,19 +122,19 @@ fn prescribed_state(plan: &Plan, drive: &PlannedDrive, t: f64) -> PrescribedStat
 }
 
 /// Sets the velocities of driven bodies at time `t`.
-pub fn set_driven_velocities(plan: &Plan, t: f64, velocities: &mut [Twist]) {
+pub(crate) fn set_driven_velocities(plan: &Plan, t: f64, velocities: &mut [Twist]) {
     for drive in &plan.drives {
         velocities[drive.body] = prescribed_state(plan, drive, t).velocity;
     }
 }
 
 /// Returns the accelerations of driven bodies at time `t`, with the body indices.
-pub fn driven_accelerations(plan: &Plan, t: f64, out: &mut Vec<(usize, Twist)>) {
+pub(crate) fn driven_accelerations(plan: &Plan, t: f64, out: &mut Vec<(usize, Twist)>) {
     refill(out, plan.drives.iter().map(|drive| (drive.body, prescribed_state(plan, drive, t).acceleration)));
 }
 
 /// Returns the constant accelerations that, from these velocities, lead to the prescribed positions after `dt`.
-pub fn mean_driven_accelerations(
+pub(crate) fn mean_driven_accelerations(
     plan: &Plan,
     poses: &[BodyPose],
     velocities: &[Twist],
@@ -160,7 +160,7 @@ pub fn mean_driven_accelerations(
 
 /// Sets rapier's velocities so that the bodies move from their poses at `t` to the prescribed poses at t + dt.
 /// Targeting the position rather than the mean velocity avoids accumulation of rounding errors.
-pub fn set_rapier_velocities(
+pub(crate) fn set_rapier_velocities(
     plan: &Plan,
     poses: &[BodyPose],
     handles: &[RigidBodyHandle],
@@ -181,7 +181,7 @@ pub fn set_rapier_velocities(
 
 /// Returns the work of contact on driven bodies over the step that starts with `velocities`, J; the drives have to
 /// supply it. A palm does no work in its own frame.
-pub fn driven_contact_work(
+pub(crate) fn driven_contact_work(
     plan: &Plan,
     space: &ContactSpace,
     solver: &ContactSolver,
@@ -225,7 +225,7 @@ impl PalmFrame {
     }
 
     /// Returns the palm angle and its two time derivatives.
-    pub fn angular_motion(&self) -> [f64; 3] {
+    pub(crate) fn angular_motion(&self) -> [f64; 3] {
         self.pose.map_or([0.0; 3], |pose| [pose.position[2], pose.rate[2], pose.acceleration[2]])
     }
 
@@ -241,7 +241,7 @@ impl PalmFrame {
     }
 
     /// Returns the transport velocity: world velocity of a point fixed in the palm frame, and the palm's angular rate.
-    pub fn transport_velocity(&self, [x, y]: [f64; 2]) -> Twist {
+    pub(crate) fn transport_velocity(&self, [x, y]: [f64; 2]) -> Twist {
         self.pose.map_or([0.0; 3], |Pose { position, rate, .. }| {
             let [u, v] = perp([x - position[0], y - position[1]]);
             [rate[0] + rate[2] * u, rate[1] + rate[2] * v, rate[2]]
@@ -250,7 +250,7 @@ impl PalmFrame {
 
     /// Returns the velocity and rate of a body relative to the palm frame, from its centre of mass and velocity in the
     /// world.
-    pub fn twist(&self, centre: [f64; 2], velocity: &Twist) -> Twist {
+    pub(crate) fn twist(&self, centre: [f64; 2], velocity: &Twist) -> Twist {
         if self.pose.is_none() {
             return *velocity;
         }
@@ -276,7 +276,7 @@ impl PalmFrame {
 
 /// Returns the power of the palm motion on all bodies in its frame, W: of the rotating gravity vector and of inertial
 /// forces.
-pub fn palm_power(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64) -> f64 {
+pub(crate) fn palm_power(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64) -> f64 {
     let frame = PalmFrame::at(plan, t);
     let Some(Pose { acceleration: [ax, ay, angular_acceleration], rate: [_, _, omega], .. }) = frame.pose else {
         return 0.0;
@@ -301,7 +301,7 @@ pub fn palm_power(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64) 
 
 /// Returns the work, J, that contacts with surfaces fixed in the world extract through the transport velocity: minus
 /// their work in the palm frame due to its motion; `t` is the middle of the step.
-pub fn table_work(plan: &Plan, space: &ContactSpace, solver: &ContactSolver, linkage: &Linkage, t: f64) -> f64 {
+pub(crate) fn table_work(plan: &Plan, space: &ContactSpace, solver: &ContactSolver, linkage: &Linkage, t: f64) -> f64 {
     if plan.palm().is_none() {
         return 0.0;
     }

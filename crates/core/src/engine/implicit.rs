@@ -40,7 +40,7 @@ pub struct Stage<'a> {
 
 /// Working arrays of a stage, sized once per contact space.
 #[derive(Clone, Debug, Default)]
-pub struct Workspace {
+pub(crate) struct Workspace {
     residual: Vec<f64>,
     step: Vec<f64>,
     trial: Vec<f64>,
@@ -60,7 +60,7 @@ pub struct Workspace {
 
 /// No solution was found within the allowed iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NotConverged {
+pub(crate) struct NotConverged {
     pub residual: f64,
 }
 

@@ -159,7 +159,7 @@ impl Linkage {
     }
 
     /// Reads the poses of the bodies from rapier.
-    pub fn read_poses(&mut self, world: &World) {
+    pub(crate) fn read_poses(&mut self, world: &World) {
         for (pose, handle) in self.poses.iter_mut().zip(&world.bodies) {
             let body = &world.physics.bodies[*handle];
             let (com, rotation) = (body.center_of_mass(), body.rotation());
@@ -181,7 +181,7 @@ impl Linkage {
     ///
     /// # Errors
     /// Returns an error if the joint constraints are singular.
-    pub fn factorise(&mut self) -> Result<(), SingularConstraints> {
+    pub(crate) fn factorise(&mut self) -> Result<(), SingularConstraints> {
         let size = self.first_columns.len();
         if size == 0 {
             return Ok(());
@@ -204,12 +204,12 @@ impl Linkage {
     }
 
     /// Returns the largest distance between the two anchors of a pin.
-    pub fn max_pin_opening(&self) -> f64 {
+    pub(crate) fn max_pin_opening(&self) -> f64 {
         self.pin_openings().take(self.pins).fold(0.0, |largest, [x, y]| largest.max(hypot(x, y)))
     }
 
     /// Returns the opening of every pin, from its first anchor to its second; for gears, their sums.
-    pub fn pin_openings(&self) -> impl Iterator<Item = [f64; 2]> {
+    pub(crate) fn pin_openings(&self) -> impl Iterator<Item = [f64; 2]> {
         let mut sides = self.sides.iter().peekable();
         self.ground_anchors.iter().enumerate().map(move |(pin, ground)| {
             let mut open = [-ground[0], -ground[1]];
@@ -237,14 +237,14 @@ impl Linkage {
     }
 
     /// Returns the opening of every pin in a step of `dt` if its bodies move straight on: ½ dt² J̇ v.
-    pub fn overshoot(&mut self, velocities: &[Twist], dt: f64) -> impl Iterator<Item = [f64; 2]> {
+    pub(crate) fn overshoot(&mut self, velocities: &[Twist], dt: f64) -> impl Iterator<Item = [f64; 2]> {
         self.centripetal(velocities);
         let scale = -0.5 * dt * dt;
         self.multipliers.chunks_exact(2).map(move |pair| [scale * pair[0], scale * pair[1]])
     }
 
     /// Transforms a direction from the world to a body frame; `None` is the ground.
-    pub fn direction_in_body(&self, body: Option<usize>, direction: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn direction_in_body(&self, body: Option<usize>, direction: [f64; 2]) -> [f64; 2] {
         body.map_or(direction, |body| {
             let [c, s] = self.poses[body].direction;
             rotate(direction, [c, -s])
@@ -252,7 +252,7 @@ impl Linkage {
     }
 
     /// Returns the largest opening acceleration of a pin whose bodies move straight on, m/s².
-    pub fn max_opening_acceleration(&mut self, velocities: &[Twist]) -> f64 {
+    pub(crate) fn max_opening_acceleration(&mut self, velocities: &[Twist]) -> f64 {
         self.centripetal(velocities);
         self.multipliers.chunks_exact(2).fold(0.0, |largest, pair| largest.max(hypot(pair[0], pair[1])))
     }
@@ -278,7 +278,7 @@ impl Linkage {
 
     /// Computes the accelerations that rapier produces from the same forces in a step of `dt` from rest, given the pin
     /// openings it starts with: J a = −2 open/dt², so that half a step closes them.
-    pub fn accelerations_closing(
+    pub(crate) fn accelerations_closing(
         &mut self,
         forces: &[Twist],
         (open, dt): (&[[f64; 2]], f64),

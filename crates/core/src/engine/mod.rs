@@ -17,10 +17,14 @@ mod stepper;
 mod substeps;
 mod world;
 
-pub use build_plan::{L11, L12, L21, L22, LINKS, build_plan, driven_link_brake_torque, first_link};
-pub use candidates::{ContactCandidate, Row, ZERO_RATE};
+pub use build_plan::{L21, L22, build_plan};
+
+pub(crate) use build_plan::{L11, L12, LINKS, driven_link_brake_torque, first_link};
+pub(crate) use candidates::ZERO_RATE;
+pub use candidates::{ContactCandidate, Row};
 pub use contact_space::{ActiveContact, ContactSpace};
-pub use forces::{PalmFrame, kinetic_energy, potential_energies};
+pub(crate) use forces::potential_energies;
+pub use forces::{PalmFrame, kinetic_energy};
 pub use linkage::{BodyPose, Inertia, Linkage, SingularConstraints, Twist};
 pub use motion::{Motion, RapierContact, StepError};
 pub use plan::{

@@ -97,7 +97,7 @@ pub struct Motion<'a> {
     /// Pin openings with the anchor correction, and the corrections.
     open: Vec<[f64; 2]>,
     overshoot: Vec<[f64; 2]>,
-    /// Largest opening acceleration of a pin at the node, see [`Linkage::max_opening_acceleration`].
+    /// Largest opening acceleration of a pin at the node, see `Linkage::max_opening_acceleration`.
     pub opening_acceleration: f64,
     /// Largest pin opening that a step may leave because its mean velocities differ from the predicted ones, m.
     pub tolerance_m: f64,
@@ -257,7 +257,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Returns the energy stored in bristles, J.
-    pub fn bristle_energy(&self) -> f64 {
+    pub(crate) fn bristle_energy(&self) -> f64 {
         let energy = |candidate: &ContactCandidate| {
             candidate.bristle().map_or(0.0, |bristle| bristle.energy(self.bristle_states[candidate.index]))
         };
@@ -282,7 +282,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Returns the impulses of rapier's own contact in the last step.
-    pub fn rapier_contact(&self, index: usize) -> Option<&RapierContact> {
+    pub(crate) fn rapier_contact(&self, index: usize) -> Option<&RapierContact> {
         self.rapier_contacts.iter().find(|contact| contact.index == index)
     }
 
@@ -293,19 +293,19 @@ impl<'a> Motion<'a> {
 
     /// Whether the bristle of a contact slips at the end of the last step; `None` if it has no bristle or is not
     /// loaded.
-    pub fn is_slipping(&self, index: usize) -> Option<bool> {
+    pub(crate) fn is_slipping(&self, index: usize) -> Option<bool> {
         self.contact.is_slipping(self.space.find(index)?.0, &self.space)
     }
 
     /// Returns the states of a stop or contact with the largest force and with the largest penetration in the last
     /// step, if it was in the contact space.
-    pub fn contact_extrema(&self, index: usize) -> Option<[ContactExtremum; 2]> {
+    pub(crate) fn contact_extrema(&self, index: usize) -> Option<[ContactExtremum; 2]> {
         let (position, _) = self.space.find(index)?;
         Some([*self.contact.peak.get(position)?, *self.contact.deepest.get(position)?])
     }
 
     /// Returns the normal impulse of a stop or contact in the last step, from the contact laws or from rapier.
-    pub fn normal_impulse(&self, index: usize) -> f64 {
+    pub(crate) fn normal_impulse(&self, index: usize) -> f64 {
         match self.space.find(index) {
             Some((_, active)) => self.contact.early_impulse[active.normal] + self.contact.late_impulse[active.normal],
             None => self.rapier_contact(index).map_or(0.0, |contact| contact.normal),

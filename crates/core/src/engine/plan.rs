@@ -24,7 +24,7 @@ pub struct PlannedBody {
 
 impl PlannedBody {
     /// A body without mass and shape, at rest at the origin.
-    pub fn at_origin(inertia_kg_m2: f64) -> Self {
+    pub(crate) fn at_origin(inertia_kg_m2: f64) -> Self {
         Self {
             body: Body { mass_kg: 0.0, com_m: [0.0; 2], inertia_kg_m2 },
             origin_m: [0.0; 2],
@@ -228,24 +228,24 @@ impl Plan {
     }
 
     /// Returns the element index of a contact channel; `None` if the contact does not exist.
-    pub fn element_index(&self, channel: usize) -> Option<usize> {
+    pub(crate) fn element_index(&self, channel: usize) -> Option<usize> {
         self.stop_channels.iter().chain(&self.contact_channels).position(|other| *other == channel)
     }
 
     /// Element index of the first brake.
-    pub fn first_brake(&self) -> usize {
+    pub(crate) fn first_brake(&self) -> usize {
         self.stops.len() + self.contacts.len()
     }
 
     /// Element index of the first motor.
-    pub fn first_motor(&self) -> usize {
+    pub(crate) fn first_motor(&self) -> usize {
         self.first_brake() + self.brakes.len()
     }
 }
 
 impl PlannedMotor {
     /// Returns the stall torque at time `t`, N·m, and the torque lost per shaft rate, N·m·s/rad.
-    pub fn characteristic(&self, t: f64) -> (f64, f64) {
+    pub(crate) fn characteristic(&self, t: f64) -> (f64, f64) {
         let stall_torque = torque(&self.actuation, t).0;
         (stall_torque, self.no_load_speed_rad_s.map_or(0.0, |speed| stall_torque.abs() / speed))
     }

@@ -164,7 +164,7 @@ impl Default for Tolerance {
 
 impl Tolerance {
     /// Returns the tolerances of a run: sub-step errors are proportional to its step tolerance.
-    pub fn from_stepping(stepping: Stepping) -> Self {
+    pub(crate) fn from_stepping(stepping: Stepping) -> Self {
         let Stepping::Adaptive { tolerance_m, .. } = stepping else { return FIXED };
         let factor = tolerance_m / DEFAULT_TOLERANCE_M;
         Self {
@@ -269,7 +269,7 @@ impl ContactSolver {
     }
 
     /// Whether the bristle of a contact slips at the end of the step; `None` if it has no bristle or is not loaded.
-    pub fn is_slipping(&self, index: usize, space: &ContactSpace) -> Option<bool> {
+    pub(crate) fn is_slipping(&self, index: usize, space: &ContactSpace) -> Option<bool> {
         let contact = &space.active_contacts[index];
         let is_loaded =
             contact.candidate.has_gap() && contact.candidate.bristle().is_some() && self.force[contact.normal] > 0.0;
@@ -568,7 +568,7 @@ fn relative_error(
 }
 
 /// Returns the smallest positive time at which gap + rate t + ½ acceleration t² is zero; infinite if there is none.
-pub fn time_to_zero(gap: f64, rate: f64, acceleration: f64) -> f64 {
+pub(crate) fn time_to_zero(gap: f64, rate: f64, acceleration: f64) -> f64 {
     if gap <= 0.0 {
         return if rate < 0.0 { 0.0 } else { f64::INFINITY };
     }

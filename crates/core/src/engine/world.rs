@@ -23,7 +23,7 @@ pub struct World {
 /// Disables solver contacts and response for the pairs that carry this hook; the contact laws replace them, and
 /// rapier's broad phase still finds the pairs. `None` rather than empty solver flags, so that rapier skips the unused
 /// contact geometry.
-pub struct LawContactHook;
+pub(crate) struct LawContactHook;
 
 impl PhysicsHooks for LawContactHook {
     fn filter_contact_pair(&self, _: &PairFilterContext) -> Option<SolverFlags> {
@@ -217,7 +217,7 @@ pub fn polygon(shape: &shape::Shape) -> ColliderBuilder {
 }
 
 /// Returns the rapier collider of a surface.
-pub fn collider(shape: Shape) -> ColliderBuilder {
+pub(crate) fn collider(shape: Shape) -> ColliderBuilder {
     match shape {
         Shape::Capsule(capsule) => {
             let end = Vector::new(cos(capsule.angle_rad), sin(capsule.angle_rad)) * capsule.length_m;

@@ -6,7 +6,7 @@ use crate::engine::ChangeKind;
 
 /// Largest number of slip and stick events reported per contact; later ones are only counted. A tip that chatters for
 /// minutes produces millions of them.
-pub const MAX_FRICTION_EVENTS: u32 = 1000;
+pub(crate) const MAX_FRICTION_EVENTS: u32 = 1000;
 
 /// State of one contact through time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,7 +68,7 @@ impl ContactTracker {
 
     /// Updates the slip state; `None` if the contact is inactive or has no bristle. Returns the event to report, if
     /// any.
-    pub fn update_slip(&mut self, is_slipping: Option<bool>) -> Option<ReportedEvent> {
+    pub(crate) fn update_slip(&mut self, is_slipping: Option<bool>) -> Option<ReportedEvent> {
         let before = std::mem::replace(&mut self.is_slipping, is_slipping.unwrap_or(false));
         let changed = is_slipping.is_some_and(|slips| slips != before);
         self.summary.slips = self.summary.slips.saturating_add(u32::from(changed && self.is_slipping));
@@ -84,7 +84,7 @@ impl ContactTracker {
 impl ContactTracker {
     /// Processes a change; `impulse` is the impulse of the current step so far. Returns `None` if the change is not an
     /// event.
-    pub fn process_change(
+    pub(crate) fn process_change(
         &mut self,
         kind: ChangeKind,
         time_s: f64,
@@ -118,13 +118,13 @@ impl ContactTracker {
     }
 
     /// Adds the impulse of a step.
-    pub fn add_step(&mut self, impulse: f64) {
+    pub(crate) fn add_step(&mut self, impulse: f64) {
         self.engine.impulse += impulse;
         self.summary.impulse_n_s = self.engine.impulse;
     }
 
     /// Returns the change between two steps: a force that appears or disappears at the end of a step.
-    pub fn change_between_steps(&self, force: f64) -> Option<ChangeKind> {
+    pub(crate) fn change_between_steps(&self, force: f64) -> Option<ChangeKind> {
         match (self.engine.is_loaded, force > 0.0) {
             (true, false) => Some(ChangeKind::Unloads),
             (false, true) => Some(ChangeKind::Loads),

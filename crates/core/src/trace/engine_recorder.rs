@@ -295,7 +295,7 @@ impl<'a> EngineRecorder<'a> {
     }
 
     /// Upper bound of the next step, s, so that it ends where the object leaves the reach of the fingers.
-    pub fn time_to_exit_s(&self) -> f64 {
+    pub(crate) fn time_to_exit_s(&self) -> f64 {
         let object = self.last.bodies.first().filter(|_| has_surface_touched(&self.trackers, &self.last));
         self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(object))
     }

@@ -72,12 +72,12 @@ impl<T> StepExtrema<T> {
     }
 
     /// Removes and returns the first extremum if it lies before a position.
-    pub fn next_before(&mut self, position: f64) -> Option<(f64, T)> {
+    pub(crate) fn next_before(&mut self, position: f64) -> Option<(f64, T)> {
         self.inside.first().is_some_and(|(first, _)| *first < position).then(|| self.inside.remove(0))
     }
 
     /// Removes and returns the next extremum if it lies exactly at a position.
-    pub fn next_at(&mut self, position: f64) -> Option<T> {
+    pub(crate) fn next_at(&mut self, position: f64) -> Option<T> {
         self.inside.first().is_some_and(|(first, _)| *first == position).then(|| self.inside.remove(0).1)
     }
 }
@@ -102,7 +102,7 @@ const STEP_END: f64 = 1.0 - 1e-9;
 impl StepExtrema<(usize, ContactExtremum)> {
     /// Adds one contact over a step of length `dt_s`: its extrema within the step, if contact was solved by sub-steps,
     /// and force and penetration at the end.
-    pub fn add_contact(
+    pub(crate) fn add_contact(
         &mut self,
         contact: usize,
         summary: &mut ContactSummary,

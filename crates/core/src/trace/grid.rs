@@ -46,7 +46,7 @@ impl Grid {
     }
 
     /// Starts a step that ends at `end_s`.
-    pub fn begin_step(&mut self, end_s: f64) {
+    pub(crate) fn begin_step(&mut self, end_s: f64) {
         let points = ((end_s / self.interval_s) as u64).saturating_sub(self.next - 1);
         self.stride = if self.is_long && points >= MAX_POINTS_PER_STEP {
             1 << (2 * points / MAX_POINTS_PER_STEP).ilog2()
@@ -56,7 +56,7 @@ impl Grid {
     }
 
     /// Returns the next grid point and advances, if the point lies before `end_s`.
-    pub fn next_before(&mut self, end_s: f64) -> Option<f64> {
+    pub(crate) fn next_before(&mut self, end_s: f64) -> Option<f64> {
         let next = self.next.next_multiple_of(self.stride);
         let t = next as f64 * self.interval_s;
         if t < end_s {
@@ -73,7 +73,7 @@ impl Grid {
 
     /// Whether the end of a step of length `h` gets a sample of its own: it lies on the grid, which then advances, or
     /// the step is shorter than the grid interval.
-    pub fn includes_end(&mut self, end_s: f64, h: f64) -> bool {
+    pub(crate) fn includes_end(&mut self, end_s: f64, h: f64) -> bool {
         let on_grid = self.next as f64 * self.interval_s == end_s;
         if on_grid {
             self.next += 1;

@@ -27,7 +27,6 @@ mod sample;
 mod sink;
 
 pub use analytic::run_analytic;
-pub use contact_tracker::MAX_FRICTION_EVENTS;
 pub use decimator::Decimated;
 #[cfg(feature = "engine")]
 pub use engine::run_engine;

@@ -9,7 +9,7 @@ use phalanx_core::numeric::elementary::{atan2, sin_cos};
 use phalanx_core::trace::ContactSample;
 
 /// Name of the root frame.
-pub const WORLD: &str = "world";
+pub(crate) const WORLD: &str = "world";
 
 /// Elevation of arrows and points above all bodies, relative to the longest arrow.
 const ARROW_ELEVATION: f64 = 0.05;
@@ -49,12 +49,12 @@ impl Arrows {
     }
 
     /// Whether the last picture has an arrow.
-    pub fn any_visible(&self) -> bool {
+    pub(crate) fn any_visible(&self) -> bool {
         self.lengths_m.iter().any(|lengths| lengths[0] > 0.0)
     }
 
     /// Largest change of an arrow since it was drawn, relative to the longest arrow.
-    pub fn largest_change<'a>(&self, contacts: impl Iterator<Item = &'a ContactSample>) -> f64 {
+    pub(crate) fn largest_change<'a>(&self, contacts: impl Iterator<Item = &'a ContactSample>) -> f64 {
         let change = |(contact, drawn): (&ContactSample, &[f64; 2])| {
             let [normal, tangential] = self.lengths(contact);
             (normal - drawn[0]).abs().max((tangential - drawn[1]).abs())
@@ -117,7 +117,7 @@ fn pose([x, y]: [f64; 2], angle_rad: f64, longest_m: f64) -> Pose {
 }
 
 /// Returns the quaternion of a rotation in the plane.
-pub fn rotation_about_z(angle_rad: f64) -> Quaternion {
+pub(crate) fn rotation_about_z(angle_rad: f64) -> Quaternion {
     let (sin, cos) = sin_cos(0.5 * angle_rad);
     Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }
 }

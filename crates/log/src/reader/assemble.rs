@@ -22,7 +22,7 @@ use phalanx_core::scene::parse_any;
 use phalanx_core::trace::{ContactChannel, ContactSample, Event, EventKind, Layout, Sample, SinkError};
 
 /// Assembles messages, which arrive grouped by log time.
-pub struct Assembler {
+pub(crate) struct Assembler {
     layout: Layout,
     /// Known channels, by id.
     channels: BTreeMap<u16, KnownChannel>,

@@ -60,12 +60,12 @@ impl<R: Read + Seek> Messages<R> {
     }
 
     /// Log time of the next group, ns.
-    pub fn next_time_ns(&self) -> Option<u64> {
+    pub(crate) fn next_time_ns(&self) -> Option<u64> {
         self.next.as_ref().map(|message| message.header.log_time)
     }
 
     /// Returns all messages of the next log time; empty at the end.
-    pub fn next_group(&mut self) -> Result<Vec<Message>, ReadError> {
+    pub(crate) fn next_group(&mut self) -> Result<Vec<Message>, ReadError> {
         let (mut group, mut bytes) = (Vec::new(), 0);
         let time_ns = self.next_time_ns();
         while let Some(message) = self.next.take_if(|message| Some(message.header.log_time) == time_ns) {

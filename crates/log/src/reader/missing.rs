@@ -13,14 +13,14 @@ use phalanx_core::trace::Layout;
 
 /// A channel of the log that phalanx knows.
 #[derive(Clone, Debug)]
-pub struct KnownChannel {
+pub(crate) struct KnownChannel {
     pub id: u16,
     pub topic: String,
     pub content: ChannelContent,
 }
 
 /// Counts the received components of samples, events and event lines.
-pub struct MissingTracker {
+pub(crate) struct MissingTracker {
     samples: u64,
     latest_s: f64,
     /// For each component: number of samples with it, and time of the first sample without it.
@@ -45,7 +45,7 @@ impl MissingTracker {
         }
     }
 
-    pub fn start_sample(&mut self, time_s: f64) {
+    pub(crate) fn start_sample(&mut self, time_s: f64) {
         self.end_sample();
         self.samples += 1;
         self.latest_s = time_s;
@@ -60,19 +60,19 @@ impl MissingTracker {
     }
 
     /// Counts a component of the current sample.
-    pub fn count_component(&mut self, component: usize) {
+    pub(crate) fn count_component(&mut self, component: usize) {
         self.received[component].0 += 1;
     }
 
-    pub fn count_event(&mut self, contact: usize, is_friction: bool) {
+    pub(crate) fn count_event(&mut self, contact: usize, is_friction: bool) {
         self.events[contact][usize::from(is_friction)] += 1;
     }
 
-    pub fn count_line(&mut self, contact: usize, is_friction: bool) {
+    pub(crate) fn count_line(&mut self, contact: usize, is_friction: bool) {
         self.lines[contact][usize::from(is_friction)] += 1;
     }
 
-    pub fn count_duplicate(&mut self, channel: u16) {
+    pub(crate) fn count_duplicate(&mut self, channel: u16) {
         *self.duplicates.entry(channel).or_default() += 1;
     }
 

@@ -22,14 +22,14 @@ const RECORD_HEAD: usize = 1 + 8;
 
 /// Number of messages of a channel, and their smallest and largest sequence number.
 #[derive(Clone, Copy, Debug)]
-pub struct SequenceStats {
+pub(crate) struct SequenceStats {
     pub messages: u64,
     pub min_sequence: u32,
     pub max_sequence: u32,
 }
 
 /// Results of the first pass.
-pub struct Scan {
+pub(crate) struct Scan {
     pub summary: LogSummary,
     /// Whether the metadata record of phalanx was found.
     pub is_phalanx_log: bool,

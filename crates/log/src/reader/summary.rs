@@ -175,7 +175,7 @@ impl Loss {
 
 /// Reason why a part of a log cannot be used.
 #[derive(Clone, Debug)]
-pub struct Defect {
+pub(crate) struct Defect {
     pub kind: LossKind,
     pub reason: String,
 }

@@ -49,7 +49,7 @@ pub struct TreeTerms<T> {
 
 /// Returns the matrices of one tree, from the directions of its two links.
 #[inline(always)]
-pub fn tree_terms<T: Real>(tree: &Tree, first: Vector<T>, second: Vector<T>, gravity: [f64; 2]) -> TreeTerms<T> {
+pub(crate) fn tree_terms<T: Real>(tree: &Tree, first: Vector<T>, second: Vector<T>, gravity: [f64; 2]) -> TreeTerms<T> {
     let (cos, sin) = (dot(first, second), cross(first, second));
     let [ca, cb] = tree.coupling;
     let x = cos * ca - sin * cb;

@@ -34,7 +34,7 @@ impl AccelerationField {
     }
 
     /// Whether the frame rotates.
-    pub fn is_rotating(&self) -> bool {
+    pub(crate) fn is_rotating(&self) -> bool {
         self.centrifugal != 0.0 || self.coriolis != 0.0 || self.euler != 0.0
     }
 }

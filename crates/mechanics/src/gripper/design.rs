@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub const HEIGHT_RATIO: f64 = 0.9375;
 
 /// Smallest contact angle φ_c22,min of the distal phalanx on the disc, 5°; it determines l21,min.
-pub const TIP_CONTACT_MIN_RAD: f64 = PI / 36.0;
+pub(crate) const TIP_CONTACT_MIN_RAD: f64 = PI / 36.0;
 
 /// Relative tolerance when a rounded length is compared with a bound.
 const SLACK: f64 = 1e-9;
@@ -45,7 +45,7 @@ pub struct Design {
     pub object_radius_m: f64,
     /// h / (2 r_c), see [`HEIGHT_RATIO`].
     pub height_ratio: f64,
-    /// φ_c22,min, see [`TIP_CONTACT_MIN_RAD`].
+    /// φ_c22,min, see `TIP_CONTACT_MIN_RAD`.
     pub tip_contact_min_rad: f64,
 }
 

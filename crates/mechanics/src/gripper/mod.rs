@@ -8,9 +8,8 @@ mod grasp;
 mod mass;
 mod posture;
 
-pub use design::{
-    Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, disc, lengths, proximal_range,
-};
+pub use design::{Design, DesignError, HEIGHT_RATIO, ProximalLength, disc, lengths, proximal_range};
+
 pub use grasp::{
     FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture, start_posture,
 };

@@ -63,19 +63,19 @@ impl RigidPhase {
 
     /// r1 + r2: motor torque while spring and limit keep the tip fixed.
     #[inline]
-    pub fn net_torque(&self, motion: &Motion) -> f64 {
+    pub(crate) fn net_torque(&self, motion: &Motion) -> f64 {
         let [r1, r2] = self.torques(motion);
         r1 + r2
     }
 
     /// Motor torque against a constant spring k_s at q22 alone, without the torque of the limit: r1 + (∂q22/∂q11) k_s.
     #[inline]
-    pub fn motor_with_spring(&self, motion: &Motion, k_s: f64) -> f64 {
+    pub(crate) fn motor_with_spring(&self, motion: &Motion, k_s: f64) -> f64 {
         self.torques(motion)[0] + gradient(Placement::Phalanges, &self.rates)[0] * k_s
     }
 
     /// Lever ∂q_s/∂q21 of the spring: the part of r2 that a spring torque of 1 N·m balances.
-    pub fn spring_lever(&self, placement: Placement) -> f64 {
+    pub(crate) fn spring_lever(&self, placement: Placement) -> f64 {
         gradient(placement, &self.rates)[1]
     }
 }

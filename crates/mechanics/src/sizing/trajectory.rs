@@ -24,7 +24,7 @@ pub fn acceleration(x: f64) -> f64 {
 /// Inverse of [`position`]: the x in 0 … 1 at which s(x) = `fraction`, clamped outside 0 … 1.
 ///
 /// Newton iteration, safeguarded by bisection because s is flat at both ends.
-pub fn inverse_position(fraction: f64) -> f64 {
+pub(crate) fn inverse_position(fraction: f64) -> f64 {
     if fraction <= 0.0 {
         return 0.0;
     }

@@ -40,7 +40,7 @@ pub struct Program {
 
 /// Result of the programme.
 #[derive(Clone, Debug)]
-pub enum Optimum {
+pub(crate) enum Optimum {
     /// Not even the fixed load can be balanced.
     Infeasible,
     /// The size of each column; that of the driving load is the largest multiple.
@@ -67,7 +67,7 @@ fn balance_error(reason: String) -> StaticsError {
 
 impl Program {
     /// Indices of the unilateral forces.
-    pub fn contact_edges(&self) -> Range<usize> {
+    pub(crate) fn contact_edges(&self) -> Range<usize> {
         1..1 + self.edge_count
     }
 
@@ -194,7 +194,7 @@ impl Program {
     }
 
     /// Forces in exact balance; the original ones if the correction would move one of them beyond its bound.
-    pub fn exact_forces(&self, found: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn exact_forces(&self, found: Vec<f64>) -> Vec<f64> {
         let on_bounds = found.iter().zip(&self.columns);
         let mut forces: Vec<f64> =
             on_bounds.map(|(value, column)| on_bound(*value, column.bounds).unwrap_or(*value)).collect();
@@ -215,7 +215,7 @@ impl Program {
 
     /// Returns the motion in which forces strictly within their bounds have exactly zero power, and the driving load
     /// has 1 W.
-    pub fn exact_motion(&self, forces: &[f64], found: Bound) -> Bound {
+    pub(crate) fn exact_motion(&self, forces: &[f64], found: Bound) -> Bound {
         let loads = self.driving_last().map(|index| self.columns[index].load);
         let columns: Vec<Load> = loads.chain([self.fixed]).collect();
         let start = project_onto_columns(&columns, &found.motion);

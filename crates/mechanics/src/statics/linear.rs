@@ -18,7 +18,7 @@ pub struct Scaled {
 }
 
 /// Scales U: column j by 1/scale_j, row i by 1/norm_i.
-pub fn scale_constraints(u: &Unilateral) -> Scaled {
+pub(crate) fn scale_constraints(u: &Unilateral) -> Scaled {
     let (m, n) = (u.rows.len(), u.unknowns.len());
     let mut matrix = DMatrix::from_fn(m, n, |i, j| u.row(i)[j] / u.scale[j]);
     let norms: Vec<f64> =
@@ -42,13 +42,13 @@ pub fn basis(matrix: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Component of a vector orthogonal to a basis; projected twice, so that it is orthogonal up to rounding.
-pub fn orthogonal_component(basis: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
+pub(crate) fn orthogonal_component(basis: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
     let projected = vector - basis * basis.tr_mul(vector);
     &projected - basis * basis.tr_mul(&projected)
 }
 
 /// Returns a unit vector orthogonal to a basis that does not span the whole space.
-pub fn orthogonal(basis: &DMatrix<f64>) -> DVector<f64> {
+pub(crate) fn orthogonal(basis: &DMatrix<f64>) -> DVector<f64> {
     let n = basis.nrows();
     // Select the axis with the smallest projection onto the basis.
     let coverage = |i: usize| basis.row(i).norm_squared();
@@ -99,7 +99,7 @@ fn values(problem: &Problem, of: &[Variable]) -> Result<Option<DVector<f64>>, St
 }
 
 /// Solves a linear programme; `None` if it is infeasible.
-pub fn solve_program(
+pub(crate) fn solve_program(
     problem: &Problem,
     error: impl Fn(String) -> StaticsError,
 ) -> Result<Option<Solution>, StaticsError> {

@@ -28,7 +28,7 @@ pub fn static_kinematics(finger: &Finger, end: &FinalPosture) -> Result<StaticKi
 }
 
 /// [`static_kinematics`] for any posture.
-pub fn static_kinematics_at(finger: &Finger, q: &Posture) -> Result<StaticKinematics, StaticsError> {
+pub(crate) fn static_kinematics_at(finger: &Finger, q: &Posture) -> Result<StaticKinematics, StaticsError> {
     let e = |angle: f64| [cos(angle), sin(angle)];
     let pose =
         Directions { e1: e(q.q11_rad), e2: e(q.q21_rad), e3: e(q.q11_rad + q.q12_rad), e4: e(q.q21_rad + q.q22_rad) };

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::error::Problem;
 
 /// Label of keys that have no effect because of other keys.
-pub const NO_EFFECT: &str = "no effect";
+pub(crate) const NO_EFFECT: &str = "no effect";
 
 /// Reads values and collects problems.
 pub struct Checker<'a> {
@@ -24,7 +24,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Creates a checker of the same text, without problems, whose problems can be discarded.
-    pub fn for_trial(&self) -> Self {
+    pub(crate) fn for_trial(&self) -> Self {
         Checker { text: self.text, problems: RefCell::default(), has_type_errors: self.has_type_errors }
     }
 
@@ -77,7 +77,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Reports that the key at a position has no effect, with a remedy.
-    pub fn report_no_effect(&self, key: &str, span: Option<Range<usize>>, reason: &str, help: &str) {
+    pub(crate) fn report_no_effect(&self, key: &str, span: Option<Range<usize>>, reason: &str, help: &str) {
         self.push(Problem::new(span, format!("`{key}` has no effect {reason}"), NO_EFFECT, help));
     }
 

@@ -28,7 +28,7 @@ pub struct Layer {
 /// Keys that are not inherited.
 const NOT_INHERITED: [&str; 2] = ["name", "description"];
 /// The key with the path of the extended scene.
-pub const EXTENDS: &str = "extends";
+pub(crate) const EXTENDS: &str = "extends";
 
 /// Returns the path of the scene that a text extends, as written, and its position; `None` also for a text that is not
 /// TOML.

@@ -98,7 +98,7 @@ impl System {
     }
 
     /// Narrowest slip range of any friction law, m/s; infinite without friction.
-    pub fn narrowest_slip_range_m_s(&self) -> f64 {
+    pub(crate) fn narrowest_slip_range_m_s(&self) -> f64 {
         let laws = self.contact_ids().into_iter().filter_map(|contact| self.contact_laws(contact)?.1);
         laws.map(|friction| friction.min_slip_scale_m_s()).fold(f64::INFINITY, f64::min)
     }

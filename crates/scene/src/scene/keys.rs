@@ -19,7 +19,7 @@ pub struct KeySchemas<'a> {
 }
 
 /// Another kind of scene, and the schema of the same table in it.
-pub type KindSchema<'a> = (&'a str, &'a Value);
+pub(crate) type KindSchema<'a> = (&'a str, &'a Value);
 
 /// Removes and reports every unknown key, every table in place of a value, and every value in place of a table.
 pub fn remove_unknown(document: &mut DeTable<'_>, schemas: &KeySchemas) -> Vec<Problem> {

@@ -56,7 +56,7 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
 }
 
 /// Returns path, key and value of the innermost field whose key or value contains a byte offset of the text.
-pub fn entry_at(table: &DeTable<'_>, offset: usize) -> Option<(Vec<String>, Range<usize>, Range<usize>)> {
+pub(crate) fn entry_at(table: &DeTable<'_>, offset: usize) -> Option<(Vec<String>, Range<usize>, Range<usize>)> {
     table.iter().find_map(|(key, value)| {
         let inner = match value.get_ref() {
             DeValue::Table(inner) => entry_at(inner, offset),

@@ -2,7 +2,7 @@
 //! over the common ones.
 
 /// Keys that select the kind of a section: a section of another kind does not inherit the other keys.
-pub const KIND_KEYS: [&str; 2] = ["type", "profile"];
+pub(crate) const KIND_KEYS: [&str; 2] = ["type", "profile"];
 /// Alternative sections, or alternative keys of a section, for the same thing.
 const ALTERNATIVES: [[&str; 2]; 3] = [["design", "lengths"], ["l21", "l21_fraction"], ["time", "acceleration"]];
 

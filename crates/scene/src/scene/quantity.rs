@@ -15,7 +15,7 @@ use serde::{Serialize, Serializer};
 use crate::units::Dimension;
 
 /// The dimension of a [`Quantity`]; `None` for a plain number.
-pub trait Measure {
+pub(crate) trait Measure {
     const DIMENSION: Option<Dimension>;
 }
 
@@ -65,7 +65,7 @@ pub struct Quantity<D, R = Finite>(f64, PhantomData<(D, R)>);
 /// A quantity above 0.
 pub type Positive<D> = Quantity<D, Above0>;
 /// A quantity of at least 0.
-pub type NotNegative<D> = Quantity<D, From0>;
+pub(crate) type NotNegative<D> = Quantity<D, From0>;
 
 impl<D, R> From<f64> for Quantity<D, R> {
     fn from(si: f64) -> Self {
@@ -106,7 +106,7 @@ impl<D: Measure, R: Range> JsonSchema for Quantity<D, R> {
 }
 
 /// The SI values of a list of quantities.
-pub fn si_values<D, R>(values: &[Quantity<D, R>]) -> Vec<f64> {
+pub(crate) fn si_values<D, R>(values: &[Quantity<D, R>]) -> Vec<f64> {
     values.iter().map(|value| **value).collect()
 }
 

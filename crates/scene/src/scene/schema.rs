@@ -143,7 +143,7 @@ pub fn properties(schema: &Value) -> Vec<(&String, &Value)> {
 }
 
 /// Keys of a table that are values, in their order.
-pub fn value_properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
+pub(crate) fn value_properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
     properties(schema).into_iter().filter(|(_, property)| !super::keys::is_table(property))
 }
 
@@ -187,7 +187,7 @@ fn limits(schema: &Value) -> Vec<(&'static str, f64)> {
 }
 
 /// Describes the allowed numbers: "above 0", "from 0 to 1".
-pub fn describe_limits(schema: &Value) -> String {
+pub(crate) fn describe_limits(schema: &Value) -> String {
     let text = |limit: f64| match ValueType::from_schema(schema) {
         ValueType::Quantity(dimension) if limit != 0.0 => format(limit, dimension),
         _ => number(limit),
@@ -203,7 +203,7 @@ pub fn describe_limits(schema: &Value) -> String {
 }
 
 /// Describes the allowed values of a key.
-pub fn describe_allowed(schema: &Value) -> String {
+pub(crate) fn describe_allowed(schema: &Value) -> String {
     let described = describe_limits(schema);
     match ValueType::from_schema(schema) {
         ValueType::Choice(keywords) => {

@@ -27,7 +27,7 @@ type Values = BTreeMap<String, Spanned<TomlValue>>;
 
 /// A scene without unknown keys.
 #[derive(Debug)]
-pub struct SceneInput {
+pub(crate) struct SceneInput {
     pub kind: SceneKind,
     values: Values,
     /// Values of each finger of a gripper.
@@ -55,7 +55,7 @@ impl SceneInput {
     }
 
     /// Returns the top level, with common values only.
-    pub fn top_level<'a>(&'a self, checker: &'a Checker<'a>) -> SectionInput<'a> {
+    pub(crate) fn top_level<'a>(&'a self, checker: &'a Checker<'a>) -> SectionInput<'a> {
         let (path, schema, values) = (String::new(), schema_for(self.kind), Some(&self.values));
         SectionInput { kind: self.kind, checker, path, schema, span: None, values }
     }
@@ -66,7 +66,7 @@ impl SceneInput {
     }
 
     /// Position of the name of a disc.
-    pub fn name_span(&self, name: &str) -> Option<Range<usize>> {
+    pub(crate) fn name_span(&self, name: &str) -> Option<Range<usize>> {
         self.names.get(name).cloned()
     }
 }
@@ -132,7 +132,7 @@ impl<'a> SectionInput<'a> {
     }
 
     /// Position of one item of a list, or of the whole value if there is no such item.
-    pub fn item_span(&self, key: &str, index: usize) -> Option<Range<usize>> {
+    pub(crate) fn item_span(&self, key: &str, index: usize) -> Option<Range<usize>> {
         match self.get(key)?.get_ref() {
             TomlValue::List(items) => items.get(index).map(Spanned::span).or(self.span(key)),
             _ => self.span(key),
@@ -151,7 +151,7 @@ impl<'a> SectionInput<'a> {
     }
 
     /// Returns the subsection with this key.
-    pub fn subsection(&self, key: &str) -> Self {
+    pub(crate) fn subsection(&self, key: &str) -> Self {
         let schema = child_schema(self.schema, key).unwrap_or(&Json::Null);
         let (span, values) = match self.get(key).map(|value| (value.span(), value.get_ref())) {
             Some((span, TomlValue::Table(values))) => (Some(span), Some(values)),
@@ -161,12 +161,12 @@ impl<'a> SectionInput<'a> {
     }
 
     /// All subsections with their names.
-    pub fn subsections(&self) -> Vec<(&'a str, Self)> {
+    pub(crate) fn subsections(&self) -> Vec<(&'a str, Self)> {
         self.values.into_iter().flatten().map(|(name, _)| (name.as_str(), self.subsection(name))).collect()
     }
 
     /// The same section with another collector of problems.
-    pub fn with_checker<'b>(&self, checker: &'b Checker<'b>) -> SectionInput<'b>
+    pub(crate) fn with_checker<'b>(&self, checker: &'b Checker<'b>) -> SectionInput<'b>
     where
         'a: 'b,
     {
@@ -187,7 +187,7 @@ impl<'a> SectionInput<'a> {
     ///
     /// # Panics
     /// Panics if a required value of the type has no default: its field must be an option.
-    pub fn read_over<T: DeserializeOwned>(&self, base: &impl Serialize) -> T {
+    pub(crate) fn read_over<T: DeserializeOwned>(&self, base: &impl Serialize) -> T {
         let mut values = Table::new();
         for (_, property) in value_properties(self.schema) {
             let default = property.get("x-si").and_then(|si| Value::try_from(si).ok());
@@ -272,19 +272,19 @@ impl<'a> SectionInput<'a> {
     }
 
     /// Reports a number out of range.
-    pub fn report_out_of_range(&self, key: &str, allowed: &str) {
+    pub(crate) fn report_out_of_range(&self, key: &str, allowed: &str) {
         let span = self.span(key);
         let message = format!("`{}` is {}, but must be {allowed}", self.path(key), self.checker.quoted(span.clone()));
         self.checker.push(Problem::new(span, message, "not allowed", format!("allowed values: {allowed}")));
     }
 
     /// Reports a missing key.
-    pub fn report_missing(&self, key: &str, help: &str) {
+    pub(crate) fn report_missing(&self, key: &str, help: &str) {
         self.checker.report_missing_at(&self.path(key), self.span.clone(), help);
     }
 
     /// Reports that a key has no effect, if it is given.
-    pub fn report_unused(&self, key: &str, reason: &str) {
+    pub(crate) fn report_unused(&self, key: &str, reason: &str) {
         self.checker.report_unused_at(&self.path(key), self.span(key), reason);
     }
 }

@@ -17,7 +17,7 @@ contact|law model normal type restitution hunt-crossley hunt_crossley kelvin-voi
     set these four, or [contact.materials] for Hertz; there are two friction laws: contact.friction.law = \"regularised\" or \"bristle\"";
 
 /// Returns why phalanx does not support a key or value in a section, and the alternative.
-pub fn find_unsupported(path: &str, word: &str) -> Option<(&'static str, &'static str)> {
+pub(crate) fn find_unsupported(path: &str, word: &str) -> Option<(&'static str, &'static str)> {
     let word = word.to_lowercase();
     UNSUPPORTED.lines().find_map(|line| {
         let [section, unsupported_words, reason, instead] = line.split('|').collect::<Vec<_>>().try_into().ok()?;

@@ -134,7 +134,7 @@ impl System {
     }
 
     /// Largest motor torque over the length of the proximal phalanx, N; 0 without fingers.
-    pub fn motor_force_n(&self) -> f64 {
+    pub(crate) fn motor_force_n(&self) -> f64 {
         let input = self.differential.as_ref().map(|differential| &differential.motor);
         let force = |finger: &DrivenFinger| {
             let motor_torque = largest_torque(&finger.motor.actuation);

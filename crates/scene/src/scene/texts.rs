@@ -41,7 +41,7 @@ fn key_text(key: &str) -> String {
 }
 
 /// Writes texts of values with the sections below, in the order of a schema.
-pub fn write_texts(text: &mut String, schema: &Json, values: &Table, path: &str) {
+pub(crate) fn write_texts(text: &mut String, schema: &Json, values: &Table, path: &str) {
     let order: Vec<&String> = properties(schema).into_iter().map(|(key, _)| key).collect();
     let position = |key: &str| {
         let key = pair_element(key).map_or(key, |(pair, _)| pair);

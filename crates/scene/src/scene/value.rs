@@ -187,7 +187,7 @@ fn dimension(schema: &Json) -> Option<Dimension> {
 }
 
 /// Reads a value of a schema, such as a default, in SI units.
-pub fn from_json(json: &Json, value_type: &ValueType) -> Option<Value> {
+pub(crate) fn from_json(json: &Json, value_type: &ValueType) -> Option<Value> {
     fn spanned(json: &Json) -> Spanned<TomlValue> {
         let value = match json {
             Json::Bool(flag) => TomlValue::Flag(*flag),
@@ -207,7 +207,7 @@ pub fn from_json(json: &Json, value_type: &ValueType) -> Option<Value> {
 ///
 /// # Errors
 /// Returns the problem of a value that is no such quantity.
-pub fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: Dimension) -> Read<f64> {
+pub(crate) fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: Dimension) -> Read<f64> {
     let help = || format!("write a number and its unit, as in \"{}\"", expected.example());
     let TomlValue::Text(text) = value.get_ref() else {
         let message = format!(
@@ -225,7 +225,7 @@ pub fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: Dimension)
 ///
 /// # Errors
 /// Returns the problem of a value that is no such keyword.
-pub fn read_keyword(key: &str, value: &Spanned<TomlValue>, keywords: &[&str]) -> Read<usize> {
+pub(crate) fn read_keyword(key: &str, value: &Spanned<TomlValue>, keywords: &[&str]) -> Read<usize> {
     let help = format!("allowed: \"{}\"", keywords.join("\", \""));
     let TomlValue::Text(text) = value.get_ref() else {
         let message = format!("`{key}` is {}, but must be a keyword", value.get_ref().name());

@@ -140,7 +140,7 @@ impl Dimension {
     }
 
     /// Accepted units as one text: `m, cm, mm, um`.
-    pub fn unit_list(self) -> String {
+    pub(crate) fn unit_list(self) -> String {
         let names: Vec<&str> = self.units().iter().map(|unit| unit.name).collect();
         names.join(", ")
     }

@@ -31,7 +31,7 @@ pub struct SceneFile {
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum RequestKind {
+pub(crate) enum RequestKind {
     Fields,
     Run,
     Check,

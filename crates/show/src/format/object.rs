@@ -44,7 +44,7 @@ impl<'a> Object<'a> {
     }
 
     /// Appends a key if it has a value.
-    pub fn with_some(self, key: &'static str, value: Option<impl Serialize + 'a>) -> Self {
+    pub(crate) fn with_some(self, key: &'static str, value: Option<impl Serialize + 'a>) -> Self {
         match value {
             Some(value) => self.with(key, value),
             None => self,

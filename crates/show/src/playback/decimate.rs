@@ -15,7 +15,7 @@ const SAMPLES_AROUND_EVENT: usize = 3;
 /// of `max_count` in total (an evenly spaced subset of the events if there are more). The remaining places are
 /// distributed evenly over the samples by index, not by time, so that a finely sampled impact remains finely sampled.
 /// In each interval of indices the sample with the largest `weight` is retained, which preserves the peak of an impact.
-pub fn select_samples(
+pub(crate) fn select_samples(
     times: &[f64],
     events: &[f64],
     curves: &[Vec<f64>],

@@ -28,7 +28,7 @@ pub fn to_json(playbacks: &[Playback]) -> String {
 }
 
 /// Appends the columns of a run to `data` and returns the run, which refers to each column by its offset and length.
-pub fn append_run<'a>(playback: &'a Playback, data: &mut Vec<f64>) -> Run<'a, [usize; 2]> {
+pub(crate) fn append_run<'a>(playback: &'a Playback, data: &mut Vec<f64>) -> Run<'a, [usize; 2]> {
     let append = |column: &Vec<f64>| {
         data.extend(column);
         [data.len() - column.len(), column.len()]

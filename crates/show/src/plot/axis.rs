@@ -16,7 +16,7 @@ pub struct Axis {
 const TICKS: f64 = 5.0;
 
 /// Tick distance that divides a range into about five parts: 1, 2 or 5 times a power of ten.
-pub fn round_step(range: f64) -> f64 {
+pub(crate) fn round_step(range: f64) -> f64 {
     let raw_step = range / TICKS;
     let power = 10f64.powf(raw_step.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().find(|&m| m * power >= raw_step).unwrap_or(10.0) * power

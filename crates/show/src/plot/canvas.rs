@@ -9,11 +9,11 @@ pub type PlotPoint = (f64, f64);
 
 pub const WIDTH: f64 = 960.0;
 /// Width of a legend next to a frame.
-pub const LEGEND_WIDTH: f64 = 250.0;
+pub(crate) const LEGEND_WIDTH: f64 = 250.0;
 /// Height of a title.
 pub const TITLE_HEIGHT: f64 = 40.0;
 /// Height of the tick labels and the axis label below a frame.
-pub const AXIS_HEIGHT: f64 = 50.0;
+pub(crate) const AXIS_HEIGHT: f64 = 50.0;
 /// Margin below a frame without axis labels.
 const BOTTOM_MARGIN: f64 = 12.0;
 /// Distance from the left of an area to its frame.
@@ -213,7 +213,7 @@ pub fn legend(svg: &mut Svg, [left, top]: Pixel, width: f64, entries: &[LegendEn
 }
 
 /// Height of a legend with this number of entries.
-pub fn legend_height(entries: usize) -> f64 {
+pub(crate) fn legend_height(entries: usize) -> f64 {
     16.0 + LINE_HEIGHT * entries as f64
 }
 

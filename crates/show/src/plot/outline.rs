@@ -92,7 +92,7 @@ pub fn mirrored(outline: &[Point], about_x: f64) -> Vec<Point> {
 }
 
 /// Draws a filled outline.
-pub fn filled_outline(svg: &mut Svg, view: &View, outline: &[Point], paint: Paint) {
+pub(crate) fn filled_outline(svg: &mut Svg, view: &View, outline: &[Point], paint: Paint) {
     let pixels: Vec<Pixel> = outline.iter().map(|point| view.pixel(*point)).collect();
     svg.polygon(&pixels, paint);
 }

@@ -161,7 +161,7 @@ impl Svg {
     }
 
     /// Draws a path of adjacent tiles without anti-aliasing, which would show seams between them.
-    pub fn crisp_path(&mut self, path: &Path, fill: Colour) {
+    pub(crate) fn crisp_path(&mut self, path: &Path, fill: Colour) {
         let path = self.open_element("path").attribute("d", &path.data).paint(Paint::fill(fill));
         path.attribute("shape-rendering", "crispEdges").close();
     }
@@ -248,7 +248,7 @@ impl Path {
     }
 
     /// Adds a line through points; collinear points and points that are not finite are omitted.
-    pub fn with_polyline(mut self, points: &[Pixel]) -> Path {
+    pub(crate) fn with_polyline(mut self, points: &[Pixel]) -> Path {
         let mut simplified: Vec<[i64; 2]> = Vec::with_capacity(points.len());
         let finite = points.iter().filter(|point| point.iter().all(|component| component.is_finite()));
         for point in finite.map(|point| point.map(tenths)) {
@@ -283,20 +283,20 @@ impl Path {
     }
 
     /// Adds a point, drawn by the round or square ends of a line of zero length.
-    pub fn add_dot(&mut self, position: Pixel) {
+    pub(crate) fn add_dot(&mut self, position: Pixel) {
         self.move_to(position.map(tenths));
         self.data.push_str("h0");
     }
 
     /// Adds a circle.
-    pub fn add_circle(&mut self, [x, y]: Pixel, radius: f64) {
+    pub(crate) fn add_circle(&mut self, [x, y]: Pixel, radius: f64) {
         self.move_to([x - radius, y].map(tenths));
         let (r, across) = (pixels(radius), pixels(2.0 * radius));
         let _ = write!(self.data, "a{r} {r} 0 1 0 {across} 0a{r} {r} 0 1 0-{across} 0");
     }
 
     /// Adds a rectangle given by its upper left and lower right corner.
-    pub fn add_rectangle(&mut self, [from, to]: [Pixel; 2]) {
+    pub(crate) fn add_rectangle(&mut self, [from, to]: [Pixel; 2]) {
         let ([left, top], [right, bottom]) = (from.map(tenths), to.map(tenths));
         self.move_to([left, top]);
         let (wide, tall) = (format_tenths(right - left), format_tenths(bottom - top));

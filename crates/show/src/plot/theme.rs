@@ -21,9 +21,9 @@ pub const INK: Colour = Colour(27, 31, 38);
 /// Secondary text and lines.
 pub const SOFT: Colour = Colour(86, 94, 107);
 /// Major grid lines.
-pub const LINE: Colour = Colour(213, 217, 224);
+pub(crate) const LINE: Colour = Colour(213, 217, 224);
 /// Minor grid lines.
-pub const FAINT: Colour = Colour(233, 236, 240);
+pub(crate) const FAINT: Colour = Colour(233, 236, 240);
 /// First curve colour.
 pub const BLUE: Colour = Colour(0, 114, 178);
 /// Second curve colour.
@@ -35,17 +35,17 @@ pub const PURPLE: Colour = Colour(156, 69, 132);
 /// Fifth curve colour.
 pub const AMBER: Colour = Colour(143, 100, 0);
 /// Sixth curve colour.
-pub const GREY: Colour = Colour(95, 103, 115);
+pub(crate) const GREY: Colour = Colour(95, 103, 115);
 /// Colours of successive curves: distinguishable with colour blindness (Okabe and Ito), and dark enough for text.
 pub const SERIES: [Colour; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];
 /// Driven link l11.
-pub const DRIVER: Colour = Colour(185, 194, 207);
+pub(crate) const DRIVER: Colour = Colour(185, 194, 207);
 /// Coupler l12.
-pub const COUPLER: Colour = Colour(211, 217, 226);
+pub(crate) const COUPLER: Colour = Colour(211, 217, 226);
 /// Proximal phalanx l21.
-pub const PROXIMAL: Colour = Colour(169, 210, 236);
+pub(crate) const PROXIMAL: Colour = Colour(169, 210, 236);
 /// Distal phalanx l22.
-pub const DISTAL: Colour = Colour(245, 199, 161);
+pub(crate) const DISTAL: Colour = Colour(245, 199, 161);
 /// Grasped object.
 pub const OBJECT: Colour = Colour(227, 220, 203);
 /// Palm.

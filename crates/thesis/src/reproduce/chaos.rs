@@ -19,12 +19,12 @@ use crate::trace::{self, Model, RunError, Sink};
 const STUDY_PERTURBATION: f64 = 1e-9;
 
 /// Largest difference of two times to stability that count as equal; an impact lasts about a microsecond.
-pub const MAX_TTS_DIFFERENCE_S: f64 = 1e-5;
+pub(crate) const MAX_TTS_DIFFERENCE_S: f64 = 1e-5;
 
 /// Variations that should give the same result as the run of the study: the reference run of the check, with another
 /// method at a hundredth of the tolerance; that run with a torque increased by [`PERTURBATION`]; the run of the study
 /// with a torque increased by a billionth.
-pub const VARIATIONS: [&str; 3] = ["another method, finer", "the same, torque + 1e-7", "torque + 1e-9"];
+pub(crate) const VARIATIONS: [&str; 3] = ["another method, finer", "the same, torque + 1e-7", "torque + 1e-9"];
 
 const _: () = assert!(PERTURBATION == 1e-7, "the value in the name of the variation");
 
@@ -71,7 +71,7 @@ pub struct Chaos {
     pub class_changes: Vec<ClassChange>,
     /// Runs whose time to stability changes by more than `drift_s`, or exists only in some variations.
     pub drifting_runs: Vec<i64>,
-    /// [`MAX_TTS_DIFFERENCE_S`].
+    /// `MAX_TTS_DIFFERENCE_S`.
     pub drift_s: f64,
 }
 

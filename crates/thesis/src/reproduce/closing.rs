@@ -63,7 +63,7 @@ impl Sink for ClosingRecorder {
 type Angle = (&'static str, Colour, fn(&FingerState) -> f64);
 
 /// Draws the joint angles: the first closing motion with solid lines, others with faint lines.
-pub fn plot_closings(title: &str, closings: &[&Closing]) -> String {
+pub(crate) fn plot_closings(title: &str, closings: &[&Closing]) -> String {
     let angles: [Angle; 3] = [
         ("q11", BLUE, |finger| finger.q11_rad.to_degrees()),
         ("q21", ORANGE, |finger| finger.q21_rad.to_degrees()),

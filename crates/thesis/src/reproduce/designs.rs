@@ -31,7 +31,7 @@ const SAMPLES: usize = 400;
 const FEW_SAMPLES: usize = 60;
 
 /// Number of cells along each axis of a [`Grid`].
-pub const CELLS_PER_AXIS: usize = 10;
+pub(crate) const CELLS_PER_AXIS: usize = 10;
 
 /// Results of the sizing.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,7 +104,7 @@ pub fn necessary_count(scene: &Scene) -> Result<NecessaryCount, StudyError> {
 
 /// Returns the number of form-closed designs of the design space printed in §4.2, in which l21 takes quarters of its
 /// range (errata 15).
-pub fn form_closed_in_quarters() -> Result<usize, StudyError> {
+pub(crate) fn form_closed_in_quarters() -> Result<usize, StudyError> {
     let template = Template::thesis();
     let mut form_closed = 0;
     for base_m in BASES_M {
@@ -124,7 +124,7 @@ pub fn form_closed_in_quarters() -> Result<usize, StudyError> {
 
 /// Evaluates static stability with the sizing of the study, with the other rule, and with motor and spring torques
 /// scaled by the printed ratios of design 95.
-pub fn other_sizings(simulations: &Simulations, found: &SizingFound) -> Result<Vec<OtherSizing>, StudyError> {
+pub(crate) fn other_sizings(simulations: &Simulations, found: &SizingFound) -> Result<Vec<OtherSizing>, StudyError> {
     let [motor, spring] = found.printed_ratios();
     let mut sizings = vec![OtherSizing {
         torques: "this study: RMS over the rigid phase",
@@ -147,7 +147,7 @@ pub fn other_sizings(simulations: &Simulations, found: &SizingFound) -> Result<V
     Ok(sizings)
 }
 
-/// Percentages for one base over the centres of [`CELLS_PER_AXIS`]³ cells, without friction and with μ_s = 0.8.
+/// Percentages for one base over the centres of `CELLS_PER_AXIS`³ cells, without friction and with μ_s = 0.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     pub base_m: f64,

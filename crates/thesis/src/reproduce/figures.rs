@@ -139,7 +139,7 @@ pub fn compare(values: &BTreeMap<String, f64>, quick: bool) -> Vec<Comparison> {
 
 impl Comparison {
     /// Returns the value printed in the thesis, with its unit.
-    pub fn thesis_text(&self) -> String {
+    pub(crate) fn thesis_text(&self) -> String {
         if self.figure.printed.is_empty() { "–".to_string() } else { self.with_unit(&self.figure.printed) }
     }
 
@@ -159,7 +159,7 @@ impl Comparison {
     }
 
     /// Returns the reason for the difference with its errata; empty if the computed value rounds to the printed one.
-    pub fn reason_text(&self) -> String {
+    pub(crate) fn reason_text(&self) -> String {
         let printed = &self.figure.printed;
         let matches_printed = format!("{:.*}", decimals(printed), self.computed * self.figure.scale()) == *printed;
         if self.reason.is_empty() || matches_printed && self.verdict != Verdict::Outside {

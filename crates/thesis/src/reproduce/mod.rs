@@ -27,11 +27,14 @@ use std::fmt::Display;
 
 use serde::Serialize;
 
-pub use chaos::{Chaos, Checks, ClassChange, MAX_TTS_DIFFERENCE_S, StableRuns, VARIATIONS};
+pub use chaos::{Chaos, Checks, ClassChange, StableRuns};
+
+pub(crate) use chaos::{MAX_TTS_DIFFERENCE_S, VARIATIONS};
 pub use closing::Closing;
 pub use designs::{Grid, OtherSizing, SizingFound};
 pub use figures::{Comparison, Figure, Reason, Verdict, figures, reasons};
-pub use simulations::{CHOSEN_DESIGN, RankedRun, Run, Simulations};
+pub(crate) use simulations::CHOSEN_DESIGN;
+pub use simulations::{RankedRun, Run, Simulations};
 pub use values::computed_values;
 
 use crate::check::Check;
@@ -41,9 +44,9 @@ use crate::statics::NecessaryCount;
 use crate::volume::{Axes, Volume, VolumeRequest, volumes as compute_volumes};
 
 /// Number of points of a volume along each axis.
-pub const RESOLUTION: usize = 20;
+pub(crate) const RESOLUTION: usize = 20;
 /// Number of points along each axis in a quick reproduction.
-pub const QUICK_RESOLUTION: usize = 10;
+pub(crate) const QUICK_RESOLUTION: usize = 10;
 
 /// Number of steps of a reproduction, for progress reports. The first one is the simulations.
 pub const STEPS: usize = 6;

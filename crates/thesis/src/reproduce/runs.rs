@@ -62,7 +62,7 @@ fn incomplete_runs(section: Report, simulations: &Simulations) -> Report {
 }
 
 /// Describes the results of the checks of the runs.
-pub fn describe_checks(checks: &Checks) -> String {
+pub(crate) fn describe_checks(checks: &Checks) -> String {
     let Checks { runs, uncertain, chaotic, unknown, worst_rad } = checks;
     let accurate = match runs - uncertain.len() - chaotic.len() - unknown.len() {
         accurate if accurate == *runs => "all".to_string(),
@@ -82,7 +82,7 @@ pub fn describe_checks(checks: &Checks) -> String {
 }
 
 /// Returns run numbers as a list.
-pub fn list_runs(runs: &[i64]) -> String {
+pub(crate) fn list_runs(runs: &[i64]) -> String {
     let numbers = runs.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
     if runs.is_empty() { "none".to_string() } else { numbers }
 }

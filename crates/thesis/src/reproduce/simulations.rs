@@ -5,7 +5,7 @@ use crate::format::report::Report;
 use crate::scene::Scene;
 
 /// Number of the design that the thesis chooses.
-pub const CHOSEN_DESIGN: i64 = 95;
+pub(crate) const CHOSEN_DESIGN: i64 = 95;
 
 /// Results of the study of the thesis.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@
 //!
 //! | verdict | meaning |
 //! |---|---|
-//! | failed | the run ended in an error or violated a stability criterion: all numbers are finite; mechanical energy minus the motor's work never rises by more than [`ENERGY_TOLERANCE`] of the reference's throughput above an earlier value; dissipated energy never falls by as much; contacts and joint limit penetrate no deeper than the total energy plus [`ENERGY_TOLERANCE`] allows |
+//! | failed | the run ended in an error or violated a stability criterion: all numbers are finite; mechanical energy minus the motor's work never rises by more than `ENERGY_TOLERANCE` of the reference's throughput above an earlier value; dissipated energy never falls by as much; contacts and joint limit penetrate no deeper than the total energy plus `ENERGY_TOLERANCE` allows |
 //! | accurate | not failed, and q11, q21, q22 are within the bound of the reference at every step up to `[validate] until` |
 //! | inaccurate | not failed, but beyond the bound at some step |
 //! | not judged | the reference could not be completed, or the engine's step budget was too small |
@@ -36,7 +36,7 @@ use crate::scene::{Engine, Preset, Response, Scene, Stepping};
 use crate::trace::{FingerState, Model, RunError, Sample, Sink, SinkError, interpolate};
 
 /// Spurious energy relative to the reference's throughput above which a run counts as failed.
-pub const ENERGY_TOLERANCE: f64 = 0.1;
+pub(crate) const ENERGY_TOLERANCE: f64 = 0.1;
 /// Default for the largest angle difference of an accurate run, rad.
 pub const ACCURACY_RAD: f64 = 1e-3;
 /// Invariants whose violation is a failure, in addition to the energy. The others measure accuracy.

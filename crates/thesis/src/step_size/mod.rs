@@ -24,7 +24,7 @@ const QUICK_STEP_COUNT: usize = 5;
 /// Relative tolerances of the analytic integrator; its absolute tolerances are scaled accordingly.
 const TOLERANCES: [f64; 8] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 /// Error levels for which the largest step size is determined.
-pub const ERROR_LEVELS: [f64; 4] = [0.6, 0.1, 0.01, 1e-4];
+pub(crate) const ERROR_LEVELS: [f64; 4] = [0.6, 0.1, 0.01, 1e-4];
 /// Number of times at which forces are compared.
 const COMPARED_TIMES: usize = 20_000;
 /// Number of dense-output samples of the analytic model per run.

@@ -22,8 +22,9 @@ pub use counts::{Cell, Counts, Intersection, LargestPalmForce, VolumeCounts, by_
 pub use counts::{MissingFingers, intersections};
 pub use page::page_data;
 pub use plot::slices;
+pub(crate) use point::close_linkage;
 pub use point::{COLUMNS, ClosedFinger, FLAGS, GraspState, NoFinger, Point, Quantity, SizedFinger};
-pub use point::{close_finger, close_linkage, design_at, solve_grasp};
+pub use point::{close_finger, design_at, solve_grasp};
 pub use report::{Timing, VolumeReport};
 
 use serde::Serialize;
@@ -63,7 +64,7 @@ impl Axis {
     }
 
     /// Returns the indices of at most `max_count` evenly spaced values, including the first and the last.
-    pub fn spaced_indices(&self, max_count: usize) -> Vec<usize> {
+    pub(crate) fn spaced_indices(&self, max_count: usize) -> Vec<usize> {
         match self.points.min(max_count) {
             0 => Vec::new(),
             1 => vec![(self.points - 1) / 2],

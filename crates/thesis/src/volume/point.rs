@@ -48,7 +48,7 @@ impl GraspState {
     }
 
     /// Returns whether the grasp is stable and presses the object onto the palm: PFP ≥ 0.
-    pub fn is_palm_positive(&self) -> bool {
+    pub(crate) fn is_palm_positive(&self) -> bool {
         self.is_stable() && self.forces.is_palm_force_positive()
     }
 
@@ -90,7 +90,7 @@ pub fn close_finger(template: &Template, design: &Design, rule: Rule) -> Result<
 ///
 /// # Errors
 /// Returns an error if the finger cannot be sized or cannot grasp the object.
-pub fn close_linkage(finger: Finger, task: &Task, rule: Rule) -> Result<ClosedFinger, NoFinger> {
+pub(crate) fn close_linkage(finger: Finger, task: &Task, rule: Rule) -> Result<ClosedFinger, NoFinger> {
     let Finger { lengths, bodies, assembly } = finger;
     let sizing = size(&finger, task, rule)?;
     let end = final_posture(&lengths, assembly, task.object)?;
@@ -111,7 +111,7 @@ pub fn solve_grasp(closed: &ClosedFinger, mu_static: f64) -> Point {
 /// A column of the table of points and of the page: its name with the unit, and its value in SI units or its property.
 pub type Column<T> = (&'static str, fn(&GraspState) -> T);
 
-/// Quantities of a point. The first [`DESIGN_COLUMNS`] do not depend on friction.
+/// Quantities of a point. The first `DESIGN_COLUMNS` do not depend on friction.
 pub const COLUMNS: [Column<f64>; 11] = [
     ("l11_m", |state| state.sized.lengths.l11_m),
     ("l12_m", |state| state.sized.lengths.l12_m),
@@ -127,7 +127,7 @@ pub const COLUMNS: [Column<f64>; 11] = [
 ];
 
 /// Number of columns that do not depend on friction.
-pub const DESIGN_COLUMNS: usize = 8;
+pub(crate) const DESIGN_COLUMNS: usize = 8;
 
 /// Properties of a point.
 pub const FLAGS: [Column<bool>; 3] = [
@@ -189,7 +189,7 @@ impl Quantity {
 
     /// Whether the largest value of several bases counts for the intersection, as for torques and masses, and not the
     /// smallest one.
-    pub fn is_largest_worst(self) -> bool {
+    pub(crate) fn is_largest_worst(self) -> bool {
         matches!(self, Quantity::Spring | Quantity::Motor | Quantity::Mass)
     }
 }

@@ -10,7 +10,7 @@ use crate::shape::Shape;
 
 /// Constant data of a finger, and indices of its contacts.
 #[derive(Clone, Debug)]
-pub struct FingerComponent {
+pub(crate) struct FingerComponent {
     pub side: Side,
     pub model: FingerModel,
     pub inertial_load: InertialForces,
@@ -20,7 +20,7 @@ pub struct FingerComponent {
 
 /// A disc. Both inverses are 0 if it is fixed or driven; the inverse inertia is also 0 if it cannot turn.
 #[derive(Clone, Copy, Debug)]
-pub struct DiscComponent {
+pub(crate) struct DiscComponent {
     /// Index of the first of the component's three coordinates; beyond the last coordinate if the component is fixed.
     pub first_coordinate: usize,
     pub shape: Shape,
@@ -45,7 +45,7 @@ pub struct Plane {
 
 /// The two surfaces of a contact; fingers and discs are given by their indices.
 #[derive(Clone, Copy, Debug)]
-pub enum ContactPair {
+pub(crate) enum ContactPair {
     Phalanx {
         finger: usize,
         phalanx: FingerContact,
@@ -71,7 +71,7 @@ pub enum ContactPair {
 
 /// A contact with its laws.
 #[derive(Clone, Copy, Debug)]
-pub struct ContactModel {
+pub(crate) struct ContactModel {
     pub pair: ContactPair,
     pub normal: NormalLaw,
     pub friction: Option<FrictionLaw>,
@@ -81,7 +81,7 @@ pub struct ContactModel {
 
 /// Laws of one contact, and the branch that is active.
 #[derive(Clone, Copy)]
-pub struct ContactLaws<'a> {
+pub(crate) struct ContactLaws<'a> {
     pub normal: &'a NormalLaw,
     pub friction: Option<&'a FrictionLaw>,
     pub state: ContactState,
@@ -119,7 +119,7 @@ impl DiscComponent {
 impl Plane {
     /// Creates a horizontal half plane whose surface is at y = `level_m`: solid below it for `up` = 1, above it for
     /// `up` = −1.
-    pub fn at_level(level_m: f64, up: f64) -> Self {
+    pub(crate) fn at_level(level_m: f64, up: f64) -> Self {
         Self { normal: [0.0, up], offset: -up * level_m }
     }
 }
@@ -143,35 +143,35 @@ impl ContactModel {
 
 /// Index of a coordinate, and the sign of its contribution. An index beyond the last represents a coordinate of a fixed
 /// disc.
-pub type SignedIndex = (usize, f64);
+pub(crate) type SignedIndex = (usize, f64);
 
 /// Indices of the coordinates of a finger.
 #[inline(always)]
-pub fn finger_indices(finger: usize) -> [SignedIndex; 2] {
+pub(crate) fn finger_indices(finger: usize) -> [SignedIndex; 2] {
     [(2 * finger, 1.0), (2 * finger + 1, 1.0)]
 }
 
 /// Indices of the coordinates of a disc.
 #[inline(always)]
-pub fn disc_indices(first: usize) -> [SignedIndex; 3] {
+pub(crate) fn disc_indices(first: usize) -> [SignedIndex; 3] {
     [(first, 1.0), (first + 1, 1.0), (first + 2, 1.0)]
 }
 
 /// Indices of x and y of a disc, time, and the angle of the disc, in this order.
 #[inline(always)]
-pub fn disc_time_indices(first: usize, time: usize) -> [SignedIndex; 4] {
+pub(crate) fn disc_time_indices(first: usize, time: usize) -> [SignedIndex; 4] {
     [(first, 1.0), (first + 1, 1.0), (time, 1.0), (first + 2, 1.0)]
 }
 
 /// Indices of x and y of two discs, then of both angles.
 #[inline(always)]
-pub fn disc_pair_indices([a, b]: [usize; 2]) -> [SignedIndex; 6] {
+pub(crate) fn disc_pair_indices([a, b]: [usize; 2]) -> [SignedIndex; 6] {
     [(a, 1.0), (a + 1, 1.0), (b, 1.0), (b + 1, 1.0), (a + 2, 1.0), (b + 2, 1.0)]
 }
 
 /// Indices of the coordinates of a phalanx's contact, with the disc's coordinates in the finger's frame.
 #[inline(always)]
-pub fn phalanx_indices(finger: usize, first: usize, mirror: f64) -> [SignedIndex; 5] {
+pub(crate) fn phalanx_indices(finger: usize, first: usize, mirror: f64) -> [SignedIndex; 5] {
     let [a, b] = finger_indices(finger);
     [a, b, (first, mirror), (first + 1, 1.0), (first + 2, mirror)]
 }

@@ -20,7 +20,7 @@ use super::normal_force_on_branch;
 /// Kinematics of one contact on K coordinates: of a finger and a disc in the finger's frame, of one or two discs, or of
 /// a finger (limit).
 #[derive(Clone, Copy, Debug)]
-pub struct ContactKinematics<T, const K: usize> {
+pub(crate) struct ContactKinematics<T, const K: usize> {
     pub gap: T,
     pub normal_row: [T; K],
     pub tangent_row: [T; K],
@@ -88,7 +88,7 @@ pub fn limit<T: Real>(geometry: &Geometry<T>) -> ContactKinematics<T, 2> {
 
 /// Forces of an active contact.
 #[derive(Clone, Copy, Debug)]
-pub struct ContactForces<T, const K: usize> {
+pub(crate) struct ContactForces<T, const K: usize> {
     pub normal: T,
     /// Power of normal force and friction on both surfaces.
     pub power: T,
@@ -101,7 +101,7 @@ pub struct ContactForces<T, const K: usize> {
 /// A number with its derivatives with respect to the P positions that the contact geometry depends on, the K rates, and
 /// the bristle state.
 #[derive(Clone, Copy, Debug)]
-pub struct WithDerivatives<const P: usize, const K: usize> {
+pub(crate) struct WithDerivatives<const P: usize, const K: usize> {
     pub value: f64,
     pub by_q: [f64; P],
     pub by_v: [f64; K],
@@ -151,7 +151,7 @@ pub fn contact_forces<const K: usize>(
 /// Like [`contact_forces`], with derivatives: the laws are differentiated with respect to their variables and combined
 /// with the rows by the chain rule.
 #[inline(always)]
-pub fn contact_forces_with_derivatives<const P: usize, const K: usize>(
+pub(crate) fn contact_forces_with_derivatives<const P: usize, const K: usize>(
     kinematics: &ContactKinematics<Dual<P>, K>,
     v: &[f64; K],
     bristle_state: Option<f64>,

@@ -14,7 +14,7 @@ pub struct Drive {
 
 /// A torque on a drive's shaft at one instant.
 #[derive(Clone, Copy, Debug)]
-pub struct ShaftTorque {
+pub(crate) struct ShaftTorque {
     /// Rate of the shaft, rad/s.
     pub rate: f64,
     /// Torque, N·m.
@@ -27,7 +27,7 @@ pub struct ShaftTorque {
 
 /// The torque of a brake at one instant, and its effect on the state of its bristle.
 #[derive(Clone, Copy, Debug)]
-pub struct BrakeTorque {
+pub(crate) struct BrakeTorque {
     pub shaft: ShaftTorque,
     /// Derivative of the torque with respect to the bristle state.
     pub by_bristle: f64,

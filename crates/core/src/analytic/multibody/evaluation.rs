@@ -22,7 +22,7 @@ use crate::numeric::{map_array, map_same_type};
 use crate::shape::Support;
 
 /// Pose of a finger with its passive rates.
-pub type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
+pub(crate) type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
 
 /// Placeholder for a finger that the system does not have.
 const ABSENT_FINGER: FingerKinematics = {

@@ -12,14 +12,14 @@ use crate::shape::{PlacedShape, Support, support};
 
 /// AccelerationField of inertial accelerations beyond gravity in the world's frame, and its time derivative.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct InertialField {
+pub(crate) struct InertialField {
     pub field: AccelerationField,
     pub rate: AccelerationField,
 }
 
 /// Inertial field of a moving palm (Spec 6.5): the inertial accelerations, and the difference between gravity in the
 /// rotated frame and in a frame at rest.
-pub fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> InertialField {
+pub(crate) fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> InertialField {
     let Pose { position, rate, acceleration, jerk } = motion.pose(t);
     let ([_, _, angle], [_, _, omega]) = (position, rate);
     let (sin, cos) = sin_cos(angle);
@@ -92,7 +92,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
 /// Inertial force and moment of a field on a disc.
 #[inline(always)]
-pub fn disc_inertial_force(
+pub(crate) fn disc_inertial_force(
     disc: &DiscComponent,
     field: &AccelerationField,
     [x, y, _]: [f64; 3],

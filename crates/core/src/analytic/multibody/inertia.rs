@@ -75,7 +75,7 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
     /// M⁻¹ of a matrix of loads. The rows are processed one by one, so that the compiler can vectorise over the
     /// columns.
     #[inline(always)]
-    pub fn solve_columns<const K: usize>(&self, loads: &[[f64; K]; N]) -> [[f64; K]; N] {
+    pub(crate) fn solve_columns<const K: usize>(&self, loads: &[[f64; K]; N]) -> [[f64; K]; N] {
         let mut a = [[0.0; K]; N];
         for finger in 0..self.model.finger_count() {
             let ([m, c, n], [first, second]) = (self.fingers[finger], [2 * finger, 2 * finger + 1]);

@@ -19,7 +19,8 @@ mod model;
 mod size;
 
 pub use model::Multibody;
-pub use size::{MAX_SIZES, Size, TooLarge, count_moving_discs};
+pub(crate) use size::count_moving_discs;
+pub use size::{MAX_SIZES, Size, TooLarge};
 
 use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::mode;

@@ -233,7 +233,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 
     /// Torques of all motors and brakes on the driven links, N·m.
-    pub fn motor_torques(&self, t: f64, v: &[f64; N]) -> [f64; FINGERS] {
+    pub(crate) fn motor_torques(&self, t: f64, v: &[f64; N]) -> [f64; FINGERS] {
         let (mut torques, driven_rates) = ([0.0; FINGERS], self.driven_rates(v));
         for (index, drive) in self.drives.iter().enumerate() {
             let brake = drive.brake_torque(t, driven_rates, self.brake_bristle(index).map(|index| v[index]));
@@ -316,14 +316,14 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     /// Pose (x, y, θ) of a disc.
     #[inline(always)]
-    pub fn disc_pose(&self, disc: usize, q: &[f64; N]) -> [f64; 3] {
+    pub(crate) fn disc_pose(&self, disc: usize, q: &[f64; N]) -> [f64; 3] {
         let first = self.first_coordinate(disc);
         if first < N { [q[first], q[first + 1], q[first + 2]] } else { self.discs[disc].pose }
     }
 
     /// Rates of a disc's pose.
     #[inline(always)]
-    pub fn disc_rates(&self, disc: usize, v: &[f64; N]) -> [f64; 3] {
+    pub(crate) fn disc_rates(&self, disc: usize, v: &[f64; N]) -> [f64; 3] {
         let first = self.first_coordinate(disc);
         if first < N { [v[first], v[first + 1], v[first + 2]] } else { [0.0; 3] }
     }

@@ -31,7 +31,7 @@ pub enum TooLarge {
 
 impl Size {
     /// Size of a system.
-    pub fn of_system(system: &System) -> Self {
+    pub(crate) fn of_system(system: &System) -> Self {
         let moving_discs = count_moving(system);
         let contacts = system.contact_ids();
         let bristles = contacts.iter().filter_map(|contact| system.contact_laws(*contact)?.1?.bristle).count();
@@ -78,7 +78,7 @@ pub(super) fn error_coordinates(system: &System) -> usize {
 /// # Errors
 ///
 /// Returns an error if the system is too large for the model.
-pub fn count_moving_discs(system: &System) -> Result<usize, TooLarge> {
+pub(crate) fn count_moving_discs(system: &System) -> Result<usize, TooLarge> {
     let moving_discs = count_moving(system);
     let pairs = system.contact_ids().len();
     let limit =

@@ -28,14 +28,14 @@ impl<'a> Level<'a> {
     }
 
     /// The law of one contact, whose section overrides single keys; `None` if it is invalid.
-    pub fn law_of(&self, contact: &str) -> Option<ContactLaw> {
+    pub(crate) fn law_of(&self, contact: &str) -> Option<ContactLaw> {
         let input = self.input.subsection(contact);
         let normal = normal(&input, input.read_over(&self.normal), self.object_radius_m);
         law(&[self, &Level { input, normal, object_radius_m: self.object_radius_m }])
     }
 
     /// Reports the section of a contact that does not exist.
-    pub fn report_unused(&self, contact: &str) {
+    pub(crate) fn report_unused(&self, contact: &str) {
         self.input.report_unused(contact, &format!("without a {contact}"));
     }
 }

@@ -104,7 +104,7 @@ fn inertia(input: &SectionInput<'_>, name: &str, settings: &DiscSettings, shape:
 
 /// Rejects initial positions in which the centre of a disc is inside another disc or the half plane: contact laws do
 /// not cover such deep penetrations.
-pub fn check_initial_positions(input: &SectionInput<'_>, system: &System) {
+pub(crate) fn check_initial_positions(input: &SectionInput<'_>, system: &System) {
     let (section, length) = (input.subsection("discs"), |metres| format(metres, Dimension::Length));
     for (index, b) in system.discs.iter().enumerate() {
         let keys = section.subsection(&b.name);

@@ -11,7 +11,7 @@ use crate::shape::PlacedShape;
 use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 
 /// Result of the sizing of motor and spring: `Some(None)` if the scene does not request it, `None` if it failed.
-pub type SizingResult = Option<Option<Sizing>>;
+pub(crate) type SizingResult = Option<Option<Sizing>>;
 
 /// Combines the sizings of two tasks: the spring has the larger torque, the motor the one that `motors` selects.
 pub fn combine(first: Sizing, second: Sizing, motors: fn(f64, f64) -> f64) -> Sizing {

@@ -10,7 +10,7 @@ use crate::scene::quantity::{Length, Positive, Time, Word};
 use crate::sizing::Rule;
 
 /// The lengths of a finger without bodies, and its settings at the top level.
-pub struct FingerLengths {
+pub(crate) struct FingerLengths {
     pub half_width_m: f64,
     pub assembly: Assembly,
     /// Sizing of motor and spring; `None` if their torques are given.
@@ -32,7 +32,7 @@ struct TopSettings {
 }
 
 /// Resolves the lengths from [design] or [lengths].
-pub fn resolve_lengths(input: &SectionInput<'_>, object_radius_m: f64) -> FingerLengths {
+pub(crate) fn resolve_lengths(input: &SectionInput<'_>, object_radius_m: f64) -> FingerLengths {
     let TopSettings { half_width, assembly, sizing, closing_time } = input.read();
     let (half_width_m, rule) = (*half_width, sizing.map(|rule| rule.0));
     let (design_input, lengths_input) = (input.subsection("design"), input.subsection("lengths"));
@@ -121,7 +121,7 @@ fn complete_lengths(input: &SectionInput<'_>, settings: &LengthSettings, half_wi
 }
 
 /// Material, and overrides of the mass properties of l11, l12, l21 and l22.
-pub fn mass_settings(input: &SectionInput<'_>) -> (MaterialSettings, [BodyOverride; 4]) {
+pub(crate) fn mass_settings(input: &SectionInput<'_>) -> (MaterialSettings, [BodyOverride; 4]) {
     let bodies = input.subsection("bodies");
     let overrides = ["l11", "l12", "l21", "l22"].map(|name| bodies.subsection(name).read::<BodySettings>().into());
     (input.subsection("material").read(), overrides)
@@ -143,7 +143,7 @@ pub fn linkage(input: &SectionInput<'_>, lengths: &FingerLengths) -> Option<Fing
 
 /// Example of a base for messages, with three digits. As in the example of the thesis, it exceeds the smallest base of
 /// a design (D > R, see `gripper::proximal_range`).
-pub fn example_base_m(half_width_m: f64, reach_m: f64) -> f64 {
+pub(crate) fn example_base_m(half_width_m: f64, reach_m: f64) -> f64 {
     let base_m = (half_width_m * (2.0 * reach_m + half_width_m)).sqrt() + 0.25 * reach_m;
     format!("{base_m:.2e}").parse().unwrap_or(base_m)
 }

@@ -18,7 +18,7 @@ fn length(metres: f64) -> String {
 }
 
 /// Moves a shape perpendicular to the palm such that it rests on the palm.
-pub fn rest_on_palm(placed: PlacedShape) -> PlacedShape {
+pub(crate) fn rest_on_palm(placed: PlacedShape) -> PlacedShape {
     let [x, _] = placed.centre_m;
     let [_, below] = placed.at([x, 0.0]).lowest_point_m();
     placed.at([x, -below])
@@ -64,7 +64,7 @@ pub fn object(input: &SectionInput<'_>) -> Object {
 }
 
 /// Resolves the object of a single finger: an empty list without object, `None` if it is invalid.
-pub fn single_object(input: &SectionInput<'_>, object: &Object, finger: &FingerLengths) -> Option<Vec<Disc>> {
+pub(crate) fn single_object(input: &SectionInput<'_>, object: &Object, finger: &FingerLengths) -> Option<Vec<Disc>> {
     let (section, lengths) = (input.subsection("object"), input.subsection("lengths"));
     if !object.is_present {
         if !input.has("design") {

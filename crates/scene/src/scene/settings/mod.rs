@@ -2,8 +2,8 @@
 //!
 //! The doc comment of a field is its description; its type gives unit, range and keywords. From these structs follow the
 //! JSON Schema, the checks of a file, `scene show`, the settings in a log and the tables of the documentation (see
-//! [`schema`](super::schema)). A new setting is one field here, and its use where the scene is
-//! [resolved](super::resolve). An attribute `extend` gives what a type cannot say:
+//! [`schema`](mod@super::schema)). A new setting is one field here, and its use where the scene is
+//! resolved. An attribute `extend` gives what a type cannot say:
 //!
 //! | keyword | meaning |
 //! |---|---|
@@ -22,6 +22,9 @@
 //! | `law` | contact, limit |
 //! | `motion` | moves, vibrations, path |
 //! | `run` | integrator, engine, validate, criteria, log |
+
+// Descriptions name sections in brackets, as in a file: [design].
+#![allow(rustdoc::broken_intra_doc_links)]
 
 mod bodies;
 mod drive;

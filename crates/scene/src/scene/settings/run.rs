@@ -73,7 +73,7 @@ impl Integrator {
     }
 
     /// Returns the default settings of a kind of scene: the engineering preset, with a tighter tolerance for grippers.
-    pub fn engineering_for(kind: SceneKind) -> Self {
+    pub(crate) fn engineering_for(kind: SceneKind) -> Self {
         let defaults = Self::preset(Preset::Engineering);
         if kind == SceneKind::Gripper { defaults.with_rtol(GRIPPER_RTOL) } else { defaults }
     }
@@ -197,7 +197,7 @@ impl Engine {
 
 /// Construction, contact law and stepping of the engine model.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct EngineSettings {
+pub(crate) struct EngineSettings {
     /// "maximal": every body moves freely, and every joint is a constraint; "reduced": a tree of joints in joint
     /// coordinates, closed by one constraint (for a single finger only).
     #[schemars(extend("default" = "maximal"))]
