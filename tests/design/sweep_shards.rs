@@ -192,7 +192,7 @@ fn existing_parts_and_other_files_are_kept() {
     let of_other = [&[other.as_str()], &arguments("2/4")[1..]].concat();
     for (args, words) in [
         (with("3/4", &[]), &["2/4", "not replaced", "--restart"][..]),
-        (with("2/4", &["--check"]), &["its option is without --check", "not replaced"]),
+        (with("2/4", &["--check"]), &["its sweep is without --check", "not replaced"]),
         (
             with("2/4", &["--model", "engine"]),
             &["its model is --model analytic, but here it is --model engine", "not replaced"],
