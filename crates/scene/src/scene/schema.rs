@@ -138,7 +138,7 @@ pub fn unwrap_lines(value: &mut Value) {
 /// Keys of a table in their order, with their schemas.
 pub fn properties(schema: &Value) -> Vec<(&String, &Value)> {
     let mut all: Vec<_> = schema["properties"].as_object().into_iter().flatten().collect();
-    all.sort_by_key(|(_, property)| property["x-order"].as_u64());
+    all.sort_by_cached_key(|(_, property)| property["x-order"].as_u64());
     all
 }
 

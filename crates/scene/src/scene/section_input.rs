@@ -205,7 +205,8 @@ impl<'a> SectionInput<'a> {
             let (field, span) = (field(property), self.span(key));
             match (effect, &span) {
                 // If a choice is invalid, it is unknown whether the keys that depend on it have an effect.
-                _ if super::schema::condition(property).is_some_and(|(choice, _)| invalid.contains(&choice)) => {}
+                _ if !invalid.is_empty()
+                    && super::schema::condition(property).is_some_and(|(choice, _)| invalid.contains(&choice)) => {}
                 (Err(_), None) => {}
                 (Err((choice, chosen, allowed)), Some(_)) => {
                     let quoted = |value: &str| {
