@@ -44,8 +44,9 @@ pub fn schema_for(kind: SceneKind) -> &'static Value {
     SCHEMAS[kind as usize].get_or_init(|| {
         let settings = SchemaSettings::draft07().for_serialize().with(|settings| settings.inline_subschemas = true);
         let mut schema = settings.into_generator().into_root_schema_for::<SceneFile>().to_value();
-        unwrap_lines(&mut schema);
         adapt(&mut schema, kind, false);
+        // After the keys of other kinds are removed.
+        unwrap_lines(&mut schema);
         schema
     })
 }

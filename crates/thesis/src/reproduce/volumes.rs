@@ -92,8 +92,8 @@ fn grid_table(section: Report, grids: &[Grid]) -> Report {
     };
     section.with_table(
         &format!(
-            "Influence of grid and torques: percentages over {CELLS_PER_AXIS} × {CELLS_PER_AXIS} × {CELLS_PER_AXIS} cell centres, none of which lies on a \
-             face of the space (for comparison with percentages outside tolerance). Columns: our torques; the spring torque \
+            "Influence of grid and torques: percentages over {CELLS_PER_AXIS} × {CELLS_PER_AXIS} × {CELLS_PER_AXIS} cell centres, which do not lie on the \
+             faces of the space (for comparison with percentages outside tolerance). Columns: our torques; the spring torque \
              scaled by the ratio of the printed one of design 95 to ours; the motor torque scaled by its ratio as well."
         ),
         &[
