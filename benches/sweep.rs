@@ -43,7 +43,7 @@ fn main() {
 fn sweep_time(study: &Study, threads: usize) -> f64 {
     let start = Instant::now();
     let mut rows = Vec::with_capacity(study.runs() as usize);
-    run_while(study, threads, u64::MAX, &HashSet::new(), &|| true, |row| {
+    run_while(study, threads, 1..=study.runs(), &HashSet::new(), &|| true, |row| {
         rows.push(row);
         true
     });

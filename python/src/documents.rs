@@ -9,7 +9,7 @@ use phalanx::scene::Axis;
 use phalanx::scene::keywords::SceneKind;
 use phalanx::study::capture::{CaptureError, Plan as CapturePlan, SceneSource};
 use phalanx::study::hold::{HoldError, Loads, Plan as HoldPlan};
-use phalanx::study::posture::{PostureSpec, parse_direction_count, parse_posture};
+use phalanx::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
 use phalanx::study::require_gripper;
 use phalanx::study::size::{SizingOptions, size_finger};
 use phalanx::units::Dimension;
@@ -79,11 +79,11 @@ pub fn statics<'py>(
             conversion::parse_json(py, &StaticsReport::new(&result).json())
         }
         SceneKind::Gripper => {
-            let posture = posture.map_or(Ok(PostureSpec::Run), parse_posture).map_err(argument_error)?;
+            let posture = posture.map_or(Ok(END_OF_RUN), parse_posture).map_err(argument_error)?;
             let at_s = optional_positive(py, "at", at, Dimension::Time)?;
             let within_m = optional_positive(py, "within", within, Dimension::Length)?;
             let request = GripperGraspRequest {
-                posture: posture.to_grasp_posture(at_s, within_m).map_err(argument_error)?,
+                posture: with_options(posture, at_s, within_m).map_err(argument_error)?,
                 mu_static,
                 motor_n_m,
                 directions: parse_direction_count(every.unwrap_or("15 deg")).map_err(argument_error)?,
@@ -254,9 +254,8 @@ pub fn capture<'py>(
     };
     require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/offset.toml").map_err(argument_error)?;
     let source = SceneSource { layers: scene.layers, settings: scene.settings };
-    let load = |offset_m: f64| source.load_at_offset(plan.error_m, offset_m);
     let result = interruptible::run(py, |keep_running| {
-        phalanx::study::capture::capture(plan, &load, &mut |_, _| {}, keep_running)
+        phalanx::study::capture::capture(plan, &source, &mut |_, _| {}, keep_running)
     })?;
     let result = result.map_err(|error| match error {
         CaptureError::Scene(error) => errors::scene(py, &error),

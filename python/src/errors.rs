@@ -33,7 +33,7 @@ pub fn argument(py: Python<'_>, message: impl Display) -> PyErr {
 /// `StudyError` for an invalid study file.
 pub fn study(py: Python<'_>, error: &StudyError) -> PyErr {
     match error {
-        StudyError::Read { .. } => located(py, "StudyError", &error.to_string(), &[]),
+        StudyError::Read { .. } | StudyError::Field { .. } => located(py, "StudyError", &error.to_string(), &[]),
         StudyError::Invalid(inner) => located(py, "StudyError", &error.to_string(), &locate_problems(inner)),
     }
 }

@@ -41,7 +41,7 @@ pub fn evaluate(
     let names: Vec<&str> = paths.iter().map(String::as_str).collect();
     let model = super::result::model(py, model)?;
     let mut study = in_memory_study(&scene.layers, &scene.settings, &names, model).map_err(|error| match error {
-        phalanx::study::sweep::InMemoryStudyError::Scene(error) => errors::scene(py, &error),
+        phalanx::study::sweep::StudyError::Invalid(error) => errors::scene(py, &error),
         error => errors::sweep(py, error),
     })?;
     study.checked = check;

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use phalanx::study::parts::{self, MergeResult, PartOptions, WrittenPart};
+use phalanx::study::parts::{self, MergeResult, WrittenPart};
 use phalanx::study::results::{OpenedResults, ResultsError, open};
 use phalanx::study::sweep::{
     Row, Study, check_unsharded, load as load_study_file, run_while, shard, sorted_table, source_files,
@@ -34,7 +34,7 @@ pub fn run_rows(py: Python<'_>, study: &Study, threads: usize, limit: u64) -> Py
             rows.push(row.cells);
             true
         };
-        run_while(study, threads, limit, &HashSet::new(), keep_running, push);
+        run_while(study, threads, 1..=limit, &HashSet::new(), keep_running, push);
         rows
     })?;
     Ok(sorted_table(study, rows))
@@ -88,7 +88,7 @@ fn run_to_file(
     let completed: HashSet<u64> = store.completed_runs().collect();
     let (store, write_error) = interruptible::run(py, |keep_running| {
         let mut write_error = None;
-        run_while(study, threads, limit, &completed, keep_running, |row| {
+        run_while(study, threads, 1..=limit, &completed, keep_running, |row| {
             // After a failed write, later rows are dropped.
             if write_error.is_none() {
                 write_error = store.append(row.cells).err();
@@ -124,9 +124,9 @@ pub fn sweep_shard<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = load(py, &study, model, check)?;
     let shard = shard(&study, k, n).map_err(|error| results_error(py, &ResultsError::Refused(error)))?;
-    let options = PartOptions { threads, restart };
-    let written =
-        interruptible::run(py, |keep_running| parts::write_part(&study, shard, &out, options, keep_running, |_| {}))?;
+    let written = interruptible::run(py, |keep_running| {
+        parts::write_part(&study, shard, &out, threads, restart, keep_running, |_| {})
+    })?;
     let WrittenPart { part, stats, .. } = written.map_err(|error| results_error(py, &error))?;
     let info = conversion::parse_json(py, &serde_json::to_string(&part).unwrap_or_default())?.cast_into::<PyDict>()?;
     info.set_item("made_now", stats.map_or(0, |stats| stats.runs))?;

@@ -83,10 +83,9 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
     let source = SceneSource { layers: scene::load_layers(&args.scene)?, settings: args.set.settings().to_vec() };
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
     let plan = Plan { model: args.model, error_m, position_count: args.position_count, tolerance_m: args.tolerance_m };
-    let load = |offset_m: f64| source.load_at_offset(error_m, offset_m);
     let study = run_study(
         "positions",
-        |progress, keep_running| capture(plan, &load, progress, keep_running),
+        |progress, keep_running| capture(plan, &source, progress, keep_running),
         |error, signal| match (error, signal) {
             (CaptureError::Stopped { done, total }, Some(signal)) => {
                 let message = format!("interrupted by {signal} after {done} of {total} positions");

@@ -11,13 +11,13 @@ use super::set::{SetArgs, source_files};
 use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::grasp::finger::{GraspOverrides, GraspStudyError, grasp};
-use crate::grasp::gripper::{GripperGraspError, GripperGraspRequest, gripper_grasp};
+use crate::grasp::gripper::{GripperGraspError, GripperGraspRequest, PostureRequest, gripper_grasp};
 use crate::plot;
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::statics::StaticsError;
-use crate::study::posture::{PostureSpec, parse_direction_count, parse_posture};
+use crate::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
 use crate::units::{self, Dimension, parse_positive};
 
 /// Analyse the static grasp: contact forces, ejection, form and force closure, and admissible accelerations.
@@ -78,7 +78,7 @@ pub(crate) struct GripperArgs {
     /// in the scene; or angles with units, such as "q11=2 deg, q21=65 deg" for both fingers, q11_r, q21_r, q11_l, q21_l
     /// for one finger, and x and y for the object's centre
     #[arg(long, value_name = "POSTURE", value_parser = parse_posture, default_value = "run", help_heading = "For a gripper")]
-    posture: PostureSpec,
+    posture: PostureRequest,
 
     /// Time of the run, with its unit [default: its end, or when the fingers release the object]
     #[arg(long, value_name = "TIME", value_parser = parse_time, help_heading = "For a gripper")]
@@ -102,7 +102,7 @@ impl GripperArgs {
     /// scene.
     pub(crate) fn first_given_flag(&self) -> Option<&'static str> {
         let flags = [
-            (self.posture != PostureSpec::Run, "--posture"),
+            (self.posture != END_OF_RUN, "--posture"),
             (self.at.is_some(), "--at"),
             (self.within.is_some(), "--within"),
             (self.every != 24, "--every"),
@@ -156,7 +156,7 @@ fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
         None => 1,
     };
     let request = GripperGraspRequest {
-        posture: posture.to_grasp_posture(*at, *within).map_err(Failure::bad_input)?,
+        posture: with_options(*posture, *at, *within).map_err(Failure::bad_input)?,
         mu_static: args.mu_static.clone(),
         motor_n_m: args.motor,
         directions: every * refinement,

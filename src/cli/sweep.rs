@@ -13,7 +13,7 @@ use super::progress::RunCounter;
 use super::targets::{NO_DIRECTORY, TargetKind, reserve};
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
-use crate::study::parts::{PartOptions, merge, part_files, write_part};
+use crate::study::parts::{merge, part_files, write_part};
 use crate::study::results::{OpenedResults, ResultsError, Store, open};
 use crate::study::sweep::{self, Row, Study, StudyError, run_while, shard, summary};
 use crate::trace::Model;
@@ -209,7 +209,7 @@ fn run_missing(
     let interrupt = Interrupt::listen()?;
     let mut progress = SweepProgress::new(study.runs().min(run_limit), completed.len() as u64);
     let mut write_error = None;
-    let stats = run_while(study, args.threads, run_limit, &completed, &|| interrupt.signal().is_none(), |row| {
+    let stats = run_while(study, args.threads, 1..=run_limit, &completed, &|| interrupt.signal().is_none(), |row| {
         // Rows must stay in order, so nothing is written after a failed write.
         if write_error.is_none() {
             progress.record(&row);
@@ -236,8 +236,8 @@ fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: 
     let shard = shard(study, number, count).map_err(Failure::bad_input)?;
     let interrupt = Interrupt::listen()?;
     let mut progress = SweepProgress::new(shard.runs(), 0);
-    let options = PartOptions { threads: args.threads, restart: args.restart };
-    let part = write_part(study, shard, out, options, &|| interrupt.signal().is_none(), |row| progress.record(row));
+    let keep_running = || interrupt.signal().is_none();
+    let part = write_part(study, shard, out, args.threads, args.restart, &keep_running, |row| progress.record(row));
     progress.counter.clear();
     let part = part.map_err(|error| match (error, interrupt.signal()) {
         (ResultsError::Stopped { done, total }, Some(signal)) => Failure::incomplete(format!(

@@ -67,7 +67,7 @@ pub fn reproduce(quick: bool, threads: usize, monitor: &Monitor) -> Result<Repro
         rows.push(row);
         true
     };
-    let ran = sweep::run_while(&study, threads, study.runs(), &HashSet::new(), monitor.keep_running(), collect);
+    let ran = sweep::run_while(&study, threads, 1..=study.runs(), &HashSet::new(), monitor.keep_running(), collect);
     if !ran.complete {
         return Err(monitor.stopped());
     }

@@ -6,9 +6,7 @@
 //! ([held](crate::criteria::Fate::Held)). The results also answer an open question of the thesis: whether the grasp
 //! would be form-closed if the object did not move, and whether the final grasp is.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
-use serde::ser::SerializeMap;
+use phalanx_show::format::object::Object;
 use serde::{Serialize, Serializer};
 
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
@@ -17,7 +15,8 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
 use crate::statics::{Blocked, GraspConfiguration, PerContact, gripper_closure};
 use crate::study::sweep::problem_messages;
-use crate::study::{bisect, pool};
+use crate::study::{KeepRunning, bisect};
+use crate::thesis::monitor::{Monitor, map};
 use crate::trace::Model;
 use crate::units::{self, Dimension};
 
@@ -87,17 +86,17 @@ impl Placement {
 impl Serialize for Capture {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let [left, right] = [0, 1].map(|index| self.captured_range.map(|edges| edges[index]));
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("scene", &self.scene)?;
-        map.serialize_entry("model", self.plan.model.name())?;
-        map.serialize_entry("palm_width_m", &self.palm_width_m)?;
-        map.serialize_entry("positioning_error_m", &self.plan.error_m)?;
-        map.serialize_entry("captured_from_m", &left.map(|edge| edge.captured_m))?;
-        map.serialize_entry("captured_to_m", &right.map(|edge| edge.captured_m))?;
-        map.serialize_entry("lost_left_m", &left.and_then(|edge| edge.lost_m))?;
-        map.serialize_entry("lost_right_m", &right.and_then(|edge| edge.lost_m))?;
-        map.serialize_entry("places", &self.placements)?;
-        map.end()
+        Object::default()
+            .with("scene", &self.scene)
+            .with("model", self.plan.model.name())
+            .with("palm_width_m", self.palm_width_m)
+            .with("positioning_error_m", self.plan.error_m)
+            .with("captured_from_m", left.map(|edge| edge.captured_m))
+            .with("captured_to_m", right.map(|edge| edge.captured_m))
+            .with("lost_left_m", left.and_then(|edge| edge.lost_m))
+            .with("lost_right_m", right.and_then(|edge| edge.lost_m))
+            .with("places", &self.placements)
+            .serialize(serializer)
     }
 }
 
@@ -106,20 +105,20 @@ impl Serialize for Placement {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let found = self.outcome.as_ref().ok();
         let criteria = found.map(|found| &found.criteria);
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("offset_m", &self.offset_m)?;
-        map.serialize_entry("form_closed_there", &self.geometric_form_closed)?;
-        map.serialize_entry("fate", &criteria.map(|found| found.fate.name()))?;
-        map.serialize_entry("tts_s", &criteria.and_then(|found| found.tts_s))?;
-        map.serialize_entry("x_m", &criteria.map(|found| found.end.centre_m[0]))?;
-        map.serialize_entry("y_m", &criteria.map(|found| found.end.centre_m[1]))?;
-        map.serialize_entry("angle_rad", &criteria.map(|found| found.end.angle_rad))?;
-        map.serialize_entry("speed_m_s", &criteria.map(GraspCriteria::end_speed_m_s))?;
-        map.serialize_entry("slip", &criteria.and_then(|found| found.slip))?;
-        map.serialize_entry("form_closed", &found.and_then(|found| found.form_closed))?;
-        map.serialize_entry("steps", &found.map(|found| found.steps))?;
-        map.serialize_entry("reason", &self.outcome.as_ref().err())?;
-        map.end()
+        Object::default()
+            .with("offset_m", self.offset_m)
+            .with("form_closed_there", self.geometric_form_closed)
+            .with("fate", criteria.map(|found| found.fate.name()))
+            .with("tts_s", criteria.and_then(|found| found.tts_s))
+            .with("x_m", criteria.map(|found| found.end.centre_m[0]))
+            .with("y_m", criteria.map(|found| found.end.centre_m[1]))
+            .with("angle_rad", criteria.map(|found| found.end.angle_rad))
+            .with("speed_m_s", criteria.map(GraspCriteria::end_speed_m_s))
+            .with("slip", criteria.and_then(|found| found.slip))
+            .with("form_closed", found.and_then(|found| found.form_closed))
+            .with("steps", found.map(|found| found.steps))
+            .with("reason", self.outcome.as_ref().err())
+            .serialize(serializer)
     }
 }
 
@@ -132,9 +131,6 @@ pub enum CaptureError {
     Stopped { done: u64, total: u64 },
 }
 
-/// Loads the scene with its object at an offset, designed for the largest error of the plan.
-pub(crate) type SceneLoader<'a> = &'a (dyn Fn(f64) -> Result<Scene, SceneError> + Sync);
-
 /// Texts of a scene and additional settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneSource {
@@ -143,22 +139,19 @@ pub struct SceneSource {
 }
 
 impl SceneSource {
-    /// Loads the gripper designed for errors up to `error_m`, with its object `offset_m` from the middle of the palm.
-    ///
-    /// # Errors
-    /// Returns an error if the scene is invalid with these values, or is not a gripper.
-    pub fn load_at_offset(&self, error_m: f64, offset_m: f64) -> Result<Scene, SceneError> {
+    /// Loads the gripper designed for the largest error of a plan, with its object `offset_m` from the middle of the
+    /// palm.
+    fn load_at_offset(&self, plan: &Plan, offset_m: f64) -> Result<Scene, SceneError> {
         let setting = |key: &str, value_m: f64| Layer {
             file: "the study".to_string(),
             text: format!("{key} = \"{}\"", units::format(value_m, Dimension::Length)),
         };
-        let added = [setting("positioning_error", error_m), setting("object.offset", offset_m)];
-        let settings: Vec<Layer> = self.settings.iter().cloned().chain(added).collect();
-        let scene = parse_layers(&self.layers, &settings, parse_any)?;
+        let added = [setting("positioning_error", plan.error_m), setting("object.offset", offset_m)];
+        let scene = parse_layers(&self.layers, &[&self.settings[..], &added].concat(), parse_any)?;
         match scene.kind() {
             SceneKind::Gripper => Ok(scene),
             _ => {
-                let file = self.layers.last().map(|scene_layer| scene_layer.file.clone()).unwrap_or_default();
+                let file = self.layers.last().map(|layer| layer.file.clone()).unwrap_or_default();
                 Err(SceneError::Read { file, reason: "it is not a gripper (kind = \"gripper\")".to_string() })
             }
         }
@@ -169,37 +162,33 @@ impl SceneSource {
 /// positions and the total.
 ///
 /// # Errors
-/// Returns an error if the scene is invalid in the middle or at either end, or `keep_running` returned false.
+/// Returns an error if the scene is invalid in the middle or at either end, or is not a gripper, or `keep_running`
+/// returned false.
 pub fn capture(
     plan: Plan,
-    load: SceneLoader<'_>,
+    source: &SceneSource,
     on_progress: &mut (dyn FnMut(u64, u64) + Send),
-    keep_running: &(dyn Fn() -> bool + Sync),
+    keep_running: KeepRunning<'_>,
 ) -> Result<Capture, CaptureError> {
-    let middle = load(0.0)?;
+    let middle = source.load_at_offset(&plan, 0.0)?;
     for end in [-plan.error_m, plan.error_m] {
-        load(end)?;
+        source.load_at_offset(&plan, end)?;
     }
     let half = (plan.position_count / 2) as f64;
     let offsets: Vec<f64> =
         (0..plan.position_count).map(|index| plan.error_m * ((index as f64 - half) / half)).collect();
-    let (total, done) = (offsets.len() as u64, AtomicU64::new(0));
-    let results = pool::map(
-        0,
-        &offsets,
-        |offset_m, messages| {
-            let placement = simulate_placement(plan.model, *offset_m, load, keep_running);
-            // The receiver may have been dropped.
-            let _ = messages.send(done.fetch_add(1, Ordering::Relaxed) + 1);
-            placement
-        },
-        |finished| on_progress(finished, total),
-    );
-    let interrupted = || CaptureError::Stopped { done: done.load(Ordering::Relaxed), total };
-    let placements: Vec<Placement> = results.into_iter().collect::<Option<_>>().ok_or_else(interrupted)?;
+    let monitor = Monitor::new(|done, total, _| on_progress(done as u64, total as u64), keep_running);
+    monitor.start(offsets.len(), "");
+    let simulate = |offset_m: &f64| {
+        let placement = simulate_placement(&plan, *offset_m, source, keep_running).ok_or(())?;
+        monitor.advance(1, "");
+        Ok(placement)
+    };
+    let interrupted = || CaptureError::Stopped { done: monitor.done() as u64, total: offsets.len() as u64 };
+    let placements = map(0, &offsets, simulate).map_err(|()| interrupted())?;
     let middle_index = placements.len() / 2;
     let outward = [placements[..=middle_index].iter().rev().collect(), placements[middle_index..].iter().collect()];
-    let edges = outward.map(|outward: Vec<&Placement>| find_edge(&plan, &outward, load, keep_running));
+    let edges = outward.map(|outward: Vec<&Placement>| find_edge(&plan, &outward, source, keep_running));
     let captured_range = match (edges, placements[middle_index].is_captured()) {
         (_, false) => None,
         ([Some(left), Some(right)], true) => Some([left, right]),
@@ -209,12 +198,7 @@ pub fn capture(
 }
 
 /// Locates one edge of the captured range from placements ordered outward from the middle; `None` if interrupted.
-fn find_edge(
-    plan: &Plan,
-    outward: &[&Placement],
-    load: SceneLoader<'_>,
-    keep_running: &(dyn Fn() -> bool + Sync),
-) -> Option<Edge> {
+fn find_edge(plan: &Plan, outward: &[&Placement], source: &SceneSource, keep_running: KeepRunning<'_>) -> Option<Edge> {
     let captured = outward.iter().take_while(|placement| placement.is_captured()).count();
     let captured_m = captured.checked_sub(1).map_or(0.0, |last| outward[last].offset_m);
     let Some(lost) = outward.get(captured).filter(|_| captured > 0) else {
@@ -222,26 +206,26 @@ fn find_edge(
     };
     let next =
         |captured: f64, lost: f64| ((lost - captured).abs() > plan.tolerance_m).then_some(0.5 * (captured + lost));
-    let is_captured = |offset_m| Some(simulate_placement(plan.model, offset_m, load, keep_running)?.is_captured());
+    let is_captured = |offset_m| Some(simulate_placement(plan, offset_m, source, keep_running)?.is_captured());
     let [captured_m, lost_m] = bisect([captured_m, lost.offset_m], next, is_captured)?;
     Some(Edge { captured_m, lost_m: Some(lost_m) })
 }
 
 /// Simulates the gripper with its object at an offset; `None` if it was interrupted.
 fn simulate_placement(
-    model: Model,
+    plan: &Plan,
     offset_m: f64,
-    load: SceneLoader<'_>,
-    keep_running: &(dyn Fn() -> bool + Sync),
+    source: &SceneSource,
+    keep_running: KeepRunning<'_>,
 ) -> Option<Placement> {
-    let scene = match load(offset_m) {
+    let scene = match source.load_at_offset(plan, offset_m) {
         Ok(scene) => scene,
         Err(error) => {
             return Some(Placement { offset_m, geometric_form_closed: None, outcome: Err(problem_messages(&error)) });
         }
     };
     let mut tracker = GraspTracker::for_scene(&scene);
-    let outcome = run(model, &scene, &mut tracker, keep_running)?.and_then(|outcome| {
+    let outcome = run(plan.model, &scene, &mut tracker, keep_running)?.and_then(|outcome| {
         let criteria = tracker.criteria().ok_or("the run has no samples")?;
         let form_closed = is_form_closed(&scene, &outcome.last).filter(|_| criteria.fate == Fate::Held);
         Ok(RunOutcome { criteria, form_closed, steps: outcome.work.steps })

@@ -2,23 +2,19 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | `bisect` | bisection |
 //! | `capture` | positioning errors that a gripper captures |
 //! | `posture` | text form of a gripper's posture |
 //! | `hold` | largest acceleration under which a gripper holds its object |
 //! | `parts` | sweeps distributed over several machines: parts of a study and their merge |
-//! | `pool` | thread pool of the studies |
 //! | `quantity` | short names and common units of columns and keys |
 //! | `results` | incremental storage of sweep results |
 //! | `select` | selection and ranking of the designs of a sweep |
 //! | `size` | sizing of spring and motor for the finger of a scene |
 //! | `sweep` | parameter sweeps over fields of a scene |
 
-mod bisect;
 pub mod capture;
 pub mod hold;
 pub mod parts;
-mod pool;
 pub mod posture;
 pub mod quantity;
 pub mod results;
@@ -26,14 +22,11 @@ pub mod select;
 pub mod size;
 pub mod sweep;
 
-use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
-use bisect::bisect;
+use crate::scene::{DrivenFinger, Scene, SpringKind};
+use crate::thesis::monitor::KeepRunning;
 
-/// Returns the scene if it is of a gripper. Messages call it `name` and suggest `example`.
-///
-/// # Errors
-/// Returns an error if the scene is of another kind.
+/// Returns the scene if it is of a gripper; the error calls it `name` and suggests `example`.
 pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {
     match scene.kind() {
         SceneKind::Gripper => Ok(scene),
@@ -41,4 +34,25 @@ pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene,
             "{name} is not a gripper; this study requires a scene of kind = \"gripper\", such as {example}"
         )),
     }
+}
+
+/// Torque of a constant spring.
+fn constant_spring(finger: &DrivenFinger) -> Option<f64> {
+    match finger.spring?.kind {
+        SpringKind::Constant { torque_n_m } => Some(torque_n_m),
+        SpringKind::Torsional { .. } => None,
+    }
+}
+
+/// Narrows a bracket of a value that passes and one that fails: tests the value that `next` returns for the bracket,
+/// until it returns `None`. Returns the bracket, or `None` if a test was interrupted.
+fn bisect(
+    mut bracket: [f64; 2],
+    next: impl Fn(f64, f64) -> Option<f64>,
+    mut passes: impl FnMut(f64) -> Option<bool>,
+) -> Option<[f64; 2]> {
+    while let Some(value) = next(bracket[0], bracket[1]) {
+        bracket[usize::from(!passes(value)?)] = value;
+    }
+    Some(bracket)
 }

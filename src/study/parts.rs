@@ -15,13 +15,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::results::{ResultsError, has_other_results, write_provenance};
+use super::KeepRunning;
+use super::results::{ResultsError, has_other_results, refused, write_provenance};
 use super::sweep::{
     MAX_SHARDED_RUNS, Row, RunStats, Shard, Study, Summary, columns, find_gaps, list_message, missing_message,
-    run_range, run_range_text, shard_range, sorted_table, summary,
+    run_range_text, run_while, shard_range, sorted_table, summary, table as sweep_table,
 };
 use crate::files::{FileKind, cannot_write, check_target, is_forced, is_special, replace_file};
-use crate::table::{self, Format, RowGroups, RowWriter, Table, Value};
+use crate::table::{self, Format, RowGroups, RowWriter, Value};
 
 /// Keys of the metadata: [`PartInfo`] as JSON, and the checksum of the rows.
 const METADATA_KEYS: [&str; 2] = ["phalanx.part", "phalanx.checksum"];
@@ -30,23 +31,23 @@ const METADATA_KEYS: [&str; 2] = ["phalanx.part", "phalanx.checksum"];
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PartInfo {
     /// Version of the program that wrote the part.
-    pub version: String,
+    version: String,
     /// Name of the study.
-    pub study: String,
-    pub model: String,
+    study: String,
+    model: String,
     /// Whether every run was checked.
-    pub checked: bool,
+    checked: bool,
     /// Fingerprint of study, base scene, model, checks and version.
-    pub fingerprint: String,
+    fingerprint: String,
     #[serde(flatten)]
-    pub shard: Shard,
+    shard: Shard,
     /// Number of runs of the study.
-    pub runs: u64,
+    runs: u64,
 }
 
 impl PartInfo {
     /// Metadata of a new part of a study.
-    pub fn new(study: &Study, shard: Shard) -> Self {
+    fn new(study: &Study, shard: Shard) -> Self {
         PartInfo {
             version: env!("CARGO_PKG_VERSION").to_string(),
             study: study.name.clone(),
@@ -60,18 +61,16 @@ impl PartInfo {
 
     /// Returns why the part does not belong to the study; `None` if it does.
     fn mismatch(&self, study: &Study) -> Option<String> {
-        let expected = PartInfo::new(study, self.shard);
-        let check = |info: &PartInfo| if info.checked { "with --check" } else { "without --check" }.to_string();
         let values = |info: &PartInfo| {
             [
                 ("version of phalanx", info.version.clone()),
                 ("study", format!("`{}`", info.study)),
                 ("model", format!("--model {}", info.model)),
-                ("sweep", check(info)),
+                ("sweep", if info.checked { "with --check" } else { "without --check" }.to_string()),
                 ("text (study or base scene, by its fingerprint)", info.fingerprint.clone()),
             ]
         };
-        let mut pairs = values(self).into_iter().zip(values(&expected));
+        let mut pairs = values(self).into_iter().zip(values(&PartInfo::new(study, self.shard)));
         let ((name, found), (_, expected)) = pairs.find(|(found, expected)| found != expected)?;
         Some(format!("its {name} is {found}, but here it is {expected}"))
     }
@@ -88,62 +87,57 @@ impl Part {
     /// Opens a part and reads its metadata.
     fn open(path: &Path) -> Result<Self, ResultsError> {
         let help = "give files written by `phalanx sweep STUDY --shard K/N --out SHARD.parquet`";
-        let not_a_part = |reason: &dyn Display| {
-            ResultsError::Refused(format!("{} is not a shard of a sweep: {reason}; {help}", path.display()))
-        };
-        let groups = RowGroups::open(path).map_err(|error| match path.exists() {
-            true => not_a_part(&error),
-            false => ResultsError::Refused(error.to_string()),
-        })?;
+        let not_a_part =
+            |reason: &dyn Display| refused(format!("{} is not a shard of a sweep: {reason}; {help}", path.display()));
+        let groups =
+            RowGroups::open(path).map_err(|error| if path.exists() { not_a_part(&error) } else { refused(error) })?;
         let info = groups.metadata_value(METADATA_KEYS[0]).and_then(|text| serde_json::from_str(text).ok());
         let info: PartInfo =
             info.ok_or_else(|| not_a_part(&"it has no metadata about its study, which --shard writes"))?;
+        let (shard, runs) = (info.shard, info.runs);
         let part = Part { path: path.to_path_buf(), info, groups };
-        let Shard { number, count, .. } = part.info.shard;
-        let is_consistent = part.info.runs <= MAX_SHARDED_RUNS
-            && shard_range(part.info.runs, number, count) == Some(part.info.shard)
-            && part.groups.row_count() == part.info.shard.runs();
-        if is_consistent {
-            Ok(part)
-        } else {
-            Err(part.damaged(format!("its rows do not match shard {number}/{count}")))
-        }
+        let is_consistent = runs <= MAX_SHARDED_RUNS
+            && shard_range(runs, shard.number, shard.count) == Some(shard)
+            && part.groups.row_count() == shard.runs();
+        let inconsistent = || part.damaged(format!("its rows do not match shard {}/{}", shard.number, shard.count));
+        if is_consistent { Ok(part) } else { Err(inconsistent()) }
     }
 
     fn damaged(&self, reason: impl Display) -> ResultsError {
-        let path = self.path.display();
-        ResultsError::Refused(format!("{path} is damaged: {reason}; delete it and run the shard again"))
+        refused(format!("{} is damaged: {reason}; delete it and run the shard again", self.path.display()))
     }
 
-    /// Reads all rows in groups, verifies them and passes them to `on_group`. Returns their summary.
+    /// Reads all rows in groups, verifies them, adds them to the summary and passes them to `on_group`.
     fn read(
         mut self,
         study: &Study,
+        total: &mut Summary,
         mut on_group: impl FnMut(&[Vec<Value>]) -> Result<(), ResultsError>,
-    ) -> Result<Summary, ResultsError> {
-        let columns = columns(study);
-        if self.groups.columns() != columns || self.info.runs != study.runs() {
+    ) -> Result<(), ResultsError> {
+        let mut table = sweep_table(study, &[]);
+        if self.groups.columns() != table.columns || self.info.runs != study.runs() {
             return Err(self.damaged("it has other columns or runs than the study"));
         }
-        let expected_checksum = self.groups.metadata_value(METADATA_KEYS[1]).unwrap_or_default().to_string();
         let (mut next, mut hasher) = (self.info.shard.first, crc32fast::Hasher::new());
-        let mut total = summary(&Table::new(columns.clone(), Vec::new())).map_err(|error| self.damaged(error))?;
         while let Some(rows) = self.groups.next() {
-            let rows = rows.map_err(|error| self.damaged(error))?;
+            table.rows = rows.map_err(|error| self.damaged(error))?;
             let is_misplaced = |(row, run): &(&Vec<Value>, u64)| row.first() != Some(&Value::Integer(*run as i64));
-            if let Some((_, run)) = rows.iter().zip(next..).find(is_misplaced) {
+            if let Some((_, run)) = table.rows.iter().zip(next..).find(is_misplaced) {
                 return Err(self.damaged(format!("run {run} is missing or misplaced")));
             }
-            next += rows.len() as u64;
-            update_checksum(&mut hasher, &rows);
-            let table = Table::new(columns.clone(), rows);
+            next += table.rows.len() as u64;
+            update_checksum(&mut hasher, &table.rows);
             total.add(summary(&table).map_err(|error| self.damaged(error))?);
             on_group(&table.rows)?;
         }
-        match (next == self.info.shard.last + 1, format_checksum(hasher) == expected_checksum) {
-            (true, true) => Ok(total),
-            (true, false) => Err(self.damaged("its checksum does not match")),
-            _ => Err(self.damaged(format!("it ends before run {next}"))),
+        if next != self.info.shard.last + 1 {
+            return Err(self.damaged(format!("it ends before run {next}")));
+        }
+        let expected = self.groups.metadata_value(METADATA_KEYS[1]);
+        if expected == Some(&format_checksum(hasher)) {
+            Ok(())
+        } else {
+            Err(self.damaged("its checksum does not match"))
         }
     }
 }
@@ -165,13 +159,9 @@ fn format_checksum(hasher: crc32fast::Hasher) -> String {
     format!("{:08x}", hasher.finalize())
 }
 
-/// Options for running a part of a study.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PartOptions {
-    /// Number of threads; 0 for one per core.
-    pub threads: usize,
-    /// Whether to replace an existing part, of any study.
-    pub restart: bool,
+/// Summary of no runs of a study.
+fn empty_summary(study: &Study) -> Result<Summary, ResultsError> {
+    summary(&sweep_table(study, &[])).map_err(refused)
 }
 
 /// A finished part.
@@ -183,8 +173,9 @@ pub struct WrittenPart {
     pub stats: Option<RunStats>,
 }
 
-/// Runs a part of a study and writes it atomically. An existing part is kept, so that repeating the call resumes a
-/// sweep. Concurrent calls for the same part write the same bytes.
+/// Runs a part of a study on `threads` threads (0: one per core) and writes it atomically. An existing part is kept,
+/// unless `restart` is set, so that repeating the call resumes a sweep. Concurrent calls for the same part write the same
+/// bytes.
 ///
 /// `keep_running` is polled during the runs and stops them when it returns false. `on_row` is called with every row, in
 /// any order.
@@ -196,22 +187,23 @@ pub fn write_part(
     study: &Study,
     shard: Shard,
     out: &Path,
-    options: PartOptions,
-    keep_running: &(dyn Fn() -> bool + Sync),
+    threads: usize,
+    restart: bool,
+    keep_running: KeepRunning<'_>,
     mut on_row: impl FnMut(&Row) + Send,
 ) -> Result<WrittenPart, ResultsError> {
     let part = PartInfo::new(study, shard);
     if !matches!(table::format(out), Ok(Format::Parquet)) || is_special(out) {
         let reason = "a shard is a Parquet file (NAME.parquet), because its metadata identify the study; `phalanx sweep \
                       merge` writes CSV from shards";
-        return Err(ResultsError::Refused(cannot_write(out, reason)));
+        return Err(refused(cannot_write(out, reason)));
     }
-    check_target(out, FileKind::Table).map_err(ResultsError::Refused)?;
-    if let Some(summary) = existing_summary(study, &part, out, options.restart)? {
+    check_target(out, FileKind::Table).map_err(refused)?;
+    if let Some(summary) = existing_summary(study, &part, out, restart)? {
         return Ok(WrittenPart { part, summary, stats: None });
     }
     let mut rows = Vec::new();
-    let stats = run_range(study, options.threads, shard.first..=shard.last, &HashSet::new(), keep_running, |row| {
+    let stats = run_while(study, threads, shard.first..=shard.last, &HashSet::new(), keep_running, |row| {
         on_row(&row);
         rows.push(row.cells);
         true
@@ -224,9 +216,8 @@ pub fn write_part(
     update_checksum(&mut hasher, &table.rows);
     let values = [serde_json::to_string(&part).unwrap_or_default(), format_checksum(hasher)];
     let metadata: Vec<(String, String)> = METADATA_KEYS.map(String::from).into_iter().zip(values).collect();
-    let summary =
-        summary(&table).and_then(|summary| table::write_with_metadata(out, &table, &metadata).map(|()| summary));
-    let summary = summary.map_err(|error| ResultsError::WriteFailed(error.to_string()))?;
+    let written = table::write_with_metadata(out, &table, &metadata).and_then(|()| summary(&table));
+    let summary = written.map_err(|error| ResultsError::WriteFailed(error.to_string()))?;
     Ok(WrittenPart { part, summary, stats: Some(stats) })
 }
 
@@ -240,32 +231,32 @@ fn existing_summary(
     if !fs::metadata(out).is_ok_and(|found| found.len() > 0) || is_forced() {
         return Ok(None);
     }
-    let existing = match Part::open(out) {
-        // Only a shard is replaced, also if it is damaged.
-        Ok(_) if restart => return Ok(None),
-        Ok(existing) => existing,
-        Err(_) => {
-            return Err(ResultsError::Refused(cannot_write(
-                out,
-                "the existing file is not a shard of a sweep, so it is not replaced; give another --out, or replace it with \
-                 --force",
-            )));
-        }
+    let Ok(existing) = Part::open(out) else {
+        let reason = "the existing file is not a shard of a sweep, so it is not replaced; give another --out, or replace it \
+                      with --force";
+        return Err(refused(cannot_write(out, reason)));
     };
-    let PartInfo { shard: Shard { number, count, .. }, .. } = existing.info;
+    // Only a shard is replaced, also if it is damaged.
+    if restart {
+        return Ok(None);
+    }
+    let Shard { number, count, .. } = existing.info.shard;
     let reason = match existing.info.mismatch(study) {
         Some(reason) => format!("it is a shard of another sweep: {reason}"),
         None if existing.info.shard != part.shard => format!("it is shard {number}/{count} of this study"),
-        None => return existing.read(study, |_| Ok(())).map(Some),
+        None => {
+            let mut total = empty_summary(study)?;
+            return existing.read(study, &mut total, |_| Ok(())).map(|()| Some(total));
+        }
     };
-    Err(ResultsError::Refused(format!(
+    Err(refused(format!(
         "{} already exists, but {reason}, so it is not replaced; give another --out, or replace it with --restart",
         out.display()
     )))
 }
 
 /// Merged results.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MergeResult {
     /// Number of parts.
     pub parts: u64,
@@ -291,24 +282,22 @@ pub fn merge(
     keep_running: &dyn Fn() -> bool,
     on_progress: &mut dyn FnMut(u64),
 ) -> Result<MergeResult, ResultsError> {
-    let format = table::format(out).map_err(|error| ResultsError::Refused(error.to_string()))?;
-    check_target(out, FileKind::Table).map_err(ResultsError::Refused)?;
+    let format = table::format(out).map_err(refused)?;
+    check_target(out, FileKind::Table).map_err(refused)?;
     if has_other_results(study, out)? {
-        return Err(ResultsError::Refused(format!(
+        return Err(refused(format!(
             "{} contains results of another study, model or version, so it is not replaced; give another --out, or replace \
              it with --force",
             out.display()
         )));
     }
     let parts = complete_parts(study, parts)?;
-    let (count, mut total, mut done) = (parts.len() as u64, None, 0);
-    // Errors of the parts are returned separately from errors of the output file.
-    let mut failure = None;
+    let (mut total, mut done) = (empty_summary(study)?, 0);
     let written = replace_file(out, |file| {
         let mut writer = RowWriter::new(file, format, &columns(study))?;
-        for part in parts {
-            let copied = Part::open(&part).and_then(|part| {
-                part.read(study, |rows| {
+        for path in &parts {
+            let copy = |part: Part| {
+                part.read(study, &mut total, |rows| {
                     if !keep_running() {
                         return Err(ResultsError::Stopped { done, total: study.runs() });
                     }
@@ -317,31 +306,19 @@ pub fn merge(
                     on_progress(done);
                     added.map_err(|error| ResultsError::write_failed(out, &error))
                 })
-            });
-            match (copied, &mut total) {
-                (Ok(summary), None) => total = Some(summary),
-                (Ok(summary), Some(total)) => total.add(summary),
-                (Err(error), _) => {
-                    failure = Some(error);
-                    return Err(io::ErrorKind::Other.into());
-                }
-            }
+            };
+            Part::open(path).and_then(copy).map_err(io::Error::other)?;
         }
         writer.finish(&[])?;
         // The study is written first, so that results never exist without it.
         write_provenance(study, done, out)
     });
-    match (failure, written, total) {
-        (None, Ok(()), Some(summary)) => {
-            let bytes = fs::metadata(out).map_or(0, |found| found.len());
-            Ok(MergeResult { parts: count, bytes, summary })
-        }
-        (Some(failure), ..) => Err(failure),
-        (None, written, _) => {
-            let error = written.err().unwrap_or_else(|| io::Error::other("there are no parts"));
-            Err(ResultsError::write_failed(out, &error))
-        }
-    }
+    written.map_err(|error| match error.downcast() {
+        Ok(error) => error,
+        Err(error) => ResultsError::write_failed(out, &error),
+    })?;
+    let bytes = fs::metadata(out).map_or(0, |found| found.len());
+    Ok(MergeResult { parts: parts.len() as u64, bytes, summary: total })
 }
 
 /// Returns the files of the parts in the order of their runs; checks that they cover the study.
@@ -355,22 +332,19 @@ fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, Resu
         }
     }
     if !foreign.is_empty() {
-        return Err(ResultsError::Refused(list_message("", foreign, "; use the same for all shards and the merge")));
+        return Err(refused(list_message("", foreign, "; use the same for all shards and the merge")));
     }
     parts.sort_by(|(a, path_a), (b, path_b)| (a.first, a.last, path_a).cmp(&(b.first, b.last, path_b)));
     let overlaps = find_overlaps(&parts);
     if !overlaps.is_empty() {
-        return Err(ResultsError::Refused(list_message("shards overlap: ", overlaps, "; remove one of each pair")));
+        return Err(refused(list_message("shards overlap: ", overlaps, "; remove one of each pair")));
     }
     let (shards, paths): (Vec<Shard>, Vec<PathBuf>) = parts.into_iter().unzip();
     let gaps = find_gaps(study.runs(), &shards);
-    if gaps.is_empty() { Ok(paths) } else { Err(ResultsError::Refused(missing_message(&gaps, study.runs()))) }
+    if gaps.is_empty() { Ok(paths) } else { Err(refused(missing_message(&gaps, study.runs()))) }
 }
 
 /// Replaces directories by the Parquet files in them.
-///
-/// # Errors
-/// Returns an error if a directory cannot be read, or contains no Parquet file.
 pub(crate) fn part_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ResultsError> {
     let mut files = Vec::with_capacity(paths.len());
     for path in paths {
@@ -378,17 +352,14 @@ pub(crate) fn part_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ResultsError
             files.push(path.clone());
             continue;
         }
-        let entries = fs::read_dir(path).and_then(Iterator::collect::<io::Result<Vec<_>>>);
-        let entries = entries
-            .map_err(|error| ResultsError::Refused(format!("cannot read {}: {error}", path.display())))?
-            .into_iter()
-            .map(|entry| entry.path())
-            .filter(|file| matches!(table::format(file), Ok(Format::Parquet)));
+        let entries = fs::read_dir(path).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
+        let entries: Vec<PathBuf> =
+            entries.map_err(|error: io::Error| refused(format!("cannot read {}: {error}", path.display())))?;
         let before = files.len();
-        files.extend(entries);
+        files.extend(entries.into_iter().filter(|file| matches!(table::format(file), Ok(Format::Parquet))));
         if files.len() == before {
             let path = path.display();
-            return Err(ResultsError::Refused(format!("the directory {path} contains no Parquet file, so no shard")));
+            return Err(refused(format!("the directory {path} contains no Parquet file, so no shard")));
         }
     }
     Ok(files)

@@ -6,6 +6,7 @@
 
 use std::collections::HashSet;
 use std::ffi::OsString;
+use std::fmt::Display;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ use fs4::{FileExt, TryLockError};
 use super::sweep::{Study, check_unsharded, columns, sorted_table};
 use crate::files::{FileKind, cannot_write, check_target, is_forced, replace_file};
 use crate::log::is_same_file;
-use crate::table::{self, Column, Table, TableError, Value};
+use crate::table::{self, Table, Value};
 
 /// First words of a file of unfinished results.
 const MAGIC: &str = "# phalanx sweep";
@@ -40,6 +41,10 @@ impl ResultsError {
     }
 }
 
+pub(super) fn refused(reason: impl Display) -> ResultsError {
+    ResultsError::Refused(reason.to_string())
+}
+
 /// Writes `OUT.study.json` for results with this number of rows: the study with its exact text.
 pub(super) fn write_provenance(study: &Study, rows: u64, out: &Path) -> io::Result<()> {
     let [_, path] = companion_files(out);
@@ -56,9 +61,6 @@ pub(super) fn write_provenance(study: &Study, rows: u64, out: &Path) -> io::Resu
 }
 
 /// Whether `OUT.study.json` names this study.
-///
-/// # Errors
-/// Returns an error if the file cannot be read, or is another file.
 fn is_of_study(study: &Study, out: &Path) -> Result<bool, ResultsError> {
     let [_, path] = companion_files(out);
     let fingerprint = fs::read(&path).and_then(|bytes| {
@@ -69,7 +71,7 @@ fn is_of_study(study: &Study, out: &Path) -> Result<bool, ResultsError> {
     match fingerprint {
         Ok(fingerprint) => Ok(fingerprint == study.fingerprint()),
         Err(error) if error.kind() == ErrorKind::NotFound || is_forced() => Ok(false),
-        Err(error) => Err(ResultsError::Refused(format!(
+        Err(error) => Err(refused(format!(
             "cannot read {}: {error}; it describes results of a sweep: give another --out, delete it, or replace it with --force",
             path.display()
         ))),
@@ -104,9 +106,13 @@ pub struct Store {
     out: PathBuf,
     partial: PathBuf,
     file: File,
-    columns: Vec<Column>,
     /// Rows so far, unordered.
     rows: Vec<Vec<Value>>,
+}
+
+/// Run numbers of rows.
+fn run_numbers(rows: &[Vec<Value>]) -> impl Iterator<Item = u64> {
+    rows.iter().filter_map(|row| u64::try_from(row.first()?.as_integer()?).ok())
 }
 
 /// Opens the results of a study; the first `max_runs` runs are requested.
@@ -115,14 +121,13 @@ pub struct Store {
 /// Returns an error if the output path is unusable, contains results of another study, or is being written by another
 /// command.
 pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<OpenedResults, ResultsError> {
-    table::format(out).map_err(|error| ResultsError::Refused(error.to_string()))?;
-    check_unsharded(study, max_runs).map_err(ResultsError::Refused)?;
-    check_target(out, FileKind::Table).map_err(ResultsError::Refused)?;
+    table::format(out).map_err(refused)?;
+    check_unsharded(study, max_runs).map_err(refused)?;
+    check_target(out, FileKind::Table).map_err(refused)?;
     let requested = study.runs().min(max_runs);
     // Rows may have been removed or repeated, so their number does not tell.
     let is_complete = |table: &Table| {
-        let numbers = table.rows.iter().filter_map(|row| u64::try_from(row.first()?.as_integer()?).ok());
-        let runs: HashSet<u64> = numbers.filter(|run| (1..=requested).contains(run)).collect();
+        let runs: HashSet<u64> = run_numbers(&table.rows).filter(|run| (1..=requested).contains(run)).collect();
         runs.len() as u64 == requested
     };
     // Discarded results may be damaged, but OUT.study.json must be of a sweep.
@@ -134,7 +139,7 @@ pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<O
     }
     let [partial, _] = companion_files(out);
     let file = open_locked(out, &partial)?;
-    let mut store = Store { out: out.to_path_buf(), partial, file, columns: columns(study), rows: Vec::new() };
+    let mut store = Store { out: out.to_path_buf(), partial, file, rows: Vec::new() };
     let is_resumed = store.resume(study, restart)?;
     if restart {
         return Ok(OpenedResults::Incomplete(store));
@@ -148,7 +153,7 @@ pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<O
         Some(table) => store.rows.extend(table.rows),
         None if !is_resumed && has_other_results(study, out)? => {
             let _ = fs::remove_file(&store.partial);
-            return Err(ResultsError::Refused(format!(
+            return Err(refused(format!(
                 "{} contains results of another study, model or version; give another --out, or replace it with --restart",
                 out.display()
             )));
@@ -163,37 +168,32 @@ fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, ResultsErro
     if !is_of_study(study, out)? || !out.exists() {
         return Ok(None);
     }
+    let columns = columns(study);
     let table = match table::format(out) {
-        Ok(table::Format::Csv) => table::read_csv(out, &columns(study)),
+        Ok(table::Format::Csv) => table::read_csv(out, &columns),
         _ => table::read(out),
     };
-    let table = match table {
-        Err(_) if is_forced() => return Ok(None),
-        table => table.map_err(|error: TableError| {
-            ResultsError::Refused(format!("{error}; or replace the results with --restart"))
-        })?,
-    };
-    Ok((table.columns == columns(study)).then_some(table))
+    match table {
+        Ok(table) => Ok((table.columns == columns).then_some(table)),
+        Err(_) if is_forced() => Ok(None),
+        Err(error) => Err(refused(format!("{error}; or replace the results with --restart"))),
+    }
 }
 
 /// Opens and locks the file of unfinished results, so that only one command writes to it.
 fn open_locked(out: &Path, partial: &Path) -> Result<File, ResultsError> {
-    let cannot_open =
-        |error: io::Error| ResultsError::Refused(format!("{}; give a writable path", cannot_write(partial, error)));
+    let cannot_open = |error: io::Error| refused(format!("{}; give a writable path", cannot_write(partial, error)));
     loop {
         let mut options = OpenOptions::new();
         let file = options.read(true).write(true).create(true).truncate(false).open(partial).map_err(cannot_open)?;
-        match FileExt::try_lock(&file) {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(ResultsError::Refused(format!(
-                    "another command is writing {} (its rows are in {}); wait for it to finish, or give another --out",
-                    out.display(),
-                    partial.display()
-                )));
-            }
-            Err(TryLockError::Error(error)) => return Err(cannot_open(error)),
-        }
+        FileExt::try_lock(&file).map_err(|error| match error {
+            TryLockError::WouldBlock => refused(format!(
+                "another command is writing {} (its rows are in {}); wait for it to finish, or give another --out",
+                out.display(),
+                partial.display()
+            )),
+            TryLockError::Error(error) => cannot_open(error),
+        })?;
         // The command that held the lock may have removed the file before it was locked here.
         if is_same_file(&file, partial) {
             return Ok(file);
@@ -204,13 +204,10 @@ fn open_locked(out: &Path, partial: &Path) -> Result<File, ResultsError> {
 impl Store {
     /// Numbers of the finished runs.
     pub fn completed_runs(&self) -> impl Iterator<Item = u64> + '_ {
-        self.rows.iter().filter_map(|row| u64::try_from(row.first()?.as_integer()?).ok())
+        run_numbers(&self.rows)
     }
 
     /// Appends a row in a single write, so that a killed process can truncate only the last row.
-    ///
-    /// # Errors
-    /// Returns an error if writing fails.
     pub fn append(&mut self, cells: Vec<Value>) -> io::Result<()> {
         self.file.write_all(table::format_csv_line(&cells).as_bytes())?;
         self.rows.push(cells);
@@ -229,21 +226,22 @@ impl Store {
     pub fn finish(self, study: &Study) -> Result<Table, ResultsError> {
         let Store { out, partial, rows, .. } = self;
         let table = sorted_table(study, rows);
-        let written = table::write(&out, &table).map_err(|error| error.to_string()).and_then(|()| {
-            let written = write_provenance(study, table.rows.len() as u64, &out);
-            written.and_then(|()| fs::remove_file(&partial)).map_err(|error| error.to_string())
-        });
-        written.map(|()| table).map_err(|error| {
+        let finish = || write_provenance(study, table.rows.len() as u64, &out).and_then(|()| fs::remove_file(&partial));
+        let written = table::write(&out, &table).map_err(|error| error.to_string());
+        let written = written.and_then(|()| finish().map_err(|error| error.to_string()));
+        written.map_err(|error| {
             let partial = partial.display();
             let hint = format!("every finished run is in {partial}; the same command resumes from there");
             ResultsError::WriteFailed(format!("{error}; {hint}"))
-        })
+        })?;
+        Ok(table)
     }
 
     /// Reads the rows of an earlier, interrupted command. Returns whether there was one; always true with `restart`.
     fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, ResultsError> {
         let failed = |error: io::Error| ResultsError::write_failed(&self.partial, &error);
-        let names: Vec<Value> = self.columns.iter().map(|column| Value::from(column.name.as_str())).collect();
+        let columns = columns(study);
+        let names: Vec<Value> = columns.iter().map(|column| Value::from(column.name.as_str())).collect();
         let (fingerprint, runs) = (study.fingerprint(), study.runs());
         let header = format!("{MAGIC} {fingerprint} of {runs}, unfinished\n{}", table::format_csv_line(&names));
         let mut bytes = Vec::new();
@@ -251,27 +249,25 @@ impl Store {
         let partial = self.partial.display();
         let is_foreign = !MAGIC.as_bytes().starts_with(&bytes[..bytes.len().min(MAGIC.len())]);
         if is_foreign && !is_forced() {
-            return Err(ResultsError::Refused(format!(
+            return Err(refused(format!(
                 "{partial} is the file for unfinished results, but contains other data; move it, give another --out, or \
                  replace it with --force"
             )));
         }
         // A truncated header has no rows after it.
         let is_empty = restart || is_foreign || header.as_bytes().starts_with(&bytes) && bytes.len() < header.len();
-        let end = if is_empty {
-            0
-        } else {
-            let Some(lines) = bytes.strip_prefix(header.as_bytes()) else {
-                return Err(ResultsError::Refused(format!(
+        let mut end = 0;
+        if !is_empty {
+            let lines = bytes.strip_prefix(header.as_bytes()).ok_or_else(|| {
+                refused(format!(
                     "{partial} contains unfinished results of another study, model or version, or this study has been changed \
                      since; --restart discards them, another --out keeps them ({} is unchanged)",
                     self.out.display()
-                )));
-            };
-            let (rows, valid_bytes) = table::read_rows(lines, &self.columns);
-            self.rows = rows;
-            header.len() + valid_bytes
-        };
+                ))
+            })?;
+            (self.rows, end) = table::read_rows(lines, &columns);
+            end += header.len();
+        }
         self.file.set_len(end as u64).and_then(|()| self.file.seek(SeekFrom::Start(end as u64))).map_err(failed)?;
         if is_empty {
             self.file.write_all(header.as_bytes()).map_err(failed)?;

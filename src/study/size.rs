@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::constant_spring;
 use crate::gripper::contact_angle_proximal;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Actuation, Scene, SpringKind, WrongKind};
@@ -55,9 +56,6 @@ pub enum SizeError {
 }
 
 /// Sizes spring and motor of the finger for closing on the object from its initial posture.
-///
-/// # Errors
-/// Returns an error if the scene is of another kind, has no object, or its finger does not close on the object.
 pub fn size_finger(scene: &Scene, options: SizingOptions) -> Result<FingerSizing, SizeError> {
     let object = scene
         .require_kind(SceneKind::Finger)?
@@ -86,9 +84,6 @@ pub fn size_finger(scene: &Scene, options: SizingOptions) -> Result<FingerSizing
             Actuation::Constant { torque_n_m } => Some(torque_n_m),
             _ => None,
         },
-        given_spring_n_m: scene.finger().spring.and_then(|spring| match spring.kind {
-            SpringKind::Constant { torque_n_m } => Some(torque_n_m),
-            SpringKind::Torsional { .. } => None,
-        }),
+        given_spring_n_m: constant_spring(scene.finger()),
     })
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::support::cli::{
     assert_contains, assert_rejected, assert_status, directory, path_text, stdout, succeed, succeed_json,
 };
-use crate::support::sweep_results::{SweepRun, results_table, successful_run};
+use crate::support::sweep_results::{results_table, successful_run};
 use phalanx::table;
 
 /// Writes results with two selected runs and one rejected run.
@@ -14,7 +14,7 @@ fn write_results(directory: &Path) -> String {
     let runs = [
         successful_run(1, 7e-3, [10.0, 30.0, 4.0]),
         successful_run(2, 5e-3, [5.0, 20.0, 6.0]),
-        SweepRun { form_closed: Some(false), ..successful_run(3, 6e-3, [1.0, 2.0, 3.0]) },
+        successful_run(3, 6e-3, [1.0, 2.0, 3.0]).with("form_closed", false),
     ];
     let path = directory.join("results.parquet");
     table::write(&path, &results_table(&runs)).expect("written");

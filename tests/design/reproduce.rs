@@ -58,9 +58,10 @@ fn check_expected_values(all: &[Comparison]) {
             assert!((computed(&key) - percentage).abs() <= 0.05, "{key}");
         }
     }
+    let degrees = 180.0 / std::f64::consts::PI;
     for (key, scale, expected) in [
-        ("design.trajectory_min_rad", 180.0 / std::f64::consts::PI, 26.03),
-        ("design.trajectory_max_rad", 180.0 / std::f64::consts::PI, 74.63),
+        ("design.trajectory_min_rad", degrees, 26.03),
+        ("design.trajectory_max_rad", degrees, 74.63),
         ("design.mass_min_kg", 1e3, 20.64),
         ("design.mass_max_kg", 1e3, 27.45),
         ("design.mass_kg", 1e3, 24.64),

@@ -42,6 +42,14 @@ fn lines(path: &Path) -> usize {
     fs::read(path).map_or(0, |bytes| bytes.iter().filter(|byte| **byte == b'\n').count())
 }
 
+fn bytes(path: &Path) -> Vec<u8> {
+    fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn replace(path: &Path, contents: impl AsRef<[u8]>) {
+    fs::write(path, contents).expect("the file is writable");
+}
+
 fn wait_for_rows(out: &Path, rows: usize) {
     let deadline = Instant::now() + Duration::from_secs(60);
     while lines(&partial(out)) < rows + 2 && partial(out).exists() | !out.exists() {
@@ -59,7 +67,7 @@ fn repeated_kills_do_not_change_the_results() {
     for status in ["completed", "refused", "failed"] {
         assert!(document["by_status"][status].as_u64().expect("a count") > 50, "{document:#}");
     }
-    let expected = fs::read(&uninterrupted).expect("the file is readable");
+    let expected = bytes(&uninterrupted);
     assert_eq!(lines(&uninterrupted), 4001);
 
     let out = directory.join("killed.csv");
@@ -77,17 +85,16 @@ fn repeated_kills_do_not_change_the_results() {
         before = rows;
         // Simulates a truncated write.
         if !out.exists() && rows > 0 && rng.below(3) == 0 {
-            let mut bytes = fs::read(partial(&out)).expect("the file exists");
-            let last = bytes[..bytes.len() - 1].iter().rposition(|byte| *byte == b'\n').expect("lines") + 1;
-            bytes.truncate(last + rng.below(bytes.len() - last));
-            fs::write(partial(&out), bytes).expect("the file is writable");
+            let rows = bytes(&partial(&out));
+            let last = rows[..rows.len() - 1].iter().rposition(|byte| *byte == b'\n').expect("lines") + 1;
+            replace(&partial(&out), &rows[..last + rng.below(rows.len() - last)]);
             before -= 1;
         }
         kills += 1;
     }
     assert!(kills >= 5, "{kills}");
     sweep(&study, &out, &[]);
-    assert!(fs::read(&out).expect("the file is readable") == expected, "the results differ after {kills} kills");
+    assert!(bytes(&out) == expected, "the results differ after {kills} kills");
     assert!(!partial(&out).exists());
 }
 
@@ -110,9 +117,7 @@ fn a_signal_stops_the_sweep_cleanly_and_it_can_resume() {
         assert_contains(stderr(&output), &words);
         assert_eq!(sweep(&study, &out, &[])["now"]["runs"].as_u64(), Some(6000 - rows as u64));
     }
-    let [int, term] =
-        ["INT", "TERM"].map(|name| fs::read(directory.join(format!("{name}.parquet"))).expect("the file is readable"));
-    assert!(int == term);
+    assert!(bytes(&directory.join("INT.parquet")) == bytes(&directory.join("TERM.parquet")));
 }
 
 #[test]
@@ -124,12 +129,12 @@ fn finished_runs_are_not_repeated() {
     assert_eq!(sweep(&study, &out, &["--limit", "100"])["now"]["runs"], 100);
     assert_eq!(lines(&out), 101);
     assert_eq!(sweep(&study, &out, &[])["now"]["runs"], 200);
-    let contents = fs::read(&out).expect("the file is readable");
+    let contents = String::from_utf8(bytes(&out)).expect("text");
     let again = ["sweep", &study, "--out", path_text(&out), "--json"];
     let output = assert_status(&again, 0, &["nothing was run", "--restart"]);
     assert_eq!(json(&output)["now"]["runs"], 0);
     assert_eq!(sweep(&study, &out, &["--restart"])["now"]["runs"], 300);
-    assert!(fs::read(&out).expect("the file is readable") == contents);
+    assert!(bytes(&out) == contents.as_bytes());
 
     // CSV and Parquet contain the same rows.
     let other = directory.join("out.parquet");
@@ -141,23 +146,23 @@ fn finished_runs_are_not_repeated() {
     }
     assert_eq!(csv.texts("reason").expect("texts"), parquet.texts("reason").expect("texts"));
 
-    // Rows that were removed are made again.
-    let text = String::from_utf8(contents.clone()).expect("text");
-    fs::write(&out, text.lines().take(200).map(|line| format!("{line}\n")).collect::<String>()).expect("written");
-    assert_eq!(sweep(&study, &out, &[])["now"]["runs"], 101);
-    assert!(fs::read(&out).expect("the file is readable") == contents);
-    // A repeated row does not hide a missing one.
-    let mut rows: Vec<&str> = text.lines().collect();
+    let mut rows: Vec<&str> = contents.split_inclusive('\n').collect();
+    let (removed, damaged) = (rows[..200].concat(), format!("{}1,2\n", rows[0]));
     rows[7] = rows[6];
-    fs::write(&out, rows.join("\n") + "\n").expect("written");
-    assert_eq!(sweep(&study, &out, &[])["now"]["runs"], 1);
-    assert!(fs::read(&out).expect("the file is readable") == contents);
-    // Damaged results are discarded on request only.
-    for flag in ["--restart", "--force"] {
-        fs::write(&out, format!("{}\n1,2\n", rows[0])).expect("written");
-        assert_rejected(&study, &out, &[], &["out.csv:", "--restart"]);
-        assert_eq!(sweep(&study, &out, &[flag])["now"]["runs"], 300);
-        assert!(fs::read(&out).expect("the file is readable") == contents);
+    for (changed, flags, runs) in [
+        // Rows that were removed are made again, and a repeated row does not hide a missing one.
+        (removed, &[][..], 101),
+        (rows.concat(), &[], 1),
+        // Damaged results are discarded on request only.
+        (damaged.clone(), &["--restart"], 300),
+        (damaged.clone(), &["--force"], 300),
+    ] {
+        replace(&out, &changed);
+        if changed == damaged {
+            assert_rejected(&study, &out, &[], &["out.csv:", "--restart"]);
+        }
+        assert_eq!(sweep(&study, &out, flags)["now"]["runs"], runs);
+        assert!(bytes(&out) == contents.as_bytes());
     }
     assert!(!partial(&out).exists());
 }
@@ -166,7 +171,7 @@ fn finished_runs_are_not_repeated() {
 fn results_of_another_study_are_kept() {
     let directory = directory("sweep_other");
     let (study, out) = (write_short_study(&directory, 50), directory.join("out.csv"));
-    fs::write(&out, "another,table\n1,2\n").expect("the file is writable");
+    replace(&out, "another,table\n1,2\n");
     for flags in [&[][..], &["--restart"]] {
         assert_rejected(&study, &out, flags, &["not replaced", "--force"]);
         assert_eq!(lines(&out), 2);
@@ -177,17 +182,14 @@ fn results_of_another_study_are_kept() {
     let other = write_short_study_as(&directory, "other.toml", 60);
     assert_rejected(&other, &out, &[], &["results of another study", "--restart"]);
     let provenance = directory.join("out.csv.study.json");
-    fs::write(&provenance, "mine").expect("written");
+    replace(&provenance, "mine");
     assert_rejected(&study, &out, &[], &["cannot read", "out.csv.study.json", "--force"]);
-    fs::remove_file(&provenance).expect("removed");
-    fs::create_dir(&provenance).expect("made");
+    fs::remove_file(&provenance).and_then(|()| fs::create_dir(&provenance)).expect("replaced");
     assert_rejected(&study, &out, &["--restart"], &["cannot read", "out.csv.study.json"]);
-    fs::remove_dir(&provenance).expect("removed");
-    fs::remove_file(&out).expect("removed");
+    fs::remove_dir(&provenance).and_then(|()| fs::remove_file(&out)).expect("removed");
 
     // Unfinished results of a study that was changed since.
-    fs::write(partial(&out), "# phalanx sweep 0123456789abcdef of 50, unfinished\nrun\n1\n")
-        .expect("the file is writable");
+    replace(&partial(&out), "# phalanx sweep 0123456789abcdef of 50, unfinished\nrun\n1\n");
     assert_rejected(&study, &out, &[], &["another study", "--restart discards them", "another --out"]);
     assert_eq!(lines(&partial(&out)), 3);
     sweep(&study, &out, &["--restart"]);
@@ -195,9 +197,9 @@ fn results_of_another_study_are_kept() {
 
     // Another file with the name of the partial file is kept even with --restart.
     let other = directory.join("other.csv");
-    fs::write(partial(&other), "another file\n").expect("the file is writable");
+    replace(&partial(&other), "another file\n");
     assert_rejected(&study, &other, &["--restart"], &["contains other data"]);
-    assert_eq!(fs::read_to_string(partial(&other)).expect("the file exists"), "another file\n");
+    assert_eq!(bytes(&partial(&other)), b"another file\n");
     sweep(&study, &other, &["--force"]);
 }
 

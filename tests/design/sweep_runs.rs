@@ -1,24 +1,25 @@
-//! Runs of a study: a row depends only on its run, failed runs are recorded, and the counts of the thesis are
+//! Runs of a study: a row depends only on its run, every row has a verdict or a reason, and the counts of the thesis are
 //! reproduced.
 
 use std::collections::HashSet;
 
+use phalanx::criteria::static_grasp;
+use phalanx::format::ToReport;
+use phalanx::report::select::SelectionReport;
 use phalanx::scene::{self, Preset};
-use phalanx::study::sweep::{Status, load, run_while, summary, table};
-use phalanx::table::Value;
+use phalanx::study::select::{SelectionCriteria, select};
+use phalanx::study::sweep::{AxisValue, Status, Study, in_memory_study, load, run_while, summary, table};
+use phalanx::table::{Table, Value};
 use phalanx::trace::{FingerContact, Model, run_analytic};
 
-use crate::support::studies::{parse_study as study, run_rows, run_study as results};
-
-fn count_true(values: impl IntoIterator<Item = Option<bool>>) -> usize {
-    values.into_iter().filter(|value| *value == Some(true)).count()
-}
+use crate::support::cli::assert_contains;
+use crate::support::studies::{parse_study, run_rows, run_study};
 
 /// 2-design.md §2.6, right-hand column.
 #[test]
 fn reproduces_the_counts_of_the_thesis() {
     let study = load("scenes/studies/thesis.toml").expect("a shipped file");
-    let table = results(&study);
+    let table = run_study(&study);
     assert_eq!(table.rows.len(), 384);
     let range = |name: &str| {
         let values: Vec<f64> = table.numbers(name).expect(name).into_iter().flatten().collect();
@@ -30,13 +31,13 @@ fn reproduces_the_counts_of_the_thesis() {
     let (low, high) = range("mass_kg");
     assert!((low - 20.64e-3).abs() < 5e-6 && (high - 27.45e-3).abs() < 5e-6, "{low} {high}");
 
-    let closed = table.flags("form_closed").expect("flags");
-    let positive = table.flags("force_positive").expect("flags");
+    let [closed, positive] = ["form_closed", "force_positive"].map(|name| table.flags(name).expect(name));
     let classes = table.texts("class").expect("texts");
+    let count_true = |flags: &[Option<bool>]| flags.iter().filter(|flag| **flag == Some(true)).count();
     assert_eq!(closed[..192], closed[192..]);
-    assert_eq!(count_true(closed[..192].iter().copied()), 22);
+    assert_eq!(count_true(&closed[..192]), 22);
     for (runs, statically, dynamically) in [(0..192, 136, 53), (192..384, 160, 94)] {
-        assert_eq!(count_true(positive[runs.clone()].iter().copied()), statically);
+        assert_eq!(count_true(&positive[runs.clone()]), statically);
         let stable = classes[runs].iter().filter(|class| matches!(class, Some("stable" | "semi-stable"))).count();
         assert!(stable.abs_diff(dynamically) <= 3, "{stable} for {dynamically}");
     }
@@ -67,44 +68,41 @@ const MIXED: &str = "scene = \"../experiment-95.toml\"\n[set]\nintegrator.max_st
 
 #[test]
 fn every_run_has_a_row_with_its_reason() {
-    let study = study(MIXED);
-    let table = results(&study);
-    assert_eq!(table.rows.len(), 54);
+    let study = parse_study(MIXED);
+    let table = run_study(&study);
     let counts = summary(&table).expect("results of a sweep");
     let [completed, refused, failed] =
         [Status::Completed, Status::Refused, Status::Failed].map(|status| counts.count_with_status(status));
     assert!(refused >= 30 && failed > 0, "{counts:?}");
-    assert_eq!(counts.by_status.iter().map(|(_, count)| count).sum::<u64>(), 54);
+    assert_eq!((table.rows.len(), counts.by_status.iter().map(|(_, count)| count).sum::<u64>()), (54, 54));
     assert_eq!(counts.by_class.iter().map(|(_, count)| count).sum::<u64>(), completed);
     assert_eq!(counts.reasons.iter().map(|reason| reason.runs).sum::<u64>(), 54 - completed);
 
     let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
     let masses = table.numbers("mass_kg").expect("numbers");
     for (index, (status, reason)) in status.iter().zip(&reason).enumerate() {
-        match status.expect("every row has a status") {
-            "completed" => assert_eq!(*reason, None),
-            "refused" => {
+        match (status.expect("every row has a status"), *reason) {
+            ("completed", None) => {}
+            ("refused", Some(reason)) => {
                 let error = scene::parse(&study.scene_text(index as u64 + 1), "x.toml").expect_err("refused");
-                let reason = reason.expect("a reason for the refusal");
                 assert!(error.problems().iter().all(|problem| reason.contains(problem.message.trim())), "{reason}");
                 assert_eq!(masses[index], None);
             }
-            "failed" => {
-                let reason = reason.expect("a reason for the failure");
+            ("failed", Some(reason)) => {
                 assert!(reason.starts_with("at ") && reason.contains(" ms: "), "{reason}");
                 assert!(masses[index].is_some());
             }
-            other => panic!("{other}"),
+            other => panic!("{other:?}"),
         }
     }
-    assert!(reason.iter().flatten().any(|reason| reason.contains("mu_static` is -0.5")));
-    assert!(reason.iter().flatten().any(|reason| reason.contains("l21_fraction` is 1.5")));
-    assert!(reason.iter().flatten().any(|reason| reason.contains("budget of 120 steps")));
+    for words in ["mu_static` is -0.5", "l21_fraction` is 1.5", "budget of 120 steps"] {
+        assert!(reason.iter().flatten().any(|reason| reason.contains(words)), "{words}");
+    }
 }
 
 #[test]
 fn results_are_independent_of_threads_and_order() {
-    let study = study(MIXED);
+    let study = parse_study(MIXED);
     let single_threaded = table(&study, &run_rows(&study, 1, &HashSet::new()));
     for threads in [2, 3, 8] {
         assert_eq!(table(&study, &run_rows(&study, threads, &HashSet::new())), single_threaded);
@@ -114,46 +112,42 @@ fn results_are_independent_of_threads_and_order() {
     let even = run_rows(&study, 2, &odd);
     let done = even.iter().map(|row| row.run).collect();
     assert_eq!(table(&study, &[even, run_rows(&study, 2, &done)].concat()), single_threaded);
-}
 
-#[test]
-fn stops_on_request() {
-    let study = study(MIXED);
-    let mut rows = Vec::new();
-    let stats = run_while(&study, 2, u64::MAX, &HashSet::new(), &|| true, |row| {
-        rows.push(row);
-        rows.len() < 10
-    });
+    // Runs stop on request.
+    let run = |threads, last, keep_running: bool, max_rows: u64| {
+        let mut rows = 0;
+        run_while(&study, threads, 1..=last, &HashSet::new(), &|| keep_running, |_| {
+            rows += 1;
+            rows < max_rows
+        })
+    };
+    let stats = run(2, u64::MAX, true, 10);
     assert!(!stats.complete && (10..=12).contains(&stats.runs), "{stats:?}");
-    let stats = run_while(&study, 2, 7, &HashSet::new(), &|| true, |_| true);
+    let stats = run(2, 7, true, u64::MAX);
     assert!(stats.complete && stats.runs == 7);
-    let stats = run_while(&study, 1, u64::MAX, &HashSet::new(), &|| false, |_| true);
+    let stats = run(1, u64::MAX, false, u64::MAX);
     assert!(!stats.complete && stats.runs == 0);
 }
 
 #[test]
 fn a_filter_excludes_designs_from_simulation() {
     let with_filter = |filter: &str| {
-        let text = format!(
-            "name = \"f\"\n{}\n[filter]\n{filter}\n",
-            include_str!("../../scenes/studies/thesis.toml").replace("name = \"thesis\"", "")
-        );
-        let study = study(&text.replace("from = 0\nto = 1\ncount = 4", "values = [1.0]"));
-        results(&study)
+        let text =
+            include_str!("../../scenes/studies/thesis.toml").replace("from = 0\nto = 1\ncount = 4", "values = [1.0]");
+        run_study(&parse_study(&format!("{text}\n[filter]\n{filter}\n")))
     };
     let table = with_filter("force_positive = true\nform_closed = true");
-    let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
+    let texts = |name: &str| table.texts(name).expect("texts");
+    let (status, reason, classes) = (texts("status"), texts("reason"), texts("class"));
     let flags = ["force_positive", "form_closed"].map(|name| table.flags(name).expect(name));
-    let (steps, classes) = (table.integers("steps").expect("integers"), table.texts("class").expect("texts"));
+    let steps = table.integers("steps").expect("integers");
     let mut filtered = 0;
     for index in 0..table.rows.len() {
         let accepted = flags.iter().all(|flags| flags[index] == Some(true));
         assert_eq!(status[index] == Some("filtered"), !accepted);
         assert_eq!(steps[index].is_none() && classes[index].is_none(), !accepted);
-        if !accepted {
-            filtered += 1;
-            assert!(matches!(reason[index], Some("not force positive" | "not form-closed")));
-        }
+        assert!(accepted || matches!(reason[index], Some("not force positive" | "not form-closed")));
+        filtered += usize::from(!accepted);
     }
     assert!(filtered > 20 && filtered < 96, "{filtered}");
     let open_only = with_filter("form_closed = false");
@@ -164,13 +158,13 @@ fn a_filter_excludes_designs_from_simulation() {
 
 #[test]
 fn engine_and_analytic_model_agree() {
-    let mut study = study(
+    let mut study = parse_study(
         "scene = \"../experiment-95.toml\"\n[[axes]]\nfield = \"contact.friction.mu_static\"\nvalues = [0.0, 0.8]\n[[axes]]\nfield = \
          \"design.base\"\nvalues = [\"15.5 mm\", \"15 mm\"]\n",
     );
-    let analytic = results(&study);
+    let analytic = run_study(&study);
     study.model = Model::Engine;
-    let engine = results(&study);
+    let engine = run_study(&study);
     assert_eq!(engine, table(&study, &run_rows(&study, 1, &HashSet::new())), "results depend on the number of threads");
     for (name, tolerance) in [("tts_s", 1e-3), ("f21_n", 1e-4), ("f22_n", 1e-4), ("pfp_n", 1e-3), ("static_f21_n", 0.0)]
     {
@@ -186,15 +180,163 @@ fn engine_and_analytic_model_agree() {
 
 #[test]
 fn a_scene_without_an_object_has_a_row_without_a_grasp() {
-    let study =
-        study("scene = \"../free-swing.toml\"\n[[axes]]\nfield = \"duration\"\nvalues = [\"1 ms\", \"2 ms\"]\n");
-    let table = results(&study);
-    assert_eq!(table.texts("status").expect("texts"), [Some("completed"); 2]);
+    let table = run_study(&parse_study(
+        "scene = \"../free-swing.toml\"\n[[axes]]\nfield = \"duration\"\nvalues = [\"1 ms\", \"2 ms\"]\n",
+    ));
+    let texts = |name: &str| table.texts(name).expect("texts");
+    assert_eq!((texts("status"), texts("class")), (vec![Some("completed"); 2], vec![None; 2]));
     for name in ["static_f21_n", "tts_s", "f21_n", "pfp_n", "trajectory_rad"] {
         assert_eq!(table.numbers(name).expect(name), [None; 2], "{name}");
     }
-    assert_eq!(table.texts("class").expect("texts"), [None; 2]);
-    assert_eq!(table.texts("reason").expect("texts"), [Some("there is no object"); 2]);
+    assert_eq!(texts("reason"), [Some("there is no object"); 2]);
     assert_eq!(summary(&table).expect("results of a sweep").no_class, 2);
     assert!(table.integers("steps").expect("integers").iter().all(|steps| steps.is_some_and(|steps| steps > 0)));
+}
+
+/// Asserts that every row has a verdict or a reason, and that only completed rows have a verdict. Returns the numbers
+/// of rows with and without a verdict.
+fn assert_verdict_or_reason(study: &Study, table: &Table, verdict: &str) -> [usize; 2] {
+    let texts = |name: &str| table.texts(name).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let (status, reason, verdicts) = (texts("status"), texts("reason"), texts(verdict));
+    for (index, verdict) in verdicts.iter().enumerate() {
+        let describe = || format!("run {}:\n{}", index + 1, study.scene_text(index as u64 + 1));
+        assert!(verdict.is_some() || reason[index].is_some(), "neither verdict nor reason in {}", describe());
+        let may_have_verdict = status[index] == Some("completed");
+        assert!(verdict.is_none() || may_have_verdict, "a verdict of an incomplete run: {}", describe());
+    }
+    let with_verdict = verdicts.iter().flatten().count();
+    [with_verdict, verdicts.len() - with_verdict]
+}
+
+/// An axis over a range.
+fn axis(field: &str, from: &str, to: &str, more: &str) -> String {
+    let value = |text: &str| if text.contains(' ') { format!("\"{text}\"") } else { text.to_string() };
+    format!("[[axes]]\nfield = \"{field}\"\nfrom = {}\nto = {}\n{more}\n", value(from), value(to))
+}
+
+/// Designs whose distal phalanx is too short, too long or too weak for the object.
+fn short_phalanx_study() -> String {
+    let scene = "name = \"short\"\n[scene]\nduration = \"40 ms\"\n\
+                 lengths = { l11 = \"20 mm\", l21 = \"31 mm\", l22 = \"10 mm\", t22 = \"16 mm\", phi22 = \"115 deg\" }\n\
+                 object = { radius = \"25 mm\", centre = [\"-21 mm\", \"25 mm\"] }\nmotor.torque = \"600 N*mm\"\n\
+                 spring = { type = \"torsional\", preload = \"110 deg\", stiffness = \"60 N*mm/rad\" }\n\
+                 contact.friction.mu_static = 0.5\n";
+    let stiffness = axis("spring.stiffness", "20 N*mm/rad", "100 N*mm/rad", "count = 5");
+    format!("{scene}{stiffness}{}", axis("lengths.t22", "8 mm", "26 mm", "count = 19"))
+}
+
+#[test]
+fn designs_that_cannot_grasp_have_a_reason_and_are_counted() {
+    let study = parse_study(&short_phalanx_study());
+    let table = run_study(&study);
+    let [with_verdict, without_verdict] = assert_verdict_or_reason(&study, &table, "class");
+    assert_eq!((with_verdict, without_verdict), (65, 30));
+    let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
+    let (class, class_reason) = (table.texts("class").expect("texts"), table.texts("class_reason").expect("texts"));
+    for (index, (class, class_reason)) in class.iter().zip(&class_reason).enumerate() {
+        assert_eq!(class.is_some(), class_reason.is_some());
+        let scene = scene::parse(&study.scene_text(index as u64 + 1), "run.toml").expect("a scene");
+        let grasp = static_grasp(&scene, scene.object().expect("an object"));
+        if status[index] == Some("completed") {
+            // The reason is the same as in the report of a single run.
+            assert_eq!(grasp.err().map(|error| error.to_string()).as_deref(), reason[index]);
+        }
+    }
+    let counts = summary(&table).expect("results of a sweep");
+    assert_eq!(counts.no_class, 26);
+    let top_reason = &counts.reasons[0];
+    assert_eq!((top_reason.status.as_str(), top_reason.runs, top_reason.first_run), ("completed", 26, 5));
+    assert_contains(&top_reason.reason, &["the distal phalanx does not reach its contact: it is 12.0000 mm long"]);
+
+    let selection = select(&table, &SelectionCriteria { form_closed: false, ..SelectionCriteria::default() });
+    let selection = selection.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((selection.ranking.len(), selection.cannot_grasp[0].runs), (60, 26));
+    let text = SelectionReport::new("short.csv", &selection, 3).report().to_string();
+    assert_contains(&text, &["26 rows cannot grasp, first run 5: the distal phalanx does not reach its contact"]);
+}
+
+const LOG: &str = "spacing = \"log\"";
+
+/// Wide ranges: most designs are refused, fail, cannot grasp, or have no valid statics.
+fn wide_finger_study() -> String {
+    let centres = "[[axes]]\nfield = \"object.centre\"\nvalues = [[\"-15.5 mm\", \"20 mm\"], [\"-40 mm\", \"10 mm\"], \
+                   [\"-21 mm\", \"25 mm\"]]\n";
+    let axes = [
+        axis("lengths.l11", "4 mm", "40 mm", ""),
+        axis("lengths.l21", "5 mm", "60 mm", ""),
+        axis("lengths.l22", "2 mm", "30 mm", ""),
+        axis("lengths.t22", "1 mm", "60 mm", ""),
+        axis("lengths.phi22", "30 deg", "175 deg", ""),
+        axis("object.radius", "1 mm", "60 mm", ""),
+        centres.to_string(),
+        axis("spring.torque", "1 N*mm", "1000 N*mm", LOG),
+        axis("motor.torque", "1 N*mm", "5000 N*mm", LOG),
+        axis("contact.friction.mu_static", "0", "2", ""),
+    ];
+    let scene = "[scene]\nduration = \"15 ms\"\nintegrator.max_steps = 600\nlengths = {}\nobject = {}\nspring = {}\nmotor = {}\n";
+    format!("{scene}{}[sample]\ncount = 250\nseed = 7\n", axes.concat())
+}
+
+fn wide_gripper_study() -> String {
+    let axes = [
+        axis("design.base", "10 mm", "24 mm", ""),
+        axis("object.radius", "14 mm", "22 mm", ""),
+        axis("object.offset", "-6 mm", "6 mm", ""),
+        axis("motor.torque", "1 N*mm", "5000 N*mm", LOG),
+    ];
+    let scene = "scene = \"../gripper/design-95.toml\"\nset = { duration = \"10 ms\", integrator.max_steps = 400 }\n";
+    format!("{scene}{}[sample]\ncount = 60\nseed = 7\n", axes.concat())
+}
+
+#[test]
+fn every_row_has_a_verdict_or_a_reason() {
+    for (text, verdict) in [(wide_finger_study(), "class"), (wide_gripper_study(), "grasp")] {
+        let study = parse_study(&text);
+        let table = run_study(&study);
+        let [with_verdict, without_verdict] = assert_verdict_or_reason(&study, &table, verdict);
+        let counts = summary(&table).expect("results of a sweep");
+        assert!(with_verdict > 10 && without_verdict > 10, "{with_verdict} {without_verdict}: {counts:?}");
+        assert_eq!(counts.by_class.iter().map(|(_, count)| count).sum::<u64>(), with_verdict as u64);
+        if verdict == "class" {
+            assert!(counts.no_class > 10, "{counts:?}");
+            // A selection accepts rows with missing figures.
+            select(&table, &SelectionCriteria::default()).unwrap_or_else(|error| panic!("{error}"));
+        }
+    }
+}
+
+/// A study built in memory has the runs of a study file with the same rows, and reads values as in a scene.
+#[test]
+fn in_memory_rows_equal_rows_of_a_study_file() {
+    let layers = scene::load_layers("scenes/experiment-95.toml".as_ref()).expect("a shipped scene");
+    let study = |fields: &[&str]| in_memory_study(&layers, &[], fields, Model::Analytic);
+    let empty = study(&["design.base", "contact.friction.mu_static"]).expect("fields of a scene");
+    assert_eq!(empty.runs(), 0);
+    let row = |row: [f64; 2]| {
+        let values = empty.row_fields().iter().zip(row);
+        values.map(|(field, si)| field.value_of_si(si).expect("a number")).collect::<Vec<AxisValue>>()
+    };
+    let rows = [[0.012, 0.0], [0.0145, 0.6], [0.5, 0.3]].map(row).to_vec();
+    let in_memory = run_study(&empty.clone().with_rows(rows));
+    let file = parse_study(
+        "scene = \"../experiment-95.toml\"\n[[axes]]\nfields = [\"design.base\", \"contact.friction.mu_static\"]\n\
+         rows = [[\"0.012 m\", 0.0], [\"0.0145 m\", 0.6], [\"0.5 m\", 0.3]]\n",
+    );
+    assert_eq!(in_memory, run_study(&file));
+    // The finger cannot close with a base of 0.5 m.
+    assert_eq!(in_memory.texts("status").expect("texts"), [Some("completed"), Some("completed"), Some("refused")]);
+
+    for (fields, words) in [
+        (&["design.bse"][..], "unknown key `bse` in [design]\n  = help: did you mean `base`?; keys in"),
+        (&["design"], "is a table of a scene"),
+        (&["design.base", "design.base"], "given twice"),
+    ] {
+        assert_contains(&study(fields).expect_err(words).to_string(), &[words]);
+    }
+    let study = study(&["design.base", "palm"]).expect("fields of a scene");
+    let [base, palm] = study.row_fields() else { panic!("two fields") };
+    assert_eq!(base.parse_toml("\"12 mm\"").expect("a length").value, base.value_of_si(0.012).expect("a length").value);
+    assert_contains(&base.parse_toml("\"12 kg\"").expect_err("not a length"), &["kg"]);
+    assert!(base.parse_toml("12 mm").is_err(), "a quantity requires quotes");
+    assert!(base.value_of_si(f64::NAN).is_none() && palm.value_of_si(1.0).is_none(), "not numeric");
 }

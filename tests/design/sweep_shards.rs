@@ -1,19 +1,19 @@
 //! Sweeps in parts: any parts in any order merge into the bytes of an undivided sweep. Missing, duplicate, damaged and
 //! foreign parts are reported, and no file is overwritten.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
+use std::{fs, io};
 
 use crate::support::cli::{
-    assert_contains, assert_rejected, assert_status, directory, json, path_text as text, stderr, write,
+    assert_contains, assert_rejected, assert_status, directory, json, path_in, path_text as text, stderr, write,
 };
 use crate::support::faults::XorShift;
 use crate::support::studies::{write_short_study, write_short_study_as};
-use phalanx::study::parts::{PartOptions, merge, write_part};
+use phalanx::study::parts::{merge, write_part};
 use phalanx::study::results::ResultsError;
-use phalanx::study::sweep::{Study, load, shard, shard_range, summary};
-use phalanx::table;
+use phalanx::study::sweep::{Study, load, shard, summary};
+use phalanx::table::{self, Table};
 
 const KEEP_RUNNING: &(dyn Fn() -> bool + Sync) = &|| true;
 
@@ -33,8 +33,7 @@ fn assert_failed(args: &[&str], words: &[&str]) -> String {
 fn part(study: &Study, (number, count): (u64, u64), directory: &Path) -> PathBuf {
     let out = directory.join(format!("{number}-of-{count}.parquet"));
     let shard = shard(study, number, count).expect("a valid part");
-    let options = PartOptions { threads: 1, restart: false };
-    write_part(study, shard, &out, options, KEEP_RUNNING, |_| ()).unwrap_or_else(|error| panic!("{error}"));
+    write_part(study, shard, &out, 1, false, KEEP_RUNNING, |_| ()).unwrap_or_else(|error| panic!("{error}"));
     out
 }
 
@@ -44,9 +43,8 @@ fn bytes(path: &Path) -> Vec<u8> {
 
 /// Sorted names of the entries of a directory.
 fn names(directory: &Path) -> Vec<String> {
-    let entries = fs::read_dir(directory).expect("a directory");
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    let name = |entry: io::Result<fs::DirEntry>| entry.expect("an entry").file_name().to_string_lossy().into_owned();
+    let mut names: Vec<String> = fs::read_dir(directory).expect("a directory").map(name).collect();
     names.sort();
     names
 }
@@ -67,20 +65,14 @@ fn run_undivided(study: &str, directory: &Path) -> [(&'static str, [Vec<u8>; 2])
 
 /// Asserts that the parts merge into these results.
 #[track_caller]
-fn assert_merges_to(
-    study: &Study,
-    parts: &[PathBuf],
-    undivided: &[(&str, [Vec<u8>; 2])],
-    directory: &Path,
-    case: &str,
-) {
+fn assert_merges_to(study: &Study, parts: &[PathBuf], undivided: &[(&str, [Vec<u8>; 2])], directory: &Path) {
     for (format, expected) in undivided {
         let out = directory.join(format!("joined.{format}"));
-        let merged = merge(study, parts, &out, &|| true, &mut |_| ()).unwrap_or_else(|error| panic!("{case}: {error}"));
-        assert!(results(&out) == *expected, "{case}: {format} differs");
-        assert_eq!((merged.summary.runs, merged.bytes), (study.runs(), expected[0].len() as u64), "{case}");
+        let merged = merge(study, parts, &out, &|| true, &mut |_| ()).unwrap_or_else(|error| panic!("{error}"));
+        assert!(results(&out) == *expected, "{} parts: {format} differs", parts.len());
+        assert_eq!((merged.summary.runs, merged.bytes), (study.runs(), expected[0].len() as u64));
         let all = summary(&table::read(&out).expect("a table"));
-        assert_eq!(merged.summary, all.expect("results of a sweep"), "{case}: the summary is that of all rows");
+        assert_eq!(merged.summary, all.expect("results of a sweep"), "the summary is that of all rows");
     }
 }
 
@@ -97,11 +89,11 @@ fn any_number_of_parts_in_any_order_merges_to_the_undivided_results() {
         for last in (1..parts.len()).rev() {
             parts.swap(last, rng.below(last + 1));
         }
-        assert_merges_to(&study, &parts, &undivided, &directory, &format!("{count} parts"));
+        assert_merges_to(&study, &parts, &undivided, &directory);
     }
     // A half, a sixth and a third.
     let parts = [(2, 2), (1, 3), (3, 6)].map(|shard| part(&study, shard, &directory));
-    assert_merges_to(&study, &parts, &undivided, &directory, "parts of three counts");
+    assert_merges_to(&study, &parts, &undivided, &directory);
 }
 
 const GRIPPER: &str = r#"
@@ -131,34 +123,31 @@ fn the_command_makes_and_merges_parts_of_fingers_and_grippers() {
         let undivided = run_undivided(&study, &directory);
         let parts = directory.join(name);
         fs::create_dir(&parts).expect("made");
-        let mut total_runs = 0;
+        let total_runs = load(&study).expect("a study").runs();
         for number in [2, 3, 1] {
             let (shard, out) = (format!("{number}/3"), parts.join(format!("{number}.parquet")));
             let report = json(&succeed(&[&study, "--shard", &shard, "--out", text(&out), "--json"]));
-            assert_eq!((report["shard"].as_u64(), report["of"].as_u64()), (Some(number), Some(3)), "{report:#}");
-            let run = |key: &str| report[key].as_u64().expect("a run");
+            let [first, last] = [number - 1, number].map(|shards| total_runs * shards / 3);
             let counts = report["by_status"].as_object().expect("counts").values();
-            let runs = run("last_run") + 1 - run("first_run");
-            assert_eq!(counts.map(|count| count.as_u64().expect("a count")).sum::<u64>(), runs, "{report:#}");
-            total_runs += runs;
+            assert_eq!(counts.map(|count| count.as_u64().expect("a count")).sum::<u64>(), last - first, "{report:#}");
             // The metadata are readable by other Parquet tools.
             let groups = table::RowGroups::open(&out).expect("a table");
             let metadata = groups.metadata_value("phalanx.part").expect("metadata");
             let metadata: serde_json::Value = serde_json::from_str(metadata).expect("JSON");
-            for (key, value) in [("shard", number), ("of", 3), ("first_run", run("first_run"))] {
-                assert_eq!(metadata[key], value, "{key}");
+            assert_eq!(metadata["runs"], total_runs);
+            for (key, value) in [("shard", number), ("of", 3), ("first_run", first + 1), ("last_run", last)] {
+                assert_eq!((&metadata[key], &report[key]), (&value.into(), &value.into()), "{key}");
             }
-            assert_eq!(metadata["runs"], load(&study).expect("a study").runs());
         }
         assert_eq!(names(&parts), ["1.parquet", "2.parquet", "3.parquet"], "no other file is left");
         // The parts as a directory, and as files.
-        let files = ["3", "1", "2"].map(|number| parts.join(format!("{number}.parquet")));
-        let files: Vec<&str> = files.iter().map(|file| text(file)).collect();
+        let files = ["3", "1", "2"].map(|number| path_in(&parts, &format!("{number}.parquet")));
+        let [first, second, third] = files.each_ref().map(String::as_str);
         for (format, expected) in &undivided {
             let out = directory.join(format!("{name}.{format}"));
-            for arguments in [&[text(&parts)][..], &files] {
-                let report =
-                    json(&succeed(&[&["merge", study.as_str()], arguments, &["--out", text(&out), "--json"]].concat()));
+            for arguments in [&[text(&parts)][..], &[first, second, third]] {
+                let args = [&["merge", study.as_str()], arguments, &["--out", text(&out), "--json"]].concat();
+                let report = json(&succeed(&args));
                 let counts = (report["parts"].as_u64(), report["runs"].as_u64());
                 assert_eq!(counts, (Some(3), Some(total_runs)), "{report:#}");
                 assert!(results(&out) == *expected, "{name}.{format}");
@@ -166,7 +155,7 @@ fn the_command_makes_and_merges_parts_of_fingers_and_grippers() {
         }
         // The undivided sweep recognises the merged results as its own.
         let output = succeed(&[&study, "--out", text(&directory.join(format!("{name}.csv")))]);
-        assert!(stderr(&output).contains("already contains all runs of this study"), "{}", stderr(&output));
+        assert_contains(stderr(&output), &["already contains all runs of this study"]);
     }
 }
 
@@ -176,114 +165,116 @@ fn existing_parts_and_other_files_are_kept() {
     let study = write_short_study(&directory, 40);
     let other = write_short_study_as(&directory, "other.toml", 44);
     let out = directory.join("part.parquet");
-    let arguments = |shard: &'static str| [study.as_str(), "--shard", shard, "--out", text(&out), "--json"];
-    let make = |flags: &[&str]| json(&succeed(&[&arguments("2/4")[..], flags].concat()));
+    let of = |study, shard, flags: &[&'static str]| {
+        [&[study, "--shard", shard, "--out", text(&out), "--json"], flags].concat()
+    };
+    let with = |flags: &[&'static str]| of(&study, "2/4", flags);
+    let make = |flags: &[&'static str]| json(&succeed(&with(flags)));
     let first = make(&[]);
     assert_eq!(first["now"]["runs"], 10);
-    let modified = || fs::metadata(&out).and_then(|metadata| metadata.modified()).expect("a time");
-    let (original, time) = (bytes(&out), modified());
-    let repeated = succeed(&arguments("2/4"));
-    assert!(stderr(&repeated).contains("already contains shard 2/4 of this study; nothing was run"));
+    let original = bytes(&out);
+    let assert_unchanged = || assert!(bytes(&out) == original);
+    let replace = |contents: &[u8]| fs::write(&out, contents).expect("the file is writable");
+    let repeated = succeed(&with(&[]));
+    assert_contains(stderr(&repeated), &["already contains shard 2/4 of this study; nothing was run"]);
     let repeated = json(&repeated);
     assert_eq!((&repeated["now"]["runs"], &repeated["by_status"]), (&0.into(), &first["by_status"]));
-    assert_eq!(modified(), time);
-
-    let with = |shard, flags: &[&'static str]| [&arguments(shard)[..], flags].concat();
-    let of_other = [&[other.as_str()], &arguments("2/4")[1..]].concat();
+    let other_model = "its model is --model analytic, but here it is --model engine";
     for (args, words) in [
-        (with("3/4", &[]), &["2/4", "not replaced", "--restart"][..]),
-        (with("2/4", &["--check"]), &["its sweep is without --check", "not replaced"]),
-        (
-            with("2/4", &["--model", "engine"]),
-            &["its model is --model analytic, but here it is --model engine", "not replaced"],
-        ),
-        (of_other, &["its study is `cheap`, but here it is `other`", "not replaced"]),
+        (of(&study, "3/4", &[]), ["2/4", "--restart"]),
+        (with(&["--check"]), ["its sweep is without --check", "--restart"]),
+        (with(&["--model", "engine"]), [other_model, "--restart"]),
+        (of(&other, "2/4", &[]), ["its study is `cheap`, but here it is `other`", "--restart"]),
     ] {
-        assert_failed(&args, words);
+        assert_contains(&assert_failed(&args, &words), &["not replaced"]);
+        assert_unchanged();
     }
-    assert!(bytes(&out) == original);
     assert_eq!(make(&["--restart"])["now"]["runs"], 10);
-    assert!(bytes(&out) == original);
+    assert_unchanged();
 
     // A truncated part is not recognised. A part with a flipped bit is damaged and can be made again.
-    fs::write(&out, &original[..original.len() - 100]).expect("the file is writable");
-    assert_failed(&arguments("2/4"), &["not a table written by phalanx", "not replaced", "--force"]);
+    replace(&original[..original.len() - 100]);
+    assert_failed(&with(&[]), &["not a table written by phalanx", "not replaced", "--force"]);
     let mut damaged = original.clone();
     damaged[original.len() / 3..original.len() / 2].fill(4);
-    fs::write(&out, &damaged).expect("the file is writable");
-    assert_failed(&arguments("2/4"), &["damaged", "run the shard again"]);
+    replace(&damaged);
+    assert_failed(&with(&[]), &["damaged", "run the shard again"]);
     make(&["--restart"]);
-    assert!(bytes(&out) == original);
+    assert_unchanged();
 
     // A foreign file is kept even with --restart, but not with --force.
-    fs::write(&out, "foreign table").expect("the file is writable");
+    replace(b"foreign table");
     for flags in [&[][..], &["--restart"]] {
-        assert_failed(&with("2/4", flags), &["not a table written by phalanx", "not replaced"]);
+        assert_failed(&with(flags), &["not a table written by phalanx", "not replaced"]);
+        assert_eq!(bytes(&out), b"foreign table");
     }
-    assert_eq!(bytes(&out), b"foreign table");
     make(&["--force"]);
-    assert!(bytes(&out) == original);
+    assert_unchanged();
     assert_eq!(names(&directory), ["cheap.toml", "other.toml", "part.parquet"]);
 }
 
-/// Metadata of a part with other values of some keys.
-fn forge(part: &Path, changes: &[(&str, serde_json::Value)]) -> Vec<(String, String)> {
+/// Writes a part with these rows and the metadata of another part, with other values of some keys.
+fn forge(forged: &Path, rows: &Table, part: &Path, changes: &[(&str, serde_json::Value)]) {
     let groups = table::RowGroups::open(part).expect("a part");
     let value = |name: &str| groups.metadata_value(name).expect("metadata").to_string();
     let mut info: serde_json::Value = serde_json::from_str(&value("phalanx.part")).expect("JSON");
-    for (key, value) in changes {
-        info[*key] = value.clone();
-    }
-    [("phalanx.part", info.to_string()), ("phalanx.checksum", value("phalanx.checksum"))]
-        .map(|(key, value)| (key.to_string(), value))
-        .to_vec()
+    changes.iter().for_each(|(key, value)| info[*key] = value.clone());
+    let metadata = [("phalanx.part", info.to_string()), ("phalanx.checksum", value("phalanx.checksum"))];
+    let metadata = metadata.map(|(key, value)| (key.to_string(), value));
+    table::write_with_metadata(forged, rows, &metadata).expect("the file is writable");
 }
 
 #[test]
 fn invalid_parts_are_reported_and_nothing_is_written() {
     let directory = directory("shards_wrong");
+    let [inputs, strange] = ["inputs", "strange"].map(|name| directory.join(name));
+    [&inputs, &strange].into_iter().for_each(|directory| fs::create_dir(directory).expect("made"));
     let file = write_short_study(&directory, 100);
     let study = load(&file).expect("a study");
-    let out = directory.join("out.csv");
+    let (out, none) = (directory.join("out.csv"), directory.join("none.parquet"));
     let parts: Vec<PathBuf> = (1..=5).map(|number| part(&study, (number, 5), &directory)).collect();
     let all: Vec<&Path> = parts.iter().map(PathBuf::as_path).collect();
-    let assert_rejected = |parts: &[&Path], words: &[&str]| {
+    let [third, half, whole] = [(1, 3, &directory), (2, 2, &directory), (1, 1, &inputs)]
+        .map(|(k, n, directory)| part(&study, (k, n), directory));
+    let before = names(&directory);
+    let join = |parts: &[&Path], out: &Path, words: &[&str]| {
         let parts: Vec<&str> = parts.iter().map(|part| text(part)).collect();
-        let message = assert_failed(&[&["merge", file.as_str()], &parts[..], &["--out", text(&out)]].concat(), words);
-        assert!(!out.exists() && !directory.join("out.csv.study.json").exists(), "{message}");
+        assert_failed(&[&["merge", file.as_str()], &parts[..], &["--out", text(out), "--force"]].concat(), words);
     };
-    // Missing runs are reported with the shards that contain them.
-    let words = ["40 of 100 runs are in no shard", "runs 21 to 60 (--shard 2/5 and 3/5); run these and merge again"];
-    assert_rejected(&[all[4], all[0], all[3]], &words);
-    // The runs between a third and a half are a sixth.
-    let (third, half) = (part(&study, (1, 3), &directory), part(&study, (2, 2), &directory));
-    assert_rejected(&[&half, &third], &["17 of 100 runs", "runs 34 to 50 (--shard 3/6)"]);
-    let twice = [&all[..], &[&third]].concat();
-    assert_rejected(&twice, &["overlap", "1-of-3.parquet", "runs 21 to 33", "remove one of each pair"]);
-    assert_rejected(&[all[0], all[0]], &["overlap", "runs 1 to 20"]);
-    assert_rejected(&[&directory.join("none.parquet")], &["none.parquet", "there is no such file"]);
-    let strange = directory.join("strange");
-    fs::create_dir(&strange).expect("made");
-    assert_rejected(&[&strange], &["contains no Parquet file"]);
+    for (parts, words) in [
+        // Missing runs are reported with the shards that contain them.
+        (
+            &[all[4], all[0], all[3]][..],
+            &["40 of 100 runs are in no shard", "runs 21 to 60 (--shard 2/5 and 3/5); run these and merge again"][..],
+        ),
+        // The runs between a third and a half are a sixth.
+        (&[&half, &third], &["17 of 100 runs", "runs 34 to 50 (--shard 3/6)"]),
+        (&[all[0], all[1], &third], &["overlap", "1-of-3.parquet", "runs 21 to 33", "remove one of each pair"]),
+        (&[all[0], all[0]], &["overlap", "runs 1 to 20"]),
+        (&[&none], &["none.parquet", "there is no such file"]),
+        (&[&strange], &["contains no Parquet file"]),
+    ] {
+        join(parts, &out, words);
+    }
 
     // The second part is replaced by parts of another study, model or version, and by damaged ones.
-    let with_second = |second: &Path, words: &[&str]| {
-        assert_rejected(&[&[all[0], second], &all[2..]].concat(), words);
+    let merge_with = |second: &Path| {
+        let files: Vec<PathBuf> = [&[all[0], second], &all[2..]].concat().iter().map(PathBuf::from).collect();
+        merge(&study, &files, &out, &|| true, &mut |_| ()).map_err(|error| error.to_string())
     };
-    let other = load(write_short_study_as(&directory, "other.toml", 104)).expect("a study");
-    let other_part = part(&other, (2, 5), &strange);
-    with_second(&other_part, &["strange", "not a shard of this study", "`other`"]);
+    let with_second = |second: &Path, words: &[&str]| assert_contains(&merge_with(second).expect_err("refused"), words);
+    let other = load(write_short_study_as(&strange, "other.toml", 104)).expect("a study");
+    with_second(&part(&other, (2, 5), &strange), &["strange", "not a shard of this study", "`other`"]);
     let mut engine = study.clone();
     engine.model = phalanx::trace::Model::Engine;
-    fs::remove_file(&other_part).expect("removed");
+    fs::remove_file(strange.join("2-of-5.parquet")).expect("removed");
     with_second(&part(&engine, (2, 5), &strange), &["not a shard of this study", "--model engine"]);
     let forged = strange.join("forged.parquet");
     let [own_rows, other_rows] = [1, 2].map(|index| table::read(&parts[index]).expect("a table"));
-    let older = forge(&parts[1], &[("version", "0.0.9".into()), ("fingerprint", "0".repeat(16).into())]);
-    table::write_with_metadata(&forged, &own_rows, &older).expect("the file is writable");
+    forge(&forged, &own_rows, &parts[1], &[("version", "0.0.9".into()), ("fingerprint", "0".repeat(16).into())]);
     with_second(&forged, &["its version of phalanx is 0.0.9", "use the same for all shards"]);
     // Correct metadata with the rows of another part: the rows are verified too.
-    table::write_with_metadata(&forged, &other_rows, &forge(&parts[1], &[])).expect("the file is writable");
+    forge(&forged, &other_rows, &parts[1], &[]);
     with_second(&forged, &["damaged", "run 21 is missing or misplaced"]);
     for (shard, count, first, last, runs, word) in [
         (1, 1, 1, u64::MAX, u64::MAX, "damaged"),
@@ -292,77 +283,64 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
         (0, 0, 1, 0, 0, "damaged"),
     ] {
         let values = [("shard", shard), ("of", count), ("first_run", first), ("last_run", last), ("runs", runs)];
-        let metadata = forge(&parts[1], &values.map(|(key, value)| (key, value.into())));
-        table::write_with_metadata(&forged, &other_rows, &metadata).expect("the file is writable");
+        forge(&forged, &other_rows, &parts[1], &values.map(|(key, value)| (key, value.into())));
         with_second(&forged, &[word]);
     }
-    let valid_bytes = bytes(&parts[1]);
-    let mut rng = XorShift::new(5);
+    let (valid_bytes, mut rng) = (bytes(&parts[1]), XorShift::new(5));
     for _ in 0..20 {
         fs::write(&forged, &valid_bytes[..rng.below(valid_bytes.len())]).expect("the file is writable");
         with_second(&forged, &["forged.parquet is not a shard of a sweep"]);
     }
+    assert_eq!(names(&directory), before, "nothing was written");
     // A changed byte is detected, unless it changes no value.
     let mut detected = 0;
     for offset in (4..valid_bytes.len() / 2).step_by(97) {
         let mut changed = valid_bytes.clone();
         changed[offset] ^= 1;
         fs::write(&forged, &changed).expect("the file is writable");
-        let files: Vec<PathBuf> = [&[all[0], &forged], &all[2..]].concat().iter().map(PathBuf::from).collect();
-        match merge(&study, &files, &out, &|| true, &mut |_| ()) {
+        match merge_with(&forged) {
             Ok(_) => assert!(table::read(&forged).expect("a table") == own_rows, "byte {offset}"),
             Err(error) => {
-                assert!(error.to_string().contains("forged.parquet is damaged"), "{error}");
+                assert_contains(&error, &["forged.parquet is damaged"]);
                 detected += 1;
             }
         }
-        [&out, &directory.join("out.csv.study.json")].into_iter().for_each(|file| drop(fs::remove_file(file)));
     }
     assert!(detected > 20, "{detected}");
 
-    // Output paths.
-    let arguments: Vec<&str> = all.iter().map(|part| text(part)).collect();
-    let assert_path_rejected = |out: &Path, words: &[&str]| {
-        assert_failed(&[&["merge", file.as_str()], &arguments[..], &["--out", text(out)]].concat(), words);
-    };
-    assert_path_rejected(&directory.join("out.txt"), &["NAME.csv or NAME.parquet"]);
-    assert_path_rejected(&directory.join("nowhere/out.csv"), &["mkdir -p"]);
+    // Output paths. A shard in a directory is an input too.
+    join(&all, &directory.join("out.txt"), &["NAME.csv or NAME.parquet"]);
+    join(&all, &directory.join("nowhere/out.csv"), &["mkdir -p"]);
+    join(&[&inputs], &whole, &["is a shard itself, which must not change"]);
     fs::write(&out, "foreign").expect("the file is writable");
-    assert_path_rejected(&out, &["not a table written by phalanx", "not replaced", "--force"]);
+    assert_contains(
+        &merge_with(all[1]).expect_err("refused"),
+        &["not a table written by phalanx", "not replaced", "--force"],
+    );
     assert_eq!(bytes(&out), b"foreign");
     fs::remove_file(&out).expect("removed");
-    // A shard in a directory is an input too.
-    let (inputs, shard) = (directory.join("inputs"), directory.join("inputs/1-of-1.parquet"));
-    fs::create_dir(&inputs).expect("made");
-    part(&study, (1, 1), &inputs);
-    let valid_bytes = bytes(&shard);
-    assert_failed(
-        &["merge", file.as_str(), text(&inputs), "--out", text(&shard), "--force"],
-        &["is a shard itself, which must not change"],
-    );
-    assert!(bytes(&shard) == valid_bytes);
 
     // An interrupted merge leaves no file, and the parts are still valid.
     let before = names(&directory);
     let interrupted = merge(&study, &parts, &out, &|| false, &mut |_| ());
     assert_eq!(interrupted, Err(ResultsError::Stopped { done: 0, total: 100 }));
     assert_eq!(names(&directory), before);
-    assert_eq!(merge(&study, &parts, &out, &|| true, &mut |_| ()).map(|merged| merged.summary.runs), Ok(100));
+    assert_eq!(merge_with(all[1]).map(|merged| merged.summary.runs), Ok(100));
 }
 
 #[test]
 fn arguments_of_parts_are_checked_before_running() {
     let directory = directory("shards_arguments");
     let study = write_short_study(&directory, 50);
-    let [out, csv, nowhere] = ["part.parquet", "part.csv", "no/part.parquet"].map(|name| directory.join(name));
+    let [out, csv, nowhere] = ["part.parquet", "part.csv", "no/part.parquet"].map(|name| path_in(&directory, name));
     for shard in ["0/4", "5/4", "1", "1/0", "a/b", "-1/4", "1/ 4", " 1/4", "+1/4", "01/4", "1/04"] {
-        assert_failed(&[&study, "--shard", shard, "--out", text(&out)], &["expected K/N"]);
+        assert_failed(&[&study, "--shard", shard, "--out", &out], &["expected K/N"]);
     }
-    let limited = [&study, "--shard", "1/4", "--limit", "3", "--out", text(&out)];
-    assert_failed(&limited, &["--limit", "cannot be used with"]);
-    assert_failed(&[&study, "--shard", "1/4", "--out", text(&csv)], &["a shard is a Parquet file"]);
-    assert_failed(&[&study, "--shard", "1/4", "--out", text(&nowhere)], &["mkdir -p"]);
-    assert_failed(&["merge", &study, "--out", text(&out)], &["<SHARD>..."]);
+    let shard = [&study, "--shard", "1/4", "--out"];
+    assert_failed(&[&shard[..], &[&out, "--limit", "3"]].concat(), &["--limit", "cannot be used with"]);
+    assert_failed(&[&shard[..], &[&csv]].concat(), &["a shard is a Parquet file"]);
+    assert_failed(&[&shard[..], &[&nowhere]].concat(), &["mkdir -p"]);
+    assert_failed(&["merge", &study, "--out", &out], &["<SHARD>..."]);
     assert_eq!(names(&directory), ["cheap.toml"]);
 }
 
@@ -374,23 +352,23 @@ fn a_part_of_a_billion_runs_starts_immediately() {
     let scene = fs::canonicalize("scenes/free-swing.toml").expect("a shipped file");
     let study_text = format!("scene = \"{}\"\n[set]\nduration = \"1 ms\"\n{axes}", scene.display());
     let file = write(&directory, "large.toml", &study_text);
-    let out = directory.join("out.parquet");
-    let words = ["1000000000 runs", "at most 1000000", "--shard 1/1000", "phalanx sweep merge"];
-    assert_failed(&[&file, "--out", text(&out)], &words);
-    let words = ["shard 1/999 has 1001001 runs", "at least 1000"];
-    assert_failed(&[&file, "--shard", "1/999", "--out", text(&out)], &words);
+    let out = path_in(&directory, "out.parquet");
+    assert_failed(
+        &[&file, "--out", &out],
+        &["1000000000 runs", "at most 1000000", "--shard 1/1000", "phalanx sweep merge"],
+    );
+    assert_failed(&[&file, "--shard", "1/999", "--out", &out], &["shard 1/999 has 1001001 runs", "at least 1000"]);
     // The first runs can be made without parts.
-    succeed(&[&file, "--limit", "3", "--out", text(&directory.join("first.csv"))]);
+    succeed(&[&file, "--limit", "3", "--out", &path_in(&directory, "first.csv")]);
 
     let study = load(&file).expect("a study");
     let count = 200_000_000;
     let last = part(&study, (count, count), &directory);
     let runs = table::read(&last).expect("a table").integers("run").expect("runs");
     assert_eq!(runs, (999_999_996..=1_000_000_000).map(Some).collect::<Vec<_>>());
-    assert_eq!(shard_range(study.runs(), count, count).map(|shard| shard.first), Some(999_999_996));
     // Missing runs are counted, not listed.
     let words = ["999999995 of 1000000000 runs are in no shard", "--shard 1/200000000 to 199999999/200000000"];
-    let message = assert_failed(&["merge", &file, text(&last), "--out", text(&out)], &words);
+    let message = assert_failed(&["merge", &file, text(&last), "--out", &out], &words);
     assert!(message.len() < 4000, "{message}");
 }
 
@@ -454,6 +432,6 @@ mod interruption {
             let out = parts.join(format!("{number}.parquet"));
             succeed(&[&study, "--shard", &format!("{number}/2"), "--out", text(&out)]);
         }
-        assert_merges_to(&load(&study).expect("a study"), &[parts], &undivided, &directory, "after kills");
+        assert_merges_to(&load(&study).expect("a study"), &[parts], &undivided, &directory);
     }
 }

@@ -1,33 +1,31 @@
 //! Study files: their runs, and the messages and locations of their problems.
 
-use phalanx::scene;
-use phalanx::study::sweep::{Study, columns, load, parse, schema};
+use phalanx::scene::{self, Scene};
+use phalanx::study::sweep::{Study, StudyError, columns, load, parse, schema};
 use phalanx::table::{Kind, Value};
 
 use crate::support::cli::assert_contains;
 
 /// Study of design 95 with these additional lines.
+fn try_study(lines: &str) -> Result<Study, StudyError> {
+    parse(&format!("scene = \"../experiment-95.toml\"\n{lines}"), "scenes/studies/study.toml")
+}
+
 fn study(lines: &str) -> Study {
-    let text = format!("scene = \"../experiment-95.toml\"\n{lines}");
-    parse(&text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
+    try_study(lines).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Error message of such a study.
 fn message(lines: &str) -> String {
-    let text = format!("scene = \"../experiment-95.toml\"\n{lines}");
-    parse(&text, "scenes/studies/study.toml").expect_err(lines).to_string()
-}
-
-fn values(study: &Study, run: u64) -> Vec<Value> {
-    study.field_values(run).into_iter().map(|value| value.value).collect()
+    try_study(lines).expect_err(lines).to_string()
 }
 
 fn numbers(study: &Study, run: u64) -> Vec<f64> {
-    let number = |value| match value {
-        Value::Number(number) => number,
-        other => panic!("{other:?}"),
-    };
-    values(study, run).into_iter().map(number).collect()
+    study.field_values(run).iter().map(|value| value.value.as_number().expect("a number")).collect()
+}
+
+fn scene_of(study: &Study, run: u64) -> Scene {
+    scene::parse(&study.scene_text(run), "run.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -58,13 +56,13 @@ fn each_run_has_the_values_of_its_axes() {
     let kinds: Vec<Kind> = columns(&study)[2..9].iter().map(|column| column.kind).collect();
     use Kind::{Flag, Integer, Number, Text};
     assert_eq!(kinds, [Number, Number, Number, Flag, Text, Text, Integer]);
-    let last = scene::parse(&study.scene_text(32), "last.toml").unwrap_or_else(|error| panic!("{error}"));
+    let [first, last] = [1, 32].map(|run| scene_of(&study, run));
     assert_eq!(last.finger().contact.proximal.friction.expect("given").mu_static, 0.4);
     assert_eq!((last.duration_s, last.system.palm.is_some(), last.system.gravity_m_s2), (0.03, false, [0.0, 0.0]));
     assert_eq!((last.integrator.rtol, last.integrator.max_steps), (1e-11, 1000));
     assert_eq!(last.object().expect("given").centre_m[0], -0.016);
-    assert_eq!(values(&study, 32)[1..3], [Value::Number(0.016), Value::Number(0.13)]);
-    let first = scene::parse(&study.scene_text(1), "first.toml").unwrap_or_else(|error| panic!("{error}"));
+    let values: Vec<Value> = study.field_values(32).into_iter().map(|value| value.value).collect();
+    assert_eq!(values[1..3], [Value::Number(0.016), Value::Number(0.13)]);
     assert!(first.system.palm.is_some() && first.system.gravity_m_s2[1] == 9.81);
 }
 
@@ -92,8 +90,7 @@ fn ranges_become_grids_or_samples() {
         assert_eq!(sampled.design(run), sampled.design(run + 100));
         assert!((0.3..0.6).contains(&ratio) && (0.012..0.0225).contains(&base));
         // The value in the results equals that of the scene, bit for bit.
-        let scene = scene::parse(&sampled.scene_text(run), "run.toml").unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(scene.object().expect("given").centre_m[0], -base);
+        assert_eq!(scene_of(&sampled, run).object().expect("given").centre_m[0], -base);
     }
     let bases = |study: &Study| (1..=100).map(|run| numbers(study, run)[2]).collect::<Vec<_>>();
     let other = study(&mixed.replace("count = 100", "count = 100\nseed = 2"));
@@ -206,13 +203,12 @@ fn rejects_too_many_runs() {
 
 #[test]
 fn fingerprint_depends_on_text_and_model() {
-    let first = study("[[axes]]\nfield = \"palm\"\nvalues = [true, false]\n");
-    let second = study("[[axes]]\nfield = \"palm\"\nvalues = [false, true]\n");
+    let [first, second] = ["true, false", "false, true"]
+        .map(|values| study(&format!("[[axes]]\nfield = \"palm\"\nvalues = [{values}]\n")));
     let mut engine = first.clone();
     engine.model = phalanx::trace::Model::Engine;
-    let fingerprints = [&first, &second, &engine].map(Study::fingerprint);
-    assert!(fingerprints[0] != fingerprints[1] && fingerprints[0] != fingerprints[2], "{fingerprints:?}");
-    assert_eq!(first.fingerprint(), first.clone().fingerprint());
+    let [original, other_text, other_model] = [&first, &second, &engine].map(Study::fingerprint);
+    assert!(original != other_text && original != other_model && original == first.clone().fingerprint());
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub fn parse_study(text: &str) -> Study {
 /// Performs the runs of a study that are not in `done`.
 pub fn run_rows(study: &Study, threads: usize, done: &HashSet<u64>) -> Vec<Row> {
     let mut rows = Vec::new();
-    let stats = run_while(study, threads, u64::MAX, done, &|| true, |row| {
+    let stats = run_while(study, threads, 1..=study.runs(), done, &|| true, |row| {
         rows.push(row);
         true
     });

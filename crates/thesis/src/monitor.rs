@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::scene::Scene;
 use crate::trace::{Cancellable, Model, Outcome, RunError, Sink, run};
@@ -29,7 +29,7 @@ pub(crate) fn require(condition: bool, message: impl FnOnce() -> String) -> Resu
 }
 
 /// Returns whether the computation may continue.
-type KeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
+pub type KeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Progress and interruption of a computation, shared by its threads.
 pub struct Monitor<'a> {
@@ -73,6 +73,11 @@ impl<'a> Monitor<'a> {
         report(*done, *total, name);
     }
 
+    /// Number of completed parts.
+    pub fn done(&self) -> usize {
+        self.lock().done
+    }
+
     /// Returns the function that tells whether the computation may continue.
     pub fn keep_running(&self) -> KeepRunning<'a> {
         self.keep_running
@@ -111,27 +116,52 @@ impl<'a> Monitor<'a> {
     }
 }
 
-/// Applies `work` to the jobs on `threads` threads, or on one per core if `threads` is 0, and returns the results in
-/// the order of the jobs.
-///
-/// # Errors
-/// Returns the error of a job; no further jobs are started then.
+/// Builds a pool of `threads` threads, or one per core if `threads` is 0, but at most one per job.
 ///
 /// # Panics
 /// Panics if the system cannot start the threads.
-pub fn map<J: Sync, R: Send>(
+pub fn thread_pool(threads: usize, jobs: usize) -> ThreadPool {
+    // Set explicitly: by default, rayon reads an environment variable first.
+    let threads = if threads == 0 { all_cores() } else { threads }.min(jobs).max(1);
+    ThreadPoolBuilder::new().num_threads(threads).build().expect("the system starts threads")
+}
+
+/// Applies `work` to the jobs on the threads of a [`thread_pool`], and returns the results in the order of the jobs.
+///
+/// # Errors
+/// Returns the error of a job; no further jobs are started then.
+pub fn map<J: Sync, R: Send, E: Send>(
     threads: usize,
     jobs: &[J],
-    work: impl Fn(&J) -> Result<R, StudyError> + Sync,
-) -> Result<Vec<R>, StudyError> {
-    // Set explicitly: by default, rayon reads an environment variable first.
-    let threads = if threads == 0 { all_cores() } else { threads }.min(jobs.len()).max(1);
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("the system starts threads");
+    work: impl Fn(&J) -> Result<R, E> + Sync,
+) -> Result<Vec<R>, E> {
     // Split down to single jobs, because their run times differ by up to a factor of a thousand.
-    pool.install(|| jobs.par_iter().with_max_len(1).map(&work).collect())
+    thread_pool(threads, jobs.len()).install(|| jobs.par_iter().with_max_len(1).map(&work).collect())
 }
 
 /// Returns the number of cores available to the process.
 pub fn all_cores() -> usize {
     thread::available_parallelism().map_or(1, NonZeroUsize::get)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_in_order_for_any_number_of_threads() {
+        let jobs: Vec<u64> = (0..100).collect();
+        for threads in [0, 1, 3, 1000] {
+            let doubled = map(threads, &jobs, |job| Ok::<u64, ()>(2 * job));
+            assert!(doubled.is_ok_and(|doubled| doubled.into_iter().eq((0..100).map(|job| 2 * job))));
+            assert_eq!(map(threads, &jobs, |job| if *job == 7 { Err("job 7") } else { Ok(()) }), Err("job 7"));
+        }
+        assert_eq!(map(2, &[], |()| Ok::<(), ()>(())), Ok(Vec::new()));
+    }
+
+    #[test]
+    #[should_panic(expected = "job 7")]
+    fn propagates_a_panic() {
+        let _ = map(2, &[1, 7, 8], |job| if *job == 7 { panic!("job 7") } else { Ok::<(), ()>(()) });
+    }
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use serde::ser::SerializeMap;
+use phalanx_show::format::object::Object;
 use serde::{Serialize, Serializer};
 
 use crate::numeric::elementary::{powi, sin_cos};
@@ -26,10 +26,10 @@ pub enum LoadCase {
     Move,
 }
 
-impl Serialize for LoadCase {
-    /// Serialises `load` (`pulse`, `vibration` or `move`), `direction_rad`, `length_s`, `axis` and `frequency_hz`, which
+impl LoadCase {
+    /// The keys `load` (`pulse`, `vibration` or `move`), `direction_rad`, `length_s`, `axis` and `frequency_hz`, which
     /// are null for other kinds.
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+    pub(super) fn object(&self) -> Object<'static> {
         let (load, [direction_rad, length_s, frequency_hz], axis) = match *self {
             LoadCase::Pulse { direction_rad, length_s } => ("pulse", [Some(direction_rad), Some(length_s), None], None),
             LoadCase::Vibration { axis, frequency_hz } => {
@@ -37,13 +37,14 @@ impl Serialize for LoadCase {
             }
             LoadCase::Move => ("move", [None; 3], None),
         };
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("load", load)?;
-        map.serialize_entry("direction_rad", &direction_rad)?;
-        map.serialize_entry("length_s", &length_s)?;
-        map.serialize_entry("axis", &axis)?;
-        map.serialize_entry("frequency_hz", &frequency_hz)?;
-        map.end()
+        let object = Object::default().with("load", load).with("direction_rad", direction_rad);
+        object.with("length_s", length_s).with("axis", axis).with("frequency_hz", frequency_hz)
+    }
+}
+
+impl Serialize for LoadCase {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.object().serialize(serializer)
     }
 }
 
@@ -150,7 +151,7 @@ impl LoadCase {
                 Load { motion, end_s }
             }
             LoadCase::Move => {
-                let scene_motion = delay(&scale_time(&setup.scene_motion, size), start_s);
+                let scene_motion = rescale(&setup.scene_motion, size, start_s);
                 let arrival_s = scene_motion.moves_end_s();
                 let ends = scene_motion.vibrations.iter().map(|vibration| fade_out(vibration, arrival_s));
                 let (vibrations, over): (Vec<_>, Vec<f64>) = ends.unzip();
@@ -163,9 +164,9 @@ impl LoadCase {
     }
 }
 
-/// Maps the times of moves and path, and the start times of vibrations, whose frequencies are kept. `factor` scales the
-/// durations of moves.
-fn map_times(motion: &PalmMotion, factor: f64, map: impl Fn(f64) -> f64) -> PalmMotion {
+/// Scales the times of a motion by `factor`, measured from 0, and delays it. The frequencies of vibrations are kept.
+pub(super) fn rescale(motion: &PalmMotion, factor: f64, delay_s: f64) -> PalmMotion {
+    let map = |time_s: f64| time_s * factor + delay_s;
     let mut mapped = motion.clone();
     for segment in &mut mapped.moves {
         (segment.start_s, segment.length_s) = (map(segment.start_s), segment.length_s * factor);
@@ -174,16 +175,6 @@ fn map_times(motion: &PalmMotion, factor: f64, map: impl Fn(f64) -> f64) -> Palm
     let points = motion.path.as_ref().map(|path| path.points().iter().map(|(time_s, pose)| (map(*time_s), *pose)));
     mapped.path = points.and_then(|points| Path::new(points.collect()));
     mapped
-}
-
-/// Scales the times of a motion by `factor`, measured from 0.
-fn scale_time(motion: &PalmMotion, factor: f64) -> PalmMotion {
-    map_times(motion, factor, |time_s| time_s * factor)
-}
-
-/// Delays a motion.
-pub(super) fn delay(motion: &PalmMotion, by_s: f64) -> PalmMotion {
-    map_times(motion, 1.0, |time_s| time_s + by_s)
 }
 
 /// Returns a vibration that fades out, and the time at which it has ended. The fade starts after a whole number of
@@ -290,7 +281,7 @@ mod tests {
     #[test]
     fn doubled_duration_quarters_the_acceleration() {
         let slow = PalmMotion { vibrations: Vec::new(), ..motion() };
-        let twice = delay(&scale_time(&slow, 2.0), 0.5);
+        let twice = rescale(&slow, 2.0, 0.5);
         for time_s in [0.03, 0.1, 0.17, 0.33] {
             let (original, scaled) = (slow.pose(time_s), twice.pose(0.5 + 2.0 * time_s));
             for axis in 0..3 {
@@ -299,9 +290,9 @@ mod tests {
                 assert!((original.acceleration[axis] - 4.0 * scaled.acceleration[axis]).abs() < 1e-9, "{time_s}");
             }
         }
-        let ratio = peak_acceleration(&slow, [0.01, 0.02]) / peak_acceleration(&scale_time(&slow, 2.0), [0.01, 0.02]);
+        let ratio = peak_acceleration(&slow, [0.01, 0.02]) / peak_acceleration(&rescale(&slow, 2.0, 0.0), [0.01, 0.02]);
         assert!((ratio - 4.0).abs() < 1e-9, "{ratio}");
-        let later = &delay(&scale_time(&motion(), 2.0), 0.5).vibrations[0];
+        let later = &rescale(&motion(), 2.0, 0.5).vibrations[0];
         assert_eq!((later.start_s, later.frequency_hz), (0.7, 40.0));
     }
 

@@ -8,8 +8,6 @@ use crate::units::MAX_TIME_S;
 /// Time for which a run continues after its load, s. An object without contacts has left the hand by then, while a
 /// rattling one has not.
 pub(crate) const SETTLING_S: f64 = 30e-3;
-/// Speed below which an object counts as at rest in the hand, m/s: in a pulse of 40 ms it would creep by 40 µm.
-pub(crate) const REST_SPEED_M_S: f64 = 1e-3;
 
 /// Loads of the palm.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,9 +42,6 @@ pub struct Plan {
     pub threads: usize,
 }
 
-/// Returns whether to continue; called once per step.
-pub type KeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
-
 impl Default for Plan {
     /// Default parameters of `phalanx hold`.
     fn default() -> Self {
@@ -65,10 +60,7 @@ impl Default for Plan {
 }
 
 impl Plan {
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// Returns the invalid parameter and the allowed values.
+    /// Checks the parameters; the error names the invalid one and the allowed values.
     pub fn check(&self) -> Result<(), String> {
         if self.from_m_s2 >= self.to_m_s2 {
             return Err(format!(

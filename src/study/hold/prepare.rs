@@ -1,7 +1,7 @@
 //! Preparation of a scene for loads: start time, motion and fixed drives, and what limits the loads at their start.
 
-use super::load::{Load, LoadCase, LoadSetup, delay, moves_start, peak_acceleration};
-use super::plan::{HoldError, KeepRunning, Loads, Plan, REST_SPEED_M_S};
+use super::load::{Load, LoadCase, LoadSetup, moves_start, peak_acceleration, rescale};
+use super::plan::{HoldError, Loads, Plan};
 use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
 use crate::grasp::run;
 use crate::numeric::elementary::{hypot, sin_cos};
@@ -9,8 +9,11 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::{Actuation, Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Scene, torque};
 use crate::shape::support;
 use crate::statics::{AccelerationLimit, balanced_acceleration};
-use crate::study::bisect;
+use crate::study::{KeepRunning, bisect};
 use crate::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
+
+/// Speed below which an object counts as at rest in the hand, m/s: in a pulse of 40 ms it would creep by 40 µm.
+const REST_SPEED_M_S: f64 = 1e-3;
 
 /// Reason for the start time of the loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +73,7 @@ pub(super) fn prepare(scene: &Scene, plan: &Plan, keep_running: KeepRunning<'_>)
     }
     let palm_motion = scene.system.palm_motion.clone().unwrap_or_default();
     let scene_motion = match moves_start(&palm_motion) {
-        Some(start_s) => delay(&palm_motion, -start_s),
+        Some(start_s) => rescale(&palm_motion, 1.0, -start_s),
         None => standard_cycle(),
     };
     let prior_motion = match plan.loads {
@@ -202,10 +205,7 @@ const CLEARANCE_TOLERANCE: f64 = 1e-3;
 
 /// Returns the largest load of a case: the plan's, or the largest that keeps the object clear of the table. A load that
 /// presses the object against the table would test the table and not the hand. The scene's own move is not limited,
-/// because it may start and end on the table.
-///
-/// # Errors
-/// Returns an error if the smallest load of the plan already presses the object against the table.
+/// because it may start and end on the table. An error if the smallest load presses the object against the table.
 pub(super) fn largest_clear_load(prepared: &PreparedScene, plan: &Plan, case: &LoadCase) -> Result<f64, HoldError> {
     let is_clear = |peak_m_s2: f64| is_clear(prepared, &case.load(&prepared.setup, peak_m_s2));
     if plan.loads == Loads::Move || is_clear(plan.to_m_s2) {

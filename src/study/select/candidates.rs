@@ -79,16 +79,11 @@ pub(crate) fn parse_class(name: &str) -> Option<Class> {
     Class::ALL.into_iter().find(|class| class.name() == name)
 }
 
-/// Content of a table of results.
-pub(super) struct ResultRuns {
-    pub axes: Vec<Axis>,
-    pub conditions: Vec<Condition>,
-    /// Runs sorted by number.
-    pub runs: Vec<Candidate>,
-}
+/// Content of a table of results; the runs are sorted by number.
+type Results = (Vec<Axis>, Vec<Condition>, Vec<Candidate>);
 
 /// Reads axes, conditions and runs from a table of results.
-pub(super) fn read_results(table: &Table) -> Result<ResultRuns, SelectError> {
+pub(super) fn read_results(table: &Table) -> Result<Results, SelectError> {
     let (design, first_result) = (table.column("design")?, table.column("l12_m")?);
     if first_result < design {
         return Err(SelectError::ColumnOrder);
@@ -102,7 +97,7 @@ pub(super) fn read_results(table: &Table) -> Result<ResultRuns, SelectError> {
     let columns = table.columns[axis_columns].iter().enumerate();
     let axes: Vec<Axis> = columns.map(|(index, column)| collect_axis(&column.name, index, &runs)).collect();
     let conditions = assign_conditions(&axes, &mut runs)?;
-    Ok(ResultRuns { axes, conditions, runs })
+    Ok((axes, conditions, runs))
 }
 
 /// Reads and checks all runs of a table; their condition is assigned later.
@@ -112,12 +107,11 @@ fn read_candidates(table: &Table, axis_columns: Range<usize>) -> Result<Vec<Cand
         None => Ok(vec![None; table.rows.len()]),
     };
     let (numbers, designs) = (table.integers("run")?, table.integers("design")?);
-    let statuses = table.texts("status")?;
+    let (statuses, classes) = (table.texts("status")?, table.texts("class")?);
     let (force_positive, form_closed) = (table.flags("force_positive")?, table.flags("form_closed")?);
-    let classes = table.texts("class")?;
     let (class_reasons, reasons) = (optional_texts("class_reason")?, optional_texts("reason")?);
-    let (tts, f21) = (("tts_s", table.numbers("tts_s")?), ("f21_n", table.numbers("f21_n")?));
-    let (f22, pfp) = (("f22_n", table.numbers("f22_n")?), ("pfp_n", table.numbers("pfp_n")?));
+    const FIGURES: [&str; 4] = ["tts_s", "f21_n", "f22_n", "pfp_n"];
+    let figures = FIGURES.into_iter().map(|name| table.numbers(name)).collect::<Result<Vec<_>, _>>()?;
     if table.rows.is_empty() {
         return Err(SelectError::Empty);
     }
@@ -131,15 +125,13 @@ fn read_candidates(table: &Table, axis_columns: Range<usize>) -> Result<Vec<Cand
             allowed,
         };
         let status = statuses[row].ok_or_else(|| missing("status"))?;
-        let status = Status::ALL
-            .into_iter()
-            .find(|known| known.name() == status)
-            .ok_or_else(|| unknown("status", status, "completed, filtered, refused or failed"))?;
+        let known = Status::ALL.into_iter().find(|known| known.name() == status);
+        let status = known.ok_or_else(|| unknown("status", status, "completed, filtered, refused or failed"))?;
         let class = classes[row].map(|name| {
             parse_class(name).ok_or_else(|| unknown("class", name, "stable, semi-stable, semi-unstable or unstable"))
         });
-        let finite = |(column, values): &(&'static str, Vec<Option<f64>>)| match values[row] {
-            Some(value) if !value.is_finite() => Err(SelectError::NotFinite { run, column, value }),
+        let figure = |index: usize| match figures[index][row] {
+            Some(value) if !value.is_finite() => Err(SelectError::NotFinite { run, column: FIGURES[index], value }),
             value => Ok(value),
         };
         let candidate = Candidate {
@@ -154,23 +146,18 @@ fn read_candidates(table: &Table, axis_columns: Range<usize>) -> Result<Vec<Cand
             class: class.transpose()?,
             class_reason: class_reasons[row].map(String::from),
             reason: reasons[row].map(String::from),
-            tts_s: finite(&tts)?,
-            f21_n: finite(&f21)?,
-            f22_n: finite(&f22)?,
-            pfp_n: finite(&pfp)?,
+            tts_s: figure(0)?,
+            f21_n: figure(1)?,
+            f22_n: figure(2)?,
+            pfp_n: figure(3)?,
         };
-        let is_missing = [
-            ("force_positive", candidate.force_positive.is_none()),
-            ("form_closed", candidate.form_closed.is_none()),
-            ("class", candidate.class.is_none()),
-            ("f21_n", candidate.f21_n.is_none()),
-            ("f22_n", candidate.f22_n.is_none()),
-            ("pfp_n", candidate.pfp_n.is_none()),
-        ];
-        // A completed row without a reason must have all figures; otherwise it is unfinished.
-        let requires_all = status == Status::Completed && candidate.reason.is_none();
-        match is_missing.iter().find(|(_, missing)| requires_all && *missing) {
-            Some(&(column, _)) => Err(SelectError::Unfinished { row: row + 1, run, column }),
+        // A completed row without a reason must have all figures except tts; otherwise it is unfinished.
+        let present = [force_positive[row].is_some(), form_closed[row].is_some(), candidate.class.is_some()];
+        let names = ["force_positive", "form_closed", "class"].into_iter().chain(FIGURES.into_iter().skip(1));
+        let present = present.into_iter().chain(figures[1..].iter().map(|values| values[row].is_some()));
+        let mut unfinished = names.zip(present).filter(|(_, is_present)| !is_present);
+        match unfinished.next().filter(|_| status == Status::Completed && candidate.reason.is_none()) {
+            Some((column, _)) => Err(SelectError::Unfinished { row: row + 1, run, column }),
             None => Ok(candidate),
         }
     };
@@ -179,10 +166,8 @@ fn read_candidates(table: &Table, axis_columns: Range<usize>) -> Result<Vec<Cand
 
 /// Collects the values of an axis in order of first appearance.
 fn collect_axis(column: &str, index: usize, runs: &[Candidate]) -> Axis {
-    let mut seen = HashSet::new();
-    let mut values = Vec::new();
-    let mut value_of_design = HashMap::new();
-    let mut varies_within_design = false;
+    let (mut seen, mut value_of_design) = (HashSet::new(), HashMap::new());
+    let (mut values, mut varies_within_design) = (Vec::new(), false);
     for run in runs {
         let value = &run.axes[index];
         varies_within_design |= value_of_design.entry(run.design).or_insert(value) != &value;
@@ -200,14 +185,13 @@ fn assign_conditions(axes: &[Axis], runs: &mut [Candidate]) -> Result<Vec<Condit
     let mut conditions = Vec::new();
     let mut designs: HashMap<(i64, usize), i64> = HashMap::new();
     for run in runs {
-        let next = conditions.len();
-        let index = *indices.entry(condition_axes.iter().map(|&axis| run.axes[axis].text()).collect()).or_insert(next);
-        if index == next {
+        let key = condition_axes.iter().map(|&axis| run.axes[axis].text()).collect();
+        run.condition = *indices.entry(key).or_insert_with(|| {
             let value = |&axis: &usize| (axes[axis].column.clone(), run.axes[axis].clone());
             conditions.push(Condition { values: condition_axes.iter().map(value).collect() });
-        }
-        run.condition = index;
-        if let Some(first) = designs.insert((run.design, index), run.run) {
+            conditions.len() - 1
+        });
+        if let Some(first) = designs.insert((run.design, run.condition), run.run) {
             return Err(SelectError::DuplicateDesign { design: run.design, first, second: run.run });
         }
     }

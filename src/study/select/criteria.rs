@@ -1,14 +1,14 @@
 //! Selection criteria: their keys, names and evaluation.
 
-use serde::ser::SerializeMap;
+use phalanx_show::format::object::Object;
 use serde::{Serialize, Serializer};
 
+use super::Weights;
 use super::candidates::Candidate;
-use super::{SelectError, Weights};
 use crate::criteria::Class;
 use crate::study::quantity::Quantity;
 use crate::study::sweep::Status;
-use crate::table::{Table, Value};
+use crate::table::Value;
 
 /// Criteria for a design. The default is that of thesis §4.3: form-closed, statically stable, dynamically stable or
 /// semi-stable, and a palm force ≥ 0 from the final simulated forces.
@@ -161,23 +161,7 @@ impl Serialize for Criterion {
             Criterion::Bound(Bound { side: Side::AtMost, value, .. }) => (None, Some(*value)),
             _ => (None, None),
         };
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("criterion", key)?;
-        map.serialize_entry("words", &name)?;
-        map.serialize_entry("at_least", &at_least)?;
-        map.serialize_entry("at_most", &at_most)?;
-        map.end()
+        let object = Object::default().with("criterion", key).with("words", name);
+        object.with("at_least", at_least).with("at_most", at_most).serialize(serializer)
     }
-}
-
-/// Values of the bounded column by row for each criterion; `None` for criteria that are not bounds.
-pub(super) fn bound_columns(
-    table: &Table,
-    criteria: &[Criterion],
-) -> Result<Vec<Option<Vec<Option<f64>>>>, SelectError> {
-    let numbers = |criterion: &Criterion| match criterion {
-        Criterion::Bound(bound) => Ok(Some(table.numbers(&bound.column)?)),
-        _ => Ok(None),
-    };
-    criteria.iter().map(numbers).collect()
 }

@@ -14,7 +14,6 @@ mod candidates;
 mod criteria;
 mod ranking;
 
-use std::cmp::Reverse;
 use std::collections::HashSet;
 
 use serde::{Serialize, Serializer};
@@ -82,17 +81,20 @@ impl Selection {
 /// Returns an error if the table is not the result of a sweep, or the criteria are invalid.
 pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection, SelectError> {
     criteria.weights.check()?;
-    let candidates::ResultRuns { axes, conditions, runs } = candidates::read_results(results)?;
+    let (axes, conditions, runs) = candidates::read_results(results)?;
     let mut list = criteria.criteria();
     if runs.iter().any(Candidate::cannot_grasp) {
         list.insert(1, Criterion::Graspable);
     }
-    let bound_columns = criteria::bound_columns(results, &list)?;
+    // Values of the bounded columns by row; empty for criteria that are not bounds.
+    let bounded = |criterion: &Criterion| match criterion {
+        Criterion::Bound(bound) => results.numbers(&bound.column),
+        _ => Ok(Vec::new()),
+    };
+    let columns = list.iter().map(bounded).collect::<Result<Vec<_>, _>>()?;
     let evaluate = |run: &Candidate| {
-        let verdict = |(criterion, column): (&Criterion, &Option<Vec<Option<f64>>>)| {
-            criterion.evaluate(run, column.as_ref().and_then(|values| values[run.row]))
-        };
-        list.iter().zip(&bound_columns).map(verdict).collect::<Vec<_>>()
+        let criteria = list.iter().zip(&columns);
+        criteria.map(|(criterion, values)| criterion.evaluate(run, values.get(run.row).copied().flatten())).collect()
     };
     let verdicts: Vec<Vec<Verdict>> = runs.iter().map(evaluate).collect();
     let selected: Vec<usize> =
@@ -103,11 +105,16 @@ pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection
     for ranked in &mut ranking {
         ranked.run_index = selected[ranked.run_index];
     }
+    let no_class = |run: &Candidate| {
+        let reason = run.reason.as_deref().filter(|_| run.cannot_grasp())?;
+        Some(Reason::of_run(run.run, run.status.name(), reason))
+    };
+    let class = |run: &Candidate| Some(Reason::of_run(run.run, run.class?.name(), run.class_reason.as_deref()?));
     Ok(Selection {
-        tallies: tallies(&list, &verdicts),
-        classes: count_classes(&runs, conditions.len()),
-        cannot_grasp: cannot_grasp_reasons(&runs),
-        class_reasons: class_reasons(&runs),
+        tallies: (0..list.len()).map(|index| Tally::new(index, &list, &verdicts)).collect(),
+        classes: (0..conditions.len()).map(|condition| ClassCounts::new(&runs, condition)).collect(),
+        cannot_grasp: group_reasons(&[], runs.iter().filter_map(no_class)),
+        class_reasons: group_reasons(&Class::ALL.map(Class::name), runs.iter().filter_map(class)),
         missing_runs: missing_runs(&runs),
         weights: criteria.weights,
         criteria: list,
@@ -137,15 +144,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Runs that do not meet this criterion, regardless of the others.
-    pub fn removed(&self) -> usize {
-        self.fails + self.unknown
-    }
-}
-
-/// Counts of every criterion.
-fn tallies(criteria: &[Criterion], verdicts: &[Vec<Verdict>]) -> Vec<Tally> {
-    let tally = |index: usize| {
+    /// Counts of a criterion of the list.
+    fn new(index: usize, criteria: &[Criterion], verdicts: &[Vec<Verdict>]) -> Self {
         let count = |verdict: Verdict| verdicts.iter().filter(|run| run[index] == verdict).count();
         let holds = |verdict: &Verdict| *verdict == Verdict::Holds;
         let fails_only_this = |run: &&Vec<Verdict>| {
@@ -159,8 +159,12 @@ fn tallies(criteria: &[Criterion], verdicts: &[Vec<Verdict>]) -> Vec<Tally> {
             removed_alone: verdicts.iter().filter(fails_only_this).count(),
             remaining: verdicts.iter().filter(|run| run[..=index].iter().all(holds)).count(),
         }
-    };
-    (0..criteria.len()).map(tally).collect()
+    }
+
+    /// Runs that do not meet this criterion, regardless of the others.
+    pub fn removed(&self) -> usize {
+        self.fails + self.unknown
+    }
 }
 
 /// Counts of the runs of one condition.
@@ -189,19 +193,12 @@ fn by_class<S: Serializer>(counts: &[usize; 4], serializer: S) -> Result<S::Ok, 
 }
 
 impl ClassCounts {
-    /// Number of stable and semi-stable runs.
-    pub(crate) fn dynamically_stable(&self) -> usize {
-        self.dynamic[0] + self.dynamic[1]
-    }
-}
-
-/// Counts of every condition.
-fn count_classes(runs: &[Candidate], conditions: usize) -> Vec<ClassCounts> {
-    let count_condition = |condition: usize| {
-        let members: Vec<&Candidate> = runs.iter().filter(|run| run.condition == condition).collect();
-        let count = |test: &dyn Fn(&Candidate) -> bool| members.iter().filter(|run| test(run)).count();
+    fn new(runs: &[Candidate], condition: usize) -> Self {
+        let count = |test: &dyn Fn(&Candidate) -> bool| {
+            runs.iter().filter(|run| run.condition == condition && test(run)).count()
+        };
         ClassCounts {
-            runs: members.len(),
+            runs: count(&|_| true),
             cannot_grasp: count(&Candidate::cannot_grasp),
             statuses: Status::ALL.map(|status| count(&|run| run.status == status)),
             dynamic: Class::ALL.map(|class| count(&|run| run.class == Some(class))),
@@ -209,28 +206,12 @@ fn count_classes(runs: &[Candidate], conditions: usize) -> Vec<ClassCounts> {
             statically_unstable: count(&|run| run.force_positive == Some(false)),
             form_closed: count(&|run| run.form_closed == Some(true)),
         }
-    };
-    (0..conditions).map(count_condition).collect()
-}
+    }
 
-/// Reasons for a missing class of completed runs, most frequent first.
-fn cannot_grasp_reasons(runs: &[Candidate]) -> Vec<Reason> {
-    let unclassified = runs.iter().filter(|run| run.cannot_grasp());
-    let mut reasons = group_reasons(
-        unclassified.filter_map(|run| Some((run.run.unsigned_abs(), run.status.name(), run.reason.as_deref()?))),
-    );
-    reasons.sort_by_key(|reason| (Reverse(reason.runs), reason.first_run));
-    reasons
-}
-
-/// Reasons for the classes, best class first, most frequent reason first.
-fn class_reasons(runs: &[Candidate]) -> Vec<Reason> {
-    let mut reasons = group_reasons(
-        runs.iter().filter_map(|run| Some((run.run.unsigned_abs(), run.class?.name(), run.class_reason.as_deref()?))),
-    );
-    let rank = |name: &str| Class::ALL.iter().position(|class| class.name() == name);
-    reasons.sort_by_key(|reason| (rank(&reason.status), Reverse(reason.runs), reason.first_run));
-    reasons
+    /// Number of stable and semi-stable runs.
+    pub(crate) fn dynamically_stable(&self) -> usize {
+        self.dynamic[0] + self.dynamic[1]
+    }
 }
 
 /// Run numbers missing between 1 and the largest one.

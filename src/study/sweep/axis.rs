@@ -1,16 +1,152 @@
-//! Axes of a study: lists of values, or ranges.
+//! Fields of a scene, and the axes of a study: fields with lists of values or with ranges.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use serde_json::Value as Json;
+use toml::Spanned;
 
-use super::field::{AxisValue, Field, FieldType};
 use crate::numeric::elementary::pow;
-use crate::table::Value;
-use crate::units;
+use crate::scene::Problem;
+use crate::scene::keys::{child_schema, is_table, join, unknown_key};
+use crate::scene::toml_value::TomlValue;
+pub use crate::scene::value::ValueType as FieldType;
+use crate::scene::value::problem_at;
+use crate::table::{Kind, Value};
+use crate::units::{self, Dimension};
+
+/// A scene field that a study varies.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// Path in a scene: `contact.friction.mu_static`.
+    pub path: String,
+    pub field_type: FieldType,
+}
+
+/// One value of a field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisValue {
+    /// TOML text in a scene file.
+    pub text: String,
+    /// Value in the results, in SI units.
+    pub value: Value,
+}
+
+impl Field {
+    /// Finds a field by its path in scenes with this schema; the problem of an unknown path has no position.
+    pub(super) fn find(path: &str, schema: &Json) -> Result<Self, Problem> {
+        let (mut node, mut parent) = (schema, String::new());
+        for name in path.split('.') {
+            if !is_table(node) {
+                let message = format!("`{path}` is not a field of a scene: `{parent}` is a single value");
+                return Err(Problem::new(
+                    None,
+                    message,
+                    "too many parts",
+                    format!("name the field itself: \"{parent}\""),
+                ));
+            }
+            let unknown = || Problem { span: None, ..unknown_key(name, &parent, 0..0, node, schema) };
+            node = child_schema(node, name).ok_or_else(unknown)?;
+            parent = join(&parent, name);
+        }
+        if is_table(node) {
+            let keys = node["properties"].as_object().into_iter().flat_map(|keys| keys.keys());
+            let fields: Vec<String> = keys.map(|key| format!("\"{path}.{key}\"")).collect();
+            let message = format!("`{path}` is a table of a scene, but a field is a single value");
+            return Err(Problem::new(
+                None,
+                message,
+                "a table",
+                format!("name one of its fields: {}", fields.join(", ")),
+            ));
+        }
+        Ok(Field { path: path.to_string(), field_type: FieldType::from_schema(node) })
+    }
+
+    /// Name of the result column: the path with the unit of the SI value.
+    pub(super) fn column(&self) -> String {
+        match self.field_type {
+            FieldType::Quantity(dimension) => format!("{}_{}", self.path, dimension.suffix()),
+            _ => self.path.clone(),
+        }
+    }
+
+    /// Finds the field with this result column in scenes with this schema.
+    pub(super) fn from_column(column: &str, schema: &Json) -> Option<Self> {
+        let path = |dimension: Dimension| column.strip_suffix(dimension.suffix())?.strip_suffix('_');
+        let paths = Dimension::ALL.into_iter().filter_map(path).chain([column]);
+        paths.filter_map(|path| Field::find(path, schema).ok()).find(|field| field.column() == column)
+    }
+
+    /// Reads a value of the field from a study file.
+    pub(super) fn read(&self, value: &Spanned<TomlValue>) -> Result<AxisValue, Vec<Problem>> {
+        let text = to_toml(value.get_ref());
+        let value = match self.field_type.read(&self.path, value)? {
+            toml::Value::Float(number) => Value::Number(number),
+            toml::Value::Integer(integer) => Value::Integer(integer),
+            toml::Value::Boolean(flag) => Value::Flag(flag),
+            toml::Value::String(text) if text.contains(char::is_control) => {
+                let message = format!("`{}` is several lines, but must be a single line of text", self.path);
+                let help = "write it in one line".to_string();
+                return Err(vec![problem_at(value, message, "a single line of text", help)]);
+            }
+            toml::Value::String(text) => Value::Text(text),
+            _ => Value::Text(text.clone()),
+        };
+        Ok(AxisValue { text, value })
+    }
+
+    /// Parses a value as it is written in a scene file: `"12 mm"` with quotes, `0.8`, `true`. The error is a single line.
+    pub fn parse_toml(&self, toml: &str) -> Result<AxisValue, String> {
+        let value = toml::de::ValueDeserializer::parse(toml).and_then(Spanned::deserialize);
+        self.read(&value.map_err(|error| error.to_string())?).map_err(|problems| {
+            problems.iter().map(|p| format!("{}; {}", p.message, p.help)).collect::<Vec<_>>().join("; ")
+        })
+    }
+
+    /// Value of the field for a number in SI units; `None` if the field does not accept it.
+    pub fn value_of_si(&self, si: f64) -> Option<AxisValue> {
+        let (text, value) = match &self.field_type {
+            _ if !si.is_finite() => return None,
+            FieldType::Quantity(dimension) => (format!("\"{si:?} {}\"", dimension.units()[0].name), Value::Number(si)),
+            FieldType::Number | FieldType::Percent => (format!("{si:?}"), Value::Number(si)),
+            FieldType::Integer(min, max) if si as i64 as f64 == si && (min..=max).contains(&&(si as i64)) => {
+                (format!("{}", si as i64), Value::Integer(si as i64))
+            }
+            _ => return None,
+        };
+        Some(AxisValue { text, value })
+    }
+}
+
+/// Kind of a result column with values of this type.
+pub(super) fn column_kind(field_type: &FieldType) -> Kind {
+    match field_type {
+        FieldType::Quantity(_) | FieldType::Number | FieldType::Percent => Kind::Number,
+        FieldType::Integer(..) => Kind::Integer,
+        FieldType::Flag => Kind::Flag,
+        FieldType::Choice(_) | FieldType::Text | FieldType::List(..) => Kind::Text,
+    }
+}
+
+/// Formats a value as TOML.
+fn to_toml(value: &TomlValue) -> String {
+    match value {
+        TomlValue::Text(text) => toml::Value::from(text.as_str()).to_string(),
+        TomlValue::Integer(integer) => integer.to_string(),
+        TomlValue::Float(number) => format!("{number:?}"),
+        TomlValue::Flag(flag) => flag.to_string(),
+        TomlValue::List(items) => {
+            let items: Vec<String> = items.iter().map(|item| to_toml(item.get_ref())).collect();
+            format!("[{}]", items.join(", "))
+        }
+        TomlValue::Table(_) => "{}".to_string(),
+    }
+}
 
 /// One field, or several that vary together.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub(super) struct Axis {
     pub fields: Vec<Field>,
     pub values: AxisValues,
     /// Whether the axis repeats the same designs under other conditions and is not part of the design number.
@@ -19,7 +155,7 @@ pub struct Axis {
 
 /// The values of an axis.
 #[derive(Clone, Debug)]
-pub(crate) enum AxisValues {
+pub(super) enum AxisValues {
     /// One value for each field, row by row.
     Rows(Vec<Vec<AxisValue>>),
     /// A range of the only field; the sample determines its values.
@@ -28,18 +164,15 @@ pub(crate) enum AxisValues {
 
 impl Axis {
     /// Number of values; `None` for a range.
-    pub fn len(&self) -> Option<usize> {
-        match &self.values {
-            AxisValues::Rows(rows) => Some(rows.len()),
-            AxisValues::Range(_) => None,
-        }
+    pub fn len(&self) -> Option<u64> {
+        if let AxisValues::Rows(rows) = &self.values { Some(rows.len() as u64) } else { None }
     }
 }
 
 /// Spacing of the values in a range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Spacing {
+pub(super) enum Spacing {
     #[default]
     Linear,
     Log,
@@ -47,37 +180,31 @@ pub enum Spacing {
 
 /// Closed interval of numbers or quantities, in the unit of the study file.
 #[derive(Clone, Debug)]
-pub struct Range {
+pub(super) struct Range {
     pub from: f64,
     pub to: f64,
     /// Unit; empty for plain numbers.
-    pub unit: String,
-    pub field_type: FieldType,
-    pub spacing: Spacing,
+    unit: String,
+    field_type: FieldType,
+    spacing: Spacing,
 }
 
 impl Range {
     /// Range between two values of a field; `None` if the field is not numeric.
     pub fn between(field: &Field, from: &AxisValue, to: &AxisValue, spacing: Spacing) -> Option<Self> {
-        let range = |from, to, unit: &str| Range {
-            from,
-            to,
-            unit: unit.to_string(),
-            field_type: field.field_type.clone(),
-            spacing,
-        };
         let (Value::Number(from_si), Value::Number(to_si)) = (&from.value, &to.value) else { return None };
-        let FieldType::Quantity(dimension) = field.field_type else { return Some(range(*from_si, *to_si, "")) };
-        // Interpolation in the unit of the file yields the numbers that a user would write.
         let ends = [from, to].map(|end| units::split_quantity(end.text.trim_matches(['"', '\''])));
-        match ends.map(|(number, unit)| (number.parse::<f64>(), unit)) {
-            [(Ok(from), unit), (Ok(to), to_unit)] if unit == to_unit => Some(range(from, to, unit)),
-            _ => Some(range(*from_si, *to_si, dimension.units()[0].name)),
-        }
+        let (from, to, unit) = match (&field.field_type, ends.map(|(number, unit)| (number.parse::<f64>(), unit))) {
+            // Interpolation in the unit of the file yields the numbers that a user would write.
+            (FieldType::Quantity(_), [(Ok(from), unit), (Ok(to), to_unit)]) if unit == to_unit => (from, to, unit),
+            (FieldType::Quantity(dimension), _) => (*from_si, *to_si, dimension.units()[0].name),
+            _ => (*from_si, *to_si, ""),
+        };
+        Some(Range { from, to, unit: unit.to_string(), field_type: field.field_type.clone(), spacing })
     }
 
     /// Value at fraction `x` of the range. With `is_grid`, rounding errors in the last decimals are removed.
-    pub(crate) fn value_at(&self, x: f64, is_grid: bool) -> AxisValue {
+    pub fn value_at(&self, x: f64, is_grid: bool) -> AxisValue {
         let exact = match self.spacing {
             _ if x == 0.0 => self.from,
             _ if x == 1.0 => self.to,
@@ -88,8 +215,7 @@ impl Range {
         match self.field_type {
             FieldType::Quantity(dimension) => {
                 let text = format!("{number:?} {}", self.unit);
-                let value = units::parse(&text, dimension).map_or(Value::Missing, Value::Number);
-                AxisValue { text: format!("\"{text}\""), value }
+                AxisValue { value: units::parse(&text, dimension).ok().into(), text: format!("\"{text}\"") }
             }
             _ => AxisValue { text: format!("{number:?}"), value: Value::Number(number) },
         }
@@ -104,8 +230,7 @@ impl Range {
 /// Rounds to 15 significant digits if that leaves at most 12; otherwise returns the number unchanged.
 fn strip_rounding_error(exact: f64) -> f64 {
     let rounded = format!("{exact:.14e}").parse().unwrap_or(exact);
-    let digits =
-        format!("{rounded:e}").chars().take_while(|checker| *checker != 'e').filter(char::is_ascii_digit).count();
+    let digits = format!("{rounded:e}").chars().take_while(|c| *c != 'e').filter(char::is_ascii_digit).count();
     if digits <= 12 { rounded } else { exact }
 }
 

@@ -6,17 +6,17 @@ use serde_json::Value as Json;
 use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 use toml::{Spanned, Table, Value};
 
-use super::field::{FieldType, join};
-use crate::scene::Keyword;
+use super::axis::{AxisValue, Field, FieldType};
+use crate::scene::check::Checker;
 use crate::scene::keywords::SceneKind;
 use crate::scene::parse::syntax_problem;
 use crate::scene::precedence::replaced_keys;
 use crate::scene::schema::{other_schemas, schema_for};
 use crate::scene::toml_value::TomlValue;
-use crate::scene::{Layer, Problem, SceneError, keys, parse_layers};
+use crate::scene::{Keyword, Layer, Problem, SceneError, keys, parse_layers};
 
 /// A base scene.
-pub struct Base {
+pub(super) struct Base {
     pub table: Table,
     pub kind: SceneKind,
     /// Text of its file; empty if the scene is part of the study file.
@@ -24,78 +24,71 @@ pub struct Base {
 }
 
 /// Builds a base scene from the arguments of `scene::parse_layers`.
-pub(crate) fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
+pub(super) fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
     parse_layers(layers, settings, |text: &str, file: &str| {
         let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
         let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
-        let (mut problems, kind) = (Vec::new(), scene_kind(document.get_ref()));
-        let table = check_scene(document, "", kind, &mut problems);
-        if problems.is_empty() { Ok(Base { table, kind, text: text.to_string() }) } else { Err(refuse(problems)) }
+        let (checker, kind) = (Checker::new(text, Vec::new()), scene_kind(document.get_ref()));
+        let table = check_scene(document, "", kind, &checker);
+        if !checker.is_clean() {
+            return Err(refuse(checker.into_problems()));
+        }
+        Ok(Base { table, kind, text: text.to_string() })
     })
 }
 
 /// Kind of the scene in a document; a finger if it is missing or unknown.
-pub(crate) fn scene_kind(document: &DeTable<'_>) -> SceneKind {
+pub(super) fn scene_kind(document: &DeTable<'_>) -> SceneKind {
     let name = document.get("kind").and_then(|kind| kind.get_ref().as_str());
-    SceneKind::ALL.into_iter().find(|kind| Some(kind.keyword()) == name).unwrap_or(SceneKind::Finger)
+    name.and_then(SceneKind::from_keyword).unwrap_or(SceneKind::Finger)
 }
 
 /// Checks a scene of this kind, or a section of one at `path` of its file. Returns its valid content.
-pub(crate) fn check_scene(
-    mut document: Spanned<DeTable<'_>>,
-    path: &str,
-    kind: SceneKind,
-    problems: &mut Vec<Problem>,
-) -> Table {
+pub(super) fn check_scene(mut document: Spanned<DeTable<'_>>, path: &str, kind: SceneKind, checker: &Checker) -> Table {
     if kind == SceneKind::Bodies {
-        problems.push(Problem {
-            span: document.get_ref().get("kind").map(Spanned::span),
-            message: "a sweep simulates fingers and grippers, but this is a scene of kind \"bodies\"".to_string(),
-            label: "another kind".to_string(),
-            help:
-                "use the scene of a finger (kind = \"finger\", or without `kind`) or of a gripper (kind = \"gripper\")"
-                    .to_string(),
-        });
+        checker.push(Problem::new(
+            document.get_ref().get("kind").map(Spanned::span),
+            "a sweep simulates fingers and grippers, but this is a scene of kind \"bodies\"",
+            "another kind",
+            "use the scene of a finger (kind = \"finger\", or without `kind`) or of a gripper (kind = \"gripper\")",
+        ));
         return Table::new();
     }
     let allowed =
         keys::KeySchemas { kind: kind.keyword(), schema: schema_for(kind), other_kinds: &|| other_schemas(kind) };
-    problems.extend(keys::remove_unknown(document.get_mut(), &allowed));
-    check_values(document.get_ref(), schema_for(kind), path, problems);
+    checker.extend(keys::remove_unknown(document.get_mut(), &allowed));
+    check_values(document.get_ref(), schema_for(kind), path, checker);
     Table::deserialize(Deserializer::from(document)).unwrap_or_default()
 }
 
 /// Checks the types and units of single values against a schema. Values of several types are accepted.
-pub(crate) fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, problems: &mut Vec<Problem>) {
+pub(super) fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, checker: &Checker) {
     for (key, value) in table {
         let key = key.get_ref().as_ref();
-        let (path, schema) = (join(path, key), keys::child_schema(schema, key).unwrap_or(&Json::Null));
+        let (path, schema) = (keys::join(path, key), keys::child_schema(schema, key).unwrap_or(&Json::Null));
         let (items, is_list) = (schema.get("items"), schema["type"] == "array");
-        match value.get_ref() {
-            DeValue::Table(inner) => check_values(inner, schema, &path, problems),
-            DeValue::Array(tables) if items.is_some_and(keys::is_table) => {
-                for inner in tables.iter().filter_map(|item| item.get_ref().as_table()) {
-                    check_values(inner, items.unwrap_or(&Json::Null), &path, problems);
-                }
+        match (value.get_ref(), items) {
+            (DeValue::Table(inner), _) => check_values(inner, schema, &path, checker),
+            (DeValue::Array(tables), Some(items)) if keys::is_table(items) => {
+                let tables = tables.iter().filter_map(|item| item.get_ref().as_table());
+                tables.for_each(|inner| check_values(inner, items, &path, checker));
             }
-            DeValue::Array(values) if schema["minItems"] == 1 && values.is_empty() => problems.push(Problem {
-                span: Some(value.span()),
-                message: format!("`{path}` is empty"),
-                label: "nothing to run".to_string(),
-                help: "write comma-separated values in brackets: [0.0, 0.8]".to_string(),
-            }),
-            DeValue::Array(_) if is_list && items.is_none() => {}
+            (DeValue::Array(values), _) if schema["minItems"] == 1 && values.is_empty() => checker.push(Problem::new(
+                Some(value.span()),
+                format!("`{path}` is empty"),
+                "nothing to run",
+                "write comma-separated values in brackets: [0.0, 0.8]",
+            )),
+            (DeValue::Array(_), None) if is_list => {}
             _ if schema["type"].is_array() => {}
             _ => {
-                let of_any = is_list && items.is_none();
-                let field_type = if of_any {
-                    FieldType::List(Box::new(FieldType::Text), None)
-                } else {
-                    FieldType::from_schema(schema)
+                let field_type = match items {
+                    None if is_list => FieldType::List(Box::new(FieldType::Text), None),
+                    _ => FieldType::from_schema(schema),
                 };
                 if let Ok(toml_value) = TomlValue::deserialize(ValueDeserializer::from(value.clone())) {
-                    let checked = field_type.read(&path, &Spanned::new(value.span(), toml_value));
-                    problems.extend(checked.err().into_iter().flatten());
+                    let checked = field_type.read(&path, &Spanned::new(value.span(), toml_value)).map(|_| ());
+                    checked.unwrap_or_else(|problems| checker.extend(problems));
                 }
             }
         }
@@ -103,53 +96,51 @@ pub(crate) fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, probl
 }
 
 /// Merges the fields of `over` into `base`.
-pub fn merge(base: &mut Table, over: Table) {
+pub(super) fn merge(base: &mut Table, over: Table) {
     replaced_keys(|key| over.contains_key(key)).for_each(|other| _ = base.remove(other));
     for (key, value) in over {
         match (base.get_mut(&key), value) {
             (Some(Value::Table(inner)), Value::Table(more)) => merge(inner, more),
-            (_, value) => {
-                base.insert(key, value);
-            }
+            (_, value) => _ = base.insert(key, value),
         }
     }
 }
 
 /// A scene text with gaps.
 #[derive(Clone, Debug)]
-pub struct Template {
-    /// Text before each gap, and the index of its field.
-    pieces: Vec<(String, usize)>,
-    /// Text after the last gap.
-    rest: String,
+pub(super) struct Template {
+    /// Text before the first gap.
+    head: String,
+    /// Index of the field in each gap, and the text after it.
+    gaps: Vec<(usize, String)>,
 }
+
+/// Start and end of the placeholder of a field. They occur in no scene and need no escaping in TOML.
+const PLACEHOLDER: [&str; 2] = ["@@phalanx sweep axis ", "@@"];
 
 impl Template {
     /// Creates a template with a gap for each field. Missing tables on the path of a field are added.
-    pub fn new(mut base: Table, fields: &[&str]) -> Result<Self, String> {
-        // Occurs in no scene and needs no escaping in TOML.
-        let placeholder = |index: usize| format!("@@phalanx sweep axis {index}@@");
-        for (index, path) in fields.iter().enumerate() {
-            insert_at_path(&mut base, path, Value::from(placeholder(index)));
+    pub fn new<'a>(mut base: Table, fields: impl Iterator<Item = &'a Field>) -> Result<Self, String> {
+        let [open, close] = PLACEHOLDER;
+        for (index, field) in fields.enumerate() {
+            insert_at_path(&mut base, &field.path, Value::from(format!("{open}{index}{close}")));
         }
-        let mut rest = toml::to_string(&base).map_err(|error| error.to_string())?;
-        let gaps = (0..fields.len()).map(|index| (format!("\"{}\"", placeholder(index)), index));
-        let mut gaps: Vec<_> = gaps.filter_map(|(quoted, index)| Some((rest.find(&quoted)?, quoted, index))).collect();
-        gaps.sort_unstable();
-        let mut pieces = Vec::new();
-        for (_, quoted, index) in gaps {
-            if let Some((before, after)) = rest.split_once(&quoted) {
-                pieces.push((before.to_string(), index));
-                rest = after.to_string();
-            }
-        }
-        Ok(Template { pieces, rest })
+        let text = toml::to_string(&base).map_err(|error| error.to_string())?;
+        let (open, close) = (format!("\"{open}"), format!("{close}\""));
+        let mut parts = text.split(&open);
+        let head = parts.next().unwrap_or_default().to_string();
+        let gap = |part: &str| {
+            let (index, text) = part.split_once(&close)?;
+            Some((index.parse().ok()?, text.to_string()))
+        };
+        Ok(Template { head, gaps: parts.filter_map(gap).collect() })
     }
 
     /// Returns the scene text with the TOML values of all fields, in the order of the fields.
-    pub fn fill(&self, values: &[&str]) -> String {
-        let gaps = self.pieces.iter().flat_map(|(piece, index)| [piece.as_str(), values.get(*index).unwrap_or(&"")]);
-        gaps.chain([self.rest.as_str()]).collect()
+    pub fn fill(&self, values: &[AxisValue]) -> String {
+        let text = |index: &usize| values.get(*index).map_or("", |value| value.text.as_str());
+        let gaps = self.gaps.iter().flat_map(|(index, after)| [text(index), after]);
+        [self.head.as_str()].into_iter().chain(gaps).collect()
     }
 }
 
@@ -162,9 +153,8 @@ fn insert_at_path(table: &mut Table, path: &str, value: Value) {
             table.insert(path.to_string(), value);
         }
         Some((key, rest)) => {
-            let inner = table.entry(key).or_insert_with(|| Value::Table(Table::new()));
             // The base scene has been checked, so this is a table.
-            if let Value::Table(inner) = inner {
+            if let Value::Table(inner) = table.entry(key).or_insert_with(|| Value::Table(Table::new())) {
                 insert_at_path(inner, rest, value);
             }
         }
@@ -182,8 +172,10 @@ mod tests {
                 .parse()
                 .expect("TOML");
         let fields = ["motor.torque", "contact.friction.mu_static", "design.base", "palm", "design.l21"];
-        let template = Template::new(base, &fields).expect("a template");
-        let text = template.fill(&["\"2 N*m\"", "0.8", "\"12 mm\"", "false", "\"24 mm\""]);
+        let fields = fields.map(|path| Field { path: path.to_string(), field_type: FieldType::Text });
+        let template = Template::new(base, fields.iter()).expect("a template");
+        let value = |text: &str| AxisValue { text: text.to_string(), value: text.into() };
+        let text = template.fill(&["\"2 N*m\"", "0.8", "\"12 mm\"", "false", "\"24 mm\""].map(value));
         let expected: Table = "duration = \"20 ms\"\npalm = false\ndesign.base = \"12 mm\"\ndesign.l21 = \"24 mm\"\nmotor.torque = \"2 N*m\"\n\
                                contact.friction.mu_static = 0.8\n"
             .parse()

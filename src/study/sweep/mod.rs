@@ -10,39 +10,32 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `study_file`, `base_scene` | study files, base scenes and the texts of the scenes |
-//! | `field` | fields of a scene: types and columns |
-//! | `axis`, `sequence` | values of an axis, points of a sample |
-//! | `in_memory` | studies built in memory |
-//! | `single_run`, `row` | a single run of a finger or a gripper, and its row |
-//! | `run` | parallel execution of the runs |
+//! | `study_file`, `base_scene` | studies from files and in memory, their base scenes and the texts of the scenes |
+//! | `axis`, `sequence` | fields of a scene, values of an axis, points of a sample |
+//! | `run` | parallel execution of the runs, each of a finger or a gripper |
+//! | `results` | rows, columns and summary of the results |
 //! | `shard` | division of the runs into parts |
-//! | `summary` | summary of the results |
 
 mod axis;
 mod base_scene;
-mod field;
-mod in_memory;
-mod row;
+mod results;
 mod run;
 mod sequence;
 mod shard;
-mod single_run;
 mod study_file;
-mod summary;
 
+pub(in crate::study) use results::group_reasons;
+pub(in crate::study) use run::problem_messages;
 pub(in crate::study) use shard::{find_gaps, list_message, missing_message, run_range_text};
-pub(in crate::study) use single_run::problem_messages;
-pub(in crate::study) use summary::group_reasons;
 
-pub use field::{AxisValue, Field, FieldType};
-pub use in_memory::{InMemoryStudyError, in_memory_study};
-pub use row::{Row, Status, column_type, columns, sorted_table, table};
-pub(crate) use run::run_range;
+pub use axis::{AxisValue, Field, FieldType};
+pub use results::{Reason, Row, Status, Summary, column_type, columns, sorted_table, summary, table};
 pub use run::{RunStats, run_while};
 pub use shard::{Shard, check_unsharded, shard, shard_range};
-pub use study_file::{StudyError, load, parse, schema, source_files};
-pub use summary::{Reason, Summary, summary};
+pub use study_file::{StudyError, in_memory_study, load, parse, schema, source_files};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 use axis::{Axis, AxisValues};
 use base_scene::Template;
@@ -59,11 +52,18 @@ pub const MAX_RUNS: u64 = 1_000_000;
 /// scripts and JSON represent these run numbers exactly.
 pub const MAX_SHARDED_RUNS: u64 = 1_000_000_000_000;
 
-/// Static criteria of the designs to simulate; `None` accepts both.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Static criteria of the designs to simulate. Other designs are in the results as "filtered".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct Filter {
+    /// Whether both contact forces at rest are compressive.
+    #[schemars(with = "bool")]
     pub force_positive: Option<bool>,
+    /// Whether the palm force at rest is compressive.
+    #[schemars(with = "bool")]
     pub palm_force_positive: Option<bool>,
+    /// Whether the grasp by two such fingers and the palm is form-closed.
+    #[schemars(with = "bool")]
     pub form_closed: Option<bool>,
 }
 
@@ -130,41 +130,31 @@ impl Study {
 
     /// Scene text of a run.
     pub fn scene_text(&self, run: u64) -> String {
-        self.fill(&self.field_values(run))
-    }
-
-    fn fill(&self, values: &[AxisValue]) -> String {
-        let texts: Vec<&str> = values.iter().map(|value| value.text.as_str()).collect();
-        self.template.fill(&texts)
+        self.template.fill(&self.field_values(run))
     }
 
     /// Columns of the fields that vary, with the number of values of each.
     pub fn fields(&self) -> impl Iterator<Item = (String, u64)> + '_ {
         let sample_count = self.sequence.as_ref().map_or(0, Sequence::count);
         self.axes.iter().flat_map(move |axis| {
-            let count = axis.len().map_or(sample_count, |len| len as u64);
-            axis.fields.iter().map(move |field| (field.column(), count))
+            axis.fields.iter().map(move |field| (field.column(), axis.len().unwrap_or(sample_count)))
         })
     }
 
     /// Lengths of the nested loops from the outermost to the innermost, and whether they repeat the same designs. A loop
     /// is an axis with values, or the points of the sample.
     fn loops(&self) -> impl Iterator<Item = (u64, bool)> {
-        let listed = self.axes.iter().filter_map(|axis| Some((axis.len()? as u64, axis.repeats_designs)));
+        let listed = self.axes.iter().filter_map(|axis| Some((axis.len()?, axis.repeats_designs)));
         listed.chain(self.sequence.as_ref().map(|sequence| (sequence.count(), false)))
     }
 
     /// Index of each loop in a run.
     fn indices(&self, run: u64) -> Vec<u64> {
-        let lengths: Vec<u64> = self.loops().map(|(len, _)| len).collect();
+        let mut indices: Vec<u64> = self.loops().map(|(len, _)| len).collect();
         let mut remainder = run.saturating_sub(1);
-        let mut index = |len: &u64| {
-            let index = remainder % len;
-            remainder /= len;
-            index
-        };
-        let mut indices: Vec<u64> = lengths.iter().rev().map(&mut index).collect();
-        indices.reverse();
+        for index in indices.iter_mut().rev() {
+            (remainder, *index) = (remainder / *index, remainder % *index);
+        }
         indices
     }
 

@@ -1,4 +1,4 @@
-//! Parallel execution of the runs of a study.
+//! Runs of a study: their parallel execution, and the simulation of a finger or a gripper for a row.
 
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
@@ -8,9 +8,19 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::single_run::run_one;
-use super::{Row, Study};
-use crate::study::pool::build_pool;
+use super::results::{Cells, Row, Status};
+use super::{Filter, Study};
+use crate::check::check;
+use crate::criteria::{
+    Fate, GraspCriteria, GraspTracker, LinkOverlaps, StaticGrasp, Tracker, is_form_closed, scene_static_grasp,
+};
+use crate::gripper::total_mass;
+use crate::scene::keywords::SceneKind;
+use crate::scene::{self, GripperContact, Scene, SceneError, Side};
+use crate::statics::{Equilibrium, form_closure, palm_force_with_mu};
+use crate::study::{KeepRunning, constant_spring};
+use crate::thesis::monitor::thread_pool;
+use crate::trace::{self, Cancellable, Event, FingerContact, Outcome, RequiredData, RunError, Sample, Sink, SinkError};
 
 /// Statistics of one invocation of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,36 +33,25 @@ pub struct RunStats {
     pub complete: bool,
 }
 
-/// Performs those of the first `max_runs` runs of a study that are not in `done`; see `run_range`.
-pub fn run_while(
-    study: &Study,
-    threads: usize,
-    max_runs: u64,
-    done: &HashSet<u64>,
-    keep_running: &(dyn Fn() -> bool + Sync),
-    on_row: impl FnMut(Row) -> bool + Send,
-) -> RunStats {
-    run_range(study, threads, 1..=study.runs().min(max_runs), done, keep_running, on_row)
-}
-
 /// Performs those runs of a range that are not in `done`, and passes each row to `on_row` when it is finished, in any
 /// order. Stops when `keep_running` or `on_row` returns false; an interrupted run has no row. `threads` = 0 means one
 /// thread per core.
 ///
 /// A free thread takes the next run, so that rows are finished nearly in order. It calls `on_row` itself, so that no
 /// other thread has to be woken.
-pub(crate) fn run_range(
+pub fn run_while(
     study: &Study,
     threads: usize,
     runs: RangeInclusive<u64>,
     done: &HashSet<u64>,
-    keep_running: &(dyn Fn() -> bool + Sync),
+    keep_running: KeepRunning<'_>,
     on_row: impl FnMut(Row) -> bool + Send,
 ) -> RunStats {
     let start = Instant::now();
-    let total = if runs.is_empty() { 0 } else { runs.end() - runs.start() + 1 };
+    let runs = *runs.start()..=study.runs().min(*runs.end());
+    let total = (runs.end() + 1).saturating_sub(*runs.start());
     let missing = total - done.iter().filter(|run| runs.contains(run)).count() as u64;
-    let pool = build_pool(threads, usize::try_from(missing).unwrap_or(usize::MAX));
+    let pool = thread_pool(threads, usize::try_from(missing).unwrap_or(usize::MAX));
     let (stopped, finished, on_row) = (AtomicBool::new(false), AtomicU64::new(0), Mutex::new(on_row));
     let may_continue = || !stopped.load(Ordering::Relaxed) && keep_running();
     // `None` stops all threads.
@@ -68,4 +67,223 @@ pub(crate) fn run_range(
     pool.install(|| runs.filter(|run| !done.contains(run)).par_bridge().try_for_each(work));
     let (runs, threads) = (finished.into_inner(), pool.current_num_threads());
     RunStats { runs, threads, wall_s: start.elapsed().as_secs_f64(), complete: runs == missing }
+}
+
+/// Performs one run of a study; `None` if it was interrupted.
+fn run_one(study: &Study, run: u64, keep_running: KeepRunning<'_>) -> Option<Row> {
+    let values = study.field_values(run);
+    let text = study.template.fill(&values);
+    let cells = Cells::new(study, run, values.into_iter().map(|value| value.value));
+    let mut scene = match scene::parse_any(&text, "run.toml") {
+        Ok(scene) => scene,
+        Err(error) => return Some(cells.row(Status::Refused, &problem_messages(&error))),
+    };
+    scene.log = scene.log.without_sample_grid(scene.duration_s);
+    match study.kind {
+        // The kind was checked when the study was read, unless an axis changes it.
+        kind if kind != scene.kind() => Some(cells.row(Status::Refused, "the scene is of another kind")),
+        SceneKind::Gripper => run_gripper(study, &scene, cells, keep_running),
+        _ => run_finger(study, &scene, cells, keep_running),
+    }
+}
+
+/// Problems of a scene in one line, without their location in the generated text.
+pub(in crate::study) fn problem_messages(error: &SceneError) -> String {
+    let messages: Vec<&str> = error.problems().iter().map(|problem| problem.message.as_str()).collect();
+    if messages.is_empty() { error.to_string() } else { messages.join("; ") }
+}
+
+/// Simulates a scene, checks the run if the study requires it, and returns its row; `None` if it was interrupted.
+/// `set_results` sets the cells from the sink and the outcome and returns the reason if figures are missing; it returns
+/// no result for a run without samples.
+fn simulate_row<S: Sink>(
+    study: &Study,
+    scene: &Scene,
+    mut cells: Cells,
+    mut sink: S,
+    keep_running: KeepRunning<'_>,
+    set_results: impl FnOnce(&mut Cells, &S, &Outcome) -> Option<String>,
+) -> Option<Row> {
+    let outcome = match trace::run(study.model, scene, &mut Cancellable { sink: &mut sink, keep_running }) {
+        Ok(outcome) => outcome,
+        Err(error) if error.is_stop() => return None,
+        Err(RunError::Simulation { failure, partial_outcome }) => {
+            cells.set("steps", partial_outcome.work.steps as i64);
+            let reason = format!("at {:.6} ms: {}", failure.time_s * 1e3, failure.reason);
+            return Some(cells.row(Status::Failed, &reason));
+        }
+        Err(RunError::Sink(error)) => return Some(cells.row(Status::Failed, &error.to_string())),
+    };
+    let reason = set_results(&mut cells, &sink, &outcome);
+    let reason = reason.unwrap_or_else(|| "the run has no duration, so it has no verdict".to_string());
+    cells.set("steps", outcome.work.steps as i64);
+    if study.checked {
+        let check = check(study.model, scene, keep_running);
+        cells.set("check", check.verdict.name());
+        cells.set("check_error_rad", check.errors.path);
+    }
+    // An interrupted check is invalid.
+    keep_running().then(|| cells.row(Status::Completed, &reason))
+}
+
+/// Statics of a grasp by a finger, or the reasons why they cannot be computed.
+struct Statics {
+    grasp: Result<StaticGrasp, String>,
+    form_closed: Result<bool, String>,
+}
+
+fn run_finger(study: &Study, scene: &Scene, mut cells: Cells, keep_running: KeepRunning<'_>) -> Option<Row> {
+    let grasp = scene_static_grasp(scene);
+    let is_closed = |grasp: &StaticGrasp| match form_closure(&scene.finger().linkage, &grasp.end) {
+        Ok(closure) => Ok(closure.closed),
+        Err(error) => Err(error.to_string()),
+    };
+    let statics = Statics { form_closed: grasp.as_ref().map_err(String::clone).and_then(is_closed), grasp };
+    set_finger(&mut cells, scene, &statics);
+    if let Some(reason) = filter_reason(&study.filter, &statics) {
+        return Some(cells.row(Status::Filtered, &reason));
+    }
+    let grasp = statics.grasp.as_ref().ok();
+    let tracker = grasp.map(|grasp| Tracker::new(grasp.final_angles()));
+    simulate_row(study, scene, cells, tracker, keep_running, |cells, tracker, outcome| {
+        if let Some((tracker, grasp)) = tracker.as_ref().zip(grasp) {
+            set_closing(cells, tracker, grasp, outcome)?;
+        }
+        Some(missing_statics_reason(&statics))
+    })
+}
+
+/// Sets the cells of a finger and its statics.
+fn set_finger(cells: &mut Cells, scene: &Scene, statics: &Statics) {
+    let (finger, lengths) = (scene.finger(), &scene.finger().linkage.lengths);
+    cells.set_all([("l12_m", lengths.l12_m), ("l21_m", lengths.l21_m)]);
+    cells.set_all([("l22_m", lengths.l22_m), ("t22_m", lengths.t22_m)]);
+    cells.set("mass_kg", total_mass(&finger.linkage.bodies));
+    // Like the static analysis, this uses the torque at the end of the run.
+    cells.set("motor_n_m", scene::torque(&finger.motor.actuation, scene.duration_s).0);
+    cells.set("spring_n_m", constant_spring(finger));
+    if let Ok(grasp) = &statics.grasp {
+        cells.set("trajectory_rad", grasp.end.posture.q11_rad - finger.initial.q11_rad);
+        if let Ok(forces) = &grasp.forces {
+            cells.set_all([("static_f21_n", forces.f21_n), ("static_f22_n", forces.f22_n)]);
+            cells.set("static_pfp_n", forces.pfp_n);
+            cells.set("force_positive", forces.is_force_positive());
+        }
+    }
+    cells.set("form_closed", statics.form_closed.as_ref().ok().copied());
+}
+
+/// Reasons for missing static figures, and for a missing class if there is no grasp; empty if there are none.
+fn missing_statics_reason(statics: &Statics) -> String {
+    let grasp = match &statics.grasp {
+        Ok(grasp) => grasp,
+        Err(reason) => return reason.clone(),
+    };
+    let forces = grasp.forces.as_ref().err().map(|error| format!("no static forces: {error}"));
+    let form_closure = statics.form_closed.as_ref().err().map(|error| format!("no form closure: {error}"));
+    forces.into_iter().chain(form_closure).collect::<Vec<_>>().join("; ")
+}
+
+/// Sets the cells of the simulation of a finger; `None` if it has no samples.
+fn set_closing(cells: &mut Cells, tracker: &Tracker, grasp: &StaticGrasp, outcome: &Outcome) -> Option<()> {
+    let criteria = tracker.criteria(grasp.static_forces_n())?;
+    cells.set_all([("t_geo_s", criteria.t_geo_s), ("tts_s", criteria.tts_s)]);
+    cells.set("rebound_percent", criteria.rebound_percent);
+    cells.set("class", criteria.class.name());
+    cells.set("class_reason", criteria.class_reason.to_string());
+    let contacts = [FingerContact::Proximal, FingerContact::Distal];
+    let forces_n = contacts.map(|contact| outcome.last.contact(contact).normal_n);
+    let peaks_n = contacts.map(|contact| outcome.finger_contact(contact).peak_normal_n);
+    cells.set_all([("f21_n", forces_n[0]), ("f22_n", forces_n[1])]);
+    cells.set("pfp_n", palm_force_with_mu(&grasp.end, forces_n, grasp.mu_static));
+    cells.set_all([("peak_f21_n", peaks_n[0]), ("peak_f22_n", peaks_n[1])]);
+    Some(())
+}
+
+/// Returns the reason why the filter excludes a run, if it does.
+fn filter_reason(filter: &Filter, statics: &Statics) -> Option<String> {
+    let forces = statics.grasp.as_ref().map_err(String::clone);
+    let forces = forces.and_then(|grasp| grasp.forces.as_ref().map_err(ToString::to_string));
+    let tests = [
+        ("force positive", filter.force_positive, forces.clone().map(Equilibrium::is_force_positive)),
+        ("palm force positive", filter.palm_force_positive, forces.map(Equilibrium::is_palm_force_positive)),
+        ("form-closed", filter.form_closed, statics.form_closed.clone()),
+    ];
+    tests.into_iter().find_map(|(name, required, actual)| match (required?, actual) {
+        (required, Ok(actual)) if required == actual => None,
+        (true, Ok(_)) => Some(format!("not {name}")),
+        (false, Ok(_)) => Some(name.to_string()),
+        (_, Err(reason)) => Some(format!("cannot determine whether it is {name}: {reason}")),
+    })
+}
+
+/// Sink that evaluates the grasp of a gripper and the overlaps of its links.
+struct GripperSink {
+    grasp: GraspTracker,
+    overlaps: Option<LinkOverlaps>,
+}
+
+impl Sink for GripperSink {
+    fn required_data(&self) -> RequiredData {
+        RequiredData { energies: false, passive: true, peaks: true }
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.grasp.sample(sample)?;
+        self.overlaps.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.grasp.event(event)
+    }
+}
+
+fn run_gripper(study: &Study, scene: &Scene, mut cells: Cells, keep_running: KeepRunning<'_>) -> Option<Row> {
+    cells.set("palm_width_m", scene.system.palm_width_m);
+    cells.set("x_start_m", scene.system.grasped().centre_m[0]);
+    // Time-dependent torques are reported at the end of the run.
+    let torque_n_m = |actuation| scene::torque(actuation, scene.duration_s).0;
+    let input_n_m = scene.system.differential.as_ref().map_or(0.0, |input| torque_n_m(&input.motor.actuation));
+    for side in Side::BOTH {
+        let finger = scene.system.finger(side);
+        let column = |quantity: &str| format!("{}_{quantity}", side.name());
+        cells.set(&column("l21_m"), finger.linkage.lengths.l21_m);
+        cells.set(&column("motor_n_m"), torque_n_m(&finger.motor.actuation) + 0.5 * input_n_m);
+        cells.set(&column("spring_n_m"), constant_spring(finger));
+    }
+    let sink = GripperSink { grasp: GraspTracker::for_scene(scene), overlaps: LinkOverlaps::for_scene(scene) };
+    simulate_row(study, scene, cells, sink, keep_running, |cells, sink, outcome| {
+        set_grasp(cells, scene, &sink.grasp.criteria()?, outcome);
+        let overlaps = sink.overlaps.iter().flat_map(LinkOverlaps::overlaps);
+        cells.set("link_overlap_m", overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max));
+        Some(String::new())
+    })
+}
+
+/// Sets the cells of the simulation of a gripper.
+fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &GraspCriteria, outcome: &Outcome) {
+    let (last, end) = (&outcome.last, &criteria.end);
+    cells.set("grasp", criteria.fate.name());
+    cells.set_all([("grasped_s", criteria.grasped_s), ("tts_s", criteria.tts_s)]);
+    cells.set("until_s", criteria.fate.lost_at_s());
+    cells.set_all([("x_m", end.centre_m[0]), ("y_m", end.centre_m[1]), ("angle_rad", end.angle_rad)]);
+    cells.set("offset_ratio", criteria.offset_ratio());
+    cells.set("speed_m_s", criteria.end_speed_m_s());
+    cells.set("slip_m", criteria.slip.map(|slip| slip.displacement_m));
+    cells.set("slip_rad", criteria.slip.map(|slip| slip.rotation_rad));
+    cells.set("contacts_lost", criteria.contacts.iter().map(|contact| i64::from(contact.times_lost)).sum::<i64>());
+    cells.set("form_closed", is_form_closed(scene, last).filter(|_| criteria.fate == Fate::Held));
+    for ((contact, summary), last) in GripperContact::ALL.into_iter().zip(&outcome.contacts).zip(&last.contacts) {
+        if contact.is_stop() || !last.gap_m.is_finite() {
+            continue;
+        }
+        let name = contact.name();
+        cells.set(&format!("{name}_n"), last.normal_n);
+        if contact != GripperContact::Table {
+            cells.set(&format!("peak_{name}_n"), summary.peak_normal_n);
+        }
+        if let GripperContact::Finger(..) = contact {
+            cells.set(&format!("{name}_first_s"), summary.first_s);
+        }
+    }
 }

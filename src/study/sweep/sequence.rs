@@ -19,12 +19,12 @@ const PRIMES: [u64; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 4
 const INCREMENT: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Maximum number of axes of a Halton sequence.
-pub(crate) const MAX_HALTON_AXES: usize = PRIMES.len();
+pub(super) const MAX_HALTON_AXES: usize = PRIMES.len();
 
 /// Sampling method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Method {
+pub(super) enum Method {
     #[default]
     Halton,
     LatinHypercube,
@@ -33,7 +33,7 @@ pub enum Method {
 
 /// The points of a sample.
 #[derive(Clone, Debug)]
-pub struct Sequence {
+pub(super) struct Sequence {
     method: Method,
     count: u64,
     seed: u64,

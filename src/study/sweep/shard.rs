@@ -30,10 +30,8 @@ impl Shard {
     }
 }
 
-/// Returns part `number` of `count`. The parts differ by at most one run and together cover the study in order.
-///
-/// # Errors
-/// Returns an error if there is no such part, or it has more than [`MAX_RUNS`] runs.
+/// Returns part `number` of `count`, of at most [`MAX_RUNS`] runs. The parts differ by at most one run and together cover
+/// the study in order.
 pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, String> {
     let Some(shard) = shard_range(study.runs(), number, count) else {
         let last = count.max(1);
@@ -49,10 +47,7 @@ pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, String> {
     }
 }
 
-/// Checks that the first `max_runs` runs of a study can be made undivided.
-///
-/// # Errors
-/// Returns an error if there are more than [`MAX_RUNS`] runs.
+/// Checks that the first `max_runs` runs of a study can be made undivided: that there are at most [`MAX_RUNS`].
 pub fn check_unsharded(study: &Study, max_runs: u64) -> Result<(), String> {
     let (runs, count) = (study.runs().min(max_runs), min_shard_count(study.runs()));
     if runs <= MAX_RUNS {

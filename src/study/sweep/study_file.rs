@@ -1,4 +1,4 @@
-//! Study files: their structure, and the study that they describe. Types, units and unknown keys are checked against
+//! Study files: their structure, and the study that they describe; studies built in memory. Types, units and unknown keys are checked against
 //! the JSON Schema that is derived from the structure; positions in messages are looked up in the parsed document.
 
 use std::ops::Range as Span;
@@ -11,21 +11,21 @@ use serde_json::{Value as Json, json};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
-use super::axis::{Axis, AxisValues, Range, Spacing};
+use super::axis::{Axis, AxisValue, AxisValues, Field, Range, Spacing};
 use super::base_scene::{Base, Template, base_from_layers, check_scene, check_values, merge, scene_kind};
-use super::field::{AxisValue, Field};
 use super::sequence::{MAX_HALTON_AXES, Method, Sequence};
 use super::{Filter, MAX_RUNS, MAX_SHARDED_RUNS, Study};
 use crate::scene::check::Checker;
 use crate::scene::file::{load_layers, read};
 use crate::scene::keywords::SceneKind;
 use crate::scene::parse::syntax_problem;
+use crate::scene::quantity::Word;
 use crate::scene::schema::{schema_for, unwrap_lines};
 use crate::scene::toml_value::TomlValue;
-use crate::scene::{Problem, SceneError, keys};
+use crate::scene::{Layer, Problem, SceneError, keys};
 use crate::trace::Model;
 
-/// Error in a study file. Formatted like an error of a scene: `error:`, location, source line and help.
+/// Error in a study. Formatted like an error of a scene: `error:`, location, source line and help.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StudyError {
     /// The file cannot be read.
@@ -34,6 +34,9 @@ pub enum StudyError {
     /// The study or its base scene is invalid.
     #[error(transparent)]
     Invalid(#[from] SceneError),
+    /// An unknown or duplicate field of a study built in memory.
+    #[error("error: {message}\n  = help: {help}")]
+    Field { message: String, help: String },
 }
 
 /// A study: a base scene, the fields that vary, and the runs to simulate.
@@ -49,20 +52,11 @@ struct StudyFile {
     /// may lack the fields of the axes.
     scene: String,
     /// Simulation model.
-    #[schemars(extend("default" = "analytic"))]
-    model: ModelName,
+    model: Word<Model>,
     /// Fields that vary; all combinations are run, the last axis fastest.
     axes: Vec<AxisTable>,
     sample: SampleTable,
-    filter: FilterTable,
-}
-
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-enum ModelName {
-    #[default]
-    Analytic,
-    Engine,
+    filter: Filter,
 }
 
 /// One axis: values or a range of one field, or rows of values of several fields.
@@ -112,21 +106,6 @@ struct SampleTable {
     seed: Option<u64>,
 }
 
-/// Static criteria of the designs to simulate. Other designs are in the results as "filtered".
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-struct FilterTable {
-    /// Whether both contact forces at rest are compressive.
-    #[schemars(with = "bool")]
-    force_positive: Option<bool>,
-    /// Whether the palm force at rest is compressive.
-    #[schemars(with = "bool")]
-    palm_force_positive: Option<bool>,
-    /// Whether the grasp by two such fingers and the palm is form-closed.
-    #[schemars(with = "bool")]
-    form_closed: Option<bool>,
-}
-
 /// Schema of a list of values of any type.
 fn any_list(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": "array", "minItems": 1 })
@@ -140,17 +119,15 @@ fn any_value(_: &mut SchemaGenerator) -> Schema {
 /// JSON Schema of study files. `[scene]` and `[set]` accept the keys of a finger or a gripper.
 pub fn schema() -> String {
     let mut schema = own_schema();
-    let kinds = [SceneKind::Finger, SceneKind::Gripper].map(|kind| {
+    let [finger, gripper] = [SceneKind::Finger, SceneKind::Gripper].map(|kind| {
         let mut schema = schema_for(kind).clone();
         schema.as_object_mut().map(|map| map.remove("$schema"));
         schema
     });
-    let [finger, gripper] = &kinds;
-    let scene = schema["properties"]["scene"]["description"].take();
-    schema["properties"]["scene"] =
-        json!({ "description": scene, "anyOf": [json!({ "type": "string" }), finger, gripper] });
+    let scene = &mut schema["properties"]["scene"];
+    *scene = json!({ "description": scene["description"], "anyOf": [json!({ "type": "string" }), finger, gripper] });
     let set = "Fields of the base scene that the study replaces in every run.";
-    schema["properties"]["set"] = json!({ "description": set, "anyOf": kinds });
+    schema["properties"]["set"] = json!({ "description": set, "anyOf": [finger, gripper] });
     format!("{schema:#}\n")
 }
 
@@ -178,9 +155,13 @@ pub fn source_files(path: &Path) -> Vec<PathBuf> {
     let text = if path.is_file() { read(path).map_or_else(|_| String::new(), |(text, _)| text) } else { String::new() };
     let document = DeTable::parse(&text).ok();
     let base = document.as_ref().and_then(|document| document.get_ref().get("scene")?.get_ref().as_str());
-    let base = base.map(|base| path.parent().unwrap_or(Path::new("")).join(base));
-    let layers = base.and_then(|base| load_layers(&base).ok()).unwrap_or_default();
+    let layers = base.and_then(|base| load_layers(&beside(path, base)).ok()).unwrap_or_default();
     std::iter::once(path.to_path_buf()).chain(layers.into_iter().map(|layer| PathBuf::from(layer.file))).collect()
+}
+
+/// A path relative to the directory of a study file.
+fn beside(study: &Path, path: &str) -> PathBuf {
+    study.parent().unwrap_or(Path::new("")).join(path)
 }
 
 /// Reads and checks a study file and the base scene it names.
@@ -197,32 +178,26 @@ pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
 
 /// Parses the text of a study. `file_name` appears in messages and determines the default name and the directory of the
 /// base scene.
-///
-/// # Errors
-/// Returns an error if the study or its base scene is invalid.
 pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let invalid = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
     let mut document = DeTable::parse(text).map_err(|error| invalid(vec![syntax_problem(&error)]))?;
-    let inline = take_table(document.get_mut(), "scene");
-    let set = take_table(document.get_mut(), "set");
+    let [inline, set] = ["scene", "set"].map(|key| take_table(document.get_mut(), key));
     let mut schema = own_schema();
     // A table [set] has been taken out; messages list the key and reject other values.
     schema["properties"]["set"] = json!({ "type": "object", "properties": {} });
-    let mut problems = keys::remove_unknown(
-        document.get_mut(),
-        &keys::KeySchemas { kind: "study", schema: &schema, other_kinds: &Vec::new },
-    );
-    check_values(document.get_ref(), &schema, "", &mut problems);
-    let study = StudyFile::deserialize(Deserializer::from(document.clone()));
-    let study = study.map_err(|error| {
-        invalid(if problems.is_empty() { vec![syntax_problem(&error)] } else { std::mem::take(&mut problems) })
-    })?;
+    let allowed = keys::KeySchemas { kind: "study", schema: &schema, other_kinds: &Vec::new };
+    let checker = Checker::new(text, keys::remove_unknown(document.get_mut(), &allowed));
+    check_values(document.get_ref(), &schema, "", &checker);
+    let problems = checker.into_problems();
+    let study = StudyFile::deserialize(Deserializer::from(document.clone()))
+        .map_err(|error| invalid(if problems.is_empty() { vec![syntax_problem(&error)] } else { problems.clone() }))?;
     let checker = Checker::new(text, problems);
     let mut reader = Reader { document: document.get_ref(), kind: SceneKind::Finger, checker };
+    let path = Path::new(file_name);
     let base = match inline {
         Some(inline) => {
             reader.kind = scene_kind(inline.get_ref());
-            let table = reader.check_scene(inline, "scene");
+            let table = check_scene(inline, "scene", reader.kind, &reader.checker);
             Some(Base { table, kind: reader.kind, text: String::new() })
         }
         None if study.scene.is_empty() => {
@@ -230,13 +205,11 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
             reader.missing("scene", "", help)
         }
         None => {
-            let path = Path::new(file_name).parent().unwrap_or(Path::new("")).join(&study.scene);
-            let layers = load_layers(&path).map_err(|error| match error {
+            let layers = load_layers(&beside(path, &study.scene)).map_err(|error| match error {
                 SceneError::Read { file, reason } => {
-                    let (span, help) = (reader.span("scene"), "its path is relative to the directory of the study");
                     let message = format!("cannot read the base scene {file}: {reason}");
-                    let help = format!("name a scene file; {help}");
-                    invalid(vec![Problem { span, message, label: "this file".to_string(), help }])
+                    let help = "name a scene file; its path is relative to the directory of the study";
+                    invalid(vec![Problem::new(reader.span("scene"), message, "this file", help)])
                 }
                 error => error,
             })?;
@@ -244,11 +217,17 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         }
     };
     reader.kind = base.as_ref().map_or(SceneKind::Finger, |base| base.kind);
-    let set = set.map(|table| reader.check_scene(table, "set")).unwrap_or_default();
+    let set = set.map(|table| check_scene(table, "set", reader.kind, &reader.checker)).unwrap_or_default();
     let axes = reader.read_axes(&study.axes);
     let sequence = reader.read_sample(&study, &axes);
-    let filter = reader.read_filter(&study.filter);
-    let runs = total_runs(&axes, sequence.as_ref());
+    if reader.kind == SceneKind::Gripper && reader.span("filter").is_some() {
+        let message = "[filter] concerns the statics of one finger, but the base scene is a gripper";
+        let help = "remove it: the results contain the fate and the form closure of every grasp";
+        reader.refuse::<()>("filter", message, "has no effect", help);
+    }
+    let points = sequence.as_ref().map_or(1, Sequence::count);
+    let runs = axes.iter().filter_map(Axis::len).chain([points]).try_fold(1u64, u64::checked_mul);
+    let runs = runs.filter(|total| *total <= MAX_SHARDED_RUNS);
     if reader.checker.is_clean() && runs.is_none() {
         let message = format!("the study has more than {MAX_SHARDED_RUNS} runs");
         reader.refuse::<()>("", message, "", "remove values, or sample the axes: [sample]");
@@ -257,21 +236,17 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         return Err(invalid(reader.checker.into_problems()).into());
     };
     merge(&mut base.table, set);
-    let fields: Vec<&str> = axes.iter().flat_map(|axis| &axis.fields).map(|field| field.path.as_str()).collect();
     let unusable = |reason: String| StudyError::Read { file: file_name.to_string(), reason };
-    let stem = Path::new(file_name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let stem = stem.filter(|stem| !stem.trim().is_empty()).unwrap_or_else(|| "study".to_string());
     Ok(Study {
         kind: base.kind,
         name: if study.name.is_empty() { stem } else { study.name },
         description: study.description,
-        model: match study.model {
-            ModelName::Analytic => Model::Analytic,
-            ModelName::Engine => Model::Engine,
-        },
+        model: study.model.0,
         checked: false,
-        filter,
-        template: Template::new(base.table, &fields).map_err(unusable)?,
+        filter: study.filter,
+        template: Template::new(base.table, axes.iter().flat_map(|axis| &axis.fields)).map_err(unusable)?,
         axes,
         sequence,
         runs,
@@ -285,19 +260,7 @@ fn take_table<'a>(document: &mut DeTable<'a>, key: &str) -> Option<Spanned<DeTab
     document.get(key).filter(|value| matches!(value.get_ref(), DeValue::Table(_)))?;
     let value = document.remove(key)?;
     let span = value.span();
-    match value.into_inner() {
-        DeValue::Table(table) => Some(Spanned::new(span, table)),
-        _ => None,
-    }
-}
-
-/// Number of runs; `None` if it exceeds [`MAX_SHARDED_RUNS`].
-fn total_runs(axes: &[Axis], sequence: Option<&Sequence>) -> Option<u64> {
-    let lengths = axes.iter().filter_map(Axis::len).map(|len| len as u64);
-    let sampled = axes.iter().any(|axis| matches!(axis.values, AxisValues::Range(_)));
-    let points = sequence.filter(|_| sampled).map_or(1, Sequence::count);
-    let product = lengths.chain([points]).try_fold(1u64, u64::checked_mul);
-    product.filter(|total| *total <= MAX_SHARDED_RUNS)
+    if let DeValue::Table(table) = value.into_inner() { Some(Spanned::new(span, table)) } else { None }
 }
 
 /// Reads the tables of a study file and collects their problems.
@@ -324,16 +287,9 @@ impl Reader<'_> {
     }
 
     /// Reports a problem at a path.
-    fn refuse<T>(&self, path: &str, message: impl Into<String>, label: &str, help: &str) -> Option<T> {
+    fn refuse<T>(&self, path: &str, message: impl Into<String>, label: &str, help: impl Into<String>) -> Option<T> {
         self.checker.push(Problem::new(self.span(path), message, label, help));
         None
-    }
-
-    fn check_scene(&self, table: Spanned<DeTable<'_>>, path: &str) -> toml::Table {
-        let mut problems = Vec::new();
-        let table = check_scene(table, path, self.kind, &mut problems);
-        self.checker.extend(problems);
-        table
     }
 
     /// Reports a missing key of the table at a path.
@@ -348,11 +304,11 @@ impl Reader<'_> {
         for (index, table) in tables.iter().enumerate() {
             let path = format!("axes.{index}");
             let Some(axis) = self.read_axis(&path, table) else { continue };
-            for field in &axis.fields {
-                if axes.iter().flat_map(|other| &other.fields).any(|other| other.path == field.path) {
+            for Field { path: field, .. } in &axis.fields {
+                if axes.iter().flat_map(|other| &other.fields).any(|other| other.path == *field) {
                     let key = if table.field.is_empty() { "fields" } else { "field" };
-                    let message = format!("`{}` is varied by two axes", field.path);
                     let help = "keep one of the axes, with all values of the field";
+                    let message = format!("`{field}` is varied by two axes");
                     self.refuse::<()>(&format!("{path}.{key}"), message, "repeated here", help);
                 }
             }
@@ -363,48 +319,41 @@ impl Reader<'_> {
 
     fn read_axis(&self, path: &str, table: &AxisTable) -> Option<Axis> {
         let at = |key: &str| format!("{path}.{key}");
-        let names: Vec<(String, &String)> = match (table.field.is_empty(), table.fields.is_empty()) {
-            (false, true) => vec![(at("field"), &table.field)],
-            (true, false) => (0..).map(|index| at(&format!("fields.{index}"))).zip(&table.fields).collect(),
-            (false, false) => {
-                let message = "an axis has both `field` and `fields`";
-                return self.refuse(&at("fields"), message, "repeated here", "keep one of them");
-            }
-            (true, true) => {
-                return self.missing("field", path, "name the field of the scene that varies: field = \"design.base\"");
-            }
-        };
+        let is_single = !table.field.is_empty();
+        if is_single && !table.fields.is_empty() {
+            let message = "an axis has both `field` and `fields`";
+            return self.refuse(&at("fields"), message, "repeated here", "keep one of them");
+        }
         let mut fields: Vec<Field> = Vec::new();
-        for (path, name) in names {
+        for (index, name) in table.fields.iter().chain(is_single.then_some(&table.field)).enumerate() {
+            let path = if is_single { at("field") } else { at(&format!("fields.{index}")) };
             match Field::find(name, schema_for(self.kind)) {
                 Ok(field) if fields.iter().any(|other| other.path == field.path) => {
-                    return self.refuse(
-                        &path,
-                        format!("`{name}` is given twice"),
-                        "repeated here",
-                        "remove one of them",
-                    );
+                    let message = format!("`{name}` is given twice");
+                    return self.refuse(&path, message, "repeated here", "remove one of them");
                 }
                 Ok(field) => fields.push(field),
-                Err((message, label, help)) => return self.refuse(&path, message, &label, &help),
+                Err(Problem { message, label, help, .. }) => return self.refuse(&path, message, &label, help),
             }
         }
-        let (unused, reason): (&[&str], _) = if table.field.is_empty() {
-            (&["values", "from", "to", "count", "spacing"], "in an axis of several fields, whose values are `rows`")
-        } else if table.values.is_empty() {
-            (&["rows"], "in an axis of one field, whose values are `values`")
-        } else {
-            (&["rows", "from", "to", "count", "spacing"], "together with `values`")
+        let Some(first) = fields.first() else {
+            return self.missing("field", path, "name the field of the scene that varies: field = \"design.base\"");
+        };
+        let (unused, reason): (&[&str], _) = match (is_single, table.values.is_empty()) {
+            (false, _) => {
+                let reason = "in an axis of several fields, whose values are `rows`";
+                (&["values", "from", "to", "count", "spacing"], reason)
+            }
+            (true, true) => (&["rows"], "in an axis of one field, whose values are `values`"),
+            (true, false) => (&["rows", "from", "to", "count", "spacing"], "together with `values`"),
         };
         for key in unused {
             self.checker.report_unused_at(key, self.span(&at(key)), reason);
         }
-        let values = if table.field.is_empty() {
-            self.read_rows(path, &fields, &table.rows)?
-        } else if table.values.is_empty() {
-            self.read_range(path, &fields[0], table)?
-        } else {
-            self.read_values(path, &fields[0], &table.values)?
+        let values = match (is_single, table.values.is_empty()) {
+            (false, _) => self.read_rows(path, &fields, &table.rows)?,
+            (true, true) => self.read_range(path, first, table)?,
+            (true, false) => self.read_values(path, first, &table.values)?,
         };
         Some(Axis { fields, values, repeats_designs: table.again })
     }
@@ -415,18 +364,17 @@ impl Reader<'_> {
             let help = "give a row of values for each run: rows = [[\"480 N*mm\", \"132.6 N*mm\"], ..]";
             return self.missing("rows", path, help);
         }
+        let count = fields.len();
         let read_row = |(index, row): (usize, &Spanned<TomlValue>)| {
             let message = match row.get_ref() {
-                TomlValue::List(values) if values.len() == fields.len() => {
+                TomlValue::List(values) if values.len() == count => {
                     return fields.iter().zip(values).map(|(field, value)| self.read_value(field, value)).collect();
                 }
-                TomlValue::List(values) => {
-                    format!("a row has {} values, but {} fields vary", values.len(), fields.len())
-                }
+                TomlValue::List(values) => format!("a row has {} values, but {count} fields vary", values.len()),
                 other => format!("a row is {}, but must be a list", other.name()),
             };
             let help = "write one value for each of `fields`, in their order";
-            self.refuse(&format!("{path}.rows.{index}"), message, &format!("{} values", fields.len()), help)
+            self.refuse(&format!("{path}.rows.{index}"), message, &format!("{count} values"), help)
         };
         rows.iter().enumerate().map(read_row).collect::<Option<_>>().map(AxisValues::Rows)
     }
@@ -435,18 +383,18 @@ impl Reader<'_> {
     fn read_values(&self, path: &str, field: &Field, values: &[Spanned<TomlValue>]) -> Option<AxisValues> {
         let rows = values.iter().map(|value| self.read_value(field, value).map(|value| vec![value]));
         let rows: Vec<Vec<AxisValue>> = rows.collect::<Option<_>>()?;
-        match (0..rows.len()).find(|&index| rows[..index].contains(&rows[index])) {
-            Some(index) => {
-                let message = format!("`{}` has the value {} twice", field.path, rows[index][0].text);
-                self.refuse(&format!("{path}.values.{index}"), message, "repeated here", "remove one of them")
-            }
-            None => Some(AxisValues::Rows(rows)),
+        if let Some(index) = (0..rows.len()).find(|&index| rows[..index].contains(&rows[index])) {
+            let message = format!("`{}` has the value {} twice", field.path, rows[index][0].text);
+            return self.refuse(&format!("{path}.values.{index}"), message, "repeated here", "remove one of them");
         }
+        Some(AxisValues::Rows(rows))
     }
 
     /// Reads the range of an axis of one field: a grid if it has a count.
     fn read_range(&self, path: &str, field: &Field, table: &AxisTable) -> Option<AxisValues> {
-        let at = |key: &str| format!("{path}.{key}");
+        let refuse = |key: &str, message: &str, label: &str, help: &str| {
+            self.refuse(&format!("{path}.{key}"), message, label, help)
+        };
         let name = &field.path;
         let (from, to) = match (&table.from, &table.to) {
             (Some(from), Some(to)) => (from, to),
@@ -461,32 +409,27 @@ impl Reader<'_> {
         let [Some(from), Some(to)] = [from, to].map(|end| self.read_value(field, end)) else { return None };
         let Some(range) = Range::between(field, &from, &to, table.spacing) else {
             let message = format!("`{name}` has no range, because it is not numeric");
-            return self.refuse(&at("from"), message, "not a quantity or a number", "list its values: values = [..]");
+            return refuse("from", &message, "not a quantity or a number", "list its values: values = [..]");
         };
         if range.from == range.to {
             let message = format!("the ends of the range of `{name}` are equal");
-            return self.refuse(
-                &at("to"),
-                message,
-                "equal to `from`",
-                "give another end, or a single value: values = [..]",
-            );
+            return refuse("to", &message, "equal to `from`", "give another end, or a single value: values = [..]");
         }
         if table.spacing == Spacing::Log && !(range.from > 0.0 && range.to > 0.0) {
             let message = format!("the range of `{name}` is not above 0, as spacing = \"log\" requires");
             let help = "change the range, or use spacing = \"linear\"";
-            return self.refuse(&at("spacing"), message, "requires values above 0", help);
+            return refuse("spacing", &message, "requires values above 0", help);
         }
         match table.count {
             None if table.again => {
                 let message = format!("the sampled axis `{name}` cannot repeat the same designs");
-                self.refuse(&at("again"), message, "a sampled axis", "remove `again`, or give `count` or `values`")
+                refuse("again", &message, "a sampled axis", "remove `again`, or give `count` or `values`")
             }
             None => Some(AxisValues::Range(range)),
             Some(count @ 2..=1_000_000) => Some(AxisValues::Rows(range.grid(count))),
             Some(count) => {
                 let message = format!("the range of `{name}` has {count} values, but must have from 2 to 1000000");
-                self.refuse(&at("count"), message, "from 2 to 1000000", "give another count")
+                refuse("count", &message, "from 2 to 1000000", "give another count")
             }
         }
     }
@@ -514,12 +457,7 @@ impl Reader<'_> {
         };
         if count > MAX_SHARDED_RUNS {
             let message = format!("`sample.count` is {count}, which is too large");
-            return self.refuse(
-                "sample.count",
-                message,
-                "too many",
-                &format!("take at most {MAX_SHARDED_RUNS} points"),
-            );
+            return self.refuse("sample.count", message, "too many", format!("take at most {MAX_SHARDED_RUNS} points"));
         }
         // Every part of a study shuffles the slices of all points in memory before its first run.
         if *method == Method::LatinHypercube && count > MAX_RUNS {
@@ -537,15 +475,63 @@ impl Reader<'_> {
         }
         Some(Sequence::new(*method, count, seed.unwrap_or(1), ranges))
     }
+}
 
-    /// Reads the filter of a study, which does not apply to grippers.
-    fn read_filter(&self, table: &FilterTable) -> Filter {
-        if self.kind == SceneKind::Gripper && self.span("filter").is_some() {
-            let message = "[filter] concerns the statics of one finger, but the base scene is a gripper";
-            let help = "remove it: the results contain the fate and the form closure of every grasp";
-            self.refuse::<()>("filter", message, "has no effect", help);
+/// Builds a study of these scene fields without rows; each row that [`Study::with_rows`] adds is a design.
+///
+/// `layers` are the texts of the scene and the scenes it extends, `settings` additional fields, as for
+/// `scene::parse_layers`. The scene may lack the fields of the rows.
+pub fn in_memory_study(
+    layers: &[Layer],
+    settings: &[Layer],
+    paths: &[&str],
+    model: Model,
+) -> Result<Study, StudyError> {
+    let base = base_from_layers(layers, settings)?;
+    let invalid = |message: String, help: String| StudyError::Field { message, help };
+    let mut fields: Vec<Field> = Vec::new();
+    for path in paths {
+        let field = Field::find(path, schema_for(base.kind))
+            .map_err(|Problem { message, label, help, .. }| invalid(message, format!("{label}; {help}")))?;
+        if fields.iter().any(|other| other.path == field.path) {
+            return Err(invalid(format!("the field `{path}` is given twice"), "remove one of them".to_string()));
         }
-        let FilterTable { force_positive, palm_force_positive, form_closed } = *table;
-        Filter { force_positive, palm_force_positive, form_closed }
+        fields.push(field);
+    }
+    let template = Template::new(base.table, fields.iter());
+    Ok(Study {
+        kind: base.kind,
+        name: String::new(),
+        description: String::new(),
+        model,
+        checked: false,
+        filter: Filter::default(),
+        template: template.map_err(|reason| invalid(reason, "give other fields".to_string()))?,
+        axes: vec![Axis { fields, values: AxisValues::Rows(Vec::new()), repeats_designs: false }],
+        sequence: None,
+        runs: 0,
+        source: String::new(),
+        base: base.text,
+    })
+}
+
+impl Study {
+    /// Fields of the first axis, in the order of a row.
+    pub fn row_fields(&self) -> &[Field] {
+        self.axes.first().map_or(&[], |axis| &axis.fields)
+    }
+
+    /// Sets the rows of values of the first axis. Each row is a design.
+    ///
+    /// # Panics
+    /// Panics if the length of a row differs from the number of fields, or if there are more than [`MAX_RUNS`] runs.
+    pub fn with_rows(mut self, rows: Vec<Vec<AxisValue>>) -> Study {
+        assert!(rows.iter().all(|row| row.len() == self.row_fields().len()), "one value for each field");
+        if let Some(first) = self.axes.first_mut() {
+            first.values = AxisValues::Rows(rows);
+        }
+        self.runs = self.designs();
+        assert!(self.runs <= MAX_RUNS, "at most {MAX_RUNS} runs");
+        self
     }
 }
