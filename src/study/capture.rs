@@ -32,7 +32,6 @@ pub struct Plan {
     pub tolerance_m: f64,
 }
 
-/// Result of a capture study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capture {
     pub scene: String,
@@ -65,7 +64,6 @@ pub struct Placement {
     pub outcome: Result<RunOutcome, String>,
 }
 
-/// Outcome of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunOutcome {
     /// Fate, time to stability, final state and slip of the object.
@@ -122,7 +120,6 @@ impl Serialize for Placement {
     }
 }
 
-/// Error during a capture study.
 #[derive(Debug, thiserror::Error)]
 pub enum CaptureError {
     #[error(transparent)]

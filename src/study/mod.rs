@@ -36,7 +36,6 @@ pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene,
     }
 }
 
-/// Torque of a constant spring.
 fn constant_spring(finger: &DrivenFinger) -> Option<f64> {
     match finger.spring?.kind {
         SpringKind::Constant { torque_n_m } => Some(torque_n_m),

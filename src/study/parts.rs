@@ -27,15 +27,11 @@ use crate::table::{self, Format, RowGroups, RowWriter, Value};
 /// Keys of the metadata: [`PartInfo`] as JSON, and the checksum of the rows.
 const METADATA_KEYS: [&str; 2] = ["phalanx.part", "phalanx.checksum"];
 
-/// Metadata of a part.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PartInfo {
-    /// Version of the program that wrote the part.
     version: String,
-    /// Name of the study.
     study: String,
     model: String,
-    /// Whether every run was checked.
     checked: bool,
     /// Fingerprint of study, base scene, model, checks and version.
     fingerprint: String,
@@ -46,7 +42,6 @@ pub struct PartInfo {
 }
 
 impl PartInfo {
-    /// Metadata of a new part of a study.
     fn new(study: &Study, shard: Shard) -> Self {
         PartInfo {
             version: env!("CARGO_PKG_VERSION").to_string(),
@@ -84,7 +79,6 @@ struct Part {
 }
 
 impl Part {
-    /// Opens a part and reads its metadata.
     fn open(path: &Path) -> Result<Self, ResultsError> {
         let help = "give files written by `phalanx sweep STUDY --shard K/N --out SHARD.parquet`";
         let not_a_part =
@@ -159,12 +153,10 @@ fn format_checksum(hasher: crc32fast::Hasher) -> String {
     format!("{:08x}", hasher.finalize())
 }
 
-/// Summary of no runs of a study.
 fn empty_summary(study: &Study) -> Result<Summary, ResultsError> {
     summary(&sweep_table(study, &[])).map_err(refused)
 }
 
-/// A finished part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenPart {
     pub part: PartInfo,
@@ -255,10 +247,8 @@ fn existing_summary(
     )))
 }
 
-/// Merged results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MergeResult {
-    /// Number of parts.
     pub parts: u64,
     /// Size of the results, bytes.
     pub bytes: u64,

@@ -36,7 +36,6 @@ pub fn with_options(
 
 const EXAMPLE: &str = "expected \"run\", \"geometric\" or angles such as \"q11=2 deg, q21=65 deg\"";
 
-/// Parses a posture.
 pub fn parse_posture(text: &str) -> Result<PostureRequest, String> {
     match text.trim() {
         "run" => return Ok(END_OF_RUN),

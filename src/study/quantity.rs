@@ -40,7 +40,6 @@ fn display_unit(dimension: Dimension) -> (&'static str, f64) {
 }
 
 impl Quantity {
-    /// Returns the format of a column of results.
     pub(crate) fn for_column(column: &str) -> Quantity {
         Quantity::new(column, &column_type(column).unwrap_or(FieldType::Number))
     }
@@ -89,7 +88,6 @@ impl Quantity {
     }
 }
 
-/// Removes trailing zeros of a fraction.
 fn trim_trailing_zeros(text: &str) -> String {
     if !text.contains('.') || text.contains('e') {
         return text.to_string();

@@ -29,13 +29,11 @@ pub enum ResultsError {
     Refused(String),
     #[error("{0}")]
     WriteFailed(String),
-    /// The operation was interrupted.
     #[error("stopped after {done} of {total} runs; no file was written")]
     Stopped { done: u64, total: u64 },
 }
 
 impl ResultsError {
-    /// Error of a file that cannot be written.
     pub(super) fn write_failed(path: &Path, error: &io::Error) -> Self {
         ResultsError::WriteFailed(cannot_write(path, error))
     }
@@ -93,7 +91,6 @@ pub(super) fn has_other_results(study: &Study, out: &Path) -> Result<bool, Resul
     Ok(!is_of_study(study, out)? && exists && !is_forced())
 }
 
-/// State of the results on opening.
 pub enum OpenedResults {
     /// All requested runs are finished.
     Complete(Table),
@@ -110,7 +107,6 @@ pub struct Store {
     rows: Vec<Vec<Value>>,
 }
 
-/// Run numbers of rows.
 fn run_numbers(rows: &[Vec<Value>]) -> impl Iterator<Item = u64> {
     rows.iter().filter_map(|row| u64::try_from(row.first()?.as_integer()?).ok())
 }
@@ -202,7 +198,6 @@ fn open_locked(out: &Path, partial: &Path) -> Result<File, ResultsError> {
 }
 
 impl Store {
-    /// Numbers of the finished runs.
     pub fn completed_runs(&self) -> impl Iterator<Item = u64> + '_ {
         run_numbers(&self.rows)
     }
@@ -214,7 +209,6 @@ impl Store {
         Ok(())
     }
 
-    /// File of the unfinished results.
     pub fn partial_path(&self) -> &Path {
         &self.partial
     }

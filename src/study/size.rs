@@ -8,10 +8,8 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::{Actuation, Scene, SpringKind, WrongKind};
 use crate::sizing::{CLOSING_S, Profile, Rule, SizingError, Task, profile};
 
-/// Number of samples of the profile.
 const SAMPLES: usize = 400;
 
-/// Options of a sizing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizingOptions {
     /// Rule by which the motor torque is averaged.
@@ -34,7 +32,6 @@ impl Default for SizingOptions {
 pub struct FingerSizing {
     pub scene: String,
     pub options: SizingOptions,
-    /// Preload angle of the torsional spring, rad.
     pub preload_rad: f64,
     pub profile: Profile,
     /// Constant torques of the scene; `None` if they are not constant.
@@ -42,7 +39,6 @@ pub struct FingerSizing {
     pub given_spring_n_m: Option<f64>,
 }
 
-/// Error while sizing a finger.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SizeError {
     #[error(transparent)]

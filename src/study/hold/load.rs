@@ -11,7 +11,6 @@ use crate::scene::{Axis, Move, PalmMotion, Path, Ramp, Vibration};
 
 /// Number of periods of a vibration at full amplitude.
 const FULL_PERIODS: f64 = 10.0;
-/// Number of periods of each ramp of a vibration.
 const RAMP_PERIODS: f64 = 2.0;
 
 /// Kind of load. The peak acceleration, m/s², sets its strength.
@@ -48,7 +47,6 @@ impl Serialize for LoadCase {
     }
 }
 
-/// Returns the name of an axis of the palm.
 pub(crate) fn axis_name(axis: Axis) -> &'static str {
     match axis {
         Axis::X => "x",
@@ -71,7 +69,6 @@ impl Serialize for LoadSize {
     }
 }
 
-/// Palm motion of a load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     pub motion: PalmMotion,
@@ -79,10 +76,8 @@ pub struct Load {
     pub end_s: f64,
 }
 
-/// Common data of the loads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadSetup {
-    /// Start time of the loads.
     pub start_s: f64,
     /// Palm motion up to the start of the loads.
     pub prior_motion: PalmMotion,
@@ -120,7 +115,6 @@ impl LoadCase {
         LoadSize { key, value }
     }
 
-    /// Returns the complete palm motion of the load.
     pub fn load(&self, setup: &LoadSetup, peak_m_s2: f64) -> Load {
         let (size, start_s) = (self.size(setup, peak_m_s2), setup.start_s);
         let mut motion = setup.prior_motion.clone();

@@ -45,7 +45,6 @@ pub(crate) use plan::SETTLING_S;
 pub use plan::{HoldError, LoadOutcome, Loads, Plan};
 pub use prepare::StartReason;
 
-/// Result of a hold study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hold {
     pub scene: String,
@@ -155,7 +154,6 @@ pub fn hold(
         Ok(result)
     };
     let results = map(plan.threads, &results, refine).map_err(|()| stopped())?;
-    drop(monitor);
     let PreparedScene { setup, start_reason, .. } = prepared;
     Ok(Hold { scene: scene.name.clone(), plan, setup, start_reason, unloaded, results })
 }

@@ -9,7 +9,6 @@ use crate::units::MAX_TIME_S;
 /// rattling one has not.
 pub(crate) const SETTLING_S: f64 = 30e-3;
 
-/// Loads of the palm.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Loads {
     /// Pulses of this duration in evenly spaced directions.
@@ -21,7 +20,6 @@ pub enum Loads {
     Move,
 }
 
-/// Parameters of a hold study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub model: Model,
@@ -30,9 +28,7 @@ pub struct Plan {
     pub start_s: Option<f64>,
     /// Largest allowed slip of the object in the hand.
     pub slip_m: f64,
-    /// Smallest peak acceleration of the scan.
     pub from_m_s2: f64,
-    /// Largest peak acceleration of the scan.
     pub to_m_s2: f64,
     /// Number of loads of the scan including both, at least 2.
     pub scan: usize,
@@ -93,7 +89,6 @@ fn has_duplicates<T: PartialEq>(values: &[T]) -> bool {
     values.iter().enumerate().any(|(index, value)| values[..index].contains(value))
 }
 
-/// Outcome of a completed run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadOutcome {
     pub fate: Fate,
@@ -105,7 +100,6 @@ pub struct LoadOutcome {
     pub steps: u64,
 }
 
-/// Error during a hold study.
 #[derive(Debug, thiserror::Error)]
 pub enum HoldError {
     #[error(transparent)]

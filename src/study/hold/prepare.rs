@@ -30,7 +30,6 @@ pub enum StartReason {
     OwnMove,
 }
 
-/// Common start of all runs.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PreparedScene {
     /// Scene without palm motion, with the drives fixed from the start of the loads.
@@ -111,7 +110,6 @@ impl Sink for RestDetector {
     }
 }
 
-/// Returns the start time of the loads.
 fn load_start(
     scene: &Scene,
     plan: &Plan,
@@ -200,7 +198,6 @@ fn fixed_actuation(actuation: &Actuation, time_s: f64) -> Actuation {
 const MIN_CLEARANCE_M: f64 = 0.5e-3;
 /// Number of time steps at which the clearance of a load is checked.
 const CLEARANCE_SAMPLES: usize = 1000;
-/// Relative tolerance of the largest load that keeps the object clear of the table.
 const CLEARANCE_TOLERANCE: f64 = 1e-3;
 
 /// Returns the largest load of a case: the plan's, or the largest that keeps the object clear of the table. A load that

@@ -48,13 +48,11 @@ pub struct Candidate {
     pub row: usize,
     /// Index into the conditions of the selection.
     pub condition: usize,
-    /// One value per axis.
     pub axes: Vec<Value>,
     pub status: Status,
     pub force_positive: Option<bool>,
     pub form_closed: Option<bool>,
     pub class: Option<Class>,
-    /// Reason for the class.
     pub class_reason: Option<String>,
     /// Reason why the run is incomplete or figures are missing.
     pub reason: Option<String>,
@@ -74,7 +72,6 @@ impl Candidate {
     }
 }
 
-/// Returns the class with this name.
 pub(crate) fn parse_class(name: &str) -> Option<Class> {
     Class::ALL.into_iter().find(|class| class.name() == name)
 }
@@ -82,7 +79,6 @@ pub(crate) fn parse_class(name: &str) -> Option<Class> {
 /// Content of a table of results; the runs are sorted by number.
 type Results = (Vec<Axis>, Vec<Condition>, Vec<Candidate>);
 
-/// Reads axes, conditions and runs from a table of results.
 pub(super) fn read_results(table: &Table) -> Result<Results, SelectError> {
     let (design, first_result) = (table.column("design")?, table.column("l12_m")?);
     if first_result < design {
@@ -198,7 +194,6 @@ fn assign_conditions(axes: &[Axis], runs: &mut [Candidate]) -> Result<Vec<Condit
     Ok(conditions)
 }
 
-/// Error while selecting runs.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SelectError {
     #[error("{0}; a selection requires the results of `phalanx sweep`")]

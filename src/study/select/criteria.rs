@@ -44,14 +44,12 @@ pub struct Bound {
     pub value: f64,
 }
 
-/// Direction of a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     AtLeast,
     AtMost,
 }
 
-/// A single criterion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Criterion {
     /// The run is complete; otherwise it cannot be ranked.
@@ -146,7 +144,6 @@ impl Criterion {
     }
 }
 
-/// Returns the name of a criterion in tables.
 pub(crate) fn criterion_name(criterion: &Criterion) -> String {
     criterion.key_and_name().1
 }

@@ -29,7 +29,6 @@ pub(crate) use criteria::criterion_name;
 pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict};
 pub use ranking::{PerTerm, Ranked, TERMS, Term, Weights};
 
-/// A finished selection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
     /// Criteria in the order of application.
@@ -39,11 +38,8 @@ pub struct Selection {
     pub conditions: Vec<Condition>,
     /// All runs of the table, sorted by number.
     pub runs: Vec<Candidate>,
-    /// Verdicts by run and criterion.
     pub verdicts: Vec<Vec<Verdict>>,
-    /// One tally per criterion.
     pub tallies: Vec<Tally>,
-    /// Counts of each condition.
     pub classes: Vec<ClassCounts>,
     /// Reasons for a missing class of completed runs, grouped without numbers.
     pub cannot_grasp: Vec<Reason>,
@@ -57,7 +53,6 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Number of different designs.
     pub fn designs(&self) -> usize {
         let mut numbers: Vec<i64> = self.runs.iter().map(|run| run.design).collect();
         numbers.sort_unstable();
@@ -126,7 +121,6 @@ pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection
     })
 }
 
-/// Counts of one criterion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tally {
     #[serde(flatten)]
@@ -144,7 +138,6 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts of a criterion of the list.
     fn new(index: usize, criteria: &[Criterion], verdicts: &[Vec<Verdict>]) -> Self {
         let count = |verdict: Verdict| verdicts.iter().filter(|run| run[index] == verdict).count();
         let holds = |verdict: &Verdict| *verdict == Verdict::Holds;
@@ -208,7 +201,6 @@ impl ClassCounts {
         }
     }
 
-    /// Number of stable and semi-stable runs.
     pub(crate) fn dynamically_stable(&self) -> usize {
         self.dynamic[0] + self.dynamic[1]
     }

@@ -8,7 +8,6 @@ use super::{Candidate, SelectError};
 pub struct Term {
     /// Key in documents, in columns and in `--weights`.
     pub key: &'static str,
-    /// Symbol of the figure.
     pub symbol: &'static str,
     /// Displayed unit of the figure, and displayed value per SI value.
     pub unit: (&'static str, f64),
@@ -17,7 +16,6 @@ pub struct Term {
     pub is_larger_better: bool,
 }
 
-/// The terms of r_WC.
 pub const TERMS: [Term; 4] = [
     Term { key: "pfp", symbol: "PFP", unit: ("N", 1.0), figure: |run| run.pfp_n, is_larger_better: true },
     Term { key: "tts", symbol: "tts", unit: ("ms", 1e3), figure: |run| run.tts_s, is_larger_better: false },
@@ -30,7 +28,6 @@ pub const TERMS: [Term; 4] = [
 pub struct PerTerm(pub [f64; 4]);
 
 impl PerTerm {
-    /// Key and value of each term.
     pub fn named(&self) -> [(&'static str, f64); 4] {
         [0, 1, 2, 3].map(|index| (TERMS[index].key, self.0[index]))
     }
@@ -62,7 +59,6 @@ impl Weights {
     }
 }
 
-/// A selected run with its rank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ranked {
     /// Rank from 1. Ties share a rank, and the following ranks are skipped.

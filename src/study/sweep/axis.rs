@@ -22,7 +22,6 @@ pub struct Field {
     pub field_type: FieldType,
 }
 
-/// One value of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisValue {
     /// TOML text in a scene file.
@@ -78,7 +77,6 @@ impl Field {
         paths.filter_map(|path| Field::find(path, schema).ok()).find(|field| field.column() == column)
     }
 
-    /// Reads a value of the field from a study file.
     pub(super) fn read(&self, value: &Spanned<TomlValue>) -> Result<AxisValue, Vec<Problem>> {
         let text = to_toml(value.get_ref());
         let value = match self.field_type.read(&self.path, value)? {
@@ -129,7 +127,6 @@ pub(super) fn column_kind(field_type: &FieldType) -> Kind {
     }
 }
 
-/// Formats a value as TOML.
 fn to_toml(value: &TomlValue) -> String {
     match value {
         TomlValue::Text(text) => toml::Value::from(text.as_str()).to_string(),
@@ -153,7 +150,6 @@ pub(super) struct Axis {
     pub repeats_designs: bool,
 }
 
-/// The values of an axis.
 #[derive(Clone, Debug)]
 pub(super) enum AxisValues {
     /// One value for each field, row by row.

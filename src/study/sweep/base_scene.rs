@@ -15,7 +15,6 @@ use crate::scene::schema::{other_schemas, schema_for};
 use crate::scene::toml_value::TomlValue;
 use crate::scene::{Keyword, Layer, Problem, SceneError, keys, parse_layers};
 
-/// A base scene.
 pub(super) struct Base {
     pub table: Table,
     pub kind: SceneKind,

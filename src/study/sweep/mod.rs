@@ -67,7 +67,6 @@ pub struct Filter {
     pub form_closed: Option<bool>,
 }
 
-/// A study that can be run.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// Kind of the base scene: finger or gripper.
@@ -90,17 +89,14 @@ pub struct Study {
 }
 
 impl Study {
-    /// Number of runs.
     pub fn runs(&self) -> u64 {
         self.runs
     }
 
-    /// Number of designs.
     pub fn designs(&self) -> u64 {
         self.loops().filter(|(_, repeats_designs)| !repeats_designs).map(|(len, _)| len).product()
     }
 
-    /// Design number of a run.
     pub fn design(&self, run: u64) -> u64 {
         let design_loops = self.loops().zip(self.indices(run)).filter(|((_, repeats_designs), _)| !repeats_designs);
         1 + design_loops.fold(0, |design, ((len, _), index)| design * len + index)
@@ -128,7 +124,6 @@ impl Study {
         values
     }
 
-    /// Scene text of a run.
     pub fn scene_text(&self, run: u64) -> String {
         self.template.fill(&self.field_values(run))
     }
@@ -148,7 +143,6 @@ impl Study {
         listed.chain(self.sequence.as_ref().map(|sequence| (sequence.count(), false)))
     }
 
-    /// Index of each loop in a run.
     fn indices(&self, run: u64) -> Vec<u64> {
         let mut indices: Vec<u64> = self.loops().map(|(len, _)| len).collect();
         let mut remainder = run.saturating_sub(1);

@@ -16,7 +16,6 @@ use crate::scene::schema::schema_for;
 use crate::table::{Column, Kind, Table, TableError, Value};
 use crate::units::Dimension;
 
-/// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// Simulated to the end.
@@ -102,7 +101,6 @@ pub fn columns(study: &Study) -> Vec<Column> {
     numbers.chain(axes).chain(results).collect()
 }
 
-/// Results as a table sorted by run.
 pub fn table(study: &Study, rows: &[Row]) -> Table {
     sorted_table(study, rows.iter().map(|row| row.cells.clone()))
 }
@@ -153,7 +151,6 @@ impl Cells {
         values.into_iter().for_each(|(name, value)| self.set(name, value));
     }
 
-    /// Finishes the row.
     pub fn row(mut self, status: Status, reason: &str) -> Row {
         self.set("status", status.name());
         // A row must be a single line of the partial file.
@@ -177,7 +174,6 @@ pub struct Summary {
     pub reasons: Vec<Reason>,
 }
 
-/// Runs with the same reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Reason {
     pub status: String,
@@ -195,7 +191,6 @@ impl Reason {
 }
 
 impl Summary {
-    /// Number of runs with this status.
     pub fn count_with_status(&self, status: Status) -> u64 {
         self.by_status.get(status.name()).copied().unwrap_or(0)
     }
@@ -212,7 +207,6 @@ impl Summary {
     }
 }
 
-/// Summarises the results of a sweep.
 pub fn summary(table: &Table) -> Result<Summary, TableError> {
     let (runs, status) = (table.integers("run")?, table.texts("status")?);
     let (class, classes) = match table.texts("grasp") {

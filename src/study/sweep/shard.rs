@@ -24,7 +24,6 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Number of runs in the part.
     pub fn runs(&self) -> u64 {
         if self.last < self.first { 0 } else { (self.last - self.first).saturating_add(1) }
     }
@@ -137,7 +136,6 @@ pub(in crate::study) fn missing_message(gaps: &[Gap], total: u64) -> String {
     )
 }
 
-/// Names a range of runs.
 pub(in crate::study) fn run_range_text(first: u64, last: u64) -> String {
     if first == last { format!("run {first}") } else { format!("runs {first} to {last}") }
 }

@@ -28,7 +28,6 @@ use crate::trace::Model;
 /// Error in a study. Formatted like an error of a scene: `error:`, location, source line and help.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StudyError {
-    /// The file cannot be read.
     #[error("error: cannot read study `{file}`: {reason}")]
     Read { file: String, reason: String },
     /// The study or its base scene is invalid.
@@ -286,13 +285,11 @@ impl Reader<'_> {
         Some(value.span())
     }
 
-    /// Reports a problem at a path.
     fn refuse<T>(&self, path: &str, message: impl Into<String>, label: &str, help: impl Into<String>) -> Option<T> {
         self.checker.push(Problem::new(self.span(path), message, label, help));
         None
     }
 
-    /// Reports a missing key of the table at a path.
     fn missing<T>(&self, key: &str, table: &str, help: &str) -> Option<T> {
         self.checker.report_missing_at(key, self.span(table), help);
         None
@@ -358,7 +355,6 @@ impl Reader<'_> {
         Some(Axis { fields, values, repeats_designs: table.again })
     }
 
-    /// Reads the rows of an axis of several fields.
     fn read_rows(&self, path: &str, fields: &[Field], rows: &[Spanned<TomlValue>]) -> Option<AxisValues> {
         if rows.is_empty() {
             let help = "give a row of values for each run: rows = [[\"480 N*mm\", \"132.6 N*mm\"], ..]";
@@ -379,7 +375,6 @@ impl Reader<'_> {
         rows.iter().enumerate().map(read_row).collect::<Option<_>>().map(AxisValues::Rows)
     }
 
-    /// Reads the values of an axis of one field.
     fn read_values(&self, path: &str, field: &Field, values: &[Spanned<TomlValue>]) -> Option<AxisValues> {
         let rows = values.iter().map(|value| self.read_value(field, value).map(|value| vec![value]));
         let rows: Vec<Vec<AxisValue>> = rows.collect::<Option<_>>()?;
@@ -434,12 +429,10 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads a value of a field.
     fn read_value(&self, field: &Field, value: &Spanned<TomlValue>) -> Option<AxisValue> {
         field.read(value).map_err(|problems| self.checker.extend(problems)).ok()
     }
 
-    /// Reads the sample of all ranges.
     fn read_sample(&self, study: &StudyFile, axes: &[Axis]) -> Option<Sequence> {
         let SampleTable { method, count, seed } = &study.sample;
         let ranges = axes.iter().filter(|axis| axis.len().is_none()).count();
