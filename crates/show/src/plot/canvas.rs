@@ -1,6 +1,6 @@
 //! Elements of pictures: titles, markers, legends, tiles and text.
 
-use super::svg::{Anchor, Paint, Path, Pixel, Svg, TEXT_SIZE, TextStyle, document};
+use super::svg::{Paint, Path, Pixel, Svg, TEXT_SIZE, TextStyle, document};
 use super::theme::{Colour, INK, SOFT};
 
 pub const WIDTH: f64 = 960.0;
@@ -165,17 +165,17 @@ pub fn text_centred(svg: &mut Svg, text: &str, position: Pixel, size: f64, colou
 
 /// Draws text that starts at a pixel.
 pub fn text_right_of(svg: &mut Svg, text: &str, position: Pixel, size: f64, colour: Colour) {
-    svg.text(text, position, TextStyle { anchor: Anchor::Start, ..centred_style(size, colour) });
+    svg.text(text, position, TextStyle { anchor: "start", ..centred_style(size, colour) });
 }
 
 /// Draws text that ends at a pixel.
 pub fn text_left_of(svg: &mut Svg, text: &str, position: Pixel, size: f64, colour: Colour) {
-    svg.text(text, position, TextStyle { anchor: Anchor::End, ..centred_style(size, colour) });
+    svg.text(text, position, TextStyle { anchor: "end", ..centred_style(size, colour) });
 }
 
 /// Style of centred text.
 pub fn centred_style(size: f64, colour: Colour) -> TextStyle {
-    TextStyle { size, colour, anchor: Anchor::Middle, is_vertical: false, has_halo: false }
+    TextStyle { size, colour, anchor: "middle", is_vertical: false, has_halo: false }
 }
 
 /// Draws text that starts at a pixel and fits `width`.

@@ -81,19 +81,12 @@ impl Display for Paint {
 pub struct TextStyle {
     pub size: f64,
     pub colour: Colour,
-    pub anchor: Anchor,
+    /// Point of the text that is placed at its coordinates: `start`, `middle` or `end`.
+    pub anchor: &'static str,
     /// Whether the text runs upwards.
     pub is_vertical: bool,
     /// Whether the text is outlined in the background colour.
     pub has_halo: bool,
-}
-
-/// Point of a text that is placed at its coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Anchor {
-    Start,
-    Middle,
-    End,
 }
 
 /// Writes a complete SVG document; `label` is its accessible name.
@@ -162,15 +155,10 @@ impl Svg {
         }
         let TextStyle { size, colour, anchor, is_vertical, has_halo } = style;
         let [left, middle, baseline] = [x, y, y + 0.35 * size].map(pixels);
-        let anchor = match anchor {
-            Anchor::Start => "",
-            Anchor::Middle => " text-anchor=\"middle\"",
-            Anchor::End => " text-anchor=\"end\"",
-        };
         let attributes = [
             is_vertical.then(|| format!(" transform=\"rotate(-90 {left} {middle})\"")),
             (size != TEXT_SIZE).then(|| format!(" font-size=\"{size}\"")),
-            Some(anchor.to_string()),
+            (anchor != "start").then(|| format!(" text-anchor=\"{anchor}\"")),
             (colour != INK).then(|| format!(" fill=\"{colour}\"")),
             has_halo.then(|| {
                 format!(" stroke=\"{PAPER}\" stroke-width=\"4\" stroke-linejoin=\"round\" paint-order=\"stroke\"")
@@ -321,7 +309,7 @@ mod tests {
                 svg.circle([0.0; 2], 1.0, Paint { cap: "round", ..Paint::line(INK, 1.0) });
                 svg.polyline(&[], Paint::default());
                 let text_style =
-                    TextStyle { size: 9.0, colour: PAPER, anchor: Anchor::End, is_vertical: true, has_halo: true };
+                    TextStyle { size: 9.0, colour: PAPER, anchor: "end", is_vertical: true, has_halo: true };
                 svg.text(hostile, [0.0; 2], text_style);
             });
         });
