@@ -14,7 +14,7 @@ use crate::format::{ToReport, format_duration};
 use crate::limits::MAX_COMPARED_VALUES;
 use crate::log::{LogSink, LogSummary, read_file};
 use crate::page::{Note, Page, render_page};
-use crate::plot::{self, DifferencePlot};
+use crate::plot;
 use crate::report::replay::{LogComparisonReport, ReplayReport, TrajectoryDifference, compare_summaries};
 use crate::scene::Keyword;
 use crate::scene::keywords::SceneKind;
@@ -183,20 +183,15 @@ fn compute_differences(
     let differences = if sparse.samples.is_empty() { Vec::new() } else { differences.collect() };
     let label_texts = labels.each_ref().map(String::as_str);
     let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
-    let overlay = plot::overlay_runs(build_title(logs, labels), label_texts, layout, [first, second], end_s);
+    let title = build_title(logs, labels);
+    let overlay = plot::overlay_runs(&title, label_texts, layout, [first, second], end_s);
     let [subject, label] = match (layout.fingers.is_empty(), layout.bodies.is_empty()) {
         (false, true) => ["joint angles", "|difference|, rad"],
         (false, false) => ["joint angles and centre", "|difference|, rad or m"],
         (true, _) => ["centres", "distance, m"],
     };
-    let difference = plot::plot_differences(DifferencePlot {
-        title: format!("{}: differences of {subject}", build_title(logs, labels)),
-        label,
-        curves: plot::path_differences(layout, sparse, dense, until_s),
-        touchdowns: plot::touchdowns(layout, first, until_s),
-        bound: None,
-        until_s,
-    });
+    let title = format!("{title}: differences of {subject}");
+    let difference = plot::plot_differences(&title, label, layout, [sparse, dense, first], None, until_s);
     (differences, [overlay, difference])
 }
 

@@ -159,13 +159,7 @@ const FILES: [&str; 8] = [
 fn write_files(out: &Path, source: &str, results: &Table, selection: &Selection) -> Result<(), Failure> {
     // Plots are shared, so their titles contain the file name without its directory.
     let title = Path::new(source).file_name().map_or(source.to_string(), |name| name.to_string_lossy().into_owned());
-    for (file, picture) in [
-        ("criteria.svg", plot::selection_criteria(&title, selection)),
-        ("classes.svg", plot::selection_classes(&title, selection)),
-        ("static.svg", plot::selection_static(&title, selection)),
-        ("forces.svg", plot::selection_forces(&title, selection)),
-        ("variables.svg", plot::selection_variables(&title, results, selection)),
-    ] {
+    for (file, picture) in FILES[3..].iter().zip(plot::selection(&title, results, selection)) {
         save(&out.join(file), &picture)?;
     }
     table::write(&out.join("ranking.csv"), &ranking_table(results, selection)).map_err(Failure::incomplete)?;

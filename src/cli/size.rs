@@ -73,14 +73,8 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let sizing = size_finger(&scene, options).map_err(Failure::bad_input)?;
     let profile = &sizing.profile;
     directory.write(FILES, || {
-        [
-            sizing.report().to_string(),
-            sizing.json(),
-            sizing_csv(profile),
-            plot::sizing_trajectory(&scene.name, profile),
-            plot::sizing_springs(&scene.name, profile),
-            plot::sizing_spring_types(&scene.name, profile),
-        ]
+        let [trajectory, springs, spring_types] = plot::sizing(&scene.name, profile);
+        [sizing.report().to_string(), sizing.json(), sizing_csv(profile), trajectory, springs, spring_types]
     })?;
     print_result(&sizing, args.json)?;
     Ok(Status::Done)

@@ -9,7 +9,7 @@ use super::presets::presets;
 use crate::criteria::{Class, Fate};
 use crate::format::escape_markup;
 use crate::limits::MAX_SCENE_BYTES;
-use crate::plot::theme::{VERDICTS, variable};
+use crate::plot::theme::VERDICTS;
 
 const TEMPLATE: &str = include_str!("assets/explorer/page.html");
 const STYLES: [&str; 3] =
@@ -60,7 +60,7 @@ impl InitialScene {
 /// Assigns a colour to each of the names of results, which are ordered from good to bad.
 fn result_colours<'a>(names: &[&'a str]) -> Vec<(&'a str, &'a str)> {
     let colour = |rank: usize| if rank + 1 == names.len() { VERDICTS[VERDICTS.len() - 1] } else { VERDICTS[rank] };
-    names.iter().enumerate().map(|(rank, name)| (*name, variable(colour(rank)))).collect()
+    names.iter().enumerate().map(|(rank, name)| (*name, colour(rank).variable())).collect()
 }
 
 /// Whether the bytes are a gzip file, the format in which [`explorer_page`] takes a module.

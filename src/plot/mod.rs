@@ -1,35 +1,23 @@
-//! Pictures of a validation and of studies as SVG text; equal figures give equal bytes. The drawing primitives and the
+//! Pictures of validations and studies as SVG text; equal figures give equal bytes. The drawing primitives and the
 //! pictures of a grasp at rest are in `phalanx_show::plot`.
 //!
 //! | file | job |
 //! |---|---|
-//! | `capture` | final position of an object over its initial position |
-//! | `speed_error` | wall time against error of all evaluated settings |
-//! | `overlay` | two runs over time |
-//! | `select` | results of a selection by criterion, class, force and variable |
-//! | `hold` | loads that a gripper holds: by direction, by frequency, or slip over load |
+//! | `runs` | two runs over time and their difference; wall time against error of all evaluated settings |
+//! | `selection` | results of a selection by criterion, class, force and variable |
+//! | `grippers` | captured objects; loads that a gripper holds |
 //! | `linkage` | drawing of a finger with the symbols of scenes and results |
-//! | `difference` | difference of two runs over time |
 
-mod capture;
-mod difference;
-mod hold;
+mod grippers;
 mod linkage;
-mod overlay;
-mod select;
-mod speed_error;
+mod runs;
+mod selection;
 
-use phalanx_show::plot::{axis, canvas, outline, series, svg};
+use phalanx_show::plot::{canvas, chart, outline, svg};
 
-pub use capture::capture;
-pub(crate) use difference::{DifferencePlot, path_differences, plot_differences};
-pub use difference::{difference, touchdowns};
-pub use hold::hold;
+pub use grippers::{capture, hold};
 pub use linkage::{LabelBox, Linkage, linkage};
-pub use overlay::overlay;
-pub(crate) use overlay::overlay_runs;
-pub use phalanx_show::plot::{
-    PICTURE_MARK, PictureFormat, balance, colours, grasp, sizing_spring_types, sizing_springs, sizing_trajectory, theme,
-};
-pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
-pub use speed_error::speed_error;
+pub use phalanx_show::plot::{PICTURE_MARK, PictureFormat, balance, grasp, sizing, theme};
+pub use runs::{difference, overlay, speed_error};
+pub(crate) use runs::{overlay_runs, plot_differences};
+pub use selection::selection;

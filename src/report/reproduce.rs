@@ -14,7 +14,7 @@ use crate::scene;
 use crate::study::select::{Candidate, Ranked, Selection, SelectionCriteria, Tally, select};
 use crate::study::sweep::{self, Status, Study};
 use crate::table::{Table, Value};
-use crate::thesis::reproduce::{self, Input, RankedRun, Reproduction, Run, STEPS, Simulations};
+use crate::thesis::reproduce::{self, RankedRun, Reproduction, Run, STEPS, Simulations};
 use crate::thesis::{Monitor, StudyError};
 
 const STUDY: &str = include_str!("../../scenes/studies/thesis.toml");
@@ -73,13 +73,10 @@ pub fn reproduce(quick: bool, threads: usize, monitor: &Monitor) -> Result<Repro
     }
     let mut results = sweep::table(&study, &rows);
     let selection = select(&results, &SelectionCriteria::default()).map_err(failed)?;
-    let input = Input {
-        simulations: simulations(&study, &results, &selection)?,
-        chosen: scene::parse(CHOSEN, "experiment-95.toml").map_err(failed)?,
-        cad: scene::parse(CAD, "experiment-95-cad.toml").map_err(failed)?,
-        errata: ERRATA,
-    };
-    let reproduction = reproduce::reproduce(input, quick, threads, monitor)?;
+    let simulations = simulations(&study, &results, &selection)?;
+    let chosen = scene::parse(CHOSEN, "experiment-95.toml").map_err(failed)?;
+    let cad = scene::parse(CAD, "experiment-95-cad.toml").map_err(failed)?;
+    let reproduction = reproduce::reproduce(simulations, [chosen, cad], ERRATA, quick, threads, monitor)?;
     for (run, check) in &reproduction.checked_runs {
         write_check(&mut results, selection.runs[*run].row, check);
     }
@@ -138,13 +135,7 @@ fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<
         criteria: selection.tallies.iter().map(criterion).collect(),
         axes: axes.iter().map(|(_, quantity)| quantity.label()).collect(),
         ranking: selection.ranking.iter().map(ranked).collect(),
-        pictures: vec![
-            ("designs.svg", plot::selection_variables("thesis", results, selection)),
-            ("static.svg", plot::selection_static("thesis", selection)),
-            ("classes.svg", plot::selection_classes("thesis", selection)),
-            ("forces.svg", plot::selection_forces("thesis", selection)),
-            ("criteria.svg", plot::selection_criteria("thesis", selection)),
-        ],
+        pictures: plot::selection("thesis", results, selection),
     })
 }
 

@@ -36,12 +36,12 @@ fn check_completeness(reproduction: &Reproduction) {
 
 fn check_expected_values(all: &[Comparison]) {
     let outside = all.iter().filter(|entry| entry.verdict == Verdict::Outside);
-    let outside: Vec<_> = outside.map(|entry| (entry.key, entry.ours_text(), entry.expected_text())).collect();
+    let outside: Vec<_> = outside.map(|entry| (&entry.figure.key, entry.ours_text(), entry.expected_text())).collect();
     // `phalanx reproduce` then exits with status 0.
     assert!(outside.is_empty(), "{outside:?}");
     assert!(all.iter().filter(|entry| entry.verdict == Verdict::Inside).count() >= 40);
     // Values from the specification, independent of the file of figures.
-    let computed = |key: &str| all.iter().find(|entry| entry.key == key).expect(key).computed;
+    let computed = |key: &str| all.iter().find(|entry| entry.figure.key == key).expect(key).computed;
     assert_eq!((computed("statics.form_closed"), computed("statics.form_closed_quarters")), (22.0, 13.0));
     assert_eq!((computed("statics.stable_mu_0"), computed("statics.stable_mu_0.8")), (136.0, 160.0));
     assert!(
@@ -126,7 +126,7 @@ fn check_formats(reproduction: &Reproduction, report: &ReproductionReport<'_>) {
     assert_eq!((listed.len(), &document["outside"]), (figures().len(), &Value::from(0)));
     let (html, markdown) = (report_page(&paper), paper.markdown());
     for (entry, comparison) in listed.iter().zip(&reproduction.comparisons) {
-        let key = comparison.key;
+        let key = comparison.figure.key.as_str();
         let value = entry["ours"].as_f64().expect("a number");
         assert_eq!(entry["figure"], key);
         // The JSON parser may be wrong in the last bit.

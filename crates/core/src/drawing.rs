@@ -10,7 +10,7 @@ use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, 
 use crate::law::ContactLaw;
 use crate::numeric::elementary::{cos, hypot, pow, sin, sin_cos};
 use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, PalmMotion, Scene, Side, System, largest_torque};
-use crate::shape::{self, max_radius};
+use crate::shape::{self, circle_radius, max_radius};
 use crate::trace::{BodyState, FingerState, Sample};
 
 /// The drawing of a scene.
@@ -73,9 +73,23 @@ pub enum Shape {
 
 impl Shape {
     /// Converts a shape: a disc if it is round, otherwise a polygon.
-    pub(crate) fn from_shape(shape: &shape::Shape) -> Self {
+    fn from_shape(shape: &shape::Shape) -> Self {
         let polygon = || Shape::Polygon { corners_m: shape.at([0.0; 2]).outline_m() };
-        shape::circle_radius(shape).map_or_else(polygon, |radius_m| Shape::Disc { radius_m })
+        circle_radius(shape).map_or_else(polygon, |radius_m| Shape::Disc { radius_m })
+    }
+
+    /// The same shape for a left finger, seen in its mirrored frame.
+    fn mirrored(self) -> Self {
+        let flip = |[x, y]: [f64; 2]| [x, -y];
+        match self {
+            Shape::Polygon { corners_m } => {
+                Shape::Polygon { corners_m: corners_m.into_iter().rev().map(flip).collect() }
+            }
+            Shape::Capsule { from_m, to_m, radius_m } => {
+                Shape::Capsule { from_m: flip(from_m), to_m: flip(to_m), radius_m }
+            }
+            other => other,
+        }
     }
 }
 
@@ -94,30 +108,6 @@ impl Pose {
     }
 }
 
-/// Lower left and upper right corner of everything except half planes, with a margin of a tenth.
-fn view_extent(posed_bodies: &[(&Body, Pose)]) -> [[f64; 2]; 2] {
-    let mut corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    let mut include = |[x, y]: [f64; 2], radius: f64| {
-        corners[0] = [corners[0][0].min(x - radius), corners[0][1].min(y - radius)];
-        corners[1] = [corners[1][0].max(x + radius), corners[1][1].max(y + radius)];
-    };
-    for (body, pose) in posed_bodies {
-        for shape in &body.shapes {
-            match shape {
-                Shape::Polygon { corners_m } => corners_m.iter().for_each(|corner| include(pose.apply(*corner), 0.0)),
-                Shape::Capsule { from_m, to_m, radius_m } => {
-                    include(pose.apply(*from_m), *radius_m);
-                    include(pose.apply(*to_m), *radius_m);
-                }
-                Shape::Disc { radius_m } => include(pose.position_m, *radius_m),
-                Shape::HalfPlane { .. } => {}
-            }
-        }
-    }
-    let margin = 0.1 * (corners[1][0] - corners[0][0]).max(corners[1][1] - corners[0][1]);
-    [corners[0].map(|low| low - margin), corners[1].map(|high| high + margin)]
-}
-
 impl Drawing {
     /// Builds the drawing of a scene of any kind: palm, table, discs in their order, and the links of the right finger,
     /// then of the left one.
@@ -134,12 +124,18 @@ impl Drawing {
         for (side, finger) in system.fingers_by_side() {
             bodies.extend(link_bodies(&finger.linkage.lengths).map(|body| Body {
                 name: if system.fingers.len() == 1 { body.name } else { format!("{}_{}", side.name(), body.name) },
-                shapes: body.shapes.into_iter().map(|shape| mirrored(shape, side)).collect(),
+                shapes: match side {
+                    Side::Right => body.shapes,
+                    Side::Left => body.shapes.into_iter().map(Shape::mirrored).collect(),
+                },
                 ..body
             }));
         }
         let (arrow_m_per_n, longest_arrow_m) = arrow_scale(system);
-        Drawing { contacts: contacts(system), arrow_m_per_n, longest_arrow_m, extent_m: view(system, &bodies), bodies }
+        let is_surface = |contact: &ContactId| !contact.is_stop() && system.contact_laws(*contact).is_some();
+        let contacts = system.contact_ids().into_iter().filter(is_surface);
+        let contacts = contacts.map(|contact| system.contact_name(contact)).collect();
+        Drawing { contacts, arrow_m_per_n, longest_arrow_m, extent_m: view_extent(system, &bodies), bodies }
     }
 
     /// Signed length of the arrow of a force.
@@ -154,16 +150,14 @@ impl Drawing {
     }
 }
 
-/// Names of the existing contacts between surfaces.
-fn contacts(system: &System) -> Vec<String> {
-    let exists = |contact: &ContactId| !contact.is_stop() && system.contact_laws(*contact).is_some();
-    system.contact_ids().into_iter().filter(exists).map(|contact| system.contact_name(contact)).collect()
-}
-
 /// Poses of the bodies of a scene's [`Drawing`], in their order.
 pub fn poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
     let pose = |body: &BodyState| Pose { position_m: body.centre_m, angle_rad: body.angle_rad };
-    let postures = sample.fingers.iter().map(finger_posture).collect::<Vec<_>>();
+    let posture = |finger: &FingerState| {
+        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = *finger;
+        Posture { q11_rad, q21_rad, q12_rad, q22_rad }
+    };
+    let postures: Vec<Posture> = sample.fingers.iter().map(posture).collect();
     poses_at(&scene.system, sample.time_s, sample.bodies.iter().map(pose), &postures)
 }
 
@@ -217,12 +211,9 @@ fn pose_at_start(disc: &Disc) -> Pose {
     Pose { position_m: disc.centre_m, angle_rad: disc.angle_rad }
 }
 
-fn finger_posture(finger: &FingerState) -> Posture {
-    Posture { q11_rad: finger.q11_rad, q21_rad: finger.q21_rad, q12_rad: finger.q12_rad, q22_rad: finger.q22_rad }
-}
-
-/// Corners of a view of the start and, if the fingers can close on the object, of their grasp.
-fn view(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
+/// Lower left and upper right corner of everything except half planes, with a margin of a tenth, at the start and, if the
+/// fingers can close on the object, in their grasp.
+fn view_extent(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
     // A start whose loop does not close fails before the first step; the straight finger stands in for it.
     let upright = Posture { q11_rad: 0.0, q21_rad: 0.5 * PI, q12_rad: 0.0, q22_rad: 0.0 };
     let postures = system.fingers_by_side().map(|(side, DrivenFinger { linkage, initial, .. })| {
@@ -231,14 +222,31 @@ fn view(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
             let object_in_finger_frame = object.placed().in_finger_frame(side.mirror(), 0.5 * system.palm_width_m);
             final_posture(&linkage.lengths, linkage.assembly, object_in_finger_frame).ok()
         });
-        [start, grasp.map_or(start, |end| end.posture)]
+        (start, grasp.map_or(start, |end| end.posture))
     });
-    let postures: Vec<[Posture; 2]> = postures.collect();
-    let initial_poses = |index: usize| {
-        let postures: Vec<Posture> = postures.iter().map(|posture| posture[index]).collect();
-        bodies.iter().zip(poses_at(system, 0.0, system.reported_discs().iter().map(pose_at_start), &postures))
+    let (start, end): (Vec<Posture>, Vec<Posture>) = postures.unzip();
+    let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    let mut include = |[x, y]: [f64; 2], radius: f64| {
+        low = [low[0].min(x - radius), low[1].min(y - radius)];
+        high = [high[0].max(x + radius), high[1].max(y + radius)];
     };
-    view_extent(&[0, 1].into_iter().flat_map(initial_poses).collect::<Vec<_>>())
+    for postures in [start, end] {
+        let poses = poses_at(system, 0.0, system.reported_discs().iter().map(pose_at_start), &postures);
+        for (pose, shape) in
+            bodies.iter().zip(poses).flat_map(|(body, pose)| body.shapes.iter().map(move |s| (pose, s)))
+        {
+            match shape {
+                Shape::Polygon { corners_m } => corners_m.iter().for_each(|corner| include(pose.apply(*corner), 0.0)),
+                Shape::Capsule { from_m, to_m, radius_m } => {
+                    [from_m, to_m].into_iter().for_each(|end| include(pose.apply(*end), *radius_m));
+                }
+                Shape::Disc { radius_m } => include(pose.position_m, *radius_m),
+                Shape::HalfPlane { .. } => {}
+            }
+        }
+    }
+    let margin = 0.1 * (high[0] - low[0]).max(high[1] - low[1]);
+    [low.map(|low| low - margin), high.map(|high| high + margin)]
 }
 
 /// Returns the four links with their outlines and contact surfaces.
@@ -270,46 +278,27 @@ fn link_bodies(lengths: &Lengths) -> [Body; 4] {
 fn link_poses(lengths: &Lengths, posture: &Posture) -> [Pose; 4] {
     let Lengths { l11_m, l21_m, .. } = *lengths;
     let along = |length: f64, angle: f64| [length * cos(angle), length * sin(angle)];
-    let pose = |position_m, angle_rad| Pose { position_m, angle_rad };
+    let Posture { q11_rad, q21_rad, q12_rad, q22_rad } = *posture;
     [
-        pose([0.0; 2], posture.q11_rad),
-        pose(along(l11_m, posture.q11_rad), posture.q11_rad + posture.q12_rad),
-        pose([0.0; 2], posture.q21_rad),
-        pose(along(l21_m, posture.q21_rad), posture.q21_rad + posture.q22_rad),
+        Pose { position_m: [0.0; 2], angle_rad: q11_rad },
+        Pose { position_m: along(l11_m, q11_rad), angle_rad: q11_rad + q12_rad },
+        Pose { position_m: [0.0; 2], angle_rad: q21_rad },
+        Pose { position_m: along(l21_m, q21_rad), angle_rad: q21_rad + q22_rad },
     ]
 }
 
 /// Time derivatives of the poses: velocities and angular velocities instead of positions and angles.
 fn link_velocities(lengths: &Lengths, finger: &FingerState) -> [Pose; 4] {
     let Lengths { l11_m, l21_m, .. } = *lengths;
-    let velocity = |position_m, angle_rad| Pose { position_m, angle_rad };
     // d/dt of L (cos q, sin q).
     let end_velocity = |length: f64, q: f64, rate: f64| [-length * rate * sin(q), length * rate * cos(q)];
     let FingerState { q11_rad, q21_rad, qd11_rad_s, qd12_rad_s, qd21_rad_s, qd22_rad_s, .. } = *finger;
     [
-        velocity([0.0; 2], qd11_rad_s),
-        velocity(end_velocity(l11_m, q11_rad, qd11_rad_s), qd11_rad_s + qd12_rad_s),
-        velocity([0.0; 2], qd21_rad_s),
-        velocity(end_velocity(l21_m, q21_rad, qd21_rad_s), qd21_rad_s + qd22_rad_s),
+        Pose { position_m: [0.0; 2], angle_rad: qd11_rad_s },
+        Pose { position_m: end_velocity(l11_m, q11_rad, qd11_rad_s), angle_rad: qd11_rad_s + qd12_rad_s },
+        Pose { position_m: [0.0; 2], angle_rad: qd21_rad_s },
+        Pose { position_m: end_velocity(l21_m, q21_rad, qd21_rad_s), angle_rad: qd21_rad_s + qd22_rad_s },
     ]
-}
-
-/// Mirrors a link's shape for a left finger.
-fn mirrored(shape: Shape, side: Side) -> Shape {
-    let flip = |[x, y]: [f64; 2]| [x, side.mirror() * y];
-    match shape {
-        Shape::Polygon { corners_m } => {
-            let mut corners_m: Vec<[f64; 2]> = corners_m.into_iter().map(flip).collect();
-            if side == Side::Left {
-                corners_m.reverse();
-            }
-            Shape::Polygon { corners_m }
-        }
-        Shape::Capsule { from_m, to_m, radius_m } => {
-            Shape::Capsule { from_m: flip(from_m), to_m: flip(to_m), radius_m }
-        }
-        other => other,
-    }
 }
 
 /// Returns the existing planes, in the order of their poses.
@@ -353,33 +342,30 @@ fn arrow_scale(system: &System) -> (f64, f64) {
         let typical_n = system.pairs().into_iter().map(impact).fold(0.0, f64::max);
         (if typical_n.is_finite() { typical_n } else { 0.0 }, 0.5 * smallest_m, 2.0 * smallest_m)
     } else {
+        // The largest torque on a driven link.
+        let motors = system.fingers.iter().map(|finger| largest_torque(&finger.motor.actuation));
+        let input = system.differential.as_ref().map(|input| 0.5 * largest_torque(&input.motor.actuation));
+        let torque_n_m = motors.chain(input).fold(0.0, f64::max);
         let lengths = &system.finger(Side::Right).linkage.lengths;
-        (driving_torque_n_m(system) / lengths.l11_m, 0.5 * lengths.l21_m, lengths.l21_m)
+        (torque_n_m / lengths.l11_m, 0.5 * lengths.l21_m, lengths.l21_m)
     };
     (half_m / if typical_n > 0.0 { typical_n } else { 1.0 }, longest_m)
-}
-
-/// Largest torque on a driven link.
-fn driving_torque_n_m(system: &System) -> f64 {
-    let motors = system.fingers.iter().map(|finger| largest_torque(&finger.motor.actuation));
-    let input = system.differential.as_ref().map(|input| 0.5 * largest_torque(&input.motor.actuation));
-    motors.chain(input).fold(0.0, f64::max)
 }
 
 /// Largest force of an undamped impact at the initial speeds, k δᵉ with ½ m v² = k δ^(e+1)/(e+1), but at least the
 /// weight.
 fn impact_n(system: &System, law: &ContactLaw, pair: ContactId) -> f64 {
-    let velocity_and_mass = |index: usize| match system.discs[index].motion {
-        DiscMotion::Fixed => ([0.0; 2], f64::INFINITY),
-        DiscMotion::Driven { velocity_m_s, .. } => (velocity_m_s, f64::INFINITY),
-        DiscMotion::Free { velocity_m_s, mass_kg, .. } => (velocity_m_s, mass_kg),
+    let velocity_and_mass = |disc: Option<usize>| match disc.map(|index| &system.discs[index].motion) {
+        None | Some(DiscMotion::Fixed) => ([0.0; 2], f64::INFINITY),
+        Some(DiscMotion::Driven { velocity_m_s, .. }) => (*velocity_m_s, f64::INFINITY),
+        Some(DiscMotion::Free { velocity_m_s, mass_kg, .. }) => (*velocity_m_s, *mass_kg),
     };
-    let (ContactId::Discs(disc, _) | ContactId::Palm(disc)) = pair else { return 0.0 };
-    let (v1, m1) = velocity_and_mass(disc);
-    let (v2, m2) = match pair {
-        ContactId::Discs(_, other) => velocity_and_mass(other),
-        _ => ([0.0; 2], f64::INFINITY),
+    let (disc, other) = match pair {
+        ContactId::Discs(disc, other) => (disc, Some(other)),
+        ContactId::Palm(disc) => (disc, None),
+        _ => return 0.0,
     };
+    let [(v1, m1), (v2, m2)] = [Some(disc), other].map(velocity_and_mass);
     let mass = (m1.recip() + m2.recip()).recip();
     if !mass.is_finite() {
         return 0.0;

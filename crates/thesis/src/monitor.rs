@@ -37,21 +37,14 @@ pub struct Monitor<'a> {
     keep_running: KeepRunning<'a>,
 }
 
-/// Receives the number of completed parts, the total number of parts, and the name of the current part.
-type Report<'a> = Box<dyn FnMut(usize, usize, &str) + Send + 'a>;
-
-struct Progress<'a> {
-    done: usize,
-    total: usize,
-    report: Report<'a>,
-}
+/// Number of completed parts, total number of parts, and the receiver of both and of the name of the current part.
+type Progress<'a> = (usize, usize, Box<dyn FnMut(usize, usize, &str) + Send + 'a>);
 
 impl<'a> Monitor<'a> {
     /// Creates a monitor. `report` receives the number of completed parts, the total number of parts and the name of the
     /// current part. The computation stops when `keep_running` returns false.
     pub fn new(report: impl FnMut(usize, usize, &str) + Send + 'a, keep_running: KeepRunning<'a>) -> Self {
-        let progress = Progress { done: 0, total: 0, report: Box::new(report) };
-        Monitor { progress: Mutex::new(progress), keep_running }
+        Monitor { progress: Mutex::new((0, 0, Box::new(report))), keep_running }
     }
 
     /// Creates a monitor without progress reports.
@@ -61,15 +54,14 @@ impl<'a> Monitor<'a> {
 
     /// Starts a computation of `total` parts.
     pub fn start(&self, total: usize, name: &str) {
-        self.lock().total = total;
+        self.lock().1 = total;
         self.advance(0, name);
     }
 
     /// Counts `parts` more completed parts and reports the name of the current one.
     pub fn advance(&self, parts: usize, name: &str) {
-        let mut progress = self.lock();
-        progress.done += parts;
-        let Progress { done, total, report } = &mut *progress;
+        let (done, total, report) = &mut *self.lock();
+        *done += parts;
         report(*done, *total, name);
     }
 
@@ -91,7 +83,7 @@ impl<'a> Monitor<'a> {
 
     /// Returns the error of an interrupted computation.
     pub fn stopped(&self) -> StudyError {
-        let Progress { done, total, .. } = *self.lock();
+        let (done, total, _) = *self.lock();
         StudyError::Stopped { done, total }
     }
 

@@ -1,15 +1,26 @@
-//! A grasp at rest: the finger, its mirror image, the object, forces on the object, and a free motion.
+//! Pictures of a grasp at rest: the finger, its mirror image, the object, forces on it and a free motion; and a polar plot
+//! of the accelerations that a gripper's grasp withstands in all directions, with a drawing of the gripper.
 
-use super::canvas::{LegendEntry, Marker, PictureFormat, THIN_LINE, legend, legend_height};
+use std::f64::consts::TAU;
+
+use super::canvas::{
+    LegendEntry, Marker, PictureFormat, THIN_LINE, WIDTH, centred_style, legend, legend_height, text_centred,
+    text_right_of,
+};
+use super::chart::round_step;
 use super::outline::{Point, View, arrow, filled_outline, mirrored, outlines, palm};
-use super::svg::{Paint, Svg};
-use super::theme::{BLUE, Colour, GREEN, INK, OBJECT, ORANGE, PURPLE, SOFT};
-use crate::drawing::{Body, Drawing, poses_for_postures};
+use super::svg::{Paint, Path, Pixel, Svg, TextStyle};
+use super::theme::{BLUE, Colour, GREEN, INK, LINE, OBJECT, ORANGE, PURPLE, SOFT};
+use crate::criteria::DriveMode;
+use crate::drawing::{Body, Drawing, poses, poses_for_postures};
+use crate::format::numbers::G_M_S2;
 use crate::grasp::finger::{Forces, Grasp, Palm};
+use crate::grasp::gripper::{FrictionCase, GripperGrasp};
 use crate::gripper::{Posture, posture_at};
+use crate::numeric::plane::add;
 use crate::scene::Scene;
 use crate::shape::max_radius;
-use crate::statics::{Certificate, FormClosure, Unknown};
+use crate::statics::{AccelerationLimit, Balance, Certificate, FormClosure, Unknown};
 
 /// Width of the legend next to the grasp.
 const LEGEND_WIDTH: f64 = 330.0;
@@ -35,17 +46,17 @@ pub fn grasp(scene: &Scene, found: &Grasp, picture_format: PictureFormat) -> Str
         rest.iter().map(|(outline, _)| outline).flat_map(both).flatten().chain(object_outline.clone()).collect();
     points.extend(displaced_outlines.iter().flatten());
     points.push([centre[0], -0.15 * max_radius(&found.object.shape)]);
-    let left = if picture_format == PictureFormat::Standalone {
-        picture_format.width() - LEGEND_WIDTH
-    } else {
-        picture_format.width()
+    let (view, legend_corner, height) = match picture_format {
+        PictureFormat::Standalone => {
+            let left = picture_format.width() - LEGEND_WIDTH;
+            let view = View::with_width(&points, left);
+            (view, [left, 0.0], view.height().max(360.0))
+        }
+        PictureFormat::Column => {
+            let view = View::with_width(&points, picture_format.width());
+            (view, [0.0, view.height()], view.height() + legend_height(MAX_ENTRIES))
+        }
     };
-    let view = View::with_width(&points, left);
-    let (legend_corner, height) = match picture_format {
-        PictureFormat::Standalone => ([left, 0.0], view.height().max(360.0)),
-        PictureFormat::Column => ([0.0, view.height()], view.height() + legend_height(MAX_ENTRIES)),
-    };
-
     let last = found.forces.last();
     let friction = last.map_or_else(String::new, |forces| match forces.mu_static {
         [a, b] if a == b => format!(", μ_s {a}"),
@@ -96,14 +107,11 @@ fn drawn_motion(found: &Grasp) -> Option<(Point, [[f64; 2]; 2])> {
 
 /// Outlines of object and links after the drawn free motion.
 fn displaced_outlines(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
-    let Some((displacement, joints)) = drawn_motion(found) else {
-        return Vec::new();
-    };
+    let Some((displacement, joints)) = drawn_motion(found) else { return Vec::new() };
     let centre = found.object.centre_m;
     let mut displaced_outlines = Vec::new();
     if displacement != [0.0; 2] {
-        displaced_outlines
-            .push(found.object.at([centre[0] + displacement[0], centre[1] + displacement[1]]).outline_m());
+        displaced_outlines.push(found.object.at(add(centre, displacement)).outline_m());
     }
     for (finger, [q21, q22]) in joints.into_iter().enumerate() {
         let end = &found.end.posture;
@@ -131,12 +139,11 @@ fn arrows(svg: &mut Svg, view: &View, found: &Grasp, forces: &Forces) -> Vec<Leg
     let largest = size(0).max(size(1)).max(if is_on_palm { palm_n } else { 0.0 });
     let scale = if largest > 0.0 { MAX_FORCE_LENGTH * max_radius(&found.object.shape) / largest } else { 0.0 };
     let line = Marker::Line { width: 3.0 };
-    let mut entries = Vec::new();
+    let mut entries: Vec<LegendEntry> = Vec::new();
     for (i, (name, colour)) in
         [("F21, by the proximal phalanx", BLUE), ("F22, by the distal phalanx", ORANGE)].into_iter().enumerate()
     {
         let contact = &found.contacts[i];
-        let is_pulling = normal[i] < 0.0;
         // The contact force on the object acts against n, the friction against t.
         let to = [0, 1].map(|k| {
             let push = contact.normal[k] + forces.mu_static[i] * contact.tangent[k];
@@ -146,11 +153,8 @@ fn arrows(svg: &mut Svg, view: &View, found: &Grasp, forces: &Forces) -> Vec<Leg
         for ends in [ends.to_vec(), mirrored(&ends, centre[0])] {
             arrow(svg, view.pixel(ends[0]), view.pixel(ends[1]), colour);
         }
-        let text = match is_pulling {
-            true => format!("{name}: would have to pull {:.2} N", -normal[i]),
-            false => format!("{name}: {:.2} N", normal[i]),
-        };
-        entries.push(LegendEntry::new(line, colour, &text));
+        let pull = if normal[i] < 0.0 { "would have to pull " } else { "" };
+        entries.push((line, colour, format!("{name}: {pull}{:.2} N", normal[i].abs())));
     }
     let text = match (found.palm, palm_n) {
         (Palm::None | Palm::Separated { .. }, _) => format!("PFP, towards the palm: {palm_n:.2} N"),
@@ -161,7 +165,7 @@ fn arrows(svg: &mut Svg, view: &View, found: &Grasp, forces: &Forces) -> Vec<Leg
         let foot = found.object.lowest_point_m();
         arrow(svg, view.pixel(foot), view.pixel([foot[0], foot[1] + scale * palm_n]), PURPLE);
     }
-    entries.push(LegendEntry::new(line, PURPLE, &text));
+    entries.push((line, PURPLE, text));
     entries
 }
 
@@ -169,12 +173,230 @@ fn arrows(svg: &mut Svg, view: &View, found: &Grasp, forces: &Forces) -> Vec<Leg
 fn closure(svg: &mut Svg, view: &View, found: &Grasp) -> LegendEntry {
     let centre = found.object.centre_m;
     let Some((displacement, _)) = drawn_motion(found) else {
-        return LegendEntry::new(Marker::Circle, GREEN, "form-closed");
+        return (Marker::Circle, GREEN, "form-closed".to_string());
     };
     let length = displacement[0].hypot(displacement[1]);
     if length > 0.0 {
         let to = [0, 1].map(|i| centre[i] + 0.5 * max_radius(&found.object.shape) * displacement[i] / length);
         arrow(svg, view.pixel(centre), view.pixel(to), GREEN);
     }
-    LegendEntry::new(THIN_LINE, GREEN, "not form-closed: a free motion")
+    (THIN_LINE, GREEN, "not form-closed: a free motion".to_string())
+}
+
+/// Size of the polar plot.
+const POLAR_SIZE: f64 = 620.0;
+/// Margin for the labels around the polar plot.
+const POLAR_MARGIN: f64 = 46.0;
+/// Width of the column with the legend and the gripper.
+const SIDE_WIDTH: f64 = WIDTH - POLAR_SIZE;
+/// Height of the legend above the gripper.
+const BALANCE_LEGEND_HEIGHT: f64 = 190.0;
+/// Height of the gripper below the legend.
+const GRIPPER_HEIGHT: f64 = 260.0;
+
+/// Accelerations beyond this multiple of the median of the finite ones are cut off.
+const MAX_OVER_MEDIAN: f64 = 3.0;
+
+/// Direction of the labels of the circles, between the labelled directions.
+const LABEL_DIRECTION_RAD: f64 = 0.125 * TAU;
+
+/// Draws the accelerations for the last of the friction coefficients.
+pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureFormat) -> String {
+    let last = found.friction_cases.last();
+    let friction =
+        last.and_then(|friction_case| friction_case.mu_static).map_or_else(String::new, |mu| format!(", μ_s {mu}"));
+    let title = format!("{}: accelerations of the palm that the grasp withstands{friction}", found.scene);
+    // Corners of the legend and of the drawing of the gripper, and the size of the latter.
+    let side = if picture_format == PictureFormat::Standalone { POLAR_SIZE } else { picture_format.width() };
+    let (legend_corner, gripper_corner, gripper_size) = match picture_format {
+        PictureFormat::Standalone => {
+            ([side, 0.0], [side, BALANCE_LEGEND_HEIGHT], [SIDE_WIDTH - 20.0, POLAR_SIZE - BALANCE_LEGEND_HEIGHT - 40.0])
+        }
+        PictureFormat::Column => ([0.0, side], [0.0, side + legend_height(MAX_ENTRIES)], [side - 20.0, GRIPPER_HEIGHT]),
+    };
+    picture_format.picture(&title, side.max(gripper_corner[1] + gripper_size[1] + 40.0), |svg| {
+        let polar = PolarPlot::new(last, side);
+        polar.draw_grid(svg);
+        let mut entries: Vec<LegendEntry> = Vec::new();
+        for (driven, balances, colour) in curves(last) {
+            polar.draw_curve(svg, balances, colour);
+            let name = match driven {
+                DriveMode::Blocked => "motors blocked",
+                DriveMode::AtTorque => "motors at their torque",
+            };
+            entries.push((Marker::Line { width: 3.0 }, colour, name.to_string()));
+            entries.extend(polar.note(balances).map(|text| (Marker::Line { width: 0.0 }, colour, text)));
+        }
+        polar.draw_labels(svg);
+        legend(svg, legend_corner, picture_format.width() - legend_corner[0], &entries);
+        svg.translated(gripper_corner, |svg| draw_gripper(svg, scene, found, gripper_size));
+    })
+}
+
+fn curves(friction_case: Option<&FrictionCase>) -> impl Iterator<Item = (DriveMode, &[Balance], Colour)> {
+    let all = friction_case.into_iter().flat_map(|friction_case| DriveMode::BOTH.into_iter().zip(&friction_case.polar));
+    all.zip([BLUE, ORANGE]).map(|((driven, balances), colour)| (driven, &balances[..], colour))
+}
+
+/// Geometry of the polar plot; accelerations in g.
+struct PolarPlot {
+    max_g: f64,
+    step_g: f64,
+    size_px: f64,
+}
+
+impl PolarPlot {
+    fn new(friction_case: Option<&FrictionCase>, size_px: f64) -> Self {
+        let limited = curves(friction_case).flat_map(|(_, balances, _)| balances);
+        let mut limited: Vec<f64> =
+            limited.filter_map(|balance| Some(balance.largest.acceleration_m_s2()? / G_M_S2)).collect();
+        limited.sort_by(f64::total_cmp);
+        let largest = limited.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+        let median = limited.get(limited.len() / 2).copied().unwrap_or(largest);
+        let max_shown = if median > 0.0 { largest.min(MAX_OVER_MEDIAN * median) } else { largest };
+        let step_g = round_step(max_shown);
+        PolarPlot { max_g: step_g * (max_shown / step_g).ceil().max(1.0), step_g, size_px }
+    }
+
+    fn radius(&self) -> f64 {
+        0.5 * self.size_px - POLAR_MARGIN
+    }
+
+    /// Pixel of an acceleration, in g.
+    fn pixel(&self, [x, y]: [f64; 2]) -> Pixel {
+        let (middle, scale) = (0.5 * self.size_px, self.radius() / self.max_g);
+        [middle + scale * x, middle - scale * y]
+    }
+
+    fn pixel_along(&self, g: f64, direction: [f64; 2]) -> Pixel {
+        self.pixel(direction.map(|component| g * component))
+    }
+
+    fn circles(&self) -> impl Iterator<Item = f64> {
+        let count = (self.max_g / self.step_g).round() as i32;
+        (1..=count).map(|index| self.step_g * f64::from(index))
+    }
+
+    /// Draws circles, spokes and the labels of the directions.
+    fn draw_grid(&self, svg: &mut Svg) {
+        let middle = self.pixel([0.0; 2]);
+        let mut grid = Path::default();
+        for g in self.circles() {
+            grid.add_circle(middle, self.radius() * g / self.max_g);
+        }
+        for index in 0..12 {
+            let direction = direction_at(TAU * f64::from(index) / 12.0);
+            grid = grid.with_polyline(&[middle, self.pixel_along(self.max_g, direction)]);
+            let label_radius = self.radius() + 22.0;
+            let text = match index {
+                0 => "right".to_string(),
+                3 => "down, out of the palm".to_string(),
+                6 => "left".to_string(),
+                9 => "up".to_string(),
+                _ => format!("{}°", 30 * index),
+            };
+            let position = [middle[0] + label_radius * direction[0], middle[1] - label_radius * direction[1]];
+            text_centred(svg, &text, position, 15.0, INK);
+        }
+        svg.path(&grid, Paint::line(LINE, 1.0));
+    }
+
+    /// Draws the labels of the circles, on top of the curves.
+    fn draw_labels(&self, svg: &mut Svg) {
+        for g in self.circles() {
+            let position = self.pixel_along(g, direction_at(LABEL_DIRECTION_RAD));
+            let digits = usize::from(self.step_g < 1.0) + usize::from(self.step_g < 0.1);
+            svg.text(&format!("{g:.digits$} g"), position, TextStyle { has_halo: true, ..centred_style(13.0, SOFT) });
+        }
+    }
+
+    fn balanced_g(&self, balance: &Balance) -> f64 {
+        match &balance.largest {
+            AccelerationLimit::Infeasible => 0.0,
+            AccelerationLimit::Limited(limit) => limit.acceleration_m_s2 / G_M_S2,
+            AccelerationLimit::Unlimited => f64::INFINITY,
+        }
+    }
+
+    /// Draws the boundary of the balanced accelerations. Parts beyond the outermost circle are drawn on it as a thick
+    /// line.
+    fn draw_curve(&self, svg: &mut Svg, balances: &[Balance], colour: Colour) {
+        if balances.iter().all(|balance| balance.largest == AccelerationLimit::Infeasible) {
+            return;
+        }
+        // Whether each point is beyond the outermost circle, and its position.
+        let point = |balance: &Balance| {
+            let limit_g = self.balanced_g(balance);
+            (limit_g > self.max_g, self.pixel_along(limit_g.min(self.max_g), balance.direction))
+        };
+        let all: Vec<(bool, Pixel)> = balances.iter().chain(balances.first()).map(point).collect();
+        let outline: Vec<Pixel> = all.iter().map(|(_, pixel)| *pixel).collect();
+        svg.polygon(&outline, Paint::fill(colour).faded(0.13));
+        // Consecutive segments beyond the outermost circle form one thick line; the other segments are thin.
+        let is_thick: Vec<bool> = all.windows(2).map(|pair| pair[0].0 && pair[1].0).collect();
+        let mut from = 0;
+        for piece in is_thick.chunk_by(|a, b| a == b) {
+            let points = &outline[from..=from + piece.len()];
+            from += piece.len();
+            match piece[0] {
+                true => svg.polyline(points, Paint::line(colour, 6.0)),
+                false => {
+                    svg.polyline(&without_collinear_points(points, 1e-6 * self.radius()), Paint::line(colour, 2.0));
+                }
+            }
+        }
+    }
+
+    /// Note on parts that the curve does not show.
+    fn note(&self, balances: &[Balance]) -> Option<String> {
+        let limits = || balances.iter().map(|balance| self.balanced_g(balance));
+        let any = limits().any(f64::is_infinite);
+        let beyond = limits().any(|limit_g| limit_g.is_finite() && limit_g > self.max_g);
+        match (any, beyond) {
+            _ if balances.iter().all(|balance| balance.largest == AccelerationLimit::Infeasible) => {
+                Some("not held even at rest".to_string())
+            }
+            (true, true) => Some(format!("thick: any, or more than {} g", self.max_g)),
+            (true, false) => Some("thick: any acceleration".to_string()),
+            (false, true) => Some(format!("thick: more than {} g", self.max_g)),
+            (false, false) => None,
+        }
+    }
+}
+
+/// Removes points on the line between their neighbours. The balanced accelerations form a polygon with straight sides.
+fn without_collinear_points(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
+    let mut corners: Vec<[f64; 2]> = Vec::with_capacity(points.len());
+    for (index, &point) in points.iter().enumerate() {
+        let (Some(&from), Some(&to)) = (corners.last(), points.get(index + 1)) else {
+            corners.push(point);
+            continue;
+        };
+        let (segment, offset) = ([to[0] - from[0], to[1] - from[1]], [point[0] - from[0], point[1] - from[1]]);
+        let area = segment[0] * offset[1] - segment[1] * offset[0];
+        if area.abs() > tolerance * segment[0].hypot(segment[1]) {
+            corners.push(point);
+        }
+    }
+    corners
+}
+
+fn direction_at(angle_rad: f64) -> [f64; 2] {
+    let (sin, cos) = angle_rad.sin_cos();
+    [cos, sin]
+}
+
+/// Draws the gripper in its posture, in the same directions as the plot.
+fn draw_gripper(svg: &mut Svg, scene: &Scene, found: &GripperGrasp, gripper_size: [f64; 2]) {
+    let bodies = outlines(&Drawing::from_scene(scene).bodies, &poses(scene, &found.sample));
+    let mut points: Vec<Point> = bodies.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
+    points.push([0.0, -0.35 * max_radius(&scene.system.grasped().shape)]);
+    let view = View::within_size(&points, gripper_size);
+    if scene.system.palm.is_some() {
+        palm(svg, &view, 0.0);
+    }
+    for (outline, fill) in &bodies {
+        filled_outline(svg, &view, outline, Paint::fill(*fill).with_edge(SOFT));
+    }
+    text_right_of(svg, "the gripper, in the same directions", [24.0, view.height() + 10.0], 13.0, SOFT);
 }

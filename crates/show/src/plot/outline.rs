@@ -13,6 +13,7 @@ pub type Point = [f64; 2];
 pub const MARGIN: f64 = 24.0;
 
 /// Transformation from world to pixels, with the same scale for both axes.
+#[derive(Clone, Copy)]
 pub struct View {
     pub low: Point,
     pub high: Point,
@@ -92,7 +93,7 @@ pub fn mirrored(outline: &[Point], about_x: f64) -> Vec<Point> {
 }
 
 /// Draws a filled outline.
-pub(crate) fn filled_outline(svg: &mut Svg, view: &View, outline: &[Point], paint: Paint) {
+pub fn filled_outline(svg: &mut Svg, view: &View, outline: &[Point], paint: Paint) {
     let pixels: Vec<Pixel> = outline.iter().map(|point| view.pixel(*point)).collect();
     svg.polygon(&pixels, paint);
 }

@@ -1,7 +1,6 @@
-//! SVG as text. Texts and attributes are escaped; coordinates have a resolution of a tenth of a pixel.
+//! SVG as text. Texts and names are escaped; coordinates have a resolution of a tenth of a pixel.
 
-use std::collections::BTreeSet;
-use std::fmt::{Display, Write};
+use std::fmt::{self, Display, Formatter, Write};
 
 use super::theme::{Colour, INK, PAPER, style};
 use crate::format::escape_markup;
@@ -15,11 +14,10 @@ pub const PICTURE_MARK: &str = "<!-- phalanx -->";
 /// Default text size.
 pub const TEXT_SIZE: f64 = 15.0;
 
-/// Elements drawn so far, and the pairs of attribute and colour in them.
+/// Elements drawn so far.
 #[derive(Default)]
 pub struct Svg {
     text: String,
-    used_colours: BTreeSet<(&'static str, Colour)>,
 }
 
 /// Fill and stroke of a shape.
@@ -58,30 +56,42 @@ impl Paint {
     }
 }
 
+/// Attributes of an element.
+impl Display for Paint {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let fill = self.fill.map_or("none".to_string(), |colour| colour.to_string());
+        write!(f, " fill=\"{fill}\"")?;
+        if let Some((colour, width)) = self.stroke {
+            write!(f, " stroke=\"{colour}\" stroke-width=\"{width}\"")?;
+        }
+        if let Some(opacity) = self.opacity {
+            write!(f, " {}-opacity=\"{opacity}\"", if self.fill.is_some() { "fill" } else { "stroke" })?;
+        }
+        for (name, value) in [("stroke-dasharray", self.dash), ("stroke-linecap", self.cap)] {
+            if !value.is_empty() {
+                write!(f, " {name}=\"{value}\"")?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Style of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextStyle {
     pub size: f64,
     pub colour: Colour,
-    pub anchor: Anchor,
+    /// Point of the text that is placed at its coordinates: `start`, `middle` or `end`.
+    pub anchor: &'static str,
     /// Whether the text runs upwards.
     pub is_vertical: bool,
     /// Whether the text is outlined in the background colour.
     pub has_halo: bool,
 }
 
-/// Point of a text that is placed at its coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Anchor {
-    Start,
-    Middle,
-    End,
-}
-
 /// Writes a complete SVG document; `label` is its accessible name.
 pub fn document([width, height]: [f64; 2], label: &str, draw: impl FnOnce(&mut Svg)) -> String {
     let mut svg = Svg::default();
-    svg.used_colours.insert(("fill", INK));
     svg.rectangle([[0.0; 2], [width, height]], Paint::fill(PAPER));
     draw(&mut svg);
     format!(
@@ -89,81 +99,34 @@ pub fn document([width, height]: [f64; 2], label: &str, draw: impl FnOnce(&mut S
          aria-label=\"{}\" font-family=\"sans-serif\" font-size=\"{TEXT_SIZE}\" fill=\"{INK}\" \
          stroke-linejoin=\"round\">\n{PICTURE_MARK}\n<style>\n{}</style>\n{}</svg>\n",
         escape_markup(label),
-        style(&svg.used_colours),
+        style(&svg.text),
         svg.text
     )
 }
 
 impl Svg {
-    /// Opens an element; attributes and a closing call must follow.
-    fn open_element(&mut self, name: &str) -> &mut Svg {
-        self.text.push('<');
-        self.text.push_str(name);
-        self
-    }
-
-    fn attribute(&mut self, name: &str, value: impl Display) -> &mut Svg {
+    fn line(&mut self, element: impl Display) {
         // Writing to a string cannot fail.
-        let _ = write!(self.text, " {name}=\"{}\"", escape_markup(&value.to_string()));
-        self
-    }
-
-    fn colour(&mut self, attribute: &'static str, colour: Option<Colour>) -> &mut Svg {
-        match colour {
-            Some(colour) => {
-                self.used_colours.insert((attribute, colour));
-                self.attribute(attribute, colour)
-            }
-            None => self.attribute(attribute, "none"),
-        }
-    }
-
-    fn paint(&mut self, paint: Paint) -> &mut Svg {
-        self.colour("fill", paint.fill);
-        if let Some((colour, width)) = paint.stroke {
-            self.colour("stroke", Some(colour)).attribute("stroke-width", width);
-        }
-        if let Some(opacity) = paint.opacity {
-            self.attribute(if paint.fill.is_some() { "fill-opacity" } else { "stroke-opacity" }, opacity);
-        }
-        for (name, value) in [("stroke-dasharray", paint.dash), ("stroke-linecap", paint.cap)] {
-            if !value.is_empty() {
-                self.attribute(name, value);
-            }
-        }
-        self
-    }
-
-    fn close(&mut self) {
-        self.text.push_str("/>\n");
-    }
-
-    /// Closes an element that has children.
-    fn with_children(&mut self, name: &str, inside: impl FnOnce(&mut Svg)) {
-        self.text.push('>');
-        inside(self);
-        let _ = writeln!(self.text, "</{name}>");
+        let _ = writeln!(self.text, "{element}");
     }
 
     /// Draws with a translated origin.
     pub fn translated(&mut self, [x, y]: Pixel, draw: impl FnOnce(&mut Svg)) {
-        let translation = format!("translate({} {})", pixels(x), pixels(y));
-        self.open_element("g").attribute("transform", translation).with_children("g", |svg| {
-            svg.text.push('\n');
-            draw(svg);
-        });
+        self.line(format_args!("<g transform=\"translate({} {})\">", pixels(x), pixels(y)));
+        draw(self);
+        self.line("</g>");
     }
 
     pub fn path(&mut self, path: &Path, paint: Paint) {
         if !path.data.is_empty() {
-            self.open_element("path").attribute("d", &path.data).paint(paint).close();
+            self.line(format_args!("<path d=\"{}\"{paint}/>", path.data));
         }
     }
 
     /// Draws a path of adjacent tiles without anti-aliasing, which would show seams between them.
     pub(crate) fn crisp_path(&mut self, path: &Path, fill: Colour) {
-        let path = self.open_element("path").attribute("d", &path.data).paint(Paint::fill(fill));
-        path.attribute("shape-rendering", "crispEdges").close();
+        let paint = Paint::fill(fill);
+        self.line(format_args!("<path d=\"{}\"{paint} shape-rendering=\"crispEdges\"/>", path.data));
     }
 
     pub fn polyline(&mut self, points: &[Pixel], paint: Paint) {
@@ -175,45 +138,34 @@ impl Svg {
     }
 
     pub fn circle(&mut self, [x, y]: Pixel, radius: f64, paint: Paint) {
-        let circle = self.open_element("circle").attribute("cx", pixels(x)).attribute("cy", pixels(y));
-        circle.attribute("r", pixels(radius)).paint(paint).close();
+        let [x, y, radius] = [x, y, radius].map(pixels);
+        self.line(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{paint}/>"));
     }
 
     /// Draws a rectangle given by two opposite corners.
     pub fn rectangle(&mut self, [[left, top], [right, bottom]]: [Pixel; 2], paint: Paint) {
-        let rectangle = self.open_element("rect").attribute("x", pixels(left)).attribute("y", pixels(top));
-        let rectangle = rectangle.attribute("width", pixels(right - left)).attribute("height", pixels(bottom - top));
-        rectangle.paint(paint).close();
+        let [x, y, width, height] = [left, top, right - left, bottom - top].map(pixels);
+        self.line(format_args!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"{paint}/>"));
     }
 
     /// Draws a text that is vertically centred at its coordinates.
     pub fn text(&mut self, text: &str, [x, y]: Pixel, style: TextStyle) {
-        let TextStyle { size, colour, anchor, is_vertical, has_halo } = style;
         if text.is_empty() {
             return;
         }
-        self.open_element("text").attribute("x", pixels(x)).attribute("y", pixels(y + 0.35 * size));
-        if is_vertical {
-            self.attribute("transform", format!("rotate(-90 {} {})", pixels(x), pixels(y)));
-        }
-        if size != TEXT_SIZE {
-            self.attribute("font-size", size);
-        }
-        match anchor {
-            Anchor::Start => {}
-            Anchor::Middle => drop(self.attribute("text-anchor", "middle")),
-            Anchor::End => drop(self.attribute("text-anchor", "end")),
-        }
-        if colour != INK {
-            self.colour("fill", Some(colour));
-        }
-        if has_halo {
-            self.colour("stroke", Some(PAPER))
-                .attribute("stroke-width", 4)
-                .attribute("stroke-linejoin", "round")
-                .attribute("paint-order", "stroke");
-        }
-        self.with_children("text", |svg| svg.text.push_str(&escape_markup(text)));
+        let TextStyle { size, colour, anchor, is_vertical, has_halo } = style;
+        let [left, middle, baseline] = [x, y, y + 0.35 * size].map(pixels);
+        let attributes = [
+            is_vertical.then(|| format!(" transform=\"rotate(-90 {left} {middle})\"")),
+            (size != TEXT_SIZE).then(|| format!(" font-size=\"{size}\"")),
+            (anchor != "start").then(|| format!(" text-anchor=\"{anchor}\"")),
+            (colour != INK).then(|| format!(" fill=\"{colour}\"")),
+            has_halo.then(|| {
+                format!(" stroke=\"{PAPER}\" stroke-width=\"4\" stroke-linejoin=\"round\" paint-order=\"stroke\"")
+            }),
+        ];
+        let attributes: String = attributes.into_iter().flatten().collect();
+        self.line(format_args!("<text x=\"{left}\" y=\"{baseline}\"{attributes}>{}</text>", escape_markup(text)));
     }
 }
 
@@ -357,7 +309,7 @@ mod tests {
                 svg.circle([0.0; 2], 1.0, Paint { cap: "round", ..Paint::line(INK, 1.0) });
                 svg.polyline(&[], Paint::default());
                 let text_style =
-                    TextStyle { size: 9.0, colour: PAPER, anchor: Anchor::End, is_vertical: true, has_halo: true };
+                    TextStyle { size: 9.0, colour: PAPER, anchor: "end", is_vertical: true, has_halo: true };
                 svg.text(hostile, [0.0; 2], text_style);
             });
         });

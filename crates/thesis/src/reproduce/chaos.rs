@@ -7,8 +7,7 @@
 
 use serde::Serialize;
 
-use super::simulations::{Run, Simulations, is_stable};
-use super::step_error;
+use super::{Run, Simulations, is_stable, step_error};
 use crate::check::{Check, PERTURBATION, Verdict, check_with_sinks, perturbed};
 use crate::criteria::{Class, StaticGrasp, Tracker, scene_static_grasp};
 use crate::monitor::{self, Monitor, StudyError};
@@ -19,12 +18,12 @@ use crate::trace::{self, Model, RunError, Sink};
 const STUDY_PERTURBATION: f64 = 1e-9;
 
 /// Largest difference of two times to stability that count as equal; an impact lasts about a microsecond.
-pub(crate) const MAX_TTS_DIFFERENCE_S: f64 = 1e-5;
+pub(super) const MAX_TTS_DIFFERENCE_S: f64 = 1e-5;
 
 /// Variations that should give the same result as the run of the study: the reference run of the check, with another
 /// method at a hundredth of the tolerance; that run with a torque increased by [`PERTURBATION`]; the run of the study
 /// with a torque increased by a billionth.
-pub(crate) const VARIATIONS: [&str; 3] = ["another method, finer", "the same, torque + 1e-7", "torque + 1e-9"];
+pub(super) const VARIATIONS: [&str; 3] = ["another method, finer", "the same, torque + 1e-7", "torque + 1e-9"];
 
 const _: () = assert!(PERTURBATION == 1e-7, "the value in the name of the variation");
 
@@ -34,17 +33,13 @@ pub struct Checks {
     /// Number of completed runs; all of them are checked.
     pub runs: usize,
     /// Runs whose outcome depends on the tolerance.
-    #[serde(rename = "uncertain_runs")]
-    pub uncertain: Vec<i64>,
+    pub uncertain_runs: Vec<i64>,
     /// Runs whose outcome depends on the last digits of the input.
-    #[serde(rename = "chaotic_runs")]
-    pub chaotic: Vec<i64>,
+    pub chaotic_runs: Vec<i64>,
     /// Runs that could not be checked.
-    #[serde(rename = "unknown_runs")]
-    pub unknown: Vec<i64>,
+    pub unknown_runs: Vec<i64>,
     /// Largest angle error of all other runs, rad.
-    #[serde(rename = "worst_error_rad")]
-    pub worst_rad: f64,
+    pub worst_error_rad: f64,
 }
 
 impl Checks {
@@ -52,10 +47,10 @@ impl Checks {
     pub fn add(&mut self, run: i64, check: &Check) {
         self.runs += 1;
         match check.verdict {
-            Verdict::Uncertain => self.uncertain.push(run),
-            Verdict::Chaotic => self.chaotic.push(run),
-            Verdict::Unknown => self.unknown.push(run),
-            Verdict::Accurate => self.worst_rad = self.worst_rad.max(check.errors.path),
+            Verdict::Uncertain => self.uncertain_runs.push(run),
+            Verdict::Chaotic => self.chaotic_runs.push(run),
+            Verdict::Unknown => self.unknown_runs.push(run),
+            Verdict::Accurate => self.worst_error_rad = self.worst_error_rad.max(check.errors.path),
         }
     }
 }
@@ -123,15 +118,13 @@ pub fn chaos(
         drifting_runs.extend(ends.iter().any(drifts).then_some(runs[index].run));
     }
     drifting_runs.sort_unstable();
-    let count = |condition: usize, test: &dyn Fn(&[Class; 4]) -> bool| {
-        runs.iter().zip(&classes).filter(|(run, classes)| run.condition == condition && test(classes)).count()
-    };
-    let stable = |class: &Class| is_stable(Some(*class));
-    let stable_runs = |condition: usize| StableRuns {
-        study: count(condition, &|classes| stable(&classes[0])),
-        by_variation: [1, 2, 3].map(|variation| count(condition, &|classes| stable(&classes[variation]))),
-        in_all: count(condition, &|classes| classes.iter().all(stable)),
-        in_any: count(condition, &|classes| classes.iter().any(stable)),
+    let stable_runs = |condition: usize| {
+        let of_condition = runs.iter().zip(&classes).filter(|(run, _)| run.condition == condition);
+        let stable: Vec<[bool; 4]> = of_condition.map(|(_, all)| all.map(|class| is_stable(Some(class)))).collect();
+        let [study, by_variation @ ..] = [0, 1, 2, 3].map(|k| stable.iter().filter(|all| all[k]).count());
+        let in_all = stable.iter().filter(|all| **all == [true; 4]).count();
+        let in_any = stable.iter().filter(|all| all.contains(&true)).count();
+        StableRuns { study, by_variation, in_all, in_any }
     };
     let class_change = |(run, &[class, classes @ ..]): (&Run, &[Class; 4])| ClassChange {
         run: run.run,
@@ -159,7 +152,7 @@ fn repeat_run(run: &Run, monitor: &Monitor) -> Result<(Check, Option<[RunEnd; VA
     let scene = &run.scene;
     let rest = scene_static_grasp(scene).map_err(step_error("a variation"))?;
     let mut trackers = [Tracker::new(rest.final_angles()), Tracker::new(rest.final_angles())];
-    let with_variations = run.force_positive == Some(true);
+    let with_variations = run.is_statically_stable();
     let [reference, perturbed] = &mut trackers;
     let sinks: [&mut dyn Sink; 2] = if with_variations { [reference, perturbed] } else { [&mut (), &mut ()] };
     let check = check_with_sinks(Model::Analytic, scene, sinks, monitor.keep_running());
@@ -207,7 +200,13 @@ mod tests {
             (check.verdict, check.errors.path) = (verdict, path);
             checks.add(run, &check);
         }
-        let expected = Checks { runs: 5, uncertain: vec![3], chaotic: vec![4], unknown: vec![5], worst_rad: 7e-8 };
+        let expected = Checks {
+            runs: 5,
+            uncertain_runs: vec![3],
+            chaotic_runs: vec![4],
+            unknown_runs: vec![5],
+            worst_error_rad: 7e-8,
+        };
         assert_eq!(checks, expected);
     }
 }

@@ -1,18 +1,22 @@
-//! Sizing and statics of the designs (thesis §3.3.2, §4.2.1), and the influence of torques and grid points.
+//! Sizing and statics of the designs (thesis §3.3.2, §4.2.1), the influence of torques and grid points, and the closing of
+//! design 95 with the printed torques and of its CAD model (§4.3, §4.4, Fig. 4.8).
 //!
 //! A grid with points on the faces of the space overweights the faces; points at cell centres do not. Percentages with
 //! other torques on the same points show the influence of sizing.
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::simulations::Simulations;
-use super::step_error;
-use crate::criteria::scene_static_grasp;
-use crate::gripper::{Placement, Spring};
+use super::{Run, Simulations, step_error};
+use crate::criteria::{Criteria, Tracker, scene_static_grasp};
+use crate::gripper::{Placement, Spring, total_mass};
 use crate::monitor::{Monitor, StudyError};
+use crate::plot::canvas::Marker;
+use crate::plot::chart::{Axis as PlotAxis, Series, series_chart};
+use crate::plot::theme::{BLUE, Colour, GREEN, ORANGE};
 use crate::scene::{self, Scene, SpringKind, Template};
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing, Task, profile};
-use crate::statics::{NecessaryCount, drive_loads, equilibrium, form_closure};
+use crate::statics::{NecessaryCount, drive_loads, equilibrium, form_closure, palm_force};
+use crate::trace::{self, Event, FingerContact, FingerState, Outcome, Sample, Sink, SinkError};
 use crate::volume::{Axes, Axis, BASES_M, ClosedFinger, close_finger, close_linkage, design_at};
 
 /// Motor torque that the thesis prints for design 95 (§4.3); it has no other source.
@@ -105,21 +109,27 @@ pub fn necessary_count(scene: &Scene) -> Result<NecessaryCount, StudyError> {
 /// Returns the number of form-closed designs of the design space printed in §4.2, in which l21 takes quarters of its
 /// range (errata 15).
 pub(crate) fn form_closed_in_quarters() -> Result<usize, StudyError> {
-    let template = Template::thesis();
+    let axes = Axes { l21_fraction: Axis::new(0.0, 0.75, 4), ..Axes::thesis([4, 4, 3]) };
     let mut form_closed = 0;
     for base_m in BASES_M {
-        for l21_fraction in [0.0, 0.25, 0.5, 0.75] {
-            for phi22_deg in [90.0f64, 100.0, 110.0, 120.0] {
-                for arm_ratio in [1.0 / 3.0, 0.5, 2.0 / 3.0] {
-                    let design = design_at(&template, base_m, [l21_fraction, phi22_deg.to_radians(), arm_ratio]);
-                    let finger = close_finger(&template, &design, Rule::Rigid);
-                    let finger = finger.map_err(step_error("the designs in quarters"))?;
-                    form_closed += usize::from(finger.sized.form_closed);
-                }
-            }
+        for finger in closed_fingers(base_m, axes, "the designs in quarters") {
+            form_closed += usize::from(finger?.sized.form_closed);
         }
     }
     Ok(form_closed)
+}
+
+/// Sizes and closes the fingers of a base at all points of the axes.
+fn closed_fingers(
+    base_m: f64,
+    axes: Axes,
+    step: &'static str,
+) -> impl Iterator<Item = Result<ClosedFinger, StudyError>> {
+    let template = Template::thesis();
+    (0..axes.len()).map(move |index| {
+        let design = design_at(&template, base_m, axes.at(index));
+        close_finger(&template, &design, Rule::Rigid).map_err(step_error(step))
+    })
 }
 
 /// Evaluates static stability with the sizing of the study, with the other rule, and with motor and spring torques
@@ -128,8 +138,8 @@ pub(crate) fn other_sizings(simulations: &Simulations, found: &SizingFound) -> R
     let [motor, spring] = found.printed_ratios();
     let mut sizings = vec![OtherSizing {
         torques: "this study: RMS over the rigid phase",
-        statically_stable_mu_0: simulations.count(0, |run| run.force_positive == Some(true)),
-        statically_stable_mu_0_8: simulations.count(1, |run| run.force_positive == Some(true)),
+        statically_stable_mu_0: simulations.count(0, Run::is_statically_stable),
+        statically_stable_mu_0_8: simulations.count(1, Run::is_statically_stable),
     }];
     for (torques, rule, factors) in [
         ("RMS over all 10 ms", Rule::Whole, [1.0, 1.0]),
@@ -167,20 +177,17 @@ pub struct Grid {
 /// Returns an error if a finger or its statics cannot be computed, or the monitor stops the computation.
 pub fn grids(sizing: &SizingFound, monitor: &Monitor) -> Result<Vec<Grid>, StudyError> {
     let [motor_ratio, spring_ratio] = sizing.printed_ratios();
-    let template = Template::thesis();
-    let centres = |axis: Axis| {
+    let centres = |axis: &Axis| {
         let half = 0.5 * (axis.to - axis.from) / axis.points as f64;
         Axis::new(axis.from + half, axis.to - half, axis.points)
     };
-    let Axes { l21_fraction, phi22_rad, arm_ratio } = Axes::thesis([CELLS_PER_AXIS; 3]);
-    let axes =
-        Axes { l21_fraction: centres(l21_fraction), phi22_rad: centres(phi22_rad), arm_ratio: centres(arm_ratio) };
+    let [l21_fraction, phi22_rad, arm_ratio] = Axes::thesis([CELLS_PER_AXIS; 3]).all().map(centres);
+    let axes = Axes { l21_fraction, phi22_rad, arm_ratio };
     let grid = |base_m: f64| -> Result<Grid, StudyError> {
         let (mut counts, mut closed_and_stable) = ([[0usize; 2]; 3], 0usize);
-        for index in 0..axes.len() {
+        for closed in closed_fingers(base_m, axes, "the volumes by other torques") {
             monitor.check()?;
-            let closed = close_finger(&template, &design_at(&template, base_m, axes.at(index)), Rule::Rigid)
-                .map_err(step_error("the volumes by other torques"))?;
+            let closed = closed?;
             let factors = [[1.0, 1.0], [1.0, spring_ratio], [motor_ratio, spring_ratio]];
             for (count, factors) in counts.iter_mut().zip(factors) {
                 for (mu, mu_static) in [0.0, 0.8].into_iter().enumerate() {
@@ -206,4 +213,76 @@ fn is_stable(closed: &ClosedFinger, [motor, spring]: [f64; 2], mu_static: f64) -
     let loads = loads.map_err(step_error("static stability"))?;
     let forces = equilibrium(&closed.finger, &closed.end, loads, mu_static).map_err(step_error("static stability"))?;
     Ok(forces.is_force_positive())
+}
+
+/// A closing motion of the finger, with the data for a plot and a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Closing {
+    pub name: &'static str,
+    pub mass_kg: f64,
+    pub criteria: Criteria,
+    pub outcome: Outcome,
+    /// PFP from the final forces.
+    pub pfp_n: f64,
+    /// Times and states of the finger.
+    pub points: Vec<(f64, FingerState)>,
+}
+
+/// Simulates the finger of a scene.
+pub fn closing(name: &'static str, scene: &Scene) -> Result<Closing, StudyError> {
+    let rest = scene_static_grasp(scene).map_err(step_error(name))?;
+    let mut recorder = ClosingRecorder { tracker: Tracker::new(rest.final_angles()), points: Vec::new() };
+    let outcome = trace::run_analytic(scene, &mut recorder).map_err(step_error(name))?;
+    let [f21_n, f22_n] =
+        [FingerContact::Proximal, FingerContact::Distal].map(|contact| outcome.last.contact(contact).normal_n);
+    let criteria = recorder.tracker.criteria(rest.static_forces_n());
+    Ok(Closing {
+        name,
+        mass_kg: total_mass(&scene.finger().linkage.bodies),
+        criteria: criteria.ok_or("the run has no duration").map_err(step_error(name))?,
+        pfp_n: palm_force(&rest.end, f21_n, f22_n, rest.mu_static[0]),
+        outcome,
+        points: recorder.points,
+    })
+}
+
+/// Records the angles in addition to the criteria.
+struct ClosingRecorder {
+    tracker: Tracker,
+    points: Vec<(f64, FingerState)>,
+}
+
+impl Sink for ClosingRecorder {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.points.push((sample.time_s, *sample.finger()));
+        self.tracker.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.tracker.event(event)
+    }
+}
+
+type Angle = (&'static str, Colour, fn(&FingerState) -> f64);
+
+/// Draws the joint angles: the first closing motion with solid lines, others with faint lines.
+pub(crate) fn plot_closings(title: &str, closings: &[&Closing]) -> String {
+    let angles: [Angle; 3] = [
+        ("q11", BLUE, |finger| finger.q11_rad.to_degrees()),
+        ("q21", ORANGE, |finger| finger.q21_rad.to_degrees()),
+        ("q22", GREEN, |finger| finger.q22_rad.to_degrees()),
+    ];
+    let points = || closings.iter().flat_map(|closing| &closing.points);
+    let end = points().map(|point| point.0 * 1e3).fold(0.0, f64::max);
+    let x = PlotAxis::from_range("time, ms", 0.0, end.max(1e-9));
+    let values = points().flat_map(|point| angles.iter().map(move |(.., angle)| angle(&point.1)));
+    let y = PlotAxis::linear("angle, deg", values);
+    let curves = closings.iter().enumerate().flat_map(|(index, closing)| {
+        let marker = if index == 0 { Marker::Line { width: 2.0 } } else { Marker::FaintLine { width: 3.0 } };
+        angles.map(|(name, colour, angle)| {
+            let curve = closing.points.iter().map(|point| (point.0, angle(&point.1)));
+            Series::over_time(marker, colour, curve).named(format!("{name}, {}", closing.name))
+        })
+    });
+    series_chart(title, 460.0, &x, &y, &curves.collect::<Vec<_>>())
 }

@@ -3,50 +3,34 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `figures` | figures as printed, with sources, expected values and reasons for differences (`thesis.csv`, `reasons.toml`), and their comparison |
-//! | `simulations` | results of the 384 simulations and their selection, which the caller computes |
-//! | `designs` | sizing, masses and statics of the designs, also with other torques and other grid points |
+//! | `figures` | figures as printed, with sources, expected values and reasons for differences (`thesis.csv`, `reasons.toml`), and their comparison with computed values |
+//! | `designs` | sizing, masses and statics of the designs, also with other torques and other grid points; design 95 as printed, and its CAD model |
 //! | `chaos` | checks of the simulations, and runs whose class depends on method, tolerance or torque |
-//! | `closing` | design 95 as printed, and its CAD model |
-//! | `values` | computed values by figure key |
-//! | `paper`, `runs`, `volumes` | the paper: its sections |
-//! | `text` | text tables |
+//! | `paper`, `sections` | the paper, its sections, and text tables |
 
 mod chaos;
-mod closing;
 mod designs;
 mod figures;
 mod paper;
-mod runs;
-mod simulations;
-mod text;
-mod values;
-mod volumes;
+mod sections;
 
 use std::fmt::Display;
 
 use serde::Serialize;
 
 pub use chaos::{Chaos, Checks, ClassChange, StableRuns};
-
-pub(crate) use chaos::{MAX_TTS_DIFFERENCE_S, VARIATIONS};
-pub use closing::Closing;
-pub use designs::{Grid, OtherSizing, SizingFound};
-pub use figures::{Comparison, Figure, Reason, Verdict, figures, reasons};
-pub(crate) use simulations::CHOSEN_DESIGN;
-pub use simulations::{RankedRun, Run, Simulations};
-pub use values::computed_values;
+pub use designs::{Closing, Grid, OtherSizing, SizingFound};
+pub use figures::{Comparison, Figure, Reason, Verdict, computed_values, figures, reasons};
 
 use crate::check::Check;
+use crate::criteria::Class;
 use crate::monitor::{Monitor, StudyError};
 use crate::scene::Scene;
 use crate::statics::NecessaryCount;
 use crate::volume::{Axes, Volume, VolumeRequest, volumes as compute_volumes};
 
-/// Number of points of a volume along each axis.
-pub(crate) const RESOLUTION: usize = 20;
-/// Number of points along each axis in a quick reproduction.
-pub(crate) const QUICK_RESOLUTION: usize = 10;
+/// Number of the design that the thesis chooses.
+const CHOSEN_DESIGN: i64 = 95;
 
 /// Number of steps of a reproduction, for progress reports. The first one is the simulations.
 pub const STEPS: usize = 6;
@@ -94,16 +78,93 @@ pub struct Reproduction {
     pub errata: &'static str,
 }
 
-/// Data that the caller of [`reproduce`] provides.
+/// Results of the study of the thesis, which the caller computes by a sweep and a selection.
 #[derive(Clone, Debug)]
-pub struct Input {
-    pub simulations: Simulations,
-    /// Design 95 with the printed torques.
-    pub chosen: Scene,
-    /// CAD model of design 95.
-    pub cad: Scene,
-    /// Errata of the thesis as a Markdown table.
-    pub errata: &'static str,
+pub struct Simulations {
+    /// All runs: first every design without friction, then every design with friction, in the same order.
+    pub runs: Vec<Run>,
+    /// Names of the two conditions.
+    pub conditions: Vec<String>,
+    /// Smallest and largest mass of the designs.
+    pub mass_kg: [f64; 2],
+    /// Smallest and largest trajectory of the designs.
+    pub trajectory_rad: [f64; 2],
+    /// Selection criteria in the order of application: their names, and the numbers of runs that meet them, that do not,
+    /// that remain after them, and that only they remove.
+    pub criteria: Vec<(String, [usize; 4])>,
+    /// Labels of the axes that define a design.
+    pub axes: Vec<String>,
+    /// Selected runs, best first.
+    pub ranking: Vec<RankedRun>,
+    /// Pictures of the selection as SVG: criteria, dynamic classes, static stability, final forces, designs.
+    pub pictures: [String; 5],
+}
+
+impl Simulations {
+    /// Counts the runs of a condition with a property.
+    pub fn count(&self, condition: usize, property: impl Fn(&Run) -> bool) -> usize {
+        self.runs.iter().filter(|run| run.condition == condition && property(run)).count()
+    }
+
+    /// Returns the run of the design that the thesis chooses, without friction.
+    pub fn chosen(&self) -> Option<&Run> {
+        self.runs.iter().find(|run| run.design == CHOSEN_DESIGN)
+    }
+
+    /// Number of designs; both conditions contain all of them.
+    pub fn designs(&self) -> usize {
+        self.count(0, |_| true)
+    }
+}
+
+/// One simulation. Missing figures are `None`.
+#[derive(Clone, Debug)]
+pub struct Run {
+    pub run: i64,
+    pub design: i64,
+    /// Index into the conditions.
+    pub condition: usize,
+    pub scene: Scene,
+    /// Whether the run was simulated to the end.
+    pub is_completed: bool,
+    /// Whether the simulation failed.
+    pub is_failed: bool,
+    pub force_positive: Option<bool>,
+    pub form_closed: Option<bool>,
+    pub class: Option<Class>,
+    pub tts_s: Option<f64>,
+    /// Final simulated normal forces, N.
+    pub f21_n: Option<f64>,
+    pub f22_n: Option<f64>,
+    /// Palm force from these normal forces, N.
+    pub pfp_n: Option<f64>,
+}
+
+impl Run {
+    /// Whether the run is dynamically stable: stable or semi-stable.
+    fn is_stable(&self) -> bool {
+        is_stable(self.class)
+    }
+
+    fn is_statically_stable(&self) -> bool {
+        self.force_positive == Some(true)
+    }
+}
+
+/// A selected run.
+#[derive(Clone, Debug)]
+pub struct RankedRun {
+    /// Index into the runs.
+    pub run: usize,
+    pub rank: usize,
+    /// Weighted score (4.2).
+    pub r_wc: f64,
+    /// Formatted values of the axes.
+    pub axes: Vec<String>,
+}
+
+fn is_stable(class: Option<Class>) -> bool {
+    matches!(class, Some(Class::Stable | Class::SemiStable))
 }
 
 /// Returns a function that converts the error of a step.
@@ -111,14 +172,21 @@ fn step_error<E: Display>(step: &'static str) -> impl Fn(E) -> StudyError {
     move |reason| StudyError::Failed(format!("{step} could not be computed: {reason}"))
 }
 
-/// Computes all results on the given number of threads (0: one per core). The monitor has counted the simulations as the
-/// first of [`STEPS`] steps.
+/// Computes all results from the simulations, design 95 with the printed torques, its CAD model, and the errata as a
+/// Markdown table, on the given number of threads (0: one per core). `quick` volumes are coarser. The monitor has counted
+/// the simulations as the first of [`STEPS`] steps.
 ///
 /// # Errors
 /// Returns an error if a step fails, which is a bug because all inputs are shipped, or if the monitor stops the
 /// computation.
-pub fn reproduce(input: Input, quick: bool, threads: usize, monitor: &Monitor) -> Result<Reproduction, StudyError> {
-    let Input { simulations, chosen, cad, errata } = input;
+pub fn reproduce(
+    simulations: Simulations,
+    [chosen, cad]: [Scene; 2],
+    errata: &'static str,
+    quick: bool,
+    threads: usize,
+    monitor: &Monitor,
+) -> Result<Reproduction, StudyError> {
     let start_step = |name: &str| {
         monitor.advance(1, name);
         monitor.check()
@@ -131,8 +199,7 @@ pub fn reproduce(input: Input, quick: bool, threads: usize, monitor: &Monitor) -
     let necessary_count = designs::necessary_count(&chosen_run.scene)?;
     let other_sizings = designs::other_sizings(&simulations, &sizing)?;
     start_step("grasp-state volumes")?;
-    let points = if quick { QUICK_RESOLUTION } else { RESOLUTION };
-    let request = VolumeRequest { axes: Axes::thesis([points; 3]), ..VolumeRequest::thesis() };
+    let request = VolumeRequest { axes: Axes::thesis([if quick { 10 } else { 20 }; 3]), ..VolumeRequest::thesis() };
     // The designs are not parts of the reproduction.
     let silent = Monitor::silent(monitor.keep_running());
     let volumes = compute_volumes(&request, threads, &silent).map_err(|error| match error {
@@ -145,7 +212,7 @@ pub fn reproduce(input: Input, quick: bool, threads: usize, monitor: &Monitor) -
     let mut checks = Checks::default();
     checked_runs.iter().for_each(|(index, check)| checks.add(simulations.runs[*index].run, check));
     start_step("design 95")?;
-    let (chosen, cad) = (closing::closing("design 95", &chosen)?, closing::closing("CAD model", &cad)?);
+    let (chosen, cad) = (designs::closing("design 95", &chosen)?, designs::closing("CAD model", &cad)?);
     let mut reproduction = Reproduction {
         quick,
         judged: 0,

@@ -1,10 +1,12 @@
-//! The paper: its sections in order, with those on sizing, statics, design 95 and the errata.
+//! The paper: its sections in order, with those on sizing, statics, design 95 and the errata. The text report.
 
+use super::chaos::MAX_TTS_DIFFERENCE_S;
 use super::figures::{Comparison, Verdict};
-use super::{Closing, MAX_TTS_DIFFERENCE_S, OtherSizing, Reproduction, closing, runs, volumes};
+use super::sections::{self, cells, describe_checks, list_runs};
+use super::{Closing, OtherSizing, Reproduction, designs};
 use crate::format::format_duration;
-use crate::format::numbers::format_number;
-use crate::format::report::{Cell, Report};
+use crate::format::numbers::{format_number, row};
+use crate::format::report::{Cell, Report, ToReport, table};
 use crate::plot;
 use crate::sizing::ProfilePoint;
 use crate::text::count_and_share;
@@ -34,11 +36,11 @@ impl Reproduction {
         let sections = [
             summary(self),
             sizing(self),
-            designs(self),
+            all_designs(self),
             statics(self),
-            volumes::section(self),
-            runs::simulations(self),
-            runs::selection(self),
+            sections::volumes(self),
+            sections::simulations(self),
+            sections::selection(self),
             closings(self),
             errata(self.errata),
         ];
@@ -48,14 +50,13 @@ impl Reproduction {
 
     /// Returns the comparison with a key.
     pub(super) fn find(&self, key: &str) -> Option<&Comparison> {
-        self.comparisons.iter().find(|comparison| comparison.key == key)
+        self.comparisons.iter().find(|comparison| comparison.figure.key == key)
     }
 
     /// Adds a table of the comparisons of a section of `thesis.csv`.
-    pub(super) fn section_table(&self, section: Report, caption: &str, names: &[&str]) -> Report {
-        let comparisons =
-            names.iter().flat_map(|name| self.comparisons.iter().filter(move |comparison| comparison.section == *name));
-        comparison_table(section, caption, &comparisons.collect::<Vec<_>>())
+    pub(super) fn section_table<'a>(&'a self, section: Report, caption: &str, names: &[&'a str]) -> Report {
+        let of_section = |name: &'a str| self.comparisons.iter().filter(move |found| found.figure.section == name);
+        comparison_table(section, caption, &names.iter().copied().flat_map(of_section).collect::<Vec<_>>())
     }
 }
 
@@ -74,11 +75,11 @@ fn comparison_table(section: Report, caption: &str, comparisons: &[&Comparison])
     };
     let row = |comparison: &&Comparison| {
         vec![
-            Cell::prose(comparison.quantity),
+            Cell::prose(&comparison.figure.quantity),
             Cell::new(comparison.thesis_text()),
             comparison.cell(),
             Cell::new(comparison.expected_text()),
-            Cell::prose(comparison.source),
+            Cell::prose(&comparison.figure.source),
             Cell::prose(letter(comparison.reason_text())),
         ]
     };
@@ -98,7 +99,7 @@ fn note_letter(index: usize) -> String {
 fn summary(found: &Reproduction) -> Report {
     let Reproduction { judged, near_chaotic, .. } = found;
     let outside = found.comparisons.iter().filter(|comparison| comparison.verdict == Verdict::Outside);
-    let outside: Vec<&str> = outside.map(|comparison| comparison.quantity).collect();
+    let outside: Vec<&str> = outside.map(|comparison| comparison.figure.quantity.as_str()).collect();
     let verdict = match outside.len() {
         0 => format!("All {judged} values with an expected value are within tolerance."),
         count => {
@@ -125,10 +126,8 @@ fn summary(found: &Reproduction) -> Report {
         )
         .with_paragraph(format!("{verdict}{quick} {chaotic}"));
     let main = MAIN_VALUES.iter().flat_map(|(start, end)| {
-        found
-            .comparisons
-            .iter()
-            .filter(move |comparison| comparison.key.starts_with(start) && comparison.key.ends_with(end))
+        let is_main = move |of: &&Comparison| of.figure.key.starts_with(start) && of.figure.key.ends_with(end);
+        found.comparisons.iter().filter(is_main)
     });
     comparison_table(section, "Main values.", &main.collect::<Vec<_>>())
 }
@@ -141,11 +140,12 @@ fn sizing(found: &Reproduction) -> Report {
          the proximal phalanx contacts the object; the motor torque is the RMS of the required torque.",
     );
     let section = found.section_table(section, "Sizing of design 95 and of all designs.", &["sizing"]);
-    let row = |name: &str, torque_n_m: f64| vec![Cell::new(name), Cell::new(format_number(torque_n_m * 1e3, 5))];
+    let row = |name: &str, torque_n_m: f64| cells([name.to_string(), format_number(torque_n_m * 1e3, 5)]);
     let positions = ["q21 − q11", "q12", "q22", "q11 + q12 − (q21 + q22)"].into_iter().zip(profile.placements_n_m);
     // Before the contact, both springs give the same torque.
     let after_contact = || profile.points.iter().filter(|point| point.net_n_m.is_none());
     let largest = |torque: fn(&ProfilePoint) -> f64| after_contact().map(torque).fold(f64::NEG_INFINITY, f64::max);
+    let [trajectory, springs, spring_types] = plot::sizing("example", profile);
     section
         .with_table(
             "Smallest spring torque by position of the spring, finger of Fig. 3.2 (base 12 mm, l21 18.9 mm, φ22 100°, r_l 0.5).",
@@ -161,28 +161,30 @@ fn sizing(found: &Reproduction) -> Report {
                 row("torsional", largest(|point| point.torsional_n_m)),
             ],
         )
-        .with_figure("trajectory.svg", "Test trajectory (Fig. 3.1).", plot::sizing_trajectory("example", profile))
+        .with_figure("trajectory.svg", "Test trajectory (Fig. 3.1).", trajectory)
         .with_figure(
             "springs.svg",
             "Required spring torque during the swing by position of the spring (Fig. 3.2).",
-            plot::sizing_springs("example", profile),
+            springs,
         )
         .with_figure(
             "spring-types.svg",
             "Motor torque with a constant and a torsional spring (Fig. 3.3).",
-            plot::sizing_spring_types("example", profile),
+            spring_types,
         )
 }
 
 /// Section on lengths, masses and trajectories (Figs. 4.1, 4.2).
-fn designs(found: &Reproduction) -> Report {
+fn all_designs(found: &Reproduction) -> Report {
     let section = Report::section("The 192 designs").with_paragraph(
         "Four bases, four lengths of l21 within the range that each base allows, four angles φ22 and three ratios l22/l11. \
          Everything else follows from them.",
     );
-    let section = found.section_table(section, "Lengths, masses and trajectories.", &["designs"]);
-    let caption = "Varied quantities (blue, Fig. 4.1) and derived quantities (green, Fig. 4.2) by design.";
-    found.simulations.add_picture(section, "designs.svg", caption)
+    found.section_table(section, "Lengths, masses and trajectories.", &["designs"]).with_figure(
+        "designs.svg",
+        "Varied quantities (blue, Fig. 4.1) and derived quantities (green, Fig. 4.2) by design.",
+        found.simulations.pictures[4].clone(),
+    )
 }
 
 /// Section on static stability and form closure (thesis §4.2.1, Figs. 4.3, A.16, A.17, A.24).
@@ -196,14 +198,15 @@ fn statics(found: &Reproduction) -> Report {
             .map(|count| Cell::new(count_and_share(count, found.simulations.designs())));
         [vec![Cell::prose(sizing.torques)], counts.to_vec()].concat()
     };
-    let section = found.section_table(section, "Static stability and form closure.", &["statics"]).with_table(
+    let section = found.section_table(section, "Static stability and form closure.", &["statics"]);
+    let table = section.with_table(
         "Influence of sizing: statically stable designs with other torques. The printed ratios are the ratios of the thesis's \
          torques for design 95 to ours.",
         &["torques", "μ_s = 0", "μ_s = 0.8"],
         found.other_sizings.iter().map(row).collect(),
     );
     let caption = "Static stability, designs sorted by each variable (Figs. 4.3, A.16, A.17).";
-    found.simulations.add_picture(section, "static.svg", caption)
+    table.with_figure("static.svg", caption, found.simulations.pictures[2].clone())
 }
 
 /// Section on design 95 and its CAD model (thesis §4.3, §4.4, Table 4.2, Fig. 4.8).
@@ -215,9 +218,8 @@ fn closings(found: &Reproduction) -> Report {
     let section = found.section_table(section, "Design 95 and the final parts.", &["design 95", "CAD model"]);
     let both = [&found.chosen, &found.cad];
     let row = |name: &str, digits: usize, value: &dyn Fn(&Closing) -> Option<f64>| {
-        let cell =
-            |closing: &Closing| Cell::new(value(closing).map_or("–".to_string(), |value| format_number(value, digits)));
-        vec![Cell::new(name), cell(both[0]), cell(both[1])]
+        let text = |closing| value(closing).map_or("–".to_string(), |value| format_number(value, digits));
+        cells([name.to_string(), text(both[0]), text(both[1])])
     };
     let first_ms = |closing: &Closing, contact| closing.outcome.finger_contact(contact).first_s.map(|s| s * 1e3);
     let final_n = |closing: &Closing, contact| Some(closing.outcome.last.contact(contact).normal_n);
@@ -239,7 +241,7 @@ fn closings(found: &Reproduction) -> Report {
         .with_figure(
             "closing.svg",
             "Angles of both closings (Fig. 4.8): the lighter finger is faster.",
-            closing::plot_closings("Design 95 and its CAD model", &both),
+            designs::plot_closings("Design 95 and its CAD model", &both),
         )
 }
 
@@ -262,4 +264,54 @@ fn errata(markdown: &str) -> Report {
         // The line after the header is the Markdown rule.
         rows.skip(1).map(row).collect(),
     )
+}
+
+/// Tables of all comparisons, the near-chaotic runs, and the number of values outside their tolerance.
+impl ToReport for Reproduction {
+    fn report(&self) -> Report {
+        let mut text = Report::default();
+        for comparisons in self.comparisons.chunk_by(|a, b| a.figure.section == b.figure.section) {
+            let header = row([&comparisons[0].figure.section, "thesis", "ours", "expected", ""]);
+            let rows: Vec<_> = std::iter::once(header).chain(comparisons.iter().map(line)).collect();
+            text.push(table(&rows).with('\n'));
+        }
+        let chaos = &self.near_chaotic;
+        let changed: Vec<i64> = chaos.class_changes.iter().map(|change| change.run).collect();
+        let mut add = |line: String| text.push_str(&(line + "\n"));
+        add(format!(
+            "runs whose class changes with the method, the tolerance or a torque perturbed by up to 1e-7: {}",
+            list_runs(&changed)
+        ));
+        add(describe_checks(&self.checks));
+        add(format!(
+            "runs whose time to stability changes by more than {}: {}",
+            format_duration(MAX_TTS_DIFFERENCE_S),
+            list_runs(&chaos.drifting_runs)
+        ));
+        for (counts, condition) in chaos.conditions.iter().zip(&self.simulations.conditions) {
+            let spread = || counts.by_variation.iter().chain([&counts.study]);
+            add(format!(
+                "dynamically stable, {condition}: {} to {} by variation, {} in all of them, {} in any",
+                spread().min().unwrap_or(&0),
+                spread().max().unwrap_or(&0),
+                counts.in_all,
+                counts.in_any
+            ));
+        }
+        add(match self.outside {
+            0 => format!("all {} values with an expected value are within tolerance", self.judged),
+            outside => format!("{outside} of {} values with an expected value are outside tolerance", self.judged),
+        });
+        text
+    }
+}
+
+fn line(comparison: &Comparison) -> Vec<String> {
+    vec![
+        format!("  {}", comparison.figure.quantity),
+        comparison.thesis_text(),
+        comparison.ours_text(),
+        comparison.expected_text(),
+        if comparison.verdict == Verdict::Outside { "outside" } else { "" }.to_string(),
+    ]
 }

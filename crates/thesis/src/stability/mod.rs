@@ -19,8 +19,7 @@
 //! Each reference is repeated with the motor torque increased by 1e-9. The change of the angles is the sensitivity of
 //! the closing motion. If it exceeds the bound, no step size can be accurate.
 
-mod plot;
-mod report;
+mod display;
 
 use std::time::Instant;
 
@@ -277,8 +276,6 @@ fn column(
 struct Observer<'a> {
     reference: Option<&'a [Sample]>,
     until_s: f64,
-    /// Index of the last reference sample that is not later than the last compared sample.
-    index: usize,
     /// Largest difference of a joint angle.
     error_rad: f64,
     samples: Vec<Sample>,
@@ -289,7 +286,7 @@ impl<'a> Observer<'a> {
     fn new(model: Model, scene: &Scene, reference: Option<&'a [Sample]>) -> Self {
         let invariants = Invariants::new(model, scene).with_energy_tolerance(ENERGY_TOLERANCE);
         let until_s = scene.bounds.until_s;
-        Observer { reference, until_s, index: 0, error_rad: 0.0, samples: Vec::new(), invariants }
+        Observer { reference, until_s, error_rad: 0.0, samples: Vec::new(), invariants }
     }
 
     fn compare(&mut self, sample: &Sample, reference: &[Sample]) {
@@ -297,10 +294,8 @@ impl<'a> Observer<'a> {
         if sample.time_s > self.until_s.min(reference[last].time_s) {
             return;
         }
-        while self.index < last && reference[self.index + 1].time_s <= sample.time_s {
-            self.index += 1;
-        }
-        let (from, to) = (&reference[self.index], &reference[(self.index + 1).min(last)]);
+        let next = reference.partition_point(|reference| reference.time_s <= sample.time_s);
+        let (from, to) = (&reference[next.saturating_sub(1)], &reference[next.max(1).min(last)]);
         let angles = |sample: &Sample| {
             let FingerState { q11_rad, q21_rad, q22_rad, .. } = *sample.finger();
             [q11_rad, q21_rad, q22_rad]

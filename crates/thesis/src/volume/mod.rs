@@ -9,23 +9,19 @@
 //! | file | job |
 //! |---|---|
 //! | `point` | one design: built, sized, closed and in equilibrium; its quantities |
-//! | `counts` | points by grasp state, also for an intersection over the bases |
-//! | `report`, `plot`, `page` | tables and JSON, slices, data of the page |
+//! | `counts` | points by grasp state, also for an intersection over the bases; tables and JSON |
+//! | `display` | slices, data of the page |
 
 mod counts;
-mod page;
-mod plot;
+mod display;
 mod point;
-mod report;
 
-pub use counts::{Cell, Counts, Intersection, LargestPalmForce, VolumeCounts, by_friction, cells, count_volume};
-pub use counts::{MissingFingers, intersections};
-pub use page::page_data;
-pub use plot::slices;
+pub use counts::{Cell, Counts, Intersection, LargestPalmForce, MissingFingers, Timing, VolumeCounts, VolumeReport};
+pub use counts::{by_friction, cells, count_volume, intersections};
+pub use display::{page_data, slices};
 pub(crate) use point::close_linkage;
 pub use point::{COLUMNS, ClosedFinger, FLAGS, GraspState, NoFinger, Point, Quantity, SizedFinger};
 pub use point::{close_finger, design_at, solve_grasp};
-pub use report::{Timing, VolumeReport};
 
 use serde::Serialize;
 

@@ -4,17 +4,21 @@
 //! the steps and interpolated linearly, as in a plot. rapier's own contact is rigid and has no finite force; it is
 //! represented by the impulse divided by the step, constant over the step.
 
-mod plot;
-mod report;
-
 use std::time::Instant;
 
 use serde::Serialize;
 
+use crate::format::format_duration;
+use crate::format::numbers::{format_number, row};
+use crate::format::report::{Report, Table, ToReport, table};
 use crate::monitor::{Monitor, StudyError};
 use crate::numeric::elementary::{ln, pow};
+use crate::plot::canvas::{Marker, THIN_LINE};
+use crate::plot::chart::{Axis, Series, series_chart};
+use crate::plot::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
+use crate::text::csv;
 use crate::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
@@ -307,6 +311,110 @@ fn crossing(rows: &[Row], formulation: Formulation, error: f64) -> Crossing {
         }),
     };
     Crossing { formulation, error, step_fraction, at_least: last_above.is_none() }
+}
+
+impl StepSize {
+    /// Returns all runs as CSV, one per line. Unknown values are empty.
+    pub fn csv(&self) -> String {
+        csv(&self.rows)
+    }
+
+    /// Draws errors over step size, one line per formulation, solid for the curve and faint for the peak; errors of zero are
+    /// omitted.
+    pub fn picture(&self) -> String {
+        let errors = self.rows.iter().flat_map(|row| [row.curve_max_error, row.peak_error]);
+        let steps = self.rows.iter().map(|row| row.step_fraction);
+        let x = Axis::logarithmic("step, part of the plotted time", steps, 12.0).with_margin();
+        let y = Axis::logarithmic("error of the contact force, relative to its peak", errors.chain(ERROR_LEVELS), 12.0);
+        let peak_marker = Marker::FaintLine { width: 3.0 };
+        let mut series: Vec<Series> =
+            ERROR_LEVELS.into_iter().map(|level| Series::horizontal(THIN_LINE, SOFT, level)).collect();
+        for formulation in Formulation::ALL {
+            let (marker, colour) = style(formulation);
+            let error_curve = |marker, error: fn(&Row) -> f64| {
+                let rows = self.rows.iter().filter(|row| row.formulation == formulation && error(row) > 0.0);
+                Series::new(marker, colour, rows.map(|row| (row.step_fraction, error(row))))
+            };
+            series.push(error_curve(peak_marker, |row| row.peak_error));
+            series.push(error_curve(THIN_LINE, |row| row.curve_max_error));
+            series.push(error_curve(marker, |row| row.curve_max_error).named(formulation.name()));
+        }
+        series.push(Series::key(THIN_LINE, SOFT, "60, 10, 1, 0.01 %"));
+        series.push(Series::key(peak_marker, SOFT, "faint: the peak only"));
+        series_chart(&format!("{}: contact force against step size", self.scene), 600.0, &x, &y, &series)
+    }
+}
+
+fn style(formulation: Formulation) -> (Marker, Colour) {
+    match formulation {
+        Formulation::EngineLaws => (Marker::Square, GREEN),
+        Formulation::EngineRapier => (Marker::Cross, AMBER),
+        Formulation::Analytic => (Marker::Circle, ORANGE),
+    }
+}
+
+impl ToReport for StepSize {
+    fn report(&self) -> Report {
+        let StepSize { scene, pair, peak_n, restitution, .. } = self;
+        let mut text = Report::from(format!(
+            "{scene}, {pair}: {} in contact of {} plotted, peak {} N, restitution {}\n\n",
+            format_duration(self.contact_s),
+            format_duration(self.plotted_s),
+            format_number(*peak_n, 5),
+            format_number(*restitution, 5)
+        ));
+        let header = row([
+            "",
+            "step, %",
+            "step, µs",
+            "steps",
+            "time, ms",
+            "peak, %",
+            "curve rms, %",
+            "curve max, %",
+            "restitution",
+        ]);
+        let percent = |value: f64| format_number(100.0 * value, 3);
+        let line = |run: &Row| {
+            let tolerance = run.rtol.map_or(String::new(), |rtol| format!(", rtol {rtol:e}"));
+            vec![
+                format!("{}{tolerance}", run.formulation.name()),
+                percent(run.step_fraction),
+                format_number(run.step_s * 1e6, 3),
+                run.steps.to_string(),
+                format_number(run.wall_s * 1e3, 3),
+                percent(run.peak_error),
+                percent(run.curve_rms_error),
+                percent(run.curve_max_error),
+                format_number(run.restitution_error, 3),
+            ]
+        };
+        let rows: Vec<_> = std::iter::once(header).chain(self.rows.iter().map(line)).collect();
+        text.push(Table::new(&rows).key_columns(2));
+        text.push_str("\nlargest step, % of the plotted time, with errors of the whole force curve below\n");
+        let levels = ERROR_LEVELS.map(|level| format!("{} %", 100.0 * level));
+        let header = std::iter::once(String::new()).chain(levels).collect();
+        let line = |formulation: Formulation| {
+            let cells = self.crossings.iter().filter(|crossing| crossing.formulation == formulation).map(step_cell);
+            std::iter::once(formulation.name().to_string()).chain(cells).collect()
+        };
+        let rows: Vec<Vec<String>> = std::iter::once(header).chain(Formulation::ALL.map(line)).collect();
+        text.push(table(&rows));
+        text.push(Report::paragraph(
+            "\nErrors are relative to the analytic model at its reference preset; force errors are relative to its peak. Forces of \
+             the engine\nare interpolated linearly between its steps. rapier's own contact is rigid and has no finite force, so \
+             impulse over step is used\ninstead. Steps of the analytic model are mean steps within the contact.\n",
+        ));
+        text
+    }
+}
+
+fn step_cell(crossing: &Crossing) -> String {
+    match crossing.step_fraction {
+        None => "never".to_string(),
+        Some(fraction) if crossing.at_least => format!("≥ {}", format_number(100.0 * fraction, 2)),
+        Some(fraction) => format_number(100.0 * fraction, 2),
+    }
 }
 
 #[cfg(test)]

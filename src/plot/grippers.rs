@@ -1,21 +1,49 @@
-//! Largest loads at which a gripper holds its object: by direction of a pulse, by frequency of a vibration, or the slip
-//! over the load.
+//! Studies of grippers: final position of a captured object over its initial position, and the largest loads at which
+//! the gripper holds its object, by direction of a pulse, by frequency of a vibration, or as slip over load.
 
 use std::f64::consts::TAU;
 
-use super::axis::Axis;
-use super::canvas::{Marker, PlotPoint, THIN_LINE};
-use super::series::{Series, series_chart};
+use super::canvas::{Marker, THIN_LINE};
+use super::chart::{Axis, PlotPoint, Series, series_chart};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, SERIES, SOFT};
+use crate::criteria::Fate;
 use crate::scene;
 use crate::statics::AccelerationLimit;
-use crate::study::hold::{Evaluation, Hold, Limit, LoadCase, LoadResult, Loads, Verdict};
+use crate::study::capture::{Capture, Placement};
+use crate::study::hold::{Evaluation, Hold, Limit, LoadCase, LoadResult, Loads, Verdict, axis_name};
 
 /// Minimum number of directions or frequencies of a curve.
 const MIN_CURVE_POINTS: usize = 3;
 const HEIGHT: f64 = 560.0;
-/// Height at which the frame of the polar plot is square.
-const POLAR_HEIGHT: f64 = 710.0;
+
+/// Draws the results of a capture study; objects that do not move are on the grey line.
+pub fn capture(found: &Capture) -> String {
+    let ended =
+        |placement: &Placement| placement.outcome.as_ref().ok().map(|found| found.criteria.end.centre_m[0] * 1e3);
+    let reach = found.plan.error_m * 1e3;
+    let captured = found.placements.iter().filter(|placement| placement.is_captured());
+    let x = Axis::from_range("object at the start, mm from the middle", -1.1 * reach, 1.1 * reach);
+    let y = Axis::linear("object at the end, mm from the middle", captured.filter_map(ended).chain([-reach, reach]));
+    let mut series = vec![Series::new(THIN_LINE, SOFT, [(-reach, -reach), (reach, reach)])];
+    let edges = found.captured_range.iter().flatten().filter_map(|edge| edge.lost_m);
+    series.extend(edges.map(|lost_m| Series::vertical(ORANGE, lost_m * 1e3)));
+    let has_edges = series.len() > 1;
+    series.extend(found.placements.iter().map(|placement| {
+        let (marker, colour, text) = match &placement.outcome {
+            Ok(found) if found.criteria.fate == Fate::Held => match found.form_closed {
+                Some(true) => (Marker::Circle, GREEN, "held, form-closed"),
+                _ => (Marker::Circle, BLUE, "held"),
+            },
+            Ok(_) => (Marker::Cross, ORANGE, "not held"),
+            Err(_) => (Marker::Cross, SOFT, "simulation not completed"),
+        };
+        // Positions outside of the picture are clamped to its edge.
+        Series::new(marker, colour, [(placement.offset_m * 1e3, ended(placement).unwrap_or(0.0))]).named(text)
+    }));
+    series.push(Series::key(THIN_LINE, SOFT, "does not move"));
+    series.extend(has_edges.then(|| Series::key(THIN_LINE, ORANGE, "edge of the captured range")));
+    series_chart(&format!("{}: captured objects", found.scene), HEIGHT, &x, &y, &series)
+}
 
 /// Draws the plot that suits the loads: limits by direction for pulses, by frequency for vibrations, or the slip over
 /// the load if there are too few of them.
@@ -38,32 +66,21 @@ fn polar(found: &Hold) -> String {
     let reach = 1.08 * all().filter_map(|limit| limit.held.or(limit.failed)).fold(found.plan.from_m_s2, f64::max);
     let x = Axis::from_range("acceleration along the palm, m/s²", -reach, reach);
     let y = Axis::from_range("acceleration out of the palm, m/s²", -reach, reach);
+    let circle = |radius: f64| {
+        let angles = (0..=180).map(|index| TAU * f64::from(index) / 180.0);
+        let points = angles.map(|angle| (radius * angle.cos(), radius * angle.sin()));
+        Series::new(Marker::FaintLine { width: 1.0 }, SOFT, points)
+    };
     let mut series: Vec<Series> = x.ticks.iter().filter(|tick| **tick > 0.0).map(|ring| circle(*ring)).collect();
     series.extend(limits.iter().flat_map(|(colour, limit)| polar_curve(found, *colour, *limit)));
     series.push(Series::key(Marker::Circle, BLUE, format!("slips less than {} mm", found.plan.slip_m * 1e3)));
     series.push(Series::key(Marker::Circle, ORANGE, "is not dropped"));
+    let is_balanced = found.results.iter().any(|result| at_rest(result).held.is_some());
+    series.extend(is_balanced.then(|| Series::key(Marker::Circle, GREEN, "is balanced at rest")));
     let simulated: Vec<Limit> = found.results.iter().flat_map(|result| [result.slips, result.drops]).collect();
-    let any = |condition: fn(&Limit) -> bool| simulated.iter().any(condition);
-    for (is_shown, marker, colour, name) in [
-        (
-            found.results.iter().any(|result| at_rest(result).held.is_some()),
-            Marker::Circle,
-            GREEN,
-            "is balanced at rest",
-        ),
-        (any(|limit| limit.failed.is_none()), Marker::Triangle, SOFT, "at least"),
-        (any(|limit| limit.held.is_none()), Marker::Cross, SOFT, "less than"),
-        (any(|limit| limit.held_above.is_some()), Marker::Ring, SOFT, "not monotone"),
-    ] {
-        series.extend(is_shown.then(|| Series::key(marker, colour, name)));
-    }
-    series_chart(&format!("{}: acceleration held, by direction", found.scene), POLAR_HEIGHT, &x, &y, &series)
-}
-
-fn circle(radius: f64) -> Series {
-    let angles = (0..=180).map(|index| TAU * f64::from(index) / 180.0);
-    let points = angles.map(|angle| (radius * angle.cos(), radius * angle.sin()));
-    Series::new(Marker::FaintLine { width: 1.0 }, SOFT, points)
+    series.extend(limit_keys(&simulated));
+    // At this height, the frame is square.
+    series_chart(&format!("{}: acceleration held, by direction", found.scene), 710.0, &x, &y, &series)
 }
 
 /// Balanced acceleration at rest, as a limit; without values unless it is finite.
@@ -84,16 +101,30 @@ fn polar_curve(found: &Hold, colour: Colour, limit: LimitOf) -> Vec<Series> {
     let pairs = all.iter().zip(all.iter().cycle().skip(1));
     let lines = pairs.filter_map(|(from, to)| Some([from.as_ref()?.0, to.as_ref()?.0]));
     let mut series: Vec<Series> = lines.map(|ends| Series::new(Marker::Line { width: 2.0 }, colour, ends)).collect();
-    for (position, limit) in all.into_iter().flatten() {
-        let marker = match (limit.held, limit.failed) {
-            (Some(_), Some(_)) => Marker::Circle,
-            (Some(_), None) => Marker::Triangle,
-            _ => Marker::Cross,
-        };
-        series.push(Series::new(marker, colour, [position]));
-        series.extend(limit.held_above.map(|_| Series::new(Marker::Ring, SOFT, [position])));
-    }
+    series.extend(all.into_iter().flatten().flat_map(|(position, limit)| limit_markers(colour, position, limit)));
     series
+}
+
+/// Markers of a limit: whether it is bracketed by loads that are held and that fail, and whether it is not monotone.
+fn limit_markers(colour: Colour, position: PlotPoint, limit: Limit) -> impl Iterator<Item = Series> {
+    let marker = match (limit.held, limit.failed) {
+        (Some(_), Some(_)) => Marker::Circle,
+        (Some(_), None) => Marker::Triangle,
+        _ => Marker::Cross,
+    };
+    let ring = limit.held_above.map(|_| Series::new(Marker::Ring, SOFT, [position]));
+    std::iter::once(Series::new(marker, colour, [position])).chain(ring)
+}
+
+/// Legend of the markers that occur.
+fn limit_keys(limits: &[Limit]) -> impl Iterator<Item = Series> {
+    let any = |condition: fn(&Limit) -> bool| limits.iter().any(condition);
+    let keys = [
+        (any(|limit| limit.failed.is_none()), Marker::Triangle, "at least"),
+        (any(|limit| limit.held.is_none()), Marker::Cross, "less than"),
+        (any(|limit| limit.held_above.is_some()), Marker::Ring, "not monotone"),
+    ];
+    keys.into_iter().filter(|(occurs, ..)| *occurs).map(|(_, marker, name)| Series::key(marker, SOFT, name))
 }
 
 /// Draws the largest displacement amplitude held over the frequency, with logarithmic axes.
@@ -117,21 +148,14 @@ fn frequency(found: &Hold) -> String {
             false => (3.0, format!("{name}: slips < {} mm", found.plan.slip_m * 1e3)),
         };
         series.push(Series::new(Marker::Line { width }, colour, curve.iter().map(|point| point.0)).named(name));
-        for (position, limit) in &curve {
-            let marker = if limit.failed.is_some() { Marker::Circle } else { Marker::Triangle };
-            series.push(Series::new(marker, colour, [*position]));
-            series.extend(limit.held_above.map(|_| Series::new(Marker::Ring, SOFT, [*position])));
-        }
+        series.extend(curve.iter().flat_map(|(position, limit)| limit_markers(colour, *position, *limit)));
         limits.extend(curve.into_iter().map(|point| point.1));
         curves += 1;
     }
     let points = || series.iter().flat_map(|each: &Series| &each.points);
     let x = Axis::logarithmic("frequency, Hz", points().map(|point| point.0), 6.0);
     let y = Axis::logarithmic("amplitude at the object, mm", points().map(|point| point.1), 12.0);
-    let open = limits.iter().any(|limit| limit.failed.is_none());
-    series.extend(open.then(|| Series::key(Marker::Triangle, SOFT, "at least")));
-    let not_monotone = limits.iter().any(|limit| limit.held_above.is_some());
-    series.extend(not_monotone.then(|| Series::key(Marker::Ring, SOFT, "not monotone")));
+    series.extend(limit_keys(&limits));
     series_chart(&format!("{}: vibration held, by frequency", found.scene), HEIGHT, &x, &y, &series)
 }
 
@@ -152,25 +176,14 @@ fn slip(found: &Hold) -> String {
             let marker = if *drops == Verdict::Held { Marker::Circle } else { Marker::Cross };
             Series::new(marker, colour, [*position])
         }));
-        series.push(Series::key(Marker::Circle, colour, load_name(&result.case)));
+        let name = match result.case {
+            LoadCase::Pulse { direction_rad, .. } => format!("pulse to {:.0}°", direction_rad.to_degrees()),
+            LoadCase::Vibration { axis, frequency_hz } => format!("{}, {frequency_hz} Hz", axis_name(axis)),
+            LoadCase::Move => "move".to_string(),
+        };
+        series.push(Series::key(Marker::Circle, colour, name));
     }
     series.push(Series::key(Marker::Cross, SOFT, "not held at the end"));
     series.push(Series::key(THIN_LINE, SOFT, "bound"));
     series_chart(&format!("{}: slip of the object", found.scene), HEIGHT, &x, &y, &series)
-}
-
-fn axis_name(axis: scene::Axis) -> &'static str {
-    match axis {
-        scene::Axis::X => "x",
-        scene::Axis::Y => "y",
-        scene::Axis::Angle => "angle",
-    }
-}
-
-fn load_name(case: &LoadCase) -> String {
-    match case {
-        LoadCase::Pulse { direction_rad, .. } => format!("pulse to {:.0}°", direction_rad.to_degrees()),
-        LoadCase::Vibration { axis, frequency_hz } => format!("{}, {frequency_hz} Hz", axis_name(*axis)),
-        LoadCase::Move => "move".to_string(),
-    }
 }
