@@ -67,7 +67,7 @@ impl<'a> Monitor<'a> {
 
     /// Number of completed parts.
     pub fn done(&self) -> usize {
-        self.lock().done
+        self.lock().0
     }
 
     /// Returns the function that tells whether the computation may continue.
