@@ -2,7 +2,7 @@
 
 use phalanx::criteria::static_grasp;
 use phalanx::format::ToReport;
-use phalanx::report::select::SelectionReport;
+use phalanx::report::sweep::SelectionReport;
 use phalanx::scene;
 use phalanx::study::select::{SelectionCriteria, select};
 use phalanx::study::sweep::{Study, summary};

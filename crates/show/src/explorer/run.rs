@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
+use super::Request;
 use super::figures::{figures, leaves, verdict};
-use super::request::Request;
 use crate::check;
 use crate::criteria::{LinkOverlap, RunCriteria, RunCriteriaTracker};
 use crate::invariants::EnergyAudit;
@@ -40,14 +40,8 @@ fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
         Err(RunError::Sink(error)) => (None, Some(Failure { time_s: 0.0, reason: error.to_string() })),
     };
     let warnings: Vec<String> = energy.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
-    let data = RunData {
-        wall_s: 0.0,
-        outcome: outcome.as_ref(),
-        criteria,
-        grasp: grasp.as_ref(),
-        rebounds: &rebounds,
-        warnings: &warnings,
-    };
+    let (outcome, grasp) = (outcome.as_ref(), grasp.as_ref());
+    let data = RunData { wall_s: 0.0, outcome, criteria, grasp, rebounds: &rebounds, warnings: &warnings };
     RunReport::new(scene, Model::Analytic, &data, error)
 }
 
@@ -102,16 +96,14 @@ pub fn check(scene: &Scene) -> Value {
 /// Runs every point of a map. Appends the numerical figures to `numbers` row by row, NaN if a run lacks a figure;
 /// figures in words are returned under `words`. A point with an invalid scene has neither.
 pub fn criteria(request: &Request, numbers: &mut Vec<f64>) -> Value {
-    let (mut rows, mut refused) = (Vec::new(), Vec::new());
-    for point in &request.points {
+    let run = |point: &Vec<String>| {
         let set: Vec<(String, String)> = request.fields.iter().cloned().zip(point.iter().cloned()).collect();
-        let (row, problem) = match request.scene(&set) {
+        match request.scene(&set) {
             Ok(scene) => (leaves(&simulate(&scene, &mut ())), Value::Null),
             Err(problems) => (Vec::new(), problems[0]["message"].clone()),
-        };
-        rows.push(row);
-        refused.push(problem);
-    }
+        }
+    };
+    let (rows, refused): (Vec<_>, Vec<Value>) = request.points.iter().map(run).unzip();
     let mut columns: Vec<&str> = Vec::new();
     let mut words: BTreeMap<&str, Vec<Option<&str>>> = BTreeMap::new();
     for (key, value) in rows.iter().flatten() {
