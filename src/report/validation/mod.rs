@@ -2,13 +2,7 @@
 //!
 //! Keys of the document end in their SI unit; those without a unit are ratios, counts or words. A value is null where
 //! there is nothing to measure, and where only one of the models has the quantity (`passed` is then false).
-//!
-//! | file | content |
-//! |---|---|
-//! | `differences` | figures of differences: keys of the document and columns of tables |
-//! | `text` | the text report |
 
-mod differences;
 mod text;
 
 use std::io::{self, Write};
@@ -20,16 +14,18 @@ use super::contacts::Contacts;
 use super::named::Named;
 use super::samples::cell;
 use super::states::States;
+use crate::format::numbers::{format_number, or_dash};
+use crate::format::report::{Report, table};
 use crate::invariants::Finding;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Keyword, Scene};
 use crate::trace::columns::{Column, columns};
 use crate::trace::{Energy, Layout, Model, Sample};
 use crate::validate::{
-    IMPACT_S, Impact, LadderOptions, LadderRow, MEMBER_PERTURBATION, Recording, SolverConfiguration, Validation,
-    configuration_name, ensemble_size, reference_configuration, scene_configuration, wrap_angle,
+    Angle, Differences, IMPACT_S, Impact, LadderOptions, LadderRow, MEMBER_PERTURBATION, Recording,
+    SolverConfiguration, Validation, configuration_name, ensemble_size, largest, reference_configuration,
+    scene_configuration, wrap_angle,
 };
-use differences::{NamedDifferences, TOTAL, by_key, figures};
 
 /// Report of a validation.
 #[derive(Clone, Debug)]
@@ -195,6 +191,166 @@ struct SettingDocument<'a> {
     errors: Named<Option<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     differences: Option<Option<NamedDifferences<'a>>>,
+}
+
+/// One figure of a component: key in the document, header in tables with the displayed unit, displayed value per SI
+/// value, number of digits, and the value for the component with an index; the angles of fingers and the centres of
+/// bodies have the indices of [`Differences::path`].
+struct Figure(&'static str, &'static str, f64, usize, fn(&Differences, usize) -> Option<f64>);
+
+/// Figures of a joint.
+const JOINT: [Figure; 5] = [
+    Figure("max_rad", "max, rad", 1.0, 3, |found, k| Some(found.path[k].max)),
+    Figure("max_at_s", "at, ms", 1e3, 5, |found, k| Some(found.path[k].max_at_s)),
+    Figure("rms_rad", "RMS, rad", 1.0, 3, |found, k| Some(found.path[k].rms)),
+    Figure("end_rad", "at the end, rad", 1.0, 3, |found, k| Some(found.path[k].end)),
+    Figure("rate_rms_rad_s", "rate RMS, rad/s", 1.0, 3, |found, k| Some(found.rate_rms_rad_s[k])),
+];
+/// Figures of a body.
+const BODY: [Figure; 5] = [
+    Figure("max_m", "max, µm", 1e6, 3, |found, k| Some(found.path[k].max)),
+    Figure("max_at_s", "at, ms", 1e3, 5, |found, k| Some(found.path[k].max_at_s)),
+    Figure("rms_m", "RMS, µm", 1e6, 3, |found, k| Some(found.path[k].rms)),
+    Figure("end_m", "at the end, µm", 1e6, 3, |found, k| Some(found.path[k].end)),
+    Figure("angle_end_rad", "angle at the end, rad", 1.0, 3, |found, k| {
+        Some(found.angle_end_rad[k - found.rate_rms_rad_s.len()])
+    }),
+];
+/// Figures of a contact between surfaces; forces and impulses are relative.
+const CONTACT: [Figure; 4] = [
+    Figure("first_touch_s", "first contact, µs", 1e6, 3, |found, k| found.contact_time_s[k]),
+    Figure("impulse", "impulse, %", 100.0, 2, |found, k| found.impulse[k]),
+    Figure("final_force", "final force, %", 100.0, 2, |found, k| found.final_force[k]),
+    Figure("peak_force", "peak force, %", 100.0, 2, |found, k| found.peak_force[k]),
+];
+/// Largest errors of a setting.
+const TOTAL: [Figure; 8] = [
+    Figure("angle_max_rad", "angle, rad", 1.0, 2, |found, _| Some(found.angle_max())),
+    Figure("position_max_m", "position, µm", 1e6, 2, |found, _| Some(found.centre_max())),
+    Figure("first_touch_s", "touch, µs", 1e6, 2, |found, _| largest(&found.contact_time_s)),
+    Figure("impulse", "impulse, %", 100.0, 2, |found, _| largest(&found.impulse)),
+    Figure("final_force", "force, %", 100.0, 2, |found, _| largest(&found.final_force)),
+    Figure("peak_force", "peak, %", 100.0, 2, |found, _| largest(&found.peak_force)),
+    Figure("loop_gap_m", "gap, µm", 1e6, 2, |found, _| Some(found.loop_gap_m)),
+    Figure("energy_created", "energy, %", 100.0, 2, |found, _| Some(found.energy_created)),
+];
+
+impl Figure {
+    /// Whether scenes of this layout have the figure: final forces only with fingers, peak forces only without.
+    fn applies_to(&self, layout: &Layout) -> bool {
+        match self.0 {
+            "angle_max_rad" | "final_force" | "loop_gap_m" => !layout.fingers.is_empty(),
+            "position_max_m" => !layout.bodies.is_empty(),
+            "peak_force" => layout.fingers.is_empty(),
+            _ => true,
+        }
+    }
+
+    /// Formats the value; a missing value is a dash.
+    fn cell(&self, value: Option<f64>) -> String {
+        or_dash(value, |value| format_number(value * self.2, self.3))
+    }
+}
+
+/// Returns the figures that scenes of this layout have, with their values; none has a value without differences.
+fn figures<'a>(
+    all: &'a [Figure],
+    layout: &'a Layout,
+    found: Option<&'a Differences>,
+    index: usize,
+) -> impl Iterator<Item = (&'a Figure, Option<f64>)> {
+    let figures = all.iter().filter(|figure| figure.applies_to(layout));
+    figures.map(move |figure| (figure, found.and_then(|found| (figure.4)(found, index))))
+}
+
+/// The same under their keys.
+fn by_key<'a>(figures: impl Iterator<Item = (&'a Figure, Option<f64>)>) -> Named<Option<f64>> {
+    figures.map(|(figure, value)| (figure.0.to_string(), value)).collect()
+}
+
+/// All differences of a setting, with the names of the components.
+#[derive(Clone, Copy, Debug)]
+struct NamedDifferences<'a> {
+    layout: &'a Layout,
+    found: &'a Differences,
+}
+
+impl NamedDifferences<'_> {
+    /// Names of components with their indices, sorted by name in scenes without fingers.
+    fn sorted(&self, names: impl Iterator<Item = String>, first: usize) -> Vec<(String, usize)> {
+        let mut names: Vec<_> = names.zip(first..).collect();
+        if self.layout.fingers.is_empty() {
+            names.sort();
+        }
+        names
+    }
+
+    fn bodies(&self) -> Vec<(String, usize)> {
+        self.sorted(self.layout.bodies.iter().cloned(), Angle::ALL.len() * self.layout.fingers.len())
+    }
+
+    fn contacts(&self) -> Vec<(String, usize)> {
+        self.sorted(self.layout.surfaces().map(|index| self.layout.contacts[index].name.clone()), 0)
+    }
+
+    /// Returns the figures of named components as a document.
+    fn document(&self, all: &[Figure], names: Vec<(String, usize)>) -> Named<Named<Option<f64>>> {
+        let figures = |index| by_key(figures(all, self.layout, Some(self.found), index));
+        names.into_iter().map(|(name, index)| (name, figures(index))).collect()
+    }
+
+    /// Returns a table for joints, bodies and contacts.
+    fn tables(&self) -> Report {
+        let joints =
+            self.layout.fingers.iter().flat_map(|finger| {
+                Angle::ALL.map(|angle| format!("{finger} {}", angle.name()).trim_start().to_string())
+            });
+        let joints = joints.zip(0..).collect();
+        let tables = [(&JOINT[..], joints), (&BODY, self.bodies()), (&CONTACT, self.contacts())];
+        Report::join(tables.into_iter().filter(|(_, names)| !names.is_empty()).map(|(all, names)| {
+            let figures = |index| figures(all, self.layout, Some(self.found), index);
+            let row = |(name, index): &(String, usize)| -> Vec<String> {
+                std::iter::once(name.clone()).chain(figures(*index).map(|(figure, value)| figure.cell(value))).collect()
+            };
+            let headers = figures(names[0].1).map(|(figure, _)| figure.1.to_string());
+            let header = std::iter::once("difference".to_string()).chain(headers).collect();
+            let occurs = |(_, index): &&(String, usize)| figures(*index).any(|(_, value)| value.is_some());
+            table(&std::iter::once(header).chain(names.iter().filter(occurs).map(row)).collect::<Vec<_>>())
+        }))
+    }
+}
+
+impl Serialize for NamedDifferences<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        let joints = |finger: usize| {
+            let names = Angle::ALL.iter().map(|angle| angle.name().to_string());
+            self.document(&JOINT, names.zip(Angle::ALL.len() * finger..).collect())
+        };
+        let [bodies, contacts] = [self.document(&BODY, self.bodies()), self.document(&CONTACT, self.contacts())];
+        match self.layout.fingers.as_slice() {
+            [] => {
+                map.serialize_entry("discs", &bodies)?;
+                map.serialize_entry("pairs", &contacts)?;
+            }
+            [_] => {
+                map.serialize_entry("joints", &joints(0))?;
+                contacts.iter().try_for_each(|(name, contact)| map.serialize_entry(name, contact))?;
+            }
+            fingers => {
+                let fingers: Named<_> = fingers.iter().cloned().zip((0..).map(joints)).collect();
+                map.serialize_entry("fingers", &fingers)?;
+                map.serialize_entry("object", &bodies.first())?;
+                map.serialize_entry("contacts", &contacts)?;
+            }
+        }
+        if !self.layout.fingers.is_empty() {
+            map.serialize_entry("loop_gap_m", &self.found.loop_gap_m)?;
+        }
+        map.serialize_entry("energy_created_j", &self.found.energy_created_j)?;
+        map.serialize_entry("energy_created", &self.found.energy_created)?;
+        map.end()
+    }
 }
 
 /// Columns of the time series of a single finger, in their order.

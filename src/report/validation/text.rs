@@ -1,7 +1,6 @@
 //! Text report of a validation: short tables with units.
 
-use super::differences::{TOTAL, figures};
-use super::{ImpactPair, ValidationReport};
+use super::{ImpactPair, TOTAL, ValidationReport, figures};
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution};
 use crate::format::report::{Report, Table, ToReport, table, table_of};

@@ -6,23 +6,33 @@
 //! | file | job |
 //! |---|---|
 //! | `fields` | every field of a scene: type, allowed values, current value |
-//! | `run` | a run as playback and figures, as CSV, or checked; figures of many runs |
 //! | `figures` | the figures of a run by the keys of its JSON document, with labels and texts |
 
 mod fields;
 mod figures;
-mod run;
+
+use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::check;
+use crate::criteria::{LinkOverlap, RunCriteria, RunCriteriaTracker};
 use crate::format::ToReport;
 use crate::grasp::finger::{GraspOverrides, grasp};
 use crate::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
+use crate::invariants::EnergyAudit;
+use crate::playback::{PlaybackRecorder, json as playback_json};
 use crate::plot::{self, PictureFormat};
+use crate::report::check::{RunCheckReport, summary_line};
+use crate::report::document::{Failure, RunData, RunReport};
+use crate::report::samples::{csv_head, csv_sample};
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
+use crate::trace::columns::{Column, columns};
+use crate::trace::{Decimated, Event, Layout, Model, RunError, Sample, Sink, SinkError, run_analytic};
+use figures::{figures, leaves, verdict};
 
 /// Number of directions of acceleration in the picture of a gripper's grasp at rest.
 const DIRECTIONS: usize = 72;
@@ -89,13 +99,13 @@ impl Request {
     fn respond(&self, data: &mut Vec<f64>) -> Result<Value, Value> {
         let scene = || self.scene(&[]);
         Ok(match self.kind {
-            RequestKind::Criteria => run::criteria(self, data),
+            RequestKind::Criteria => criteria(self, data),
             RequestKind::Fields => fields::fields(&scene()?),
-            RequestKind::Run => run::run(&scene()?, data),
-            RequestKind::Check => run::check(&scene()?),
+            RequestKind::Run => run(&scene()?, data),
+            RequestKind::Check => check(&scene()?),
             RequestKind::Statics => statics(&scene()?)?,
             RequestKind::Toml => self.scene_file(&scene()?),
-            RequestKind::Csv => run::samples(&scene()?)?,
+            RequestKind::Csv => samples(&scene()?)?,
         })
     }
 
@@ -174,4 +184,133 @@ fn statics(scene: &Scene) -> Result<Value, Value> {
         "sections": [{ "title": "At rest", "html": report.html("At rest") }],
         "pictures": [{ "title": caption, "svg": picture }],
     }))
+}
+
+/// Runs a scene; `sink` also receives the samples. As on the command line, criteria are evaluated on the samples that a
+/// log would contain.
+fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
+    let listeners = Listeners {
+        criteria_tracker: RunCriteriaTracker::for_scene(scene),
+        audit: EnergyAudit::new(Model::Analytic, scene),
+        sink,
+    };
+    let mut decimated = Decimated::new(scene.log.numeric_hz, listeners);
+    let result = run_analytic(scene, &mut decimated);
+    // No sink here returns an error.
+    let _ = decimated.end();
+    let energy = decimated.sink.audit.violation().map(|breach| breach.to_string());
+    let RunCriteria { criteria, grasp, rebounds, overlaps } = decimated.sink.criteria_tracker.finish(result.is_ok());
+    let (outcome, error) = match result {
+        Ok(outcome) => (Some(outcome), None),
+        Err(RunError::Simulation { failure, partial_outcome }) => {
+            (Some(*partial_outcome), Some(Failure { time_s: failure.time_s, reason: failure.reason.to_string() }))
+        }
+        Err(RunError::Sink(error)) => (None, Some(Failure { time_s: 0.0, reason: error.to_string() })),
+    };
+    let warnings: Vec<String> = energy.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
+    let (outcome, grasp) = (outcome.as_ref(), grasp.as_ref());
+    let data = RunData { wall_s: 0.0, outcome, criteria, grasp, rebounds: &rebounds, warnings: &warnings };
+    RunReport::new(scene, Model::Analytic, &data, error)
+}
+
+/// Passes samples and events to the judge, the energy audit and one more sink.
+struct Listeners<'a, A> {
+    criteria_tracker: RunCriteriaTracker,
+    audit: EnergyAudit,
+    sink: &'a mut A,
+}
+
+impl<A: Sink> Sink for Listeners<'_, A> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.criteria_tracker.sample(sample)?;
+        self.audit.sample(sample)?;
+        self.sink.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.criteria_tracker.event(event)?;
+        self.sink.event(event)
+    }
+}
+
+/// Returns the playback and the figures of a run.
+fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
+    let mut recorder = PlaybackRecorder::default();
+    let report = simulate(scene, &mut recorder);
+    let playback = recorder.into_playback(Model::Analytic.name(), scene, "");
+    json!({
+        "playback": playback_json::append_run(&playback, numbers),
+        "figures": figures(&report),
+        "verdict": verdict(&report),
+        "failed": report.error.as_ref().map(|error| &error.reason),
+        "warnings": report.warnings,
+        "steps": report.steps,
+    })
+}
+
+/// Returns the result of the check of a run.
+fn check(scene: &Scene) -> Value {
+    let found = check::check(Model::Analytic, scene, &|| true);
+    let report = RunCheckReport::new(&found, scene.kind() != SceneKind::Bodies);
+    json!({
+        "verdict": found.verdict.name(),
+        "text": summary_line(Some(&report), None),
+        "error": found.errors.path,
+        "bar": found.max_path_error,
+        "report": report,
+    })
+}
+
+/// Runs every point of a map. Appends the numerical figures to `numbers` row by row, NaN if a run lacks a figure;
+/// figures in words are returned under `words`. A point with an invalid scene has neither.
+fn criteria(request: &Request, numbers: &mut Vec<f64>) -> Value {
+    let run = |point: &Vec<String>| {
+        let set: Vec<(String, String)> = request.fields.iter().cloned().zip(point.iter().cloned()).collect();
+        match request.scene(&set) {
+            Ok(scene) => (leaves(&simulate(&scene, &mut ())), Value::Null),
+            Err(problems) => (Vec::new(), problems[0]["message"].clone()),
+        }
+    };
+    let (rows, refused): (Vec<_>, Vec<Value>) = request.points.iter().map(run).unzip();
+    let mut columns: Vec<&str> = Vec::new();
+    let mut words: BTreeMap<&str, Vec<Option<&str>>> = BTreeMap::new();
+    for (key, value) in rows.iter().flatten() {
+        if value.is_number() && !columns.contains(&key.as_str()) {
+            columns.push(key);
+        } else if value.is_string() {
+            words.entry(key).or_default();
+        }
+    }
+    for row in &rows {
+        let leaf = |key: &str| row.iter().find(|(known, _)| known == key).map(|(_, value)| value);
+        numbers.extend(columns.iter().map(|column| leaf(column).and_then(Value::as_f64).unwrap_or(f64::NAN)));
+        words.iter_mut().for_each(|(key, list)| list.push(leaf(key).and_then(Value::as_str)));
+    }
+    json!({ "columns": columns, "words": words, "refused": refused })
+}
+
+/// Returns the samples in the format of `phalanx replay --csv`.
+fn samples(scene: &Scene) -> Result<Value, Value> {
+    let mut lines = CsvSink { columns: columns(&Layout::from_system(&scene.system)), text: Vec::new() };
+    csv_head(&mut lines.text, &lines.columns).expect("writing to memory cannot fail");
+    let mut decimated = Decimated::new(scene.log.numeric_hz, lines);
+    // A run that fails early has the samples up to its failure.
+    let result = run_analytic(scene, &mut decimated);
+    let _ = decimated.end();
+    match result {
+        Err(RunError::Sink(error)) => Err(json!([{ "message": error.to_string(), "help": "" }])),
+        _ => Ok(json!({ "text": String::from_utf8_lossy(&decimated.sink.text) })),
+    }
+}
+
+struct CsvSink {
+    columns: Vec<Column>,
+    text: Vec<u8>,
+}
+
+impl Sink for CsvSink {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        csv_sample(&mut self.text, &self.columns, sample).expect("writing to memory cannot fail");
+        Ok(())
+    }
 }
