@@ -12,7 +12,7 @@ use super::targets::reserve;
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::capture::capture_csv;
+use crate::report::studies::capture_csv;
 use crate::scene;
 use crate::study::capture::{CaptureError, Plan, SceneSource, capture};
 use crate::study::require_gripper;

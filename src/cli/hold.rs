@@ -12,7 +12,7 @@ use super::targets::{FileKind, TargetKind, reserve, save};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::hold::hold_csv;
+use crate::report::studies::hold_csv;
 use crate::scene::Axis;
 use crate::study::hold::{HoldError, Loads, Plan, axis_name, hold};
 use crate::study::require_gripper;

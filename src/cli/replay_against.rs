@@ -228,7 +228,7 @@ impl<'a> LoadedLog<'a> {
             }
             summary => summary.map_err(|error| read_failure(path, &error))?,
         };
-        if let Some(outcome) = loaded.sink.summary().outcome() {
+        if let Some(outcome) = loaded.sink.outcome() {
             loaded.recording.outcome = outcome.clone();
         }
         Ok(loaded)

@@ -13,9 +13,9 @@ use crate::format::Report;
 use crate::log::{ChannelContent, LogSink, LogSummary, MissingData, ReadError};
 use crate::page::{Playback, PlaybackRecorder};
 pub(super) use crate::report::replay::scene_in_log;
-use crate::report::replay::{LogObserver, ReplayReport, Summary};
+use crate::report::replay::{LogObserver, ReplayReport};
 use crate::scene::Scene;
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::trace::{Event, Layout, Outcome, Sample, Sink, SinkError};
 
 /// Summarise the run in a log, verify it by simulating again, compare it with another log, or export its samples.
 #[derive(Debug, Args)]
@@ -76,9 +76,9 @@ impl<'a> SummarySink<'a> {
         Ok(SummarySink { observer, progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)), interrupt })
     }
 
-    /// Returns the summary of the run, including the layout of its samples.
-    pub fn summary(&self) -> &Summary {
-        self.observer.summary()
+    /// Returns the outcome of the run; `None` without samples.
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.observer.outcome()
     }
 
     /// Clears the progress line.

@@ -15,7 +15,7 @@ use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};
 use crate::page::report_page;
 use crate::report::reproduce::{Reproduced, ReproductionReport, reproduce};
-use crate::report::select::ranking_table;
+use crate::report::sweep::ranking_table;
 use crate::table;
 
 /// Reproduce the thesis: sizing, statics, volumes, 384 simulations, selection, design 95 and its CAD model.

@@ -12,7 +12,7 @@ use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::select::{SelectionReport, ranking_table};
+use crate::report::sweep::{SelectionReport, ranking_table};
 use crate::study::select::{
     Bound, PerTerm, SelectError, Selection, SelectionCriteria, Side, TERMS, Weights, parse_class, select,
 };

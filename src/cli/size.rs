@@ -11,7 +11,7 @@ use super::targets::reserve;
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::plot;
-use crate::report::sizing::sizing_csv;
+use crate::report::studies::sizing_csv;
 use crate::sizing::Rule;
 use crate::study::size::{SizingOptions, size_finger};
 use crate::units::{Dimension, parse_positive};

@@ -2,13 +2,10 @@
 //!
 //! The crate `phalanx-show` reports runs and grasps; this module adds the reports of studies and logs.
 
-pub mod capture;
-pub mod hold;
 pub mod replay;
 pub mod reproduce;
-pub mod select;
 pub mod simulation;
-pub mod sizing;
+pub mod studies;
 pub mod sweep;
 pub mod validation;
 
@@ -16,10 +13,11 @@ pub use phalanx_show::report::*;
 
 use serde_json::Value;
 
-/// Formats rows as CSV. A column is a key of the rows, or `name=key/key` for a value in a nested object. Missing values
-/// are empty; texts of the column `reason` are quoted, other texts contain no commas.
-fn rows_csv(rows: impl IntoIterator<Item = Value>, columns: &[&str]) -> String {
-    let columns = columns.iter().map(|column| column.split_once('=').unwrap_or((column, column)));
+/// Formats rows as CSV. Columns are separated by spaces; a column is a key of the rows, or `name=key/key` for a value
+/// in a nested object. Missing values are empty; texts of the column `reason` are quoted, other texts contain no
+/// commas.
+fn rows_csv(rows: impl IntoIterator<Item = Value>, columns: &str) -> String {
+    let columns = columns.split(' ').map(|column| column.split_once('=').unwrap_or((column, column)));
     let columns: Vec<(&str, String)> = columns.map(|(name, path)| (name, format!("/{path}"))).collect();
     let mut text = columns.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(",") + "\n";
     for row in rows {

@@ -1,12 +1,11 @@
-//! Provides the reproduction of the thesis with the simulations and the selection of its study, and adds the selection
-//! to the JSON document.
+//! The reproduction of the thesis with the simulations and the selection of its study.
 
 use std::collections::HashSet;
 use std::fmt::Display;
 
 use serde::Serialize;
 
-use super::select::SelectionReport;
+use super::sweep::SelectionReport;
 use crate::check::Check;
 use crate::format::{Quantity, Report, ToReport, condition_name, criterion_name};
 use crate::plot;
@@ -115,13 +114,8 @@ fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<
         let counts = [tally.holds, tally.removed(), tally.remaining, tally.removed_alone];
         (criterion_name(&tally.criterion), counts)
     };
-    let axes: Vec<(usize, Quantity)> = selection
-        .axes
-        .iter()
-        .enumerate()
-        .filter(|(_, axis)| !axis.varies_within_design)
-        .map(|(index, axis)| (index, Quantity::for_column(&axis.column)))
-        .collect();
+    let of_design = selection.axes.iter().enumerate().filter(|(_, axis)| !axis.varies_within_design);
+    let axes: Vec<_> = of_design.map(|(index, axis)| (index, Quantity::for_column(&axis.column))).collect();
     let ranked = |ranked: &Ranked| {
         let values = &selection.runs[ranked.run_index].axes;
         let axes = axes.iter().map(|(axis, quantity)| quantity.value(&values[*axis], 4)).collect();

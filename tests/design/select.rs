@@ -4,7 +4,7 @@ use crate::support::cli::{assert_contains, directory};
 use crate::support::sweep_results::{SweepRun, refused_run, results_table, successful_run, ungraspable_run};
 use phalanx::criteria::Class;
 use phalanx::format::ToReport;
-use phalanx::report::select::{SelectionReport, ranking_table};
+use phalanx::report::sweep::{SelectionReport, ranking_table};
 use phalanx::study::select::{Bound, PerTerm, SelectError, Selection, SelectionCriteria, Side, select};
 use phalanx::table::{Table, Value};
 use phalanx::{plot, table};

@@ -1,14 +1,12 @@
 //! Report of the comparison of two logs: JSON and text.
 
-use std::fmt::Write;
-
 use serde::Serialize;
 use serde_json::Value;
 
-use super::document::ReplayReport;
+use super::{ReplayReport, or_unknown};
 use crate::format::format_duration;
-use crate::format::numbers::{format_number, row};
-use crate::format::report::{Report, ToReport, table};
+use crate::format::numbers::{format_number, or_dash, row};
+use crate::format::report::{Report, ToReport, table, table_of};
 use crate::validate::wrap_angle;
 
 /// Comparison of two logs.
@@ -73,8 +71,8 @@ pub(crate) struct TrajectoryDifference {
     pub end: f64,
 }
 
-/// Sections of a summary that are compared, in order.
-const SECTIONS: [&str; 5] = ["final", "discs", "contacts", "criteria", "energy"];
+/// Parts of a summary that are compared, in order.
+const SECTIONS: [&str; 6] = ["end_s", "final", "discs", "contacts", "criteria", "energy"];
 
 /// Order of keys within a section, separated by spaces; others follow.
 const KEY_ORDER: &str = "\
@@ -85,91 +83,66 @@ const KEY_ORDER: &str = "\
 
 /// Returns the numbers and text values of two summaries side by side.
 pub(crate) fn compare_summaries(logs: &[ReplayReport; 2]) -> (Vec<NumberComparison>, Vec<TextComparison>) {
-    let documents = logs.each_ref().map(|log| serde_json::to_value(log).unwrap_or(Value::Null));
-    let [first, second] = &documents;
-    let (mut numbers, mut texts) = (Vec::new(), Vec::new());
-    compare_leaf("end_s", [&first["end_s"], &second["end_s"]], &mut numbers, &mut texts);
+    let [first, second] = logs.each_ref().map(|log| serde_json::to_value(log).unwrap_or(Value::Null));
+    let (mut leaves, mut numbers, mut texts) = (Vec::new(), Vec::new(), Vec::new());
     for section in SECTIONS {
-        compare_values(section, [&first[section], &second[section]], &mut numbers, &mut texts);
+        collect_leaves(section.to_string(), [&first[section], &second[section]], &mut leaves);
+    }
+    for (path, values) in leaves {
+        if values.iter().any(|value| value.is_string()) {
+            texts.push(TextComparison { path, values: values.map(|value| value.as_str().map(str::to_string)) });
+        } else if values.iter().any(|value| value.is_number()) {
+            numbers.push(NumberComparison::new(path, values.map(Value::as_f64)));
+        }
     }
     (numbers, texts)
 }
 
-fn compare_values(
-    path: &str,
-    values: [&Value; 2],
-    numbers: &mut Vec<NumberComparison>,
-    texts: &mut Vec<TextComparison>,
-) {
+/// Collects the values in two objects, or the values themselves if neither is an object.
+fn collect_leaves<'a>(path: String, values: [&'a Value; 2], leaves: &mut Vec<(String, [&'a Value; 2])>) {
     let maps = values.map(Value::as_object);
     if maps == [None, None] {
-        return compare_leaf(path, values, numbers, texts);
+        return leaves.push((path, values));
     }
-    let mut keys: Vec<&String> = maps.iter().flatten().flat_map(|map| map.keys()).collect();
+    let mut keys: Vec<&String> = maps.into_iter().flatten().flat_map(|map| map.keys()).collect();
     let rank = |key: &str| KEY_ORDER.split(' ').position(|known| known == key).unwrap_or(usize::MAX);
     keys.sort_by(|a, b| rank(a).cmp(&rank(b)).then(a.cmp(b)));
     keys.dedup();
     for key in keys {
-        let value = |map: Option<&'_ serde_json::Map<String, Value>>| map.and_then(|map| map.get(key)).cloned();
-        let [first, second] = maps.map(|map| value(map).unwrap_or(Value::Null));
-        compare_values(&format!("{path}.{key}"), [&first, &second], numbers, texts);
+        collect_leaves(format!("{path}.{key}"), values.map(|value| &value[key]), leaves);
     }
 }
 
-fn compare_leaf(path: &str, values: [&Value; 2], numbers: &mut Vec<NumberComparison>, texts: &mut Vec<TextComparison>) {
-    if values.iter().any(|value| value.is_string()) {
-        let values = values.map(|value| value.as_str().map(str::to_string));
-        return texts.push(TextComparison { path: path.to_string(), values });
+impl NumberComparison {
+    fn new(path: String, values: [Option<f64>; 2]) -> Self {
+        let is_angle = path.starts_with("final.") && path.ends_with("_rad");
+        let difference = values[0].zip(values[1]).map(|(a, b)| if is_angle { wrap_angle(b - a) } else { b - a });
+        let scale = values.iter().flatten().fold(0.0, |scale, value: &f64| value.abs().max(scale));
+        let relative = difference.filter(|_| scale > 0.0).map(|difference| difference.abs() / scale);
+        NumberComparison { path, values, difference, relative }
     }
-    let values = values.map(Value::as_f64);
-    if values == [None, None] {
-        return;
-    }
-    let difference = match values {
-        [Some(a), Some(b)] if path.starts_with("final.") && path.ends_with("_rad") => Some(wrap_angle(b - a)),
-        [Some(a), Some(b)] => Some(b - a),
-        _ => None,
-    };
-    let scale = values.iter().flatten().fold(0.0, |scale, value: &f64| value.abs().max(scale));
-    let relative = difference.filter(|_| scale > 0.0).map(|difference| difference.abs() / scale);
-    numbers.push(NumberComparison { path: path.to_string(), values, difference, relative });
 }
 
 impl ToReport for LogComparisonReport {
     fn report(&self) -> Report {
-        let mut sections = vec![Report::from(heading(self)), value_table(self)];
-        if !self.trajectory_differences.is_empty() {
-            sections.push(trajectory_table(&self.trajectory_differences));
-        }
-        Report::join(sections)
+        let differences = &self.trajectory_differences;
+        let trajectories = (!differences.is_empty()).then(|| trajectory_table(differences));
+        Report::join([heading(self).into(), value_table(self), trajectories.into()])
     }
 }
 
 fn heading(report: &LogComparisonReport) -> String {
-    let mut text = String::new();
-    for (label, log) in report.labels.iter().zip(&report.logs) {
-        let or_unknown = |entry: &Option<String>| entry.clone().unwrap_or_else(|| "unknown".to_string());
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{label}: {}, {} model, {} samples, read from {}",
-            or_unknown(&log.scene),
-            or_unknown(&log.model),
-            log.reading.samples,
-            log.log
-        );
-    }
-    let _ = writeln!(text, "compared up to {}", format_duration(report.compared_to_s));
-    for note in &report.notes {
-        let _ = writeln!(text, "{note}");
-    }
-    if let (Some(directory), Some(files)) = (&report.directory, &report.files) {
-        let _ = writeln!(text, "in {directory}: {}", files.join(", "));
-    }
-    if let Some(page) = &report.page {
-        let _ = writeln!(text, "page: {page}");
-    }
-    text
+    let logs = report.labels.iter().zip(&report.logs).map(|(label, log)| {
+        let [scene, model] = [&log.scene, &log.model].map(or_unknown);
+        format!("{label}: {scene}, {model} model, {} samples, read from {}", log.reading.samples, log.log)
+    });
+    let mut lines: Vec<String> = logs.collect();
+    lines.push(format!("compared up to {}", format_duration(report.compared_to_s)));
+    lines.extend_from_slice(&report.notes);
+    let files = report.directory.as_ref().zip(report.files.as_ref());
+    lines.extend(files.map(|(directory, files)| format!("in {directory}: {}", files.join(", "))));
+    lines.extend(report.page.iter().map(|page| format!("page: {page}")));
+    lines.join("\n") + "\n"
 }
 
 fn value_table(report: &LogComparisonReport) -> Report {
@@ -178,19 +151,16 @@ fn value_table(report: &LogComparisonReport) -> Report {
     // Values that are zero in both logs appear in the JSON document only.
     for found in report.numbers.iter().filter(|found| found.values != [Some(0.0); 2]) {
         let (name, unit, scale) = format_quantity(&found.path);
-        let number = |value: Option<f64>, digits| value.map_or("–".to_string(), |value| format_number(value, digits));
-        let count = |value: Option<f64>| value.map_or("–".to_string(), |value| format!("{value:.0}"));
-        let scaled = |value: Option<f64>| match unit {
-            "" => count(value),
-            _ => number(value.map(|value| value * scale), 7),
+        // A number without a unit is a count.
+        let number = |value: Option<f64>, digits| {
+            or_dash(value, |value| match unit {
+                "" => format!("{value:.0}"),
+                _ => format_number(value * scale, digits),
+            })
         };
         let label = if ["", RATIO].contains(&unit) { name } else { format!("{name}, {unit}") };
-        let difference = match unit {
-            "" => count(found.difference),
-            _ => number(found.difference.map(|difference| difference * scale), 3),
-        };
-        let [a, b] = found.values.map(scaled);
-        rows.push(row([&label, &a, &b, &difference, &number(found.relative, 3)]));
+        let ([a, b], difference) = (found.values.map(|value| number(value, 7)), number(found.difference, 3));
+        rows.push(row([&label, &a, &b, &difference, &or_dash(found.relative, |value| format_number(value, 3))]));
     }
     for found in &report.texts {
         let (name, ..) = format_quantity(&found.path);
@@ -236,15 +206,14 @@ fn format_quantity(path: &str) -> (String, &'static str, f64) {
 }
 
 fn trajectory_table(differences: &[TrajectoryDifference]) -> Report {
-    let mut rows = vec![row(["difference over the run", "largest", "at, ms", "RMS", "at the end"])];
-    for found in differences {
-        rows.push(row([
-            &found.quantity,
-            &format_number(found.max, 3),
-            &format_number(found.max_at_s * 1e3, 6),
-            &format_number(found.rms, 3),
-            &format_number(found.end, 3),
-        ]));
-    }
-    table(&rows)
+    table_of(
+        differences,
+        &[
+            ("difference over the run", &|found| found.quantity.clone()),
+            ("largest", &|found| format_number(found.max, 3)),
+            ("at, ms", &|found| format_number(found.max_at_s * 1e3, 6)),
+            ("RMS", &|found| format_number(found.rms, 3)),
+            ("at the end", &|found| format_number(found.end, 3)),
+        ],
+    )
 }

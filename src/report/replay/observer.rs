@@ -1,19 +1,22 @@
 //! Processes the messages of a log: summary, criteria and invariants of its run.
 
-use super::document::ReplayReport;
-use super::summary::Summary;
-use crate::criteria::{LinkOverlap, RunCriteriaTracker, static_grasp};
+use super::ReplayReport;
+use crate::criteria::{LinkOverlap, Rebound, Rebounds, RunCriteriaTracker, static_grasp};
 use crate::invariants::EnergyAudit;
 use crate::limits::MAX_SCENE_BYTES;
 use crate::log::{LogSink, LogSummary, settings};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Scene, SceneError};
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::trace::{ContactSummary, Event, EventKind, Layout, Outcome, Sample, Sink, SinkError};
 
 /// A sink for the contents of a log that collects the data of its report.
 #[derive(Debug, Default)]
 pub struct LogObserver {
-    summary: Summary,
+    pub(super) layout: Layout,
+    outcome: Outcome,
+    /// Rebounds of the pairs of bodies.
+    rebounds: Option<Rebounds>,
+    has_sample: bool,
     /// Criteria of a finger or a gripper.
     tracker: Option<RunCriteriaTracker>,
     /// The scene of the log, if this version can read it; it defines prescribed motions.
@@ -36,7 +39,7 @@ impl LogObserver {
                     .map(|error| format!("no dynamic criteria, because the finger cannot grasp this object: {error}"));
                 let tracker = (scene.kind() != SceneKind::Bodies).then(|| RunCriteriaTracker::for_scene(&scene));
                 let audit = audit(head, &scene);
-                (LogObserver { summary: Summary::default(), tracker, scene: Some(scene), audit }, warning)
+                (LogObserver { tracker, scene: Some(scene), audit, ..LogObserver::default() }, warning)
             }
             Some(Err(error)) => {
                 let missing = match head.kind() {
@@ -50,9 +53,20 @@ impl LogObserver {
         }
     }
 
-    /// Returns the summary of the run and the layout of its samples.
-    pub fn summary(&self) -> &Summary {
-        &self.summary
+    /// Returns the outcome of the run; `None` without samples. It contains no computational cost, which samples do not
+    /// record.
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.has_sample.then_some(&self.outcome)
+    }
+
+    /// Returns the rebounds of the pairs of bodies; empty for scenes with fingers.
+    pub(super) fn rebounds(&self) -> &[Rebound] {
+        self.rebounds.as_ref().map_or(&[], Rebounds::pairs)
+    }
+
+    /// The scene, except for a finger: it contains the motion of discs, which is not in the log itself.
+    pub(super) fn bodies_scene(&self) -> Option<&Scene> {
+        self.scene.as_ref().filter(|scene| scene.kind() != SceneKind::Finger)
     }
 
     /// Creates the report of the log, after it was read.
@@ -61,9 +75,7 @@ impl LogObserver {
         let overlaps = found.iter().flat_map(|found| &found.overlaps).map(LinkOverlap::sentence);
         let energy_violation = self.audit.and_then(|audit| audit.violation()).map(|violation| violation.to_string());
         let warnings = energy_violation.into_iter().chain(overlaps).collect();
-        let (criteria, grasp) = found.map_or((None, None), |found| (found.criteria, found.grasp));
-        let bodies_scene = self.scene.as_ref().filter(|scene| scene.kind() != SceneKind::Finger);
-        ReplayReport::new(name, reading, &self.summary, criteria, grasp.as_ref(), bodies_scene, warnings)
+        ReplayReport::new(name, reading, self, found, warnings)
     }
 }
 
@@ -88,8 +100,13 @@ pub fn scene_in_log(head: &LogSummary) -> Option<Result<Scene, SceneError>> {
 
 impl LogSink for LogObserver {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        let scene = self.scene.as_ref().filter(|scene| scene.kind() != SceneKind::Finger);
-        self.summary = Summary::new(layout.clone(), scene);
+        let count = layout.contacts.len();
+        // The scene provides the masses for the rebounds.
+        let of_scene = self.bodies_scene().map(|scene| Rebounds::for_system(&scene.system));
+        let of_scene = of_scene.filter(|found| found.pairs().len() == count);
+        self.rebounds = layout.fingers.is_empty().then(|| of_scene.unwrap_or_else(|| Rebounds::new(count)));
+        self.layout = layout.clone();
+        self.outcome = Outcome { contacts: vec![ContactSummary::default(); count], ..Outcome::default() };
         // The kind of the scene can differ from the kind of the log.
         let finger_count = self.scene.as_ref().map_or(0, |scene| scene.system.fingers.len());
         self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == finger_count);
@@ -97,7 +114,13 @@ impl LogSink for LogObserver {
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.summary.sample(sample)?;
+        self.has_sample = true;
+        self.outcome.last.clone_from(sample);
+        for (summary, contact) in self.outcome.contacts.iter_mut().zip(&sample.contacts) {
+            summary.update(contact.force_and_penetration());
+            summary.impulse_n_s = contact.impulse_n_s;
+        }
+        self.rebounds.sample(sample)?;
         // Samples have no energies if the energy topic is missing.
         self.audit = self.audit.filter(|_| !sample.energy.kinetic_j.is_nan());
         self.audit.sample(sample)?;
@@ -105,7 +128,13 @@ impl LogSink for LogObserver {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.summary.event(event)?;
+        let contact = &mut self.outcome.contacts[event.contact];
+        if event.kind == EventKind::TouchDown {
+            contact.first_s.get_or_insert(event.time_s);
+            contact.touchdowns = contact.touchdowns.saturating_add(1);
+        }
+        contact.slips = contact.slips.saturating_add(u32::from(event.kind == EventKind::Slips));
+        self.rebounds.event(event)?;
         self.tracker.event(event)
     }
 }

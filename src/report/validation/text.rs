@@ -1,10 +1,9 @@
 //! Text report of a validation: short tables with units.
 
-use super::differences::{TOTAL, figures};
-use super::document::{ImpactPair, ValidationReport};
+use super::{ImpactPair, TOTAL, ValidationReport, figures};
 use crate::format::format_duration;
-use crate::format::numbers::{format_number, row, zero_below_resolution};
-use crate::format::report::{Report, Table, ToReport, table};
+use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution};
+use crate::format::report::{Report, Table, ToReport, table, table_of};
 use crate::invariants::Finding;
 use crate::scene::DiscMotion;
 use crate::trace::columns::columns;
@@ -17,37 +16,38 @@ use crate::validate::{
 
 impl ToReport for ValidationReport<'_> {
     fn report(&self) -> Report {
-        Report::join(std::iter::once(self.verdict_report()).chain(self.ladder_report()))
+        Report::join([self.verdict_report(), self.ladder_report().into()])
     }
 }
 
 impl ValidationReport<'_> {
     /// Returns the verdict and the results it is based on.
     pub(crate) fn verdict_report(&self) -> Report {
-        let validation = self.validation;
-        let mut sections = vec![Report::from(heading(self)), checks(&validation.verdict.checks)];
-        sections.extend(criteria(&validation.criteria, validation.reason_not_judged));
-        let (reference, engine) = (&validation.reference_invariants, &validation.engine_invariants);
-        let violations = describe_violations("analytic", reference) + &describe_violations("engine", engine);
-        sections.extend((!violations.is_empty()).then(|| Report::from(violations)));
-        sections.push(side_by_side(self));
-        if self.finger_count() > 0 {
-            sections.extend(impacts(&self.impacts()));
-        }
-        sections.extend(validation.statistics.as_ref().map(statistics));
-        sections.push(self.differences().tables());
-        let found = &validation.differences;
-        let base = if self.finger_count() == 0 { "the largest energy" } else { "the work of the motors" };
-        let (energy, ratio) = (format_number(found.energy_created_j * 1e3, 3), format_number(found.energy_created, 3));
-        Report::join(sections).with(format!("spurious energy: {energy} mJ, {ratio} of {base}\n").as_str())
+        let (validation, found) = (self.validation, &self.validation.differences);
+        let has_fingers = self.finger_count() > 0;
+        let base = if has_fingers { "the work of the motors" } else { "the largest energy" };
+        let [energy, ratio] = [found.energy_created_j * 1e3, found.energy_created].map(|value| format_number(value, 3));
+        let sections = [
+            heading(self).into(),
+            checks(&validation.verdict.checks),
+            criteria(&validation.criteria, validation.reason_not_judged).into(),
+            (violations("analytic", &validation.reference_invariants)
+                + &violations("engine", &validation.engine_invariants))
+                .into(),
+            side_by_side(self),
+            has_fingers.then(|| impacts(&self.impacts())).flatten().into(),
+            validation.statistics.as_ref().map(statistics).into(),
+            self.differences().tables(),
+        ];
+        Report::join(sections).with(format!("spurious energy: {energy} mJ, {ratio} of {base}\n"))
     }
 
     /// Returns the ladder and the list of files; `None` without either.
     pub(crate) fn ladder_report(&self) -> Option<Report> {
         let ladder = self.ladder.map(|options| settings(self, options));
         let files = self.files.as_ref().map(|(directory, files)| format!("in {directory}: {}\n", files.join(", ")));
-        let sections: Vec<Report> = ladder.into_iter().chain(files.map(Report::from)).collect();
-        (!sections.is_empty()).then(|| Report::join(sections))
+        let report = Report::join([ladder.into(), files.into()]);
+        (!report.is_empty()).then_some(report)
     }
 
     fn finger_count(&self) -> usize {
@@ -55,9 +55,8 @@ impl ValidationReport<'_> {
     }
 }
 
-/// Formats a number, or a dash for `None`.
 fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or("–".to_string(), |value| format_number(value, digits))
+    or_dash(value, |value| format_number(value, digits))
 }
 
 fn heading(report: &ValidationReport) -> String {
@@ -132,11 +131,10 @@ fn criteria(criteria: &[Criterion], reason_not_judged: Option<&str>) -> Option<R
 }
 
 /// Lists the invariants that a model violated, one per line.
-fn describe_violations(model: &str, invariants: &[Finding]) -> String {
-    let violated = invariants.iter().filter(|found| found.is_violated());
+fn violations(model: &str, invariants: &[Finding]) -> String {
     let line =
         |found: &Finding| format!("invariant violated by the {model} model ({}): {found}\n", found.invariant.meaning());
-    violated.map(line).collect()
+    invariants.iter().filter(|found| found.is_violated()).map(line).collect()
 }
 
 /// Rows of the table of both models: column of a sample without the name of its component, label with the displayed
@@ -229,24 +227,25 @@ fn line(component: &str, label: &str, [analytic, difference]: [f64; 2], digits: 
 const MAX_IMPACTS: usize = 12;
 
 fn impacts(impacts: &[ImpactPair]) -> Option<Report> {
-    let heads = ["impact", "analytic, ms", "engine, ms", "for, µs", "impulse: analytic, mN·s", "engine, mN·s"];
-    let mut rows = vec![heads.into_iter().chain(["difference, %"]).map(String::from).collect::<Vec<_>>()];
-    for impact in impacts.iter().take(MAX_IMPACTS) {
-        let milli = |value: Option<f64>, digits: usize| number(value.map(|value| value * 1e3), digits);
+    let milli = |value: Option<f64>, digits: usize| number(value.map(|value| value * 1e3), digits);
+    let difference = |impact: &ImpactPair| {
         let both = impact.analytic_n_s.zip(impact.engine_n_s).filter(|(analytic, _)| *analytic != 0.0);
-        rows.push(row([
-            &impact.site,
-            &milli(impact.analytic_s, 7),
-            &milli(impact.engine_s, 7),
-            &format_number(impact.window_s * 1e6, 5),
-            &milli(impact.analytic_n_s, 5),
-            &milli(impact.engine_n_s, 5),
-            &number(both.map(|(analytic, engine)| 100.0 * (engine / analytic - 1.0)), 3),
-        ]));
-    }
+        both.map(|(analytic, engine)| 100.0 * (engine / analytic - 1.0))
+    };
+    let table = table_of(
+        impacts.iter().take(MAX_IMPACTS),
+        &[
+            ("impact", &|impact| impact.site.clone()),
+            ("analytic, ms", &|impact| milli(impact.analytic_s, 7)),
+            ("engine, ms", &|impact| milli(impact.engine_s, 7)),
+            ("for, µs", &|impact| format_number(impact.window_s * 1e6, 5)),
+            ("impulse: analytic, mN·s", &|impact| milli(impact.analytic_n_s, 5)),
+            ("engine, mN·s", &|impact| milli(impact.engine_n_s, 5)),
+            ("difference, %", &|impact| number(difference(impact), 3)),
+        ],
+    );
     let omitted = impacts.len().saturating_sub(MAX_IMPACTS);
-    let note = if omitted > 0 { format!("and {omitted} more\n") } else { String::new() };
-    (!impacts.is_empty()).then(|| table(&rows).with(note))
+    (!impacts.is_empty()).then(|| table.with((omitted > 0).then(|| format!("and {omitted} more\n"))))
 }
 
 fn statistics(found: &Statistics) -> Report {
@@ -257,15 +256,17 @@ fn statistics(found: &Statistics) -> Report {
         found.runs,
         format_number(100.0 * found.torque_spread, 2)
     );
-    let mut rows = vec![row([&heading, "analytic", "engine", "difference, standard errors"])];
     let with_deviation =
         |mean: f64, deviation: f64| format!("{} ± {}", format_number(mean, 4), format_number(deviation, 2));
-    rows.extend(found.statistics.iter().map(|it| {
-        let analytic = with_deviation(it.analytic_mean, it.analytic_deviation);
-        let engine = with_deviation(it.engine_mean, it.engine_deviation);
-        row([it.name, &analytic, &engine, &format_number(it.standard_errors, 2)])
-    }));
-    table(&rows)
+    table_of(
+        &found.statistics,
+        &[
+            (&heading, &|it| it.name.to_string()),
+            ("analytic", &|it| with_deviation(it.analytic_mean, it.analytic_deviation)),
+            ("engine", &|it| with_deviation(it.engine_mean, it.engine_deviation)),
+            ("difference, standard errors", &|it| format_number(it.standard_errors, 2)),
+        ],
+    )
 }
 
 fn settings(report: &ValidationReport, options: LadderOptions) -> Report {
@@ -275,7 +276,7 @@ fn settings(report: &ValidationReport, options: LadderOptions) -> Report {
         row(["", "", "", "", "time", "analytic"]),
     ];
     for (figure, _) in figures(&TOTAL, layout, None, 0) {
-        for (line, part) in rows.iter_mut().zip(figure.header.split_inclusive(' ')) {
+        for (line, part) in rows.iter_mut().zip(figure.1.split_inclusive(' ')) {
             line.push(part.trim_end().to_string());
         }
     }

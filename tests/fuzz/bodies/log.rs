@@ -4,14 +4,14 @@ use std::io::Cursor;
 
 use phalanx::criteria::{FinalAngles, Tracker};
 use phalanx::log::{self, LogSink};
-use phalanx::report::replay::Summary;
+use phalanx::report::replay::LogObserver;
 use phalanx::trace::{Event, Layout, Sample, Sink, SinkError};
 
 /// The consumer of `phalanx replay`, with checks of its input.
 #[derive(Default)]
 struct CheckingSink {
     layout: Layout,
-    summary: Summary,
+    observer: LogObserver,
     /// Criteria of a single finger.
     tracker: Option<Tracker>,
     latest_s: f64,
@@ -22,7 +22,7 @@ struct CheckingSink {
 impl LogSink for CheckingSink {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
         self.layout = layout.clone();
-        self.summary = Summary::new(layout.clone(), None);
+        self.observer.layout(layout)?;
         let angles = FinalAngles { q11_rad: 0.03, q21_rad: 1.13 };
         self.tracker = (layout.fingers.len() == 1).then(|| Tracker::new(angles));
         Ok(())
@@ -35,14 +35,14 @@ impl LogSink for CheckingSink {
         let Layout { fingers, bodies, contacts } = &self.layout;
         assert_eq!((sample.bodies.len(), sample.contacts.len()), (bodies.len(), contacts.len()));
         assert_eq!(sample.fingers.len(), fingers.len());
-        self.summary.sample(sample)?;
+        self.observer.sample(sample)?;
         self.tracker.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         assert!(event.time_s.is_finite() && event.contact < self.layout.contacts.len());
         self.events += 1;
-        self.summary.event(event)?;
+        self.observer.event(event)?;
         self.tracker.event(event)
     }
 }

@@ -101,7 +101,8 @@ fn field(
 ) -> Value {
     let (value, unit) = number_and_unit(value_in_file);
     let [first, last] = bounds(property, &unit);
-    let units = property.get("x-units").cloned().unwrap_or(Value::Null);
+    // As entered in the page: a string without its quotes.
+    let text = value_in_file.map(|value| value.as_str().map_or_else(|| value.to_string(), str::to_string));
     json!({
         "path": path,
         "section": section,
@@ -109,12 +110,12 @@ fn field(
         "kind": kind(property),
         "value": value,
         "unit": unit,
-        "units": units,
-        "text": value_in_file.map(unquoted).unwrap_or_default(),
-        "words": property.get("enum").cloned().unwrap_or(Value::Null),
+        "units": property.get("x-units"),
+        "text": text.unwrap_or_default(),
+        "words": property.get("enum"),
         "low": first,
         "high": last,
-        "about": property.get("description").cloned().unwrap_or(Value::Null),
+        "about": property.get("description"),
         "given": given,
     })
 }
@@ -141,28 +142,15 @@ fn number_and_unit(value: Option<&toml::Value>) -> (Option<f64>, String) {
             let (number, unit) = split_quantity(text);
             number.parse().map_or((None, String::new()), |number| (Some(number), unit.to_string()))
         }
-        Some(toml::Value::Integer(number)) => (Some(*number as f64), String::new()),
-        Some(toml::Value::Float(number)) => (Some(*number), String::new()),
-        _ => (None, String::new()),
-    }
-}
-
-/// Returns the value as entered in the page: a string without its quotes.
-fn unquoted(value: &toml::Value) -> String {
-    match value {
-        toml::Value::String(text) => text.clone(),
-        other => other.to_string(),
+        Some(value) => (value.as_float().or(value.as_integer().map(|number| number as f64)), String::new()),
+        None => (None, String::new()),
     }
 }
 
 fn kind(property: &Value) -> &'static str {
-    if property.get("x-units").is_some() {
-        return "quantity";
-    }
-    if property.get("enum").is_some() {
-        return "word";
-    }
     match property.get("type").and_then(Value::as_str) {
+        _ if property.get("x-units").is_some() => "quantity",
+        _ if property.get("enum").is_some() => "word",
         Some("array") => "list",
         Some("number") => "number",
         Some("integer") => "integer",

@@ -7,40 +7,13 @@ use crate::format::numbers::{format_number, zero_below_resolution};
 use crate::report::document::RunReport;
 use crate::units::Dimension;
 
-/// Beginning and end of the keys listed first; the others follow in the order of the document.
-const LEADING_KEYS: [(&str, &str); 15] = [
-    ("criteria.", "class"),
-    ("grasp.", "fate"),
-    ("criteria.", "tts_s"),
-    ("grasp.", "tts_s"),
-    ("criteria.", "rebound_percent"),
-    ("contacts.", "restitution"),
-    ("contacts.distal", "peak_normal_n"),
-    ("contacts.proximal", "peak_normal_n"),
-    ("grasp.", "form_closed"),
-    ("grasp.slip", "displacement_m"),
-    ("contacts.right_distal", "peak_normal_n"),
-    ("contacts.right_proximal", "peak_normal_n"),
-    ("contacts.", "final_normal_n"),
-    ("contacts.", "first_s"),
-    ("contacts.", "peak_normal_n"),
-];
+/// Beginnings and ends of the keys listed first; the others follow in the order of the document.
+const LEADING_KEYS: &str = "criteria.*class grasp.*fate criteria.*tts_s grasp.*tts_s criteria.*rebound_percent contacts.*restitution \
+     contacts.distal*peak_normal_n contacts.proximal*peak_normal_n grasp.*form_closed grasp.slip*displacement_m \
+     contacts.right_distal*peak_normal_n contacts.right_proximal*peak_normal_n contacts.*final_normal_n \
+     contacts.*first_s contacts.*peak_normal_n";
 /// Parts of the document that are not results, or that have their own request.
-const EXCLUDED_KEYS: [&str; 13] = [
-    "scene",
-    "kind",
-    "model",
-    "wall_s",
-    "integrator",
-    "engine",
-    "log",
-    "page",
-    "check",
-    "error",
-    "work",
-    "warnings",
-    "no_criteria",
-];
+const EXCLUDED_KEYS: &str = "scene kind model wall_s integrator engine log page check error work warnings no_criteria";
 /// Suffix of keys with sentences, which are not figures. The page shows the sentence on the class or the fate
 /// separately: [`verdict`].
 const REASON_SUFFIX: &str = "_reason";
@@ -91,17 +64,16 @@ const DIGITS: usize = 4;
 /// All figures with labels and texts, the most important first.
 pub fn figures(report: &RunReport) -> Vec<Value> {
     let mut all = leaves(report);
-    let rank = |key: &str| {
-        let found = LEADING_KEYS.iter().position(|(begin, end)| key.starts_with(begin) && key.ends_with(end));
-        found.unwrap_or(LEADING_KEYS.len())
+    let leads = |key: &str, pattern: &str| {
+        pattern.split_once('*').is_some_and(|(begin, end)| key.starts_with(begin) && key.ends_with(end))
     };
-    all.sort_by_key(|(key, _)| rank(key));
+    all.sort_by_key(|(key, _)| LEADING_KEYS.split(' ').position(|pattern| leads(key, pattern)).unwrap_or(usize::MAX));
     let entry = |(key, value): &(String, Value)| {
         let text = match value.as_f64() {
             Some(number) => format_value(key, number),
             None => value.as_str().unwrap_or("–").to_string(),
         };
-        json!({ "key": key, "label": label(key), "value": value.as_f64(), "text": text, "unit": unit(key) })
+        json!({ "key": key, "label": label(key), "value": value.as_f64(), "text": text, "unit": unit(key).1 })
     };
     all.iter().map(entry).collect()
 }
@@ -119,7 +91,7 @@ pub fn leaves(report: &RunReport) -> Vec<(String, Value)> {
     let document = serde_json::to_value(report).expect("a report is plain data with string keys");
     let mut found = Vec::new();
     let parts = document.as_object().into_iter().flatten();
-    for (key, part) in parts.filter(|(key, _)| !EXCLUDED_KEYS.contains(&key.as_str())) {
+    for (key, part) in parts.filter(|(key, _)| !EXCLUDED_KEYS.split(' ').any(|excluded| excluded == key.as_str())) {
         collect_leaves(key, part, &mut found);
     }
     found
@@ -139,15 +111,14 @@ fn collect_leaves(key: &str, value: &Value, found: &mut Vec<(String, Value)>) {
     }
 }
 
-/// Returns the unit that the suffix of a key stands for; empty for a key without a unit.
-fn unit(key: &str) -> &'static str {
-    UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("", |(_, unit)| unit)
+/// Returns the suffix of a key and the unit that it stands for; empty for a key without a unit.
+fn unit(key: &str) -> (&'static str, &'static str) {
+    UNITS.iter().find(|(ending, _)| key.ends_with(ending)).copied().unwrap_or_default()
 }
 
 /// Label of a key: `contacts.distal.peak_normal_n` becomes `distal: peak force`.
 fn label(key: &str) -> String {
-    let ending = UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("", |(ending, _)| ending);
-    let stem = key.strip_suffix(ending).unwrap_or(key);
+    let stem = key.strip_suffix(unit(key).0).unwrap_or(key);
     let parts: Vec<String> = stem
         .split('.')
         .filter(|part| !["contacts", "criteria", "grasp", "fingers"].contains(part))
@@ -163,10 +134,10 @@ fn label(key: &str) -> String {
 
 /// Formats a value with its unit.
 fn format_value(key: &str, value: f64) -> String {
-    let dimension =
-        Dimension::ALL.into_iter().find(|candidate| candidate.units()[0].name.replace('*', "·") == unit(key));
+    let unit = unit(key).1;
+    let dimension = Dimension::ALL.into_iter().find(|candidate| candidate.units()[0].name.replace('*', "·") == unit);
     let value = dimension.map_or(value, |dimension| zero_below_resolution(value, dimension));
-    match unit(key) {
+    match unit {
         "" if value.fract() == 0.0 && value.abs() < 1e6 => format!("{value:.0}"),
         "" => format_number(value, DIGITS),
         "s" if value >= 0.0 => format_duration(value),

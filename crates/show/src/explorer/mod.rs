@@ -5,22 +5,39 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `request` | format of a request, and its scene or the errors of the scene |
 //! | `fields` | every field of a scene: type, allowed values, current value |
-//! | `run` | a run as playback and figures, as CSV, or checked; figures of many runs |
 //! | `figures` | the figures of a run by the keys of its JSON document, with labels and texts |
-//! | `statics` | the grasp at rest |
 
 mod fields;
 mod figures;
-mod request;
-mod run;
-mod statics;
 
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::scene::Scene;
-use request::{Request, RequestKind};
+use crate::check;
+use crate::criteria::{LinkOverlap, RunCriteria, RunCriteriaTracker};
+use crate::format::ToReport;
+use crate::grasp::finger::{GraspOverrides, grasp};
+use crate::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
+use crate::invariants::EnergyAudit;
+use crate::playback::{PlaybackRecorder, json as playback_json};
+use crate::plot::{self, PictureFormat};
+use crate::report::check::{RunCheckReport, summary_line};
+use crate::report::document::{Failure, RunData, RunReport};
+use crate::report::samples::{csv_head, csv_sample};
+use crate::report::statics::{GripperStaticsReport, StaticsReport};
+use crate::scene::keywords::SceneKind;
+use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
+use crate::trace::columns::{Column, columns};
+use crate::trace::{Decimated, Event, Layout, Model, RunError, Sample, Sink, SinkError, run_analytic};
+use figures::{figures, leaves, verdict};
+
+/// Number of directions of acceleration in the picture of a gripper's grasp at rest.
+const DIRECTIONS: usize = 72;
+/// Stride of the directions in its table, which are 15° apart.
+const IN_TABLE: usize = 3;
 
 /// A JSON text, and the numbers that it refers to.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,11 +46,46 @@ pub struct Response {
     pub data: Vec<f64>,
 }
 
+/// A request about a scene.
+#[derive(Debug, Deserialize)]
+struct Request {
+    #[serde(rename = "ask")]
+    kind: RequestKind,
+    #[serde(rename = "scene")]
+    file: SceneFile,
+    /// Fields and their values, as in `--set FIELD=VALUE`.
+    #[serde(default)]
+    set: Vec<(String, String)>,
+    /// The fields that a map varies, and their values: one row per run.
+    #[serde(default)]
+    fields: Vec<String>,
+    #[serde(default)]
+    points: Vec<Vec<String>>,
+}
+
+#[derive(Debug, Deserialize)]
+struct SceneFile {
+    file: String,
+    text: String,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum RequestKind {
+    Fields,
+    Run,
+    Check,
+    Statics,
+    Criteria,
+    Toml,
+    Csv,
+}
+
 /// Returns the response to a request. Errors are listed under `problems`, each with its `message` and `help`.
 pub fn respond(request: &str) -> Response {
     let mut data = Vec::new();
     let found = match serde_json::from_str::<Request>(request) {
-        Ok(request) => handle(&request, &mut data),
+        Ok(request) => request.respond(&mut data),
         Err(error) => {
             Err(json!([{ "message": format!("invalid request: {error}"), "help": "this is an error of the page" }]))
         }
@@ -42,28 +94,223 @@ pub fn respond(request: &str) -> Response {
     Response { text: text.to_string(), data }
 }
 
-/// Returns the response, or the problems of the scene.
-fn handle(request: &Request, data: &mut Vec<f64>) -> Result<Value, Value> {
-    if request.kind == RequestKind::Criteria {
-        return Ok(run::criteria(request, data));
+impl Request {
+    /// Returns the response, or the problems of the scene.
+    fn respond(&self, data: &mut Vec<f64>) -> Result<Value, Value> {
+        let scene = || self.scene(&[]);
+        Ok(match self.kind {
+            RequestKind::Criteria => criteria(self, data),
+            RequestKind::Fields => fields::fields(&scene()?),
+            RequestKind::Run => run(&scene()?, data),
+            RequestKind::Check => check(&scene()?),
+            RequestKind::Statics => statics(&scene()?)?,
+            RequestKind::Toml => self.scene_file(&scene()?),
+            RequestKind::Csv => samples(&scene()?)?,
+        })
     }
-    let scene = request.scene(&[])?;
-    match request.kind {
-        RequestKind::Fields => Ok(fields::fields(&scene)),
-        RequestKind::Run => Ok(run::run(&scene, data)),
-        RequestKind::Check => Ok(run::check(&scene)),
-        RequestKind::Statics => statics::statics(&scene),
-        RequestKind::Toml => Ok(scene_file(request, &scene)),
-        RequestKind::Csv | RequestKind::Criteria => run::samples(&scene),
+
+    /// Parses the scene with the settings of the request and the `extra` settings, or returns its problems.
+    fn scene(&self, extra: &[(String, String)]) -> Result<Scene, Value> {
+        let base = Layer { file: self.file.file.clone(), text: self.file.text.clone() };
+        // A layer is named after its field, so that its errors refer to the field.
+        let layer = |(field, value): &(String, String)| {
+            setting_from_parts(field, field, value).map_err(|message| json!([problem(&message, Some(field))]))
+        };
+        let settings = self.set.iter().chain(extra).map(layer).collect::<Result<Vec<_>, Value>>()?;
+        parse_layers(&[base], &settings, parse_any).map_err(|error| json!(problems(&error)))
+    }
+
+    /// Returns the text of the scene file with the settings applied.
+    fn scene_file(&self, scene: &Scene) -> Value {
+        let set: Vec<String> = self.set.iter().map(|(field, value)| format!("{field} = {value}")).collect();
+        let changes = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
+        // The comment must stay on one line.
+        let changes = changes.replace(char::is_control, " ");
+        let text = scene.source.strip_prefix('\n').unwrap_or(&scene.source);
+        json!({ "text": format!("# {}{changes}, from the explorer of phalanx.\n{text}", self.file.file) })
     }
 }
 
-/// Returns the text of the scene file with the settings applied.
-fn scene_file(request: &Request, scene: &Scene) -> Value {
-    let set: Vec<String> = request.set.iter().map(|(field, value)| format!("{field} = {value}")).collect();
-    let changes = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
-    // The comment must stay on one line.
-    let changes = changes.replace(char::is_control, " ");
-    let text = scene.source.strip_prefix('\n').unwrap_or(&scene.source);
-    json!({ "text": format!("# {}{changes}, from the explorer of phalanx.\n{text}", request.file.file) })
+/// A problem with a field, if known, without advice.
+fn problem(message: &str, field: Option<&str>) -> Value {
+    json!({ "message": message, "help": "", "line": null, "field": field.filter(|field| !field.is_empty()) })
+}
+
+/// Problems of a file (with their lines) or of a setting (with its field).
+fn problems(error: &SceneError) -> Vec<Value> {
+    let (file, text, problems) = match error {
+        SceneError::Layers(errors) => return errors.iter().flat_map(problems).collect(),
+        SceneError::Invalid { file, text, problems } => (file, text, problems),
+        other => return vec![problem(&other.to_string(), None)],
+    };
+    let is_file = file.ends_with(".toml");
+    let line = |offset: usize| text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1);
+    let document = problems.iter().map(|problem| {
+        json!({
+            "message": problem.message,
+            "label": problem.label,
+            "help": problem.help,
+            "line": problem.span.as_ref().filter(|_| is_file).map(|span| line(span.start)),
+            "field": (!is_file).then_some(file),
+        })
+    });
+    document.collect()
+}
+
+/// Returns tables and a picture of the grasp at rest, as reported by `phalanx statics`; a scene of discs has neither.
+fn statics(scene: &Scene) -> Result<Value, Value> {
+    let problem = |error: &dyn std::fmt::Display| {
+        let help = "the run does not depend on this analysis";
+        json!([{ "message": error.to_string(), "help": help, "line": null, "field": null }])
+    };
+    let (report, caption, picture) = match scene.kind() {
+        SceneKind::Bodies => return Ok(json!({ "sections": [], "pictures": [] })),
+        SceneKind::Finger => {
+            let result = grasp(scene, &GraspOverrides::default()).map_err(|error| problem(&error))?;
+            let picture = plot::grasp(scene, &result, PictureFormat::Column);
+            (StaticsReport::new(&result).report(), "The grasp at rest: forces on the object", picture)
+        }
+        SceneKind::Gripper => {
+            let posture = PostureRequest::Run { at_s: None, within_m: None };
+            let request =
+                GripperGraspRequest { posture, mu_static: Vec::new(), motor_n_m: None, directions: DIRECTIONS };
+            let result = gripper_grasp(scene, &request, &|| true).map_err(|error| problem(&error))?;
+            let picture = plot::balance(scene, &result, PictureFormat::Column);
+            let report = GripperStaticsReport::new(&result, IN_TABLE).report();
+            (report, "Accelerations of the palm that the grasp withstands", picture)
+        }
+    };
+    Ok(json!({
+        "sections": [{ "title": "At rest", "html": report.html("At rest") }],
+        "pictures": [{ "title": caption, "svg": picture }],
+    }))
+}
+
+/// Runs a scene; `sink` also receives the samples. As on the command line, criteria are evaluated on the samples that a
+/// log would contain.
+fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
+    let listeners = Listeners {
+        criteria_tracker: RunCriteriaTracker::for_scene(scene),
+        audit: EnergyAudit::new(Model::Analytic, scene),
+        sink,
+    };
+    let mut decimated = Decimated::new(scene.log.numeric_hz, listeners);
+    let result = run_analytic(scene, &mut decimated);
+    // No sink here returns an error.
+    let _ = decimated.end();
+    let energy = decimated.sink.audit.violation().map(|breach| breach.to_string());
+    let RunCriteria { criteria, grasp, rebounds, overlaps } = decimated.sink.criteria_tracker.finish(result.is_ok());
+    let (outcome, error) = match result {
+        Ok(outcome) => (Some(outcome), None),
+        Err(RunError::Simulation { failure, partial_outcome }) => {
+            (Some(*partial_outcome), Some(Failure { time_s: failure.time_s, reason: failure.reason.to_string() }))
+        }
+        Err(RunError::Sink(error)) => (None, Some(Failure { time_s: 0.0, reason: error.to_string() })),
+    };
+    let warnings: Vec<String> = energy.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
+    let (outcome, grasp) = (outcome.as_ref(), grasp.as_ref());
+    let data = RunData { wall_s: 0.0, outcome, criteria, grasp, rebounds: &rebounds, warnings: &warnings };
+    RunReport::new(scene, Model::Analytic, &data, error)
+}
+
+/// Passes samples and events to the judge, the energy audit and one more sink.
+struct Listeners<'a, A> {
+    criteria_tracker: RunCriteriaTracker,
+    audit: EnergyAudit,
+    sink: &'a mut A,
+}
+
+impl<A: Sink> Sink for Listeners<'_, A> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.criteria_tracker.sample(sample)?;
+        self.audit.sample(sample)?;
+        self.sink.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.criteria_tracker.event(event)?;
+        self.sink.event(event)
+    }
+}
+
+/// Returns the playback and the figures of a run.
+fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
+    let mut recorder = PlaybackRecorder::default();
+    let report = simulate(scene, &mut recorder);
+    let playback = recorder.into_playback(Model::Analytic.name(), scene, "");
+    json!({
+        "playback": playback_json::append_run(&playback, numbers),
+        "figures": figures(&report),
+        "verdict": verdict(&report),
+        "failed": report.error.as_ref().map(|error| &error.reason),
+        "warnings": report.warnings,
+        "steps": report.steps,
+    })
+}
+
+/// Returns the result of the check of a run.
+fn check(scene: &Scene) -> Value {
+    let found = check::check(Model::Analytic, scene, &|| true);
+    let report = RunCheckReport::new(&found, scene.kind() != SceneKind::Bodies);
+    json!({
+        "verdict": found.verdict.name(),
+        "text": summary_line(Some(&report), None),
+        "error": found.errors.path,
+        "bar": found.max_path_error,
+        "report": report,
+    })
+}
+
+/// Runs every point of a map. Appends the numerical figures to `numbers` row by row, NaN if a run lacks a figure;
+/// figures in words are returned under `words`. A point with an invalid scene has neither.
+fn criteria(request: &Request, numbers: &mut Vec<f64>) -> Value {
+    let run = |point: &Vec<String>| {
+        let set: Vec<(String, String)> = request.fields.iter().cloned().zip(point.iter().cloned()).collect();
+        match request.scene(&set) {
+            Ok(scene) => (leaves(&simulate(&scene, &mut ())), Value::Null),
+            Err(problems) => (Vec::new(), problems[0]["message"].clone()),
+        }
+    };
+    let (rows, refused): (Vec<_>, Vec<Value>) = request.points.iter().map(run).unzip();
+    let mut columns: Vec<&str> = Vec::new();
+    let mut words: BTreeMap<&str, Vec<Option<&str>>> = BTreeMap::new();
+    for (key, value) in rows.iter().flatten() {
+        if value.is_number() && !columns.contains(&key.as_str()) {
+            columns.push(key);
+        } else if value.is_string() {
+            words.entry(key).or_default();
+        }
+    }
+    for row in &rows {
+        let leaf = |key: &str| row.iter().find(|(known, _)| known == key).map(|(_, value)| value);
+        numbers.extend(columns.iter().map(|column| leaf(column).and_then(Value::as_f64).unwrap_or(f64::NAN)));
+        words.iter_mut().for_each(|(key, list)| list.push(leaf(key).and_then(Value::as_str)));
+    }
+    json!({ "columns": columns, "words": words, "refused": refused })
+}
+
+/// Returns the samples in the format of `phalanx replay --csv`.
+fn samples(scene: &Scene) -> Result<Value, Value> {
+    let mut lines = CsvSink { columns: columns(&Layout::from_system(&scene.system)), text: Vec::new() };
+    csv_head(&mut lines.text, &lines.columns).expect("writing to memory cannot fail");
+    let mut decimated = Decimated::new(scene.log.numeric_hz, lines);
+    // A run that fails early has the samples up to its failure.
+    let result = run_analytic(scene, &mut decimated);
+    let _ = decimated.end();
+    match result {
+        Err(RunError::Sink(error)) => Err(json!([{ "message": error.to_string(), "help": "" }])),
+        _ => Ok(json!({ "text": String::from_utf8_lossy(&decimated.sink.text) })),
+    }
+}
+
+struct CsvSink {
+    columns: Vec<Column>,
+    text: Vec<u8>,
+}
+
+impl Sink for CsvSink {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        csv_sample(&mut self.text, &self.columns, sample).expect("writing to memory cannot fail");
+        Ok(())
+    }
 }

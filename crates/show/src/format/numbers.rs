@@ -27,6 +27,11 @@ pub fn format_number(value: f64, digits: usize) -> String {
     format!("{value:.places$}")
 }
 
+/// Formats a value; a missing value is a dash.
+pub fn or_dash<T>(value: Option<T>, format: impl FnOnce(T) -> String) -> String {
+    value.map_or("–".to_string(), format)
+}
+
 /// Returns a result in SI units, or 0 if it is below the resolution of its dimension, where its digits would be
 /// rounding errors. JSON documents contain the unrounded value.
 pub fn zero_below_resolution(value_si: f64, dimension: Dimension) -> f64 {

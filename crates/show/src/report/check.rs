@@ -69,20 +69,15 @@ const ADVICE: &str = "increase the accuracy with --preset reference, or a smalle
 /// Returns the line on the check in the summary of a run. For a run without check it is a note if the run has too many
 /// steps to be checked by default, otherwise `None`.
 pub fn summary_line(report: Option<&RunCheckReport>, steps: Option<u64>) -> Option<String> {
-    match report {
-        Some(report) => Some(verdict_line(report)),
-        None if steps? > MAX_CHECKED_STEPS => Some(format!(
-            "not checked because the run took more than {MAX_CHECKED_STEPS} steps; --check checks it anyway\n"
-        )),
-        None => None,
-    }
+    let unchecked =
+        || format!("not checked because the run took more than {MAX_CHECKED_STEPS} steps; --check checks it anyway\n");
+    report.map(verdict_line).or_else(|| steps.filter(|steps| *steps > MAX_CHECKED_STEPS).map(|_| unchecked()))
 }
 
 fn verdict_line(report: &RunCheckReport) -> String {
     let Check { verdict, errors, reference, reason, .. } = &report.check;
     let size = |value: f64| format!("{} {}", format_number(value, 2), report.unit());
-    let (error, limit, path_change) =
-        (size(errors.path), size(report.check.max_path_error), size(report.check.sensitivity));
+    let [error, limit, path_change] = [errors.path, report.check.max_path_error, report.check.sensitivity].map(size);
     let reason_line = reason.as_ref().map_or(String::new(), |reason| format!(";\n{reason}"));
     let reason = reason.as_deref().unwrap_or_default();
     match verdict {

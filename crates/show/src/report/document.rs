@@ -1,17 +1,20 @@
-//! The JSON document of a run: its figures in order.
+//! A run: the JSON document of its figures in order, and the summary as short tables with units.
 //!
 //! Keys contain their SI unit; a missing value is null. Keys may be added, but are never renamed.
 
 use serde::{Serialize, Serializer};
 
-use super::check::RunCheckReport;
+use super::check::{self, RunCheckReport};
 use super::contacts::Contacts;
 use super::grasp::GraspReport;
 use super::states::States;
+use super::tables;
 use crate::criteria::{Criteria, GraspCriteria, Rebound, scene_static_grasp};
+use crate::format::numbers::{G_M_S2, format_number};
+use crate::format::{Report, ToReport, format_duration};
 use crate::scene::keywords::SceneKind;
 use crate::scene::schema::{SettingsSection, columns};
-use crate::scene::{Engine, Integrator, Keyword, Scene};
+use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping};
 use crate::trace::{Energy, Layout, Model, Outcome, Work};
 
 /// One run. All results are null if the simulation failed without a partial outcome. Keys that do not apply to the kind
@@ -56,9 +59,11 @@ pub struct RunReport {
     pub warnings: Vec<String>,
     pub work: Option<Work>,
     /// Settings of the analytic model; null for a run of the engine.
-    pub integrator: Option<EffectiveSettings<Integrator>>,
+    #[serde(serialize_with = "serialize_settings")]
+    pub integrator: Option<Integrator>,
     /// Settings of the engine model; null for a run of the analytic one.
-    pub engine: Option<EffectiveSettings<Engine>>,
+    #[serde(serialize_with = "serialize_settings")]
+    pub engine: Option<Engine>,
     /// Largest gap of a joint of the engine, with fingers only; null for the analytic model, whose loop is closed by
     /// construction.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,13 +85,12 @@ pub struct Failure {
     pub reason: String,
 }
 
-/// The settings of one model as used in the run, by name. Settings that do not apply because of others are null.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EffectiveSettings<T>(pub T);
-
-impl<T: SettingsSection> Serialize for EffectiveSettings<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(columns(&self.0))
+/// Serialises the settings of one model as used in the run, by name. Settings that do not apply because of others are
+/// null.
+pub fn serialize_settings<T: SettingsSection, S: Serializer>(settings: &Option<T>, out: S) -> Result<S::Ok, S::Error> {
+    match settings {
+        Some(settings) => out.collect_map(columns(settings)),
+        None => out.serialize_none(),
     }
 }
 
@@ -121,9 +125,7 @@ impl RunReport {
         let (engine, outcome) = (model == Model::Engine, data.outcome);
         let (kind, layout) = (scene.kind(), Layout::from_system(&scene.system));
         let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
-        let palm_peak = || {
-            scene.system.palm_motion.as_ref().map(|motion| motion.peak_acceleration_m_s2([0.0; 2], scene.duration_s))
-        };
+        let palm = scene.system.palm_motion.as_ref();
         let criteria = data.criteria.filter(|_| error.is_none());
         RunReport {
             scene: scene.name.clone(),
@@ -141,13 +143,14 @@ impl RunReport {
             }),
             completed: error.is_none(),
             end_s: outcome.map(|outcome| outcome.last.time_s),
-            palm_peak_acceleration_m_s2: gripper.then(palm_peak),
+            palm_peak_acceleration_m_s2: gripper
+                .then(|| palm.map(|motion| motion.peak_acceleration_m_s2([0.0; 2], scene.duration_s))),
             error,
             energy: outcome.map(|outcome| outcome.last.energy),
             warnings: data.warnings.to_vec(),
             work: outcome.map(|outcome| outcome.work),
-            integrator: (!engine).then_some(EffectiveSettings(scene.integrator)),
-            engine: engine.then_some(EffectiveSettings(scene.engine)),
+            integrator: (!engine).then_some(scene.integrator),
+            engine: engine.then_some(scene.engine),
             loop_gap_m: (finger || gripper).then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
             log: None,
             page: None,
@@ -159,5 +162,96 @@ impl RunReport {
     /// Whether the scene has fingers.
     pub fn has_joints(&self) -> bool {
         self.kind != SceneKind::Bodies.keyword()
+    }
+}
+
+/// The complete summary, with a final line end.
+impl ToReport for RunReport {
+    fn report(&self) -> Report {
+        let no_criteria = self.no_criteria.as_ref().and_then(Option::as_ref).filter(|_| self.completed);
+        let mut sections = vec![Report::from(self.heading())];
+        sections.extend(tables::states(&self.states, self.end_s.unwrap_or_default()));
+        sections.extend([
+            self.contacts.as_ref().map(tables::contacts).into(),
+            self.energy.map(|energy| tables::energies(&energy, self.has_joints())).into(),
+            self.criteria.flatten().as_ref().map(tables::criteria).into(),
+            no_criteria.map(|reason| format!("no class: {reason}\n")).into(),
+            self.grasp.iter().flatten().next().map(GraspReport::text).into(),
+            check::summary_line(self.check.as_ref(), self.steps).into(),
+        ]);
+        Report::join(sections)
+    }
+}
+
+impl RunReport {
+    fn heading(&self) -> String {
+        let settings = settings_text(self.integrator.as_ref(), self.engine.as_ref(), self.has_joints());
+        let mut lines = vec![
+            format!("{}: {} model{settings}", self.scene, self.model),
+            format!("{}{} of wall time", self.effort(), format_duration(self.wall_s)),
+        ];
+        lines.extend(self.palm_peak_acceleration_m_s2.flatten().map(|peak_m_s2| {
+            let [peak, peak_g] = [peak_m_s2, peak_m_s2 / G_M_S2].map(|peak| format_number(peak, 4));
+            format!("the palm accelerates by up to {peak} m/s² ({peak_g} g)")
+        }));
+        let gap = self.loop_gap_m.flatten();
+        lines.extend(gap.map(|gap_m| format!("joints open by at most {} µm", format_number(gap_m * 1e6, 3))));
+        let ejected_s = self.grasp.iter().flatten().find_map(GraspReport::ejected_s).map(format_duration);
+        lines.extend(
+            ejected_s.map(|time| {
+                format!("EJECTED: the object left the reach of both fingers at {time}, which ends the run")
+            }),
+        );
+        lines.extend(self.error.as_ref().map(|error| error.text(&format_duration(self.duration_s))));
+        lines.extend(self.warnings.iter().map(|warning| format!("Warning: {warning}")));
+        for (name, path) in [("log", &self.log), ("samples", &self.csv), ("page", &self.page)] {
+            lines.extend(path.as_ref().map(|path| format!("{name}: {path}")));
+        }
+        lines.join("\n") + "\n"
+    }
+
+    fn effort(&self) -> String {
+        let (Some(end_s), Some(steps), Some(work)) = (self.end_s, self.steps, &self.work) else {
+            return String::new();
+        };
+        let effort = match &self.engine {
+            None => format!("{} evaluations, {} Jacobians", work.rhs_evaluations, work.jacobian_evaluations),
+            Some(_) => {
+                format!("{} contact sub-steps, {} Newton iterations", work.contact_substeps, work.newton_iterations)
+            }
+        };
+        let (rejected, events) = (work.rejected, work.events);
+        let plural = if events == 1 { "" } else { "s" };
+        format!("{} in {steps} steps ({rejected} rejected), {effort}, {events} event{plural}; ", format_duration(end_s))
+    }
+}
+
+impl Failure {
+    /// Describes the failure of a run of the requested duration.
+    pub fn text(&self, requested: &str) -> String {
+        format!("NOT COMPLETED: stopped at {} of {requested}: {}", format_duration(self.time_s), self.reason)
+    }
+}
+
+/// Describes the settings of the model; empty if they are unknown.
+pub fn settings_text(integrator: Option<&Integrator>, engine: Option<&Engine>, has_fingers: bool) -> String {
+    if let Some(Integrator { method, rtol, preset, .. }) = integrator {
+        return format!(", {} (rtol {rtol:e}, {} preset)", method.keyword(), preset.keyword());
+    }
+    let Some(settings) = engine else { return String::new() };
+    let stepping = match settings.stepping {
+        Stepping::Fixed { step_s } => format!("steps of {}", format_duration(step_s)),
+        Stepping::Adaptive { tolerance_m, max_step_s } => format!(
+            "{} within {} m per step, steps up to {}",
+            if has_fingers { "joints" } else { "discs" },
+            format_number(tolerance_m, 3),
+            format_duration(max_step_s)
+        ),
+    };
+    let law = if matches!(settings.response, Response::Rapier { .. }) { ", rapier's own contact" } else { "" };
+    let (construction, iterations) = (settings.construction.keyword(), settings.iterations);
+    match has_fingers {
+        true => format!(", {construction} construction ({stepping}, {iterations} sweeps{law})"),
+        false => format!(", {stepping}{law}"),
     }
 }

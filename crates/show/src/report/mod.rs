@@ -2,10 +2,10 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `document` | figures of a run, with units in their keys |
+//! | `document` | a run: figures with units in their keys, and the summary for people |
 //! | `states`, `contacts`, `grasp`, `named` | parts of it |
 //! | `check` | the result of a check |
-//! | `text`, `tables` | the summary for people |
+//! | `tables` | tables of the summary |
 //! | `samples` | samples as comma-separated values |
 //! | `statics` | the grasp at rest |
 
@@ -18,4 +18,3 @@ pub mod samples;
 pub mod states;
 pub mod statics;
 pub mod tables;
-pub mod text;

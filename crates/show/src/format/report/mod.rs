@@ -3,19 +3,10 @@
 //! In a file or a pipe tables have their natural width, so that programs find every row on one line. On a terminal the
 //! text is wrapped to the width of the terminal. On a page tables are HTML tables.
 //!
-//! | file | job |
-//! |---|---|
-//! | `table` | rows of cells |
-//! | `text` | plain text, of natural width or wrapped to a width |
-//! | `markdown` | Markdown; figures are separate files |
-//! | `html` | HTML elements of a page |
+//! `text` renders plain text, `markup` renders Markdown and the HTML elements of a page.
 
-mod html;
-mod markdown;
-mod table;
+mod markup;
 mod text;
-
-pub use table::{Cell, CellStyle, Table, list, table};
 
 use std::fmt;
 
@@ -82,10 +73,10 @@ impl Report {
         Report::from(Block::Paragraph(content.to_string()))
     }
 
-    /// Concatenates reports, separated by empty lines.
+    /// Concatenates reports that are not empty, separated by empty lines.
     pub fn join(reports: impl IntoIterator<Item = Report>) -> Report {
         let join = |all: Report, next: Report| if all.is_empty() { next } else { all.with("\n").with(next) };
-        reports.into_iter().fold(Report::default(), join)
+        reports.into_iter().filter(|report| !report.is_empty()).fold(Report::default(), join)
     }
 
     pub fn push(&mut self, other: impl Into<Report>) {
@@ -153,12 +144,12 @@ impl Report {
 
     /// HTML elements of a page. Each table is in a scrollable box; `title` is its accessible name if it has no caption.
     pub fn html(&self, title: &str) -> String {
-        html::blocks(&self.blocks, title)
+        markup::html(self, title)
     }
 
     /// Markdown; figures are images in the directory `figures`, with their captions.
     pub fn markdown(&self) -> String {
-        markdown::report(self)
+        markup::markdown(self)
     }
 }
 
@@ -166,14 +157,6 @@ impl Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&text::report(self, None))
-    }
-}
-
-/// Allows `writeln!` to append lines.
-impl fmt::Write for Report {
-    fn write_str(&mut self, content: &str) -> fmt::Result {
-        self.push_str(content);
-        Ok(())
     }
 }
 
@@ -201,8 +184,139 @@ impl From<&str> for Report {
     }
 }
 
-impl From<char> for Report {
-    fn from(letter: char) -> Report {
-        Report::from(letter.to_string())
+impl<T: Into<Report>> From<Option<T>> for Report {
+    fn from(part: Option<T>) -> Report {
+        part.map(Into::into).unwrap_or_default()
+    }
+}
+
+/// A table. The first column contains text, the others numbers unless one of their cells is [`CellStyle::Prose`]. A row
+/// of one cell is a heading of the rows below it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// May be empty if the context describes the table; tables with a caption are numbered.
+    pub caption: String,
+    /// Number of leading rows that form the header.
+    header_rows: usize,
+    key_columns: usize,
+    columns_per_group: usize,
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// Creates a table whose first row is the header and whose first column identifies the rows.
+    pub fn new<C: Clone + Into<Cell>>(rows: &[Vec<C>]) -> Table {
+        let rows = rows.iter().map(|row| row.iter().cloned().map(Into::into).collect()).collect();
+        Table { caption: String::new(), header_rows: 1, key_columns: 1, columns_per_group: 1, rows }
+    }
+
+    pub fn caption(self, caption: &str) -> Table {
+        Table { caption: caption.to_string(), ..self }
+    }
+
+    /// Sets the number of leading rows that form the header.
+    pub fn header_rows(self, header_rows: usize) -> Table {
+        Table { header_rows, ..self }
+    }
+
+    /// Sets the number of leading columns that identify a row.
+    pub fn key_columns(self, key_columns: usize) -> Table {
+        Table { key_columns, ..self }
+    }
+
+    /// Sets the number of columns after the keys that must not be separated.
+    pub fn columns_per_group(self, columns_per_group: usize) -> Table {
+        Table { columns_per_group, ..self }
+    }
+
+    /// Number of cells of the widest row.
+    fn columns(&self) -> usize {
+        self.rows.iter().map(Vec::len).max().unwrap_or(0)
+    }
+
+    /// Returns the header rows and the other rows.
+    fn split_header(&self) -> (&[Vec<Cell>], &[Vec<Cell>]) {
+        self.rows.split_at(self.header_rows.min(self.rows.len()))
+    }
+
+    /// Cells of a column below the header.
+    fn body_cells(&self, column: usize) -> impl Iterator<Item = &Cell> {
+        self.split_header().1.iter().filter_map(move |row| row.get(column))
+    }
+
+    /// Whether a cell of the column is prose.
+    fn is_prose_column(&self, column: usize) -> bool {
+        self.body_cells(column).any(|cell| cell.style == CellStyle::Prose)
+    }
+
+    /// Whether the column contains words and no numbers.
+    fn is_text_column(&self, column: usize) -> bool {
+        let starts = |is: fn(char) -> bool| self.body_cells(column).any(|cell| cell.text.trim_start().starts_with(is));
+        let is_part_of_number = |first: char| first.is_ascii_digit() || "-−+.".contains(first);
+        column == 0 || self.is_prose_column(column) || starts(char::is_alphabetic) && !starts(is_part_of_number)
+    }
+
+    /// Text of the header of a column; header rows are joined.
+    fn header_text(&self, column: usize) -> String {
+        let cells = self.split_header().0.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| cell.text.trim()).filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// Header of a column, and its cell of an item.
+pub type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
+
+/// Builds a table with one row for each item.
+pub fn table_of<T>(items: impl IntoIterator<Item = T>, columns: &[Column<'_, T>]) -> Report {
+    let header = columns.iter().map(|(header, _)| header.to_string()).collect();
+    let rows = items.into_iter().map(|item| columns.iter().map(|(_, cell)| cell(&item)).collect());
+    table(&std::iter::once(header).chain(rows).collect::<Vec<Vec<String>>>())
+}
+
+/// Builds a table whose first row is its header.
+pub fn table(rows: &[Vec<String>]) -> Report {
+    Table::new(rows).into()
+}
+
+/// Builds a table without a header.
+pub fn list(rows: &[Vec<String>]) -> Report {
+    Table::new(rows).header_rows(0).into()
+}
+
+/// A cell. A cell with a figure of the report contains its key, so that the page can be checked against the JSON
+/// document.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cell {
+    pub text: String,
+    /// Key of the figure, and its value in SI units.
+    pub figure: Option<(String, f64)>,
+    pub style: CellStyle,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CellStyle {
+    #[default]
+    Plain,
+    /// A value within its limits.
+    Good,
+    /// A value outside its limits.
+    Bad,
+    /// Running text in a table.
+    Prose,
+}
+
+impl Cell {
+    pub fn new(text: impl Into<String>) -> Cell {
+        Cell { text: text.into(), ..Cell::default() }
+    }
+
+    pub fn prose(text: impl Into<String>) -> Cell {
+        Cell { style: CellStyle::Prose, ..Cell::new(text) }
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Cell {
+        Cell::new(text)
     }
 }

@@ -3,13 +3,12 @@
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::closure;
-use super::millimetres;
+use super::{closure_document, closure_text, millimetres};
 use crate::format::numbers::{format_number, row};
-use crate::format::report::{Report, ToReport, table};
-use crate::grasp::finger::{Contact, Drive, Forces, Grasp, SpringAtRest};
-use crate::gripper::SpringKind;
-use crate::statics::Ejection;
+use crate::format::report::{Report, ToReport, table, table_of};
+use crate::grasp::finger::{Drive, Forces, Grasp, SpringAtRest};
+use crate::gripper::{Posture, SpringKind};
+use crate::statics::{Ejection, Equilibrium};
 
 /// Report of the static grasp of a finger.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +60,7 @@ impl Serialize for StaticsReport<'_> {
             .with("drive", drive)
             .with("forces", forces.iter().map(forces_document).collect::<Vec<_>>())
             .with("forces_per_n_m", self.unit_torque_forces_n())
-            .with("form_closure", closure::document(&self.grasp.closure, palm))
+            .with("form_closure", closure_document(&self.grasp.closure, palm))
             .with_some("svg", self.svg.as_ref())
             .serialize(serializer)
     }
@@ -69,12 +68,6 @@ impl Serialize for StaticsReport<'_> {
 
 fn forces_document(Forces { mu_static, equilibrium, birglen }: &Forces) -> Object<'_> {
     let [f1_n, f2_n] = birglen.forces_n;
-    let ejection = match equilibrium.ejection() {
-        Ejection::None => "none",
-        Ejection::Proximal => "proximal",
-        Ejection::Distal => "distal",
-        Ejection::Both => "both",
-    };
     let birglen = Object::default()
         .with("jacobian_m", birglen.jacobian_m)
         .with("transmission", birglen.transmission)
@@ -89,8 +82,21 @@ fn forces_document(Forces { mu_static, equilibrium, birglen }: &Forces) -> Objec
         .with("pfp_n", equilibrium.pfp_n)
         .with("force_positive", equilibrium.is_force_positive())
         .with("palm_force_positive", equilibrium.is_palm_force_positive())
-        .with("ejection", ejection)
+        .with("ejection", ejection(equilibrium).0)
         .with("birglen", birglen)
+}
+
+/// Name of an ejection, and its cause.
+fn ejection(equilibrium: &Equilibrium) -> (&'static str, Option<&'static str>) {
+    const PROXIMAL: &str = "the proximal phalanx would have to pull: it loses contact, and the object slides along the distal phalanx (ejection)";
+    const DISTAL: &str =
+        "the distal phalanx would have to pull: the spring opens it against the motor, and the object is released";
+    match equilibrium.ejection() {
+        Ejection::None => ("none", None),
+        Ejection::Proximal => ("proximal", Some(PROXIMAL)),
+        Ejection::Distal => ("distal", Some(DISTAL)),
+        Ejection::Both => ("both", Some("both phalanges would have to pull: the finger opens")),
+    }
 }
 
 /// Kind and placement of a spring, as in scene files.
@@ -104,18 +110,16 @@ fn spring_names(at_rest: &SpringAtRest) -> [&'static str; 2] {
 
 impl ToReport for StaticsReport<'_> {
     fn report(&self) -> Report {
-        let Grasp { scene, drive: loads, forces: all, palm, .. } = self.grasp;
-        let pure = Some(self.unit_torque_forces_n());
-        let sections = [
-            Report::from(format!("{scene}: the grasp at rest\n")),
+        let Grasp { scene, drive: loads, forces: all, palm, closure, .. } = self.grasp;
+        Report::join([
+            format!("{scene}: the grasp at rest\n").into(),
             posture(self.grasp),
-            Report::from(drive(loads)),
+            drive(loads).into(),
             forces(all),
             birglen(all),
-            closure::text(&self.grasp.closure, palm, "form closure of two fingers", pure),
-        ];
-        let picture = self.svg.iter().map(|path| Report::from(format!("picture: {path}\n")));
-        Report::join(sections.into_iter().chain(picture))
+            closure_text(closure, palm, "form closure of two fingers", Some(self.unit_torque_forces_n())),
+            self.svg.as_ref().map(|path| format!("picture: {path}\n")).into(),
+        ])
     }
 }
 
@@ -124,25 +128,20 @@ fn number(value: f64) -> String {
 }
 
 fn posture(Grasp { end, contacts: [proximal, distal], .. }: &Grasp) -> Report {
-    let posture = &end.posture;
-    let degrees = |name: &str, angle_rad: f64| format!("{name} {:.4}°", angle_rad.to_degrees());
-    let angles = [
-        degrees("q11", posture.q11_rad),
-        degrees("q21", posture.q21_rad),
-        degrees("q12", posture.q12_rad),
-        degrees("q22", posture.q22_rad),
-        degrees("phi_c", end.phi_c_rad),
-    ];
-    let line = |name: &str, contact: &Contact| {
-        let [x, y] = contact.point_m;
-        let [from_joint, phalanx, x, y] = [contact.from_joint_m, contact.phalanx_m, x, y].map(millimetres);
-        row([name, &from_joint, &phalanx, &x, &y])
-    };
-    Report::from(format!("final posture: {}\n", angles.join(", "))).with(table(&[
-        row(["contact", "from joint, mm", "phalanx length, mm", "x, mm", "y, mm"]),
-        line("proximal", proximal),
-        line("distal", distal),
-    ]))
+    let Posture { q11_rad, q21_rad, q12_rad, q22_rad } = end.posture;
+    let angles = [("q11", q11_rad), ("q21", q21_rad), ("q12", q12_rad), ("q22", q22_rad), ("phi_c", end.phi_c_rad)]
+        .map(|(name, angle_rad)| format!("{name} {:.4}°", angle_rad.to_degrees()));
+    let table = table_of(
+        [("proximal", proximal), ("distal", distal)],
+        &[
+            ("contact", &|(name, _)| name.to_string()),
+            ("from joint, mm", &|(_, contact)| millimetres(contact.from_joint_m)),
+            ("phalanx length, mm", &|(_, contact)| millimetres(contact.phalanx_m)),
+            ("x, mm", &|(_, contact)| millimetres(contact.point_m[0])),
+            ("y, mm", &|(_, contact)| millimetres(contact.point_m[1])),
+        ],
+    );
+    Report::from(format!("final posture: {}\n", angles.join(", "))).with(table)
 }
 
 fn drive(drive: &Drive) -> String {
@@ -178,48 +177,40 @@ fn forces(all: &[Forces]) -> Report {
         let positive = yes_or_no(equilibrium.is_force_positive());
         let palm_positive = yes_or_no(equilibrium.is_palm_force_positive());
         rows.push(row([&friction(*mu_static), &f21, &f22, positive, &pfp, palm_positive]));
-        let cause = match equilibrium.ejection() {
-            Ejection::None => continue,
-            Ejection::Proximal => {
-                "the proximal phalanx would have to pull: it loses contact, and the object slides along the distal phalanx (ejection)"
-            }
-            Ejection::Distal => {
-                "the distal phalanx would have to pull: the spring opens it against the motor, and the object is released"
-            }
-            Ejection::Both => "both phalanges would have to pull: the finger opens",
-        };
-        notes.push_str(&format!("μ_s {}: {cause}\n", friction(*mu_static)));
+        if let (_, Some(cause)) = ejection(equilibrium) {
+            notes.push_str(&format!("μ_s {}: {cause}\n", friction(*mu_static)));
+        }
     }
     Report::from("contact forces at rest, without weight\n").with(table(&rows)).with(notes)
 }
 
 fn birglen(all: &[Forces]) -> Report {
-    let mut text = Report::from("Birglen's frame: phalanges of zero width, θ = (q21, q22)\n");
+    let text = Report::from("Birglen's frame: phalanges of zero width, θ = (q21, q22)\n");
     let Some(Forces { birglen: first, .. }) = all.first() else {
         return text;
     };
     let [t21, t22] = first.torques_n_m.map(|torque_n_m| number(torque_n_m * 1e3));
     let transmission = matrix(&first.transmission, 1.0);
-    text.push(format!("transmission T = {transmission}, torques t = ({t21}, {t22}) N·mm\n"));
-    let mut rows = vec![row(["μ_s", "Jacobian J, mm", "f1, N", "f2, N", "f1 − F21, N", "f2 − F22, N"])];
-    for Forces { mu_static, equilibrium, birglen } in all {
-        let difference = |force_n: f64, other_n: f64| match force_n - other_n {
-            // A difference of this size is rounding error.
-            difference if difference.abs() <= 1e-9 * force_n.abs().max(1.0) => "0".to_string(),
-            difference => format_number(difference, 3),
-        };
-        let [f1, f2] = birglen.forces_n;
-        let differences = [difference(f1, equilibrium.f21_n), difference(f2, equilibrium.f22_n)];
-        let jacobian = matrix(&birglen.jacobian_m, 1e3);
-        rows.push(row([&friction(*mu_static), &jacobian, &number(f1), &number(f2), &differences[0], &differences[1]]));
-    }
-    text.push(table(&rows));
-    if all.iter().any(|forces| forces.mu_static != [0.0; 2]) {
-        text.push_str(
-            "(f differs from F by the friction on the surface of a phalanx, whose lever arm is the half width)\n",
-        );
-    }
-    text
+    let difference = |force_n: f64, other_n: f64| match force_n - other_n {
+        // A difference of this size is rounding error.
+        difference if difference.abs() <= 1e-9 * force_n.abs().max(1.0) => "0".to_string(),
+        difference => format_number(difference, 3),
+    };
+    let table = table_of(
+        all,
+        &[
+            ("μ_s", &|forces| friction(forces.mu_static)),
+            ("Jacobian J, mm", &|forces| matrix(&forces.birglen.jacobian_m, 1e3)),
+            ("f1, N", &|forces| number(forces.birglen.forces_n[0])),
+            ("f2, N", &|forces| number(forces.birglen.forces_n[1])),
+            ("f1 − F21, N", &|forces| difference(forces.birglen.forces_n[0], forces.equilibrium.f21_n)),
+            ("f2 − F22, N", &|forces| difference(forces.birglen.forces_n[1], forces.equilibrium.f22_n)),
+        ],
+    );
+    let note = "(f differs from F by the friction on the surface of a phalanx, whose lever arm is the half width)\n";
+    text.with(format!("transmission T = {transmission}, torques t = ({t21}, {t22}) N·mm\n"))
+        .with(table)
+        .with(all.iter().any(|forces| forces.mu_static != [0.0; 2]).then_some(note))
 }
 
 fn matrix(rows: &[[f64; 2]; 2], factor: f64) -> String {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{closure, millimetres};
+use super::{closure_document, closure_text, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
 use crate::grasp::finger::Palm;
@@ -16,6 +16,7 @@ use crate::scene::{GripperContact, Side};
 use crate::statics::{
     AccelerationLimit, Balance, Blocked, ContactLoad, ContactLocation, ContactMotion, Drive, Limit, StaticsError,
 };
+use crate::trace::FingerState;
 use crate::units::Dimension;
 
 /// Report of the static grasp of a gripper.
@@ -65,14 +66,13 @@ impl<'a> GripperStaticsReport<'a> {
 impl<'a> Serialize for GripperStaticsReport<'a> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let grasp = self.grasp;
-        let [right, left] = [0, 1].map(|side: usize| {
-            let finger = &grasp.sample.fingers[side];
+        let finger = |finger: &FingerState| {
             Object::default()
                 .with("q11_rad", finger.q11_rad)
                 .with("q21_rad", finger.q21_rad)
                 .with("q12_rad", finger.q12_rad)
                 .with("q22_rad", finger.q22_rad)
-        });
+        };
         let (source, time_s, fate) = match grasp.source {
             PostureSource::Run { time_s, fate } => ("run", Some(time_s), Some(fate.name())),
             PostureSource::Geometric => ("geometric", None, None),
@@ -83,8 +83,8 @@ impl<'a> Serialize for GripperStaticsReport<'a> {
             .with("source", source)
             .with("time_s", time_s)
             .with("fate", fate)
-            .with("right", right)
-            .with("left", left)
+            .with("right", finger(&grasp.sample.fingers[0]))
+            .with("left", finger(&grasp.sample.fingers[1]))
             .with("x_m", x_m)
             .with("y_m", y_m)
             .with("mass_kg", grasp.mass_kg)
@@ -101,7 +101,7 @@ impl<'a> Serialize for GripperStaticsReport<'a> {
         let closure = |(blocked, found): &'a (Blocked, Result<_, StaticsError>)| {
             Object::default()
                 .with("blocked", if *blocked == Blocked::Outputs { "outputs" } else { "input" })
-                .with("closure", found.as_ref().ok().map(|found| closure::document(found, &self.palm())))
+                .with("closure", found.as_ref().ok().map(|found| closure_document(found, &self.palm())))
                 .with_some("reason", found.as_ref().err().map(StaticsError::to_string))
         };
         let friction_case = |case: &'a FrictionCase| {
@@ -199,17 +199,16 @@ fn slipping_brakes<'m>(limit: &Limit, motors: &[&'m str]) -> Vec<&'m str> {
 /// The complete report, with a final line end.
 impl ToReport for GripperStaticsReport<'_> {
     fn report(&self) -> Report {
-        let head = Report::from(format!("{}: the grasp of its object at rest\n", self.grasp.scene));
-        let mut sections = vec![head, posture(self.grasp)];
-        sections.push(Report::from(self.motors().map(motor).collect::<String>()));
-        sections.push(contacts(&self.grasp.contacts));
+        let head = format!("{}: the grasp of its object at rest\n", self.grasp.scene).into();
+        let motors = self.motors().map(motor).collect::<String>().into();
+        let mut sections = vec![head, posture(self.grasp), motors, contacts(&self.grasp.contacts)];
         for (blocked, found) in &self.grasp.closures {
             let blocked = match blocked {
                 Blocked::Outputs => "both driven links blocked",
                 Blocked::Input => "the differential's input blocked",
             };
             sections.push(match found {
-                Ok(found) => closure::text(found, &self.palm(), &format!("form closure, {blocked}"), None),
+                Ok(found) => closure_text(found, &self.palm(), &format!("form closure, {blocked}"), None),
                 Err(reason) => Report::from(format!("form closure, {blocked}: not decided\n"))
                     .with(Report::paragraph(&format!("{reason}\n"))),
             });
@@ -222,10 +221,8 @@ impl ToReport for GripperStaticsReport<'_> {
 
 impl GripperStaticsReport<'_> {
     fn friction_case(&self, case: &FrictionCase) -> Report {
-        let friction = match case.mu_static {
-            Some(mu) => format!("μ_s {mu} in all contacts"),
-            None => "friction of the scene".to_string(),
-        };
+        let friction =
+            case.mu_static.map_or("friction of the scene".to_string(), |mu| format!("μ_s {mu} in all contacts"));
         let closure = &case.force_closure;
         let [sum, each] = [closure.q1_l1, closure.q1_linf].map(number);
         let (verdict, weakest) = match closure.closed {
@@ -326,11 +323,8 @@ fn contacts(all: &[ObjectContact]) -> Report {
     };
     let rows: Vec<_> = std::iter::once(head).chain(all.iter().map(line)).collect();
     let note = "(forces of the run; friction on phalanx and palm is along t = (n_y, −n_x), mirrored on the left)\n";
-    Report::from("contacts in the palm's frame; normals into the object\n").with(table(&rows)).with(if has_forces {
-        note
-    } else {
-        ""
-    })
+    let head = Report::from("contacts in the palm's frame; normals into the object\n");
+    head.with(table(&rows)).with(has_forces.then_some(note))
 }
 
 /// Name of a direction for a hanging gripper.
