@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::Failure;
-use super::interrupt::Interrupt;
 use super::output::print_note;
+use super::progress::Interrupt;
 use crate::format::format_duration;
 use crate::live::{DEFAULT_ADDRESS, LiveError, RealTimePacer, Server};
 use crate::log::MessageFeed;
@@ -58,7 +58,7 @@ pub(crate) struct Live {
 
 impl LiveArgs {
     /// Starts the server if requested and prints its address to stderr.
-    pub fn start(&self, scene: &str, duration_s: f64, interrupt: &Interrupt) -> Result<Option<Live>, Failure> {
+    pub(super) fn start(&self, scene: &str, duration_s: f64, interrupt: &Interrupt) -> Result<Option<Live>, Failure> {
         let Some(address) = &self.live else {
             return Ok(None);
         };
@@ -82,12 +82,12 @@ impl LiveArgs {
 
 impl Live {
     /// Returns the feed that receives the messages of the log writer.
-    pub fn feed(&self, interrupt: &Interrupt) -> Box<dyn MessageFeed> {
+    pub(super) fn feed(&self, interrupt: &Interrupt) -> Box<dyn MessageFeed> {
         self.server.feed(RealTimePacer::new(self.speed), interrupt.stop_flag())
     }
 
     /// Waits for a first client if requested. The channels must already exist.
-    pub(crate) fn wait_for_client(&self) {
+    pub(super) fn wait_for_client(&self) {
         if self.waits_for_client {
             print_note("live: waits for a client");
             self.server.wait_for_client(&self.stop);
@@ -95,7 +95,7 @@ impl Live {
     }
 
     /// Stops the server, after serving the last state until an interrupt if requested. The log must be finished.
-    pub fn finish(self) {
+    pub(super) fn finish(self) {
         if self.keeps_serving && !(self.stop)() {
             print_note("live: the run is over; its last state is served until Ctrl-C");
             self.server.serve_last_state(&self.stop);

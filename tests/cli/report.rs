@@ -141,20 +141,6 @@ fn keys_come_in_the_documented_order_and_floats_are_not_rounded() {
 }
 
 #[test]
-fn unknown_values_are_null() {
-    let mut outcome = outcome();
-    outcome.contacts = vec![ContactSummary::default(); 3];
-    let mut swing = scene();
-    swing.system.discs.clear();
-    let document = parsed(&build_report(&swing, 0.0, Some(&outcome), None, None));
-    assert_eq!(document["criteria"], Value::Null);
-    for name in ["proximal", "distal"] {
-        let contact = &document["contacts"][name];
-        assert_eq!((&contact["first_s"], &contact["touchdowns"]), (&Value::Null, &0.into()));
-    }
-}
-
-#[test]
 fn incomplete_runs_report_their_partial_outcome() {
     for (outcome, reason) in
         [(Some(outcome()), "step budget of 10 used up"), (None, "cannot write the log run.mcap: no space left")]
