@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::output::{FileKind, OutputArgs, print_result, reserve, save};
 use super::parsers::{choice, count, model, number, positive};
-use super::progress::{Interrupt, without_files};
+use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
 use crate::format::ToReport;
@@ -85,14 +85,13 @@ pub(super) fn run_capture(args: &CaptureArgs) -> Result<Status, Failure> {
     let scene = args.set.load_any(&args.scene)?;
     require_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/offset.toml")
         .map_err(Failure::bad_input)?;
-    let source = SceneSource { layers: scene::load_layers(&args.scene)?, settings: args.set.settings().to_vec() };
+    let source = SceneSource { layers: scene::load_layers(&args.scene)?, settings: args.set.set.clone() };
     let files = ["capture.json", "capture.csv", "capture.svg", "capture.txt"];
-    let out = args.output.out.as_deref();
-    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (out, &files))?;
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let (position_count, tolerance_m) = (args.position_count, args.tolerance_m);
     let plan = capture::Plan { model: args.model, error_m, position_count, tolerance_m };
     let load = |offset_m: f64| source.load_at_offset(error_m, offset_m);
-    let task = ["the study", "positions", without_files(out.is_some())];
+    let task = ["the study", "positions", args.output.unwritten()];
     let study = Interrupt::listen()?.compute(task, |progress, keep_running| {
         let mut progress = |done: u64, total: u64| progress(done as usize, total as usize, "positions");
         capture::capture(plan, &load, &mut progress, keep_running)
@@ -222,9 +221,9 @@ pub(super) fn run_hold(args: &HoldArgs) -> Result<Status, Failure> {
     let plan = build_plan(args)?;
     let svg = ("--svg", args.svg.as_deref(), FileKind::Picture);
     let files = ["hold.json", "hold.csv", "hold.svg", "hold.txt"];
-    let out = args.output.out.as_deref();
-    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[svg], (out, &files))?;
-    let task = ["the study", "runs", without_files(out.is_some())];
+    let directory =
+        reserve(&[("the scene", &source_files(&args.scene))], &[svg], (args.output.out.as_deref(), &files))?;
+    let task = ["the study", "runs", args.output.unwritten()];
     let study = Interrupt::listen()?.compute(task, |progress, keep_running| {
         let mut progress = |done: u64, total: u64| progress(done as usize, total as usize, "runs");
         hold::hold(&scene, plan, &mut progress, keep_running)

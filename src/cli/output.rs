@@ -37,6 +37,16 @@ pub(crate) struct OutputArgs {
     pub(super) json: bool,
 }
 
+impl OutputArgs {
+    /// Returns the consequence of an interruption.
+    pub(super) fn unwritten(&self) -> &'static str {
+        match self.out {
+            Some(_) => "no file was written, and existing files are unchanged",
+            None => "there is no result",
+        }
+    }
+}
+
 /// Whether only results, warnings and errors are printed; set once, before the command starts.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
@@ -149,9 +159,6 @@ pub(crate) fn terminal_width() -> Option<usize> {
 fn parse_columns(columns: Option<&str>) -> Option<usize> {
     columns?.trim().parse().ok().filter(|width| *width > 0)
 }
-
-/// Page with two overlaid runs.
-pub(super) const PAGE_FILE: &str = "page.html";
 
 /// A flag, its path, and the kind of file to write.
 pub(crate) type Target<'a> = (&'a str, Option<&'a Path>, FileKind);

@@ -230,8 +230,7 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<Status, Failure> {
 
 /// Returns the scene that the page opens.
 fn load_initial_scene(args: &ExploreArgs) -> Result<InitialScene, Failure> {
-    let set: Vec<(String, String)> =
-        args.set.settings().iter().filter_map(|layer| split_setting(&layer.text)).collect();
+    let set: Vec<_> = args.set.set.iter().filter_map(|layer| split_setting(&layer.text)).collect();
     let Some(path) = &args.scene else {
         let start = InitialScene { set, ..InitialScene::first_preset() };
         args.set.parse_any(&start.text, &start.file)?;

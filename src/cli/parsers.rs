@@ -19,7 +19,7 @@ pub(crate) fn positive(
     move |text| match units::parse(text, dimension) {
         Ok(value) if value > 0.0 => Ok(value),
         Ok(_) => Err(format!("must be more than 0; expected {example}")),
-        Err(error) => Err(format!("{error}; expected {example}")),
+        Err(error) => Err(format!("{error}; give {example}")),
     }
 }
 

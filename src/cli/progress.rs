@@ -221,11 +221,6 @@ impl Interrupt {
     }
 }
 
-/// Consequence of an interruption for the files of a command with or without `--out`.
-pub(crate) fn without_files(has_out: bool) -> &'static str {
-    if has_out { "no file was written, and existing files are unchanged" } else { "there is no result" }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

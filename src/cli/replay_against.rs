@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::output::{FileKind, PAGE_FILE, print_result, reserve, save};
+use super::output::{FileKind, print_result, reserve, save};
 use super::progress::Interrupt;
 use super::replay_read::{LogReader, ReplayArgs, print_defects};
 use super::{Failure, Status};
@@ -16,7 +16,7 @@ use crate::trace::{FingerContact, Layout, Sample};
 use crate::validate::{Angle, Recording, compare};
 
 /// Files in the output directory.
-const FILES: [&str; 5] = ["report.txt", "report.json", PAGE_FILE, "overlay.svg", "difference.svg"];
+const FILES: [&str; 5] = ["report.txt", "report.json", "page.html", "overlay.svg", "difference.svg"];
 
 /// Runs `phalanx replay --against`.
 pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
@@ -76,12 +76,12 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     let page_text = has_page.then(|| build_page(logs, &report)).transpose()?;
     if let Some(out) = &args.out {
         report.directory = Some(out.display().to_string());
-        let written = FILES.into_iter().filter(|file| *file != PAGE_FILE || page_text.is_some());
+        let written = FILES.into_iter().filter(|file| *file != "page.html" || page_text.is_some());
         report.files = Some(written.map(String::from).collect());
         directory.write_with(|out| {
             save(&out.join("overlay.svg"), &plots[0])?;
             save(&out.join("difference.svg"), &plots[1])?;
-            page_text.iter().try_for_each(|page| save(&out.join(PAGE_FILE), page))?;
+            page_text.iter().try_for_each(|page| save(&out.join("page.html"), page))?;
             save(&out.join("report.txt"), &report.report().to_string())?;
             save(&out.join("report.json"), &report.json())
         })?;

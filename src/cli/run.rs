@@ -265,7 +265,7 @@ fn create_log(
     }
     let feed = live.map(|live| live.feed(interrupt));
     let run_info = run_info(scene, &args.scene, args.model.name());
-    let log = log::create_with_feed(args.log.as_deref(), &run_info, feed).map_err(log_failure)?;
+    let log = log::create_with_feed(args.log.as_deref(), &run_info, feed)?;
     if let Some(live) = live {
         live.wait_for_client();
     }
@@ -296,11 +296,13 @@ pub(super) fn run_info<'a>(scene: &'a Scene, path: &'a Path, model: &'a str) -> 
     RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
 }
 
-/// Failure of a log that could not be created: the path is invalid, or the disk is full.
-pub(super) fn log_failure(error: LogError) -> Failure {
-    match error {
-        LogError::Start(_) => Failure::incomplete(error),
-        _ => Failure::bad_input(error),
+impl From<LogError> for Failure {
+    /// A log cannot be created if its path is invalid, or if the disk is full.
+    fn from(error: LogError) -> Self {
+        match error {
+            LogError::Start(_) => Failure::incomplete(error),
+            _ => Failure::bad_input(error),
+        }
     }
 }
 

@@ -10,8 +10,8 @@ use crate::scene::{self, Layer, Scene, SceneError, Template};
 #[derive(Debug, Default, Args)]
 pub(crate) struct SetArgs {
     /// Override a field of the scene, such as contact.friction.mu_static=0.6 or design.base="12 mm"; can be repeated
-    #[arg(long = "set", value_name = "FIELD=VALUE", value_parser = parse_set)]
-    set: Vec<Layer>,
+    #[arg(long = "set", value_name = "FIELD=VALUE", value_parser = |text: &str| scene::parse_setting("--set", text))]
+    pub(super) set: Vec<Layer>,
 }
 
 impl SetArgs {
@@ -31,15 +31,6 @@ impl SetArgs {
         scene::parse_layers(&[shipped], &self.set, scene::parse_any)
     }
 
-    /// Returns these fields as lines of a scene file.
-    pub(super) fn settings(&self) -> &[Layer] {
-        &self.set
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        self.set.is_empty()
-    }
-
     /// Loads the template that all designs of a study share and applies these fields.
     pub(super) fn load_template(&self, path: &Path) -> Result<Template, SceneError> {
         scene::parse_layers(&scene::load_layers(path)?, &self.set, scene::parse_template)
@@ -52,9 +43,4 @@ pub(super) fn source_files(scene: &Path) -> Vec<PathBuf> {
     let layers = if scene.is_file() { scene::load_layers(scene).unwrap_or_default() } else { Vec::new() };
     let source_files: Vec<PathBuf> = layers.into_iter().map(|layer| layer.file.into()).collect();
     if source_files.is_empty() { vec![scene.to_path_buf()] } else { source_files }
-}
-
-/// Parses one setting into a line of a scene file.
-fn parse_set(text: &str) -> Result<Layer, String> {
-    scene::parse_setting("--set", text)
 }

@@ -63,8 +63,7 @@ pub(crate) struct SizeArgs {
 pub(super) fn run_size(args: &SizeArgs) -> Result<Status, Failure> {
     let scene = args.set.load(&args.scene)?;
     let files = ["size.txt", "size.json", "size.csv", "trajectory.svg", "springs.svg", "spring-types.svg"];
-    let out = args.output.out.as_deref();
-    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (out, &files))?;
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let defaults = SizingOptions::default();
     let options = SizingOptions {
         rule: args.rule,

@@ -9,7 +9,7 @@ use clap::{Args, Subcommand};
 
 use super::output::{OutputArgs, print_note, print_result, reserve, save, write_failure};
 use super::parsers::{number, parse_threads, positive};
-use super::progress::{Interrupt, without_files};
+use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};
@@ -43,7 +43,7 @@ pub(super) fn compute<T>(
     interrupt: &Interrupt,
     work: impl FnOnce(&Monitor) -> Result<T, StudyError>,
 ) -> Result<T, Failure> {
-    interrupt.compute([task, "parts", without_files(output.out.is_some())], |progress, keep_running| {
+    interrupt.compute([task, "parts", output.unwritten()], |progress, keep_running| {
         work(&Monitor::new(|done, total, name| progress(done, total, name), keep_running))
     })
 }
@@ -151,8 +151,7 @@ fn run_stability(args: &StabilityArgs) -> Result<Status, Failure> {
         )));
     }
     let files = ["stability.json", "stability.csv", "stability.svg", "table.txt"];
-    let out = args.output.out.as_deref();
-    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (out, &files))?;
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;
     let (grid, accuracy_rad) = (build_grid(args), args.accurate.unwrap_or(ACCURACY_RAD));
     let study =

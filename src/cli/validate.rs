@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{OutputArgs, PAGE_FILE, print, print_report, reserve, save, write_failure};
-use super::progress::{Interrupt, without_files};
-use super::run::{log_failure, run_info};
+use super::output::{OutputArgs, print, print_report, reserve, save, write_failure};
+use super::progress::Interrupt;
+use super::run::run_info;
 use super::set::{SetArgs, source_files};
 use super::simulate::{CheckPolicy, RunLimits, simulate};
 use super::{Failure, Status};
@@ -77,10 +77,10 @@ pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = &args.set.load_any(&args.scene)?;
     let OutputArgs { out, json } = &args.output;
     let files = file_names(scene);
-    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (out.as_deref(), &files))?;
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;
     check_sample_count(scene).map_err(Failure::bad_input)?;
-    let task = ["the validation", "parts", without_files(out.is_some())];
+    let task = ["the validation", "parts", args.output.unwritten()];
     let mut validation = interrupt.compute(task, |progress, keep_running| {
         progress(0, 1, "verdict");
         validate(scene, keep_running)
@@ -93,7 +93,7 @@ pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let time_s = args.ladder_time.unwrap_or(LADDER_TIME_S);
     let options = is_requested.then_some(LadderOptions { quick: args.quick, time_s });
     if let Some(options) = options {
-        let task = ["the validation", "settings of its ladder", without_files(out.is_some())];
+        let task = ["the validation", "settings of its ladder", args.output.unwritten()];
         interrupt.compute(task, |progress, keep_running| {
             run_ladder(&mut validation, scene, options, progress, keep_running)
         })?;
@@ -112,7 +112,7 @@ pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
 fn file_names(scene: &Scene) -> Vec<&'static str> {
     let plots = ["speed-error.svg", "overlay.svg"].into_iter();
     let difference = (scene.kind() != SceneKind::Bodies).then_some("difference.svg");
-    let reports = ["report.txt", "report.json", PAGE_FILE, "series.csv"];
+    let reports = ["report.txt", "report.json", "page.html", "series.csv"];
     reports.into_iter().chain(plots).chain(difference).chain(["analytic.mcap", "engine.mcap"]).collect()
 }
 
@@ -149,7 +149,7 @@ fn write_files(
         notes: vec![Note { title: "Validation".to_string(), text: report.report() }],
         pictures: vec![Picture { title: "Speed against error".to_string(), svg: speed_error }],
     });
-    save(&out.join(PAGE_FILE), &page)?;
+    save(&out.join("page.html"), &page)?;
     let names = file_names(scene).into_iter().map(String::from).collect();
     report.files = args.output.out.as_ref().map(|out| (out.display().to_string(), names));
     save(&out.join("report.txt"), &report.report().to_string())?;
@@ -167,7 +167,7 @@ fn record_run(
     path: &Path,
     interrupt: &Interrupt,
 ) -> Result<Playback, Failure> {
-    let log = log::create(path, &run_info(scene, scene_file, model.name())).map_err(log_failure)?;
+    let log = log::create(path, &run_info(scene, scene_file, model.name()))?;
     let mut recorder = PlaybackRecorder::default();
     let limits = RunLimits { interrupt, until_s: f64::INFINITY, check_policy: CheckPolicy::IfCheap };
     let run = simulate(model, scene, Some(log), &limits, &mut recorder);

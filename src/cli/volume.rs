@@ -117,8 +117,7 @@ const FILES: [&str; 6] = ["table.txt", "table.json", "points.csv", "points.parqu
 pub(super) fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let request = build_request(args)?;
     let inputs = args.scene.as_deref().map(source_files).unwrap_or_default();
-    let out = args.output.out.as_deref();
-    let directory = reserve(&[("the scene", &inputs)], &[], (out, &FILES))?;
+    let directory = reserve(&[("the scene", &inputs)], &[], (args.output.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
     let threads = if args.threads == 0 { all_cores() } else { args.threads };
     let start = Instant::now();
@@ -126,7 +125,7 @@ pub(super) fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let wall_s = start.elapsed().as_secs_f64();
     let mut report = VolumeReport::new(&request, &volumes);
     check_designs_exist(&report)?;
-    report.directory = out.map(|out| out.display().to_string());
+    report.directory = args.output.out.as_ref().map(|out| out.display().to_string());
     directory.write_with(|out| write(out, &request, &volumes, args, &mut report, &interrupt))?;
     report.timing = Some(Timing { wall_s, threads });
     print_result(&report, args.output.json)
@@ -158,7 +157,7 @@ fn build_request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
     let defaults = VolumeRequest::thesis();
     let template = match &args.scene {
         Some(path) => args.set.load_template(path)?,
-        None if args.set.is_empty() => defaults.template,
+        None if args.set.set.is_empty() => defaults.template,
         None => {
             return Err(Failure::bad_input(
                 "--set needs a scene, but none is given; name one, as in phalanx volume scenes/experiment-95.toml --set …",
