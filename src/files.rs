@@ -42,8 +42,11 @@ const TABLE_HEADS: [&str; 8] = [
 pub(crate) enum FileKind {
     Page,
     Picture,
+    /// A log, which is written to its unfinished file first.
     Log,
     Table,
+    /// Results of a sweep, a table with the files of its unfinished results and its study.
+    Results,
     /// A text, JSON or Markdown document in a directory of results.
     Report,
 }
@@ -69,8 +72,8 @@ impl FileKind {
             FileKind::Page => head.contains(PAGE_MARK),
             FileKind::Picture => head.starts_with("<svg") && head.contains(phalanx_show::plot::PICTURE_MARK),
             FileKind::Log => ensure_replaceable(path, path).is_ok(),
-            FileKind::Table if bytes.starts_with(b"PAR1") => is_own_parquet(path),
-            FileKind::Table => is_own_header(head.lines().next().unwrap_or_default()),
+            FileKind::Table | FileKind::Results if bytes.starts_with(b"PAR1") => is_own_parquet(path),
+            FileKind::Table | FileKind::Results => is_own_header(head.lines().next().unwrap_or_default()),
             FileKind::Report => {
                 [TEXT_MARK, MARKDOWN_MARK, JSON_MARK].iter().any(|mark| head.starts_with(mark))
                     || head.contains(MANUAL_MARK)
@@ -140,7 +143,7 @@ fn check_replaceable(path: &Path, kind: FileKind, choice: &str) -> Result<(), St
         Ok(false) => Err(format!(
             "the existing file is not a {} written by phalanx, so it is not replaced; give another {choice}, or replace it \
              with --force",
-            format!("{kind:?}").to_lowercase()
+            if kind == FileKind::Results { "table".to_string() } else { format!("{kind:?}").to_lowercase() }
         )),
         Err(error) => Err(format!("the existing file cannot be read ({error}); give another {choice}")),
     }
@@ -173,18 +176,45 @@ pub(crate) fn replace_file(
     path: &Path,
     fill: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> io::Result<()> {
-    if is_special(path) {
-        let mut out = BufWriter::new(OpenOptions::new().write(true).open(path)?);
-        fill(&mut out)?;
-        return out.flush();
+    let mut file = NewFile::create(path)?;
+    fill(&mut file)?;
+    file.commit()
+}
+
+/// A file that replaces an existing one when it is complete; see [`replace_file`].
+pub(crate) struct NewFile {
+    out: BufWriter<File>,
+    /// The temporary file and its target; `None` for devices and pipes.
+    replacement: Option<(tempfile::TempPath, PathBuf)>,
+}
+
+impl NewFile {
+    pub(crate) fn create(path: &Path) -> io::Result<Self> {
+        if is_special(path) {
+            return Ok(NewFile { out: BufWriter::new(OpenOptions::new().write(true).open(path)?), replacement: None });
+        }
+        let target = resolve_link(path)?;
+        let (file, temporary) = create_temporary(&target)?.into_parts();
+        Ok(NewFile { out: BufWriter::new(file), replacement: Some((temporary, target)) })
     }
-    let target = resolve_link(path)?;
-    let mut out = BufWriter::new(create_temporary(&target)?);
-    fill(&mut out).map_err(without_temporary_path)?;
-    let file = out.into_inner().map_err(|error| without_temporary_path(error.into_error()))?;
-    file.as_file().sync_all()?;
-    file.persist(&target).map_err(|error| error.error)?;
-    Ok(())
+
+    /// Moves the complete file to its place.
+    pub(crate) fn commit(mut self) -> io::Result<()> {
+        self.out.flush()?;
+        let Some((temporary, target)) = self.replacement else { return Ok(()) };
+        self.out.get_ref().sync_all()?;
+        temporary.persist(target).map_err(|error| error.error)
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }
 
 /// Reads a file; `None` if it is larger than `max_bytes`. The limit also stops endless devices.
@@ -228,11 +258,9 @@ fn create_temporary(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     // Temporary files are private by default; results get the permissions of the umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(directory).map_err(without_temporary_path)
-}
-
-/// Removes the path of the temporary file from an error.
-pub(crate) fn without_temporary_path(error: io::Error) -> io::Error {
-    let inner = error.get_ref().and_then(|outer| outer.source()?.downcast_ref::<io::Error>());
-    inner.and_then(io::Error::raw_os_error).map_or(error, io::Error::from_raw_os_error)
+    // The error contains the path of the temporary file, which means nothing to a user.
+    builder.tempfile_in(directory).map_err(|error| {
+        let inner = error.get_ref().and_then(|outer| outer.source()?.downcast_ref::<io::Error>());
+        inner.and_then(io::Error::raw_os_error).map_or(error, io::Error::from_raw_os_error)
+    })
 }

@@ -3,14 +3,18 @@
 use clap::Args;
 
 use super::Failure;
-use super::interrupt::Interrupt;
 use super::output::print_note;
+use super::parsers::number;
+use super::progress::Interrupt;
 use crate::format::format_duration;
 use crate::live::{DEFAULT_ADDRESS, LiveError, RealTimePacer, Server};
 use crate::log::MessageFeed;
 
 /// Wall time of a streamed run without `--live-speed`, s.
 const DEFAULT_WALL_S: f64 = 20.0;
+
+/// Accepted values in messages.
+const SPEED: &str = "simulated seconds per second as a positive number, such as 1e-3";
 
 /// Arguments of a streamed run.
 #[derive(Debug, Args)]
@@ -21,7 +25,7 @@ pub(crate) struct LiveArgs {
     live: Option<String>,
 
     /// Simulated seconds per second of wall time [default: the whole run takes 20 s]
-    #[arg(long, value_name = "RATIO", requires = "live", value_parser = parse_speed)]
+    #[arg(long, value_name = "RATIO", requires = "live", value_parser = number(|speed| (f64::MIN_POSITIVE..=f64::MAX).contains(speed), SPEED))]
     live_speed: Option<f64>,
 
     /// Also accept connections from web pages of this origin, such as http://lab:8080; the Foxglove app and pages of
@@ -38,14 +42,6 @@ pub(crate) struct LiveArgs {
     live_keep: bool,
 }
 
-/// Parses the simulated seconds per second of wall time.
-fn parse_speed(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(speed) if speed > 0.0 && f64::is_finite(speed) => Ok(speed),
-        _ => Err("expected simulated seconds per second as a positive number, such as 1e-3".to_string()),
-    }
-}
-
 /// Server for one run.
 pub(crate) struct Live {
     server: Server,
@@ -58,10 +54,8 @@ pub(crate) struct Live {
 
 impl LiveArgs {
     /// Starts the server if requested and prints its address to stderr.
-    pub fn start(&self, scene: &str, duration_s: f64, interrupt: &Interrupt) -> Result<Option<Live>, Failure> {
-        let Some(address) = &self.live else {
-            return Ok(None);
-        };
+    pub(super) fn start(&self, scene: &str, duration_s: f64, interrupt: &Interrupt) -> Result<Option<Live>, Failure> {
+        let Some(address) = &self.live else { return Ok(None) };
         let server =
             Server::start(address, &format!("phalanx: {scene}"), &self.live_origin).map_err(|error| match error {
                 LiveError::Start(_) | LiveError::Listen(_) => Failure::incomplete(error),
@@ -82,12 +76,12 @@ impl LiveArgs {
 
 impl Live {
     /// Returns the feed that receives the messages of the log writer.
-    pub fn feed(&self, interrupt: &Interrupt) -> Box<dyn MessageFeed> {
+    pub(super) fn feed(&self, interrupt: &Interrupt) -> Box<dyn MessageFeed> {
         self.server.feed(RealTimePacer::new(self.speed), interrupt.stop_flag())
     }
 
     /// Waits for a first client if requested. The channels must already exist.
-    pub(crate) fn wait_for_client(&self) {
+    pub(super) fn wait_for_client(&self) {
         if self.waits_for_client {
             print_note("live: waits for a client");
             self.server.wait_for_client(&self.stop);
@@ -95,7 +89,7 @@ impl Live {
     }
 
     /// Stops the server, after serving the last state until an interrupt if requested. The log must be finished.
-    pub fn finish(self) {
+    pub(super) fn finish(self) {
         if self.keeps_serving && !(self.stop)() {
             print_note("live: the run is over; its last state is served until Ctrl-C");
             self.server.serve_last_state(&self.stop);

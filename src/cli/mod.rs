@@ -7,41 +7,29 @@
 //! | 2 | bad input: arguments, scene, or a path that cannot be written |
 //! | 3 | the simulation could not be completed, was interrupted, or its results could not be written; the log up to that time is kept and readable |
 
-mod browser;
-mod capture;
-mod completions;
-mod explore;
-mod hold;
-mod interrupt;
+mod grippers;
+mod help;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
-mod man;
-mod new;
 // The messages of a build without the feature are tested in every build.
 #[cfg(all(test, feature = "live"))]
 #[allow(dead_code)]
 mod no_live;
 mod output;
-mod overrides;
+mod page;
 mod parsers;
 mod progress;
 mod replay;
 mod replay_against;
 mod replay_read;
-mod replay_verify;
-mod reproduce;
 mod run;
-mod run_page;
-mod samples;
-pub mod scene;
+mod scene;
 mod select;
-pub mod set;
+mod set;
 mod simulate;
-mod size;
 mod statics;
 mod study;
 mod sweep;
-mod targets;
 mod validate;
 mod volume;
 
@@ -120,9 +108,9 @@ macro_rules! commands {
 }
 
 commands! {
-    New(new::NewArgs) => new::run,
+    New(scene::NewArgs) => scene::run_new,
     Run(run::RunArgs) => run::run,
-    Explore(explore::ExploreArgs) => explore::run,
+    Explore(page::ExploreArgs) => page::explore,
     Validate(validate::ValidateArgs) => validate::run,
     Replay(replay_read::ReplayArgs) => replay::run,
     /// Show and check scene files, or print their schema
@@ -132,22 +120,22 @@ commands! {
                       schema > scene.schema.json"
     )]
     Scene(scene::SceneCommand) => scene::run,
-    Capture(capture::CaptureArgs) => capture::run,
-    Hold(hold::HoldArgs) => hold::run,
-    Size(size::SizeArgs) => size::run,
-    Statics(statics::StaticsArgs) => statics::run,
+    Capture(grippers::CaptureArgs) => grippers::run_capture,
+    Hold(grippers::HoldArgs) => grippers::run_hold,
+    Size(statics::SizeArgs) => statics::run_size,
+    Statics(statics::StaticsArgs) => statics::run_statics,
     Volume(volume::VolumeArgs) => volume::run,
     Sweep(sweep::SweepArgs) => sweep::run,
     Select(select::SelectArgs) => select::run,
-    Reproduce(reproduce::ReproduceArgs) => reproduce::run,
+    Reproduce(study::ReproduceArgs) => study::run_reproduce,
     /// Study how settings affect a result
     #[command(
         subcommand,
         after_help = "Examples:\n  phalanx study stability scenes/experiment-95.toml\n  phalanx study step-size --quick"
     )]
     Study(study::StudyCommand) => study::run,
-    Completions(completions::CompletionsArgs) => completions::run,
-    Man(man::ManArgs) => man::run,
+    Completions(help::CompletionsArgs) => help::run_completions,
+    Man(help::ManArgs) => help::run_man,
 }
 
 /// Exit status of a command; see the [module](self) documentation.
@@ -187,7 +175,7 @@ impl From<SceneError> for Failure {
 
 /// Runs the command given by the arguments of the process.
 pub fn main() -> ExitCode {
-    interrupt::fail_writes_beyond_file_limit();
+    progress::fail_writes_beyond_file_limit();
     let matches = build_command().try_get_matches().unwrap_or_else(|error| exit_with_error(suggest_subcommand(error)));
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| exit_with_error(error));
     if cli.quiet {

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::Failure;
-use super::interrupt::Interrupt;
+use super::progress::Interrupt;
 use crate::log::MessageFeed;
 
 /// Flag of a build with the server, hidden from the help.
@@ -23,21 +23,21 @@ fn reject(_: &str) -> Result<String, String> {
 pub(crate) enum Live {}
 
 impl LiveArgs {
-    pub fn start(&self, _: &str, _: f64, _: &Interrupt) -> Result<Option<Live>, Failure> {
+    pub(super) fn start(&self, _: &str, _: f64, _: &Interrupt) -> Result<Option<Live>, Failure> {
         Ok(None)
     }
 }
 
 impl Live {
-    pub fn feed(&self, _: &Interrupt) -> Box<dyn MessageFeed> {
+    pub(super) fn feed(&self, _: &Interrupt) -> Box<dyn MessageFeed> {
         match *self {}
     }
 
-    pub(crate) fn wait_for_client(&self) {
+    pub(super) fn wait_for_client(&self) {
         match *self {}
     }
 
-    pub fn finish(self) {
+    pub(super) fn finish(self) {
         match self {}
     }
 }

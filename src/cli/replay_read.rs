@@ -1,21 +1,23 @@
-//! Arguments of `phalanx replay`; reading a log for its summary, criteria and page, with progress and interruption.
+//! Arguments of `phalanx replay`; reading a log for its summary, criteria, page, table and recording, with progress and
+//! interruption.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::interrupt::Interrupt;
 use super::output::print_diagnostic;
-use super::progress::Progress;
+use super::progress::{Interrupt, Progress};
+use super::simulate::SampleTable;
 use super::{Failure, Status};
 use crate::format::Report;
-use crate::log::{ChannelContent, LogSink, LogSummary, MissingData, ReadError};
+use crate::limits::MAX_COMPARED_VALUES;
+use crate::log::{ChannelContent, LogSink, LogSummary, MissingData, ReadError, read_file, read_head};
 use crate::page::{Playback, PlaybackRecorder};
-pub(super) use crate::report::replay::scene_in_log;
-use crate::report::replay::{LogObserver, ReplayReport};
+use crate::report::replay::{LogObserver, ReplayReport, scene_in_log};
 use crate::scene::Scene;
-use crate::trace::{Event, Layout, Outcome, Sample, Sink, SinkError};
+use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::validate::Recording;
 
 /// Summarise the run in a log, verify it by simulating again, compare it with another log, or export its samples.
 #[derive(Debug, Args)]
@@ -59,41 +61,147 @@ pub(crate) struct ReplayArgs {
     pub(super) html: Option<PathBuf>,
 }
 
-/// A log sink that collects the summary of a run, shows progress and stops at a signal.
-pub(super) struct SummarySink<'a> {
+/// Reads a log for its summary and criteria with a progress line until a signal arrives; on request also for a page, a
+/// table, or a recording in memory.
+pub(super) struct LogReader<'a> {
+    pub path: &'a Path,
+    /// The head of the log, and the whole log after it was read.
+    pub summary: LogSummary,
+    pub layout: Layout,
+    pub recording: Option<Recording>,
     observer: LogObserver,
+    page: Option<PageRecorder>,
+    pub table: Option<SampleTable>,
+    value_count: usize,
     progress: Progress,
+    duration_s: f64,
     interrupt: &'a Interrupt,
 }
 
-impl<'a> SummarySink<'a> {
+/// Records a log for a page in bounded memory; samples of long runs are decimated.
+struct PageRecorder {
+    scene: Scene,
+    recorder: Box<PlaybackRecorder>,
+    /// Whether the layout of the samples matches the scene.
+    matches_scene: bool,
+}
+
+impl<'a> LogReader<'a> {
     /// Reads the head of the log, because the criteria need its scene before the first sample.
-    pub fn new(path: &Path, interrupt: &'a Interrupt) -> Result<Self, Failure> {
-        let head = read_head(path)?;
-        let duration_s = head.metadata.get("duration_s").and_then(|text| text.parse().ok());
-        let (observer, warning) = LogObserver::new(&head);
+    pub(super) fn new(path: &'a Path, interrupt: &'a Interrupt) -> Result<Self, Failure> {
+        let summary = read_head(path).map_err(|error| read_failure(path, &error))?;
+        let duration_s = summary.metadata.get("duration_s").and_then(|text| text.parse().ok());
+        let (observer, warning) = LogObserver::new(&summary);
         warning.iter().for_each(|warning| print_diagnostic(warning));
-        Ok(SummarySink { observer, progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)), interrupt })
+        Ok(LogReader {
+            path,
+            layout: Layout::from_kind(summary.kind()),
+            summary,
+            recording: None,
+            observer,
+            page: None,
+            table: None,
+            value_count: 0,
+            progress: Progress::new(),
+            duration_s: duration_s.unwrap_or(f64::INFINITY),
+            interrupt,
+        })
     }
 
-    /// Returns the outcome of the run; `None` without samples.
-    pub fn outcome(&self) -> Option<&Outcome> {
-        self.observer.outcome()
+    fn nothing_to_draw(&self, reason: impl std::fmt::Display) -> Failure {
+        Failure::bad_input(format!("{}: there is nothing to draw: {reason}", self.path.display()))
     }
 
-    /// Clears the progress line.
-    pub(crate) fn clear_progress(&mut self) {
+    /// Requests the data of a page.
+    ///
+    /// # Errors
+    /// Returns an error if the log has no readable scene of its kind.
+    pub(super) fn record_page(&mut self) -> Result<(), Failure> {
+        let scene = match scene_in_log(&self.summary) {
+            Some(Ok(scene)) if scene.kind() == self.summary.kind() => scene,
+            Some(Ok(_)) => {
+                let reason = "the kind of the scene in the log differs from the kind in its metadata";
+                return Err(self.nothing_to_draw(reason));
+            }
+            Some(Err(error)) => {
+                let reason = "the scene in the log cannot be read by this version of phalanx";
+                return Err(self.nothing_to_draw(format!("{reason}:\n{error}")));
+            }
+            None => return Err(self.nothing_to_draw("the part of the log with its scene is lost")),
+        };
+        self.page = Some(PageRecorder { scene, recorder: Box::default(), matches_scene: true });
+        Ok(())
+    }
+
+    /// Reads the log.
+    pub(super) fn read(&mut self) -> Result<(), Failure> {
+        let path = self.path;
+        let result = read_file(path, self);
         self.progress.clear();
+        self.summary = match result {
+            Err(_) if self.value_count > MAX_COMPARED_VALUES => {
+                return Err(Failure::bad_input(format!(
+                    "{} is too long to be compared: both logs are loaded into memory, with at most {MAX_COMPARED_VALUES} figures each \
+                     (476,000 samples of a finger); log at a lower rate, or compare the tables that --csv writes",
+                    path.display()
+                )));
+            }
+            result => result.map_err(|error| read_failure(path, &error))?,
+        };
+        if let (Some(recording), Some(outcome)) = (&mut self.recording, self.observer.outcome()) {
+            recording.outcome = outcome.clone();
+        }
+        Ok(())
     }
 
-    /// Returns the report on the log.
-    pub fn report(&mut self, path: &Path, summary: &LogSummary) -> ReplayReport {
-        self.observer.report(path.display().to_string(), summary)
+    /// Returns the report on the log, after it was read.
+    pub(super) fn report(&mut self) -> ReplayReport {
+        self.observer.report(self.path.display().to_string(), &self.summary)
+    }
+
+    /// Returns an error if a topic is missing, because a page needs all parts of a sample.
+    pub(super) fn ensure_drawable(&self) -> Result<(), Failure> {
+        let is_drawn = |missing: &&MissingData| missing.content != ChannelContent::Lines;
+        let Some(missing) = self.summary.missing.iter().find(is_drawn) else { return Ok(()) };
+        let (path, topic, defect) = (self.path.display(), &missing.topic, &missing.defect);
+        let message = format!("error: {path}: no page can be written: missing data: {topic} {defect}");
+        Err(Failure { message, status: Status::CheckFailed })
+    }
+
+    /// Returns the name and description of the scene of the page.
+    pub(super) fn name_and_description(&self) -> (String, String) {
+        self.page.as_ref().map(|page| (page.scene.name.clone(), page.scene.description.clone())).unwrap_or_default()
+    }
+
+    /// Returns the run for its page, which must have been requested.
+    pub(super) fn into_playback(mut self, label: &str, summary: impl Into<Report>) -> Result<Playback, Failure> {
+        match self.page.take().filter(|page| page.matches_scene) {
+            Some(page) => Ok(page.recorder.into_playback(label, &page.scene, summary)),
+            None => Err(self.nothing_to_draw("the samples do not match the scene in the log")),
+        }
+    }
+
+    /// Counts values that are stored in memory.
+    fn count_values(&mut self, values: usize) -> Result<(), SinkError> {
+        self.value_count += if self.recording.is_some() { values } else { 0 };
+        match self.value_count > MAX_COMPARED_VALUES {
+            true => Err(SinkError { target: "the log to memory".to_string(), source: io::ErrorKind::Other.into() }),
+            false => Ok(()),
+        }
+    }
+
+    fn matching_page(&mut self) -> Option<&mut PlaybackRecorder> {
+        self.page.as_mut().filter(|page| page.matches_scene).map(|page| &mut *page.recorder)
     }
 }
 
-impl LogSink for SummarySink<'_> {
+impl LogSink for LogReader<'_> {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.layout = layout.clone();
+        self.table.iter_mut().for_each(|table| table.set_layout(layout));
+        if let Some(page) = &mut self.page {
+            page.matches_scene = Layout::from_system(&page.scene.system) == *layout;
+        }
         self.observer.layout(layout)
     }
 
@@ -102,12 +210,20 @@ impl LogSink for SummarySink<'_> {
             let source = io::Error::other(format!("interrupted by {signal}"));
             return Err(SinkError { target: "a summary of the whole log".to_string(), source });
         }
-        self.progress.update(sample.time_s);
-        self.observer.sample(sample)
+        self.progress.show_time(sample.time_s, self.duration_s);
+        let Sample { fingers, bodies, contacts, .. } = sample;
+        self.count_values(8 + 10 * fingers.len() + 6 * bodies.len() + 10 * contacts.len())?;
+        self.table.sample(sample)?;
+        self.recording.sample(sample)?;
+        self.observer.sample(sample)?;
+        self.matching_page().map_or(Ok(()), |page| page.sample(sample))
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.observer.event(event)
+        self.count_values(8)?;
+        self.recording.event(event)?;
+        self.observer.event(event)?;
+        self.matching_page().map_or(Ok(()), |page| page.event(event))
     }
 }
 
@@ -119,107 +235,11 @@ pub(super) fn read_failure(path: &Path, error: &ReadError) -> Failure {
     }
 }
 
-/// Reads the head of a log: its metadata and its scene.
-pub(super) fn read_head(log: &Path) -> Result<LogSummary, Failure> {
-    crate::log::read_head(log).map_err(|error| read_failure(log, &error))
-}
-
-/// Records a log for a page in bounded memory; samples of long runs are decimated.
-pub(super) struct LogPlaybackRecorder {
-    scene: Scene,
-    recorder: Box<PlaybackRecorder>,
-    /// Whether the layout of the samples matches the scene.
-    matches_scene: bool,
-}
-
-/// Returns an error if a topic is missing, because a page needs all parts of a sample.
-pub(super) fn ensure_drawable(path: &Path, summary: &LogSummary) -> Result<(), Failure> {
-    let is_drawn = |missing: &&MissingData| missing.content != ChannelContent::Lines;
-    let Some(missing) = summary.missing.iter().find(is_drawn) else { return Ok(()) };
-    let (topic, defect) = (&missing.topic, &missing.defect);
-    let message = format!("error: {}: no page can be written: missing data: {topic} {defect}", path.display());
-    Err(Failure { message, status: Status::CheckFailed })
-}
-
-impl LogPlaybackRecorder {
-    /// Creates a recorder for the scene in the head of a log.
-    ///
-    /// # Errors
-    /// Returns an error if the log has no readable scene of its kind.
-    pub fn new(path: &Path, head: &LogSummary) -> Result<Self, Failure> {
-        let bad_input =
-            |reason: String| Failure::bad_input(format!("{}: there is nothing to draw: {reason}", path.display()));
-        match scene_in_log(head) {
-            Some(Ok(scene)) if scene.kind() == head.kind() => {
-                Ok(LogPlaybackRecorder { scene, recorder: Box::default(), matches_scene: true })
-            }
-            Some(Ok(_)) => {
-                Err(bad_input("the kind of the scene in the log differs from the kind in its metadata".to_string()))
-            }
-            Some(Err(error)) => {
-                Err(bad_input(format!("the scene in the log cannot be read by this version of phalanx:\n{error}")))
-            }
-            None => Err(bad_input("the part of the log with its scene is lost".to_string())),
-        }
-    }
-
-    /// Returns the name and description of the scene.
-    pub(crate) fn name_and_description(&self) -> (String, String) {
-        (self.scene.name.clone(), self.scene.description.clone())
-    }
-
-    pub fn into_playback(self, path: &Path, label: &str, summary: impl Into<Report>) -> Result<Playback, Failure> {
-        match self.matches_scene {
-            true => Ok(self.recorder.into_playback(label, &self.scene, summary)),
-            false => Err(Failure::bad_input(format!(
-                "{}: there is nothing to draw: the samples do not match the scene in the log",
-                path.display()
-            ))),
-        }
-    }
-}
-
-impl LogSink for LogPlaybackRecorder {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.matches_scene = Layout::from_system(&self.scene.system) == *layout;
-        Ok(())
-    }
-
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        if self.matches_scene { self.recorder.sample(sample) } else { Ok(()) }
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if self.matches_scene { self.recorder.event(event) } else { Ok(()) }
-    }
-}
-
-/// Passes a log to two sinks.
-pub(super) struct Tee<'a, A, B>(pub &'a mut A, pub &'a mut B);
-
-impl<A: LogSink, B: LogSink> LogSink for Tee<'_, A, B> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0.sample(sample)?;
-        self.1.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.0.event(event)?;
-        self.1.event(event)
-    }
-
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.0.layout(layout)?;
-        self.1.layout(layout)
-    }
-}
-
 /// Prints lost, missing and inconsistent parts of a log and returns the resulting exit status.
 pub(super) fn print_defects(log: &Path, report: &ReplayReport) -> Status {
     let losses = report.reading.losses.iter();
-    let mut messages: Vec<String> =
-        losses.map(|loss| format!("error: {}: {}", log.display(), loss.description)).collect();
-    messages.extend(report.error_messages());
+    let losses = losses.map(|loss| format!("error: {}: {}", log.display(), loss.description));
+    let messages: Vec<String> = losses.chain(report.error_messages()).collect();
     messages.iter().for_each(|message| print_diagnostic(message));
     if messages.is_empty() { Status::Done } else { Status::CheckFailed }
 }

@@ -1,4 +1,4 @@
-//! `phalanx run`: one simulation with its summary and log.
+//! `phalanx run`: one simulation with its summary, log, table and page.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,24 +7,21 @@ use std::time::{Duration, SystemTime};
 
 use clap::Args;
 
-use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
-use super::output::{print_diagnostic, print_note, print_result};
-use super::overrides::Overrides;
-use super::parsers;
-use super::run_page::PageArgs;
-use super::samples::{self, write_table};
+use super::output::{FileKind, NO_DIRECTORY, print_diagnostic, print_note, print_result, reserve};
+use super::page::PageArgs;
+use super::parsers::{self, choice};
+use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
-use super::simulate::{CheckPolicy, RunLimits, simulate};
-use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve};
-use super::{Failure, Status, run_page};
+use super::simulate::{CheckPolicy, RunLimits, SampleTable, csv_file, simulate};
+use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::PlaybackRecorder;
 use crate::report::document;
-use crate::scene::Scene;
-use crate::trace::columns::columns;
-use crate::trace::{Layout, Model, SinkError};
+use crate::scene::{Construction, Preset, Scene};
+use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
+use crate::trace::{Event, Layout, Model, Sample, Sink, SinkError};
 
 /// Polling period of `--watch`, and time for an editor to finish writing.
 const PERIOD: Duration = Duration::from_millis(100);
@@ -40,10 +37,10 @@ const PERIOD: Duration = Duration::from_millis(100);
 )]
 pub(crate) struct RunArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
-    pub(super) scene: PathBuf,
+    scene: PathBuf,
 
     #[command(flatten)]
-    pub(super) set: SetArgs,
+    set: SetArgs,
 
     /// Simulation model; the two models are independent
     #[arg(long, value_parser = parsers::model(), default_value = "analytic")]
@@ -52,7 +49,7 @@ pub(crate) struct RunArgs {
     /// Write a log (MCAP; FILE.mcap.partial is readable during the run); an existing log is replaced only when the new
     /// one is complete
     #[arg(long, value_name = "FILE.mcap")]
-    pub(super) log: Option<PathBuf>,
+    log: Option<PathBuf>,
 
     /// Write all samples as comma-separated values to this file, as `phalanx replay --csv` does for a log; - writes
     /// them to standard output instead of the summary
@@ -60,7 +57,7 @@ pub(crate) struct RunArgs {
     csv: Option<PathBuf>,
 
     #[command(flatten)]
-    pub(super) page: PageArgs,
+    page: PageArgs,
 
     /// Run again whenever the scene file is saved, until Ctrl-C; the log and the page are rewritten each time
     #[arg(long, conflicts_with = "json")]
@@ -68,7 +65,7 @@ pub(crate) struct RunArgs {
 
     /// Print one JSON document with SI units in its keys instead of the summary
     #[arg(long)]
-    pub(super) json: bool,
+    json: bool,
 
     /// Estimate the error from further, independent runs and report whether the outcome is chaotic; the default for
     /// runs of up to 20,000 steps
@@ -80,32 +77,74 @@ pub(crate) struct RunArgs {
     no_check: bool,
 
     #[command(flatten)]
-    pub(super) overrides: Overrides,
+    overrides: Overrides,
 
     #[command(flatten)]
-    pub(super) live: LiveArgs,
+    live: LiveArgs,
 }
 
-impl RunArgs {
-    /// Returns when to check the run.
-    pub(super) fn check_policy(&self) -> CheckPolicy {
-        match (self.check, self.no_check) {
-            (true, _) => CheckPolicy::Always,
-            (_, true) => CheckPolicy::Never,
-            _ => CheckPolicy::IfCheap,
-        }
+/// Settings of the simulation given on the command line, which override fields of the scene.
+#[derive(Debug, Args)]
+struct Overrides {
+    /// Preset of integrator method and tolerances of the analytic model: engineering for everyday runs, reference for
+    /// reference results with tight tolerances [default: as in the scene]
+    #[arg(long, value_parser = choice([("engineering", "", Preset::Engineering), ("reference", "", Preset::Reference)]))]
+    preset: Option<Preset>,
+
+    /// Relative tolerance of the analytic model [default: from the scene or preset]; absolute tolerances are scaled by
+    /// the same factor
+    #[arg(long, value_name = "X", value_parser = rtol)]
+    rtol: Option<f64>,
+
+    /// Coordinates of the engine model: maximal for free bodies, whose joints are all constraints; reduced for joint
+    /// coordinates of a tree, closed by one constraint [default: as in the scene]
+    #[arg(long, value_parser = choice([("maximal", "", Construction::Maximal), ("reduced", "", Construction::Reduced)]))]
+    construction: Option<Construction>,
+
+    /// Use fixed steps of this size in the engine model, such as "1 us" [default: stepping of the scene]
+    #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
+    step: Option<f64>,
+
+    /// Use adaptive steps in the engine model, with this largest opening of a joint per step, such as "0.02 um"
+    /// [default: stepping of the scene]
+    #[arg(long, value_name = "LENGTH", value_parser = tolerance)]
+    tolerance: Option<f64>,
+
+    /// Duration of the run with its unit, such as "30 ms" [default: as in the scene]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    duration: Option<f64>,
+
+    /// Samples per simulated second in the log, such as "20 kHz" [default: as in the scene]; during impacts every step
+    /// is also logged
+    #[arg(long, value_name = "FREQUENCY", value_parser = numeric_rate)]
+    numeric_rate: Option<f64>,
+
+    /// Pictures per simulated second in the log, such as "1 kHz" ("0 Hz": none) [default: as in the scene]
+    #[arg(long, value_name = "FREQUENCY", value_parser = picture_rate)]
+    picture_rate: Option<f64>,
+}
+
+impl Overrides {
+    /// Applies the flags to a scene. A flag that belongs to the model that is not run, or a flag for fingers for a scene
+    /// of discs, is an error.
+    fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
+        let overrides = overrides::Overrides {
+            preset: self.preset,
+            rtol: self.rtol,
+            construction: self.construction,
+            step_s: self.step,
+            tolerance_m: self.tolerance,
+            duration_s: self.duration,
+            numeric_hz: self.numeric_rate,
+            picture_hz: self.picture_rate,
+        };
+        overrides.apply(model, scene).map_err(Failure::bad_input)
     }
 }
 
 /// Runs `phalanx run`.
-pub fn run(args: &RunArgs) -> Result<Status, Failure> {
-    match args.watch {
-        true => {
-            args.page.ensure_watchable()?;
-            watch(args)
-        }
-        false => run_once(args, true),
-    }
+pub(super) fn run(args: &RunArgs) -> Result<Status, Failure> {
+    if args.watch { args.page.ensure_watchable().and_then(|()| watch(args)) } else { run_once(args, true) }
 }
 
 /// Performs a run immediately and after each change of the scene, until a signal arrives. A failure is printed and does
@@ -148,31 +187,31 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
     let scene = &scene;
     let (name, duration_s) = (scene.name.as_str(), scene.duration_s);
-    let csv = samples::csv_file(args.csv.as_deref(), args.json)?;
+    let csv = csv_file(args.csv.as_deref(), args.json)?;
     let targets = [
-        ("--log", args.log.as_deref(), TargetKind::Log),
-        ("--csv", csv, TargetKind::File(FileKind::Table)),
-        ("--html", args.page.html.as_deref(), TargetKind::File(FileKind::Page)),
+        ("--log", args.log.as_deref(), FileKind::Log),
+        ("--csv", csv, FileKind::Table),
+        ("--html", args.page.html.as_deref(), FileKind::Page),
     ];
     reserve(&[("the scene", &source_files(&args.scene))], &targets, NO_DIRECTORY)?;
     let page = args.page.prepare(first)?;
-    let mut recorder = page.as_ref().map(|_| PlaybackRecorder::default());
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(name, duration_s, &interrupt)?;
     let log = create_log(args, scene, live.as_ref(), &interrupt)?;
-    let limits = RunLimits { interrupt: &interrupt, until_s: f64::INFINITY, check_policy: args.check_policy() };
-    let (run, table) = match &args.csv {
-        None => (simulate(args.model, scene, log, &limits, &mut recorder), Ok(true)),
-        Some(path) => {
-            let columns = columns(&Layout::from_system(&scene.system));
-            let (run, table) =
-                write_table(path, columns, &mut recorder, |table| Ok(simulate(args.model, scene, log, &limits, table)));
-            (run?, table)
-        }
+    let table = args.csv.as_deref().map(SampleTable::create).transpose()?;
+    let mut outputs = Outputs { recorder: page.as_ref().map(|_| PlaybackRecorder::default()), table };
+    outputs.table.iter_mut().for_each(|table| table.set_layout(&Layout::from_system(&scene.system)));
+    let check_policy = match (args.check, args.no_check) {
+        (true, _) => CheckPolicy::Always,
+        (_, true) => CheckPolicy::Never,
+        _ => CheckPolicy::IfCheap,
     };
+    let limits = RunLimits { interrupt: &interrupt, until_s: f64::INFINITY, check_policy };
+    let run = simulate(args.model, scene, log, &limits, &mut outputs);
+    let table = outputs.table.map_or(Ok(true), SampleTable::finish);
     let mut report = run.report;
     // Pages are shared, so the page does not contain local paths.
-    let page_path = page.as_ref().zip(recorder).map(|(page, recorder)| {
+    let page_path = page.as_ref().zip(outputs.recorder).map(|(page, recorder)| {
         let playback = recorder.into_playback(args.model.name(), scene, report.report());
         page.write(name, &scene.description, playback)
     });
@@ -187,12 +226,31 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
         live.finish();
     }
     let status = match table {
-        Ok(true) => exit_status(args, duration_s, report.error.as_ref(), log_result),
         // The reader of standard output closed the pipe.
         Ok(false) => Ok(Status::Done),
-        Err(failure) => exit_status(args, duration_s, report.error.as_ref(), log_result).and(Err(failure)),
+        table => exit_status(args, duration_s, report.error.as_ref(), log_result).and(table.map(|_| Status::Done)),
     };
-    run_page::finish(page.as_ref(), page_path, status)
+    // The page is opened even after a failed run, whose failure comes first.
+    let shown = page_path.map(|written| written.and_then(|_| page.map_or(Ok(()), |page| page.show())));
+    let status = status?;
+    shown.unwrap_or(Ok(())).map(|()| status)
+}
+
+/// Further outputs of a run.
+struct Outputs {
+    recorder: Option<PlaybackRecorder>,
+    table: Option<SampleTable>,
+}
+
+impl Sink for Outputs {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.table.sample(sample)?;
+        self.recorder.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.recorder.event(event)
+    }
 }
 
 /// Creates the log of a run if it is written to a file or streamed.
@@ -207,7 +265,7 @@ fn create_log(
     }
     let feed = live.map(|live| live.feed(interrupt));
     let run_info = run_info(scene, &args.scene, args.model.name());
-    let log = log::create_with_feed(args.log.as_deref(), &run_info, feed).map_err(log_failure)?;
+    let log = log::create_with_feed(args.log.as_deref(), &run_info, feed)?;
     if let Some(live) = live {
         live.wait_for_client();
     }
@@ -238,11 +296,13 @@ pub(super) fn run_info<'a>(scene: &'a Scene, path: &'a Path, model: &'a str) -> 
     RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
 }
 
-/// Failure of a log that could not be created: the path is invalid, or the disk is full.
-pub(super) fn log_failure(error: LogError) -> Failure {
-    match error {
-        LogError::Start(_) => Failure::incomplete(error),
-        _ => Failure::bad_input(error),
+impl From<LogError> for Failure {
+    /// A log cannot be created if its path is invalid, or if the disk is full.
+    fn from(error: LogError) -> Self {
+        match error {
+            LogError::Start(_) => Failure::incomplete(error),
+            _ => Failure::bad_input(error),
+        }
     }
 }
 

@@ -1,15 +1,15 @@
-//! `phalanx scene`: showing and checking scene files.
+//! Scene files: `phalanx new` writes one as a starting point, `phalanx scene` shows and checks them.
 
-use std::fmt::Write as _;
+use std::fs::{self, OpenOptions};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use clap::Subcommand;
+use clap::{Args, Subcommand};
 
-use super::output::{print, print_diagnostic, print_report};
+use super::output::{FileKind, NO_DIRECTORY, print, print_diagnostic, print_report, reserve};
 use super::set::{SetArgs, source_files};
-use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve};
 use super::{Failure, Status};
-use crate::files::replace_file;
+use crate::files::{is_forced, replace_file};
 use crate::format::Report;
 use crate::gripper::{Finger, total_mass};
 use crate::plot::linkage;
@@ -17,9 +17,46 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::{self, DiscMotion, DrivenFinger, Scene, Side};
 use crate::shape::{self, Shape};
 
+/// A working gripper scene; comments explain the choices that most grippers need.
+const SCENE: &str = include_str!("new.toml");
+
+/// Write a commented scene file as a starting point for your own gripper; it runs without changes.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open")]
+pub(crate) struct NewArgs {
+    /// File to write; an existing file is replaced only with --force
+    #[arg(value_name = "FILE.toml")]
+    file: PathBuf,
+}
+
+/// Runs `phalanx new`.
+pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
+    let path = args.file.display();
+    let bad_input = |reason: &str, advice: &str| Failure::bad_input(format!("cannot write {path}: {reason}; {advice}"));
+    let mut file =
+        OpenOptions::new().write(true).create_new(!is_forced()).create(true).truncate(true).open(&args.file).map_err(
+            |error| match error.kind() {
+                ErrorKind::AlreadyExists => {
+                    bad_input("a file or directory of that name already exists", "give another name")
+                }
+                _ => bad_input(&error.to_string(), "give a file in a directory where you may write"),
+            },
+        )?;
+    if let Err(error) = file.write_all(SCENE.as_bytes()).and_then(|()| file.sync_all()) {
+        let _ = fs::remove_file(&args.file);
+        return Err(Failure::incomplete(format!("cannot write {path}: {error}")));
+    }
+    print(&format!(
+        "wrote {path}: a commented scene of a gripper with two phalanges per finger\n\
+         watch it close:     phalanx run {path} --open        (or --html FILE.html)\n\
+         show all fields:    phalanx scene show {path}\n\
+         draw its symbols:   phalanx scene show {path} --figure FILE.svg\n"
+    ))
+}
+
 /// Show, check and describe scene files.
-#[derive(Clone, Debug, Subcommand)]
-pub enum SceneCommand {
+#[derive(Debug, Subcommand)]
+pub(crate) enum SceneCommand {
     /// Print a scene with all defaults filled in, as a scene file, or draw its linkage
     #[command(
         after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene show my-gripper.toml --resolved\n  \
@@ -56,79 +93,55 @@ pub enum SceneCommand {
     Schema,
 }
 
-/// Output of a command.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct CommandOutput {
-    pub stdout: String,
-    pub stderr: String,
-    /// Whether all input was valid.
-    pub is_valid: bool,
-}
-
-/// Runs a command and prints its output.
-pub fn run(command: &SceneCommand) -> Result<Status, Failure> {
-    let output = execute(command);
+/// Runs `phalanx scene`.
+pub(super) fn run(command: &SceneCommand) -> Result<Status, Failure> {
     match command {
-        // Only the summary lines of `check` are wrapped; the other outputs are files.
-        SceneCommand::Check { .. } => print_report(&Report::from(output.stdout.as_str())),
-        _ => print(&output.stdout),
-    }?;
-    if !output.stderr.is_empty() {
-        print_diagnostic(output.stderr.trim_end());
-    }
-    Ok(if output.is_valid { Status::Done } else { Status::BadInput })
-}
-
-/// Returns the output of a command without printing it.
-pub fn execute(command: &SceneCommand) -> CommandOutput {
-    let result = match command {
-        SceneCommand::Schema => Ok(scene::schema()),
+        SceneCommand::Schema => print(&scene::schema()),
         SceneCommand::Show { scene, set, figure: Some(figure), .. } => draw(scene, set, figure),
         SceneCommand::Show { scene, set, figure: None, resolved } => {
             let show = if *resolved { scene::show } else { scene::show_written };
-            set.load_any(scene).map(|scene| show(&scene)).map_err(Failure::from)
+            print(&show(&set.load_any(scene)?))
         }
-        SceneCommand::Check { scenes, set } => return check(scenes, set),
-    };
-    match result {
-        Ok(stdout) => CommandOutput { stdout, is_valid: true, ..CommandOutput::default() },
-        Err(Failure { message, .. }) => CommandOutput { stderr: format!("{message}\n"), ..CommandOutput::default() },
+        SceneCommand::Check { scenes, set } => check(scenes, set),
     }
 }
 
-fn check(files: &[PathBuf], set: &SetArgs) -> CommandOutput {
-    let mut output = CommandOutput { is_valid: true, ..CommandOutput::default() };
+/// Prints summaries of the valid scenes and errors of the others.
+fn check(files: &[PathBuf], set: &SetArgs) -> Result<Status, Failure> {
+    let (mut summaries, mut errors) = (String::new(), Vec::new());
     for file in files {
         match set.load_any(file) {
-            Ok(scene) => {
-                let _ = writeln!(output.stdout, "{}: valid: {}", file.display(), summarize(&scene));
-            }
-            Err(error) => {
-                output.is_valid = false;
-                let _ = writeln!(output.stderr, "{error}\n");
-            }
+            Ok(scene) => summaries += &format!("{}: valid: {}\n", file.display(), summarize(&scene)),
+            Err(error) => errors.push(error.to_string()),
         }
     }
-    output
+    print_report(&Report::from(summaries))?;
+    if errors.is_empty() {
+        return Ok(Status::Done);
+    }
+    print_diagnostic(&errors.join("\n\n"));
+    Ok(Status::BadInput)
 }
 
 /// Draws the linkage of a finger with its symbols.
-fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<String, Failure> {
+fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
     let scene = set.load_any(path)?;
-    let advice = match scene.kind() {
-        SceneKind::Finger => None,
-        SceneKind::Gripper => Some(
-            "a gripper, but only the scene of one finger can be drawn; give such a scene, or view the gripper with",
-        ),
-        SceneKind::Bodies => {
-            Some("a scene of discs, which has no linkage; give the scene of a finger, or view the discs with")
-        }
-    };
-    if let Some(advice) = advice {
+    let bad_input = |advice: &str| {
         let path = path.display();
-        return Err(Failure::bad_input(format!("--figure: {path} is {advice} phalanx run {path} --html FILE.html")));
+        Err(Failure::bad_input(format!("--figure: {path} is {advice} phalanx run {path} --html FILE.html")))
+    };
+    match scene.kind() {
+        SceneKind::Finger => {}
+        SceneKind::Gripper => {
+            let advice = "only the scene of one finger can be drawn; give such a scene, or view the gripper with";
+            return bad_input(&format!("a gripper, but {advice}"));
+        }
+        SceneKind::Bodies => {
+            let advice = "give the scene of a finger, or view the discs with";
+            return bad_input(&format!("a scene of discs, which has no linkage; {advice}"));
+        }
     }
-    let target = ("--figure", Some(figure), TargetKind::File(FileKind::Picture));
+    let target = ("--figure", Some(figure), FileKind::Picture);
     reserve(&[("the scene", &source_files(path))], &[target], NO_DIRECTORY)?;
     let (figure_name, svg) = (figure.display(), linkage(&scene).svg);
     replace_file(figure, |out| out.write_all(svg.as_bytes())).map_err(|error| {
@@ -136,7 +149,7 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<String, Failure> {
             "cannot write {figure_name}: {error}; give a file in a directory where you may write"
         ))
     })?;
-    Ok(format!("wrote {figure_name}: the linkage of {} with its symbols\n", scene.name))
+    print(&format!("wrote {figure_name}: the linkage of {} with its symbols\n", scene.name))
 }
 
 /// Summarizes a scene in one line.

@@ -5,9 +5,8 @@ use std::slice;
 
 use clap::Args;
 
-use super::output::print_result;
-use super::parsers::{number, positive};
-use super::targets::{FileKind, TargetKind, reserve, save};
+use super::output::{FileKind, OutputArgs, print_result, reserve, save};
+use super::parsers::{number, positive, quantity};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::format::ToReport;
@@ -17,7 +16,7 @@ use crate::study::select::{
     Bound, PerTerm, SelectError, Selection, SelectionCriteria, Side, TERMS, Weights, parse_class, select,
 };
 use crate::table::{self, Table};
-use crate::units::{self, Dimension};
+use crate::units::Dimension;
 
 /// Select and rank designs from the results of a sweep by criteria and classes.
 ///
@@ -33,7 +32,8 @@ use crate::units::{self, Dimension};
     after_help = "Examples:\n  phalanx select results.csv\n  phalanx select results.parquet --class stable --max-tts \"8 ms\" \
                   --out selection\n  phalanx select results.csv --no-form-closed --min-pfp \"5 N\" --best 20\n  phalanx select \
                   results.csv --bound \"motor_n_m <= 0.5\" --bound \"mass_kg <= 0.024\" --ranking best.csv\n  phalanx select results.csv --weights \
-                  pfp=2,tts=1,f21=0,f22=0 --json\n\nExit status: 0 done; 1 no run meets the criteria; 2 bad input; 3 files \
+                  pfp=2,tts=1,f21=0,f22=0 --json\n\n--out writes selection.txt, .json, ranking.csv and plots: criteria.svg (runs removed by each criterion), classes.svg and \
+                  static.svg (designs by variable and class), forces.svg, variables.svg. Exit status: 0 done; 1 no run meets the criteria; 2 bad input; 3 files \
                   could not be written."
 )]
 pub(crate) struct SelectArgs {
@@ -54,7 +54,7 @@ pub(crate) struct SelectArgs {
     no_static: bool,
 
     /// Smallest palm force PFP, with its unit [default: 0 N]
-    #[arg(long, value_name = "FORCE", value_parser = parse_force, conflicts_with = "no_pfp")]
+    #[arg(long, value_name = "FORCE", value_parser = quantity(Dimension::Force), conflicts_with = "no_pfp")]
     min_pfp: Option<f64>,
 
     /// Allow any palm force
@@ -78,12 +78,7 @@ pub(crate) struct SelectArgs {
     weights: Weights,
 
     /// Number of best runs to print
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        default_value_t = 10,
-        value_parser = number(|_: &usize| true, "a number of runs, 0 or more, such as 10")
-    )]
+    #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = number(|_: &usize| true, COUNT))]
     best: usize,
 
     /// Write all selected runs to this file, best first, with place, r_WC and its terms before the columns of the
@@ -91,25 +86,22 @@ pub(crate) struct SelectArgs {
     #[arg(long, value_name = "FILE.csv|.parquet")]
     ranking: Option<PathBuf>,
 
-    /// Write selection.txt, .json, ranking.csv and plots to this directory, which is created if needed: criteria.svg
-    /// (runs removed by each criterion), classes.svg and static.svg (designs by variable and class), forces.svg,
-    /// variables.svg
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
-    /// Print one JSON document with SI units in its keys instead of tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
+/// Accepted values in messages.
+const COUNT: &str = "a number of runs, 0 or more, such as 10";
+
 /// Runs `phalanx select`.
-pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
+pub(super) fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::format(path).map_err(Failure::bad_input)?;
     }
-    let ranking = ("--ranking", args.ranking.as_deref(), TargetKind::File(FileKind::Table));
+    let ranking = ("--ranking", args.ranking.as_deref(), FileKind::Table);
     let results = slice::from_ref(&args.results);
-    let directory = reserve(&[("the table of results", results)], &[ranking], ("--out", args.out.as_deref(), &FILES))?;
+    let files = [&FILES[..], &PICTURES].concat();
+    let directory = reserve(&[("the table of results", results)], &[ranking], (args.output.out.as_deref(), &files))?;
     let results = table::read(&args.results).map_err(Failure::bad_input)?;
     let selection = select(&results, &build_criteria(args)).map_err(|error| match error {
         SelectError::Table(_) | SelectError::Weight { .. } | SelectError::NoWeight => Failure::bad_input(error),
@@ -120,7 +112,7 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
         table::write(path, &ranking_table(&results, &selection)).map_err(Failure::incomplete)?;
     }
     directory.write_with(|out| write_files(out, &source, &results, &selection))?;
-    print_result(&SelectionReport::new(&source, &selection, args.best), args.json)?;
+    print_result(&SelectionReport::new(&source, &selection, args.best), args.output.json)?;
     Ok(if selection.ranking.is_empty() { Status::CheckFailed } else { Status::Done })
 }
 
@@ -144,24 +136,15 @@ fn build_criteria(args: &SelectArgs) -> SelectionCriteria {
 }
 
 /// Files in the output directory.
-const FILES: [&str; 8] = [
-    "selection.txt",
-    "selection.json",
-    "ranking.csv",
-    "criteria.svg",
-    "classes.svg",
-    "static.svg",
-    "forces.svg",
-    "variables.svg",
-];
+const FILES: [&str; 3] = ["selection.txt", "selection.json", "ranking.csv"];
+const PICTURES: [&str; 5] = ["criteria.svg", "classes.svg", "static.svg", "forces.svg", "variables.svg"];
 
 /// Writes the files of `--out`; the text report is written last.
 fn write_files(out: &Path, source: &str, results: &Table, selection: &Selection) -> Result<(), Failure> {
     // Plots are shared, so their titles contain the file name without its directory.
     let title = Path::new(source).file_name().map_or(source.to_string(), |name| name.to_string_lossy().into_owned());
-    for (file, picture) in FILES[3..].iter().zip(plot::selection(&title, results, selection)) {
-        save(&out.join(file), &picture)?;
-    }
+    let pictures = plot::selection(&title, results, selection);
+    PICTURES.iter().zip(&pictures).try_for_each(|(file, picture)| save(&out.join(file), picture))?;
     table::write(&out.join("ranking.csv"), &ranking_table(results, selection)).map_err(Failure::incomplete)?;
     let report = SelectionReport::new(source, selection, usize::MAX);
     save(&out.join("selection.json"), &report.json())?;
@@ -170,10 +153,6 @@ fn write_files(out: &Path, source: &str, results: &Table, selection: &Selection)
 
 fn parse_class_arg(text: &str) -> Result<Class, String> {
     parse_class(text).ok_or_else(|| format!("expected {}", Class::ALL.map(Class::name).join(", ")))
-}
-
-fn parse_force(text: &str) -> Result<f64, String> {
-    units::parse(text, Dimension::Force).map_err(|error| error.to_string())
 }
 
 fn parse_percent(text: &str) -> Result<f64, String> {

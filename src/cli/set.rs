@@ -7,54 +7,40 @@ use clap::Args;
 use crate::scene::{self, Layer, Scene, SceneError, Template};
 
 /// Fields of the scene that override its file.
-#[derive(Clone, Debug, Default, Args)]
-pub struct SetArgs {
+#[derive(Debug, Default, Args)]
+pub(crate) struct SetArgs {
     /// Override a field of the scene, such as contact.friction.mu_static=0.6 or design.base="12 mm"; can be repeated
-    #[arg(long = "set", value_name = "FIELD=VALUE", value_parser = parse_set)]
-    set: Vec<Layer>,
+    #[arg(long = "set", value_name = "FIELD=VALUE", value_parser = |text: &str| scene::parse_setting("--set", text))]
+    pub(super) set: Vec<Layer>,
 }
 
 impl SetArgs {
     /// Loads a scene of any kind and applies these fields.
-    pub fn load_any(&self, path: &Path) -> Result<Scene, SceneError> {
+    pub(super) fn load_any(&self, path: &Path) -> Result<Scene, SceneError> {
         scene::load_any_with(path, &self.set)
     }
 
     /// Loads the scene of a finger and applies these fields.
-    pub fn load(&self, path: &Path) -> Result<Scene, SceneError> {
+    pub(super) fn load(&self, path: &Path) -> Result<Scene, SceneError> {
         scene::parse_layers(&scene::load_layers(path)?, &self.set, scene::parse)
     }
 
     /// Parses the text of a shipped scene and applies these fields.
-    pub fn parse_any(&self, text: &str, file: &str) -> Result<Scene, SceneError> {
+    pub(super) fn parse_any(&self, text: &str, file: &str) -> Result<Scene, SceneError> {
         let shipped = Layer { file: file.to_string(), text: text.to_string() };
         scene::parse_layers(&[shipped], &self.set, scene::parse_any)
     }
 
-    /// Returns these fields as lines of a scene file.
-    pub fn settings(&self) -> &[Layer] {
-        &self.set
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.set.is_empty()
-    }
-
     /// Loads the template that all designs of a study share and applies these fields.
-    pub(crate) fn load_template(&self, path: &Path) -> Result<Template, SceneError> {
+    pub(super) fn load_template(&self, path: &Path) -> Result<Template, SceneError> {
         scene::parse_layers(&scene::load_layers(path)?, &self.set, scene::parse_template)
     }
 }
 
 /// Returns the files of a scene and of all scenes that it extends, or only its own path if these cannot be determined.
-pub fn source_files(scene: &Path) -> Vec<PathBuf> {
+pub(super) fn source_files(scene: &Path) -> Vec<PathBuf> {
     // A pipe can be read only once.
     let layers = if scene.is_file() { scene::load_layers(scene).unwrap_or_default() } else { Vec::new() };
     let source_files: Vec<PathBuf> = layers.into_iter().map(|layer| layer.file.into()).collect();
     if source_files.is_empty() { vec![scene.to_path_buf()] } else { source_files }
-}
-
-/// Parses one setting into a line of a scene file.
-fn parse_set(text: &str) -> Result<Layer, String> {
-    scene::parse_setting("--set", text)
 }

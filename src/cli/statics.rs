@@ -1,24 +1,83 @@
-//! `phalanx statics`: statics of the grasp of a scene.
+//! Commands without a simulation of their own: `phalanx size`, which sizes the spring and motor of a finger, and `phalanx
+//! statics`, the statics of the grasp of a scene.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::interrupt::Interrupt;
-use super::output::print_result;
-use super::parsers::number;
+use super::output::{FileKind, NO_DIRECTORY, OutputArgs, print_result, reserve, save};
+use super::parsers::{number, positive, quantity, rule};
+use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
-use super::targets::{FileKind, NO_DIRECTORY, TargetKind, reserve, save};
 use super::{Failure, Status};
+use crate::format::ToReport;
 use crate::grasp::finger::{GraspOverrides, GraspStudyError, grasp};
 use crate::grasp::gripper::{GripperGraspError, GripperGraspRequest, PostureRequest, gripper_grasp};
 use crate::plot;
+use crate::report::studies::sizing_csv;
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
+use crate::sizing::Rule;
 use crate::statics::StaticsError;
 use crate::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
-use crate::units::{self, Dimension, parse_positive};
+use crate::study::size::{SizingOptions, size_finger};
+use crate::units::Dimension;
+
+/// Size the spring and motor of a finger from a test trajectory.
+///
+/// The motor link moves from the initial posture to the closed finger in 10 ms. The spring must keep the finger
+/// straight until the proximal phalanx contacts the object; the motor provides the RMS torque. The torques in the scene
+/// are shown for comparison.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx size scenes/experiment-95.toml\n  phalanx size scenes/experiment-95.toml --closing-time \"8 \
+                  ms\" --json\n  phalanx size my-gripper.toml --out sizing\n\n--out writes size.txt, .json, .csv (the profile), trajectory.svg, springs.svg and spring-types.svg. A scene with sizing = \"rigid\" (or \"whole\") at \
+                  its top uses these torques automatically. Exit status: 0 done; 2 bad input, or a finger that cannot be sized."
+)]
+pub(crate) struct SizeArgs {
+    /// Finger scene file (TOML)
+    scene: PathBuf,
+
+    #[command(flatten)]
+    set: SetArgs,
+
+    /// Time span over which the motor torque is averaged
+    #[arg(long, value_parser = rule(), default_value = "rigid")]
+    rule: Rule,
+
+    /// Duration of the test trajectory with its unit [default: 10 ms]
+    #[arg(long, value_name = "TIME", value_parser = positive(Dimension::Time, "a time such as \"10 ms\""))]
+    closing_time: Option<f64>,
+
+    /// Deflection of the torsional spring, which is compared with the constant one, when the finger is straight
+    /// [default: the preload of the scene's torsional spring, or 90 deg]
+    #[arg(long, value_name = "ANGLE", value_parser = positive(Dimension::Angle, "an angle such as \"90 deg\""))]
+    preload: Option<f64>,
+
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Runs `phalanx size`.
+pub(super) fn run_size(args: &SizeArgs) -> Result<Status, Failure> {
+    let scene = args.set.load(&args.scene)?;
+    let files = ["size.txt", "size.json", "size.csv", "trajectory.svg", "springs.svg", "spring-types.svg"];
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
+    let defaults = SizingOptions::default();
+    let options = SizingOptions {
+        rule: args.rule,
+        closing_s: args.closing_time.unwrap_or(defaults.closing_s),
+        preload_rad: args.preload,
+    };
+    let sizing = size_finger(&scene, options).map_err(Failure::bad_input)?;
+    let profile = &sizing.profile;
+    directory.write(files, || {
+        let [trajectory, springs, spring_types] = plot::sizing(&scene.name, profile);
+        [sizing.report().to_string(), sizing.json(), sizing_csv(profile), trajectory, springs, spring_types]
+    })?;
+    print_result(&sizing, args.output.json)
+}
 
 /// Analyse the static grasp: contact forces, ejection, form and force closure, and admissible accelerations.
 ///
@@ -51,11 +110,11 @@ pub(crate) struct StaticsArgs {
 
     /// Friction coefficients of all contacts, comma-separated [default: 0 and those of the scene; for a gripper only
     /// those of the scene, which always determine its posture]
-    #[arg(long, value_name = "MU,...", value_delimiter = ',', value_parser = parse_friction)]
+    #[arg(long, value_name = "MU,...", value_delimiter = ',', value_parser = number(|mu| (0.0..=f64::MAX).contains(mu), FRICTION))]
     mu_static: Vec<f64>,
 
     /// Motor torque with its unit, such as "500 N*mm" [default: the torque at the end of the scene]
-    #[arg(long, value_name = "TORQUE", value_parser = parse_torque)]
+    #[arg(long, value_name = "TORQUE", value_parser = quantity(Dimension::Torque))]
     motor: Option<f64>,
 
     /// Draw the grasp to this file, with the forces for the last friction coefficient, or for a gripper with its
@@ -81,12 +140,12 @@ pub(crate) struct GripperArgs {
     posture: PostureRequest,
 
     /// Time of the run, with its unit [default: its end, or when the fingers release the object]
-    #[arg(long, value_name = "TIME", value_parser = parse_time, help_heading = "For a gripper")]
+    #[arg(long, value_name = "TIME", value_parser = positive(Dimension::Time, "a time such as \"20 ms\""), help_heading = "For a gripper")]
     at: Option<f64>,
 
     /// Largest gap at which a surface counts as in contact [default: 0.05 mm for given angles; for a run only surfaces
     /// with a contact force]
-    #[arg(long, value_name = "LENGTH", value_parser = parse_length, help_heading = "For a gripper")]
+    #[arg(long, value_name = "LENGTH", value_parser = positive(Dimension::Length, "a length such as \"0.05 mm\""), help_heading = "For a gripper")]
     within: Option<f64>,
 
     /// Angle between neighbouring directions of acceleration, with its unit; must divide a full turn
@@ -94,13 +153,16 @@ pub(crate) struct GripperArgs {
     every: usize,
 }
 
+/// Accepted values in messages.
+const FRICTION: &str = "one or more comma-separated numbers, each 0 or more, such as 0,0.4,0.8";
+
 /// Largest angle between neighbouring directions in a picture, degrees.
 const MAX_PICTURE_SPACING_DEG: f64 = 1.0;
 
 impl GripperArgs {
     /// Returns the first of these flags that differs from its default; such a flag is an error for other kinds of
     /// scene.
-    pub(crate) fn first_given_flag(&self) -> Option<&'static str> {
+    fn first_given_flag(&self) -> Option<&'static str> {
         let flags = [
             (self.posture != END_OF_RUN, "--posture"),
             (self.at.is_some(), "--at"),
@@ -112,8 +174,8 @@ impl GripperArgs {
 }
 
 /// Runs `phalanx statics`.
-pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
-    let svg = ("--svg", args.svg.as_deref(), TargetKind::File(FileKind::Picture));
+pub(super) fn run_statics(args: &StaticsArgs) -> Result<Status, Failure> {
+    let svg = ("--svg", args.svg.as_deref(), FileKind::Picture);
     reserve(&[("the scene", &source_files(&args.scene))], &[svg], NO_DIRECTORY)?;
     let scene = args.set.load_any(&args.scene)?;
     match scene.kind() {
@@ -143,8 +205,7 @@ fn run_finger(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
         _ => Failure::bad_input(error),
     })?;
     let svg = args.save_picture(|| plot::grasp(scene, &grasp, plot::PictureFormat::Standalone))?;
-    print_result(&StaticsReport { svg, ..StaticsReport::new(&grasp) }, args.json)?;
-    Ok(Status::Done)
+    print_result(&StaticsReport { svg, ..StaticsReport::new(&grasp) }, args.json)
 }
 
 fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
@@ -161,7 +222,7 @@ fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
         motor_n_m: args.motor,
         directions: every * refinement,
     };
-    let grasp = gripper_grasp(scene, &request, &|| interrupt.signal().is_none()).map_err(|error| {
+    let grasp = gripper_grasp(scene, &request, &|| interrupt.keep_running()).map_err(|error| {
         match (&error, interrupt.signal()) {
             (GripperGraspError::Stopped, Some(signal)) => Failure::incomplete(format!("interrupted by {signal}")),
             (GripperGraspError::Run { .. } | GripperGraspError::Stopped, _)
@@ -172,8 +233,7 @@ fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
     let svg = args.save_picture(|| plot::balance(scene, &grasp, plot::PictureFormat::Standalone))?;
     let mut report = GripperStaticsReport::new(&grasp, refinement);
     report.svg = svg;
-    print_result(&report, args.json)?;
-    Ok(Status::Done)
+    print_result(&report, args.json)
 }
 
 impl StaticsArgs {
@@ -182,34 +242,5 @@ impl StaticsArgs {
         let Some(path) = &self.svg else { return Ok(None) };
         save(path, &draw())?;
         Ok(Some(path.display().to_string()))
-    }
-}
-
-fn parse_friction(text: &str) -> Result<f64, String> {
-    let expected = "one or more comma-separated numbers, each 0 or more, such as 0,0.4,0.8";
-    number(|mu: &f64| mu.is_finite() && *mu >= 0.0, expected)(text)
-}
-
-fn parse_torque(text: &str) -> Result<f64, String> {
-    units::parse(text, Dimension::Torque).map_err(|error| error.to_string())
-}
-
-fn parse_time(text: &str) -> Result<f64, String> {
-    parse_positive(text, Dimension::Time, "must be more than 0; expected a time such as \"20 ms\"")
-}
-
-fn parse_length(text: &str) -> Result<f64, String> {
-    parse_positive(text, Dimension::Length, "must be more than 0; expected a length such as \"0.05 mm\"")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rejects_invalid_times_and_lengths() {
-        assert_eq!((parse_time("20 ms"), parse_length("1 mm")), (Ok(0.02), Ok(1e-3)));
-        assert!(parse_time("0 ms").expect_err("zero time").contains("more than 0"));
-        assert!(parse_length("0 mm").expect_err("zero length").contains("more than 0"));
     }
 }

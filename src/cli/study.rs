@@ -1,62 +1,50 @@
-//! `phalanx study`: effects of settings on results; and what all commands of the thesis share.
+//! Commands that reproduce the thesis: `phalanx study`, effects of settings on results, and `phalanx reproduce`, which
+//! recomputes its figures, with reasons for differences.
 
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::{Args, Subcommand};
 
-use super::interrupt::{Interrupt, interrupted};
-use super::output::print_result;
-use super::parsers::{parse_number, parse_quantity};
-use super::progress::RunCounter;
+use super::output::{OutputArgs, print_note, print_result, reserve, save, write_failure};
+use super::parsers::{number, parse_threads, positive};
+use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
-use super::targets::reserve;
 use super::{Failure, Status};
-use crate::format::ToReport;
+use crate::format::{ToReport, format_duration};
+use crate::page::report_page;
+use crate::report::reproduce::{Reproduced, ReproductionReport, reproduce};
+use crate::report::sweep::ranking_table;
 use crate::scene::Keyword;
 use crate::scene::keywords::SceneKind;
+use crate::table;
 use crate::thesis::stability::{ACCURACY_RAD, Grid, stability};
 use crate::thesis::step_size::step_size;
 use crate::thesis::{Monitor, StudyError};
 use crate::units::Dimension;
-use crate::units::parse_positive;
 
 /// The shipped scene, built in so that the command works in any directory.
 const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
 
-/// Output of a study.
-#[derive(Debug, Args)]
-pub(crate) struct OutputArgs {
-    /// Write the files named below to this directory, which is created if needed; an existing file is replaced only when
-    /// the new one is complete
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-
-    /// Print one JSON document with SI units in its keys instead of tables
-    #[arg(long)]
-    pub json: bool,
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Unsuitable(_) => Failure::bad_input(error),
+            StudyError::Failed(_) | StudyError::Stopped { .. } => Failure::incomplete(error),
+        }
+    }
 }
 
-/// Runs a computation with a progress line. A signal interrupts it.
-///
-/// # Errors
-/// Returns the failure of the command; the message of an interruption begins with `task`.
-pub fn compute<T>(
+/// Performs a computation of the thesis with a progress line until a signal arrives.
+pub(super) fn compute<T>(
     task: &str,
     output: &OutputArgs,
     interrupt: &Interrupt,
     work: impl FnOnce(&Monitor) -> Result<T, StudyError>,
 ) -> Result<T, Failure> {
-    let mut counter = RunCounter::new();
-    let keep_running = || interrupt.signal().is_none();
-    let result = work(&Monitor::new(|done, total, name| counter.update(done, total, name), &keep_running));
-    counter.clear();
-    result.map_err(|error| match (error, interrupt.signal()) {
-        (StudyError::Stopped { done, total }, Some(signal)) => {
-            let progress = format!("after {done} of {total} parts; there is no result");
-            interrupted(&format!("{task} was interrupted by {signal} {progress}"), output.out.is_some())
-        }
-        (error @ StudyError::Unsuitable(_), _) => Failure::bad_input(error),
-        (error, _) => Failure::incomplete(error),
+    interrupt.compute([task, "parts", output.unwritten()], |progress, keep_running| {
+        work(&Monitor::new(|done, total, name| progress(done, total, name), keep_running))
     })
 }
 
@@ -90,19 +78,19 @@ pub(crate) struct StabilityArgs {
     set: SetArgs,
 
     /// Fixed steps, comma-separated, with units [default: 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6 and 1e-6 s]
-    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = parse_step, conflicts_with = "quick")]
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = positive(Dimension::Time, STEPS), conflicts_with = "quick")]
     steps: Vec<f64>,
 
     /// Factors of the contact stiffness k, comma-separated, above 0 [default: 0.01, 1, 100, 1e4]
-    #[arg(long, value_name = "FACTORS", value_delimiter = ',', value_parser = parse_stiffness)]
+    #[arg(long, value_name = "FACTORS", value_delimiter = ',', value_parser = number(|x| (f64::MIN_POSITIVE..=f64::MAX).contains(x), STIFFNESS))]
     stiffness: Vec<f64>,
 
     /// Factors of the contact damping c_max, comma-separated, 0 or more [default: 0, 0.001, 1, 10]
-    #[arg(long, value_name = "FACTORS", value_delimiter = ',', value_parser = parse_damping)]
+    #[arg(long, value_name = "FACTORS", value_delimiter = ',', value_parser = number(|x| (0.0..=f64::MAX).contains(x), DAMPING))]
     damping: Vec<f64>,
 
     /// Largest angle difference of an accurate run, with its unit [default: 1e-3 rad]
-    #[arg(long, value_name = "ANGLE", value_parser = parse_accuracy)]
+    #[arg(long, value_name = "ANGLE", value_parser = positive(Dimension::Angle, "an angle such as \"1e-3 rad\""))]
     accurate: Option<f64>,
 
     #[command(flatten)]
@@ -139,8 +127,13 @@ pub(crate) struct StepSizeArgs {
     quick: bool,
 }
 
+/// Accepted values in messages.
+const STEPS: &str = "times such as \"100 us, 10 us\"";
+const STIFFNESS: &str = "factors above 0, such as 0.01,1,100";
+const DAMPING: &str = "factors of 0 or more, such as 0,1,10";
+
 /// Runs `phalanx study`.
-pub fn run(command: &StudyCommand) -> Result<Status, Failure> {
+pub(super) fn run(command: &StudyCommand) -> Result<Status, Failure> {
     match command {
         StudyCommand::Stability(args) => run_stability(args),
         StudyCommand::StepSize(args) => run_step_size(args),
@@ -158,15 +151,13 @@ fn run_stability(args: &StabilityArgs) -> Result<Status, Failure> {
         )));
     }
     let files = ["stability.json", "stability.csv", "stability.svg", "table.txt"];
-    let out = args.output.out.as_deref();
-    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], ("--out", out, &files))?;
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;
     let (grid, accuracy_rad) = (build_grid(args), args.accurate.unwrap_or(ACCURACY_RAD));
     let study =
         compute("the study", &args.output, &interrupt, |monitor| stability(&scene, &grid, accuracy_rad, monitor))?;
     directory.write(files, || [study.json(), study.csv(), study.picture(), study.report().to_string()])?;
-    print_result(&study, args.output.json)?;
-    Ok(Status::Done)
+    print_result(&study, args.output.json)
 }
 
 fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
@@ -183,12 +174,11 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
         )));
     }
     let files = ["step-size.txt", "step-size.json", "step-size.csv", "step-size.svg"];
-    let directory = reserve(&[("the scene", &inputs)], &[], ("--out", args.output.out.as_deref(), &files))?;
+    let directory = reserve(&[("the scene", &inputs)], &[], (args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;
     let study = compute("the study", &args.output, &interrupt, |monitor| step_size(&scene, args.quick, monitor))?;
     directory.write(files, || [study.report().to_string(), study.json(), study.csv(), study.picture()])?;
-    print_result(&study, args.output.json)?;
-    Ok(Status::Done)
+    print_result(&study, args.output.json)
 }
 
 /// Builds the grid: the given values, else those of the standard grid.
@@ -209,19 +199,63 @@ fn build_grid(args: &StabilityArgs) -> Grid {
     grid
 }
 
-fn parse_step(item: &str) -> Result<f64, String> {
-    let expected = "times such as \"100 us, 10 us\"";
-    parse_quantity(item, Dimension::Time, |step_s| step_s > 0.0, "a step must be longer than 0", expected)
+/// Reproduce the thesis: sizing, statics, volumes, 384 simulations, selection, design 95 and its CAD model.
+///
+/// Every number printed in the thesis is recomputed and compared with the thesis and with the value expected from the
+/// corrected equations; the reason for each difference is given. Simulations whose class depends on the tolerances
+/// are listed.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx reproduce\n  phalanx reproduce --out report\n  phalanx reproduce --quick --json > \
+                  report.json\n\n--out writes report.md with figures/, report.html (self-contained), report.json, results.csv and ranking.csv. Exit status: 0 every value is as expected; 1 a value is outside its bounds; 3 something \
+                  could not be computed or written."
+)]
+pub(crate) struct ReproduceArgs {
+    #[command(flatten)]
+    output: OutputArgs,
+
+    /// Compute volumes of 10³ instead of 20³ points; they are shown but not checked
+    #[arg(long)]
+    quick: bool,
+
+    /// Number of threads [default: all cores]
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true, value_parser = parse_threads)]
+    threads: usize,
 }
 
-fn parse_stiffness(item: &str) -> Result<f64, String> {
-    parse_number(item, |factor| factor > 0.0, "a factor above 0", "factors such as 0.01,1,100")
+/// Runs `phalanx reproduce`.
+pub(super) fn run_reproduce(args: &ReproduceArgs) -> Result<Status, Failure> {
+    let directory = reserve(&[], &[], (args.output.out.as_deref(), &FILES))?;
+    let start = Instant::now();
+    let interrupt = Interrupt::listen()?;
+    let reproduced =
+        compute("the reproduction", &args.output, &interrupt, |monitor| reproduce(args.quick, args.threads, monitor))?;
+    let wall_s = start.elapsed().as_secs_f64();
+    let report = ReproductionReport::new(&reproduced);
+    directory.write_with(|out| write(out, &reproduced, &report))?;
+    print_result(&report, args.output.json)?;
+    if !args.output.json {
+        print_note(&format!("computed in {}", format_duration(wall_s)));
+    }
+    Ok(if reproduced.reproduction.outside > 0 { Status::CheckFailed } else { Status::Done })
 }
 
-fn parse_damping(item: &str) -> Result<f64, String> {
-    parse_number(item, |factor| factor >= 0.0, "a factor of 0 or more", "factors such as 0,1,10")
-}
+/// Files in the output directory, without the pictures in figures/.
+const FILES: [&str; 6] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv", "figures/*.svg"];
 
-fn parse_accuracy(text: &str) -> Result<f64, String> {
-    parse_positive(text, Dimension::Angle, "the bound must be more than 0; expected an angle such as \"1e-3 rad\"")
+/// Writes the files of `--out`; the report is written last.
+fn write(out: &Path, found: &Reproduced, report: &ReproductionReport<'_>) -> Result<(), Failure> {
+    let paper = found.reproduction.paper();
+    let figures = out.join("figures");
+    fs::create_dir_all(&figures).map_err(|error| write_failure(&figures, error))?;
+    for figure in paper.figures() {
+        save(&figures.join(&figure.file), &figure.svg)?;
+    }
+    let ranking = ranking_table(&found.results, &found.selection);
+    for (file, table) in [("results.csv", &found.results), ("ranking.csv", &ranking)] {
+        table::write(&out.join(file), table).map_err(Failure::incomplete)?;
+    }
+    save(&out.join("report.json"), &report.json())?;
+    save(&out.join("report.html"), &report_page(&paper))?;
+    save(&out.join("report.md"), &paper.markdown())
 }

@@ -2,21 +2,21 @@
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use clap::{Args, Subcommand};
 
-use super::interrupt::Interrupt;
-use super::output::{print, print_note, print_report, print_result};
-use super::parsers::{model, number, parse_threads_or_all};
-use super::progress::RunCounter;
-use super::targets::{NO_DIRECTORY, TargetKind, reserve};
+use super::output::{FileKind, NO_DIRECTORY, print, print_note, print_report, print_result, reserve};
+use super::parsers::{model, number, parse_threads};
+use super::progress::{Interrupt, Progress};
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
 use crate::study::parts::{merge, part_files, write_part};
 use crate::study::results::{OpenedResults, ResultsError, Store, open};
 use crate::study::sweep::{self, Row, Study, StudyError, run_while, shard, summary};
 use crate::trace::Model;
+
+/// Accepted values in messages.
+const RUN_LIMIT: &str = "a number of runs, 1 or more; omit the flag to perform all runs";
 
 /// Number of rows that `--list` shows by default.
 const DEFAULT_LISTED_RUNS: u64 = 12;
@@ -62,11 +62,11 @@ pub(crate) struct SweepArgs {
     check: bool,
 
     /// Number of threads; 0 uses all cores
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads_or_all)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     threads: usize,
 
     /// Simulate only the first N runs; later commands can add more
-    #[arg(long, value_name = "N", value_parser = parse_run_limit)]
+    #[arg(long, value_name = "N", value_parser = number(|runs: &u64| *runs > 0, RUN_LIMIT))]
     limit: Option<u64>,
 
     /// Simulate only shard K of N and write it atomically to one Parquet file; an existing shard is not replaced
@@ -148,20 +148,18 @@ impl From<StudyError> for Failure {
 }
 
 /// Runs `phalanx sweep`.
-pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
+pub(super) fn run(args: &SweepArgs) -> Result<Status, Failure> {
     if let Some(SweepCommand::Merge(args)) = &args.command {
         return run_merge(args);
     }
     let Some(file) = &args.study else {
-        print(&sweep::schema())?;
-        return Ok(Status::Done);
+        return print(&sweep::schema());
     };
     let study = load(file, args.model, args.check)?;
     let (Some(out), false) = (&args.out, args.list) else {
-        print_report(&sweep_list(&study, args.limit.unwrap_or(DEFAULT_LISTED_RUNS)))?;
-        return Ok(Status::Done);
+        return print_report(&sweep_list(&study, args.limit.unwrap_or(DEFAULT_LISTED_RUNS)));
     };
-    reserve(&[("the study", &sweep::source_files(file))], &[("--out", Some(out), TargetKind::Results)], NO_DIRECTORY)?;
+    reserve(&[("the study", &sweep::source_files(file))], &[("--out", Some(out), FileKind::Results)], NO_DIRECTORY)?;
     if let Some(shard) = args.shard {
         return run_shard(args, &study, shard, out);
     }
@@ -169,25 +167,21 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
     let (table, work) = match open(&study, out, run_limit, args.restart)? {
         OpenedResults::Incomplete(store) => run_missing(args, &study, store, run_limit)?,
         OpenedResults::Complete(table) => {
-            print_note(&format!(
-                "{} already contains all runs of this study; nothing was run. --restart runs them again.",
-                out.display()
-            ));
+            let note = "already contains all runs of this study; nothing was run. --restart runs them again.";
+            print_note(&format!("{} {note}", out.display()));
             (table, SweepWork::new(0, 0, 0, 0.0))
         }
     };
     let summary = summary(&table).map_err(Failure::incomplete)?;
-    let has_result =
+    let with_result =
         [sweep::Status::Completed, sweep::Status::Filtered].map(|status| summary.count_with_status(status));
-    let is_useless = summary.runs > 0 && has_result == [0, 0];
-    print_result(&SweepReport::new(&study, out, summary, work), args.json)?;
-    match is_useless {
-        true => Err(Failure::incomplete(format!(
-            "no run could be completed; {} contains the reason for each run",
-            out.display()
-        ))),
-        false => Ok(Status::Done),
+    let is_useless = summary.runs > 0 && with_result == [0, 0];
+    let status = print_result(&SweepReport::new(&study, out, summary, work), args.json)?;
+    if is_useless {
+        let message = format!("no run could be completed; {} contains the reason for each run", out.display());
+        return Err(Failure::incomplete(message));
     }
+    Ok(status)
 }
 
 /// Loads a study with the model and the checks of the command line.
@@ -207,57 +201,51 @@ fn run_missing(
 ) -> Result<(crate::table::Table, SweepWork), Failure> {
     let completed: HashSet<u64> = store.completed_runs().collect();
     let interrupt = Interrupt::listen()?;
-    let mut progress = SweepProgress::new(study.runs().min(run_limit), completed.len() as u64);
+    let total = study.runs().min(run_limit);
+    let mut counts = RowCounts { done: completed.len() as u64, ..RowCounts::default() };
+    let mut progress = Progress::new();
+    progress.show_count(completed.len(), total as usize, "");
     let mut write_error = None;
-    let stats = run_while(study, args.threads, 1..=run_limit, &completed, &|| interrupt.signal().is_none(), |row| {
+    let stats = run_while(study, args.threads, 1..=run_limit, &completed, &|| interrupt.keep_running(), |row| {
         // Rows must stay in order, so nothing is written after a failed write.
         if write_error.is_none() {
-            progress.record(&row);
+            counts.record(&row, total, &mut |done, total, text: &str| progress.show_count(done, total, text));
             write_error = store.append(row.cells).err();
         }
         write_error.is_none()
     });
-    progress.counter.clear();
+    progress.clear();
     let partial = store.partial_path().display();
-    let resume_hint =
-        format!("{} of {} runs are in {partial}; the same command resumes from there", progress.done, progress.total);
+    let resume_hint = format!("{} of {total} runs are in {partial}; the same command resumes from there", counts.done);
     if let Some(error) = write_error {
         return Err(Failure::incomplete(format!("cannot write {partial}: {error}; {resume_hint}")));
     }
     if let (false, Some(signal)) = (stats.complete, interrupt.signal()) {
         return Err(Failure::incomplete(format!("the sweep was interrupted by {signal}; {resume_hint}")));
     }
-    let work = SweepWork::new(stats.runs, progress.simulations, stats.threads, stats.wall_s);
+    let work = SweepWork::new(stats.runs, counts.simulations, stats.threads, stats.wall_s);
     Ok((store.finish(study)?, work))
 }
 
 /// Runs `phalanx sweep --shard`.
 fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: &Path) -> Result<Status, Failure> {
     let shard = shard(study, number, count).map_err(Failure::bad_input)?;
-    let interrupt = Interrupt::listen()?;
-    let mut progress = SweepProgress::new(shard.runs(), 0);
-    let keep_running = || interrupt.signal().is_none();
-    let part = write_part(study, shard, out, args.threads, args.restart, &keep_running, |row| progress.record(row));
-    progress.counter.clear();
-    let part = part.map_err(|error| match (error, interrupt.signal()) {
-        (ResultsError::Stopped { done, total }, Some(signal)) => Failure::incomplete(format!(
-            "shard {number}/{count} was interrupted by {signal} after {done} of its {total} runs; shards are written only when \
-             complete, so no file was written; run the same command again"
-        )),
-        (error, _) => error.into(),
+    let mut counts = RowCounts::default();
+    let task = format!("shard {number}/{count}");
+    let consequence = "shards are written only when complete, so no file was written; run the same command again";
+    let part = Interrupt::listen()?.compute([&task, "runs", consequence], |progress, keep_running| {
+        progress(0, shard.runs() as usize, "");
+        write_part(study, shard, out, args.threads, args.restart, keep_running, |row| counts.record(row, shard.runs(), progress))
     })?;
     if part.stats.is_none() {
-        print_note(&format!(
-            "{} already contains shard {number}/{count} of this study; nothing was run. --restart runs it again.",
-            out.display()
-        ));
+        let note = "of this study; nothing was run. --restart runs it again.";
+        print_note(&format!("{} already contains shard {number}/{count} {note}", out.display()));
     }
     let work = part.stats.map_or(SweepWork::new(0, 0, 0, 0.0), |stats| {
-        SweepWork::new(stats.runs, progress.simulations, stats.threads, stats.wall_s)
+        SweepWork::new(stats.runs, counts.simulations, stats.threads, stats.wall_s)
     });
     let report = SweepReport { shard: Some(shard), ..SweepReport::new(study, out, part.summary, work) };
-    print_result(&report, args.json)?;
-    Ok(Status::Done)
+    print_result(&report, args.json)
 }
 
 /// Runs `phalanx sweep merge`.
@@ -265,65 +253,37 @@ fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
     let study = load(&args.study, args.model, args.check)?;
     let parts = part_files(&args.parts)?;
     let inputs = [("the study", &sweep::source_files(&args.study)[..]), ("a shard", &parts)];
-    reserve(&inputs, &[("--out", Some(&args.out), TargetKind::Results)], NO_DIRECTORY)?;
-    let interrupt = Interrupt::listen()?;
-    let mut counter = RunCounter::new();
-    let mut report_progress = |rows: u64| counter.update(rows as usize, study.runs() as usize, "rows joined");
-    let merged = merge(&study, &args.parts, &args.out, &|| interrupt.signal().is_none(), &mut report_progress);
-    counter.clear();
-    let merged = merged.map_err(|error| match (error, interrupt.signal()) {
-        (ResultsError::Stopped { done, total }, Some(signal)) => Failure::incomplete(format!(
-            "the merge was interrupted by {signal} after {done} of {total} runs; {} is unchanged; run the same command again \
-             to join the shards",
-            args.out.display()
-        )),
-        (error, _) => error.into(),
+    reserve(&inputs, &[("--out", Some(&args.out), FileKind::Results)], NO_DIRECTORY)?;
+    let consequence = format!("{} is unchanged; run the same command again to join the shards", args.out.display());
+    let merged = Interrupt::listen()?.compute(["the merge", "runs", &consequence], |progress, keep_running| {
+        let mut on_rows = |rows: u64| progress(rows as usize, study.runs() as usize, "rows joined");
+        merge(&study, &args.parts, &args.out, keep_running, &mut on_rows)
     })?;
     let report = SweepReport {
         parts: Some(merged.parts),
         ..SweepReport::new(&study, &args.out, merged.summary, SweepWork::new(0, 0, 0, 0.0))
     };
-    print_result(&report, args.json)?;
-    Ok(Status::Done)
+    print_result(&report, args.json)
 }
 
-/// Progress of a sweep or of a part of one.
-struct SweepProgress {
-    counter: RunCounter,
-    total: u64,
+/// Counts of the rows of a sweep or of a part of one.
+#[derive(Default)]
+struct RowCounts {
     done: u64,
     simulations: u64,
     failed: u64,
     refused: u64,
-    next_update: Instant,
 }
 
-impl SweepProgress {
-    /// Creates the progress; `done` runs were completed by earlier commands.
-    fn new(total: u64, done: u64) -> Self {
-        let mut counter = RunCounter::new();
-        counter.update(done as usize, total as usize, "");
-        SweepProgress { counter, total, done, simulations: 0, failed: 0, refused: 0, next_update: Instant::now() }
-    }
-
-    /// Counts a new row.
-    fn record(&mut self, row: &Row) {
+impl RowCounts {
+    /// Counts a new row and shows the progress.
+    fn record(&mut self, row: &Row, total: u64, show: &mut (impl FnMut(usize, usize, &str) + ?Sized)) {
         self.done += 1;
         self.failed += u64::from(row.status == sweep::Status::Failed);
         self.refused += u64::from(row.status == sweep::Status::Refused);
         self.simulations += u64::from(matches!(row.status, sweep::Status::Completed | sweep::Status::Failed));
-        let now = Instant::now();
-        // Updates more frequent than this cannot be read.
-        if now >= self.next_update {
-            self.next_update = now + Duration::from_millis(100);
-            let text = format!("{} failed, {} refused", self.failed, self.refused);
-            self.counter.update(self.done as usize, self.total as usize, &text);
-        }
+        show(self.done as usize, total as usize, &format!("{} failed, {} refused", self.failed, self.refused));
     }
-}
-
-fn parse_run_limit(text: &str) -> Result<u64, String> {
-    number(|runs: &u64| *runs > 0, "a number of runs, 1 or more; omit the flag to perform all runs")(text)
 }
 
 /// Parses `3/7`. Accepts digits only, without leading zeros, so that each part has exactly one name.

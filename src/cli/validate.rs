@@ -5,13 +5,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::interrupt::{Interrupt, interrupted};
-use super::output::{print, print_report};
-use super::progress::RunCounter;
-use super::run::{log_failure, run_info};
+use super::output::{OutputArgs, print, print_report, reserve, save, write_failure};
+use super::progress::Interrupt;
+use super::run::run_info;
 use super::set::{SetArgs, source_files};
 use super::simulate::{CheckPolicy, RunLimits, simulate};
-use super::targets::{PAGE_FILE, reserve, save, write_failure};
 use super::{Failure, Status};
 use crate::files::replace_file;
 use crate::format::{Report, ToReport, format_duration};
@@ -32,8 +30,8 @@ use crate::validate::{
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx validate scenes/experiment-95.toml\n  phalanx validate scenes/experiment-95.toml --out \
-                  report\n  phalanx validate scenes/experiment-95.toml --ladder --json > validation.json\n\nThe section \
-                  [validate] of a scene sets its bounds. Exit status: 0 within bounds; 1 out of bounds; 2 bad input; 3 a \
+                  report\n  phalanx validate scenes/experiment-95.toml --ladder --json > validation.json\n\n--out writes reports, a \
+                  page for a browser, time series of both models, plots and both logs. The section [validate] of a scene sets its bounds. Exit status: 0 within bounds; 1 out of bounds; 2 bad input; 3 a \
                   simulation could not be completed."
 )]
 pub(crate) struct ValidateArgs {
@@ -43,14 +41,8 @@ pub(crate) struct ValidateArgs {
     #[command(flatten)]
     set: SetArgs,
 
-    /// Write reports, a page for a browser, time series of both models, plots and both logs to this directory, which is
-    /// created if needed; an existing file is replaced only when the new one is complete
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
-    /// Print one JSON document with SI units in its keys instead of tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 
     /// Also run a ladder of other settings of both models and compare their errors and times; included in --out
     #[arg(long)]
@@ -65,85 +57,62 @@ pub(crate) struct ValidateArgs {
     quick: bool,
 }
 
-impl ValidateArgs {
-    /// Returns the options of the ladder if it is requested.
-    fn ladder_options(&self) -> Option<LadderOptions> {
-        let is_requested = self.ladder || self.ladder_time.is_some() || self.out.is_some();
-        is_requested.then(|| LadderOptions { quick: self.quick, time_s: self.ladder_time.unwrap_or(LADDER_TIME_S) })
+impl From<ValidationError> for Failure {
+    fn from(ValidationError { model, error }: ValidationError) -> Self {
+        let model = model.name();
+        match error {
+            RunError::Sink(sink) => Failure::incomplete(format!("the {model} model stopped: {sink}")),
+            RunError::Simulation { failure, .. } => Failure::incomplete(format!(
+                "the {model} model stopped at {}: {}; there is nothing to compare (phalanx run --model {model} --log FILE.mcap \
+                 keeps the run up to that time)",
+                format_duration(failure.time_s),
+                failure.reason
+            )),
+        }
     }
 }
 
 /// Runs `phalanx validate`.
-pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
+pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = &args.set.load_any(&args.scene)?;
+    let OutputArgs { out, json } = &args.output;
     let files = file_names(scene);
-    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], ("--out", args.out.as_deref(), &files))?;
+    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;
     check_sample_count(scene).map_err(Failure::bad_input)?;
-    let mut counter = RunCounter::new();
-    counter.update(0, 1, "verdict");
-    let result = validate(scene, &|| interrupt.signal().is_none());
-    counter.clear();
-    let mut validation = result.map_err(|error| run_failure(error, args, &interrupt, "before its verdict"))?;
+    let task = ["the validation", "parts", args.output.unwritten()];
+    let mut validation = interrupt.compute(task, |progress, keep_running| {
+        progress(0, 1, "verdict");
+        validate(scene, keep_running)
+    })?;
     // The verdict is printed first, because the ladder takes longer.
-    if !args.json {
+    if !json {
         print_report(&ValidationReport::new(scene, &validation, None).verdict_report())?;
     }
-    let options = args.ladder_options();
+    let is_requested = args.ladder || args.ladder_time.is_some() || out.is_some();
+    let time_s = args.ladder_time.unwrap_or(LADDER_TIME_S);
+    let options = is_requested.then_some(LadderOptions { quick: args.quick, time_s });
     if let Some(options) = options {
-        run_ladder_with_progress(&mut validation, scene, (args, options), &interrupt)?;
+        let task = ["the validation", "settings of its ladder", args.output.unwritten()];
+        interrupt.compute(task, |progress, keep_running| {
+            run_ladder(&mut validation, scene, options, progress, keep_running)
+        })?;
     }
     let mut report = ValidationReport::new(scene, &validation, options);
     directory.write_with(|out| write_files(out, args, scene, &validation, &mut report, &interrupt))?;
-    match (args.json, report.ladder_report()) {
+    match (json, report.ladder_report()) {
         (true, _) => print(&report.json())?,
         (false, Some(ladder)) => print_report(&Report::from("\n").with(ladder))?,
-        (false, None) => {}
-    }
-    Ok(if validation.verdict.passed() { Status::Done } else { Status::CheckFailed })
-}
-
-/// Runs the ladder and shows its progress; stops at a signal.
-fn run_ladder_with_progress(
-    validation: &mut Validation,
-    scene: &Scene,
-    (args, options): (&ValidateArgs, LadderOptions),
-    interrupt: &Interrupt,
-) -> Result<(), Failure> {
-    let mut counter = RunCounter::new();
-    let mut last = (0, 0);
-    let mut report_progress = |done: usize, total: usize, next: &str| {
-        last = (done, total);
-        counter.update(done, total, next);
+        (false, None) => Status::Done,
     };
-    let result = run_ladder(validation, scene, options, &mut report_progress, &|| interrupt.signal().is_none());
-    counter.clear();
-    let when = format!("after {} of {} settings of its ladder", last.0, last.1);
-    result.map_err(|error| run_failure(error, args, interrupt, &when))
-}
-
-/// Failure of one of the runs of a validation, which may be due to a signal.
-fn run_failure(error: ValidationError, args: &ValidateArgs, interrupt: &Interrupt, when: &str) -> Failure {
-    if let Some(signal) = interrupt.signal().filter(|_| error.error.is_stop()) {
-        return interrupted(&format!("the validation was interrupted by {signal} {when}"), args.out.is_some());
-    }
-    let model = error.model.name();
-    match error.error {
-        RunError::Sink(sink) => Failure::incomplete(format!("the {model} model stopped: {sink}")),
-        RunError::Simulation { failure, .. } => Failure::incomplete(format!(
-            "the {model} model stopped at {}: {}; there is nothing to compare (phalanx run --model {model} --log FILE.mcap \
-             keeps the run up to that time)",
-            format_duration(failure.time_s),
-            failure.reason
-        )),
-    }
+    Ok(if validation.verdict.passed() { Status::Done } else { Status::CheckFailed })
 }
 
 /// Returns the names of the files in the output directory. The report lists the others.
 fn file_names(scene: &Scene) -> Vec<&'static str> {
     let plots = ["speed-error.svg", "overlay.svg"].into_iter();
     let difference = (scene.kind() != SceneKind::Bodies).then_some("difference.svg");
-    let reports = ["report.txt", "report.json", PAGE_FILE, "series.csv"];
+    let reports = ["report.txt", "report.json", "page.html", "series.csv"];
     reports.into_iter().chain(plots).chain(difference).chain(["analytic.mcap", "engine.mcap"]).collect()
 }
 
@@ -180,9 +149,9 @@ fn write_files(
         notes: vec![Note { title: "Validation".to_string(), text: report.report() }],
         pictures: vec![Picture { title: "Speed against error".to_string(), svg: speed_error }],
     });
-    save(&out.join(PAGE_FILE), &page)?;
+    save(&out.join("page.html"), &page)?;
     let names = file_names(scene).into_iter().map(String::from).collect();
-    report.files = args.out.as_ref().map(|out| (out.display().to_string(), names));
+    report.files = args.output.out.as_ref().map(|out| (out.display().to_string(), names));
     save(&out.join("report.txt"), &report.report().to_string())?;
     save(&out.join("report.json"), &report.json())
 }
@@ -198,7 +167,7 @@ fn record_run(
     path: &Path,
     interrupt: &Interrupt,
 ) -> Result<Playback, Failure> {
-    let log = log::create(path, &run_info(scene, scene_file, model.name())).map_err(log_failure)?;
+    let log = log::create(path, &run_info(scene, scene_file, model.name()))?;
     let mut recorder = PlaybackRecorder::default();
     let limits = RunLimits { interrupt, until_s: f64::INFINITY, check_policy: CheckPolicy::IfCheap };
     let run = simulate(model, scene, Some(log), &limits, &mut recorder);

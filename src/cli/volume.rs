@@ -7,12 +7,11 @@ use std::time::Instant;
 use clap::Args;
 use clap::builder::TypedValueParser;
 
-use super::interrupt::Interrupt;
-use super::output::{print_diagnostic, print_result};
-use super::parsers::{choice, parse_limits, parse_number, parse_quantity, parse_threads, rule};
+use super::output::{OutputArgs, print_diagnostic, print_result, reserve, save};
+use super::parsers::{choice, limits, number, parse_threads, positive, quantity, rule};
+use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
-use super::study::{OutputArgs, compute};
-use super::targets::{reserve, save};
+use super::study::compute;
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::page::{Note, volume_page};
@@ -53,12 +52,12 @@ pub(crate) struct VolumeArgs {
 
     /// Distances from the ground joints to the object's centre, comma-separated, with units; can be repeated [default:
     /// "12 mm, 15.5 mm, 19 mm, 22.5 mm", or the base of the scene]
-    #[arg(long, value_name = "LENGTHS", value_delimiter = ',', value_parser = parse_base)]
+    #[arg(long, value_name = "LENGTHS", value_delimiter = ',', value_parser = positive(Dimension::Length, "lengths such as \"12 mm, 15.5 mm\""))]
     base: Vec<f64>,
 
     /// Coefficients of static friction, comma-separated; can be repeated [default: 0,0.4,0.8, or the coefficient of the
     /// scene]
-    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = parse_friction)]
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = number(|mu| (0.0..=f64::MAX).contains(mu), FRICTION))]
     mu_static: Vec<f64>,
 
     /// Number of points along each axis, including both ends: one number, or three for l21, phi22 and arm ratio
@@ -66,15 +65,15 @@ pub(crate) struct VolumeArgs {
     resolution: [usize; 3],
 
     /// Limits of l21 as fractions of the range that its base allows [default: 0,1]
-    #[arg(long, value_name = "FROM,TO", value_parser = parse_fraction_limits)]
+    #[arg(long, value_name = "FROM,TO", value_parser = limits(FRACTIONS, number(|x| (0.0..=1.0).contains(x), FRACTIONS)))]
     l21: Option<[f64; 2]>,
 
     /// Limits of phi22 with units [default: "90 deg, 120 deg"]
-    #[arg(long, value_name = "FROM,TO", value_parser = parse_angle_limits)]
+    #[arg(long, value_name = "FROM,TO", value_parser = limits(ANGLES, parse_phi22))]
     phi22: Option<[f64; 2]>,
 
     /// Limits of the arm ratio l22/l11 [default: 1/3 and 2/3]
-    #[arg(long, value_name = "FROM,TO", value_parser = parse_ratio_limits)]
+    #[arg(long, value_name = "FROM,TO", value_parser = limits(RATIOS, number(|x| (f64::MIN_POSITIVE..=f64::MAX).contains(x), RATIOS)))]
     arm_ratio: Option<[f64; 2]>,
 
     /// Rule for sizing motor and spring [default: the rule of the scene, else rigid]
@@ -101,31 +100,35 @@ pub(crate) struct VolumeArgs {
     output: OutputArgs,
 
     /// Number of threads [default: all cores]; the result does not depend on it
-    #[arg(long, value_name = "NUMBER", value_parser = parse_threads)]
-    threads: Option<usize>,
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true, value_parser = parse_threads)]
+    threads: usize,
 }
+
+/// Accepted values in messages.
+const FRICTION: &str = "coefficients of 0 or more, such as 0,0.4,0.8";
+const FRACTIONS: &str = "two numbers between 0 and 1, such as 0,1";
+const ANGLES: &str = "two angles such as \"90 deg, 120 deg\"";
+const RATIOS: &str = "two numbers above 0, such as 0.333,0.667";
 
 /// Files in the output directory.
 const FILES: [&str; 6] = ["table.txt", "table.json", "points.csv", "points.parquet", "page.html", "slices-*.svg"];
 
 /// Runs `phalanx volume`.
-pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
+pub(super) fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let request = build_request(args)?;
     let inputs = args.scene.as_deref().map(source_files).unwrap_or_default();
-    let out = args.output.out.as_deref();
-    let directory = reserve(&[("the scene", &inputs)], &[], ("--out", out, &FILES))?;
+    let directory = reserve(&[("the scene", &inputs)], &[], (args.output.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
-    let threads = args.threads.unwrap_or_else(all_cores);
+    let threads = if args.threads == 0 { all_cores() } else { args.threads };
     let start = Instant::now();
     let volumes = compute("the study", &args.output, &interrupt, |monitor| volumes(&request, threads, monitor))?;
     let wall_s = start.elapsed().as_secs_f64();
     let mut report = VolumeReport::new(&request, &volumes);
     check_designs_exist(&report)?;
-    report.directory = out.map(|out| out.display().to_string());
+    report.directory = args.output.out.as_ref().map(|out| out.display().to_string());
     directory.write_with(|out| write(out, &request, &volumes, args, &mut report, &interrupt))?;
     report.timing = Some(Timing { wall_s, threads });
-    print_result(&report, args.output.json)?;
-    Ok(Status::Done)
+    print_result(&report, args.output.json)
 }
 
 /// Returns an error if no design exists at any base. Prints a warning for each single base without designs.
@@ -154,7 +157,7 @@ fn build_request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
     let defaults = VolumeRequest::thesis();
     let template = match &args.scene {
         Some(path) => args.set.load_template(path)?,
-        None if args.set.is_empty() => defaults.template,
+        None if args.set.set.is_empty() => defaults.template,
         None => {
             return Err(Failure::bad_input(
                 "--set needs a scene, but none is given; name one, as in phalanx volume scenes/experiment-95.toml --set …",
@@ -286,31 +289,11 @@ fn points_parser() -> impl TypedValueParser<Value = &'static str> {
     ])
 }
 
-fn parse_base(item: &str) -> Result<f64, String> {
-    let expected = "lengths such as \"12 mm, 15.5 mm\"";
-    parse_quantity(item, Dimension::Length, |base_m| base_m > 0.0, "the base must be more than 0", expected)
-}
-
-fn parse_friction(item: &str) -> Result<f64, String> {
-    parse_number(item, |mu| mu >= 0.0, "a coefficient of 0 or more", "coefficients such as 0,0.4,0.8")
-}
-
-fn parse_fraction_limits(text: &str) -> Result<[f64; 2], String> {
-    let expected = "two numbers between 0 and 1, such as 0,1";
-    let is_valid = |fraction| (0.0..=1.0).contains(&fraction);
-    parse_limits(text, expected, |item| parse_number(item, is_valid, "a number between 0 and 1", expected))
-}
-
-fn parse_angle_limits(text: &str) -> Result<[f64; 2], String> {
-    let (expected, requirement) =
-        ("two angles such as \"90 deg, 120 deg\"", "phi22 must be between 0 and 180 deg, both excluded");
-    let is_valid = |angle_rad| angle_rad > 0.0 && angle_rad < std::f64::consts::PI;
-    parse_limits(text, expected, |item| parse_quantity(item, Dimension::Angle, is_valid, requirement, expected))
-}
-
-fn parse_ratio_limits(text: &str) -> Result<[f64; 2], String> {
-    let expected = "two numbers above 0, such as 0.333,0.667";
-    parse_limits(text, expected, |item| parse_number(item, |ratio| ratio > 0.0, "a number above 0", expected))
+fn parse_phi22(text: &str) -> Result<f64, String> {
+    quantity(Dimension::Angle)(text).and_then(|angle_rad| match angle_rad > 0.0 && angle_rad < std::f64::consts::PI {
+        true => Ok(angle_rad),
+        false => Err(format!("phi22 must be between 0 and 180 deg, both excluded; expected {ANGLES}")),
+    })
 }
 
 /// Parses one number of points for all axes, or three.

@@ -13,8 +13,6 @@
 //! **Time.** Messages have the simulated time, from 0; the server announces that time between messages.
 
 mod origin_filter;
-mod pacer;
 mod server;
 
-pub use pacer::RealTimePacer;
-pub use server::{DEFAULT_ADDRESS, LiveError, Server};
+pub use server::{DEFAULT_ADDRESS, LiveError, RealTimePacer, Server};

@@ -1,6 +1,5 @@
-//! Server: channels, their clients and latest messages.
+//! Server: channels, their clients and latest messages, and the clock of the run.
 
-use std::collections::HashMap;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
@@ -14,7 +13,6 @@ use foxglove::{
 };
 
 use super::origin_filter::OriginFilter;
-use super::pacer::RealTimePacer;
 use crate::log::MessageFeed;
 
 /// Default address of the Foxglove app, local only.
@@ -78,7 +76,6 @@ struct SharedState(Mutex<ServerState>);
 #[derive(Default)]
 struct ServerState {
     channels: Vec<ChannelState>,
-    index: HashMap<ChannelId, usize>,
     /// When a channel was last subscribed to.
     last_subscribed: Option<Instant>,
     /// Log time of the latest message on any channel.
@@ -90,6 +87,12 @@ struct ChannelState {
     clients: Vec<SinkId>,
     /// Log time and bytes of the latest message.
     latest: Option<(u64, Vec<u8>)>,
+}
+
+impl ServerState {
+    fn channel(&mut self, id: ChannelId) -> Option<&mut ChannelState> {
+        self.channels.iter_mut().find(|state| state.channel.id() == id)
+    }
 }
 
 impl SharedState {
@@ -104,14 +107,7 @@ impl ServerListener for SharedState {
     fn on_subscribe(&self, client: Client, channel: ChannelView) {
         let mut state = self.state();
         state.last_subscribed = Some(Instant::now());
-        let Some(channel_state) =
-            state.index.get(&channel.id()).copied().and_then(|index| state.channels.get_mut(index))
-        else {
-            return;
-        };
-        let Some(client) = client.sink_id() else {
-            return;
-        };
+        let (Some(channel_state), Some(client)) = (state.channel(channel.id()), client.sink_id()) else { return };
         channel_state.clients.push(client);
         if let Some((log_time_ns, message)) = &channel_state.latest {
             channel_state.channel.log_with_meta_to_sink(message, with_log_time(*log_time_ns), Some(client));
@@ -119,10 +115,7 @@ impl ServerListener for SharedState {
     }
 
     fn on_unsubscribe(&self, client: Client, channel: ChannelView) {
-        let mut state = self.state();
-        if let Some(channel_state) =
-            state.index.get(&channel.id()).copied().and_then(|index| state.channels.get_mut(index))
-        {
+        if let Some(channel_state) = self.state().channel(channel.id()) {
             channel_state.clients.retain(|other| Some(*other) != client.sink_id());
         }
     }
@@ -139,11 +132,9 @@ impl Server {
     /// # Errors
     /// Returns [`LiveError`] with the address, the reason and a remedy.
     pub fn start(address: &str, name: &str, origins: &[String]) -> Result<Self, LiveError> {
-        let (host, port) = address.rsplit_once(':').ok_or_else(|| LiveError::Address(address.to_string()))?;
-        let port: u16 = port.parse().map_err(|_| LiveError::Address(address.to_string()))?;
-        if host.is_empty() {
-            return Err(LiveError::Address(address.to_string()));
-        }
+        let parts = address.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+        let parts = parts.and_then(|(host, port)| Some((host, port.parse::<u16>().ok()?)));
+        let (host, port) = parts.ok_or_else(|| LiveError::Address(address.to_string()))?;
         let listener = TcpListener::bind(address).map_err(|error| bind_error(address, host, port, &error))?;
         let (context, shared) = (Context::new(), Arc::new(SharedState::default()));
         let loopback = random_loopback_address();
@@ -187,23 +178,12 @@ impl Server {
 
     /// Waits until a client has subscribed to its channels.
     pub fn wait_for_client(&self, stop: impl Fn() -> bool) {
-        self.serve(|| {
-            stop()
-                || self
-                    .shared
-                    .state()
-                    .last_subscribed
-                    .is_some_and(|last_subscribed| last_subscribed.elapsed() >= SUBSCRIPTION_QUIET_TIME)
-        });
+        let is_ready = |subscribed: Instant| subscribed.elapsed() >= SUBSCRIPTION_QUIET_TIME;
+        self.serve_last_state(|| stop() || self.shared.state().last_subscribed.is_some_and(is_ready));
     }
 
-    /// Serves the last state until `stop` returns true.
+    /// Serves the last state and announces its simulated time until `stop` returns true.
     pub fn serve_last_state(&self, stop: impl Fn() -> bool) {
-        self.serve(stop);
-    }
-
-    /// Announces the current simulated time until `stop` returns true.
-    fn serve(&self, stop: impl Fn() -> bool) {
         while !stop() {
             self.announce();
             thread::sleep(POLL_INTERVAL);
@@ -224,9 +204,7 @@ impl Server {
         while self.handle.client_count() > 0 && start.elapsed() < DRAIN_TIMEOUT {
             thread::sleep(POLL_INTERVAL);
         }
-        let Some(handle) = Arc::into_inner(self.handle) else {
-            return;
-        };
+        let Some(handle) = Arc::into_inner(self.handle) else { return };
         // A client that does not read blocks the shutdown; other clients get a limited time to close.
         let (done_sender, done_receiver) = mpsc::channel();
         let shutdown = handle.stop();
@@ -261,6 +239,43 @@ fn random_loopback_address() -> Ipv4Addr {
     }
 }
 
+/// Longest sleep; limits the delay of an interrupt and the interval of time announcements.
+const MAX_SLEEP: Duration = Duration::from_millis(25);
+
+/// Delays a simulation so that it advances at a given multiple of real time.
+#[derive(Clone, Copy, Debug)]
+pub struct RealTimePacer {
+    /// Simulated time per wall-clock time.
+    speed: f64,
+    /// Wall clock at simulated time 0.
+    start: Option<Instant>,
+}
+
+impl RealTimePacer {
+    /// Creates a pacer; its clock starts at the first [`wait`](Self::wait) for a simulated time above 0.
+    pub fn new(speed: f64) -> Self {
+        RealTimePacer { speed, start: None }
+    }
+
+    /// Waits until the simulated time is due. Meanwhile passes the current simulated time, ns, to `announce`; returns
+    /// early if `stop` returns true.
+    pub fn wait(&mut self, time_ns: u64, mut announce: impl FnMut(u64), stop: impl Fn() -> bool) {
+        if time_ns == 0 {
+            return;
+        }
+        let start = *self.start.get_or_insert_with(Instant::now);
+        let due_s = time_ns as f64 * 1e-9 / self.speed;
+        loop {
+            let elapsed_s = start.elapsed().as_secs_f64();
+            if elapsed_s >= due_s || stop() {
+                return;
+            }
+            announce((elapsed_s * self.speed * 1e9) as u64);
+            thread::sleep(MAX_SLEEP.min(Duration::from_secs_f64(due_s - elapsed_s)));
+        }
+    }
+}
+
 /// Feed of the log writer that sends messages to clients.
 struct ServerFeed {
     handle: Arc<WebSocketServerHandle>,
@@ -280,8 +295,6 @@ impl MessageFeed for ServerFeed {
             .schema(schema)
             .build_raw()
             .expect("an encoding is set");
-        let index = state.channels.len();
-        state.index.insert(channel.id(), index);
         state.channels.push(ChannelState { channel, clients: Vec::new(), latest: None });
     }
 
@@ -289,9 +302,7 @@ impl MessageFeed for ServerFeed {
         self.pace.wait(log_time_ns, |now_ns| self.handle.broadcast_time(now_ns), &self.stop);
         let mut state = self.shared.state();
         state.latest_ns = log_time_ns;
-        let Some(channel_state) = state.channels.get_mut(channel) else {
-            return;
-        };
+        let Some(channel_state) = state.channels.get_mut(channel) else { return };
         for client in &channel_state.clients {
             channel_state.channel.log_with_meta_to_sink(message, with_log_time(log_time_ns), Some(*client));
         }
@@ -299,5 +310,36 @@ impl MessageFeed for ServerFeed {
         *time_ns = log_time_ns;
         bytes.clear();
         bytes.extend_from_slice(message);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paces_simulated_time_at_the_requested_speed() {
+        let mut pacer = RealTimePacer::new(0.1);
+        let mut reported_times = Vec::new();
+        let start = Instant::now();
+        pacer.wait(0, |_| panic!("nothing to wait for"), || false);
+        pacer.wait(10_000_000, |now_ns| reported_times.push(now_ns), || false);
+        assert!(start.elapsed() >= Duration::from_millis(100));
+        assert!(
+            !reported_times.is_empty()
+                && reported_times.is_sorted()
+                && reported_times.iter().all(|now_ns| *now_ns < 10_000_000),
+            "{reported_times:?}"
+        );
+        // A time in the past causes no wait.
+        pacer.wait(1, |_| panic!("nothing to wait for"), || false);
+    }
+
+    #[test]
+    fn waiting_stops_on_request() {
+        let mut pacer = RealTimePacer::new(1e-6);
+        let start = Instant::now();
+        pacer.wait(1_000_000_000, |_| {}, || start.elapsed() > Duration::from_millis(50));
+        assert!(start.elapsed() < Duration::from_secs(60));
     }
 }

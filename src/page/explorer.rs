@@ -4,7 +4,7 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::Serialize;
 use serde_json::json;
 
-use super::html::{PageScript, VIEWER_SCRIPTS, escape_for_script, fill_template, page_style};
+use super::html::{VIEWER_SCRIPTS, fill_scripted_template, page_style, scripts};
 use super::presets::presets;
 use crate::criteria::{Class, Fate};
 use crate::format::escape_markup;
@@ -15,26 +15,12 @@ const TEMPLATE: &str = include_str!("assets/explorer/page.html");
 const STYLES: [&str; 3] =
     [include_str!("assets/texts.css"), include_str!("assets/layout.css"), include_str!("assets/explorer/layout.css")];
 /// Scripts after [`VIEWER_SCRIPTS`], in order of dependence; all share one scope.
-const SCRIPTS: [&str; 18] = [
-    include_str!("assets/explorer/worker.js"),
-    include_str!("assets/explorer/worker_queue.js"),
-    include_str!("assets/explorer/scene_settings.js"),
-    include_str!("assets/explorer/range.js"),
-    include_str!("assets/explorer/colours.js"),
-    include_str!("assets/explorer/fields.js"),
-    include_str!("assets/explorer/figures.js"),
-    include_str!("assets/explorer/verdict.js"),
-    include_str!("assets/explorer/variations.js"),
-    include_str!("assets/explorer/grid.js"),
-    include_str!("assets/explorer/map.js"),
-    include_str!("assets/explorer/statics.js"),
-    include_str!("assets/explorer/tabs.js"),
-    include_str!("assets/explorer/address.js"),
-    include_str!("assets/explorer/files.js"),
-    include_str!("assets/explorer/page_controls.js"),
-    include_str!("assets/explorer/hooks.js"),
-    include_str!("assets/explorer/main.js"),
-];
+const SCRIPTS: [&str; 18] = scripts! {
+    "explorer/worker", "explorer/worker_queue", "explorer/scene_settings", "explorer/range", "explorer/colours",
+    "explorer/fields", "explorer/figures", "explorer/verdict", "explorer/variations", "explorer/grid",
+    "explorer/map", "explorer/statics", "explorer/tabs", "explorer/address", "explorer/files",
+    "explorer/page_controls", "explorer/hooks", "explorer/main"
+};
 /// First bytes of a gzip file.
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
@@ -83,15 +69,8 @@ pub(crate) fn explorer_page(module: &[u8], start: &InitialScene, version: &str) 
         "largest_scene_bytes": MAX_SCENE_BYTES,
         "version": version,
     });
-    let data = escape_for_script(&data.to_string());
-    let PageScript { nonce, script } = PageScript::new(&data, &[&VIEWER_SCRIPTS[..], &SCRIPTS].concat());
-    let fields = [
-        ("nonce", nonce),
-        ("title", escape_markup(title)),
-        ("style", page_style(&STYLES)),
-        ("data", data),
-        ("script", script),
-        ("version", escape_markup(version)),
-    ];
-    fill_template(TEMPLATE, &fields)
+    let fields =
+        vec![("title", escape_markup(title)), ("style", page_style(&STYLES)), ("version", escape_markup(version))];
+    let scripts = [&VIEWER_SCRIPTS[..], &SCRIPTS].concat();
+    fill_scripted_template(TEMPLATE, &data.to_string(), &scripts, fields)
 }

@@ -5,50 +5,72 @@ use crate::format::{Report, escape_markup, is_unsafe_char};
 use crate::plot::theme::variables;
 use phalanx_show::playback::json;
 
+/// Texts of the scripts of these names.
+macro_rules! scripts {
+    ($($name:literal),*) => { [$(include_str!(concat!("assets/", $name, ".js"))),*] };
+}
+pub(super) use scripts;
+
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 2] = [include_str!("assets/texts.css"), include_str!("assets/layout.css")];
 /// Scripts of the playback viewer, in order of dependence; all share one scope.
-pub(super) const VIEWER_SCRIPTS: [&str; 21] = [
-    include_str!("assets/format.js"),
-    include_str!("assets/data.js"),
-    include_str!("assets/interpolation.js"),
-    include_str!("assets/clock.js"),
-    include_str!("assets/axis.js"),
-    include_str!("assets/canvas.js"),
-    include_str!("assets/svg_context.js"),
-    include_str!("assets/camera.js"),
-    include_str!("assets/shapes.js"),
-    include_str!("assets/symbols.js"),
-    include_str!("assets/stage.js"),
-    include_str!("assets/plots.js"),
-    include_str!("assets/events.js"),
-    include_str!("assets/gif.js"),
-    include_str!("assets/animation.js"),
-    include_str!("assets/save.js"),
-    include_str!("assets/controls.js"),
-    include_str!("assets/help.js"),
-    include_str!("assets/keys.js"),
-    include_str!("assets/viewer.js"),
-    include_str!("assets/hooks.js"),
-];
+pub(super) const VIEWER_SCRIPTS: [&str; 21] = scripts! {
+    "format", "data", "interpolation", "clock", "axis", "canvas", "svg_context", "camera", "shapes", "symbols",
+    "stage", "plots", "events", "gif", "animation", "save", "controls", "help", "keys", "viewer", "hooks"
+};
 const MAIN_SCRIPT: &str = include_str!("assets/main.js");
 
 /// Renders the page. Equal contents give equal bytes.
 pub fn render_page(page: &Page) -> String {
-    let json = escape_for_script(&json::to_json(&page.runs));
-    let PageScript { nonce, script } = PageScript::new(&json, &[&VIEWER_SCRIPTS[..], &[MAIN_SCRIPT]].concat());
-    let fields = [
-        ("nonce", nonce),
+    let fields = vec![
         ("title", escape_markup(&page.title)),
         ("description", description_html(&page.description)),
         ("style", page_style(&STYLES)),
         ("summaries", summaries_html(page)),
         ("notes", notes_html(&page.notes)),
         ("pictures", pictures_html(&page.pictures)),
-        ("data", json),
-        ("script", script),
     ];
-    fill_template(TEMPLATE, &fields)
+    let scripts = [&VIEWER_SCRIPTS[..], &[MAIN_SCRIPT]].concat();
+    fill_scripted_template(TEMPLATE, &json::to_json(&page.runs), &scripts, fields)
+}
+
+const VOLUME_TEMPLATE: &str = include_str!("assets/volume/page.html");
+const VOLUME_STYLES: [&str; 2] = [include_str!("assets/texts.css"), include_str!("assets/volume/layout.css")];
+/// Scripts of the page of volumes, in order of dependence; all share one scope.
+const VOLUME_SCRIPTS: [&str; 11] = scripts! {
+    "format", "canvas", "volume/data", "volume/scale", "volume/cube", "volume/stage", "volume/design",
+    "volume/controls", "help", "volume/keys", "volume/main"
+};
+
+/// Renders the page that shows grasp-state volumes in three dimensions, with the volumes as a JSON document
+/// ([`page_data`](crate::thesis::volume::page_data)). Equal contents give equal bytes.
+pub(crate) fn volume_page(title: &str, description: &str, data: &str, notes: &[Note]) -> String {
+    let fields = vec![
+        ("title", escape_markup(title)),
+        ("description", escape_markup(description)),
+        ("style", page_style(&VOLUME_STYLES)),
+        ("notes", notes_html(notes)),
+    ];
+    fill_scripted_template(VOLUME_TEMPLATE, data, &VOLUME_SCRIPTS, fields)
+}
+
+/// Selects light or dark colours: the system's preference at first, then by a button.
+const REPORT_SCRIPT: &str = include_str!("assets/report/report.js");
+
+/// Renders the page of a report, such as a reproduction, with light and dark colours. Its content security policy
+/// forbids external sources. Equal reports give equal bytes.
+pub fn report_page(report: &Report) -> String {
+    let entry =
+        |(index, heading): (usize, &str)| format!("<li><a href=\"#s{index}\">{}</a></li>\n", escape_markup(heading));
+    let fields = [
+        ("nonce", format!("{:08x}", crc32fast::hash(REPORT_SCRIPT.as_bytes()))),
+        ("title", escape_markup(&report.title)),
+        ("style", page_style(&[include_str!("assets/report/report.css")])),
+        ("contents", report.headings().enumerate().map(entry).collect()),
+        ("report", report.html(&report.title)),
+        ("script", REPORT_SCRIPT.to_string()),
+    ];
+    fill_template(include_str!("assets/report/page.html"), &fields)
 }
 
 /// Concatenates the colours, the common style sheet and the style sheets of a page.
@@ -56,25 +78,23 @@ pub(super) fn page_style(page_sheets: &[&str]) -> String {
     [&variables(), include_str!("assets/theme.css"), &page_sheets.concat()].concat()
 }
 
-/// The script of a page and the nonce that allows it to run.
-pub(super) struct PageScript {
-    pub nonce: String,
-    pub script: String,
-}
-
-impl PageScript {
-    /// Wraps the parts in one function scope.
-    pub fn new(data: &str, parts: &[&str]) -> Self {
-        Self {
-            // Scripts without the nonce do not run, so injected ones are blocked.
-            nonce: format!("{:08x}", crc32fast::hash(data.as_bytes())),
-            script: format!("(() => {{\n\"use strict\";\n{}}})();\n", parts.concat()),
-        }
-    }
+/// Fills the template of a page that shows `data` (JSON). Its scripts are wrapped in one function scope.
+pub(super) fn fill_scripted_template(
+    template: &str,
+    data: &str,
+    scripts: &[&str],
+    mut fields: Vec<(&str, String)>,
+) -> String {
+    let data = escape_for_script(data);
+    // Scripts without the nonce do not run, so injected ones are blocked.
+    fields.push(("nonce", format!("{:08x}", crc32fast::hash(data.as_bytes()))));
+    fields.push(("script", format!("(() => {{\n\"use strict\";\n{}}})();\n", scripts.concat())));
+    fields.push(("data", data));
+    fill_template(template, &fields)
 }
 
 /// Replaces every `{{name}}` in a template. Inserted values are not expanded again.
-pub(super) fn fill_template(template: &str, fields: &[(&str, String)]) -> String {
+fn fill_template(template: &str, fields: &[(&str, String)]) -> String {
     let mut parts = template.split("{{");
     let mut text = parts.next().unwrap_or_default().to_string();
     for part in parts {
@@ -88,13 +108,14 @@ pub(super) fn fill_template(template: &str, fields: &[(&str, String)]) -> String
 }
 
 /// Escapes JSON for a script element: it cannot contain the end of the element or the start of a comment.
-pub(super) fn escape_for_script(json: &str) -> String {
+fn escape_for_script(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
         match c {
-            '<' | '>' | '&' => out.push_str(&format!("\\u{:04x}", u32::from(c))),
             // JSON allows other characters above 127 unescaped.
-            c if is_unsafe_char(c) || c.is_control() => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c if matches!(c, '<' | '>' | '&') || is_unsafe_char(c) || c.is_control() => {
+                out.push_str(&format!("\\u{:04x}", u32::from(c)));
+            }
             other => out.push(other),
         }
     }
@@ -111,7 +132,7 @@ fn summaries_html(page: &Page) -> String {
     runs.map(|playback| section(&format!("Summary: {}", playback.label), &playback.summary)).collect()
 }
 
-pub(super) fn notes_html(notes: &[Note]) -> String {
+fn notes_html(notes: &[Note]) -> String {
     notes.iter().map(|note| section(&note.title, &note.text)).collect()
 }
 
@@ -120,7 +141,7 @@ fn section(title: &str, body: &Report) -> String {
     format!("<section class=\"text\"><h2>{}</h2>\n{}</section>\n", escape_markup(title), body.html(title))
 }
 
-pub(super) fn pictures_html(pictures: &[Picture]) -> String {
+fn pictures_html(pictures: &[Picture]) -> String {
     let picture = |picture: &Picture| {
         let title = escape_markup(&picture.title);
         format!(

@@ -10,25 +10,20 @@
 //! | file | job |
 //! |---|---|
 //! | `explorer`, `presets` | the page that simulates in the browser, its scenes, its WebAssembly module as text |
-//! | `volume` | the page of grasp-state volumes |
-//! | `report` | the page of a report, such as a reproduction |
-//! | `html` | JSON, texts, pictures and the `assets` → the file |
+//! | `html` | JSON, texts, pictures and the `assets` → the file; also pages of grasp-state volumes and of a report |
 
 mod explorer;
 mod html;
 mod presets;
-mod report;
-mod volume;
 
 pub(crate) use explorer::{InitialScene, explorer_page, is_gzip};
-pub use html::render_page;
+pub(crate) use html::volume_page;
+pub use html::{render_page, report_page};
 pub use phalanx_show::playback::{
     Body, ContactSeries, EventMarker, MAX_SAMPLES, Panel, Playback, PlaybackRecorder, Scale, Series, build_playback,
 };
 pub(crate) use presets::standalone_text;
 pub use presets::{Preset, presets};
-pub use report::report_page;
-pub(crate) use volume::volume_page;
 
 use crate::format::Report;
 

@@ -1,6 +1,6 @@
 //! Scenes included in the explorer's page: the shipped scenes of fingers and grippers.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -14,36 +14,15 @@ macro_rules! shipped_scenes {
     };
 }
 
-shipped_scenes![
-    "experiment-95.toml",
-    "experiment-95-cad.toml",
-    "experiment-95-frictionless.toml",
-    "experiment-95-bristle.toml",
-    "torsional-spring.toml",
-    "long-fingers.toml",
-    "other-assembly.toml",
-    "soft-start.toml",
-    "free-swing.toml",
-    "gripper/design-95.toml",
-    "gripper/light.toml",
-    "gripper/heavy.toml",
-    "gripper/offset.toml",
-    "gripper/offset-left.toml",
-    "gripper/different.toml",
-    "gripper/seesaw.toml",
-    "gripper/table.toml",
-    "gripper/fixed.toml",
-    "gripper/bought.toml",
-    "gripper/lift.toml",
-    "hard/torque-x10.toml",
-    "hard/exponent-1.5.toml",
-    "hard/friction-well.toml",
-    "hard/limit-rattles.toml",
-    "hard/chaos.toml",
-    "hard/gripper-thrown.toml",
-    "hard/gripper-light.toml",
-    "hard/gripper-undamped.toml",
-];
+shipped_scenes! {
+    "experiment-95.toml", "experiment-95-cad.toml", "experiment-95-frictionless.toml", "experiment-95-bristle.toml",
+    "torsional-spring.toml", "long-fingers.toml", "other-assembly.toml", "soft-start.toml", "free-swing.toml",
+    "gripper/design-95.toml", "gripper/light.toml", "gripper/heavy.toml", "gripper/offset.toml",
+    "gripper/offset-left.toml", "gripper/different.toml", "gripper/seesaw.toml", "gripper/table.toml",
+    "gripper/fixed.toml", "gripper/bought.toml", "gripper/lift.toml", "hard/torque-x10.toml",
+    "hard/exponent-1.5.toml", "hard/friction-well.toml", "hard/limit-rattles.toml", "hard/chaos.toml",
+    "hard/gripper-thrown.toml", "hard/gripper-light.toml", "hard/gripper-undamped.toml",
+}
 
 /// A standalone scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -102,17 +81,15 @@ fn scene_layers(file: &str, text: &str) -> Vec<Layer> {
 
 /// Resolves `relative` against the folder of `file`.
 fn resolve_relative(file: &str, relative: &str) -> String {
-    let mut path = PathBuf::from(file);
+    let mut path: Vec<&str> = file.split('/').collect();
     path.pop();
-    for component in Path::new(relative).components() {
+    for component in relative.split('/') {
         match component {
-            Component::ParentDir => {
-                path.pop();
-            }
-            other => path.push(other),
+            ".." => _ = path.pop(),
+            component => path.push(component),
         }
     }
-    path.to_string_lossy().replace('\\', "/")
+    path.join("/")
 }
 
 #[cfg(test)]

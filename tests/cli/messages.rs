@@ -1,50 +1,90 @@
-//! Errors of new users are answered with the allowed values or with advice.
+//! Exit statuses and error messages: 2 for bad input, with the allowed values or advice; 3 for an incomplete run.
 
 use std::fs;
+use std::io::Read;
+use std::process::Command;
 
-use crate::support::cli::{self, EXPERIMENT_95, directory, phalanx, stderr, stdout, write};
+use crate::support::cli::{
+    self, EXPERIMENT_95, assert_status, directory, json, path_in, phalanx, start, stderr, stdout, succeed, variant,
+    write,
+};
+use mcap::MessageStream;
+use serde_json::Value;
 
 /// Asserts that a command is rejected with a message of short lines.
 #[track_caller]
 fn assert_rejected(args: &[&str], parts: &[&str]) {
-    cli::assert_rejected(args, parts);
-    let output = phalanx(args);
-    assert!(stderr(&output).lines().all(|line| line.chars().count() < 300), "{}", stderr(&output));
-    assert!(!stderr(&output).contains("'-- -"), "{}", stderr(&output));
+    let message = cli::assert_rejected(args, parts);
+    assert!(message.lines().all(|line| line.chars().count() < 300) && !message.contains("'-- -"), "{message}");
 }
 
 #[test]
-fn errors_for_negative_numbers_name_the_range() {
-    assert_rejected(&["run", EXPERIMENT_95, "--rtol", "-1"], &["'-1' for '--rtol", "between 0 and 1"]);
-    assert_rejected(&["run", EXPERIMENT_95, "--duration", "-1 ms"], &["longer than 0", "30 ms"]);
-    assert_rejected(&["run", EXPERIMENT_95, "--numeric-rate", "-1 Hz"], &["more than 0", "10 kHz"]);
-    assert_rejected(&["run", EXPERIMENT_95, "--model", "engine", "--step", "-1 us"], &["longer than 0", "1 us"]);
-    assert_rejected(&["statics", EXPERIMENT_95, "--mu-static", "-1"], &["'-1' for '--mu-static", "0 or more"]);
-    assert_rejected(&["volume", "--mu-static", "-1"], &["`-1`", "0 or more"]);
-    assert_rejected(&["volume", "--base", "-1 mm"], &["more than 0", "12 mm"]);
-    assert_rejected(&["volume", "--resolution", "-1"], &["`-1`", "1 or more"]);
-    assert_rejected(&["select", "none.csv", "--max-rebound", "-1"], &["percentage of 0 or more"]);
-    assert_rejected(&["select", "none.csv", "--best", "-1"], &["0 or more"]);
-    assert_rejected(&["sweep", "none.toml", "--out", "x.csv", "--limit", "-1"], &["1 or more"]);
-    assert_rejected(&["reproduce", "--threads", "-1"], &["threads from 1 to 1024"]);
-    assert_rejected(&["study", "stability", EXPERIMENT_95, "--stiffness", "-1"], &["above 0"]);
-    // A flag is not accepted as the name of a file.
-    assert_rejected(&["run", EXPERIMENT_95, "--log", "--json"], &["--log"]);
+fn invalid_arguments_are_rejected_with_the_allowed_values() {
+    let cases: [(&[&str], &[&str]); 14] = [
+        (&["rn"], &["'run'"]),
+        (&["scene", "shw"], &["'show'"]),
+        (&["run"], &["<SCENE>"]),
+        (&["run", "no/such/scene.toml", "--json"], &["no/such/scene.toml", "no such file"]),
+        (&["statics", EXPERIMENT_95, "--motor", "480 Nmm"], &["`Nmm` (did you mean N*mm?)"]),
+        (&["statics", EXPERIMENT_95, "--mu-static", "-1"], &["'-1' for '--mu-static", "0 or more"]),
+        (&["volume", "--mu-static", "-1"], &["'-1' for '--mu-static", "0 or more"]),
+        (&["volume", "--base", "-1 mm"], &["more than 0", "12 mm"]),
+        (&["volume", "--resolution", "-1"], &["`-1`", "1 or more"]),
+        (&["select", "none.csv", "--max-rebound", "-1"], &["percentage of 0 or more"]),
+        (&["select", "none.csv", "--best", "-1"], &["0 or more"]),
+        (&["sweep", "none.toml", "--out", "x.csv", "--limit", "-1"], &["1 or more"]),
+        (&["reproduce", "--threads", "-1"], &["threads from 1 to 1024"]),
+        (&["study", "stability", EXPERIMENT_95, "--stiffness", "-1"], &["above 0"]),
+    ];
+    for (args, parts) in cases {
+        assert_rejected(args, parts);
+    }
+    let run_cases: [(&[&str], &[&str]); 25] = [
+        (&["--jason"], &["--jason", "--json"]),
+        // A flag is not accepted as the name of a file.
+        (&["--log", "--json"], &["--log"]),
+        (&["--model", "magic"], &["magic", "analytic"]),
+        (&["--rtol", "-1"], &["'-1' for '--rtol", "between 0 and 1"]),
+        (&["--rtol", "0"], &["between 0 and 1"]),
+        (&["--rtol", "2"], &["between 0 and 1"]),
+        (&["--rtol", "nan"], &["nan", "between 0 and 1"]),
+        (&["--rtol", "tight"], &["tight", "between 0 and 1"]),
+        (&["--duration", "30"], &["30", "no unit", "ms"]),
+        (&["--duration", "30 mm"], &["30 mm"]),
+        (&["--duration", "0 ms"], &["longer than 0"]),
+        (&["--duration", "-1 ms"], &["longer than 0", "30 ms"]),
+        (&["--duration", "inf s"], &["finite"]),
+        (&["--duration", "1e300s"], &["too large", "3600 s at most"]),
+        (&["--numeric-rate", "-1 Hz"], &["more than 0", "10 kHz"]),
+        (&["--model", "engine", "--step", "0 us"], &["--step", "0 us"]),
+        (&["--model", "engine", "--step", "-1 us"], &["longer than 0", "1 us"]),
+        (&["--model", "engine", "--step", "1 mm"], &["--step", "1 mm"]),
+        (&["--model", "engine", "--step", "1"], &["--step", "1"]),
+        (&["--model", "engine", "--step", "1 us", "--tolerance", "1 um"], &["--tolerance"]),
+        // Settings of the other model.
+        (&["--construction", "reduced"], &["--construction", "analytic model runs", "--model engine"]),
+        (&["--step", "1 us"], &["--step", "analytic model runs", "--model engine"]),
+        (&["--tolerance", "1 um"], &["--tolerance", "analytic model runs", "--model engine"]),
+        (&["--model", "engine", "--preset", "reference"], &["--preset", "engine model runs", "--model analytic"]),
+        (&["--model", "engine", "--rtol", "1e-3"], &["--rtol", "engine model runs", "--model analytic"]),
+    ];
+    for (args, parts) in run_cases {
+        assert_rejected(&[&["run", EXPERIMENT_95], args].concat(), parts);
+    }
 }
 
 #[test]
-fn mistyped_units_and_commands_get_suggestions() {
-    assert_rejected(&["statics", EXPERIMENT_95, "--motor", "480 Nmm"], &["`Nmm` (did you mean N*mm?)"]);
-    let directory = directory("messages_units");
+fn invalid_scenes_are_rejected_with_their_position() {
+    let directory = directory("messages_scenes");
     let text = fs::read_to_string(EXPERIMENT_95).expect("the scene");
-    let scene = |name: &str, from: &str, to: &str| write(&directory, name, &text.replace(from, to));
-    assert_rejected(&["run", &scene("nm.toml", "480 N*mm", "0.48 Nm")], &["nm.toml:12", "did you mean N*m?", "N*mm"]);
-    assert_rejected(
-        &["run", &scene("far.toml", "\"15.5 mm\"", "\"1e300 mm\"")],
-        &["far.toml:6", "too large", "1000 m at most"],
-    );
-    assert_rejected(&["rn"], &["'run'"]);
-    assert_rejected(&["scene", "shw"], &["'show'"]);
+    for (name, text, parts) in [
+        ("nm.toml", text.replace("480 N*mm", "0.48 Nm"), &["nm.toml:12", "did you mean N*m?", "N*mm"][..]),
+        ("far.toml", text.replace("\"15.5 mm\"", "\"1e300 mm\""), &["far.toml:6", "too large", "1000 m at most"]),
+        ("unit.toml", "duration = \"20 mm\"\n".to_string(), &["unit.toml:1:12", "20 mm"]),
+        ("syntax.toml", "duration = \n".to_string(), &["syntax.toml:1"]),
+    ] {
+        assert_rejected(&["run", &write(&directory, name, &text)], parts);
+    }
 }
 
 #[test]
@@ -62,15 +102,9 @@ fn long_texts_are_shortened_in_messages() {
 }
 
 #[test]
-fn endless_and_empty_requests_are_rejected() {
-    assert_rejected(&["run", EXPERIMENT_95, "--duration", "1e300s"], &["too large", "3600 s at most"]);
-    assert_rejected(&["volume", "--base", "155mm", "--resolution", "2"], &["no design exists", "must be below"]);
-}
-
-#[test]
 fn log_given_as_scene_is_rejected() {
-    let log = &cli::path_in(&directory("messages_log"), "closing.mcap");
-    cli::succeed(&["run", EXPERIMENT_95, "--log", log]);
+    let log = &path_in(&directory("messages_log"), "closing.mcap");
+    succeed(&["run", EXPERIMENT_95, "--log", log]);
     let suggestion = format!("phalanx replay {log}");
     for command in ["run", "validate", "statics", "size"] {
         assert_rejected(&[command, log], &["is the log of a run (MCAP), not a scene", &suggestion]);
@@ -87,5 +121,61 @@ fn help_of_value_names_is_well_formed() {
         for line in flags {
             assert_eq!(line.matches('<').count(), line.matches('>').count(), "{line}");
         }
+    }
+}
+
+#[test]
+fn incomplete_run_reports_time_and_reason_and_keeps_its_log() {
+    let directory = directory("cli_status_budget");
+    let scene = variant(&directory, "budget.toml", "[integrator]\nmax_steps = 40");
+    let log = &path_in(&directory, "run.mcap");
+    let output = assert_status(&["run", &scene, "--json", "--log", log], 3, &["of 20 ms", "40", log]);
+    assert!(stderr(&output).starts_with("error: the simulation stopped at "), "{}", stderr(&output));
+
+    let run = json(&output);
+    assert_eq!(run["completed"], false);
+    let time_s = run["error"]["time_s"].as_f64().expect("a time");
+    assert!(time_s > 0.0 && time_s < 0.02);
+    assert!(run["error"]["reason"].as_str().expect("a reason").contains("40"));
+    assert_eq!(run["criteria"], Value::Null);
+    assert_eq!(run["steps"], 40);
+
+    let bytes = fs::read(log).expect("a log");
+    let messages: Vec<_> =
+        MessageStream::new(&bytes).expect("readable").collect::<Result<_, _>>().expect("readable to the end");
+    assert!(messages.iter().filter(|message| message.channel.topic == "/state").count() > 1);
+    let last = messages.last().expect("not empty");
+    assert_eq!(last.channel.topic, "/events");
+    let text = String::from_utf8_lossy(&last.data);
+    assert!(text.contains("stopped: ") && text.contains("40"), "{text}");
+
+    // The message suggests --log.
+    let output = assert_status(&["run", &scene], 3, &["--log"]);
+    assert!(stdout(&output).contains("NOT COMPLETED"));
+}
+
+#[test]
+fn closed_pipe_is_no_error() {
+    for extra in [&[][..], &["--json"]] {
+        let mut child = start(&[&["run", EXPERIMENT_95], extra].concat());
+        drop(child.stdout.take());
+        let mut message = String::new();
+        child.stderr.take().expect("piped").read_to_string(&mut message).expect("UTF-8 text");
+        assert_eq!(child.wait().expect("exit status").code(), Some(0), "{message}");
+        assert_eq!(message, "");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn closed_stdout_is_status_3() {
+    for redirection in [">&-", "1</dev/null"] {
+        let script = format!("exec \"$@\" {redirection}");
+        let output = Command::new("sh")
+            .args(["-c", &script, "sh", env!("CARGO_BIN_EXE_phalanx"), "run", EXPERIMENT_95])
+            .output();
+        let output = output.expect("sh is installed");
+        assert_eq!(output.status.code(), Some(3), "{redirection}: {}", stderr(&output));
+        assert!(stderr(&output).contains("cannot write to standard output"), "{}", stderr(&output));
     }
 }

@@ -88,7 +88,8 @@ fn invalid_paths_are_rejected() {
     run_ok(&["run", EXPERIMENT_95, "--log", log]);
     let page = directory.join("nodir").join("x.html");
     for args in [
-        &["replay", log, "--html", path_text(&page)][..],
+        &["run", EXPERIMENT_95, "--log", path_text(&page)][..],
+        &["replay", log, "--html", path_text(&page)],
         &["replay", log, "--csv", path_text(&page)],
         &["statics", EXPERIMENT_95, "--svg", path_text(&page)],
     ] {
@@ -135,6 +136,7 @@ fn outputs_never_overwrite_each_other_or_inputs() {
     };
     run(&["--csv", &path_in("empty.html"), "--html", &linked], "the file of --csv");
     run(&["--html", &scene], "the scene itself");
+    run(&["--log", &scene], "the scene itself");
     run(&["--log", &path_in("x.mcap"), "--html", &path_in("x.mcap")], "the file of --log");
     run(&["--log", &path_in("x.mcap"), "--csv", &path_in("x.mcap.partial")], "the file of --log");
     #[cfg(unix)]

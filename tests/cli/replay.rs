@@ -9,6 +9,8 @@ use crate::support::cli::{
 };
 use serde_json::Value;
 
+const GRIPPER: &str = "scenes/gripper/offset.toml";
+
 /// Replays a log; asserts the exit status, and that standard error contains each of `parts`. Returns the report.
 #[track_caller]
 fn replay(log: &Path, status: i32, parts: &[&str]) -> Value {
@@ -28,19 +30,20 @@ fn replay_report_equals_run_report() {
         ("scenes/laws/impact.toml", "engine", &["hammer-anvil"], "restitution"),
         ("scenes/laws/rolling.toml", "analytic", &[], "restitution"),
         ("scenes/laws/two-free.toml", "engine", &[], "restitution"),
+        (GRIPPER, "analytic", &["right proximal"], "held"),
+        (GRIPPER, "engine", &["left limit"], "held"),
     ] {
         let (name, label) = (path_text(&log), format!("{scene} {model}"));
         let run = run_json(&["run", scene, "--model", model, "--json", "--log", name]);
         let actual: Value = serde_json::from_str(&succeed_silently(&["replay", name, "--json"])).expect("JSON");
-        let keys = "scene model duration_s end_s completed final discs energy criteria integrator engine";
+        let keys = "scene model duration_s end_s completed final discs fingers object grasp energy criteria warnings integrator \
+                    engine";
         for key in keys.split(' ') {
             assert_eq!(actual[key], run[key], "{label} {key}");
         }
         let is_finger = scene == EXPERIMENT_95;
-        assert_eq!(
-            (&actual["kind"], &actual["log_numeric_hz"]),
-            (&["bodies", "finger"][usize::from(is_finger)].into(), &1e4.into())
-        );
+        let kind = if scene == GRIPPER { "gripper" } else { ["bodies", "finger"][usize::from(is_finger)] };
+        assert_eq!((&actual["kind"], &actual["log_numeric_hz"]), (&kind.into(), &1e4.into()));
         assert_eq!(actual["settings"]["scene_file"], scene.rsplit('/').next().expect("a name"));
         assert_eq!((&actual["whole"], &actual["losses"]), (&true.into(), &serde_json::json!([])));
         assert_eq!((&actual["error"], &actual["verification"]), (&Value::Null, &Value::Null));
@@ -51,7 +54,7 @@ fn replay_report_equals_run_report() {
             for (key, expected) in expected.as_object().expect("figures") {
                 match (key.as_str(), [&contact[key], expected].map(Value::as_f64)) {
                     // At rest both vary by rounding errors, and the run evaluates them only at steps.
-                    ("peak_normal_n" | "max_penetration_m", [Some(contact), Some(expected)]) if !is_finger => {
+                    ("peak_normal_n" | "max_penetration_m", [Some(contact), Some(expected)]) if kind == "bodies" => {
                         assert!((contact - expected).abs() <= 1e-12 * expected, "{label} {name} {key}");
                     }
                     _ => assert_eq!(&contact[key], expected, "{label} {name} {key}"),
@@ -139,6 +142,7 @@ fn every_sample_is_a_line_of_the_table() {
             30,
             [("hammer_x_m", "/discs/hammer/x_m"), ("hammer-anvil_impulse_n_s", "/contacts/hammer-anvil/impulse_n_s")],
         ),
+        (GRIPPER, 102, [("left_q11_rad", "/fingers/left/q11_rad"), ("object_x_m", "/object/x_m")]),
     ] {
         let (log, csv) = (directory.join("run.mcap"), directory.join("run.csv"));
         let names = [&log, &csv].map(|path| path.to_str().expect("UTF-8 path"));

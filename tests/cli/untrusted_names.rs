@@ -70,7 +70,7 @@ fn pictures_and_pages_escape_names() {
         succeed(args);
     }
     let statics = ["grasp.svg", "linkage.svg", "sized/springs.svg", "sized/trajectory.svg"];
-    for name in statics.into_iter().chain(["two/overlay.svg", "two/difference.svg"]) {
+    for name in statics.into_iter().chain(["two/overlay.svg", "two/difference.svg", "validated/speed-error.svg"]) {
         let text = fs::read_to_string(directory.join(name)).expect(name);
         assert_no_control_chars(name, &text);
         assert!(!text.contains("<b>") && text.contains("&lt;b&gt;&amp;"), "{name}: the name is there as text");

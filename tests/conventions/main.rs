@@ -1,7 +1,6 @@
 //! Tests of the source code itself: dependencies between crates, modules and files, elementary functions, the index of
 //! equations, terminology.
 
-mod elementary;
 mod equations;
 mod glossary;
 mod import_cycles;

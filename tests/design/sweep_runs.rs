@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use phalanx::criteria::static_grasp;
 use phalanx::format::ToReport;
-use phalanx::report::select::SelectionReport;
+use phalanx::report::sweep::SelectionReport;
 use phalanx::scene::{self, Preset};
 use phalanx::study::select::{SelectionCriteria, select};
 use phalanx::study::sweep::{AxisValue, Status, Study, in_memory_study, load, run_while, summary, table};

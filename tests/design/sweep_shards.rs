@@ -422,7 +422,7 @@ mod interruption {
             let message = stderr(&output);
             assert_eq!(output.status.code(), Some(3), "{message}");
             let interrupted = format!("shard 1/2 was interrupted by {signal}");
-            assert_contains(message, &[interrupted.as_str(), "of its 20000 runs", "no file was written"]);
+            assert_contains(message, &[interrupted.as_str(), "of 20000 runs", "no file was written"]);
             assert_eq!(names(&parts), [""; 0]);
         }
         // A smaller study can be finished with the same commands.

@@ -1,7 +1,5 @@
 //! Scenes of discs: defaults, keys, round trips, and messages.
 
-use phalanx::cli::scene::{SceneCommand, execute};
-use phalanx::cli::set::SetArgs;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Bounds, ContactId, DiscMotion, Engine, HalfPlane, Integrator, Preset, Response, Scene};
@@ -10,6 +8,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 
 use super::common::{assert_round_trip, parse};
+use crate::support::cli::{path_text, succeed};
 
 const BALL: &str = "[discs.ball]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"25 mm\"]\nmass = \"50 g\"\n";
 
@@ -157,15 +156,12 @@ fn scene_commands_accept_discs() {
          motion = \"fixed\"\n"
     );
     std::fs::write(&file, text).expect("write");
-    let shown_text =
-        execute(&SceneCommand::Show { scene: file.clone(), set: SetArgs::default(), figure: None, resolved: false });
-    let checked = execute(&SceneCommand::Check { scenes: vec![file.clone()], set: Default::default() });
+    let [shown, checked] = ["show", "check"].map(|command| succeed(&["scene", command, path_text(&file)]));
     let _ = std::fs::remove_file(&file);
-    assert!(shown_text.is_valid, "{shown_text:?}");
-    assert_round_trip(&parse(&shown_text.stdout));
+    assert_round_trip(&parse(&shown));
     assert!(
-        checked.stdout.ends_with("valid: discs: free ball; fixed anvil; half plane at 0.00 mm; 2 pairs; 20.0 ms\n"),
-        "{checked:?}"
+        checked.ends_with("valid: discs: free ball; fixed anvil; half plane at 0.00 mm; 2 pairs; 20.0 ms\n"),
+        "{checked}"
     );
 }
 

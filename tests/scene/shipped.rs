@@ -3,12 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use phalanx::cli::scene::{SceneCommand, execute};
-use phalanx::cli::set::SetArgs;
 use phalanx::scene;
 use proptest::prelude::*;
 
 use super::common::{assert_round_trip, assert_scene_or_message, parse};
+use crate::support::cli::{EXPERIMENT_95, assert_status, stdout, succeed, succeed_silently};
 
 fn shipped_scenes() -> Vec<(String, String)> {
     scenes_in("scenes")
@@ -103,11 +102,9 @@ fn every_variant_round_trips_exactly() {
 
 #[test]
 fn scene_command_shows_checks_and_prints_the_schema() {
-    let scene_path = "scenes/experiment-95.toml".into();
-    let output =
-        execute(&SceneCommand::Show { scene: scene_path, set: SetArgs::default(), figure: None, resolved: false });
-    assert!(output.is_valid && output.stderr.is_empty());
-    assert_round_trip(&parse(&output.stdout));
+    let show = ["scene", "show", EXPERIMENT_95];
+    let shown = succeed_silently(&show);
+    assert_round_trip(&parse(&shown));
 
     // Given values are unchanged, defaults are added, and derived values are rounded.
     for line in [
@@ -118,31 +115,20 @@ fn scene_command_shows_checks_and_prints_the_schema() {
         "# l12 = \"22.3628 mm\"",
         "offset = \"25.0 deg\"",
     ] {
-        let is_shown = output.stdout.lines().any(|output| output == line);
-        assert!(
-            is_shown || line.starts_with("offset") && output.stdout.contains("\noffset = \"25 deg\""),
-            "{line}\n{}",
-            output.stdout
-        );
+        let is_shown = shown.lines().any(|output| output == line);
+        assert!(is_shown || line.starts_with("offset") && shown.contains("\noffset = \"25 deg\""), "{line}\n{}", shown);
     }
-    assert!(!output.stdout.contains("e-19") && !output.stdout.contains("\n[lengths]"), "{}", output.stdout);
-    let resolved = execute(&SceneCommand::Show {
-        scene: "scenes/experiment-95.toml".into(),
-        set: SetArgs::default(),
-        figure: None,
-        resolved: true,
-    });
-    assert!(resolved.stdout.contains("\n[lengths]") && !resolved.stdout.contains("[design]"));
-    assert_round_trip(&parse(&resolved.stdout));
+    assert!(!shown.contains("e-19") && !shown.contains("\n[lengths]"), "{}", shown);
+    let resolved = succeed(&[&show[..], &["--resolved"]].concat());
+    assert!(resolved.contains("\n[lengths]") && !resolved.contains("[design]"));
+    assert_round_trip(&parse(&resolved));
 
-    let files = vec!["scenes/free-swing.toml".into(), "tests/broken/unit-missing.toml".into()];
-    let checked = execute(&SceneCommand::Check { scenes: files, set: Default::default() });
-    assert!(!checked.is_valid);
-    assert!(checked.stdout.starts_with("scenes/free-swing.toml: valid: l11 15.00"));
-    assert!(checked.stderr.starts_with("error: `design.base`: `15.5` has no unit"));
+    let files = ["scene", "check", "scenes/free-swing.toml", "tests/broken/unit-missing.toml"];
+    let checked = assert_status(&files, 2, &["error: `design.base`: `15.5` has no unit"]);
+    assert!(stdout(&checked).starts_with("scenes/free-swing.toml: valid: l11 15.00"));
 
-    let schema = execute(&SceneCommand::Schema);
-    assert!(schema.is_valid && schema.stdout.starts_with('{') && schema.stdout.ends_with("}\n"));
+    let schema = succeed(&["scene", "schema"]);
+    assert!(schema.starts_with('{') && schema.ends_with("}\n"));
 }
 
 /// Discs of all motions with every section.

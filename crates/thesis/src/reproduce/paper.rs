@@ -273,7 +273,7 @@ impl ToReport for Reproduction {
         for comparisons in self.comparisons.chunk_by(|a, b| a.figure.section == b.figure.section) {
             let header = row([&comparisons[0].figure.section, "thesis", "ours", "expected", ""]);
             let rows: Vec<_> = std::iter::once(header).chain(comparisons.iter().map(line)).collect();
-            text.push(table(&rows).with('\n'));
+            text.push(table(&rows).with("\n"));
         }
         let chaos = &self.near_chaotic;
         let changed: Vec<i64> = chaos.class_changes.iter().map(|change| change.run).collect();

@@ -1,14 +1,36 @@
-//! `phalanx man`: manual pages.
+//! Help outside the program: `phalanx completions`, shell completion scripts, and `phalanx man`, manual pages.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Command, CommandFactory};
+use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
-use super::output::print;
-use super::targets::{reserve, save};
+use super::output::{print, reserve, save};
 use super::{Cli, Failure, Status};
+
+/// Print a shell completion script for commands, options and values.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx completions bash > ~/.local/share/bash-completion/completions/phalanx\n  phalanx \
+                  completions zsh > ~/.zfunc/_phalanx\n  phalanx completions fish > \
+                  ~/.config/fish/completions/phalanx.fish\n\nThe directory must exist. zsh searches ~/.zfunc if \
+                  ~/.zshrc contains `fpath+=~/.zfunc` before `compinit`. Start a new shell to use the completions."
+)]
+pub(crate) struct CompletionsArgs {
+    /// Shell to generate the script for
+    shell: Shell,
+}
+
+/// Runs `phalanx completions`.
+pub(super) fn run_completions(args: &CompletionsArgs) -> Result<Status, Failure> {
+    let mut command = Cli::command();
+    let name = command.get_name().to_string();
+    let mut script = Vec::new();
+    generate(args.shell, &mut command, name, &mut script);
+    print(&String::from_utf8_lossy(&script))
+}
 
 /// Print the manual page of phalanx, or write the pages of phalanx and all its commands to a directory.
 #[derive(Debug, Args)]
@@ -23,21 +45,19 @@ pub(crate) struct ManArgs {
 }
 
 /// Runs `phalanx man`.
-pub fn run(args: &ManArgs) -> Result<Status, Failure> {
+pub(super) fn run_man(args: &ManArgs) -> Result<Status, Failure> {
     let pages = pages().map_err(|error| Failure::incomplete(format!("cannot write the pages: {error}")))?;
     let Some(dir) = &args.dir else {
-        print(pages.first().map_or("", |(_, page)| page))?;
-        return Ok(Status::Done);
+        return print(pages.first().map_or("", |(_, page)| page));
     };
     let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
     let write = |out: &Path| pages.iter().try_for_each(|(name, page)| save(&out.join(name), page));
-    let directory = reserve(&[], &[], ("", Some(dir), &names));
+    let directory = reserve(&[], &[], (Some(dir), &names));
     directory.and_then(|directory| directory.write_with(write)).map_err(|Failure { message, status }| {
         // This command takes the directory as an argument and has no --out.
         Failure { message: message.replace("another --out", "another directory"), status }
     })?;
-    print(&format!("wrote {} pages to {}\n", pages.len(), dir.display()))?;
-    Ok(Status::Done)
+    print(&format!("wrote {} pages to {}\n", pages.len(), dir.display()))
 }
 
 /// Returns the file names and texts of the manual pages: the main command first, then its subcommands.
