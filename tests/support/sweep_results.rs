@@ -58,45 +58,26 @@ pub fn ungraspable_run(design: i64, reason: &'static str) -> SweepRun {
 
 /// Returns the table of the runs, numbered from 1.
 pub fn results_table(runs: &[SweepRun]) -> Table {
-    let columns = [
-        ("run", Kind::Integer),
-        ("design", Kind::Integer),
-        ("contact.friction.mu_static", Kind::Number),
-        ("design.base_m", Kind::Number),
-        ("l12_m", Kind::Number),
-        ("mass_kg", Kind::Number),
-        ("force_positive", Kind::Flag),
-        ("form_closed", Kind::Flag),
-        ("status", Kind::Text),
-        ("reason", Kind::Text),
-        ("tts_s", Kind::Number),
-        ("class", Kind::Text),
-        ("class_reason", Kind::Text),
-        ("f21_n", Kind::Number),
-        ("f22_n", Kind::Number),
-        ("pfp_n", Kind::Number),
+    type Cell = fn(usize, &SweepRun) -> Value;
+    let columns: [(&str, Kind, Cell); 16] = [
+        ("run", Kind::Integer, |index, _| Value::Integer(index as i64 + 1)),
+        ("design", Kind::Integer, |_, run| Value::Integer(run.design)),
+        ("contact.friction.mu_static", Kind::Number, |_, run| Value::Number(run.mu)),
+        ("design.base_m", Kind::Number, |_, run| Value::Number(run.base_m)),
+        ("l12_m", Kind::Number, |_, _| Value::Number(0.02)),
+        ("mass_kg", Kind::Number, |_, run| Value::Number(0.02 + 1e-3 * run.design as f64)),
+        ("force_positive", Kind::Flag, |_, run| Value::from(run.force_positive)),
+        ("form_closed", Kind::Flag, |_, run| Value::from(run.form_closed)),
+        ("status", Kind::Text, |_, run| Value::from(run.status)),
+        ("reason", Kind::Text, |_, run| Value::from(run.reason)),
+        ("tts_s", Kind::Number, |_, run| Value::from(run.tts_s)),
+        ("class", Kind::Text, |_, run| Value::from(run.class)),
+        ("class_reason", Kind::Text, |_, run| Value::from(run.class_reason)),
+        ("f21_n", Kind::Number, |_, run| Value::from(run.forces.map(|forces| forces[1]))),
+        ("f22_n", Kind::Number, |_, run| Value::from(run.forces.map(|forces| forces[2]))),
+        ("pfp_n", Kind::Number, |_, run| Value::from(run.forces.map(|forces| forces[0]))),
     ];
-    let row = |(index, run): (usize, &SweepRun)| {
-        let force = |index: usize| Value::from(run.forces.map(|forces| forces[index]));
-        vec![
-            Value::Integer(index as i64 + 1),
-            Value::Integer(run.design),
-            Value::Number(run.mu),
-            Value::Number(run.base_m),
-            Value::Number(0.02),
-            Value::Number(0.02 + 1e-3 * run.design as f64),
-            Value::from(run.force_positive),
-            Value::from(run.form_closed),
-            Value::from(run.status),
-            Value::from(run.reason),
-            Value::from(run.tts_s),
-            Value::from(run.class),
-            Value::from(run.class_reason),
-            force(1),
-            force(2),
-            force(0),
-        ]
-    };
-    let columns = columns.map(|(name, kind)| Column::new(name, kind)).to_vec();
+    let row = |(index, run): (usize, &SweepRun)| columns.iter().map(|(_, _, cell)| cell(index, run)).collect();
+    let columns = columns.iter().map(|(name, kind, _)| Column::new(*name, *kind)).collect();
     Table::new(columns, runs.iter().enumerate().map(row).collect())
 }
