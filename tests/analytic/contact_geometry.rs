@@ -9,8 +9,11 @@ use phalanx::fivebar::kinematics::{Directions, directions, passive_rates};
 use phalanx::gripper::Lengths;
 use phalanx::shape::PlacedShape;
 
+/// Base, axis and length of a phalanx.
+type Segment = ([f64; 2], [f64; 2], f64);
+
 /// Smallest distance from `centre` to the segment, by dense sampling and refinement around the best sample.
-fn sampled_distance(base: [f64; 2], axis: [f64; 2], length: f64, centre: [f64; 2]) -> f64 {
+fn sampled_distance((base, axis, length): Segment, centre: [f64; 2]) -> f64 {
     let distance = |s: f64| (base[0] + s * axis[0] - centre[0]).hypot(base[1] + s * axis[1] - centre[1]);
     let (mut low, mut high) = (0.0, length);
     for _ in 0..10 {
@@ -46,7 +49,7 @@ fn gap_and_normal_match_a_densely_sampled_capsule() {
         };
         let (centre, radius) = ([random.within(-0.06, 0.06), random.within(-0.06, 0.06)], random.within(0.01, 0.03));
         let ClosestPoints { foot, normal, gap, .. } = closest_points(&capsule, &PlacedShape::disc(radius, centre));
-        let distance = sampled_distance(capsule.base, capsule.axis, capsule.length, centre);
+        let distance = sampled_distance((capsule.base, capsule.axis, capsule.length), centre);
         assert!((gap - (distance - capsule.radius - radius)).abs() < 1e-13, "{gap} {distance}");
         // The normal has length 1 and points from the centre of the disc to the foot point.
         assert!((normal[0].hypot(normal[1]) - 1.0).abs() < 1e-15);
@@ -110,9 +113,6 @@ fn distal_shape(lengths: &Lengths) -> DistalShape {
     DistalShape { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] }
 }
 
-/// Base, axis and length of a phalanx.
-type Segment = ([f64; 2], [f64; 2], f64);
-
 fn segment(lengths: &Lengths, pose: &Directions<f64>, is_distal: bool) -> Segment {
     if !is_distal {
         return ([0.0; 2], pose.e2, lengths.l21_m);
@@ -161,8 +161,7 @@ fn gap_rate_and_slip_match_finite_differences_of_material_points() {
             }
             region_counts[if (0.0..=length).contains(&along) { 2 } else { usize::from(along > 0.0) }] += 1;
             let sampled_gap = |s: f64| {
-                let (base, axis, length) = segment(&case.lengths, &pose_at(&case, s), is_distal);
-                sampled_distance(base, axis, length, case.centre) - w - case.radius
+                sampled_distance(segment(&case.lengths, &pose_at(&case, s), is_distal), case.centre) - w - case.radius
             };
             max_errors[0] = max_errors[0].max((contact.gap - sampled_gap(0.0)).abs());
             let gap_rate = dot(contact.normal_row, case.v);
@@ -180,7 +179,7 @@ fn gap_rate_and_slip_match_finite_differences_of_material_points() {
             // rate.
             max_errors[1] = max_errors[1].max((gap_rate - dot(velocity, contact.normal)).abs());
             let foot = [contact.point[0] + w * contact.normal[0], contact.point[1] + w * contact.normal[1]];
-            assert!((sampled_distance(base, axis, length, foot)).abs() < 1e-14);
+            assert!((sampled_distance((base, axis, length), foot)).abs() < 1e-14);
         }
     }
     assert!(region_counts.iter().all(|n| *n > 300), "{region_counts:?}");

@@ -8,11 +8,12 @@ use phalanx::integrator::{
 };
 use phalanx::scene::{Disc, DiscMotion, GripperContact, Integrator, Scene, Side};
 use phalanx::shape::{PlacedShape, max_radius};
-use phalanx::trace::{Event, Model, Outcome, Sample, Sink, SinkError, run};
+use phalanx::trace::{Model, Outcome, run};
 
 use crate::support::reference_cases::{ReferenceCase, cases_at_rest, reference_case};
 use crate::support::runs::{
-    PHALANGES, assert_below, engineering_settings, experiment_95_with, options, reference_settings, run_to_end,
+    CollectSink, PHALANGES, assert_below, engineering_settings, experiment_95_with, options, reference_settings,
+    run_to_end,
 };
 
 /// The model of a gripper: two fingers and an object.
@@ -160,30 +161,15 @@ fn presets_agree_with_an_independent_program() {
     }
 }
 
-/// Counts the samples of a log.
-#[derive(Default)]
-struct SampleCounter(usize);
-
-impl Sink for SampleCounter {
-    fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
-        self.0 += 1;
-        Ok(())
-    }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
-
 /// Holding an object for a minute costs little more than the closing. With the regularised friction of the thesis the
 /// object creeps by more than 0.5 mm; with bristles only the creep of the normal law remains, less than a fifth of
 /// that.
 #[test]
 fn holding_for_a_minute_takes_few_steps_and_samples() {
-    let run_one_minute = |letter: &str| -> (Outcome, usize) {
+    let run_one_minute = |letter: &str| {
+        let mut log = CollectSink::default();
         let scene = Scene { duration_s: 60.0, ..reference_case(letter).scene };
-        let mut count = SampleCounter::default();
-        (run(Model::Analytic, &scene, &mut count).unwrap_or_else(|error| panic!("{letter}: {error}")), count.0)
+        (run(Model::Analytic, &scene, &mut log).unwrap_or_else(|error| panic!("{letter}: {error}")), log.samples.len())
     };
     let displacement_m = |outcome: &Outcome| (outcome.last.bodies[0].centre_m[1] - 0.02).abs();
     let [(regularised, _), (bristle, samples)] = ["a", "g"].map(run_one_minute);

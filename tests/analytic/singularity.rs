@@ -5,7 +5,7 @@ use crate::support::runs::{
 };
 use phalanx::gripper::Assembly;
 use phalanx::integrator::{Failure, Reason};
-use phalanx::law::{ContactLaw, FrictionLaw};
+use phalanx::law::{FrictionLaw, NormalLaw};
 use phalanx::scene::{Actuation, Initial, Integrator, Method, Scene};
 use phalanx::shape::Shape;
 use phalanx::trace::{Channels, RunError, Sample, run_analytic};
@@ -157,34 +157,22 @@ fn extreme_scenes_do_not_panic() {
     add("fast start the other way", &|s| s.finger_mut().initial.qd21_rad_s = -1e6);
     add("no gravity", &|s| s.system.gravity_m_s2 = [0.0; 2]);
     add("much gravity", &|s| s.system.gravity_m_s2 = [1e8, -1e8]);
-    let with_laws = |change: fn(&mut ContactLaw)| {
-        move |scene: &mut Scene| scene.finger_mut().contact.both_mut().into_iter().for_each(change)
+    let with_laws = |change: fn(&mut NormalLaw, &mut FrictionLaw)| {
+        move |scene: &mut Scene| {
+            for law in scene.finger_mut().contact.both_mut() {
+                change(&mut law.normal, law.friction.as_mut().expect("friction"));
+            }
+        }
     };
-    add(
-        "soft object",
-        &with_laws(|ContactLaw { normal, .. }| {
-            (normal.stiffness_n_per_m_e, normal.damping_max_n_s_per_m) = (1.0, 1e-3);
-        }),
-    );
-    add("elastic object", &with_laws(|law| law.normal.damping_max_n_s_per_m = 0.0));
-    add(
-        "diamond object",
-        &with_laws(|ContactLaw { normal, .. }| {
-            (normal.stiffness_n_per_m_e, normal.damping_max_n_s_per_m) = (1e14, 1e12);
-        }),
-    );
+    add("soft object", &with_laws(|n, _| (n.stiffness_n_per_m_e, n.damping_max_n_s_per_m) = (1.0, 1e-3)));
+    add("elastic object", &with_laws(|normal, _| normal.damping_max_n_s_per_m = 0.0));
+    add("diamond object", &with_laws(|n, _| (n.stiffness_n_per_m_e, n.damping_max_n_s_per_m) = (1e14, 1e12)));
+    add("huge friction", &with_laws(|_, friction| (friction.mu_static, friction.mu_dynamic) = (100.0, 70.0)));
     add("start out of reach", &|s| s.finger_mut().initial.q21_rad = 1.3);
     add("start inside the object", &|s| {
         (s.finger_mut().initial.q11_rad, s.finger_mut().initial.q21_rad) = (-0.4, 1.17);
     });
     add("tiny object", &|s| s.system.grasped_mut().shape = Shape::Disc { radius_m: 1e-6 });
-    add(
-        "huge friction",
-        &with_laws(|law| {
-            let friction = law.friction.expect("friction");
-            law.friction = Some(FrictionLaw { mu_static: 100.0, mu_dynamic: 70.0, ..friction });
-        }),
-    );
     for scene in scenes {
         for integrator in all_settings() {
             let scene = Scene { integrator: Integrator { max_steps: 20_000, ..integrator }, ..scene.clone() };
