@@ -30,27 +30,24 @@ fn scene() -> Scene {
     scene
 }
 
-/// Contact of a proximal phalanx that slides along the object faster than v_dynamic, so that μ is μ_d.
-fn sliding_contact(impulse_n_s: f64) -> ContactSample {
-    ContactSample {
-        gap_m: -1e-6,
-        slip_m_s: SPEED_M_S,
-        normal_n: 10.0,
-        tangential_n: -10.0 * THESIS_FRICTION.mu_dynamic,
-        impulse_n_s,
-        normal: [1.0, 0.0],
-        ..ContactSample::default()
-    }
-}
-
-/// Five samples that violate no invariant; friction gradually dissipates part of the energy.
+/// Five samples that violate no invariant. The proximal phalanx slides along the object faster than v_dynamic, so that μ
+/// is μ_d, and friction gradually dissipates part of the energy.
 fn valid_samples() -> Vec<Sample> {
     let at = |k: u32| {
         let loss_j = 1e-4 * f64::from(k);
+        let sliding_contact = ContactSample {
+            gap_m: -1e-6,
+            slip_m_s: SPEED_M_S,
+            normal_n: 10.0,
+            tangential_n: -10.0 * THESIS_FRICTION.mu_dynamic,
+            impulse_n_s: 1e-2 * f64::from(k),
+            normal: [1.0, 0.0],
+            ..ContactSample::default()
+        };
         Sample {
             time_s: 1e-3 * f64::from(k),
             contacts: vec![
-                sliding_contact(1e-2 * f64::from(k)),
+                sliding_contact,
                 ContactSample { gap_m: 1e-3, ..ContactSample::default() },
                 ContactSample { gap_m: 0.1, ..ContactSample::default() },
             ],
@@ -60,6 +57,8 @@ fn valid_samples() -> Vec<Sample> {
     };
     (0..5).map(at).collect()
 }
+
+type Change<T> = fn(&mut T);
 
 /// The valid samples with a change of the one at 3 ms.
 fn changed(change: impl FnOnce(&mut Sample)) -> Vec<Sample> {
@@ -131,7 +130,7 @@ fn non_finite_numbers_are_violations() {
 /// 0.52 mm.
 #[test]
 fn forces_outside_their_laws_are_violations() {
-    let changes: [(Invariant, FingerContact, fn(&mut ContactSample)); 10] = [
+    let changes: [(Invariant, FingerContact, Change<ContactSample>); 10] = [
         (Invariant::NoAdhesion, Proximal, |c| (c.normal_n, c.tangential_n) = (-1e-3, 0.0)),
         (Invariant::NoAdhesion, Limit, |c| c.normal_n = -1e-6),
         (Invariant::NoAdhesion, Distal, |c| c.normal_n = 1.0),
@@ -215,10 +214,10 @@ fn open_joints_are_violations() {
 #[test]
 fn tolerances_depend_on_engine_settings() {
     let mut scene = scene();
-    let count = |scene: &Scene, change: fn(&mut ContactSample)| {
+    let count = |scene: &Scene, change: Change<ContactSample>| {
         violations(Model::Engine, scene, &changed(|sample| change(sample.contact_mut(Proximal))), 0.0).len()
     };
-    let separated: fn(&mut ContactSample) = |c| (c.gap_m, c.gap_rate_m_s) = (0.9e-4, 1.0);
+    let separated: Change<ContactSample> = |c| (c.gap_m, c.gap_rate_m_s) = (0.9e-4, 1.0);
     assert_eq!(count(&scene, separated), 1);
     scene.engine.stepping = Stepping::Fixed { step_s: 1e-4 };
     assert_eq!(count(&scene, separated), 0);
@@ -233,7 +232,7 @@ fn tolerances_depend_on_engine_settings() {
 fn invariants_apply_to_discs() {
     let discs = vec![disc("puck", 0.1, [0.0, 0.1], free_translation([1.0, 0.0]))];
     let scene = with_half_plane(laws::scene(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 5e-3));
-    let changes: [(fn(&mut Sample), &[Invariant], Option<&str>); 7] = [
+    let changes: [(Change<Sample>, &[Invariant], Option<&str>); 7] = [
         (|_| {}, &[], None),
         (|sample| sample.bodies[0].spin_rad_s = f64::NAN, &[Invariant::Finite], None),
         (|sample| sample.energy.balance_j = 1e-4, &[Invariant::Energy], None),

@@ -6,6 +6,9 @@
 //! −Ġ ṙ. Projected on N, Newton–Euler gives M = Nᵀ 𝓜 N and c = Nᵀ (𝓜 b − F). It uses no Lagrangian, no cut loop and no
 //! relative angles.
 
+// Loops over matrix indices follow the formulas.
+#![allow(clippy::needless_range_loop)]
+
 use crate::support::runs::{Random, assert_below, experiment_95, run_to_end, with_reference_settings};
 use nalgebra::{SMatrix, SVector, Vector2};
 use phalanx::fivebar::dynamics::{Dynamics, absolute_rates, bias, inverse_dynamics, solve_mass, terms};
