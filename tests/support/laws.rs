@@ -1,4 +1,4 @@
-//! Scenes of discs built in code, and runs of them in both models.
+//! Scenes built in code, most of them of discs, and runs of them in both models.
 
 pub use super::runs::CollectSink;
 use super::runs::run_model;

@@ -147,33 +147,23 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2, S> for Point
             };
             let separated_depth = if delta > 0.0 { delta } else { delta.min(-1e-290) };
             let inactive = EventFunction::INACTIVE;
+            let active = EventFunction { is_separated: false, ..inactive };
             match mode[wall_index] {
                 Clamped => inactive,
                 Free => EventFunction { value: gap, rate: -rate, root_search: RootSearch::Gap, ..inactive },
-                Active if delta <= 0.0 && rate >= 0.0 => EventFunction { is_separated: false, ..inactive },
-                Active if law.damping_max_n_s_per_m == 0.0 => EventFunction {
-                    value: separated_depth,
-                    rate,
-                    root_search: RootSearch::Gap,
-                    is_separated: false,
-                    error_weight,
-                },
+                Active if delta <= 0.0 && rate >= 0.0 => active,
+                Active if law.damping_max_n_s_per_m == 0.0 => {
+                    let (value, root_search) = (separated_depth, RootSearch::Gap);
+                    EventFunction { value, rate, root_search, error_weight, ..active }
+                }
                 Active => {
                     let value = if delta > 0.0 { force } else { separated_depth };
-                    EventFunction {
-                        value,
-                        root_search: RootSearch::EndOnly,
-                        is_separated: false,
-                        error_weight,
-                        ..inactive
-                    }
+                    EventFunction { value, root_search: RootSearch::EndOnly, error_weight, ..active }
                 }
-                Released => EventFunction {
-                    value: 3.0 * FORCE_TOLERANCE - force,
-                    root_search: RootSearch::Interior,
-                    is_separated: delta < 0.0,
-                    ..inactive
-                },
+                Released => {
+                    let (value, root_search) = (3.0 * FORCE_TOLERANCE - force, RootSearch::Interior);
+                    EventFunction { value, root_search, is_separated: delta < 0.0, ..inactive }
+                }
             }
         });
         EventSet { functions, clearance: 1.0, clearance_rate: 0.0 }
