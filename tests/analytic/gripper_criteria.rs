@@ -8,6 +8,7 @@ use phalanx::statics::{Blocked, Decision, FormClosure, PerContact, form_closure,
 use phalanx::trace::{Model, Sample, run};
 
 use crate::support::reference_cases::{cases_at_rest, reference_case};
+use crate::support::runs::assert_near;
 use crate::support::statics::check_certificate;
 
 fn run_with_tracker(scene: &Scene) -> (GraspCriteria, Sample) {
@@ -31,25 +32,19 @@ const PHALANGES: [GripperContact; 4] = [
 fn every_case_is_held_and_first_contacts_match_the_independent_program() {
     for case in cases_at_rest() {
         let (criteria, _) = run_with_tracker(&case.scene);
-        assert_eq!(criteria.fate, Fate::Held, "{}", case.name);
+        let name = &case.name;
+        assert_eq!(criteria.fate, Fate::Held, "{name}");
         for (id, expected) in PHALANGES.into_iter().zip(case.first_contact_s) {
             let contact = criteria_of(&criteria, id);
             let first = contact.first_contact_s.expect("a first contact");
             // Errors grow through impacts. Only the reference preset gives contact times after the first to 1e-8 s.
-            assert!((first - expected).abs() < 5e-8, "{}: {id:?} at {first} s, expected {expected} s", case.name);
+            assert_near(first, expected, 5e-8, format!("{name}: {id:?}"));
             assert!(contact.active_since_s.expect("a lasting contact") <= criteria.tts_s.expect("a stable grasp"));
         }
         let second_finger_s = case.first_contact_s[0].max(case.first_contact_s[2]);
-        let grasped = criteria.grasped_s.expect("a grasp");
-        assert!(
-            (grasped - second_finger_s).abs() < 5e-8,
-            "{}: grasped at {grasped} s, expected {second_finger_s} s",
-            case.name
-        );
+        assert_near(criteria.grasped_s.expect("a grasp"), second_finger_s, 5e-8, format!("{name}: grasped"));
         let end = case.states.last().expect("states");
-        assert!(
-            (criteria.end.centre_m[0] - end.q[4]).abs() < 2e-7 && (criteria.end.centre_m[1] - end.q[5]).abs() < 2e-7
-        );
+        (0..2).for_each(|axis| assert_near(criteria.end.centre_m[axis], end.q[4 + axis], 2e-7, name));
     }
 }
 

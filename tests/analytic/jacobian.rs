@@ -1,18 +1,132 @@
-//! The Jacobian of the analytic model against Richardson-extrapolated central differences of its right-hand side, on
-//! every branch of every law.
+//! Jacobians of the equations of motion against extrapolated central differences of their right-hand sides: of a finger
+//! on every branch of every law, with bristles, of grippers, of discs, and of systems beyond scene files.
 
-use crate::support::runs::experiment_95;
-use phalanx::analytic::{ContactState, FingerMode, Model, QUADRATURES};
+use phalanx::analytic::multibody::{MAX_SIZES, Multibody, quadratures};
+use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Mode, Model, QUADRATURES};
 use phalanx::gripper::{self, FingerContact};
-use phalanx::integrator::{Rates, System};
+use phalanx::integrator::{Linearised, Rates, State, System};
 use phalanx::law::unclamped_normal_force;
-use phalanx::scene::{Actuation, Interpolation, Placement, Scene, Spring, SpringKind};
+use phalanx::scene::{Actuation, Axis, DiscMotion, Interpolation, Move, Placement, Scene, Spring, SpringKind};
+
+use super::gripper::{CONTACTS, GripperModel, QUADRATURES as GRIPPER_QUADRATURES};
+use super::mixed_systems;
+use crate::support::laws::{THESIS_FRICTION, THESIS_NORMAL, disc, scene, with_half_plane};
+use crate::support::reference_cases::reference_case;
+use crate::support::runs::{
+    PHALANGES, experiment_95, experiment_95_with, load_with_stiction, run_to_end, with_reference_settings,
+};
 
 use ContactState::{Active, Clamped, Free, Released};
 
-type Outputs = [f64; 2 + QUADRATURES];
+/// Variable by which the equations of motion are differentiated.
+#[derive(Clone, Copy, Debug)]
+enum Variable {
+    Time,
+    Coordinate(usize),
+    Rate(usize),
+}
 
-/// A state at which the Jacobian is compared.
+impl Variable {
+    /// Index of time, coordinates or rates.
+    fn kind(self) -> usize {
+        match self {
+            Variable::Time => 0,
+            Variable::Coordinate(_) => 1,
+            Variable::Rate(_) => 2,
+        }
+    }
+}
+
+/// Entry of a Jacobian: an output of the equations of motion differentiated by a variable.
+struct Entry {
+    exact: f64,
+    /// Value of the output.
+    value: f64,
+    /// Kind of the variable.
+    kind: usize,
+    /// Largest derivatives of the output by time, coordinates and rates, and by variables of the same kind.
+    largest: [f64; 3],
+    row_size: f64,
+    /// Largest step of the differences.
+    h: f64,
+}
+
+/// Equations of motion in one state.
+struct Equations<'a, S: System<N, Z>, const N: usize, const Z: usize> {
+    system: &'a S,
+    mode: S::Mode,
+    t: f64,
+    q: [f64; N],
+    v: [f64; N],
+}
+
+impl<S: System<N, Z>, const N: usize, const Z: usize> Equations<'_, S, N, Z> {
+    fn linearise(&self) -> Linearised<N, Z> {
+        self.system.linearise(self.t, &self.q, &self.v, &self.mode)
+    }
+
+    /// Accelerations and integrands of the quadratures, with a variable changed.
+    fn outputs(&self, variable: Variable, by: f64) -> Vec<f64> {
+        let (mut t, mut q, mut v) = (self.t, self.q, self.v);
+        match variable {
+            Variable::Time => t += by,
+            Variable::Coordinate(i) => q[i] += by,
+            Variable::Rate(i) => v[i] += by,
+        }
+        let Rates { a, g } = self.system.rates(t, &q, &v, &self.mode);
+        a.into_iter().chain(g).collect()
+    }
+
+    /// Derivatives of all outputs from central differences with steps h, h/2, …, extrapolated to order 2 × `levels`.
+    fn difference_quotients(&self, variable: Variable, h: f64, levels: u32) -> Vec<f64> {
+        let central = |h: f64| -> Vec<f64> {
+            let (up, down) = (self.outputs(variable, h), self.outputs(variable, -h));
+            up.iter().zip(&down).map(|(up, down)| (up - down) / (2.0 * h)).collect()
+        };
+        let mut row: Vec<Vec<f64>> = (0..levels).map(|k| central(h / f64::from(1 << k))).collect();
+        for order in 1..levels {
+            let factor = f64::from(1 << (2 * order));
+            let extrapolated = |pair: &[Vec<f64>]| {
+                let entries = pair[0].iter().zip(&pair[1]);
+                entries.map(|(coarse, fine)| (factor * fine - coarse) / (factor - 1.0)).collect()
+            };
+            row = row.windows(2).map(extrapolated).collect();
+        }
+        row.swap_remove(0)
+    }
+
+    /// Compares every entry with differences of a step `h` that depends on the variable; a variable with a step of 0 is
+    /// not compared.
+    fn check(&self, name: &str, levels: u32, h: impl Fn(Variable) -> f64, allowed: impl Fn(&Entry) -> f64) {
+        let exact = self.linearise();
+        let values = self.outputs(Variable::Time, 0.0);
+        let variables = (0..N).flat_map(|i| [Variable::Coordinate(i), Variable::Rate(i)]).chain([Variable::Time]);
+        for (variable, h) in variables.map(|variable| (variable, h(variable))).filter(|(_, h)| *h > 0.0) {
+            for (i, difference) in self.difference_quotients(variable, h, levels).into_iter().enumerate() {
+                let (by_t, by_q, by_v) = match i.checked_sub(N) {
+                    None => (exact.a_t[i], exact.a_q[i], exact.a_v[i]),
+                    Some(i) => (exact.g_t[i], exact.g_q[i], exact.g_v[i]),
+                };
+                let largest = |row: &[f64]| row.iter().fold(0.0f64, |largest, entry| largest.max(entry.abs()));
+                let exact = match variable {
+                    Variable::Time => by_t,
+                    Variable::Coordinate(j) => by_q[j],
+                    Variable::Rate(j) => by_v[j],
+                };
+                let largest = [largest(&[by_t]), largest(&by_q), largest(&by_v)];
+                let (value, kind) = (values[i], variable.kind());
+                let allowed = allowed(&Entry { exact, value, kind, largest, row_size: largest[kind], h });
+                assert!(
+                    (exact - difference).abs() <= allowed,
+                    "{name}: output {i} by {variable:?}: {exact:e}, by differences {difference:e} ± {allowed:e}"
+                );
+            }
+        }
+    }
+}
+
+/// A state of a finger. The steps in t, q and v are small enough to stay on one branch of each law.
+#[derive(Clone)]
 struct Case {
     name: &'static str,
     scene: Scene,
@@ -20,158 +134,99 @@ struct Case {
     t: f64,
     q: [f64; 2],
     v: [f64; 2],
-    /// Largest difference steps in t, q and v; small enough to stay on one branch of each law.
     steps: [f64; 3],
 }
 
-fn outputs(rates: &Rates<2, QUADRATURES>) -> Outputs {
-    std::array::from_fn(|i| if i < 2 { rates.a[i] } else { rates.g[i - 2] })
+/// Compares to 1e-6 of the largest entry of the same output in the same block. The scale of an output that does not
+/// depend on a variable is the output divided by the step in that variable.
+fn check_case(case: &Case) {
+    let Case { name, scene, mode, t, q, v, steps } = case;
+    let model = Model::new(&scene.system);
+    let equations = Equations::<_, 2, QUADRATURES> { system: &model, mode: *mode, t: *t, q: *q, v: *v };
+    let allowed = |entry: &Entry| 1e-6 * (entry.row_size + 1e-7 * entry.value.abs() / entry.h + 1e-9);
+    equations.check(name, 4, |variable| steps[variable.kind()], allowed);
+    // The right-hand side is the same with and without derivatives.
+    let (Rates { a, g }, direct) = (equations.linearise().rates, equations.outputs(Variable::Time, 0.0));
+    for (i, rate) in a.into_iter().chain(g).enumerate() {
+        let scale = if i < 2 { direct[0].abs().max(direct[1].abs()) } else { direct[i].abs() };
+        assert!((rate - direct[i]).abs() <= 1e-14 * scale, "{name}: rate {i}: {rate} {direct:?}");
+    }
 }
 
-/// f′(0) from central differences with steps h, h/2, h/4 and h/8, extrapolated to order 8.
-fn extrapolated_derivative(f: impl Fn(f64) -> Outputs, h: f64) -> Outputs {
-    let central = |h: f64| -> Outputs {
-        let (up, down) = (f(h), f(-h));
-        std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * h))
-    };
-    let mut row: Vec<Outputs> = (0..4).map(|k| central(h / f64::from(1 << k))).collect();
-    for order in 1..4 {
-        let factor = f64::from(1 << (2 * order));
-        row = row
-            .windows(2)
-            .map(|pair| std::array::from_fn(|i| (factor * pair[1][i] - pair[0][i]) / (factor - 1.0)))
-            .collect();
-    }
-    row[0]
+fn reading(model: &Model, q: [f64; 2], contact: FingerContact) -> ContactReading {
+    model.contact_reading(q, [0.0; 2], contact, Active).expect("a contact")
 }
 
-/// Largest difference of the Jacobian, relative to the largest entry of the same output in the same block.
-fn max_error(case: &Case) -> f64 {
-    let model = Model::new(&case.scene.system);
-    let f = |t: f64, q: [f64; 2], v: [f64; 2]| outputs(&model.rates(t, &q, &v, &case.mode));
-    let exact = model.linearise(case.t, &case.q, &case.v, &case.mode);
-
-    let (rates, direct_rates) = (outputs(&exact.rates), f(case.t, case.q, case.v));
-    for i in 0..rates.len() {
-        let scale = if i < 2 { direct_rates[0].abs().max(direct_rates[1].abs()) } else { direct_rates[i].abs() };
-        assert!((rates[i] - direct_rates[i]).abs() <= 1e-14 * scale, "{}: rates {rates:?} {direct_rates:?}", case.name);
-    }
-
-    let shifted = |x: [f64; 2], k: usize, s: f64| std::array::from_fn(|i| if i == k { x[i] + s } else { x[i] });
-    let by_t = extrapolated_derivative(|s| f(case.t + s, case.q, case.v), case.steps[0]);
-    let by_q = [0, 1].map(|k| extrapolated_derivative(|s| f(case.t, shifted(case.q, k, s), case.v), case.steps[1]));
-    let by_v = [0, 1].map(|k| extrapolated_derivative(|s| f(case.t, case.q, shifted(case.v, k, s)), case.steps[2]));
-    let mut max_error = 0.0f64;
-    for i in 0..rates.len() {
-        let (e_t, e_q, e_v) = if i < 2 {
-            (exact.a_t[i], exact.a_q[i], exact.a_v[i])
-        } else {
-            (exact.g_t[i - 2], exact.g_q[i - 2], exact.g_v[i - 2])
-        };
-        // The scale of an output that does not depend on a variable is the output divided by the step in that variable.
-        let noise = |h: f64| 1e-7 * direct_rates[i].abs() / h + 1e-9;
-        let relative_error = |actual: [f64; 2], expected: [f64; 2], noise: f64| {
-            let size = expected[0].abs().max(expected[1].abs()) + noise;
-            (actual[0] - expected[0]).abs().max((actual[1] - expected[1]).abs()) / size
-        };
-        let errors = [
-            relative_error([e_t, 0.0], [by_t[i], 0.0], noise(case.steps[0])),
-            relative_error(e_q, [by_q[0][i], by_q[1][i]], noise(case.steps[1])),
-            relative_error(e_v, [by_v[0][i], by_v[1][i]], noise(case.steps[2])),
-        ];
-        max_error = errors.into_iter().fold(max_error, f64::max);
-        assert!(errors.iter().all(|p| *p < 1e-6), "{}: output {i}: t, q, v {errors:?}", case.name);
-    }
-    max_error
-}
-
-/// Finds q near `start` at which both phalanges penetrate by the given depths, by Newton's method on the gaps.
-pub fn penetrating_posture(model: &Model, start: [f64; 2], depth: [f64; 2]) -> [f64; 2] {
-    let mut q = start;
-    for _ in 0..30 {
-        let reading = |contact| model.contact_reading(q, [0.0; 2], contact, Active).expect("an object");
-        let (p, d) = (reading(FingerContact::Proximal), reading(FingerContact::Distal));
-        let residual = [-p.delta + depth[0], -d.delta + depth[1]];
-        let (a, b) = (p.geometry.normal_row, d.geometry.normal_row);
-        let determinant = a[0] * b[1] - a[1] * b[0];
-        q[0] -= (residual[0] * b[1] - residual[1] * a[1]) / determinant;
-        q[1] -= (a[0] * residual[1] - b[0] * residual[0]) / determinant;
-    }
-    q
-}
-
-/// Solves for the q̇_a at which two rows (linear forms of q̇_a) have the given values.
-pub fn rates_with_row_values(rows: [[f64; 2]; 2], values: [f64; 2]) -> [f64; 2] {
-    let [a, b] = rows;
+/// Solves for the x at which two linear forms have the given values.
+fn solve([a, b]: [[f64; 2]; 2], values: [f64; 2]) -> [f64; 2] {
     let determinant = a[0] * b[1] - a[1] * b[0];
     [(values[0] * b[1] - values[1] * a[1]) / determinant, (a[0] * values[1] - b[0] * values[0]) / determinant]
 }
 
-/// Final posture of experiment 95, near which both phalanges are in contact.
-const GRASP_POSTURE: [f64; 2] = [0.036456, 1.134813];
-const SWING_POSTURE: [f64; 2] = [-0.5, 1.2];
-const FREE_STEPS: [f64; 3] = [1e-4, 2e-3, 0.5];
-const CONTACT_STEPS: [f64; 3] = [1e-4, 4e-6, 0.01];
-
-fn free_swing(name: &'static str, scene: Scene) -> Case {
-    Case { name, scene, mode: [Free; 3].into(), t: 1e-3, q: [-0.45, 0.9], v: [120.0, 60.0], steps: FREE_STEPS }
+/// Finds q near the grasp at which both phalanges penetrate by the given depths, by Newton's method on the gaps.
+fn penetrating_posture(model: &Model, depth: [f64; 2]) -> [f64; 2] {
+    let mut q = GRASP_POSTURE;
+    for _ in 0..30 {
+        let [p, d] = PHALANGES.map(|contact| reading(model, q, contact));
+        let step = solve([p.geometry.normal_row, d.geometry.normal_row], [depth[0] - p.delta, depth[1] - d.delta]);
+        q = [q[0] - step[0], q[1] - step[1]];
+    }
+    q
 }
 
-/// Checks a family of cases and prints the largest difference.
-fn check_cases(family: &str, cases: &[Case]) {
-    let max_error = cases.iter().map(max_error).fold(0.0f64, f64::max);
-    println!("{family}: {} cases, largest relative difference {max_error:e}", cases.len());
+/// Final posture of experiment 95, near which both phalanges are in contact.
+const GRASP_POSTURE: [f64; 2] = [0.036456, 1.134813];
+const CONTACT_STEPS: [f64; 3] = [1e-4, 4e-6, 0.01];
+
+fn contact_case(name: &'static str, scene: &Scene, states: [ContactState; 3], q: [f64; 2], v: [f64; 2]) -> Case {
+    Case { name, scene: scene.clone(), mode: states.into(), t: 0.0, q, v, steps: CONTACT_STEPS }
+}
+
+fn free_swing(scene: Scene) -> Case {
+    let (mode, steps) = ([Free; 3].into(), [1e-4, 2e-3, 0.5]);
+    Case { name: "free swing", scene, mode, t: 1e-3, q: [-0.45, 0.9], v: [120.0, 60.0], steps }
 }
 
 #[test]
 fn free_swing_with_every_kind_and_placement_of_the_spring() {
-    let mut cases = Vec::new();
-    for placement in [Placement::GroundLinks, Placement::DrivenCoupler, Placement::Phalanges, Placement::CouplerDistal]
-    {
+    for placement in Placement::ALL {
         for kind in [
             SpringKind::Constant { torque_n_m: 0.1326 },
             SpringKind::Torsional { stiffness_n_m_per_rad: 0.06, preload_rad: 1.9 },
         ] {
-            let mut scene = experiment_95();
-            scene.finger_mut().spring = Some(Spring { kind, placement });
-            cases.push(free_swing("spring", scene.clone()));
-            scene.system.discs.clear();
-            cases.push(Case { v: [-700.0, 300.0], ..free_swing("fast, no object", scene) });
+            let mut case = free_swing(experiment_95());
+            case.scene.finger_mut().spring = Some(Spring { kind, placement });
+            check_case(&case);
+            case.scene.system.discs.clear();
+            check_case(&Case { name: "fast, no object", v: [-700.0, 300.0], ..case });
         }
     }
-    let mut without_spring_and_limit = experiment_95();
-    (
-        without_spring_and_limit.finger_mut().spring,
-        without_spring_and_limit.finger_mut().limit,
-        without_spring_and_limit.system.gravity_m_s2,
-    ) = (None, None, [3.0, -4.0]);
-    cases.push(free_swing("no spring, no limit, other gravity", without_spring_and_limit));
-    check_cases("springs", &cases);
+    let without_spring_and_limit = experiment_95_with(|scene| {
+        (scene.finger_mut().spring, scene.finger_mut().limit, scene.system.gravity_m_s2) = (None, None, [3.0, -4.0]);
+    });
+    check_case(&free_swing(without_spring_and_limit));
 }
 
 #[test]
 fn joint_limit_in_all_contact_states() {
-    let mut cases = Vec::new();
     let scene = experiment_95();
     let model = Model::new(&scene.system);
     for (name, delta, rate) in
         [("creeping", 3e-7, 1e-3), ("engaging", 4e-6, 0.2), ("beyond", 3e-5, -0.1), ("returning", 6e-6, -0.02)]
     {
         // Newton's method on q11 from the straight configuration finds the penetration δ of the limit.
-        let mut q = [SWING_POSTURE[1] - std::f64::consts::FRAC_PI_2, SWING_POSTURE[1]];
+        let mut q = [1.2 - std::f64::consts::FRAC_PI_2, 1.2];
+        let limit = |q| reading(&model, q, FingerContact::Limit);
         for _ in 0..20 {
-            let limit = model.contact_reading(q, [0.0; 2], FingerContact::Limit, Active).expect("a limit");
-            q[0] -= (delta - limit.delta) / limit.geometry.normal_row[0];
+            q[0] -= (delta - limit(q).delta) / limit(q).geometry.normal_row[0];
         }
-        let limit = model.contact_reading(q, [0.0; 2], FingerContact::Limit, Active).expect("a limit");
-        assert!((limit.delta - delta).abs() < 1e-14, "{:e}", limit.delta);
-        let v = rates_with_row_values([limit.geometry.normal_row, [0.0, 1.0]], [-rate, 80.0]);
+        assert!((limit(q).delta - delta).abs() < 1e-14, "{:e}", limit(q).delta);
+        let v = solve([limit(q).geometry.normal_row, [0.0, 1.0]], [-rate, 80.0]);
         for state in [Active, Clamped, Released] {
             let steps = [1e-4, 0.05 * delta, 0.1 * f64::abs(rate)];
-            cases.push(Case { name, scene: scene.clone(), mode: [Free, Free, state].into(), t: 0.0, q, v, steps });
+            check_case(&Case { steps, ..contact_case(name, &scene, [Free, Free, state], q, v) });
         }
     }
-    check_cases("limit", &cases);
 }
 
 /// Whether a difference step in the rates could cross the kink at which the clamp sets in.
@@ -185,125 +240,237 @@ fn is_near_clamp_limit(model: &Model, q: [f64; 2], v: [f64; 2], contact: FingerC
 
 #[test]
 fn one_and_two_contacts_on_all_friction_branches() {
-    let mut cases = Vec::new();
     let mut clamped_cases = 0;
     let scene = experiment_95();
     let model = Model::new(&scene.system);
+    let case = |name, states, q, v| contact_case(name, &scene, states, q, v);
     for depth in [[2e-6, 3e-6], [8e-6, 6e-6], [1.5e-5, 3e-5]] {
-        let q = penetrating_posture(&model, GRASP_POSTURE, depth);
-        let rows = |contact| {
-            let reading = model.contact_reading(q, [0.0; 2], contact, Active).expect("an object");
-            assert!(reading.delta > 1e-6, "{}", reading.delta);
-            (reading.geometry.normal_row, reading.geometry.tangent_row)
-        };
-        let ((normal_p, slip_p), (normal_d, slip_d)) = (rows(FingerContact::Proximal), rows(FingerContact::Distal));
+        let q = penetrating_posture(&model, depth);
+        let [p, d] = PHALANGES.map(|contact| reading(&model, q, contact));
+        assert!(p.delta > 1e-6 && d.delta > 1e-6, "{} {}", p.delta, d.delta);
+        let [(normal_p, slip_p), (normal_d, slip_d)] =
+            [p, d].map(|reading| (reading.geometry.normal_row, reading.geometry.tangent_row));
         // Slip speeds on each branch: |v| < v_s = 0.1 m/s, v_s to v_d = 0.2 m/s, and beyond; both signs; at rest.
         for slip in [0.0, 0.03, -0.06, 0.13, -0.17, 0.3, -2.0] {
-            let both_slipping = rates_with_row_values([slip_p, slip_d], [slip, -0.8 * slip]);
-            let creeping = rates_with_row_values([slip_d, normal_d], [slip, -2e-3]);
-            let impacting = rates_with_row_values([normal_p, slip_d], [-1.5, slip]);
-            for (name, v) in [("slip of both", both_slipping), ("tip in creep", creeping), ("in an impact", impacting)]
-            {
-                for states in
-                    [[Active, Active, Free], [Active, Free, Free], [Free, Active, Free], [Clamped, Clamped, Free]]
-                {
-                    let mode = FingerMode::from(states);
-                    if mode[0] == Clamped
-                        && FingerContact::ALL[..2].iter().any(|s| is_near_clamp_limit(&model, q, v, *s))
-                    {
-                        continue;
-                    }
-                    clamped_cases += usize::from(mode[0] == Clamped);
-                    cases.push(Case { name, scene: scene.clone(), mode, t: 0.0, q, v, steps: CONTACT_STEPS });
+            for (name, v) in [
+                ("slip of both", solve([slip_p, slip_d], [slip, -0.8 * slip])),
+                ("tip in creep", solve([slip_d, normal_d], [slip, -2e-3])),
+                ("in an impact", solve([normal_p, slip_d], [-1.5, slip])),
+            ] {
+                for states in [[Active, Active, Free], [Active, Free, Free], [Free, Active, Free]] {
+                    check_case(&case(name, states, q, v));
+                }
+                if !PHALANGES.iter().any(|contact| is_near_clamp_limit(&model, q, v, *contact)) {
+                    clamped_cases += 1;
+                    check_case(&case(name, [Clamped, Clamped, Free], q, v));
                 }
             }
         }
     }
     assert!(clamped_cases >= 30, "only {clamped_cases} cases on clamped branches");
-    let mut frictionless = experiment_95();
-    frictionless.finger_mut().contact.proximal.friction = None;
-    frictionless.finger_mut().contact.distal.friction = None;
-    let q = penetrating_posture(&model, GRASP_POSTURE, [5e-6, 4e-6]);
-    let mode = FingerMode::from([Active; 3]);
-    cases.push(Case {
-        name: "frictionless",
-        scene: frictionless,
-        mode,
-        t: 0.0,
-        q,
-        v: [3.0, -1.0],
-        steps: CONTACT_STEPS,
-    });
-    check_cases("contacts", &cases);
+    let mut frictionless = case("frictionless", [Active; 3], penetrating_posture(&model, [5e-6, 4e-6]), [3.0, -1.0]);
+    frictionless.scene.finger_mut().contact.both_mut().into_iter().for_each(|law| law.friction = None);
+    check_case(&frictionless);
 }
 
+/// A disc at the end of the distal phalanx, where the normal turns with the motion.
 #[test]
 fn contact_at_the_end_of_the_distal_phalanx() {
-    let mut cases = Vec::new();
     let mut scene = experiment_95();
-    // A disc at the end of the distal phalanx, where the normal turns with the motion.
-    let model = Model::new(&scene.system);
-    let reading = model.contact_reading(GRASP_POSTURE, [0.0; 2], FingerContact::Distal, Active).expect("an object");
-    let face = reading.geometry.tangent_row;
-    let (lengths, [q11, q21]) = (&scene.finger().linkage.lengths, GRASP_POSTURE);
-    let posture =
-        gripper::close_loop(lengths, scene.finger().linkage.assembly, q11, q21).expect("the grasp closes the loop");
-    let tip = gripper::joint_positions(lengths, &posture).tip_m;
-    let reach = scene.finger().linkage.lengths.half_width_m + 20e-3 - 4e-6;
-    let inward_normal = reading.geometry.normal.map(|n| -n);
-    let rotated_normal =
-        [inward_normal[0] * 0.8 + inward_normal[1] * 0.6, inward_normal[1] * 0.8 - inward_normal[0] * 0.6];
-    for direction in [
-        rotated_normal,
-        [rotated_normal[0] * 0.6 + rotated_normal[1] * 0.8, rotated_normal[1] * 0.6 - rotated_normal[0] * 0.8],
-    ] {
+    let distal = |scene: &Scene| reading(&Model::new(&scene.system), GRASP_POSTURE, FingerContact::Distal);
+    let face = distal(&scene).geometry;
+    let (linkage, [q11, q21]) = (scene.finger().linkage, GRASP_POSTURE);
+    let posture = gripper::close_loop(&linkage.lengths, linkage.assembly, q11, q21).expect("the grasp closes the loop");
+    let tip = gripper::joint_positions(&linkage.lengths, &posture).tip_m;
+    let reach = linkage.lengths.half_width_m + 20e-3 - 4e-6;
+    let rotated = |[x, y]: [f64; 2], [c, s]: [f64; 2]| [x * c + y * s, y * c - x * s];
+    let first = rotated(face.normal.map(|n| -n), [0.8, 0.6]);
+    for direction in [first, rotated(first, [0.6, 0.8])] {
         scene.system.grasped_mut().centre_m = [tip[0] + reach * direction[0], tip[1] + reach * direction[1]];
-        let model = Model::new(&scene.system);
-        let end_contact =
-            model.contact_reading(GRASP_POSTURE, [0.0; 2], FingerContact::Distal, Active).expect("an object");
-        assert!((end_contact.delta - 4e-6).abs() < 1e-12, "{:e}", end_contact.delta);
-        assert!((end_contact.geometry.tangent_row[0] - face[0]).abs() > 1e-5);
+        let end = distal(&scene);
+        assert!((end.delta - 4e-6).abs() < 1e-12, "{:e}", end.delta);
+        assert!((end.geometry.tangent_row[0] - face.tangent_row[0]).abs() > 1e-5);
         for v in [[2.0, 1.0], [-30.0, 5.0], [0.1, -0.1]] {
-            let mode = FingerMode::from([Free, Active, Free]);
-            cases.push(Case {
-                name: "end",
-                scene: scene.clone(),
-                mode,
-                t: 0.0,
-                q: GRASP_POSTURE,
-                v,
-                steps: CONTACT_STEPS,
-            });
+            check_case(&contact_case("end", &scene, [Free, Active, Free], GRASP_POSTURE, v));
         }
     }
-    check_cases("end of the tip", &cases);
 }
 
 #[test]
 fn time_dependent_torque_profiles() {
     let table = |interpolation| Actuation::Table { points: vec![(0.0, 0.1), (2e-3, 0.5), (9e-3, -0.2)], interpolation };
-    let profiles = [
+    for profile in [
         Actuation::Constant { torque_n_m: 0.48 },
         table(Interpolation::Linear),
         table(Interpolation::Step),
         Actuation::Ramp { torque_n_m: 0.48, rise_s: 5e-3 },
         Actuation::HalfSine { torque_n_m: 0.48, length_s: 5e-3 },
         Actuation::Reversal { torque_n_m: 0.48, at_s: 4e-3 },
-    ];
-    let mut cases = Vec::new();
-    for profile in profiles {
+    ] {
+        let case = free_swing(experiment_95_with(|scene| scene.finger_mut().motor.actuation = profile));
         for t in [1e-3, 3e-3, 8e-3] {
-            let mut scene = experiment_95();
-            scene.finger_mut().motor.actuation = profile.clone();
-            cases.push(Case { t, ..free_swing("profile", scene) });
+            check_case(&Case { t, ..case.clone() });
         }
     }
     // The derivative by time is not zero.
-    let ramp_jacobian =
-        Model::new(&cases[3].scene.system).linearise(1e-3, &cases[3].q, &cases[3].v, &FingerMode::from([Free; 3]));
-    assert!(
-        ramp_jacobian.a_t[0].abs() > 1e5 && (ramp_jacobian.g_t[4] - 200.0 * 120.0).abs() < 1e-9,
-        "{ramp_jacobian:?}"
-    );
-    check_cases("profiles", &cases);
+    let Case { scene, mode, t, q, v, .. } = free_swing(experiment_95_with(|scene| {
+        scene.finger_mut().motor.actuation = table(Interpolation::Linear);
+    }));
+    let exact = Model::new(&scene.system).linearise(t, &q, &v, &mode);
+    assert!(exact.a_t[0].abs() > 1e5 && (exact.g_t[4] - 200.0 * v[0]).abs() < 1e-9, "{exact:?}");
+}
+
+/// Bristles that stick and slip, on both phalanges.
+#[test]
+fn bristles_of_a_finger() {
+    let model = BristleModel::new(&load_with_stiction("experiment-95").system);
+    let plain = Model::new(&experiment_95().system);
+    let q = penetrating_posture(&plain, [2e-6; 2]);
+    let rows = PHALANGES.map(|contact| reading(&plain, q, contact).geometry);
+    let [a, b] = solve(rows.map(|row| row.normal_row), [-1e-3; 2]);
+    let slips = rows.map(|row| row.tangent_row[0] * a + row.tangent_row[1] * b);
+    let mut slipping = 0;
+    for slider_rates in [[1e-5, -2e-5], [1.0, 1e-5], [2e-5, -1.0], [1.0, 1.0]] {
+        let bristle_states = [slider_rates[0] - slips[0], slider_rates[1] - slips[1]];
+        let (q, v) = ([q[0], q[1], 0.3, -0.7], [a, b, bristle_states[0], bristle_states[1]]);
+        let equations = Equations { system: &model, mode: [Active, Active, Free].into(), t: 1e-3, q, v };
+        let h = |variable: Variable| [0.0, 1e-8, 1e-6][variable.kind()];
+        let allowed = |entry: &Entry| 1e-5 * entry.row_size + 1e-9 * (entry.value.abs() + 1.0) / entry.h;
+        equations.check(&format!("{bristle_states:?}"), 1, h, allowed);
+        let exact: Linearised<4, QUADRATURES> = equations.linearise();
+        slipping += [2, 3].into_iter().filter(|state| exact.a_v[*state][*state] < -999.0).count();
+        // The coordinate that belongs to a bristle state has no effect.
+        assert!((0..4).all(|i| exact.a_q[i][2] == 0.0 && exact.a_q[i][3] == 0.0));
+    }
+    assert_eq!(slipping, 4, "four of the eight bristles slip; slipping bristles relax at 1/ms");
+}
+
+/// Grippers with all contacts active. Both fingers are in contact with an object off centre; contacts with negative gaps
+/// have forces.
+#[test]
+fn grippers_at_rest() {
+    for letter in ["c", "f", "i"] {
+        let mut system = reference_case(letter).scene.system;
+        system.fingers[0].spring.as_mut().expect("a spring").kind =
+            SpringKind::Torsional { stiffness_n_m_per_rad: 0.08, preload_rad: 1.0 };
+        system.table.iter_mut().for_each(|table| table.level_m = 0.0399);
+        system.differential.iter_mut().for_each(|input| input.motor.no_load_speed_rad_s = Some(300.0));
+        let model = GripperModel::<7>::new(&system);
+        let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02];
+        let v = [12.0, -7.0, 9.0, 5.0, 0.3, -0.2, 4.0];
+        let has_force = |index: &usize| model.contact_reading(&q, &v, *index, Active).is_some();
+        assert!((0..CONTACTS).filter(has_force).count() >= 7);
+        let h = |variable| match variable {
+            Variable::Time => 0.0,
+            Variable::Coordinate(4 | 5) => 4e-7,
+            Variable::Coordinate(_) => 1e-5,
+            Variable::Rate(_) => 2e-3,
+        };
+        let equations =
+            Equations::<_, 7, GRIPPER_QUADRATURES> { system: &model, mode: [Active; CONTACTS].into(), t: 1e-3, q, v };
+        equations.check(letter, 2, h, |entry| 1e-6 * entry.row_size);
+    }
+}
+
+/// A gripper with all contacts active, a rotating palm and creeping brakes.
+#[test]
+fn a_gripper_on_a_moving_palm() {
+    let mut system = reference_case("e").scene.system;
+    let motion = system.palm_motion.as_mut().expect("a palm motion");
+    motion.moves.push(Move { axis: Axis::Angle, distance: 0.3, start_s: 0.05, length_s: 0.06 });
+    // The palm is at its pose at time t, and the table is within reach.
+    let (t, [x, y, angle]) = (0.073, motion.pose(0.073).position);
+    let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02, t];
+    system.table.as_mut().expect("a table").level_m = y + angle.sin() * q[4] + angle.cos() * q[5] + 0.01998;
+    assert!(x != 0.0);
+    let v = [4e-3, -7.0, -6e-3, 5.0, 0.3, 0.2, 4.0, 1.0];
+    let model = GripperModel::<8>::new(&system);
+    let equations = Equations::<_, 8, GRIPPER_QUADRATURES> { system: &model, mode: [Active; CONTACTS].into(), t, q, v };
+    assert!(equations.outputs(Variable::Time, 0.0)[8 + 7] > 0.0, "the table is in contact");
+    let h = |variable| match variable {
+        Variable::Coordinate(4 | 5) => 4e-7,
+        Variable::Coordinate(7) | Variable::Time => 2e-7,
+        Variable::Coordinate(_) => 1e-5,
+        // Brakes creep at rates below 0.01 rad/s.
+        Variable::Rate(0 | 2) => 2e-4,
+        Variable::Rate(_) => 2e-3,
+    };
+    let allowed = |Entry { kind, largest: [by_t, by_q, by_v], .. }: &Entry| {
+        let scale = by_q.max(1e3 * by_v.max(*by_t));
+        2e-6 * if *kind == 1 { scale } else { 1e-3 * scale }
+    };
+    equations.check("moving palm", 2, h, allowed);
+}
+
+/// Three rotating and sliding discs, one of them driven; each overlaps another disc or a fixed surface.
+#[test]
+fn discs() {
+    const PAIRS: usize = 12;
+    const Z: usize = quadratures(PAIRS);
+    let free = DiscMotion::Free { mass_kg: 0.3, inertia_kg_m2: Some(2e-4), velocity_m_s: [0.4, -0.3], spin_rad_s: 2.0 };
+    let stiff = DiscMotion::Free { mass_kg: 0.7, inertia_kg_m2: None, velocity_m_s: [-0.2, 0.1], spin_rad_s: 0.0 };
+    let driven = DiscMotion::Driven { velocity_m_s: [0.1, 0.3], acceleration_m_s2: [1.0, 2.0], spin_rad_s: -1.5 };
+    let discs = vec![
+        disc("a", 0.05, [0.0, 0.05 - 4e-6], free),
+        disc("b", 0.04, [0.07, 0.056_568_5], stiff),
+        disc("c", 0.03, [-0.05, 0.112_44], driven),
+        disc("wall", 0.02, [0.13, 0.056], DiscMotion::Fixed),
+    ];
+    let mut system = with_half_plane(scene(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 1e-3)).system;
+    system.gravity_m_s2 = [0.0, -9.81];
+    let model = Multibody::<9, PAIRS>::new(&system);
+    let State { q, v, .. }: State<9, Z> = model.start(&system);
+    let depths =
+        (0..model.contact_count()).filter_map(|pair| Some(model.contact_reading(&q, &v, pair, Clamped)?.delta));
+    assert!(depths.filter(|depth| *depth > 1e-7).count() >= 3, "few pairs overlap");
+    let equations = Equations::<_, 9, Z> { system: &model, mode: [Active; PAIRS].into(), t: 0.0, q, v };
+    let allowed = |entry: &Entry| {
+        let scale = entry.value.abs() / if entry.kind == 1 { 1e-6 } else { 1.0 };
+        1e-5 * entry.exact.abs().max(scale).max(1.0)
+    };
+    equations.check("discs", 1, |variable| [0.0, 1e-10, 1e-6][variable.kind()], allowed);
+}
+
+const MIXED_COORDINATES: usize = MAX_SIZES[1].coordinates;
+const MIXED_CONTACTS: usize = MAX_SIZES[1].contacts;
+const MIXED_QUADRATURES: usize = quadratures(MIXED_CONTACTS);
+
+/// Systems of fingers and discs, at the sample with the most active contacts.
+#[test]
+fn mixed_systems_with_active_contacts() {
+    for (name, scene) in mixed_systems::cases() {
+        let (_, log) = run_to_end(&with_reference_settings(&scene));
+        let strong_contacts =
+            |sample: &&phalanx::trace::Sample| sample.contacts.iter().filter(|contact| contact.normal_n > 0.1).count();
+        let sample = log.samples.iter().max_by_key(strong_contacts).expect("samples");
+        let model = Multibody::<MIXED_COORDINATES, MIXED_CONTACTS>::new(&scene.system);
+        let State { mut q, mut v, .. }: State<MIXED_COORDINATES, MIXED_QUADRATURES> = model.start(&scene.system);
+        for (index, finger) in sample.fingers.iter().enumerate() {
+            q[2 * index..][..2].copy_from_slice(&[finger.q11_rad, finger.q21_rad]);
+            v[2 * index..][..2].copy_from_slice(&[finger.qd11_rad_s, finger.qd21_rad_s]);
+        }
+        let mut next = 2 * sample.fingers.len();
+        for (_, body) in scene.system.discs.iter().zip(&sample.bodies).filter(|(disc, _)| disc.motion.moves()) {
+            let ([x, y], [vx, vy]) = (body.centre_m, body.velocity_m_s);
+            q[next..][..3].copy_from_slice(&[x, y, body.angle_rad]);
+            v[next..][..3].copy_from_slice(&[vx, vy, body.spin_rad_s]);
+            next += 3;
+        }
+        let t = sample.time_s;
+        if scene.system.palm_motion.is_some() {
+            q[next] = t;
+        }
+        let mut mode = Mode::<MIXED_CONTACTS>::FREE;
+        let active = (0..model.contact_count()).filter(|index| sample.contacts[*index].normal_n > 0.0);
+        let active_contacts = active.map(|index| mode[index] = Active).count();
+        assert!(active_contacts > usize::from(!name.ends_with("no object")), "{name}: {active_contacts} contacts");
+        // The steps of coordinates are a fraction of the penetration.
+        let rate_step = if name.ends_with("bristles") { 2e-8 } else { 2e-5 };
+        let allowed = |entry: &Entry| {
+            let noise = 2e-15 * entry.value.abs().max(entry.row_size) / entry.h;
+            2e-5 * entry.row_size + 30.0 * noise
+        };
+        let equations = Equations::<_, MIXED_COORDINATES, MIXED_QUADRATURES> { system: &model, mode, t, q, v };
+        equations.check(name, 2, |variable| [0.0, 2e-11, rate_step][variable.kind()], allowed);
+    }
 }

@@ -2,15 +2,19 @@
 //! each) with the ten constraint equations of five revolute joints.
 //!
 //! With constraints Φ(r) = 0 and G = ∂Φ/∂r, every motion is ṙ = N q̇_a, where the columns of N span the null space of G
-//! (found here by elimination, with one column for each ground link), and r̈ = N q̈_a + b, where G b = −Ġ ṙ. Projected
-//! on N, Newton–Euler gives M = Nᵀ 𝓜 N and c = Nᵀ (𝓜 b − F). It uses no Lagrangian, no cut loop and no relative angles.
+//! (found here by elimination in another library, with one column for each ground link), and r̈ = N q̈_a + b, where G b =
+//! −Ġ ṙ. Projected on N, Newton–Euler gives M = Nᵀ 𝓜 N and c = Nᵀ (𝓜 b − F). It uses no Lagrangian, no cut loop and no
+//! relative angles.
 
 // Loops over matrix indices follow the formulas.
 #![allow(clippy::needless_range_loop)]
 
-use crate::support::runs::{Random, experiment_95, reference_settings, run_to_end};
-use phalanx::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, inverse_dynamics, solve_mass, terms};
-use phalanx::fivebar::kinematics::{Directions, directions, passive_bias, passive_rates, reference_gamma};
+use crate::support::runs::{Random, assert_below, experiment_95, run_to_end, with_reference_settings};
+use nalgebra::{SMatrix, SVector, Vector2};
+use phalanx::fivebar::dynamics::{Dynamics, absolute_rates, bias, inverse_dynamics, solve_mass, terms};
+use phalanx::fivebar::kinematics::{
+    Directions, PassiveBias, PassiveRates, directions, passive_bias, passive_rates, reference_gamma,
+};
 use phalanx::gripper::{Assembly, Body, Finger, Lengths};
 
 const BODIES: usize = 4;
@@ -43,49 +47,6 @@ fn angles(lengths: &Lengths, gamma: f64, q: [f64; 2]) -> Option<[f64; 4]> {
     Some([q[0], q[1], theta3, theta4])
 }
 
-/// Solves A X = B by Gaussian elimination with full pivoting.
-fn solve<const M: usize>(
-    mut a: [[f64; CONSTRAINTS]; CONSTRAINTS],
-    mut b: [[f64; M]; CONSTRAINTS],
-) -> [[f64; M]; CONSTRAINTS] {
-    let mut columns: [usize; CONSTRAINTS] = std::array::from_fn(|i| i);
-    for k in 0..CONSTRAINTS {
-        let remaining = (k..CONSTRAINTS).flat_map(|i| (k..CONSTRAINTS).map(move |j| (i, j)));
-        let (row, column) = remaining.max_by(|x, y| a[x.0][x.1].abs().total_cmp(&a[y.0][y.1].abs())).expect("a pivot");
-        a.swap(k, row);
-        b.swap(k, row);
-        for line in &mut a {
-            line.swap(k, column);
-        }
-        columns.swap(k, column);
-        let (pivot, pivot_b) = (a[k], b[k]);
-        for i in k + 1..CONSTRAINTS {
-            let factor = a[i][k] / pivot[k];
-            for j in k..CONSTRAINTS {
-                a[i][j] -= factor * pivot[j];
-            }
-            for j in 0..M {
-                b[i][j] -= factor * pivot_b[j];
-            }
-        }
-    }
-    let mut x = [[0.0; M]; CONSTRAINTS];
-    for k in (0..CONSTRAINTS).rev() {
-        for m in 0..M {
-            let solved: f64 = (k + 1..CONSTRAINTS).map(|j| a[k][j] * x[columns[j]][m]).sum();
-            x[columns[k]][m] = (b[k][m] - solved) / a[k][k];
-        }
-    }
-    x
-}
-
-/// A revolute joint between point `outer.1` of body `outer.0` and point `inner.1` of body `inner.0`, in body frames.
-/// Without an inner body the joint is on the ground, at the origin.
-struct Joint {
-    outer: (usize, [f64; 2]),
-    inner: Option<(usize, [f64; 2])>,
-}
-
 /// Projected equations of motion and passive kinematics.
 struct ProjectedDynamics {
     mass: [[f64; 2]; 2],
@@ -98,86 +59,70 @@ struct ProjectedDynamics {
     passive_rates: [[f64; 2]; 2],
 }
 
-fn newton_euler(finger: &Finger, gamma: f64, gravity: [f64; 2], q: [f64; 2], v: [f64; 2]) -> Option<ProjectedDynamics> {
+fn newton_euler(&Case { ref finger, gamma, gravity, q, v }: &Case) -> ProjectedDynamics {
     let lengths = &finger.lengths;
-    let theta = angles(lengths, gamma, q)?;
+    let theta = angles(lengths, gamma, q).expect("in reach");
     let bodies: [&Body; BODIES] = [&finger.bodies.l11, &finger.bodies.l21, &finger.bodies.l12, &finger.bodies.l22];
-    // Joint points of a body relative to its centre of mass, in the body frame.
-    let root = |i: usize| (i, bodies[i].com_m.map(|x| -x));
-    let end = |i: usize, length: f64| (i, [length - bodies[i].com_m[0], -bodies[i].com_m[1]]);
-    let joints = [
-        Joint { outer: root(0), inner: None },
-        Joint { outer: root(1), inner: None },
-        Joint { outer: root(2), inner: Some(end(0, lengths.l11_m)) },
-        Joint { outer: root(3), inner: Some(end(1, lengths.l21_m)) },
-        Joint { outer: end(2, lengths.l12_m), inner: Some(end(3, lengths.l22_m)) },
-    ];
-    let rotated = |i: usize, p: [f64; 2]| {
-        let (s, c) = theta[i].sin_cos();
-        [c * p[0] - s * p[1], s * p[0] + c * p[1]]
+    // Both ends of every revolute joint: joint, sign, body, and arm from its centre of mass to the joint. The first two
+    // joints are on the ground, at the origin.
+    let root = |joint: usize, i: usize| (joint, 1.0, i, bodies[i].com_m.map(|x| -x));
+    let end = |joint: usize, sign: f64, i: usize, length: f64| {
+        let [x, y] = bodies[i].com_m;
+        (joint, sign, i, [length - x, -y])
     };
-    let mut g = [[0.0; COORDINATES]; CONSTRAINTS];
-    for (k, joint) in joints.iter().enumerate() {
-        for (sign, end) in [(1.0, Some(joint.outer)), (-1.0, joint.inner)] {
-            let Some((i, point)) = end else { continue };
-            let arm = rotated(i, point);
-            g[2 * k][3 * i] = sign;
-            g[2 * k + 1][3 * i + 1] = sign;
-            g[2 * k][3 * i + 2] = -sign * arm[1];
-            g[2 * k + 1][3 * i + 2] = sign * arm[0];
-        }
+    let joint_ends = [
+        root(0, 0),
+        root(1, 1),
+        root(2, 2),
+        end(2, -1.0, 0, lengths.l11_m),
+        root(3, 3),
+        end(3, -1.0, 1, lengths.l21_m),
+        end(4, 1.0, 2, lengths.l12_m),
+        end(4, -1.0, 3, lengths.l22_m),
+    ]
+    .map(|(joint, sign, i, [x, y])| {
+        let (s, c) = theta[i].sin_cos();
+        (joint, sign, i, [c * x - s * y, s * x + c * y])
+    });
+    let mut g = SMatrix::<f64, CONSTRAINTS, COORDINATES>::zeros();
+    for (k, sign, i, arm) in joint_ends {
+        g[(2 * k, 3 * i)] = sign;
+        g[(2 * k + 1, 3 * i + 1)] = sign;
+        g[(2 * k, 3 * i + 2)] = -sign * arm[1];
+        g[(2 * k + 1, 3 * i + 2)] = sign * arm[0];
     }
     // Independent coordinates: the angles of bodies 0 and 1.
-    let independent = [2, 5];
-    let dependent: Vec<usize> = (0..COORDINATES).filter(|i| !independent.contains(i)).collect();
-    let square = g.map(|row| std::array::from_fn(|j| row[dependent[j]]));
-    let right: [[f64; 2]; CONSTRAINTS] = g.map(|row| independent.map(|i| -row[i]));
-    let null = solve(square, right);
-    let mut n = [[0.0; 2]; COORDINATES];
-    for (j, row) in dependent.iter().zip(&null) {
-        n[*j] = *row;
-    }
-    (n[2], n[5]) = ([1.0, 0.0], [0.0, 1.0]);
+    let dependent: Vec<usize> = (0..COORDINATES).filter(|i| ![2, 5].contains(i)).collect();
+    let square = SMatrix::<f64, CONSTRAINTS, CONSTRAINTS>::from_fn(|row, j| g[(row, dependent[j])]).full_piv_lu();
+    let right = SMatrix::<f64, CONSTRAINTS, 2>::from_fn(|row, j| -g[(row, [2, 5][j])]);
+    let null = square.solve(&right).expect("independent joints");
+    let mut n = SMatrix::<f64, COORDINATES, 2>::zeros();
+    (n[(2, 0)], n[(5, 1)]) = (1.0, 1.0);
+    dependent.iter().enumerate().for_each(|(row, i)| n.set_row(*i, &null.row(row)));
 
-    let rates = n.map(|row| row[0] * v[0] + row[1] * v[1]);
+    let rates = n * Vector2::from(v);
     // −Ġ ṙ: a point at `arm` from the centre of mass has the centripetal acceleration −ω² arm.
-    let mut gamma_terms = [[0.0; 1]; CONSTRAINTS];
-    for (k, joint) in joints.iter().enumerate() {
-        for (sign, end) in [(1.0, Some(joint.outer)), (-1.0, joint.inner)] {
-            let Some((i, point)) = end else { continue };
-            let (arm, omega) = (rotated(i, point), rates[3 * i + 2]);
-            gamma_terms[2 * k][0] += sign * omega * omega * arm[0];
-            gamma_terms[2 * k + 1][0] += sign * omega * omega * arm[1];
-        }
+    let mut centripetal = SVector::<f64, CONSTRAINTS>::zeros();
+    for (k, sign, i, arm) in joint_ends {
+        (0..2).for_each(|axis| centripetal[2 * k + axis] += sign * rates[3 * i + 2].powi(2) * arm[axis]);
     }
-    let particular = solve(square, gamma_terms);
-    let mut b = [0.0; COORDINATES];
-    for (j, row) in dependent.iter().zip(&particular) {
-        b[*j] = row[0];
-    }
+    let particular = square.solve(&centripetal).expect("independent joints");
+    let mut b = SVector::<f64, COORDINATES>::zeros();
+    dependent.iter().enumerate().for_each(|(row, i)| b[*i] = particular[row]);
 
-    let inertia: [f64; COORDINATES] =
-        std::array::from_fn(|i| if i % 3 == 2 { bodies[i / 3].inertia_kg_m2 } else { bodies[i / 3].mass_kg });
-    let force: [f64; COORDINATES] =
-        std::array::from_fn(|i| if i % 3 == 2 { 0.0 } else { bodies[i / 3].mass_kg * gravity[i % 3] });
-    let mut projected = ProjectedDynamics {
-        mass: [[0.0; 2]; 2],
-        bias: [0.0; 2],
-        bias_scale: 0.0,
+    let inertia = SVector::<f64, COORDINATES>::from_fn(|i, _| {
+        if i % 3 == 2 { bodies[i / 3].inertia_kg_m2 } else { bodies[i / 3].mass_kg }
+    });
+    let force = SVector::<f64, COORDINATES>::from_fn(|i, _| if i % 3 == 2 { 0.0 } else { inertia[i] * gravity[i % 3] });
+    let mass = n.transpose() * SMatrix::<f64, COORDINATES, COORDINATES>::from_diagonal(&inertia) * n;
+    let scale = n.abs().transpose() * (inertia.component_mul(&b.abs()) + force.abs());
+    ProjectedDynamics {
+        mass: [[mass[(0, 0)], mass[(0, 1)]], [mass[(1, 0)], mass[(1, 1)]]],
+        bias: (n.transpose() * (inertia.component_mul(&b) - force)).into(),
+        bias_scale: scale.sum(),
         passive_bias: [b[8], b[11]],
-        passive_rates: [n[8], n[11]],
-    };
-    for i in 0..COORDINATES {
-        for r in 0..2 {
-            for c in 0..2 {
-                projected.mass[r][c] += n[i][r] * inertia[i] * n[i][c];
-            }
-            let term = n[i][r] * (inertia[i] * b[i] - force[i]);
-            projected.bias[r] += term;
-            projected.bias_scale += n[i][r].abs() * (inertia[i] * b[i].abs() + force[i].abs());
-        }
+        passive_rates: [[n[(8, 0)], n[(8, 1)]], [n[(11, 0)], n[(11, 1)]]],
     }
-    Some(projected)
 }
 
 /// A finger and a state at which the formulations are compared.
@@ -189,9 +134,28 @@ struct Case {
     v: [f64; 2],
 }
 
-fn assembly_sign(finger: &Finger) -> f64 {
-    let reference = reference_gamma(&finger.lengths);
-    if finger.assembly == Assembly::Reference { reference } else { -reference }
+impl Case {
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::new(&self.finger, self.gamma, self.gravity)
+    }
+
+    fn pose(&self) -> Directions<f64> {
+        directions(&self.finger.lengths, self.gamma, self.q)
+    }
+
+    /// Rates and accelerations of the passive links, and the rates of all links.
+    fn kinematics(&self) -> (PassiveRates<f64>, PassiveBias<f64>, [f64; 4]) {
+        let (lengths, pose) = (&self.finger.lengths, self.pose());
+        let rates = passive_rates(lengths, &pose);
+        let link_rates = absolute_rates(&rates, self.v);
+        let bias = passive_bias(lengths, &pose, &rates);
+        (rates, bias, link_rates)
+    }
+}
+
+/// Largest magnitude of the entries of a matrix.
+fn largest(matrix: &[[f64; 2]; 2]) -> f64 {
+    matrix.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()))
 }
 
 /// Random fingers in random states, at least 12° from a singular configuration.
@@ -214,109 +178,74 @@ fn random_cases(count: usize) -> Vec<Case> {
 
 /// All samples of the closing of design 95, through both impacts to the grasp.
 fn closing_cases() -> Vec<Case> {
-    let mut scene = experiment_95();
-    scene.integrator = reference_settings();
-    let (_, log) = run_to_end(&scene);
-    let finger = scene.finger().linkage;
-    let state = |s: &phalanx::trace::Sample| Case {
-        finger,
-        gamma: assembly_sign(&finger),
-        gravity: scene.system.gravity_m_s2,
-        q: [s.finger().q11_rad, s.finger().q21_rad],
-        v: [s.finger().qd11_rad_s, s.finger().qd21_rad_s],
-    };
-    log.samples.iter().map(state).collect()
+    let scene = with_reference_settings(&experiment_95());
+    let (finger, gravity) = (scene.finger().linkage, scene.system.gravity_m_s2);
+    let reference = reference_gamma(&finger.lengths);
+    let gamma = if finger.assembly == Assembly::Reference { reference } else { -reference };
+    let samples = run_to_end(&scene).1.samples.into_iter();
+    let cases: Vec<Case> = samples
+        .map(|sample| sample.fingers[0])
+        .map(|f| Case { finger, gamma, gravity, q: [f.q11_rad, f.q21_rad], v: [f.qd11_rad_s, f.qd21_rad_s] })
+        .collect();
+    assert!(cases.len() > 500, "{}", cases.len());
+    cases
 }
 
-fn closed_form(case: &Case) -> Terms<f64> {
-    let dynamics = Dynamics::new(&case.finger, case.gamma, case.gravity);
-    terms(&dynamics, directions(&case.finger.lengths, case.gamma, case.q))
-}
-
-/// Largest relative differences of M, of c, and of the torques at random accelerations.
-fn max_errors(cases: &[Case]) -> [f64; 3] {
+/// Compares M, c, and the torques at random accelerations.
+#[test]
+fn random_fingers_and_the_closing_of_design_95_agree_with_newton_euler() {
     let mut random = Random(11);
-    let mut max_errors = [0.0f64; 3];
-    for case in cases {
-        let expected = newton_euler(&case.finger, case.gamma, case.gravity, case.q, case.v).expect("in reach");
-        let actual = closed_form(case);
+    for case in random_cases(4000).iter().chain(&closing_cases()) {
+        let (expected, dynamics) = (newton_euler(case), case.dynamics());
+        let actual = terms(&dynamics, case.pose());
         let c = bias(&actual, absolute_rates(&actual.rates, case.v));
-        let mass = [[actual.mass[0], actual.mass[1]], [actual.mass[1], actual.mass[2]]];
-        let size = expected.mass.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()));
+        let [m11, m12, m22] = actual.mass;
+        let mass = [[m11, m12], [m12, m22]];
+        let size = largest(&expected.mass);
         let acceleration = [random.within(-1e5, 1e5), random.within(-1e5, 1e5)];
-        let dynamics = Dynamics::new(&case.finger, case.gamma, case.gravity);
         let torque = inverse_dynamics(&dynamics, case.q, case.v, acceleration);
         let recovered = solve_mass(&actual.mass, [torque[0] - c[0], torque[1] - c[1]]);
         for i in 0..2 {
             for j in 0..2 {
-                max_errors[0] = max_errors[0].max((mass[i][j] - expected.mass[i][j]).abs() / size);
+                assert_below((mass[i][j] - expected.mass[i][j]).abs() / size, 1e-12, "mass");
             }
-            max_errors[1] = max_errors[1].max((c[i] - expected.bias[i]).abs() / expected.bias_scale);
+            assert_below((c[i] - expected.bias[i]).abs() / expected.bias_scale, 1e-12, "bias");
             let expected_torque =
                 expected.mass[i][0] * acceleration[0] + expected.mass[i][1] * acceleration[1] + expected.bias[i];
             let scale = size * acceleration[0].abs().max(acceleration[1].abs()) + expected.bias_scale;
-            max_errors[2] = max_errors[2].max((torque[i] - expected_torque).abs() / scale);
-            let condition = size * size / (mass[0][0] * mass[1][1] - mass[0][1] * mass[1][0]);
-            let recovery_error =
-                (recovered[i] - acceleration[i]).abs() / (acceleration[0].abs() + acceleration[1].abs());
-            assert!(
-                recovery_error < 1e-13 * (1.0 + condition) * (1.0 + expected.bias_scale / scale),
-                "{recovery_error:e}"
-            );
+            assert_below((torque[i] - expected_torque).abs() / scale, 1e-12, "torque");
+            let condition = size * size / (m11 * m22 - m12 * m12);
+            let error = (recovered[i] - acceleration[i]).abs() / (acceleration[0].abs() + acceleration[1].abs());
+            assert_below(error, 1e-13 * (1.0 + condition) * (1.0 + expected.bias_scale / scale), "acceleration");
         }
     }
-    max_errors
-}
-
-#[test]
-fn closing_of_design_95_agrees_with_newton_euler() {
-    let cases = closing_cases();
-    assert!(cases.len() > 500, "{}", cases.len());
-    let max_errors = max_errors(&cases);
-    println!("closing: mass, bias, torque {max_errors:?}");
-    assert!(max_errors.iter().all(|w| *w < 1e-12), "{max_errors:?}");
-}
-
-#[test]
-fn random_fingers_in_both_assembly_modes_agree_with_newton_euler() {
-    let max_errors = max_errors(&random_cases(4000));
-    println!("random: mass, bias, torque {max_errors:?}");
-    assert!(max_errors.iter().all(|w| *w < 1e-12), "{max_errors:?}");
 }
 
 #[test]
 fn passive_rates_and_accelerations_agree_with_the_null_space() {
-    let mut max_errors = [0.0f64; 2];
     for case in random_cases(4000).iter().chain(&closing_cases()) {
-        let expected = newton_euler(&case.finger, case.gamma, case.gravity, case.q, case.v).expect("in reach");
-        let pose = directions(&case.finger.lengths, case.gamma, case.q);
-        let rates = passive_rates(&case.finger.lengths, &pose);
-        let curvature = passive_bias(&case.finger.lengths, &pose, &rates);
-        let squares = absolute_rates(&rates, case.v).map(|r| r * r);
+        let expected = newton_euler(case);
+        let (rates, curvature, link_rates) = case.kinematics();
         for (i, (row, curvature_row)) in [(rates.a3, curvature.b3), (rates.a4, curvature.b4)].into_iter().enumerate() {
-            let size = expected.passive_rates.iter().flatten().fold(1.0f64, |a, b| a.max(b.abs()));
+            let size = largest(&expected.passive_rates).max(1.0);
             for j in 0..2 {
-                max_errors[0] = max_errors[0].max((row[j] - expected.passive_rates[i][j]).abs() / size);
+                assert_below((row[j] - expected.passive_rates[i][j]).abs() / size, 1e-12, "rates");
             }
-            let terms: Vec<f64> = curvature_row.iter().zip(squares).map(|(b, s)| b * s).collect();
-            let scale: f64 = terms.iter().map(|x| x.abs()).sum::<f64>() + 1e-300;
-            max_errors[1] = max_errors[1].max((terms.iter().sum::<f64>() - expected.passive_bias[i]).abs() / scale);
+            let terms = curvature_row.iter().zip(link_rates).map(|(b, rate)| b * rate * rate);
+            let scale: f64 = terms.clone().map(f64::abs).sum::<f64>() + 1e-300;
+            assert_below((terms.sum::<f64>() - expected.passive_bias[i]).abs() / scale, 1e-12, "accelerations");
         }
     }
-    println!("largest errors of passive rates and accelerations: {max_errors:?}");
-    assert!(max_errors.iter().all(|w| *w < 1e-12), "{max_errors:?}");
 }
 
 /// Compares rates and accelerations with central differences of sixth order of θ3(s) and θ4(s) along q(s) = q + s v,
 /// where v is scaled so that the fastest link turns by 1 rad per unit of s.
 #[test]
 fn second_order_kinematics_agree_with_differences_of_the_geometry() {
-    let mut max_errors = [0.0f64; 2];
     for case in random_cases(300) {
-        let lengths = &case.finger.lengths;
-        let pose = directions(lengths, case.gamma, case.q);
-        let rates = passive_rates(lengths, &pose);
-        let fastest = absolute_rates(&rates, case.v).into_iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        let (lengths, pose) = (&case.finger.lengths, case.pose());
+        let (rates, curvature, link_rates) = case.kinematics();
+        let fastest = link_rates.into_iter().fold(0.0f64, |a, b| a.max(b.abs()));
         let v = case.v.map(|x| x / fastest);
         let angles_at = |s: f64| {
             let moved: Directions<f64> = directions(lengths, case.gamma, [case.q[0] + s * v[0], case.q[1] + s * v[1]]);
@@ -327,7 +256,6 @@ fn second_order_kinematics_agree_with_differences_of_the_geometry() {
         };
         let h = 2e-3;
         let points: Vec<[f64; 2]> = (-3..=3).map(|i| angles_at(f64::from(i) * h)).collect();
-        let curvature = passive_bias(lengths, &pose, &rates);
         let link_rates = absolute_rates(&rates, v);
         for i in 0..2 {
             let f = |k: usize| points[k][i];
@@ -336,12 +264,10 @@ fn second_order_kinematics_agree_with_differences_of_the_geometry() {
                 (270.0 * (f(4) + f(2)) - 27.0 * (f(5) + f(1)) + 2.0 * (f(6) + f(0)) - 490.0 * f(3)) / (180.0 * h * h);
             let curvature_row = if i == 0 { curvature.b3 } else { curvature.b4 };
             let expected: f64 = curvature_row.iter().zip(link_rates).map(|(b, w)| b * w * w).sum();
-            max_errors[0] = max_errors[0].max((link_rates[2 + i] - first).abs() / (1.0 + first.abs()));
-            max_errors[1] = max_errors[1].max((expected - second).abs() / (1.0 + second.abs()));
+            assert_below((link_rates[2 + i] - first).abs() / (1.0 + first.abs()), 1e-9, "rates");
+            assert_below((expected - second).abs() / (1.0 + second.abs()), 1e-7, "accelerations");
         }
     }
-    println!("differences: rates, accelerations {max_errors:?}");
-    assert!(max_errors[0] < 1e-9 && max_errors[1] < 1e-7, "{max_errors:?}");
 }
 
 /// M and c of thesis (2.19)–(2.22) with the closure (2.23), in relative angles and term by term. With
@@ -350,11 +276,8 @@ fn second_order_kinematics_agree_with_differences_of_the_geometry() {
 fn thesis_form(case: &Case, inertia_in_bracket: bool, centrifugal_factor: f64) -> ([[f64; 2]; 2], [f64; 2]) {
     let (lengths, bodies) = (&case.finger.lengths, &case.finger.bodies);
     let theta = angles(lengths, case.gamma, case.q).expect("in reach");
-    let pose = directions(lengths, case.gamma, case.q);
-    let rates = passive_rates(lengths, &pose);
-    let curvature = passive_bias(lengths, &pose, &rates);
-    let squares = absolute_rates(&rates, case.v).map(|r| r * r);
-    let sum = |b: [f64; 4]| -> f64 { b.iter().zip(squares).map(|(b, s)| b * s).sum() };
+    let (rates, curvature, link_rates) = case.kinematics();
+    let sum = |b: [f64; 4]| -> f64 { b.iter().zip(link_rates).map(|(b, rate)| b * rate * rate).sum() };
     // q̇_d = J_da q̇_a and J_td⁻¹ d_c, for (q12, q22).
     let j_da = [[rates.a3[0] - 1.0, rates.a3[1]], [rates.a4[0], rates.a4[1] - 1.0]];
     let bias_terms = [sum(curvature.b3), sum(curvature.b4)];
@@ -401,21 +324,23 @@ fn thesis_form(case: &Case, inertia_in_bracket: bool, centrifugal_factor: f64) -
 
 /// Relative differences of M and c between Newton–Euler and the form of the thesis.
 fn thesis_differences(case: &Case, inertia_in_bracket: bool, centrifugal_factor: f64) -> [f64; 2] {
-    let expected = newton_euler(&case.finger, case.gamma, case.gravity, case.q, case.v).expect("in reach");
+    let expected = newton_euler(case);
     let (mass, c) = thesis_form(case, inertia_in_bracket, centrifugal_factor);
-    let size = expected.mass.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()));
-    let entry_error = |i: usize, j: usize| (mass[i][j] - expected.mass[i][j]).abs() / size;
-    [
-        entry_error(0, 0).max(entry_error(0, 1)).max(entry_error(1, 0)).max(entry_error(1, 1)),
-        (c[0] - expected.bias[0]).abs().max((c[1] - expected.bias[1]).abs()) / expected.bias_scale,
-    ]
+    let mass_error = [0, 1].map(|i| [0, 1].map(|j| mass[i][j] - expected.mass[i][j]));
+    let bias_error = (c[0] - expected.bias[0]).abs().max((c[1] - expected.bias[1]).abs());
+    [largest(&mass_error) / largest(&expected.mass), bias_error / expected.bias_scale]
 }
 
-fn quantiles(cases: &[Case], inertia_in_bracket: bool, centrifugal_factor: f64, quantity: usize) -> [f64; 3] {
-    let mut sorted: Vec<f64> =
-        cases.iter().map(|case| thesis_differences(case, inertia_in_bracket, centrifugal_factor)[quantity]).collect();
-    sorted.sort_by(f64::total_cmp);
-    [sorted[sorted.len() / 10], sorted[sorted.len() / 2], sorted[sorted.len() - 1]]
+/// Asserts that the corrected form agrees with Newton–Euler in every case, and that the printed form differs by more than
+/// 1 % in nine of ten.
+#[track_caller]
+fn assert_printed_form_is_wrong(cases: &[Case], quantity: usize, inertia_in_bracket: bool, centrifugal_factor: f64) {
+    for case in cases {
+        assert_below(thesis_differences(case, false, 1.0)[quantity], 1e-12, "corrected form");
+    }
+    let differs = |case: &&Case| thesis_differences(case, inertia_in_bracket, centrifugal_factor)[quantity] > 1e-2;
+    let differing = cases.iter().filter(differs).count();
+    assert!(differing >= cases.len() - cases.len() / 10, "{differing} of {}", cases.len());
 }
 
 /// Errata 1: (2.19) is printed with I_i1 + I_i2 inside the bracket that m_i2 multiplies, which makes the mass matrix
@@ -423,26 +348,16 @@ fn quantiles(cases: &[Case], inertia_in_bracket: bool, centrifugal_factor: f64, 
 #[test]
 fn errata_01_inertias_are_outside_the_bracket() {
     for cases in [random_cases(1000), closing_cases()] {
-        let corrected = quantiles(&cases, false, 1.0, 0);
-        let printed = quantiles(&cases, true, 1.0, 0);
-        println!("errata 1: corrected {corrected:?}, printed {printed:?}");
-        assert!(corrected[2] < 1e-12, "{corrected:?}");
-        assert!(printed[0] > 1e-2, "{printed:?}");
+        assert_printed_form_is_wrong(&cases, 0, true, 1.0);
     }
 }
 
 /// Errata 2: the factor 2 of (2.21) applies only to the Coriolis vector (2.20).
 #[test]
 fn errata_02_centrifugal_terms_have_no_factor_two() {
-    let fast_cases = |mut cases: Vec<Case>| {
-        cases.retain(|c| c.v[0].abs() + c.v[1].abs() > 50.0);
-        cases
-    };
-    for cases in [random_cases(1000), fast_cases(closing_cases())] {
-        let corrected = quantiles(&cases, false, 1.0, 1);
-        let printed = quantiles(&cases, false, 2.0, 1);
-        println!("errata 2: corrected {corrected:?}, printed {printed:?} of {}", cases.len());
-        assert!(corrected[2] < 1e-12, "{corrected:?}");
-        assert!(printed[0] > 1e-2, "{printed:?}");
+    let mut fast_closing_cases = closing_cases();
+    fast_closing_cases.retain(|case| case.v[0].abs() + case.v[1].abs() > 50.0);
+    for cases in [random_cases(1000), fast_closing_cases] {
+        assert_printed_form_is_wrong(&cases, 1, false, 2.0);
     }
 }

@@ -1,10 +1,8 @@
 //! Rows of discs at zero gaps: at rest they stay at rest at any position; hit at one end, they transmit the momentum.
 
-use std::fmt::Write;
-
-use crate::support::runs::run_engine;
-use phalanx::scene::parse_any;
-use phalanx::trace::{BodyState, Outcome};
+use crate::support::laws::{disc, free, run_to_end, scene, with_half_plane};
+use phalanx::law::NormalLaw;
+use phalanx::trace::{BodyState, Model, Outcome};
 
 /// A row of equal discs; the first disc starts with a speed along the row.
 #[derive(Clone, Copy)]
@@ -36,26 +34,23 @@ const ROW: Row = Row {
 
 impl Row {
     fn run(&self) -> Outcome {
-        let mut text = "kind = \"bodies\"\nduration = \"0.5 ms\"\n".to_string();
         let (sin, cos) = self.direction_rad.sin_cos();
-        for disc in 0..self.discs {
-            let along = 2.0 * self.radius_m * disc as f64;
-            let [x, y] = [self.first_m[0] + along * cos, self.first_m[1] + along * sin];
-            let _ =
-                writeln!(text, "[discs.d{disc}]\nradius = \"{:e} m\"\nmass = \"{:e} kg\"", self.radius_m, self.mass_kg);
-            let _ = writeln!(text, "centre = [\"{x:e} m\", \"{y:e} m\"]");
-            if disc == 0 {
-                let [u, v] = [self.speed_m_s * cos, self.speed_m_s * sin];
-                let _ = writeln!(text, "velocity = [\"{u:e} m/s\", \"{v:e} m/s\"]");
-            }
-        }
-        if self.with_half_plane {
-            text.push_str("[half_plane]\n");
-        }
-        let _ = writeln!(text, "[contact]\nstiffness_si = {:e}\nexponent = {:e}", self.stiffness, self.exponent);
-        let _ = writeln!(text, "damping = \"{:e} N*s/m\"", self.damping);
-        let scene = parse_any(&text, "row.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
-        run_engine(&scene).0
+        let row = (0..self.discs).map(|index| {
+            let along = 2.0 * self.radius_m * index as f64;
+            let centre_m = [self.first_m[0] + along * cos, self.first_m[1] + along * sin];
+            let speed = if index == 0 { self.speed_m_s } else { 0.0 };
+            let inertia_kg_m2 = 0.5 * self.mass_kg * self.radius_m * self.radius_m;
+            let motion = free(self.mass_kg, Some(inertia_kg_m2), [speed * cos, speed * sin]);
+            disc(&format!("d{index}"), self.radius_m, centre_m, motion)
+        });
+        let normal = NormalLaw {
+            stiffness_n_per_m_e: self.stiffness,
+            exponent: self.exponent,
+            damping_max_n_s_per_m: self.damping,
+            transition_m: 1e-5,
+        };
+        let scene = scene(row.collect(), normal, None, 0.5e-3);
+        run_to_end(Model::Engine, &if self.with_half_plane { with_half_plane(scene) } else { scene }).0
     }
 
     /// Asserts that there is no motion, no contact force and no dissipation.

@@ -6,13 +6,8 @@
 mod support;
 
 mod contact;
-mod convergence_order;
-mod determinism;
 mod disc_rows;
-mod experiment_95;
-mod finger_stiction;
+mod finger;
 mod gripper;
-mod motors;
 mod recorder;
-mod scaling;
-mod stability;
+mod sizes;

@@ -1,14 +1,10 @@
 //! Samples, events and summaries that the recorder derives from the steps of the engine, for fingers and discs.
 
-use phalanx::scene::{self, Scene, Stepping};
+use phalanx::scene::Scene;
 use phalanx::trace::{ContactSample, EventKind, FingerContact, Model};
 
 use crate::support::laws::{self, BOTH_MODELS, disc, free_translation, impact_scene, with_fixed_step, with_half_plane};
-use crate::support::runs;
-
-fn load(name: &str) -> Scene {
-    scene::load(format!("scenes/hard/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
-}
+use crate::support::runs::{assert_relative, experiment_95, load, run_engine, run_model, run_to_end};
 
 /// A disc of 1 kg at rest on the half plane.
 fn resting_disc(gravity_m_s2: f64) -> Scene {
@@ -22,20 +18,18 @@ fn resting_disc(gravity_m_s2: f64) -> Scene {
 /// speed.
 #[test]
 fn a_loaded_start_at_rest_in_contact_is_a_touchdown_at_time_zero() {
-    for run in [runs::run_to_end, runs::run_engine] {
-        let (outcome, log) = run(&load("start-in-contact"));
-        let first = log.events[0];
-        assert_eq!(
-            (first.time_s, first.finger_contact(), first.kind),
-            (0.0, FingerContact::Proximal, EventKind::TouchDown)
-        );
-        assert_eq!((first.approach_speed, outcome.finger_contact(FingerContact::Proximal).touchdowns), (0.0, 1));
-    }
     for model in BOTH_MODELS {
-        let (outcome, log) = laws::run_to_end(model, &resting_disc(-9.81));
-        let first = log.events[0];
-        assert_eq!((first.time_s, first.kind, first.approach_speed), (0.0, EventKind::TouchDown, 0.0), "{model:?}");
-        assert_eq!(outcome.contacts[0].touchdowns, 1, "{model:?}");
+        for scene in [load("hard/start-in-contact"), resting_disc(-9.81)] {
+            let (outcome, log) = run_model(model, &scene);
+            let first = log.events[0];
+            assert_eq!(
+                (first.contact, first.kind),
+                (FingerContact::Proximal as usize, EventKind::TouchDown),
+                "{model:?}"
+            );
+            assert_eq!((first.time_s, first.approach_speed), (0.0, 0.0), "{model:?}");
+            assert_eq!(outcome.contacts[0].touchdowns, 1, "{model:?}");
+        }
         for gravity in [0.0, 9.81] {
             let (outcome, log) = laws::run_to_end(model, &resting_disc(gravity));
             assert!(log.events.is_empty() && outcome.contacts[0].first_s.is_none(), "{model:?} at {gravity} m/s²");
@@ -46,47 +40,35 @@ fn a_loaded_start_at_rest_in_contact_is_a_touchdown_at_time_zero() {
 /// The first sample and the summary contain the contact forces before the first step.
 #[test]
 fn a_start_in_penetration_has_a_force_in_the_first_sample() {
-    let scene = load("start-in-penetration");
-    let [(_, expected), (outcome, actual)] = [runs::run_to_end(&scene), runs::run_engine(&scene)];
+    let scene = load("hard/start-in-penetration");
+    let [(_, expected), (outcome, actual)] = [run_to_end(&scene), run_engine(&scene)];
     let [expected, actual] = [&expected, &actual].map(|log| log.samples[0].contact(FingerContact::Proximal));
     assert!(expected.normal_n > 0.02, "{expected:?}");
-    assert!(
-        (actual.normal_n / expected.normal_n - 1.0).abs() < 1e-6,
-        "{} N, expected {} N",
-        actual.normal_n,
-        expected.normal_n
-    );
+    assert_relative(actual.normal_n, expected.normal_n, 1e-6, "force at the start");
     assert!(outcome.finger_contact(FingerContact::Proximal).peak_normal_n >= actual.normal_n);
 }
 
 /// At a touch-down within a step the gap is zero, its rate is the approach speed, and there is no force yet.
 #[test]
 fn samples_at_touchdowns_have_zero_gap_and_no_force() {
-    let assert_zero_gap = |contact: &ContactSample, approach: f64, context: &str| {
-        assert_eq!((contact.gap_m, contact.gap_rate_m_s, contact.normal_n), (0.0, -approach, 0.0), "{context}");
-    };
-    let coarse = Scene {
-        engine: phalanx::scene::Engine { stepping: Stepping::Fixed { step_s: 1e-4 }, ..runs::experiment_95().engine },
-        ..runs::experiment_95()
-    };
-    for scene in [runs::experiment_95(), coarse, load("limit-hammered")] {
-        let (_, log) = runs::run_engine(&scene);
+    let scenes = [
+        (experiment_95(), 2),
+        (with_fixed_step(&experiment_95(), 1e-4), 2),
+        (load("hard/limit-hammered"), 2),
+        (impact_scene(laws::THESIS_NORMAL, 1.0, 2e-3), 1),
+    ];
+    for (scene, at_least) in scenes {
+        let (_, log) = run_engine(&scene);
         let mut checked = 0;
         for event in log.events.iter().filter(|event| event.kind == EventKind::TouchDown && event.time_s > 0.0) {
             let Some(sample) = log.samples.iter().find(|sample| sample.time_s == event.time_s) else { continue };
-            assert_zero_gap(
-                &sample.contacts[event.contact],
-                event.approach_speed,
-                &format!("{} {event:?}", scene.name),
-            );
+            let ContactSample { gap_m, gap_rate_m_s, normal_n, .. } = sample.contacts[event.contact];
+            let expected = (0.0, -event.approach_speed, 0.0);
+            assert_eq!((gap_m, gap_rate_m_s, normal_n), expected, "{} {event:?}", scene.name);
             checked += 1;
         }
-        assert!(checked >= 2, "{}: only {checked} touch-downs within steps", scene.name);
+        assert!(checked >= at_least, "{}: only {checked} touch-downs within steps", scene.name);
     }
-    let (_, log) = laws::run_to_end(Model::Engine, &impact_scene(laws::THESIS_NORMAL, 1.0, 2e-3));
-    let event = log.events[0];
-    let sample = log.samples.iter().find(|sample| sample.time_s == event.time_s).expect("a sample at the touch-down");
-    assert_zero_gap(&sample.contacts[0], event.approach_speed, "discs");
 }
 
 /// No sample exceeds the peak force or the penetration of the summary.

@@ -33,13 +33,16 @@ impl<S: Sink> Sink for InvariantSink<'_, S> {
     }
 }
 
-/// Runs a scene to its end or its failure; also returns the violated invariants.
+/// Runs a scene to its end or its failure; also returns the violated invariants. If the engine violates some, only the
+/// samples at its steps decide: between steps it interpolates forces and slips independently, so they may be
+/// inconsistent there; they must still be finite.
 pub fn run_and_check(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outcome, RunError>, Vec<Finding>) {
     let (result, violations) = run_with_invariants(model, scene, sink);
-    match needs_samples_at_steps(model, &violations) {
-        true => (result, run_with_invariants(model, &scene_sampled_at_steps(scene), &mut ()).1),
-        false => (result, violations),
+    let is_finite = violations.iter().all(|finding| finding.invariant != Invariant::Finite);
+    if model == Model::Engine && !violations.is_empty() && is_finite {
+        return (result, run_with_invariants(model, &scene_sampled_at_steps(scene), &mut ()).1);
     }
+    (result, violations)
 }
 
 /// Runs a scene to its end or its failure; panics if an invariant is violated.
@@ -72,6 +75,7 @@ fn run_with_invariants(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Re
     if let Err(RunError::Simulation { failure: Failure { reason: Reason::Obstacle(_), .. }, .. }) = &result {
         let energy = Tolerances::for_settings(model, &scene.integrator, &scene.engine, loop_gap_m).energy;
         let factor = FOLDED_ENERGY_FRACTION.max(energy) / energy;
+        let is_energy = |finding: &Finding| matches!(finding.invariant, Invariant::Energy | Invariant::Passivity);
         violations.retain(|finding| !is_energy(finding) || finding.measured > factor * finding.allowed);
     }
     (result, violations)
@@ -88,18 +92,6 @@ fn is_at_most_default_tolerance(engine: &Engine) -> bool {
     }
 }
 
-fn is_energy(finding: &Finding) -> bool {
-    matches!(finding.invariant, Invariant::Energy | Invariant::Passivity)
-}
-
-/// Whether only the samples at steps can decide about violations. Between its steps the engine interpolates forces and
-/// slips independently, so they may be inconsistent there; they must still be finite.
-fn needs_samples_at_steps(model: Model, findings: &[Finding]) -> bool {
-    model == Model::Engine
-        && !findings.is_empty()
-        && findings.iter().all(|finding| finding.invariant != Invariant::Finite)
-}
-
 /// Records a run of either model, which must reach its end.
 #[track_caller]
 pub fn record_run(model: Model, scene: &Scene) -> Recording {
@@ -108,7 +100,6 @@ pub fn record_run(model: Model, scene: &Scene) -> Recording {
 
 #[track_caller]
 pub fn assert_no_violations(findings: &[Finding], context: &str) {
-    let violations: Vec<String> =
-        findings.iter().filter(|finding| finding.is_violated()).map(Finding::to_string).collect();
-    assert!(violations.is_empty(), "{context}: {}", violations.join("; "));
+    let violations: Vec<Finding> = findings.iter().filter(|finding| finding.is_violated()).cloned().collect();
+    assert!(violations.is_empty(), "{context}: {}", format_findings(&violations));
 }

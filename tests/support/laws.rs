@@ -1,9 +1,8 @@
-//! Scenes of discs built in code, and runs of them in both models.
+//! Scenes built in code, most of them of discs, and runs of them in both models.
 
-use super::checked_run;
-pub use super::collect::CollectSink;
+pub use super::runs::CollectSink;
+use super::runs::run_model;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
-use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
     Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System, Thresholds,
 };
@@ -28,44 +27,55 @@ pub fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -
     Disc { name: name.to_string(), shape: Shape::Disc { radius_m }, centre_m, angle_rad: 0.0, motion }
 }
 
+/// A free disc at a velocity, without spin; without an inertia it does not rotate.
+pub fn free(mass_kg: f64, inertia_kg_m2: Option<f64>, velocity_m_s: [f64; 2]) -> DiscMotion {
+    DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s: 0.0 }
+}
+
 /// A free disc of 1 kg without rotation.
 pub fn free_translation(velocity_m_s: [f64; 2]) -> DiscMotion {
-    DiscMotion::Free { mass_kg: 1.0, inertia_kg_m2: None, velocity_m_s, spin_rad_s: 0.0 }
+    free(1.0, None, velocity_m_s)
 }
 
 pub fn driven(velocity_m_s: [f64; 2], acceleration_m_s2: [f64; 2]) -> DiscMotion {
     DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s: 0.0 }
 }
 
-/// A scene of discs without gravity and half plane, with reference integrator settings and the default engine.
-pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {
+/// A scene built in code, with reference integrator settings, the default engine and default bounds.
+pub fn scene_of(system: System, duration_s: f64) -> Scene {
     Scene {
-        name: "laws".to_string(),
+        name: "in-code".to_string(),
         description: String::new(),
         source: String::new(),
-        system: System {
-            fingers: Vec::new(),
-            palm_width_m: 0.0,
-            differential: None,
-            discs,
-            between_discs: Some(ContactLaw { normal, friction }),
-            palm: None,
-            table: None,
-            palm_motion: None,
-            gravity_m_s2: [0.0; 2],
-        },
+        bounds: Bounds::defaults_for_run(system.kind(), duration_s),
+        system,
         duration_s,
         integrator: Integrator::preset(Preset::Reference),
         engine: Engine::DEFAULT,
         thresholds: Thresholds::NONE,
-        bounds: Bounds {
-            position_m: 1e-6,
-            contact_time_s: 1e-6,
-            impulse: 1e-3,
-            ..Bounds::defaults_for_run(SceneKind::Bodies, duration_s)
-        },
         log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
+}
+
+/// A system without bodies.
+pub const EMPTY: System = System {
+    fingers: Vec::new(),
+    palm_width_m: 0.0,
+    differential: None,
+    discs: Vec::new(),
+    between_discs: None,
+    palm: None,
+    table: None,
+    palm_motion: None,
+    gravity_m_s2: [0.0; 2],
+};
+
+/// A scene of discs without gravity and half plane.
+pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {
+    let between_discs = Some(ContactLaw { normal, friction });
+    let mut scene = scene_of(System { discs, between_discs, ..EMPTY }, duration_s);
+    scene.bounds = Bounds { position_m: 1e-6, contact_time_s: 1e-6, impulse: 1e-3, ..scene.bounds };
+    scene
 }
 
 /// The scene with a half plane at y = 0 that has the contact law of the discs.
@@ -106,8 +116,7 @@ pub fn with_fixed_step(scene: &Scene, step_s: f64) -> Scene {
 /// Runs a scene, which must reach its end.
 #[track_caller]
 pub fn run_to_end(model: Model, scene: &Scene) -> (Outcome, CollectSink) {
-    let mut log = CollectSink::default();
-    let outcome = checked_run::run(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
+    let (outcome, log) = run_model(model, scene);
     let times: Vec<f64> = log.samples.iter().map(|sample| sample.time_s).collect();
     assert!(times.is_sorted(), "{}: samples out of order", model.name());
     assert_eq!(times.first(), Some(&0.0));
@@ -127,23 +136,4 @@ pub fn impact_scene(normal: NormalLaw, speed: f64, duration_s: f64) -> Scene {
 /// |found/expected − 1|.
 pub fn relative_error(actual: f64, expected: f64) -> f64 {
     (actual / expected - 1.0).abs()
-}
-
-/// Γ(x) for x > 0 (Lanczos, g = 7, 9 terms): relative error below 1e-14.
-pub fn gamma_function(x: f64) -> f64 {
-    const TERMS: [f64; 8] = [
-        676.5203681218851,
-        -1259.1392167224028,
-        771.323_428_777_653_1,
-        -176.615_029_162_140_6,
-        12.507343278686905,
-        -0.13857109526572012,
-        9.984_369_578_019_572e-6,
-        1.5056327351493116e-7,
-    ];
-    let x = x - 1.0;
-    let sum =
-        TERMS.iter().enumerate().fold(0.999_999_999_999_809_9, |sum, (i, term)| sum + term / (x + 1.0 + i as f64));
-    let t = x + 7.5;
-    (2.0 * std::f64::consts::PI).sqrt() * t.powf(x + 0.5) * (-t).exp() * sum
 }

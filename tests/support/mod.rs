@@ -3,16 +3,13 @@
 
 pub mod checked_run;
 pub mod cli;
-pub mod collect;
 pub mod designs;
 pub mod faults;
 pub mod laws;
-pub mod random;
 pub mod reference_cases;
 pub mod replay;
 pub mod runs;
 pub mod statics;
-pub mod stiction;
 pub mod studies;
 pub mod sweep_results;
 pub mod synthetic;

@@ -2,17 +2,18 @@
 //! coordinates, its own Radau IIA of order 5, rtol 3e-12. Its runs at rtol 1e-12 differ from these by less than 2e-9
 //! rad.
 
-use phalanx::scene::keywords::SceneKind;
 use phalanx::shape::Shape;
 use std::collections::BTreeMap;
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
 use phalanx::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Actuation, Axis, Bounds, Brake, Differential, Disc, DiscMotion, DrivenFinger, Engine, FingerContactLaws, HalfPlane,
-    Initial, Integrator, LogRates, Motor, Move, PalmMotion, Preset, Ramp, Scene, System, Thresholds, Vibration,
+    Actuation, Axis, Brake, Differential, Disc, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Initial,
+    Integrator, LogRates, Motor, Move, PalmMotion, Preset, Ramp, Scene, System, Thresholds, Vibration,
 };
 use serde_json::Value;
+
+use super::laws::{EMPTY, scene_of};
 
 /// A scene and its reference solution.
 pub struct ReferenceCase {
@@ -36,20 +37,7 @@ pub struct State {
 
 /// Cases with a palm at rest and without stiction, ordered by their letter in the specification.
 pub fn cases_at_rest() -> Vec<ReferenceCase> {
-    cases(|system| system.palm_motion.is_none() && !system.has_stiction())
-}
-
-/// Cases with a moving palm and braked motors, without stiction.
-pub fn cases_with_moving_palm() -> Vec<ReferenceCase> {
-    cases(|system| system.palm_motion.is_some() && !system.has_stiction())
-}
-
-/// Cases with stiction.
-pub fn cases_with_stiction() -> Vec<ReferenceCase> {
-    cases(System::has_stiction)
-}
-
-fn cases(is_included: impl Fn(&System) -> bool) -> Vec<ReferenceCase> {
+    let is_included = |system: &System| system.palm_motion.is_none() && !system.has_stiction();
     all_cases().into_iter().filter(|case| is_included(&case.scene.system)).collect()
 }
 
@@ -181,44 +169,38 @@ fn scene(value: &Value) -> Scene {
     let has_table = value["support"].as_bool() == Some(true);
     let duration_s = number(&value["T"]);
     let differential = &value["diff"];
+    let system = System {
+        fingers: vec![
+            finger(&value["right"], [&contacts["R21"], &contacts["R22"]], &value["brakes"]["r"]),
+            finger(&value["left"], [&contacts["L21"], &contacts["L22"]], &value["brakes"]["l"]),
+        ],
+        palm_width_m: number(&value["palm"]),
+        differential: differential.is_object().then(|| Differential {
+            motor: motor(&differential["tau"], &differential["J_in"], &Value::Null),
+            seesaw_inertia_kg_m2: number(&differential["J_s"]),
+        }),
+        discs: vec![Disc {
+            name: Disc::OBJECT.to_string(),
+            shape: Shape::Disc { radius_m: number(&object["radius"]) },
+            centre_m: [x, y],
+            angle_rad,
+            motion: DiscMotion::Free {
+                mass_kg: number(&object["mass"]),
+                inertia_kg_m2: Some(number(&object["inertia"])),
+                velocity_m_s: [vx, vy],
+                spin_rad_s,
+            },
+        }],
+        palm: Some(HalfPlane { level_m: 0.0, contact: Some(law(&contacts["palm"])) }),
+        table: has_table.then(|| HalfPlane { level_m: number(&value["h"]), contact: Some(law(&contacts["support"])) }),
+        palm_motion: palm_motion(value),
+        gravity_m_s2: numbers(&value["gravity"]),
+        ..EMPTY
+    };
     Scene {
-        name: "reference case".to_string(),
-        description: String::new(),
-        source: String::new(),
-        system: System {
-            fingers: vec![
-                finger(&value["right"], [&contacts["R21"], &contacts["R22"]], &value["brakes"]["r"]),
-                finger(&value["left"], [&contacts["L21"], &contacts["L22"]], &value["brakes"]["l"]),
-            ],
-            palm_width_m: number(&value["palm"]),
-            differential: differential.is_object().then(|| Differential {
-                motor: motor(&differential["tau"], &differential["J_in"], &Value::Null),
-                seesaw_inertia_kg_m2: number(&differential["J_s"]),
-            }),
-            discs: vec![Disc {
-                name: Disc::OBJECT.to_string(),
-                shape: Shape::Disc { radius_m: number(&object["radius"]) },
-                centre_m: [x, y],
-                angle_rad,
-                motion: DiscMotion::Free {
-                    mass_kg: number(&object["mass"]),
-                    inertia_kg_m2: Some(number(&object["inertia"])),
-                    velocity_m_s: [vx, vy],
-                    spin_rad_s,
-                },
-            }],
-            between_discs: None,
-            palm: Some(HalfPlane { level_m: 0.0, contact: Some(law(&contacts["palm"])) }),
-            table: has_table
-                .then(|| HalfPlane { level_m: number(&value["h"]), contact: Some(law(&contacts["support"])) }),
-            palm_motion: palm_motion(value),
-            gravity_m_s2: numbers(&value["gravity"]),
-        },
-        duration_s,
         integrator: Integrator::preset(Preset::Engineering),
-        engine: Engine::DEFAULT,
-        bounds: Bounds::defaults_for_run(SceneKind::Gripper, duration_s),
         thresholds: Thresholds::defaults_for_run(duration_s, 0.0),
         log: LogRates { numeric_hz: 1e4, picture_hz: 0.0 },
+        ..scene_of(system, duration_s)
     }
 }

@@ -1,16 +1,44 @@
-//! Helpers of the tests of models and integrators: the scene of experiment 95, integrator settings, runs, random
-//! fingers.
+//! Helpers of the tests of models and integrators: experiment 95 and scenes with stiction, runs, comparisons of runs,
+//! random fingers.
+
+use std::fmt::Display;
 
 use super::checked_run;
-pub use super::collect::CollectSink;
-pub use super::random::Random;
-use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
+use phalanx::gripper::{Assembly, Bodies, Body, Finger, FingerContact, Lengths};
+use phalanx::integrator::{Options, Tolerances};
+use phalanx::law::Bristle;
 use phalanx::scene::{self, Integrator, Preset, Scene};
-use phalanx::trace::{FingerContact, Model, Outcome, RunError, interpolate};
+use phalanx::trace::{Event, EventKind, FingerState, Model, Outcome, RunError, Sample, Sink, SinkError, interpolate};
+
+pub const PHALANGES: [FingerContact; 2] = [FingerContact::Proximal, FingerContact::Distal];
+
+/// Loads a shipped scene of one finger.
+pub fn load(name: &str) -> Scene {
+    scene::load(format!("scenes/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
+}
 
 /// The shipped scene of experiment 95: design 95 with the sizing of its experiment.
 pub fn experiment_95() -> Scene {
-    scene::load("scenes/experiment-95.toml").unwrap_or_else(|error| panic!("{error}"))
+    load("experiment-95")
+}
+
+/// Experiment 95 with a change.
+pub fn experiment_95_with(change: impl FnOnce(&mut Scene)) -> Scene {
+    let mut scene = experiment_95();
+    change(&mut scene);
+    scene
+}
+
+/// Loads a shipped scene of one finger and adds stiction to its contacts: default bristles, with the damping of the
+/// normal law and a relaxation time of 1 ms.
+pub fn load_with_stiction(name: &str) -> Scene {
+    let mut scene = load(name);
+    for law in scene.finger_mut().contact.both_mut() {
+        let damping_n_s_per_m = law.normal.damping_max_n_s_per_m;
+        let friction = law.friction.as_mut().expect("friction");
+        friction.bristle = Some(Bristle { damping_n_s_per_m, relaxation_s: 1e-3 });
+    }
+    scene
 }
 
 /// The shipped `engineering` preset.
@@ -23,7 +51,62 @@ pub fn reference_settings() -> Integrator {
     Integrator::preset(Preset::Reference)
 }
 
-/// Runs a scene to its end or its failure. All runs of this module check the invariants at every sample.
+/// Tolerances and step limit of integrator settings.
+pub fn options(settings: &Integrator) -> Options {
+    let &Integrator { atol_angle_rad: atol_q, atol_rate_rad_s: atol_v, rtol: rtol_v, max_steps, .. } = settings;
+    Options { tolerances: Tolerances { atol_q, atol_v, rtol_v }, max_steps }
+}
+
+/// The scene with the `reference` preset of the integrator.
+pub fn with_reference_settings(scene: &Scene) -> Scene {
+    Scene { integrator: reference_settings(), ..scene.clone() }
+}
+
+/// A sink that stores all samples and events of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CollectSink {
+    pub samples: Vec<Sample>,
+    pub events: Vec<Event>,
+}
+
+impl Sink for CollectSink {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.samples.push(sample.clone());
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.events.push(*event);
+        Ok(())
+    }
+}
+
+impl CollectSink {
+    /// Returns the sample whose time is nearest to `t`, s.
+    pub fn nearest_sample(&self, t: f64) -> &Sample {
+        let distance = |s: &&Sample| (s.time_s - t).abs();
+        self.samples.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("samples")
+    }
+
+    /// Time of the first event of the given kind at a contact, s.
+    pub fn first_event_s(&self, contact: usize, kind: EventKind) -> Option<f64> {
+        self.events.iter().find(|event| event.contact == contact && event.kind == kind).map(|event| event.time_s)
+    }
+
+    /// Time of the first event of the given kind at a contact, s; panics if there is none.
+    #[track_caller]
+    pub fn event_time_s(&self, contact: usize, kind: EventKind) -> f64 {
+        self.first_event_s(contact, kind).unwrap_or_else(|| panic!("no {kind:?} at contact {contact}"))
+    }
+
+    /// Time of the first touch-down at a contact, s.
+    pub fn first_contact_s(&self, contact: usize) -> Option<f64> {
+        self.first_event_s(contact, EventKind::TouchDown)
+    }
+}
+
+/// Runs the analytic model of a scene to its end or its failure. All runs of this module check the invariants at every
+/// sample.
 #[track_caller]
 pub fn run(scene: &Scene) -> (Result<Outcome, RunError>, CollectSink) {
     let mut log = CollectSink::default();
@@ -31,44 +114,49 @@ pub fn run(scene: &Scene) -> (Result<Outcome, RunError>, CollectSink) {
     (result, log)
 }
 
-/// Runs a scene, which must reach its end.
+/// Runs a model of a scene, which must reach its end.
+#[track_caller]
+pub fn run_model(model: Model, scene: &Scene) -> (Outcome, CollectSink) {
+    let mut log = CollectSink::default();
+    let result = checked_run::run(model, scene, &mut log);
+    (result.unwrap_or_else(|error| panic!("{}, {} model: {error}", scene.name, model.name())), log)
+}
+
+/// Runs the analytic model of a scene, which must reach its end.
 #[track_caller]
 pub fn run_to_end(scene: &Scene) -> (Outcome, CollectSink) {
-    let (result, log) = run(scene);
-    (result.unwrap_or_else(|error| panic!("{}: {error}", scene.name)), log)
+    run_model(Model::Analytic, scene)
 }
 
 /// Runs the engine model of a scene, which must reach its end.
 #[track_caller]
 pub fn run_engine(scene: &Scene) -> (Outcome, CollectSink) {
-    let mut log = CollectSink::default();
-    let result = checked_run::run(Model::Engine, scene, &mut log);
-    (result.unwrap_or_else(|error| panic!("{}: {error}", scene.name)), log)
+    run_model(Model::Engine, scene)
 }
 
 /// Runs the analytic model with reference settings, sampled densely enough to interpolate to 1e-10 rad.
 #[track_caller]
 pub fn run_dense_reference(scene: &Scene) -> (Outcome, CollectSink) {
-    let mut scene = Scene { integrator: reference_settings(), ..scene.clone() };
+    let mut scene = with_reference_settings(scene);
     scene.log.numeric_hz = 1e6;
     run_to_end(&scene)
 }
 
+/// Largest difference of q11, q21 and q22 between two states, rad.
+pub fn finger_difference(a: &FingerState, b: &FingerState) -> f64 {
+    let differences = [a.q11_rad - b.q11_rad, a.q21_rad - b.q21_rad, a.q22_rad - b.q22_rad];
+    differences.into_iter().map(f64::abs).fold(0.0, f64::max)
+}
+
 /// Largest difference of q11, q21 and q22 from a dense reference over all samples of a run, rad.
 pub fn max_angle_error(run: &CollectSink, reference: &CollectSink) -> f64 {
-    let mut max_error: f64 = 0.0;
-    for sample in &run.samples {
+    let error = |sample: &Sample| {
         let after = reference.samples.partition_point(|s| s.time_s < sample.time_s);
         let after = after.clamp(1, reference.samples.len() - 1);
         let expected = interpolate(&reference.samples[after - 1], &reference.samples[after], sample.time_s);
-        let differences = [
-            sample.finger().q11_rad - expected.finger().q11_rad,
-            sample.finger().q21_rad - expected.finger().q21_rad,
-            sample.finger().q22_rad - expected.finger().q22_rad,
-        ];
-        max_error = differences.iter().fold(max_error, |largest, d| largest.max(d.abs()));
-    }
-    max_error
+        finger_difference(sample.finger(), expected.finger())
+    };
+    run.samples.iter().map(error).fold(0.0, f64::max)
 }
 
 /// Normal impulse of a contact within `window_s` of its first touch-down, N·s.
@@ -82,7 +170,24 @@ pub fn impact_impulse(run: &CollectSink, finger_contact: FingerContact, window_s
     impulse_at(contact_s + window_s) - impulse_at(contact_s)
 }
 
+/// Pseudo-random number generator (splitmix64), seeded by its field.
+pub struct Random(pub u64);
+
 impl Random {
+    /// Returns a number uniform in 0…1.
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut x = self.0;
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Returns a number uniform in `low`…`high`.
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
     /// A body whose centre of mass is off the axis of its link.
     pub fn body(&mut self) -> Body {
         Body {
@@ -109,11 +214,22 @@ impl Random {
     }
 }
 
-/// Asserts |found − expected| ≤ tolerance.
+/// Asserts |actual − expected| ≤ tolerance.
 #[track_caller]
-pub fn assert_near(actual: f64, expected: f64, tolerance: f64, quantity: &str) {
-    assert!(
-        (actual - expected).abs() <= tolerance,
-        "{quantity}: found {actual:e}, expected {expected:e} ± {tolerance:e}"
-    );
+pub fn assert_near(actual: f64, expected: f64, tolerance: f64, context: impl Display) {
+    let is_near = (actual - expected).abs() <= tolerance;
+    assert!(is_near, "{context}: found {actual:e}, expected {expected:e} ± {tolerance:e}");
+}
+
+/// Asserts |actual/expected − 1| ≤ tolerance.
+#[track_caller]
+pub fn assert_relative(actual: f64, expected: f64, tolerance: f64, context: impl Display) {
+    let is_near = (actual / expected - 1.0).abs() <= tolerance;
+    assert!(is_near, "{context}: found {actual:e}, expected {expected:e} within a fraction of {tolerance:e}");
+}
+
+/// Asserts that a measure of an error is below its bound; NaN is not.
+#[track_caller]
+pub fn assert_below(value: f64, bound: f64, context: impl Display) {
+    assert!(value < bound, "{context}: {value:e} is not below {bound:e}");
 }

@@ -1,6 +1,6 @@
 //! Grasps of discs by single fingers: of given designs and of random ones.
 
-pub use super::random::Random;
+pub use super::runs::Random;
 use phalanx::gripper::{
     Assembly, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies, disc,
     final_posture, lengths,

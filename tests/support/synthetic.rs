@@ -2,13 +2,14 @@
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
-use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
-    Actuation, Bounds, Disc, DrivenFinger, Engine, FingerContactLaws, HalfPlane, Initial, Integrator, LogRates, Method,
-    Motor, Placement, Preset, Scene, Spring, SpringKind, System, Thresholds, show,
+    Actuation, Disc, DrivenFinger, FingerContactLaws, HalfPlane, Initial, Integrator, Method, Motor, Placement, Preset,
+    Scene, Spring, SpringKind, System, show,
 };
 use phalanx::shape::PlacedShape;
 use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerContact, FingerState, Sample};
+
+use super::laws::{EMPTY, scene_of};
 
 /// A scene whose source is its resolved text, with a non-ASCII comment.
 pub fn scene() -> Scene {
@@ -17,35 +18,22 @@ pub fn scene() -> Scene {
 }
 
 fn resolved() -> Scene {
-    Scene {
-        name: "synthetic".to_string(),
-        description: String::new(),
-        source: String::new(),
-        system: System {
-            fingers: vec![finger()],
-            palm_width_m: 0.0,
-            differential: None,
-            discs: vec![Disc::fixed_object(PlacedShape::disc(20e-3, [-15.5e-3, 20e-3]))],
-            between_discs: None,
-            palm: Some(HalfPlane { level_m: 0.0, contact: None }),
-            table: None,
-            palm_motion: None,
-            gravity_m_s2: [0.0, 9.81],
-        },
-        duration_s: 20e-3,
-        integrator: Integrator {
-            preset: Preset::Engineering,
-            method: Method::Rodas5p,
-            rtol: 1e-4,
-            atol_angle_rad: 1e-10,
-            atol_rate_rad_s: 1e-6,
-            max_steps: 1_000_000,
-        },
-        engine: Engine::DEFAULT,
-        bounds: Bounds::defaults_for_run(SceneKind::Finger, 20e-3),
-        thresholds: Thresholds::NONE,
-        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
-    }
+    let system = System {
+        fingers: vec![finger()],
+        discs: vec![Disc::fixed_object(PlacedShape::disc(20e-3, [-15.5e-3, 20e-3]))],
+        palm: Some(HalfPlane { level_m: 0.0, contact: None }),
+        gravity_m_s2: [0.0, 9.81],
+        ..EMPTY
+    };
+    let integrator = Integrator {
+        preset: Preset::Engineering,
+        method: Method::Rodas5p,
+        rtol: 1e-4,
+        atol_angle_rad: 1e-10,
+        atol_rate_rad_s: 1e-6,
+        max_steps: 1_000_000,
+    };
+    Scene { name: "synthetic".to_string(), integrator, ..scene_of(system, 20e-3) }
 }
 
 fn finger() -> DrivenFinger {
@@ -137,15 +125,9 @@ pub fn posture(
     (q21_rad, qd21_rad_s): (f64, f64),
     forces_n: [f64; 2],
 ) -> Sample {
-    let contact = |normal_n: f64| ContactSample {
-        gap_m: if normal_n > 0.0 { -1e-6 } else { 1e-3 },
-        gap_rate_m_s: 0.0,
-        slip_m_s: 0.0,
-        normal_n,
-        tangential_n: 0.0,
-        impulse_n_s: 0.0,
-        point_m: [0.0; 2],
-        normal: [1.0, 0.0],
+    let contact = |normal_n: f64| {
+        let gap_m = if normal_n > 0.0 { -1e-6 } else { 1e-3 };
+        ContactSample { gap_m, normal_n, normal: [1.0, 0.0], ..ContactSample::default() }
     };
     let mut sample = sample(time_s);
     sample.fingers[0] = FingerState { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s, ..sample.fingers[0] };
@@ -153,14 +135,18 @@ pub fn posture(
     sample
 }
 
-pub fn touch_down(time_s: f64, finger_contact: FingerContact, approach_speed: f64) -> Event {
-    Event { time_s, contact: finger_contact as usize, kind: EventKind::TouchDown, approach_speed, impulse: 0.0 }
+fn event(time_s: f64, contact: FingerContact, kind: EventKind, approach_speed: f64, impulse: f64) -> Event {
+    Event { time_s, contact: contact as usize, kind, approach_speed, impulse }
 }
 
-pub fn lift_off(time_s: f64, finger_contact: FingerContact, impulse: f64) -> Event {
-    Event { time_s, contact: finger_contact as usize, kind: EventKind::LiftOff, approach_speed: 0.0, impulse }
+pub fn touch_down(time_s: f64, contact: FingerContact, approach_speed: f64) -> Event {
+    event(time_s, contact, EventKind::TouchDown, approach_speed, 0.0)
 }
 
-pub fn reload(time_s: f64, finger_contact: FingerContact) -> Event {
-    Event { time_s, contact: finger_contact as usize, kind: EventKind::Reload, approach_speed: 0.0, impulse: 0.0 }
+pub fn lift_off(time_s: f64, contact: FingerContact, impulse: f64) -> Event {
+    event(time_s, contact, EventKind::LiftOff, 0.0, impulse)
+}
+
+pub fn reload(time_s: f64, contact: FingerContact) -> Event {
+    event(time_s, contact, EventKind::Reload, 0.0, 0.0)
 }

@@ -1,7 +1,7 @@
 //! The reason for a class agrees with the class and the figures of the run.
 
 use crate::rng::Rng;
-use crate::support::collect::CollectSink;
+use crate::support::runs::CollectSink;
 use crate::support::synthetic::{lift_off, posture, touch_down};
 use phalanx::criteria::{
     Class, ClassReason, Condition, Criteria, EPSILON_RAD, FinalAngles, FinalContact, RESOLUTION_S, RunCriteriaTracker,

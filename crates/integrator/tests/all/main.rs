@@ -6,8 +6,5 @@
 #![allow(clippy::disallowed_methods, reason = "tests compare results with other libraries")]
 
 mod events;
-mod impact;
-mod order;
-mod stepping;
-mod stiff;
+mod methods;
 mod wall;

@@ -1,8 +1,8 @@
 //! A mass on a line between walls, with the contact laws of the library: the smallest system with every kind of event.
 
 use phalanx_integrator::{
-    ErrorWeight, EventFunction, EventSet, Hybrid, Linearised, Observer, Options, Rates, RootSearch, State, Step,
-    StepTools, System, Tolerances,
+    End, ErrorWeight, EventFunction, EventSet, Hybrid, Linearised, Observer, Options, Radau5, Rates, Rodas5p,
+    RootSearch, State, Step, StepTools, System, Tolerances, integrate,
 };
 use phalanx_mechanics::law::{NormalLaw, damping, spring_force, unclamped_normal_force};
 
@@ -37,14 +37,34 @@ pub enum Branch {
 
 use Branch::{Active, Clamped, Free, Released};
 
-/// q̈ and its derivatives in (t, x, v) away from the walls.
-pub type Field = fn(f64, f64, f64) -> [f64; 4];
-
-pub struct PointMass<const S: usize> {
+/// A mass in a field: q̈ and its derivatives in (t, x, v) away from the walls.
+pub struct PointMass<F, const S: usize> {
     pub mass: f64,
-    pub field: Field,
+    pub field: F,
     pub discontinuities: Vec<f64>,
     pub walls: [Wall; S],
+}
+
+impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> PointMass<F, S> {
+    /// A mass of 20 g.
+    pub fn new(field: F, walls: [Wall; S]) -> Self {
+        Self { mass: 0.02, field, discontinuities: Vec::new(), walls }
+    }
+}
+
+/// Motion without a force.
+pub fn free_flight(_: f64, _: f64, _: f64) -> [f64; 4] {
+    [0.0; 4]
+}
+
+/// Motion under gravity along −x.
+pub fn free_fall(_: f64, _: f64, _: f64) -> [f64; 4] {
+    [-9.81, 0.0, 0.0, 0.0]
+}
+
+/// A half line that is free where side · (x − position) > 0.
+pub fn plate(position: f64, side: f64, law: NormalLaw, location_tolerance_m: f64) -> Wall {
+    Wall { obstacle: Obstacle::Plate { position, side }, law, location_tolerance_m }
 }
 
 /// Force tolerance for locating lift-off and reloading, N.
@@ -53,7 +73,7 @@ const FORCE_TOLERANCE: f64 = 1e-9;
 /// Rate below which a contact creeps instead of rebounding, m/s.
 const SLOWEST_REBOUND: f64 = 1e-2;
 
-impl<const S: usize> PointMass<S> {
+impl<F, const S: usize> PointMass<F, S> {
     /// Gap and its derivative with respect to x.
     pub fn gap(&self, wall_index: usize, x: f64) -> (f64, f64) {
         match self.walls[wall_index].obstacle {
@@ -66,7 +86,7 @@ impl<const S: usize> PointMass<S> {
 
     /// Force and power of the walls, with derivatives with respect to x and v.
     fn contact(&self, x: f64, v: f64, mode: &[Branch; S]) -> [[f64; 3]; 2] {
-        let (mut force, mut power) = ([0.0; 3], [0.0; 3]);
+        let mut force_and_power = [[0.0; 3]; 2];
         for (wall_index, branch) in mode.iter().enumerate() {
             if !matches!(branch, Active | Clamped) {
                 continue;
@@ -77,19 +97,15 @@ impl<const S: usize> PointMass<S> {
                 continue;
             }
             let [f0, fx, fv] = [n * f.force, -f.d_delta, -f.d_rate];
-            for (sum, term) in force.iter_mut().zip([f0, fx, fv]) {
-                *sum += term;
-            }
-            for (sum, term) in power.iter_mut().zip([f0 * v, fx * v, fv * v + f0]) {
-                *sum += term;
-            }
+            let terms = [f0, fx, fv, f0 * v, fx * v, fv * v + f0];
+            force_and_power.iter_mut().flatten().zip(terms).for_each(|(sum, term)| *sum += term);
         }
-        [force, power]
+        force_and_power
     }
 }
 
 /// Quadratures: impulse and work of the walls.
-impl<const S: usize> System<1, 2> for PointMass<S> {
+impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> System<1, 2> for PointMass<F, S> {
     type Mode = [Branch; S];
 
     fn rates(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Rates<1, 2> {
@@ -112,7 +128,7 @@ impl<const S: usize> System<1, 2> for PointMass<S> {
     }
 }
 
-impl<const S: usize> Hybrid<1, 2, S> for PointMass<S> {
+impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2, S> for PointMass<F, S> {
     fn next_discontinuity(&self, t: f64) -> f64 {
         self.discontinuities.iter().copied().find(|c| *c > t).unwrap_or(f64::INFINITY)
     }
@@ -131,33 +147,23 @@ impl<const S: usize> Hybrid<1, 2, S> for PointMass<S> {
             };
             let separated_depth = if delta > 0.0 { delta } else { delta.min(-1e-290) };
             let inactive = EventFunction::INACTIVE;
+            let active = EventFunction { is_separated: false, ..inactive };
             match mode[wall_index] {
                 Clamped => inactive,
                 Free => EventFunction { value: gap, rate: -rate, root_search: RootSearch::Gap, ..inactive },
-                Active if delta <= 0.0 && rate >= 0.0 => EventFunction { is_separated: false, ..inactive },
-                Active if law.damping_max_n_s_per_m == 0.0 => EventFunction {
-                    value: separated_depth,
-                    rate,
-                    root_search: RootSearch::Gap,
-                    is_separated: false,
-                    error_weight,
-                },
+                Active if delta <= 0.0 && rate >= 0.0 => active,
+                Active if law.damping_max_n_s_per_m == 0.0 => {
+                    let (value, root_search) = (separated_depth, RootSearch::Gap);
+                    EventFunction { value, rate, root_search, error_weight, ..active }
+                }
                 Active => {
                     let value = if delta > 0.0 { force } else { separated_depth };
-                    EventFunction {
-                        value,
-                        root_search: RootSearch::EndOnly,
-                        is_separated: false,
-                        error_weight,
-                        ..inactive
-                    }
+                    EventFunction { value, root_search: RootSearch::EndOnly, error_weight, ..active }
                 }
-                Released => EventFunction {
-                    value: 3.0 * FORCE_TOLERANCE - force,
-                    root_search: RootSearch::Interior,
-                    is_separated: delta < 0.0,
-                    ..inactive
-                },
+                Released => {
+                    let (value, root_search) = (3.0 * FORCE_TOLERANCE - force, RootSearch::Interior);
+                    EventFunction { value, root_search, is_separated: delta < 0.0, ..inactive }
+                }
             }
         });
         EventSet { functions, clearance: 1.0, clearance_rate: 0.0 }
@@ -233,6 +239,11 @@ impl<const S: usize> Observer<1, 2, [Branch; S]> for Log {
 }
 
 impl Log {
+    /// The branches that the contacts entered, in order.
+    pub fn branches(&self) -> Vec<Branch> {
+        self.events.iter().map(|event| event.2).collect()
+    }
+
     /// Times of all contacts (including reloads) at a wall.
     pub fn contact_times(&self, wall_index: usize) -> Vec<f64> {
         self.events.iter().filter(|e| e.1 == wall_index && e.2 == Active).map(|e| e.0).collect()
@@ -249,19 +260,34 @@ pub fn mass_at(x: f64, v: f64) -> State<1, 2> {
     State { q: [x], v: [v], z: [0.0; 2] }
 }
 
-/// Runs the same experiment with both methods; (name, end, log) of each.
-macro_rules! with_both_methods {
-    ($system:expr, $options:expr, $start:expr, $end:expr) => {
-        $crate::wall::with_both_methods!($system, $options, $start, 0.0, $end)
-    };
-    ($system:expr, $options:expr, $start:expr, $begin:expr, $end:expr) => {{
-        use phalanx_integrator::{Radau5, Rodas5p, integrate};
-        let mut logs = [$crate::wall::Log::default(), $crate::wall::Log::default()];
-        let [a, b] = &mut logs;
-        let rodas = integrate::<1, 2, _, _, Rodas5p<1, 2>, _>($system, &$options, $begin, $start, $end, a);
-        let radau = integrate::<1, 2, _, _, Radau5<1, 2>, _>($system, &$options, $begin, $start, $end, b);
-        let [a, b] = logs;
-        [("Rodas5P", rodas, a), ("Radau IIA", radau, b)]
-    }};
+/// Integrates a mass from a start (time and state) to `end_s` with both methods; returns the name, the end and the log
+/// of each.
+#[track_caller]
+pub fn run<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize>(
+    system: &PointMass<F, S>,
+    options: Options,
+    (start_s, start): (f64, State<1, 2>),
+    end_s: f64,
+) -> [(&'static str, End<1, 2>, Log); 2] {
+    let [mut rodas, mut radau] = [Log::default(), Log::default()];
+    let ends = [
+        ("Rodas5P", integrate::<1, 2, S, _, Rodas5p<1, 2>, _>(system, &options, start_s, start, end_s, &mut rodas)),
+        ("Radau IIA", integrate::<1, 2, S, _, Radau5<1, 2>, _>(system, &options, start_s, start, end_s, &mut radau)),
+    ];
+    for (name, end) in &ends {
+        assert!(end.result.is_ok(), "{name}: {:?}", end.result);
+    }
+    let [(a, rodas_end), (b, radau_end)] = ends;
+    [(a, rodas_end, rodas), (b, radau_end, radau)]
 }
-pub(crate) use with_both_methods;
+
+/// Integrates a mass that starts at time 0 at `x` with rate `v`, as [`run`].
+#[track_caller]
+pub fn run_from<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize>(
+    system: &PointMass<F, S>,
+    options: Options,
+    [x, v]: [f64; 2],
+    end_s: f64,
+) -> [(&'static str, End<1, 2>, Log); 2] {
+    run(system, options, (0.0, mass_at(x, v)), end_s)
+}

@@ -1,0 +1,270 @@
+//! The integration methods with fixed steps: their order of convergence, and stiffness.
+//!
+//! Order: q1 = sin t + 0.3 cos 2t and q2 = cos 1.3t solve the nonlinear, time-dependent problem q̈1 = −q1³ + q2 q̇1 + p1(t),
+//! q̈2 = −sin(q1) q̇2 − q2 + p2(t), with p chosen accordingly. Theory: both methods are of order 5; the dense output of
+//! Rodas5P is of order 4 (its error within one step falls as h⁵), the cubic collocation polynomial of Radau IIA of order
+//! 3 (h⁴). Stiffness: both methods damp fast components and preserve slow ones, at steps far beyond the fast time scale.
+
+use crate::wall::{PointMass, mass_at, run_from};
+use phalanx_integrator::{
+    Dense, Linearised, Method, Options, Radau5, Rates, Rodas5p, State, StepStart, System, Tolerances,
+};
+
+/// Tight enough for Radau's Newton iteration to go down to rounding.
+const TIGHT: Tolerances = Tolerances { atol_q: 1e-15, atol_v: 1e-15, rtol_v: 1e-15 };
+
+/// Takes `count` steps of size `h` and passes the dense output of every step to `visit`.
+fn march<K: Method<N, Z>, Y: System<N, Z>, const N: usize, const Z: usize>(
+    system: &Y,
+    mode: &Y::Mode,
+    from: (f64, State<N, Z>),
+    h: f64,
+    count: usize,
+    mut visit: impl FnMut(&Dense<N, Z>),
+) -> State<N, Z> {
+    let (t0, mut state) = from;
+    let mut method = K::new();
+    for i in 0..count {
+        let t = t0 + i as f64 * h;
+        let linearised = system.linearise(t, &state.q, &state.v, mode);
+        let start_point = StepStart {
+            system,
+            mode,
+            linearised: &linearised,
+            tolerances: &TIGHT,
+            t,
+            latest_time: f64::INFINITY,
+            state: &state,
+        };
+        let attempt = method.attempt(&start_point, h);
+        assert!(!attempt.error.is_nan(), "a step of {h} failed at {t}");
+        method.accept_step();
+        visit(&method.dense());
+        state = attempt.end;
+    }
+    state
+}
+
+/// Slopes of log error over log step size between successive halvings.
+fn slopes(errors: &[f64]) -> Vec<f64> {
+    errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
+}
+
+struct ForcedOscillators;
+
+/// q and its first three derivatives.
+fn exact(t: f64) -> [[f64; 4]; 2] {
+    let ((s, c), (s2, c2)) = (t.sin_cos(), (2.0 * t).sin_cos());
+    let w = 1.3f64;
+    let (sw, cw) = (w * t).sin_cos();
+    [[s + 0.3 * c2, c - 0.6 * s2, -s - 1.2 * c2, -c + 2.4 * s2], [cw, -w * sw, -w * w * cw, w.powi(3) * sw]]
+}
+
+/// p(t) and its derivative.
+fn forcing(t: f64) -> [[f64; 2]; 2] {
+    let [[a, a1, a2, a3], [b, b1, b2, b3]] = exact(t);
+    [
+        [a2 + a.powi(3) - b * a1, a3 + 3.0 * a * a * a1 - b1 * a1 - b * a2],
+        [b2 + a.sin() * b1 + b, b3 + a.cos() * a1 * b1 + a.sin() * b2 + b1],
+    ]
+}
+
+/// Integrands of the quadratures: v1; d/dt (q1 q2); v̇1; cos t · q1.
+const QUADRATURES: usize = 4;
+
+fn exact_state(t: f64) -> State<2, QUADRATURES> {
+    let [[a, a1, ..], [b, b1, ..]] = exact(t);
+    let weighted = 0.5 * t.sin().powi(2) + 0.3 * (0.5 * t.sin() + (3.0 * t).sin() / 6.0);
+    State { q: [a, b], v: [a1, b1], z: [a - 0.3, a * b - 0.3, a1 - 1.0, weighted] }
+}
+
+impl System<2, QUADRATURES> for ForcedOscillators {
+    type Mode = ();
+
+    fn rates(&self, t: f64, q: &[f64; 2], v: &[f64; 2], _: &()) -> Rates<2, QUADRATURES> {
+        let [[p1, _], [p2, _]] = forcing(t);
+        let a = [-q[0].powi(3) + q[1] * v[0] + p1, -q[0].sin() * v[1] - q[1] + p2];
+        Rates { a, g: [v[0], v[0] * q[1] + q[0] * v[1], a[0], t.cos() * q[0]] }
+    }
+
+    fn linearise(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &()) -> Linearised<2, QUADRATURES> {
+        let [[_, p1], [_, p2]] = forcing(t);
+        let a_q = [[-3.0 * q[0] * q[0], v[0]], [-q[0].cos() * v[1], -1.0]];
+        let a_v = [[q[1], 0.0], [0.0, -q[0].sin()]];
+        Linearised {
+            rates: self.rates(t, q, v, mode),
+            a_q,
+            a_v,
+            a_t: [p1, p2],
+            g_q: [[0.0; 2], [v[1], v[0]], a_q[0], [t.cos(), 0.0]],
+            g_v: [[1.0, 0.0], [q[1], q[0]], a_v[0], [0.0; 2]],
+            g_t: [0.0, 0.0, p1, -t.sin() * q[0]],
+        }
+    }
+}
+
+fn distance(a: &State<2, QUADRATURES>, b: &State<2, QUADRATURES>, quadratures: bool) -> f64 {
+    let (x, y) = if quadratures { (a.z.to_vec(), b.z.to_vec()) } else { ([a.q, a.v].concat(), [b.q, b.v].concat()) };
+    x.iter().zip(&y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+}
+
+const SPAN: f64 = 3.2;
+
+/// Errors of states and of quadratures at the end, for successively halved steps.
+fn errors<K: Method<2, QUADRATURES>>() -> [Vec<f64>; 2] {
+    let run = |n: usize| {
+        march::<K, _, 2, QUADRATURES>(&ForcedOscillators, &(), (0.0, exact_state(0.0)), SPAN / n as f64, n, |_| ())
+    };
+    let ends: Vec<_> = [16, 32, 64, 128].map(run).into();
+    [false, true].map(|z| ends.iter().map(|end| distance(end, &exact_state(SPAN), z)).collect())
+}
+
+#[test]
+fn both_methods_are_of_order_five() {
+    for (name, [states, quadratures]) in
+        [("Rodas5P", errors::<Rodas5p<2, QUADRATURES>>()), ("Radau IIA", errors::<Radau5<2, QUADRATURES>>())]
+    {
+        let orders = [slopes(&states), slopes(&quadratures)].concat();
+        assert!(orders.iter().all(|order| *order > 4.8), "{name}: {orders:?}");
+    }
+}
+
+/// Errors of the dense output of single steps that start on the exact solution.
+fn dense_errors<K: Method<2, QUADRATURES>>() -> Vec<f64> {
+    [0.2, 0.1, 0.05, 0.025]
+        .map(|h| {
+            let mut worst = 0.0f64;
+            for t0 in [0.0, 0.7, 1.9] {
+                march::<K, _, 2, QUADRATURES>(&ForcedOscillators, &(), (t0, exact_state(t0)), h, 1, |dense| {
+                    assert!((dense.t0 + dense.h - (t0 + h)).abs() < 1e-15);
+                    for i in 0..=20 {
+                        let theta = f64::from(i) / 20.0;
+                        let (actual, expected) = (dense.evaluate(theta), exact_state(t0 + theta * h));
+                        worst =
+                            [false, true].map(|z| distance(&actual, &expected, z)).into_iter().fold(worst, f64::max);
+                    }
+                });
+            }
+            worst
+        })
+        .to_vec()
+}
+
+/// The errors of single steps fall with one order more.
+#[test]
+fn dense_output_is_of_order_four_and_three() {
+    let rodas = slopes(&dense_errors::<Rodas5p<2, QUADRATURES>>());
+    assert!(rodas.iter().all(|order| *order > 4.8), "Rodas5P: {rodas:?}");
+    let radau = slopes(&dense_errors::<Radau5<2, QUADRATURES>>());
+    assert!(radau.iter().all(|order| *order > 3.8), "Radau IIA: {radau:?}");
+}
+
+/// A quadrature of a rate equals its coordinate, and a quadrature of an acceleration equals its rate, in every step at
+/// any accuracy.
+#[test]
+fn quadratures_are_integrated_like_coordinates() {
+    fn quadrature_error<K: Method<2, QUADRATURES>>() -> f64 {
+        let mut worst = 0.0f64;
+        march::<K, _, 2, QUADRATURES>(&ForcedOscillators, &(), (0.0, exact_state(0.0)), 0.2, 16, |dense| {
+            for theta in [0.3, 0.7, 1.0] {
+                let s = dense.evaluate(theta);
+                worst = worst.max((s.z[0] - (s.q[0] - 0.3)).abs()).max((s.z[2] - (s.v[0] - 1.0)).abs());
+            }
+        });
+        worst
+    }
+    let (rodas, radau) = (quadrature_error::<Rodas5p<2, QUADRATURES>>(), quadrature_error::<Radau5<2, QUADRATURES>>());
+    assert!(rodas < 1e-13 && radau < 1e-13, "{rodas:e} {radau:e}");
+}
+
+/// Coordinate and rate after `count` steps of size `h` from time 0.
+fn end<K: Method<1, 2>>(field: impl Fn(f64, f64, f64) -> [f64; 4], [q, v]: [f64; 2], h: f64, count: usize) -> [f64; 2] {
+    let end = march::<K, _, 1, 2>(&PointMass::new(field, []), &[], (0.0, mass_at(q, v)), h, count, |_| ());
+    [end.q[0], end.v[0]]
+}
+
+/// |R(z)| on v̇ = λ v for z = hλ: the rate after one step from a rate of 1.
+fn remaining_rate<K: Method<1, 2>>(z: f64) -> f64 {
+    end::<K>(|_, _, v| [z * v, 0.0, 0.0, z], [0.0, 1.0], 1.0, 1)[1].abs()
+}
+
+/// L-stability: R(z) → 0 like 1/z as z → −∞, since the numerator of both stability functions is one degree below the
+/// denominator. For Radau IIA, the (2, 3) Padé approximant (1 + 2z/5 + z²/20)/(1 − 3z/5 + 3z²/20 − z³/60), |z R| tends
+/// to 3.
+#[test]
+fn fast_decay_is_damped_in_one_step() {
+    fn check<K: Method<1, 2>>(name: &str) {
+        for z in [-1e2, -1e4, -1e6, -1e8, -1e10] {
+            let remaining = remaining_rate::<K>(z);
+            assert!(remaining < 20.0 / f64::abs(z), "{name}: {remaining:e} at {z:e}");
+        }
+    }
+    check::<Rodas5p<1, 2>>("Rodas5P");
+    check::<Radau5<1, 2>>("Radau IIA");
+}
+
+/// A-stability: no oscillation grows, whatever its frequency. q̈ = −ω² q over one step of 1: the energy never
+/// increases.
+#[test]
+fn oscillations_never_grow() {
+    fn check<K: Method<1, 2>>(name: &str) {
+        let mut worst = 0.0f64;
+        for i in 0..400 {
+            let omega = 1e-2 * 1e8f64.powf(f64::from(i) / 399.0);
+            let stiff = omega * omega;
+            // The step is linear, so two phases span all others.
+            let step = |q: f64, v: f64| {
+                let [q, v] = end::<K>(|_, q, _| [-stiff * q, 0.0, -stiff, 0.0], [q, v * omega], 1.0, 1);
+                [q, v / omega]
+            };
+            let (a, b) = (step(1.0, 0.0), step(0.0, 1.0));
+            // Largest singular value of the step.
+            let (p, r, s) = (a[0] * a[0] + a[1] * a[1], a[0] * b[0] + a[1] * b[1], b[0] * b[0] + b[1] * b[1]);
+            let largest = 0.5 * (p + s) + (0.25 * (p - s).powi(2) + r * r).sqrt();
+            worst = worst.max(largest.sqrt());
+        }
+        assert!(worst < 1.0 + 1e-9, "{name}: {worst}");
+    }
+    check::<Rodas5p<1, 2>>("Rodas5P");
+    check::<Radau5<1, 2>>("Radau IIA");
+}
+
+/// The Prothero–Robinson problem for rates: v̇ = −λ (v − cos t) − sin t. Its solution v = cos t, q = sin t is
+/// independent of λ.
+#[test]
+fn slow_motion_under_a_stiff_damper_is_accurate_at_large_steps() {
+    fn worst<K: Method<1, 2>>(n: usize) -> f64 {
+        let mut worst = 0.0f64;
+        for lambda in [1e3, 1e5, 1e7, 1e9] {
+            let field =
+                |t: f64, _: f64, v: f64| [-lambda * (v - t.cos()) - t.sin(), -lambda * t.sin() - t.cos(), 0.0, -lambda];
+            let [q, v] = end::<K>(field, [0.0, 1.0], 2.0 / n as f64, n);
+            worst = worst.max((q - 2f64.sin()).abs()).max((v - 2f64.cos()).abs());
+        }
+        worst
+    }
+    // Stiffness reduces the order (to at least 3 for these methods); the errors must be small and decrease.
+    for (name, coarse, fine) in [
+        ("Rodas5P", worst::<Rodas5p<1, 2>>(20), worst::<Rodas5p<1, 2>>(80)),
+        ("Radau IIA", worst::<Radau5<1, 2>>(20), worst::<Radau5<1, 2>>(80)),
+    ] {
+        assert!(coarse < 1e-5 && fine < coarse / 64.0, "{name}: {coarse:e} {fine:e}");
+    }
+}
+
+/// Van der Pol oscillator, ε = 1e-6, from (2, 0) to t = 2: y = 1.706167732170483, ẏ = −0.8928097010247975 (reference
+/// solution of problem VDPOL of the Bari test set for initial value problems).
+#[test]
+fn van_der_pol_matches_the_reference_solution() {
+    let epsilon = 1e-6;
+    let field = |_: f64, y: f64, v: f64| {
+        let linear_coefficient = 1.0 - y * y;
+        [(linear_coefficient * v - y) / epsilon, 0.0, (-2.0 * y * v - 1.0) / epsilon, linear_coefficient / epsilon]
+    };
+    let options = Options { tolerances: Tolerances { atol_q: 1e-11, atol_v: 1e-9, rtol_v: 1e-9 }, max_steps: 100_000 };
+    for (name, end, _) in run_from(&PointMass::new(field, []), options, [2.0, 0.0], 2.0) {
+        assert_eq!(end.time_s, 2.0);
+        let error = [end.state.q[0] - 1.706167732170483, end.state.v[0] + 0.8928097010247975];
+        assert!(error.iter().all(|e| e.abs() < 1e-7), "{name}: {error:?}");
+    }
+}
