@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::rng::{Rng, pair, quantity};
+use super::random::{Random, pair, quantity};
 
-pub fn scene_text(rng: &mut Rng) -> String {
-    let duration_s = rng.log_uniform(1e-3, 3e-2);
+pub fn scene_text(rng: &mut Random) -> String {
+    let duration_s = rng.log_within(1e-3, 3e-2);
     let mut text = format!("kind = \"bodies\"\nduration = {}\n", quantity(duration_s, "s"));
     let moving = rng.choose(&[1, 1, 2, 2, 3]);
     let fixed = rng.choose(&[0, 1, 1]);
@@ -13,8 +13,8 @@ pub fn scene_text(rng: &mut Rng) -> String {
     let mut free = 0;
     let mut x = 0.0;
     for index in 0..moving + fixed {
-        let radius = rng.log_uniform(5.0, 60.0);
-        x += rng.log_uniform(1e-2, 10.0) + radius;
+        let radius = rng.log_within(5.0, 60.0);
+        x += rng.log_within(1e-2, 10.0) + radius;
         let centre = [x, radius + rng.choose(&[0.0, 0.1, 1.0, 5.0])];
         x += radius;
         let _ = writeln!(discs, "[discs.d{index}]\nradius = {}", quantity(radius, "mm"));
@@ -24,40 +24,40 @@ pub fn scene_text(rng: &mut Rng) -> String {
             continue;
         }
         // Towards the next discs, and down.
-        let velocity = [rng.uniform(-1.0, 4.0), rng.uniform(-3.0, 1.0)];
+        let velocity = [rng.within(-1.0, 4.0), rng.within(-3.0, 1.0)];
         let _ = writeln!(discs, "velocity = {}", pair(velocity, "m/s"));
         if index > 0 && rng.chance(0.1) {
-            let acceleration = [rng.uniform(-100.0, 100.0), rng.uniform(-100.0, 100.0)];
+            let acceleration = [rng.within(-100.0, 100.0), rng.within(-100.0, 100.0)];
             let _ = writeln!(discs, "motion = \"driven\"\nacceleration = {}", pair(acceleration, "m/s^2"));
         } else {
             free += 1;
-            let _ = writeln!(discs, "mass = {}", quantity(rng.log_uniform(1.0, 1e3), "g"));
+            let _ = writeln!(discs, "mass = {}", quantity(rng.log_within(1.0, 1e3), "g"));
             if rng.chance(0.15) {
                 discs.push_str("rotates = false\n");
                 continue;
             }
         }
         if rng.chance(0.5) {
-            let _ = writeln!(discs, "spin = {}", quantity(rng.uniform(-100.0, 100.0), "rad/s"));
+            let _ = writeln!(discs, "spin = {}", quantity(rng.within(-100.0, 100.0), "rad/s"));
         }
     }
     if free > 0 && rng.chance(0.7) {
-        let gravity = [rng.uniform(-20.0, 20.0), -rng.uniform(0.0, 100.0)];
+        let gravity = [rng.within(-20.0, 20.0), -rng.within(0.0, 100.0)];
         let _ = writeln!(text, "gravity = {}", pair(gravity, "m/s^2"));
     }
     text.push_str(&discs);
     if rng.chance(0.6) {
         text.push_str("[half_plane]\n");
     }
-    let damping = if rng.chance(0.1) { 0.0 } else { rng.log_uniform(1.0, 1e6) };
-    let (exponent, stiffness) = (rng.choose(&[1.0, 1.5, 2.2, 2.2, 3.0]), rng.log_uniform(1e5, 1e10));
+    let damping = if rng.chance(0.1) { 0.0 } else { rng.log_within(1.0, 1e6) };
+    let (exponent, stiffness) = (rng.choose(&[1.0, 1.5, 2.2, 2.2, 3.0]), rng.log_within(1e5, 1e10));
     let _ = writeln!(text, "[contact]\nstiffness_si = {stiffness:e}\nexponent = {exponent:e}");
     let _ = writeln!(text, "damping = {}", quantity(damping, "N*s/m"));
-    let _ = writeln!(text, "transition = {}", quantity(rng.log_uniform(1e-6, 1e-4), "m"));
+    let _ = writeln!(text, "transition = {}", quantity(rng.log_within(1e-6, 1e-4), "m"));
     if rng.chance(0.8) {
-        let v_static = rng.log_uniform(1e-4, 1e-1);
-        let _ = writeln!(text, "[contact.friction]\nmu_static = {:e}", rng.uniform(0.05, 1.4));
-        let v_dynamic = v_static * rng.uniform(1.2, 5.0);
+        let v_static = rng.log_within(1e-4, 1e-1);
+        let _ = writeln!(text, "[contact.friction]\nmu_static = {:e}", rng.within(0.05, 1.4));
+        let v_dynamic = v_static * rng.within(1.2, 5.0);
         let _ = writeln!(text, "v_static = {}\nv_dynamic = {}", quantity(v_static, "m/s"), quantity(v_dynamic, "m/s"));
     }
     text

@@ -3,15 +3,15 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
-use super::rng::{Rng, pair, quantity};
+use super::random::{Random, pair, quantity};
 
 /// Returns a scene text. Most are valid; some are rejected, because the sections are independent of each other.
-pub fn scene_text(rng: &mut Rng) -> String {
+pub fn scene_text(rng: &mut Random) -> String {
     let mut text = String::new();
-    let duration_s = rng.log_uniform(3e-4, 8e-3);
+    let duration_s = rng.log_within(3e-4, 8e-3);
     let _ = writeln!(text, "duration = {}", quantity(duration_s, "s"));
     if rng.chance(0.5) {
-        let (size, turn) = (rng.uniform(0.0, 981.0), rng.uniform(0.0, 4.0) * FRAC_PI_2);
+        let (size, turn) = (rng.within(0.0, 981.0), rng.within(0.0, 4.0) * FRAC_PI_2);
         let _ = writeln!(text, "gravity = {}", pair([size * turn.cos(), size * turn.sin()], "m/s^2"));
     }
     let other_assembly = rng.chance(0.15);
@@ -31,23 +31,23 @@ pub fn scene_text(rng: &mut Rng) -> String {
 }
 
 /// Writes lengths and object. Returns whether there is an object.
-fn finger(rng: &mut Rng, text: &mut String) -> bool {
-    let scale = if rng.chance(0.2) { rng.log_uniform(0.1, 10.0) } else { 1.0 };
-    let length = |rng: &mut Rng, low: f64, high: f64| quantity(scale * rng.uniform(low, high), "mm");
+fn finger(rng: &mut Random, text: &mut String) -> bool {
+    let scale = if rng.chance(0.2) { rng.log_within(0.1, 10.0) } else { 1.0 };
+    let length = |rng: &mut Random, low: f64, high: f64| quantity(scale * rng.within(low, high), "mm");
     let designed = rng.chance(0.6);
-    let base = scale * rng.uniform(9.0, 22.0);
+    let base = scale * rng.within(9.0, 22.0);
     if designed {
         let _ = writeln!(text, "[design]\nbase = {}", quantity(base, "mm"));
-        let _ = writeln!(text, "l21_fraction = {:e}", rng.uniform(0.0, 1.0));
-        let _ = writeln!(text, "phi22 = {}", quantity(rng.uniform(85.0, 140.0), "deg"));
-        let _ = writeln!(text, "arm_ratio = {:e}", rng.uniform(0.3, 0.9));
+        let _ = writeln!(text, "l21_fraction = {:e}", rng.within(0.0, 1.0));
+        let _ = writeln!(text, "phi22 = {}", quantity(rng.within(85.0, 140.0), "deg"));
+        let _ = writeln!(text, "arm_ratio = {:e}", rng.within(0.3, 0.9));
         let _ = writeln!(text, "l11 = {}", length(rng, 12.0, 18.0));
     } else {
         let _ = writeln!(text, "[lengths]\nl11 = {}", length(rng, 10.0, 22.0));
         let _ = writeln!(text, "l21 = {}", length(rng, 18.0, 34.0));
         let _ = writeln!(text, "l22 = {}", length(rng, 5.0, 12.0));
         let _ = writeln!(text, "t22 = {}", length(rng, 8.0, 20.0));
-        let _ = writeln!(text, "phi22 = {}", quantity(rng.uniform(70.0, 150.0), "deg"));
+        let _ = writeln!(text, "phi22 = {}", quantity(rng.within(70.0, 150.0), "deg"));
     }
     text.push_str("[object]\n");
     if rng.chance(0.15) {
@@ -57,34 +57,34 @@ fn finger(rng: &mut Rng, text: &mut String) -> bool {
     let _ = writeln!(text, "radius = {}", quantity(scale * 20.0, "mm"));
     let is_far = rng.chance(0.1);
     if is_far || !designed {
-        let distance = if is_far { scale * rng.log_uniform(10.0, 1e4) } else { 0.0 };
+        let distance = if is_far { scale * rng.log_within(10.0, 1e4) } else { 0.0 };
         let _ = writeln!(text, "centre = {}", pair([-base - distance, scale * 20.0], "mm"));
     }
     true
 }
 
 /// Writes masses of a few bodies over decades, some with centre of mass and inertia.
-fn bodies(rng: &mut Rng, text: &mut String) {
+fn bodies(rng: &mut Random, text: &mut String) {
     if rng.chance(0.2) {
-        let _ = writeln!(text, "[material]\ndensity = {}", quantity(rng.log_uniform(100.0, 2e4), "kg/m^3"));
+        let _ = writeln!(text, "[material]\ndensity = {}", quantity(rng.log_within(100.0, 2e4), "kg/m^3"));
     }
     for name in ["l11", "l12", "l21", "l22"] {
         if !rng.chance(0.15) {
             continue;
         }
-        let _ = writeln!(text, "[bodies.{name}]\nmass = {}", quantity(rng.log_uniform(1e-2, 1e3), "g"));
+        let _ = writeln!(text, "[bodies.{name}]\nmass = {}", quantity(rng.log_within(1e-2, 1e3), "g"));
         if rng.chance(0.5) {
-            let com = [rng.uniform(-5.0, 25.0), rng.uniform(-10.0, 10.0)];
-            let inertia = quantity(rng.log_uniform(1e-10, 1e-4), "kg*m^2");
+            let com = [rng.within(-5.0, 25.0), rng.within(-10.0, 10.0)];
+            let inertia = quantity(rng.log_within(1e-10, 1e-4), "kg*m^2");
             let _ = writeln!(text, "com = {}\ninertia = {inertia}", pair(com, "mm"));
         }
     }
 }
 
-fn motor(rng: &mut Rng, text: &mut String, duration_s: f64) {
-    let torque = |rng: &mut Rng| {
+fn motor(rng: &mut Random, text: &mut String, duration_s: f64) {
+    let torque = |rng: &mut Random| {
         let sign = if rng.chance(0.15) { -1.0 } else { 1.0 };
-        quantity(sign * rng.log_uniform(10.0, 3e3), "N*mm")
+        quantity(sign * rng.log_within(10.0, 3e3), "N*mm")
     };
     let profile = rng.choose(&["constant", "ramp", "half-sine", "reversal", "table"]);
     let _ = writeln!(text, "[motor]\nprofile = \"{profile}\"");
@@ -105,10 +105,10 @@ fn motor(rng: &mut Rng, text: &mut String, duration_s: f64) {
         "reversal" => "reverse_at",
         _ => return,
     };
-    let _ = writeln!(text, "{key} = {}", quantity(duration_s * rng.log_uniform(0.01, 2.0), "s"));
+    let _ = writeln!(text, "{key} = {}", quantity(duration_s * rng.log_within(0.01, 2.0), "s"));
 }
 
-fn spring(rng: &mut Rng, text: &mut String) {
+fn spring(rng: &mut Random, text: &mut String) {
     let kind = rng.choose(&["none", "constant", "constant", "torsional", "torsional"]);
     let _ = writeln!(text, "[spring]\ntype = \"{kind}\"");
     if kind == "none" {
@@ -117,26 +117,26 @@ fn spring(rng: &mut Rng, text: &mut String) {
     let placement = rng.choose(&["q22", "q22", "q12", "q21-q11", "q11+q12-(q21+q22)"]);
     let _ = writeln!(text, "placement = \"{placement}\"");
     if kind == "constant" {
-        let _ = writeln!(text, "torque = {}", quantity(rng.log_uniform(1.0, 500.0), "N*mm"));
+        let _ = writeln!(text, "torque = {}", quantity(rng.log_within(1.0, 500.0), "N*mm"));
     } else {
-        let stiffness = quantity(rng.log_uniform(1.0, 2e3), "N*mm/rad");
-        let _ = writeln!(text, "stiffness = {stiffness}\npreload = {}", quantity(rng.uniform(0.0, 90.0), "deg"));
+        let stiffness = quantity(rng.log_within(1.0, 2e3), "N*mm/rad");
+        let _ = writeln!(text, "stiffness = {stiffness}\npreload = {}", quantity(rng.within(0.0, 90.0), "deg"));
     }
 }
 
-fn limit(rng: &mut Rng, text: &mut String) {
+fn limit(rng: &mut Random, text: &mut String) {
     if rng.chance(0.2) {
         text.push_str("[limit]\nenabled = false\n");
     } else if rng.chance(0.6) {
-        let _ = writeln!(text, "[limit]\nstiffness_si = {:e}", rng.log_uniform(1e3, 1e12));
+        let _ = writeln!(text, "[limit]\nstiffness_si = {:e}", rng.log_within(1e3, 1e12));
         let _ = writeln!(text, "exponent = {:e}", rng.choose(&[1.0, 1.5, 2.2, 3.0]));
-        let damping = if rng.chance(0.2) { 0.0 } else { rng.log_uniform(1e-2, 1e10) };
+        let damping = if rng.chance(0.2) { 0.0 } else { rng.log_within(1e-2, 1e10) };
         let _ = writeln!(text, "damping = {}", quantity(damping, "N*m*s/rad"));
-        let _ = writeln!(text, "transition = {}", quantity(rng.log_uniform(1e-6, 1e-2), "rad"));
+        let _ = writeln!(text, "transition = {}", quantity(rng.log_within(1e-6, 1e-2), "rad"));
     }
 }
 
-fn contact(rng: &mut Rng, text: &mut String) {
+fn contact(rng: &mut Random, text: &mut String) {
     for section in ["contact", "contact.proximal", "contact.distal"] {
         if rng.chance(if section == "contact" { 0.8 } else { 0.15 }) {
             normal_law(rng, text, section, false);
@@ -148,57 +148,57 @@ fn contact(rng: &mut Rng, text: &mut String) {
 }
 
 /// Writes a normal law over decades; without a spring only if `allow_no_spring` is set.
-pub fn normal_law(rng: &mut Rng, text: &mut String, section: &str, allow_no_spring: bool) {
+pub fn normal_law(rng: &mut Random, text: &mut String, section: &str, allow_no_spring: bool) {
     let _ = writeln!(text, "[{section}]");
-    let damping = if rng.chance(0.2) { 0.0 } else { rng.log_uniform(1e-2, 1e7) };
-    let stiffness = if allow_no_spring && damping > 0.0 && rng.chance(0.15) { 0.0 } else { rng.log_uniform(1e4, 1e11) };
+    let damping = if rng.chance(0.2) { 0.0 } else { rng.log_within(1e-2, 1e7) };
+    let stiffness = if allow_no_spring && damping > 0.0 && rng.chance(0.15) { 0.0 } else { rng.log_within(1e4, 1e11) };
     let exponent = rng.choose(&[1.0, 1.5, 2.2, 2.2, 3.0]);
     let _ = writeln!(text, "stiffness_si = {stiffness:e}\nexponent = {exponent:e}");
     let _ = writeln!(text, "damping = {}", quantity(damping, "N*s/m"));
-    let _ = writeln!(text, "transition = {}", quantity(rng.log_uniform(1e-7, 1e-3), "m"));
+    let _ = writeln!(text, "transition = {}", quantity(rng.log_within(1e-7, 1e-3), "m"));
 }
 
-pub fn friction_law(rng: &mut Rng, text: &mut String, section: &str) {
-    let v_static = rng.log_uniform(1e-4, 1e-1);
-    let _ = writeln!(text, "[{section}.friction]\nmu_static = {:e}", rng.uniform(0.0, 2.0));
-    let v_dynamic = v_static * rng.uniform(1.1, 5.0);
+pub fn friction_law(rng: &mut Random, text: &mut String, section: &str) {
+    let v_static = rng.log_within(1e-4, 1e-1);
+    let _ = writeln!(text, "[{section}.friction]\nmu_static = {:e}", rng.within(0.0, 2.0));
+    let v_dynamic = v_static * rng.within(1.1, 5.0);
     let _ = writeln!(text, "v_static = {}\nv_dynamic = {}", quantity(v_static, "m/s"), quantity(v_dynamic, "m/s"));
 }
 
 /// Writes the initial state: at given angles, or straight before, at or slightly in the object.
-fn start(rng: &mut Rng, text: &mut String, needs_angles: bool) {
+fn start(rng: &mut Random, text: &mut String, needs_angles: bool) {
     text.push_str("[initial]\n");
     if needs_angles || rng.chance(0.1) {
-        let q21 = rng.uniform(20.0, 75.0);
+        let q21 = rng.within(20.0, 75.0);
         let _ = writeln!(text, "q21 = {}", quantity(q21, "deg"));
-        let _ = writeln!(text, "q11 = {}", quantity(q21 - rng.uniform(60.0, 95.0), "deg"));
+        let _ = writeln!(text, "q11 = {}", quantity(q21 - rng.within(60.0, 95.0), "deg"));
     } else if rng.chance(0.15) {
         // In contact, with a penetration of up to a few tenths of a millimetre.
-        let _ = writeln!(text, "offset = {}", quantity(-rng.log_uniform(1e-6, 0.5), "deg"));
+        let _ = writeln!(text, "offset = {}", quantity(-rng.log_within(1e-6, 0.5), "deg"));
     } else {
-        let _ = writeln!(text, "offset = {}", quantity(rng.log_uniform(1e-3, 25.0), "deg"));
+        let _ = writeln!(text, "offset = {}", quantity(rng.log_within(1e-3, 25.0), "deg"));
     }
     if rng.chance(0.3) {
         for rate in ["qd11", "qd21"] {
-            let _ = writeln!(text, "{rate} = {}", quantity(rng.uniform(-200.0, 400.0), "rad/s"));
+            let _ = writeln!(text, "{rate} = {}", quantity(rng.within(-200.0, 400.0), "rad/s"));
         }
     }
 }
 
 /// Writes settings of the analytic model. The share `reference_share` of all scenes has the reference preset, which
 /// takes ten times as long.
-pub fn integrator(rng: &mut Rng, text: &mut String, reference_share: f64) {
+pub fn integrator(rng: &mut Random, text: &mut String, reference_share: f64) {
     let _ = writeln!(text, "[integrator]\nmax_steps = {}", super::MAX_STEPS);
     if rng.chance(reference_share) {
         text.push_str("preset = \"reference\"\n");
     } else if rng.chance(0.3) {
         let _ = writeln!(text, "method = \"{}\"", rng.choose(&["rodas5p", "radau5"]));
-        let _ = writeln!(text, "rtol = {:e}", rng.log_uniform(1e-8, 1e-3));
+        let _ = writeln!(text, "rtol = {:e}", rng.log_within(1e-8, 1e-3));
     }
 }
 
 /// Writes settings of the engine.
-pub fn engine(rng: &mut Rng, text: &mut String, has_joints: bool) {
+pub fn engine(rng: &mut Random, text: &mut String, has_joints: bool) {
     let _ = writeln!(text, "[engine]\nmax_steps = {}", super::MAX_STEPS);
     // Joints open further if steps are longer than the adaptive ones, or of first order.
     let mut coarse = false;
@@ -208,13 +208,13 @@ pub fn engine(rng: &mut Rng, text: &mut String, has_joints: bool) {
     }
     if rng.chance(0.3) {
         coarse = true;
-        let _ = writeln!(text, "stepping = \"fixed\"\nstep = {}", quantity(rng.log_uniform(1e-6, 2e-4), "s"));
+        let _ = writeln!(text, "stepping = \"fixed\"\nstep = {}", quantity(rng.log_within(1e-6, 2e-4), "s"));
     } else if rng.chance(0.3) {
-        let _ = writeln!(text, "tolerance = {}", quantity(rng.log_uniform(1e-8, 1e-5), "m"));
+        let _ = writeln!(text, "tolerance = {}", quantity(rng.log_within(1e-8, 1e-5), "m"));
     }
     if rng.chance(0.1) {
         coarse = true;
-        let _ = writeln!(text, "law = \"rapier\"\nfriction = {:e}", rng.uniform(0.0, 1.0));
+        let _ = writeln!(text, "law = \"rapier\"\nfriction = {:e}", rng.within(0.0, 1.0));
         let _ = writeln!(text, "restitution = {:e}", rng.choose(&[0.0, 0.5, 1.0]));
     }
     if has_joints && coarse {
