@@ -6,9 +6,9 @@
 //! --scenes 1 -v --save DIR` runs and saves it; more scenes can be run in the same way.
 
 #[path = "../../tools/campaign/discs.rs"]
-mod discs;
+pub mod discs;
 #[path = "../../tools/campaign/fingers.rs"]
-mod fingers;
+pub mod fingers;
 #[path = "../../tools/campaign/record.rs"]
 #[allow(dead_code)]
 mod record;

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::random::{Random, pair, quantity};
+use super::random::{Random, pair, quantity, write_normal_law};
 
 /// Returns a scene text. A few are rejected because no finger with the design exists.
 pub fn scene_text(rng: &mut Random) -> String {
@@ -105,9 +105,7 @@ fn laws(rng: &mut Random, text: &mut String, table: bool) {
         let exponent = rng.choose(&[1.0, 1.5, 2.2, 2.2]);
         let stiffness = if exponent < 1.4 { rng.log_within(1e5, 1e8) } else { rng.log_within(1e6, 1e10) };
         let damping = if rng.chance(0.1) { 0.0 } else { rng.log_within(1e2, 1e6) };
-        let _ = writeln!(text, "[{section}]\nstiffness_si = {stiffness:e}\nexponent = {exponent:e}");
-        let _ = writeln!(text, "damping = {}", quantity(damping, "N*s/m"));
-        let _ = writeln!(text, "transition = {}", quantity(rng.log_within(1e-6, 1e-4), "m"));
+        write_normal_law(text, section, [stiffness, exponent, damping, rng.log_within(1e-6, 1e-4)]);
         if rng.chance(0.9) {
             let v_static = rng.log_within(1e-3, 0.3);
             let v_dynamic = v_static * rng.within(1.5, 5.0);

@@ -3,10 +3,8 @@
 //!
 //! A failing scene is printed with its seed, from which the generator of its kind reproduces it.
 
-#[path = "random_scenes/discs.rs"]
-mod discs;
-#[path = "random_scenes/finger.rs"]
-mod finger;
+#[path = "random_scenes/texts.rs"]
+mod texts;
 #[path = "random_scenes/trial.rs"]
 mod trial;
 
@@ -55,12 +53,12 @@ macro_rules! random_scene_tests {
 }
 
 random_scene_tests! {
-    fingers_in_the_analytic_model: Analytic, finger::scene_text, 0, 1000;
-    more_fingers_in_the_analytic_model: Analytic, finger::scene_text, 1000, 500;
-    fingers_in_the_engine: Engine, finger::scene_text, 0, 400;
-    more_fingers_in_the_engine: Engine, finger::scene_text, 1000, 200;
-    discs_in_the_analytic_model: Analytic, discs::scene_text, 0, 250;
-    discs_in_the_engine: Engine, discs::scene_text, 0, 200;
+    fingers_in_the_analytic_model: Analytic, texts::finger, 0, 1000;
+    more_fingers_in_the_analytic_model: Analytic, texts::finger, 1000, 500;
+    fingers_in_the_engine: Engine, texts::finger, 0, 400;
+    more_fingers_in_the_engine: Engine, texts::finger, 1000, 200;
+    discs_in_the_analytic_model: Analytic, texts::discs, 0, 250;
+    discs_in_the_engine: Engine, texts::discs, 0, 200;
     grippers_in_the_analytic_model: Analytic, grippers::scene_text, 0, 120;
     grippers_in_the_engine: Engine, grippers::scene_text, 0, 80;
 }
@@ -70,8 +68,8 @@ random_scene_tests! {
 #[ignore = "takes minutes"]
 fn large_random_campaign_agrees() {
     for (model, fingers) in [(Model::Analytic, 20_000), (Model::Engine, 8_000)] {
-        run_scenes(model, finger::scene_text, 100_000, fingers);
-        run_scenes(model, discs::scene_text, 100_000, 4_000);
+        run_scenes(model, texts::finger, 100_000, fingers);
+        run_scenes(model, texts::discs, 100_000, 4_000);
         run_scenes(model, grippers::scene_text, 100_000, 4_000);
     }
 }

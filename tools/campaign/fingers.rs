@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::random::{Random, pair, quantity};
+use super::random::{Random, pair, quantity, write_friction_law, write_normal_law};
 
 /// Focus of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,10 +45,10 @@ fn scene_text(rng: &mut Random, focus: Focus) -> String {
     }
     let has_object = write_finger(rng, &mut text, is_mixed);
     if is_mixed {
-        write_bodies(rng, &mut text);
+        write_bodies(rng, &mut text, false);
     }
-    write_motor(rng, &mut text, duration_s);
-    write_spring(rng, &mut text);
+    write_motor(rng, &mut text, duration_s, false);
+    write_spring(rng, &mut text, false);
     write_limit(rng, &mut text, focus);
     write_contacts(rng, &mut text, focus);
     write_initial(rng, &mut text, is_other_assembly || !has_object);
@@ -84,38 +84,47 @@ fn write_finger(rng: &mut Random, text: &mut String, is_mixed: bool) -> bool {
     true
 }
 
-/// Writes masses of some bodies, with or without their other properties.
-fn write_bodies(rng: &mut Random, text: &mut String) {
+/// Writes masses of some bodies, with or without their other properties; with `extreme` ranges, they differ by decades.
+pub fn write_bodies(rng: &mut Random, text: &mut String, extreme: bool) {
     if rng.chance(0.2) {
-        let _ = writeln!(text, "[material]\ndensity = {}", quantity(rng.log_within(500.0, 8e3), "kg/m^3"));
+        let density = if extreme { rng.log_within(100.0, 2e4) } else { rng.log_within(500.0, 8e3) };
+        let _ = writeln!(text, "[material]\ndensity = {}", quantity(density, "kg/m^3"));
     }
     for name in ["l11", "l12", "l21", "l22"] {
-        if !rng.chance(0.2) {
+        if !rng.chance(if extreme { 0.15 } else { 0.2 }) {
             continue;
         }
-        let _ = writeln!(text, "[bodies.{name}]\nmass = {}", quantity(rng.log_within(1.0, 100.0), "g"));
-        if rng.chance(0.6) {
-            let com = [rng.within(0.0, 22.0), rng.within(-7.0, 7.0)];
-            let inertia = quantity(rng.log_within(2e-8, 5e-6), "kg*m^2");
-            let _ = writeln!(text, "com = {}\ninertia = {inertia}", pair(com, "mm"));
+        let mass = if extreme { rng.log_within(1e-2, 1e3) } else { rng.log_within(1.0, 100.0) };
+        let _ = writeln!(text, "[bodies.{name}]\nmass = {}", quantity(mass, "g"));
+        if rng.chance(if extreme { 0.5 } else { 0.6 }) {
+            let (com, inertia) = match extreme {
+                true => ([rng.within(-5.0, 25.0), rng.within(-10.0, 10.0)], rng.log_within(1e-10, 1e-4)),
+                false => ([rng.within(0.0, 22.0), rng.within(-7.0, 7.0)], rng.log_within(2e-8, 5e-6)),
+            };
+            let _ = writeln!(text, "com = {}\ninertia = {}", pair(com, "mm"), quantity(inertia, "kg*m^2"));
         }
     }
 }
 
-fn write_motor(rng: &mut Random, text: &mut String, duration_s: f64) {
+pub fn write_motor(rng: &mut Random, text: &mut String, duration_s: f64, extreme: bool) {
     let torque = |rng: &mut Random| {
-        let sign = if rng.chance(0.1) { -1.0 } else { 1.0 };
-        quantity(sign * rng.log_within(100.0, 1500.0), "N*mm")
+        let sign = if rng.chance(if extreme { 0.15 } else { 0.1 }) { -1.0 } else { 1.0 };
+        let size = if extreme { rng.log_within(10.0, 3e3) } else { rng.log_within(100.0, 1500.0) };
+        quantity(sign * size, "N*mm")
     };
-    let profile = rng.choose(&["constant", "constant", "constant", "ramp", "half-sine", "reversal", "table"]);
+    let profiles = ["constant", "constant", "constant", "ramp", "half-sine", "reversal", "table"];
+    let profile = rng.choose(if extreme { &profiles[2..] } else { &profiles });
     let _ = writeln!(text, "[motor]\nprofile = \"{profile}\"");
     if profile == "table" {
-        let count = rng.choose(&[2, 3, 6]);
+        let count = rng.choose(if extreme { &[1, 2, 5, 12][..] } else { &[2, 3, 6] });
         let mut time = 0.0;
         let times: Vec<String> = (0..count)
-            .map(|_| {
-                time += duration_s * rng.log_within(0.02, 0.5);
-                quantity(time, "s")
+            .map(|k| match extreme {
+                true => quantity(duration_s * f64::from(k) / f64::from(count), "s"),
+                false => {
+                    time += duration_s * rng.log_within(0.02, 0.5);
+                    quantity(time, "s")
+                }
             })
             .collect();
         let torques: Vec<String> = (0..count).map(|_| torque(rng)).collect();
@@ -131,22 +140,27 @@ fn write_motor(rng: &mut Random, text: &mut String, duration_s: f64) {
         "reversal" => "reverse_at",
         _ => return,
     };
-    let _ = writeln!(text, "{key} = {}", quantity(duration_s * rng.log_within(0.1, 1.0), "s"));
+    let fraction = if extreme { rng.log_within(0.01, 2.0) } else { rng.log_within(0.1, 1.0) };
+    let _ = writeln!(text, "{key} = {}", quantity(duration_s * fraction, "s"));
 }
 
-fn write_spring(rng: &mut Random, text: &mut String) {
-    let kind = rng.choose(&["none", "constant", "constant", "constant", "torsional"]);
+pub fn write_spring(rng: &mut Random, text: &mut String, extreme: bool) {
+    let last_kind = if extreme { "torsional" } else { "constant" };
+    let kind = rng.choose(&["none", "constant", "constant", last_kind, "torsional"]);
     let _ = writeln!(text, "[spring]\ntype = \"{kind}\"");
     if kind == "none" {
         return;
     }
-    let placement = rng.choose(&["q22", "q22", "q22", "q12", "q21-q11", "q11+q12-(q21+q22)"]);
+    let placements = ["q22", "q22", "q22", "q12", "q21-q11", "q11+q12-(q21+q22)"];
+    let placement = rng.choose(if extreme { &placements[1..] } else { &placements });
     let _ = writeln!(text, "placement = \"{placement}\"");
     if kind == "constant" {
-        let _ = writeln!(text, "torque = {}", quantity(rng.log_within(20.0, 300.0), "N*mm"));
+        let torque = if extreme { rng.log_within(1.0, 500.0) } else { rng.log_within(20.0, 300.0) };
+        let _ = writeln!(text, "torque = {}", quantity(torque, "N*mm"));
     } else {
-        let stiffness = quantity(rng.log_within(10.0, 500.0), "N*mm/rad");
-        let _ = writeln!(text, "stiffness = {stiffness}\npreload = {}", quantity(rng.within(0.0, 90.0), "deg"));
+        let stiffness = if extreme { rng.log_within(1.0, 2e3) } else { rng.log_within(10.0, 500.0) };
+        let preload = quantity(rng.within(0.0, 90.0), "deg");
+        let _ = writeln!(text, "stiffness = {}\npreload = {preload}", quantity(stiffness, "N*mm/rad"));
     }
 }
 
@@ -183,9 +197,7 @@ fn write_contacts(rng: &mut Random, text: &mut String, focus: Focus) {
                 Focus::Soft => rng.log_within(10.0, 1e5),
                 _ => rng.log_within(10.0, 1e7),
             };
-            let _ = writeln!(text, "[{section}]\nstiffness_si = {stiffness:e}\nexponent = {exponent:e}");
-            let _ = writeln!(text, "damping = {}", quantity(damping, "N*s/m"));
-            let _ = writeln!(text, "transition = {}", quantity(rng.log_within(1e-6, 1e-4), "m"));
+            write_normal_law(text, section, [stiffness, exponent, damping, rng.log_within(1e-6, 1e-4)]);
         }
         let probability = match focus {
             Focus::Stick if is_contact_section => 1.0,
@@ -194,14 +206,8 @@ fn write_contacts(rng: &mut Random, text: &mut String, focus: Focus) {
             _ => 0.15,
         };
         if rng.chance(probability) {
-            let v_static = match focus {
-                Focus::Stick => rng.log_within(1e-4, 1e-2),
-                _ => rng.log_within(1e-3, 0.3),
-            };
-            let _ = writeln!(text, "[{section}.friction]\nmu_static = {:e}", rng.within(0.05, 1.4));
-            let v_dynamic = v_static * rng.within(1.2, 5.0);
-            let _ =
-                writeln!(text, "v_static = {}\nv_dynamic = {}", quantity(v_static, "m/s"), quantity(v_dynamic, "m/s"));
+            let v_static = if focus == Focus::Stick { [1e-4, 1e-2] } else { [1e-3, 0.3] };
+            write_friction_law(rng, text, section, v_static, [0.05, 1.4], 1.2);
         }
     }
 }

@@ -10,9 +10,9 @@ mod discs;
 mod fingers;
 #[path = "../../tests/validation/grippers.rs"]
 mod grippers;
-mod record;
 #[path = "../../tests/support/random.rs"]
 mod random;
+mod record;
 mod trial;
 
 use std::collections::BTreeMap;
@@ -23,8 +23,8 @@ use std::time::Duration;
 
 use clap::Parser;
 use phalanx::scene::{Scene, parse_any};
-use record::{Run, Setting, difference, record};
 use random::Random;
+use record::{Run, Setting, difference, record};
 use trial::{Trial, Verdict, run_trial};
 
 /// Generator of scene texts.

@@ -1,12 +1,15 @@
-//! Texts of random scenes of a finger, realistic and unrealistic ones.
+//! Texts of random scenes of a finger and of discs, realistic and unrealistic ones.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
-use super::random::{Random, pair, quantity};
+use super::random::{Random, pair, quantity, write_friction_law, write_normal_law};
+use crate::campaign::discs::write_discs;
+use crate::campaign::fingers::{write_bodies, write_motor, write_spring};
 
-/// Returns a scene text. Most are valid; some are rejected, because the sections are independent of each other.
-pub fn scene_text(rng: &mut Random) -> String {
+/// Returns the text of a scene of a finger. Most are valid; some are rejected, because the sections are independent of
+/// each other.
+pub fn finger(rng: &mut Random) -> String {
     let mut text = String::new();
     let duration_s = rng.log_within(3e-4, 8e-3);
     let _ = writeln!(text, "duration = {}", quantity(duration_s, "s"));
@@ -18,10 +21,10 @@ pub fn scene_text(rng: &mut Random) -> String {
     if other_assembly {
         text.push_str("assembly = \"other\"\n");
     }
-    let has_object = finger(rng, &mut text);
-    bodies(rng, &mut text);
-    motor(rng, &mut text, duration_s);
-    spring(rng, &mut text);
+    let has_object = lengths_and_object(rng, &mut text);
+    write_bodies(rng, &mut text, true);
+    write_motor(rng, &mut text, duration_s, true);
+    write_spring(rng, &mut text, true);
     limit(rng, &mut text);
     contact(rng, &mut text);
     start(rng, &mut text, other_assembly || !has_object);
@@ -30,8 +33,20 @@ pub fn scene_text(rng: &mut Random) -> String {
     text
 }
 
+/// Returns the text of a scene of discs. A few are rejected because of too deep initial overlaps.
+pub fn discs(rng: &mut Random) -> String {
+    let mut text = write_discs(rng, true);
+    normal_law(rng, &mut text, "contact", true);
+    if rng.chance(0.7) {
+        friction_law(rng, &mut text, "contact");
+    }
+    integrator(rng, &mut text, 0.1);
+    engine(rng, &mut text, false);
+    text
+}
+
 /// Writes lengths and object. Returns whether there is an object.
-fn finger(rng: &mut Random, text: &mut String) -> bool {
+fn lengths_and_object(rng: &mut Random, text: &mut String) -> bool {
     let scale = if rng.chance(0.2) { rng.log_within(0.1, 10.0) } else { 1.0 };
     let length = |rng: &mut Random, low: f64, high: f64| quantity(scale * rng.within(low, high), "mm");
     let designed = rng.chance(0.6);
@@ -63,67 +78,6 @@ fn finger(rng: &mut Random, text: &mut String) -> bool {
     true
 }
 
-/// Writes masses of a few bodies over decades, some with centre of mass and inertia.
-fn bodies(rng: &mut Random, text: &mut String) {
-    if rng.chance(0.2) {
-        let _ = writeln!(text, "[material]\ndensity = {}", quantity(rng.log_within(100.0, 2e4), "kg/m^3"));
-    }
-    for name in ["l11", "l12", "l21", "l22"] {
-        if !rng.chance(0.15) {
-            continue;
-        }
-        let _ = writeln!(text, "[bodies.{name}]\nmass = {}", quantity(rng.log_within(1e-2, 1e3), "g"));
-        if rng.chance(0.5) {
-            let com = [rng.within(-5.0, 25.0), rng.within(-10.0, 10.0)];
-            let inertia = quantity(rng.log_within(1e-10, 1e-4), "kg*m^2");
-            let _ = writeln!(text, "com = {}\ninertia = {inertia}", pair(com, "mm"));
-        }
-    }
-}
-
-fn motor(rng: &mut Random, text: &mut String, duration_s: f64) {
-    let torque = |rng: &mut Random| {
-        let sign = if rng.chance(0.15) { -1.0 } else { 1.0 };
-        quantity(sign * rng.log_within(10.0, 3e3), "N*mm")
-    };
-    let profile = rng.choose(&["constant", "ramp", "half-sine", "reversal", "table"]);
-    let _ = writeln!(text, "[motor]\nprofile = \"{profile}\"");
-    if profile == "table" {
-        let count = rng.choose(&[1, 2, 5, 12]);
-        let times: Vec<String> =
-            (0..count).map(|k| quantity(duration_s * f64::from(k) / f64::from(count), "s")).collect();
-        let torques: Vec<String> = (0..count).map(|_| torque(rng)).collect();
-        let interpolation = rng.choose(&["linear", "step"]);
-        let (times, torques) = (times.join(", "), torques.join(", "));
-        let _ = writeln!(text, "times = [{times}]\ntorques = [{torques}]\ninterpolation = \"{interpolation}\"");
-        return;
-    }
-    let _ = writeln!(text, "torque = {}", torque(rng));
-    let key = match profile {
-        "ramp" => "rise",
-        "half-sine" => "pulse",
-        "reversal" => "reverse_at",
-        _ => return,
-    };
-    let _ = writeln!(text, "{key} = {}", quantity(duration_s * rng.log_within(0.01, 2.0), "s"));
-}
-
-fn spring(rng: &mut Random, text: &mut String) {
-    let kind = rng.choose(&["none", "constant", "constant", "torsional", "torsional"]);
-    let _ = writeln!(text, "[spring]\ntype = \"{kind}\"");
-    if kind == "none" {
-        return;
-    }
-    let placement = rng.choose(&["q22", "q22", "q12", "q21-q11", "q11+q12-(q21+q22)"]);
-    let _ = writeln!(text, "placement = \"{placement}\"");
-    if kind == "constant" {
-        let _ = writeln!(text, "torque = {}", quantity(rng.log_within(1.0, 500.0), "N*mm"));
-    } else {
-        let stiffness = quantity(rng.log_within(1.0, 2e3), "N*mm/rad");
-        let _ = writeln!(text, "stiffness = {stiffness}\npreload = {}", quantity(rng.within(0.0, 90.0), "deg"));
-    }
-}
-
 fn limit(rng: &mut Random, text: &mut String) {
     if rng.chance(0.2) {
         text.push_str("[limit]\nenabled = false\n");
@@ -148,21 +102,15 @@ fn contact(rng: &mut Random, text: &mut String) {
 }
 
 /// Writes a normal law over decades; without a spring only if `allow_no_spring` is set.
-pub fn normal_law(rng: &mut Random, text: &mut String, section: &str, allow_no_spring: bool) {
-    let _ = writeln!(text, "[{section}]");
+fn normal_law(rng: &mut Random, text: &mut String, section: &str, allow_no_spring: bool) {
     let damping = if rng.chance(0.2) { 0.0 } else { rng.log_within(1e-2, 1e7) };
     let stiffness = if allow_no_spring && damping > 0.0 && rng.chance(0.15) { 0.0 } else { rng.log_within(1e4, 1e11) };
     let exponent = rng.choose(&[1.0, 1.5, 2.2, 2.2, 3.0]);
-    let _ = writeln!(text, "stiffness_si = {stiffness:e}\nexponent = {exponent:e}");
-    let _ = writeln!(text, "damping = {}", quantity(damping, "N*s/m"));
-    let _ = writeln!(text, "transition = {}", quantity(rng.log_within(1e-7, 1e-3), "m"));
+    write_normal_law(text, section, [stiffness, exponent, damping, rng.log_within(1e-7, 1e-3)]);
 }
 
-pub fn friction_law(rng: &mut Random, text: &mut String, section: &str) {
-    let v_static = rng.log_within(1e-4, 1e-1);
-    let _ = writeln!(text, "[{section}.friction]\nmu_static = {:e}", rng.within(0.0, 2.0));
-    let v_dynamic = v_static * rng.within(1.1, 5.0);
-    let _ = writeln!(text, "v_static = {}\nv_dynamic = {}", quantity(v_static, "m/s"), quantity(v_dynamic, "m/s"));
+fn friction_law(rng: &mut Random, text: &mut String, section: &str) {
+    write_friction_law(rng, text, section, [1e-4, 1e-1], [0.0, 2.0], 1.1);
 }
 
 /// Writes the initial state: at given angles, or straight before, at or slightly in the object.
@@ -187,7 +135,7 @@ fn start(rng: &mut Random, text: &mut String, needs_angles: bool) {
 
 /// Writes settings of the analytic model. The share `reference_share` of all scenes has the reference preset, which
 /// takes ten times as long.
-pub fn integrator(rng: &mut Random, text: &mut String, reference_share: f64) {
+fn integrator(rng: &mut Random, text: &mut String, reference_share: f64) {
     let _ = writeln!(text, "[integrator]\nmax_steps = {}", super::MAX_STEPS);
     if rng.chance(reference_share) {
         text.push_str("preset = \"reference\"\n");
@@ -198,7 +146,7 @@ pub fn integrator(rng: &mut Random, text: &mut String, reference_share: f64) {
 }
 
 /// Writes settings of the engine.
-pub fn engine(rng: &mut Random, text: &mut String, has_joints: bool) {
+fn engine(rng: &mut Random, text: &mut String, has_joints: bool) {
     let _ = writeln!(text, "[engine]\nmax_steps = {}", super::MAX_STEPS);
     // Joints open further if steps are longer than the adaptive ones, or of first order.
     let mut coarse = false;
