@@ -90,36 +90,29 @@ fn errata_12_printed_sign_closes_no_design() {
 }
 
 #[test]
-fn closure_equals_positive_forces_without_spring_and_friction() {
+fn signs_agree_with_linear_programmes_and_positive_forces_without_spring_and_friction() {
     let (mut nearest, mut closed) = (f64::INFINITY, 0);
-    for grasp in grid_and_random() {
-        let form_closure = closure(&grasp);
-        // A motor torque loads both contacts and the palm.
-        let forces = equilibrium(&grasp.finger, &grasp.end, [1.0, 0.0], 0.0).unwrap();
-        let is_positive = forces.f21_n > 0.0 && forces.f22_n > 0.0 && forces.pfp_n > 0.0;
-        assert_eq!(form_closure.closed, is_positive, "{grasp:?}");
-        nearest = nearest.min(form_closure.margin.expect("unique multipliers").abs());
-        closed += usize::from(form_closure.closed);
-    }
-    // Margins below the width of the boundary would be decided by rounding. All margins are at least a thousand times larger.
-    assert!(nearest > 1e3 * BOUNDARY, "{nearest:e}");
-    assert!(closed > 500 && closed < RANDOM / 2, "{closed} closed grasps of {RANDOM}: both results must occur");
-}
-
-#[test]
-fn linear_programmes_agree_with_signs() {
     for grasp in grid_and_random() {
         let u = constraints(&grasp);
         let (by_signs, by_program) = (decide_with_certificate(&u), decide_by_linear_program(&u).unwrap());
         assert_eq!((by_signs.decision, by_program.decision), (Decision::Signs, Decision::Programme));
-        assert_eq!(by_signs.closed, by_program.closed, "{grasp:?}");
         check_certificate(&u, &by_program);
+        // A motor torque loads both contacts and the palm.
+        let forces = equilibrium(&grasp.finger, &grasp.end, [1.0, 0.0], 0.0).unwrap();
+        let is_positive = forces.f21_n > 0.0 && forces.f22_n > 0.0 && forces.pfp_n > 0.0;
+        let decisions = [closure(&grasp).closed, by_signs.closed, by_program.closed];
+        assert_eq!(decisions, [is_positive; 3], "{grasp:?}");
         // The multipliers are unique.
         if let Some((a, b)) = multipliers(&by_signs).zip(multipliers(&by_program)) {
             let difference = a.iter().zip(b).map(|(a, b)| (a - b).abs() / a.abs()).fold(0.0, f64::max);
             assert!(difference < 1e-6, "{a:?}\n{b:?}");
         }
+        nearest = nearest.min(by_signs.margin.expect("unique multipliers").abs());
+        closed += usize::from(by_signs.closed);
     }
+    // Margins below the width of the boundary would be decided by rounding. All margins are at least a thousand times larger.
+    assert!(nearest > 1e3 * BOUNDARY, "{nearest:e}");
+    assert!(closed > 500 && closed < RANDOM / 2, "{closed} closed grasps of {RANDOM}: both results must occur");
 }
 
 /// Returns the constraints of fixed fingertips on a disc that cannot rotate: each prevents motion against its normal.

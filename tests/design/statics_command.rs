@@ -391,6 +391,8 @@ fn table_and_plot_show_the_limiting_contacts() {
 fn rejects_invalid_options_of_grippers() {
     for (args, message) in [
         (&[GRIPPER, "--at", "21 ms"][..], "ends at 20.000000 ms"),
+        (&[GRIPPER, "--at", "0 ms"], "more than 0"),
+        (&[GRIPPER, "--within", "0 mm"], "more than 0"),
         (
             &[GRIPPER, "--at", "1 ms"],
             "the object of \"gripper-design-95\" has no contacts at 1.000000 ms of its run, where its fate is \"not grasped\"",
