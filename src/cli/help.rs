@@ -79,18 +79,3 @@ fn add_pages(command: &Command, pages: &mut Vec<(String, String)>) -> io::Result
     let mut subcommands = command.get_subcommands().filter(|subcommand| !subcommand.is_hide_set());
     subcommands.try_for_each(|subcommand| add_pages(subcommand, pages))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_command_has_a_page() {
-        let pages = pages().expect("pages");
-        let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!(names.first(), Some(&"phalanx.1"));
-        for name in ["phalanx-run.1", "phalanx-scene.1", "phalanx-scene-show.1", "phalanx-study-stability.1"] {
-            assert!(names.contains(&name), "{names:?}");
-        }
-    }
-}

@@ -2,52 +2,54 @@
 
 use crate::support::cli::assert_contains;
 use crate::support::designs::{R_C, THIRDS, W, assert_near, design_95, sweep_designs};
+use crate::support::statics::{Grasp, grasp};
 use phalanx::gripper::{
-    Assembly, Design, GraspError, Lengths, Posture, PostureError, ProximalLength, close_loop, contact_angle_proximal,
-    contact_proximal, disc, final_posture, gamma, joint_a13, joint_positions, lengths, posture_at, start_posture,
-    straight_posture,
+    Assembly, Design, FinalPosture, GraspError, Lengths, Posture, PostureError, ProximalLength, close_loop,
+    contact_angle_proximal, contact_proximal, disc, final_posture, gamma, joint_a13, joint_positions, lengths,
+    posture_at, start_posture, straight_posture,
 };
+use phalanx::numeric::plane::{add, cross, rotate, scale, sub};
 use phalanx::shape::PlacedShape;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
+
+const SHORTEST: ProximalLength = ProximalLength::Fraction(0.0);
 
 fn finger_95() -> Lengths {
     lengths(&design_95()).unwrap()
 }
 
+fn unit(angle: f64) -> [f64; 2] {
+    [angle.cos(), angle.sin()]
+}
+
 /// Closure error of the loop at A13, relative to the sum of the link lengths.
 fn gap(l: &Lengths, p: &Posture) -> f64 {
     let j = joint_positions(l, p);
-    let (s, c) = (p.q11_rad + p.q12_rad).sin_cos();
-    let (dx, dy) = (j.a12_m[0] + l.l12_m * c - j.a13_m[0], j.a12_m[1] + l.l12_m * s - j.a13_m[1]);
+    let [dx, dy] = sub(add(j.a12_m, scale(unit(p.q11_rad + p.q12_rad), l.l12_m)), j.a13_m);
     dx.hypot(dy) / (l.l11_m + l.l12_m + l.l21_m + l.l22_m)
 }
 
 /// Perpendicular distance of `point` from the line through `from` along `direction`, positive on its left.
 fn offset(point: [f64; 2], from: [f64; 2], direction: f64) -> f64 {
-    let (s, c) = direction.sin_cos();
-    c * (point[1] - from[1]) - s * (point[0] - from[0])
+    cross(unit(direction), sub(point, from))
 }
 
 #[test]
-fn design_95_has_the_start_posture_of_the_thesis() {
+fn design_95_has_the_postures_of_the_thesis_and_of_its_simulation() {
     // Experiment 95 starts at q11 = −49.999°, q21 = 40.001° (1-model §1.8), q_0 = 25° open (thesis Table 3.2).
-    let start = start_posture(&finger_95(), disc(&design_95()), 25f64.to_radians()).unwrap();
+    let Grasp { finger, disc, end } = grasp(&design_95()).unwrap();
+    let start = start_posture(&finger.lengths, disc, 25f64.to_radians()).unwrap();
     assert_near(start.q11_rad.to_degrees(), -49.999, 0.0005);
     assert_near(start.q21_rad.to_degrees(), 40.001, 0.0005);
     assert_near(start.q22_rad.to_degrees(), -120.0, 1e-12);
-    assert!(gap(&finger_95(), &start) < 1e-14);
-}
-
-#[test]
-fn design_95_has_the_final_posture_of_its_simulation() {
+    assert!(gap(&finger.lengths, &start) < 1e-14);
     // An independent simulation gives q11 = 2.088778°, q21 = 65.019991° after 20 ms (1-model §1.8). The tolerances cover its
     // penetration (4 µm at the proximal contact correspond to 0.02°), which the geometry does not include.
-    let end = final_posture(&finger_95(), Assembly::Reference, disc(&design_95())).unwrap();
     assert_near(end.posture.q21_rad.to_degrees(), 65.0007, 0.00005); // 40.001° + 25°
     assert_near(end.posture.q21_rad.to_degrees(), 65.019991, 0.03);
     assert_near(end.posture.q11_rad.to_degrees(), 2.088778, 0.01);
-    assert_near(end.l_c22_m, finger_95().t22_m, 1e-15); // at l21,max the contact is at the tip
+    assert_near(end.l_c22_m, finger.lengths.t22_m, 1e-15); // at l21,max the contact is at the tip
 }
 
 #[test]
@@ -85,48 +87,39 @@ fn assembly_modes_mirror_a13_about_the_line_a12_a22() {
     assert_eq!(sign, -1.0); // A13 = (6.5, 20.7) mm lies to the right of the line from (15, 0) to (0, 24.4) mm
     assert_eq!(gamma(&l, Assembly::Other).unwrap(), 1.0);
     let (q11, q21) = (-0.5, 1.1);
-    let reference_joints = joint_positions(&l, &close_loop(&l, Assembly::Reference, q11, q21).unwrap());
-    let mirrored_joints = joint_positions(&l, &close_loop(&l, Assembly::Other, q11, q21).unwrap());
-    let line = (reference_joints.a22_m[1] - reference_joints.a12_m[1])
-        .atan2(reference_joints.a22_m[0] - reference_joints.a12_m[0]);
-    assert_near(
-        offset(reference_joints.a13_m, reference_joints.a12_m, line),
-        -offset(mirrored_joints.a13_m, mirrored_joints.a12_m, line),
-        1e-16,
-    );
-    assert!(offset(reference_joints.a13_m, reference_joints.a12_m, line) * sign > 0.0);
-    assert_near(joint_a13(&l, 1.0, q11, q21).unwrap()[0], mirrored_joints.a13_m[0], 1e-16);
+    let joints = |assembly| joint_positions(&l, &close_loop(&l, assembly, q11, q21).unwrap());
+    let (reference, mirrored) = (joints(Assembly::Reference), joints(Assembly::Other));
+    let [dx, dy] = sub(reference.a22_m, reference.a12_m);
+    let offset_of = |a13_m: [f64; 2]| offset(a13_m, reference.a12_m, dy.atan2(dx));
+    assert_near(offset_of(reference.a13_m), -offset_of(mirrored.a13_m), 1e-16);
+    assert!(offset_of(reference.a13_m) * sign > 0.0);
+    assert_near(joint_a13(&l, 1.0, q11, q21).unwrap()[0], mirrored.a13_m[0], 1e-16);
 }
 
 #[test]
 fn both_phalanges_are_tangent_to_the_virtual_circle_in_the_final_posture() {
     for design in sweep_designs(THIRDS) {
-        let (l, circle) = (lengths(&design).unwrap(), disc(&design));
-        let end = final_posture(&l, Assembly::Reference, circle).unwrap();
-        let (j, p, r) = (joint_positions(&l, &end.posture), end.posture, R_C + W);
-        let c = circle.centre_m;
+        let Grasp { finger, disc, end } = grasp(&design).unwrap();
+        let FinalPosture { posture: p, l_c21_m, l_c22_m, phi_c_rad } = end;
+        let (l, c, r) = (finger.lengths, disc.centre_m, R_C + W);
+        let j = joint_positions(&l, &p);
         assert!(gap(&l, &p) < 1e-14);
         assert_near(offset(c, [0.0, 0.0], p.q21_rad), r, 1e-16);
         let tip = p.q21_rad + p.q22_rad + l.phi22_rad;
         assert_near(offset(c, j.a22_m, tip), r, 1e-16);
-        assert_near(tip, end.phi_c_rad + FRAC_PI_2, 1e-14);
+        assert_near(tip, phi_c_rad + FRAC_PI_2, 1e-14);
         // The distal contact is along the tip phalanx and at φ_c on the circle.
-        let contact = [j.a22_m[0] + end.l_c22_m * tip.cos(), j.a22_m[1] + end.l_c22_m * tip.sin()];
-        assert_near(contact[0], c[0] + r * end.phi_c_rad.cos(), 1e-16);
-        assert_near(contact[1], c[1] + r * end.phi_c_rad.sin(), 1e-16);
-        assert_near(end.l_c22_m, l.l21_m - end.l_c21_m, 1e-16); // equal tangents, errata 14
+        let contact = add(j.a22_m, scale(unit(tip), l_c22_m));
+        let on_circle = add(c, scale(unit(phi_c_rad), r));
+        (0..2).for_each(|i| assert_near(contact[i], on_circle[i], 1e-16));
+        assert_near(l_c22_m, l.l21_m - l_c21_m, 1e-16); // equal tangents, errata 14
         // 2-design §2.1: φ_c = angle(A22 − centre) + acos(R / |A22 − centre|); acos loses digits near the end of its domain.
-        let (dx, dy) = (j.a22_m[0] - c[0], j.a22_m[1] - c[1]);
-        assert_near(end.phi_c_rad, dy.atan2(dx) + (r / dx.hypot(dy)).acos(), 1e-12);
-        assert!(end.phi_c_rad >= 5f64.to_radians() - 1e-12); // φ_c22,min at l21,min, larger beyond
+        let [dx, dy] = sub(j.a22_m, c);
+        assert_near(phi_c_rad, dy.atan2(dx) + (r / dx.hypot(dy)).acos(), 1e-12);
+        // φ_c22,min at l21,min, larger beyond.
+        let smallest = 5f64.to_radians();
+        assert!(phi_c_rad >= smallest - 1e-12 && (design.l21 != SHORTEST || phi_c_rad <= smallest + 1.7e-14));
     }
-}
-
-#[test]
-fn shortest_proximal_phalanx_has_the_smallest_contact_angle() {
-    let design = Design { l21: ProximalLength::Fraction(0.0), ..design_95() };
-    let end = final_posture(&lengths(&design).unwrap(), Assembly::Reference, disc(&design)).unwrap();
-    assert_near(end.phi_c_rad.to_degrees(), 5.0, 1e-12);
 }
 
 #[test]
@@ -134,9 +127,7 @@ fn contact_rotates_with_the_disc() {
     // A rotation of the disc about O rotates the contact by the same angle and keeps its length.
     let original = contact_proximal(W, disc(&design_95())).unwrap();
     assert_near(original.q21_rad.to_degrees(), 65.0007, 0.00005);
-    let (s, c) = 0.3f64.sin_cos();
-    let [x, y] = disc(&design_95()).centre_m;
-    let rotated = PlacedShape::disc(R_C, [c * x - s * y, s * x + c * y]);
+    let rotated = PlacedShape::disc(R_C, rotate(disc(&design_95()).centre_m, unit(0.3)));
     let rotated_contact = contact_proximal(W, rotated).unwrap();
     assert_near(rotated_contact.q21_rad, original.q21_rad + 0.3, 1e-15);
     assert_near(rotated_contact.length_m, original.length_m, 1e-16);
@@ -160,12 +151,11 @@ fn errors_of_closure_and_reach_contain_the_values() {
     assert!(error.to_string().contains("l22_m is NaN, but must be a finite length above 0"), "{error}");
     assert!(close_loop(&l, Assembly::Reference, f64::INFINITY, 0.0).is_err());
 
+    let error = |l: &Lengths, disc| final_posture(l, Assembly::Reference, disc).unwrap_err();
     let distant_disc = PlacedShape::disc(R_C, [-0.05, 0.02]);
-    let error = final_posture(&l, Assembly::Reference, distant_disc).unwrap_err();
-    assert!(matches!(error, GraspError::ProximalTooShort { .. }), "{error}");
+    assert!(matches!(error(&l, distant_disc), GraspError::ProximalTooShort { .. }));
     let short_tip = Lengths { t22_m: 0.005, ..l };
-    let error = final_posture(&short_tip, Assembly::Reference, disc(&design_95())).unwrap_err();
-    assert!(matches!(error, GraspError::TipTooShort { .. }), "{error}");
+    assert!(matches!(error(&short_tip, disc(&design_95())), GraspError::TipTooShort { .. }));
     let error = contact_proximal(W, PlacedShape::disc(R_C, [-0.01, 0.02])).unwrap_err();
     assert_contains(&error.to_string(), &["22.3607 mm from the ground joint, but must be more than 22.5000 mm"]);
     assert!(contact_proximal(W, PlacedShape::disc(f64::NAN, [-0.01, 0.02])).is_err());

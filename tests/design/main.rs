@@ -5,21 +5,17 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod form_closure;
 mod gripper_balance;
-mod gripper_closure;
 mod gripper_design;
-mod gripper_mass;
 mod gripper_posture;
 mod hold;
 mod reproduce;
 mod select;
 mod shapes;
 mod sizing;
-mod statics_closure;
 mod statics_command;
-mod statics_counts;
 mod statics_forces;
-mod statics_gripper;
 mod statics_simulated;
 mod sweep_resume;
 mod sweep_runs;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::support::designs::assert_near;
 use phalanx::gripper::polygon_moments;
 use phalanx::numeric::plane::{Vector, cross, dot, perp, scale, sub};
 use phalanx::numeric::{Dual, Real};
@@ -20,12 +21,12 @@ fn placed_shapes() -> impl Iterator<Item = PlacedShape> {
     SHAPES.into_iter().flat_map(rotated)
 }
 
-fn directions(count: usize) -> impl Iterator<Item = (f64, Vector<f64>)> {
-    (0..count).map(move |k| 0.1 + TAU * k as f64 / count as f64).map(|angle| (angle, [angle.cos(), angle.sin()]))
+fn distance(a: Vector<f64>, b: Vector<f64>) -> f64 {
+    dot(sub(a, b), sub(a, b)).sqrt()
 }
 
-fn assert_near(actual: f64, expected: f64, tolerance: f64) {
-    assert!((actual - expected).abs() <= tolerance, "{actual} is not {expected}");
+fn directions(count: usize) -> impl Iterator<Item = (f64, Vector<f64>)> {
+    (0..count).map(move |k| 0.1 + TAU * k as f64 / count as f64).map(|angle| (angle, [angle.cos(), angle.sin()]))
 }
 
 #[test]
@@ -61,13 +62,9 @@ fn support_line_touches_the_surface() {
             assert_near(along(placed.furthest_point_m(direction)), distance, 1e-15);
             assert!(outline.iter().all(|point| along(*point) <= distance + 1e-15));
         }
-        assert_near(
-            placed.lowest_point_m()[1],
-            outline.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min),
-            5e-5,
-        );
-        let distances =
-            outline.iter().map(|point| dot(sub(*point, placed.centre_m), sub(*point, placed.centre_m)).sqrt());
+        let lowest = outline.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+        assert_near(placed.lowest_point_m()[1], lowest, 5e-5);
+        let distances = outline.iter().map(|point| distance(*point, placed.centre_m));
         assert_near(distances.fold(0.0, f64::max), max_radius(&placed.shape), 1e-5);
         assert!(circle_radius(&placed.shape).is_none_or(|radius_m| radius_m == max_radius(&placed.shape)));
     }
@@ -91,14 +88,13 @@ fn nearest_points_lie_along_the_normal() {
                 let separation_m = max_radius(&placed.shape) + max_radius(&other) + 0.003;
                 let centre_m = [0, 1].map(|i| placed.centre_m[i] + separation_m * direction[i]);
                 let other = PlacedShape { shape: other, centre_m, angle_rad: 0.7 };
-                let (normal, distance) = normal_between([&other, &placed]);
-                let gap = distance - support(&other, scale(normal, -1.0)).distance - support(&placed, normal).distance;
-                let distance_to_other = |point: &Vector<f64>| {
-                    let distance = |corner: Vector<f64>| dot(sub(corner, *point), sub(corner, *point)).sqrt();
-                    other.outline_m().into_iter().map(distance).fold(f64::INFINITY, f64::min)
-                };
+                let (normal, centre_distance) = normal_between([&other, &placed]);
+                let gap =
+                    centre_distance - support(&other, scale(normal, -1.0)).distance - support(&placed, normal).distance;
+                let corners = other.outline_m();
+                let distances = outline.iter().flat_map(|point| corners.iter().map(|corner| distance(*point, *corner)));
                 // The tolerance covers the distance of the corners along the surfaces.
-                assert_near(outline.iter().map(distance_to_other).fold(f64::INFINITY, f64::min), gap, 2e-4);
+                assert_near(distances.fold(f64::INFINITY, f64::min), gap, 2e-4);
             }
         }
     }
@@ -138,11 +134,8 @@ fn mass_and_inertia_match_the_outline() {
         let mass_kg = mass(&shape, 1070.0, 0.04);
         // The polygon omits the segments beyond its edges: (2π/96)²/6 of the area, and twice that fraction of the second moment.
         assert_near(mass_kg, 1070.0 * 0.04 * moments.area_m2, 1e-3 * mass_kg);
-        assert_near(
-            inertia(&shape, mass_kg),
-            1070.0 * 0.04 * moments.second_moment_m4,
-            2e-3 * inertia(&shape, mass_kg),
-        );
+        let inertia = inertia(&shape, mass_kg);
+        assert_near(inertia, 1070.0 * 0.04 * moments.second_moment_m4, 2e-3 * inertia);
         assert!(dimensions(&shape).all(|(_, size_m)| size_m <= max_radius(&shape)));
         assert!(curvature_radius(&shape) > 0.0);
     }

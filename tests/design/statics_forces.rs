@@ -1,12 +1,21 @@
 //! Contact forces at rest: virtual work, balance of the object, Birglen's formulation, rejected input.
 
-use crate::support::designs::design_95;
-use crate::support::statics::{Grasp, Random, constant_spring, grasp, without_width};
+use crate::support::designs::{THIRDS, design_95, sweep_designs};
+use crate::support::statics::{Frame, Grasp, Random, constant_spring, frames, grasp, rates, without_width};
 use phalanx::fivebar::kinematics::{directions, passive_rates, reference_gamma};
-use phalanx::gripper::{Lengths, Placement, Spring, SpringKind};
+use phalanx::gripper::{FinalPosture, Placement, Spring, SpringKind};
+use phalanx::numeric::plane::{add, dot, perp, scale};
 use phalanx::shape::max_radius;
+use std::f64::consts::FRAC_PI_2;
+
+/// Angles q11 and q21 of a posture.
+fn driven_angles(end: &FinalPosture) -> [f64; 2] {
+    [end.posture.q11_rad, end.posture.q21_rad]
+}
+use phalanx::sizing::{Rule, Sizing, Task, size};
 use phalanx::statics::{
-    Ejection, birglen, contact_jacobian, drive_loads, equilibrium, equilibrium_with_mu, palm_force, static_kinematics,
+    Ejection, birglen, contact_jacobian, drive_loads, equilibrium, equilibrium_with_mu, form_closure, palm_force,
+    static_kinematics,
 };
 
 fn is_near(actual: f64, expected: f64, relative: f64) -> bool {
@@ -16,14 +25,10 @@ fn is_near(actual: f64, expected: f64, relative: f64) -> bool {
 /// Returns the unit vectors n and t and the point of both contacts: n points from the object into the phalanx, t from its joint to its
 /// end.
 fn contacts(Grasp { disc, end, .. }: &Grasp) -> [([f64; 2], [f64; 2], [f64; 2]); 2] {
-    let e = |angle: f64| [angle.cos(), angle.sin()];
-    let contact_at = |angle: f64| {
-        let (n, t) = (e(angle), e(angle + 0.5 * std::f64::consts::PI));
-        let point =
-            [disc.centre_m[0] + max_radius(&disc.shape) * n[0], disc.centre_m[1] + max_radius(&disc.shape) * n[1]];
-        (n, t, point)
-    };
-    [contact_at(end.posture.q21_rad - 0.5 * std::f64::consts::PI), contact_at(end.phi_c_rad)]
+    [end.posture.q21_rad - FRAC_PI_2, end.phi_c_rad].map(|angle| {
+        let n = [angle.cos(), angle.sin()];
+        (n, perp(n), add(disc.centre_m, scale(n, max_radius(&disc.shape))))
+    })
 }
 
 #[test]
@@ -33,34 +38,13 @@ fn errata_09_jacobian_equals_virtual_work_with_friction_along_the_tangent() {
         let grasp = random.grasp();
         let mu = [random.within(0.0, 1.0), random.within(0.0, 1.0)];
         let jacobian = contact_jacobian(&grasp.finger, &grasp.end, mu).unwrap();
-        let lengths = &grasp.finger.lengths;
-        let posture = &grasp.end.posture;
-        // Position of a point fixed to l21 or l22, for central differences of the loop closure.
-        let gamma = reference_gamma(lengths);
-        let transported = |contact: usize, point: [f64; 2], q: [f64; 2]| -> [f64; 2] {
-            let body = |q: [f64; 2]| {
-                let pose = directions(lengths, gamma, q);
-                match contact {
-                    0 => ([0.0; 2], pose.e2),
-                    _ => ([lengths.l21_m * pose.e2[0], lengths.l21_m * pose.e2[1]], pose.e4),
-                }
-            };
-            let (from, x) = body([posture.q11_rad, posture.q21_rad]);
-            let offset = [point[0] - from[0], point[1] - from[1]];
-            let local = [x[0] * offset[0] + x[1] * offset[1], x[0] * offset[1] - x[1] * offset[0]];
-            let (to, x) = body(q);
-            [to[0] + x[0] * local[0] - x[1] * local[1], to[1] + x[1] * local[0] + x[0] * local[1]]
-        };
+        let q = driven_angles(&grasp.end);
         for (contact, (n, t, point)) in contacts(&grasp).into_iter().enumerate() {
+            // The contact point is fixed to l21 or l22.
+            let local = frames(&grasp.finger, q)[2 + contact].local(point);
+            let displacements = rates(&grasp.finger, q, |frames| frames[2 + contact].point(local));
             for coordinate in 0..2 {
-                let position = |step: f64| {
-                    let mut q = [posture.q11_rad, posture.q21_rad];
-                    q[coordinate] += step;
-                    transported(contact, point, q)
-                };
-                let (a, b) = (position(1e-6), position(-1e-6));
-                let force = [n[0] + mu[contact] * t[0], n[1] + mu[contact] * t[1]];
-                let work = ((a[0] - b[0]) * force[0] + (a[1] - b[1]) * force[1]) / 2e-6;
+                let work = dot(displacements[coordinate], add(n, scale(t, mu[contact])));
                 let actual = jacobian[coordinate][contact];
                 assert!((actual - work).abs() < 1e-9, "contact {contact}, q{coordinate}: {actual:e}, not {work:e}");
             }
@@ -84,13 +68,9 @@ fn errata_10_palm_force_balances_the_object() {
         let grasp = random.grasp();
         let mu = random.within(0.0, 1.0);
         let forces = [random.within(0.0, 50.0), random.within(0.0, 50.0)];
-        let mut on_object = [0.0; 2];
-        for ((n, t, _), force) in contacts(&grasp).into_iter().zip(forces) {
-            on_object[0] -= force * (n[0] + mu * t[0]);
-            on_object[1] -= force * (n[1] + mu * t[1]);
-        }
+        let upwards: f64 = contacts(&grasp).iter().zip(forces).map(|((n, t, _), f)| -f * (n[1] + mu * t[1])).sum();
         let pfp = palm_force(&grasp.end, forces[0], forces[1], mu);
-        assert!((pfp + on_object[1]).abs() < 1e-12 * (forces[0] + forces[1]));
+        assert!((pfp + upwards).abs() < 1e-12 * (forces[0] + forces[1]));
     }
 }
 
@@ -102,8 +82,7 @@ fn errata_10_printed_palm_force_has_the_wrong_sign() {
     let actual = palm_force(&end, f21, f22, mu);
     assert!((actual - 17.3).abs() < 0.05, "{actual}");
     let (q21, phi_c) = (end.posture.q21_rad, end.phi_c_rad);
-    let printed =
-        f22 * (phi_c.sin() + mu * phi_c.cos()) - f21 * ((q21 - 0.5 * std::f64::consts::PI).cos() + mu * q21.sin());
+    let printed = f22 * (phi_c.sin() + mu * phi_c.cos()) - f21 * ((q21 - FRAC_PI_2).cos() + mu * q21.sin());
     assert!(printed < -20.0, "{printed}");
 }
 
@@ -131,34 +110,25 @@ fn errata_04_motor_torque_must_balance_the_spring() {
 #[test]
 fn spring_loads_equal_virtual_work() {
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
-    let (lengths, posture) = (&finger.lengths, &end.posture);
-    let gamma = reference_gamma(lengths);
-    let angle = |a: [f64; 2], b: [f64; 2]| (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
-    for placement in [Placement::GroundLinks, Placement::DrivenCoupler, Placement::Phalanges, Placement::CouplerDistal]
-    {
-        let coordinate = |q: [f64; 2]| {
-            let pose = directions(lengths, gamma, q);
-            match placement {
-                Placement::GroundLinks => angle(pose.e1, pose.e2),
-                Placement::DrivenCoupler => angle(pose.e1, pose.e3),
-                Placement::Phalanges => angle(pose.e2, pose.e4),
-                Placement::CouplerDistal => angle(pose.e4, pose.e3),
-            }
-        };
-        let (q11, q21) = (posture.q11_rad, posture.q21_rad);
+    // Coordinates of the springs.
+    type Coordinate = fn([Frame; 4]) -> f64;
+    for (placement, coordinate) in [
+        (Placement::GroundLinks, (|[l11, _, l21, _]| l21.angle_rad - l11.angle_rad) as Coordinate),
+        (Placement::DrivenCoupler, |[l11, l12, ..]| l12.angle_rad - l11.angle_rad),
+        (Placement::Phalanges, |[.., l21, l22]| l22.angle_rad - l21.angle_rad),
+        (Placement::CouplerDistal, |[_, l12, _, l22]| l12.angle_rad - l22.angle_rad),
+    ] {
+        let q = driven_angles(&end);
         // From the straight configuration, with l11 on the palm and l21 upright, to the final posture.
-        let rotation = coordinate([q11, q21]) - coordinate([0.0, 0.5 * std::f64::consts::PI]);
+        let rotation = coordinate(frames(&finger, q)) - coordinate(frames(&finger, [0.0, FRAC_PI_2]));
+        let slope = rates(&finger, q, |frames| [coordinate(frames)]);
         for (kind, torque) in [
             (SpringKind::Constant { torque_n_m: 0.13 }, 0.13),
             (SpringKind::Torsional { stiffness_n_m_per_rad: 0.05, preload_rad: 1.5 }, 0.05 * (1.5 + rotation.abs())),
         ] {
             let loads = drive_loads(&finger, &end, 0.48, Some(&Spring { kind, placement })).unwrap();
-            let slope = [[1.0, 0.0], [0.0, 1.0]].map(|d: [f64; 2]| {
-                let coordinate_at = |step: f64| coordinate([q11 + step * d[0], q21 + step * d[1]]);
-                (coordinate_at(1e-6) - coordinate_at(-1e-6)) / 2e-6
-            });
             for i in 0..2 {
-                let expected = [0.48, 0.0][i] - rotation.signum() * torque * slope[i];
+                let expected = [0.48, 0.0][i] - rotation.signum() * torque * slope[i][0];
                 assert!((loads[i] - expected).abs() < 1e-8, "{placement:?} {kind:?}: {loads:?}, not {expected}");
             }
         }
@@ -206,19 +176,12 @@ fn birglens_forces_agree_without_width_or_without_friction() {
 fn birglens_transmission_matches_the_loop_rates() {
     let Grasp { finger, end, .. } = grasp(&design_95()).unwrap();
     let forces = birglen(&finger, &end, [0.48, 0.0], 0.0).unwrap();
-    let (q, h) = ([end.posture.q11_rad, end.posture.q21_rad], 1e-6);
-    let tip = |q: [f64; 2]| {
-        let pose = directions(&finger.lengths, reference_gamma(&finger.lengths), q);
-        (pose.e2[0] * pose.e4[1] - pose.e2[1] * pose.e4[0]).atan2(pose.e2[0] * pose.e4[0] + pose.e2[1] * pose.e4[1])
-    };
+    let tip = rates(&finger, driven_angles(&end), |[.., l21, l22]| [l22.angle_rad - l21.angle_rad]);
     // θ̇ = T (θ̇_a, θ̇2) for any motion of the two driven angles.
-    for rates in [[1.0, 0.0], [0.3, -0.7], [0.0, 1.0]] {
-        let tip_at = |s: f64| tip([q[0] + s * rates[0], q[1] + s * rates[1]]);
-        let tip_rate = (tip_at(h) - tip_at(-h)) / (2.0 * h);
-        let [[t11, t12], _] = forces.transmission;
-        assert!((t11 * rates[0] + t12 * tip_rate - rates[1]).abs() < 1e-8);
-        let [[i11, i12], _] = forces.transmission_inverse;
-        assert!((i11 * rates[1] + i12 * tip_rate - rates[0]).abs() < 1e-8);
+    for driven in [[1.0, 0.0], [0.3, -0.7], [0.0, 1.0]] {
+        let tip_rate = dot(driven, [tip[0][0], tip[1][0]]);
+        assert!((dot(forces.transmission[0], [driven[0], tip_rate]) - driven[1]).abs() < 1e-8);
+        assert!((dot(forces.transmission_inverse[0], [driven[1], tip_rate]) - driven[0]).abs() < 1e-8);
     }
 }
 
@@ -242,7 +205,7 @@ fn errors_name_the_reason() {
     let [mut folded, mut dead_point] = [end, end];
     folded.posture.q12_rad = end.posture.q21_rad + end.posture.q22_rad - end.posture.q11_rad;
     dead_point.posture.q12_rad = 0.0;
-    let on_joint = phalanx::gripper::FinalPosture { l_c22_m: 0.0, ..end };
+    let on_joint = FinalPosture { l_c22_m: 0.0, ..end };
     for (end, load, mu, reason) in [
         (end, f64::NAN, [0.0; 2], "load on q11 is NaN"),
         (end, 0.1, [-0.1; 2], "mu_static is -0.1"),
@@ -264,12 +227,29 @@ fn final_posture_satisfies_loop_closure() {
     let mut random = Random(3);
     for _ in 0..200 {
         let Grasp { finger, end, .. } = random.grasp();
-        let lengths: &Lengths = &finger.lengths;
-        let q = [end.posture.q11_rad, end.posture.q21_rad];
-        let pose = directions(lengths, reference_gamma(lengths), q);
-        let (a, b) = (static_kinematics(&finger, &end).unwrap().rates, passive_rates(lengths, &pose));
+        let pose = directions(&finger.lengths, reference_gamma(&finger.lengths), driven_angles(&end));
+        let (a, b) = (static_kinematics(&finger, &end).unwrap().rates, passive_rates(&finger.lengths, &pose));
         for (a, b) in a.a4.into_iter().zip(b.a4).chain(a.a3.into_iter().zip(b.a3)) {
             assert!(is_near(a, b, 1e-9), "{a} {b}");
         }
     }
+}
+
+/// Number of the 192 designs that hold their object, with motor and spring sized for the rigid phase (2-design §2.6).
+#[test]
+fn numbers_of_stable_and_form_closed_designs() {
+    let (mut stable, mut closed, mut nearest) = ([0; 2], 0, f64::INFINITY);
+    for design in sweep_designs(THIRDS) {
+        let grasp = grasp(&design).unwrap();
+        let Sizing { motor_n_m, spring_n_m, .. } = size(&grasp.finger, &Task::thesis(grasp.disc), Rule::Rigid).unwrap();
+        let loads = drive_loads(&grasp.finger, &grasp.end, motor_n_m, Some(&constant_spring(spring_n_m))).unwrap();
+        for (count, mu) in stable.iter_mut().zip([0.0, 0.8]) {
+            let forces = equilibrium(&grasp.finger, &grasp.end, loads, mu).unwrap();
+            *count += usize::from(forces.is_force_positive());
+            nearest = nearest.min(forces.f21_n.abs()).min(forces.f22_n.abs());
+        }
+        closed += usize::from(form_closure(&grasp.finger, &grasp.end).unwrap().closed);
+    }
+    assert_eq!((stable, closed), ([136, 160], 22));
+    assert!(nearest > 1e-3, "no design is decided by rounding: {nearest} N");
 }

@@ -4,9 +4,11 @@ use phalanx::fivebar::dynamics::{Dynamics, inverse_dynamics};
 use phalanx::fivebar::kinematics::reference_gamma;
 use phalanx::grasp::finger::{Grasp, GraspOverrides, grasp};
 use phalanx::gripper::{FinalPosture, Posture, joint_positions};
+use phalanx::numeric::plane::{dot, sub};
 use phalanx::scene::{self, Scene};
 use phalanx::statics::{Equilibrium, drive_loads, equilibrium, palm_force};
-use phalanx::trace::{self, FingerContact, Sample};
+use phalanx::trace::{self, FingerContact, FingerState, Sample};
+use std::f64::consts::FRAC_PI_2;
 
 fn load(file: &str) -> Scene {
     scene::load(file).unwrap_or_else(|error| panic!("{error}"))
@@ -18,7 +20,7 @@ fn simulate(scene: &Scene) -> Sample {
 }
 
 fn forces(last: &Sample) -> [f64; 2] {
-    [last.contact(FingerContact::Proximal).normal_n, last.contact(FingerContact::Distal).normal_n]
+    [FingerContact::Proximal, FingerContact::Distal].map(|contact| last.contact(contact).normal_n)
 }
 
 fn static_grasp(scene: &Scene) -> Grasp {
@@ -28,38 +30,30 @@ fn static_grasp(scene: &Scene) -> Grasp {
 /// Returns the final posture of the simulation, with both phalanges penetrating the object by a few micrometres.
 fn penetrated_posture(scene: &Scene, last: &Sample) -> FinalPosture {
     let lengths = &scene.finger().linkage.lengths;
-    let posture = Posture {
-        q11_rad: last.finger().q11_rad,
-        q21_rad: last.finger().q21_rad,
-        q12_rad: last.finger().q12_rad,
-        q22_rad: last.finger().q22_rad,
-    };
+    let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = *last.finger();
+    let posture = Posture { q11_rad, q21_rad, q12_rad, q22_rad };
     let joints = joint_positions(lengths, &posture);
     let centre = scene.object().unwrap().centre_m;
     let along = |from: [f64; 2], to: [f64; 2]| {
-        let (u, v) = ([to[0] - from[0], to[1] - from[1]], [centre[0] - from[0], centre[1] - from[1]]);
-        (u[0] * v[0] + u[1] * v[1]) / u[0].hypot(u[1])
+        let phalanx = sub(to, from);
+        dot(phalanx, sub(centre, from)) / phalanx[0].hypot(phalanx[1])
     };
     FinalPosture {
         posture,
         l_c21_m: along([0.0; 2], joints.a22_m),
         l_c22_m: along(joints.a22_m, joints.tip_m),
-        phi_c_rad: last.finger().q21_rad + last.finger().q22_rad + lengths.phi22_rad - 0.5 * std::f64::consts::PI,
+        phi_c_rad: q21_rad + q22_rad + lengths.phi22_rad - FRAC_PI_2,
     }
 }
 
 /// Returns the forces that balance motor, spring and weight without friction.
 fn balance(scene: &Scene, end: &FinalPosture) -> Equilibrium {
-    let q = [end.posture.q11_rad, end.posture.q21_rad];
-    let dynamics = Dynamics::new(
-        &scene.finger().linkage,
-        reference_gamma(&scene.finger().linkage.lengths),
-        scene.system.gravity_m_s2,
-    );
-    let weight = inverse_dynamics(&dynamics, q, [0.0; 2], [0.0; 2]);
-    let motor_n_m = scene::torque(&scene.finger().motor.actuation, scene.duration_s).0;
-    let drive = drive_loads(&scene.finger().linkage, end, motor_n_m, scene.finger().spring.as_ref()).unwrap();
-    equilibrium(&scene.finger().linkage, end, [drive[0] - weight[0], drive[1] - weight[1]], 0.0).unwrap()
+    let finger = scene.finger();
+    let dynamics = Dynamics::new(&finger.linkage, reference_gamma(&finger.linkage.lengths), scene.system.gravity_m_s2);
+    let weight = inverse_dynamics(&dynamics, [end.posture.q11_rad, end.posture.q21_rad], [0.0; 2], [0.0; 2]);
+    let motor_n_m = scene::torque(&finger.motor.actuation, scene.duration_s).0;
+    let drive = drive_loads(&finger.linkage, end, motor_n_m, finger.spring.as_ref()).unwrap();
+    equilibrium(&finger.linkage, end, sub(drive, weight), 0.0).unwrap()
 }
 
 #[track_caller]

@@ -1,6 +1,7 @@
 //! Helpers of the tests of models and integrators: experiment 95 and scenes with stiction, runs, comparisons of runs,
 //! random fingers.
 
+pub use super::random::Random;
 use std::fmt::Display;
 
 use super::checked_run;
@@ -170,24 +171,7 @@ pub fn impact_impulse(run: &CollectSink, finger_contact: FingerContact, window_s
     impulse_at(contact_s + window_s) - impulse_at(contact_s)
 }
 
-/// Pseudo-random number generator (splitmix64), seeded by its field.
-pub struct Random(pub u64);
-
 impl Random {
-    /// Returns a number uniform in 0…1.
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Returns a number uniform in `low`…`high`.
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
     /// A body whose centre of mass is off the axis of its link.
     pub fn body(&mut self) -> Body {
         Body {

@@ -2,9 +2,10 @@
 
 pub use super::runs::Random;
 use phalanx::gripper::{
-    Assembly, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies, disc,
-    final_posture, lengths,
+    Assembly, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies, close_loop,
+    disc, final_posture, joint_positions, lengths,
 };
+use phalanx::numeric::plane::{add, rotate, sub};
 use phalanx::shape::{PlacedShape, max_radius};
 use phalanx::statics::{Certificate, FormClosure, GraspConfiguration, Unilateral};
 use serde_json::Value;
@@ -52,6 +53,67 @@ impl Random {
             }
         }
     }
+}
+
+impl Random {
+    /// Returns fingers of different designs around an object away from the centre, with angles perturbed by up to
+    /// `angle_rad`. The loops may not close.
+    pub fn configuration<'a>(
+        &mut self,
+        [right, left]: [&'a Grasp; 2],
+        angle_rad: f64,
+        offset_m: [f64; 2],
+    ) -> GraspConfiguration<'a> {
+        let mut around = |mean: f64, range: f64| mean + self.within(-range, range);
+        GraspConfiguration {
+            fingers: [&right.finger, &left.finger],
+            angles_rad: [right, left]
+                .map(|grasp| [grasp.end.posture.q11_rad, grasp.end.posture.q21_rad].map(|q| around(q, angle_rad))),
+            palm_width_m: -right.disc.centre_m[0] - left.disc.centre_m[0],
+            object: right.disc.at([around(0.0, offset_m[0]), around(right.disc.centre_m[1], offset_m[1])]),
+        }
+    }
+}
+
+/// Frame of a link: its first joint, and the direction of its x axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    pub origin_m: [f64; 2],
+    pub angle_rad: f64,
+}
+
+impl Frame {
+    /// Returns the position of a point that is fixed to the link.
+    pub fn point(&self, local_m: [f64; 2]) -> [f64; 2] {
+        add(self.origin_m, rotate(local_m, [self.angle_rad.cos(), self.angle_rad.sin()]))
+    }
+
+    /// Returns a point in the frame of the link.
+    pub fn local(&self, point_m: [f64; 2]) -> [f64; 2] {
+        rotate(sub(point_m, self.origin_m), [self.angle_rad.cos(), -self.angle_rad.sin()])
+    }
+}
+
+/// Returns the frames of l11, l12, l21 and l22 for driven angles (q11, q21).
+pub fn frames(finger: &Finger, [q11, q21]: [f64; 2]) -> [Frame; 4] {
+    let posture = close_loop(&finger.lengths, finger.assembly, q11, q21).expect("near a posture");
+    let joints = joint_positions(&finger.lengths, &posture);
+    let (q12, q22) = (posture.q12_rad, posture.q22_rad);
+    [([0.0; 2], q11), (joints.a12_m, q11 + q12), ([0.0; 2], q21), (joints.a22_m, q21 + q22)]
+        .map(|(origin_m, angle_rad)| Frame { origin_m, angle_rad })
+}
+
+/// Returns the derivatives by q11 and q21 of quantities of the frames, by central differences.
+pub fn rates<const N: usize>(
+    finger: &Finger,
+    q: [f64; 2],
+    quantities: impl Fn([Frame; 4]) -> [f64; N],
+) -> [[f64; N]; 2] {
+    const H: f64 = 1e-6;
+    [[H, 0.0], [0.0, H]].map(|step| {
+        let (above, below) = (quantities(frames(finger, add(q, step))), quantities(frames(finger, sub(q, step))));
+        std::array::from_fn(|i| (above[i] - below[i]) / (2.0 * H))
+    })
 }
 
 /// Returns the final posture of a finger and its mirror image, with the object on the palm between them.

@@ -1,23 +1,34 @@
 //! Fates of objects, criteria and link overlaps of grippers do not depend on the object's size, the model or the
 //! tolerance.
 
+use crate::hard_scenes::load;
+use crate::support::checked_run::record_run;
 use phalanx::check::perturbed;
-use phalanx::criteria::{Fate, GraspCriteria, GraspTracker, LinkOverlap, Obstacle, RunCriteriaTracker};
-use phalanx::scene::{Integrator, Scene, load_any, parse_any};
-use phalanx::trace::{Model, Outcome, Reach, run};
+use phalanx::criteria::{Fate, GraspCriteria, LinkOverlap, Obstacle};
+use phalanx::scene::{Scene, parse_any};
+use phalanx::trace::{Model, Outcome, Reach};
 
-/// Lengths of design 95 with an object of 4 mm that floats 20 mm above the palm.
-const SMALL_OBJECT: &str = r#"
-    kind = "gripper"
-    duration = "20 ms"
-    gravity = ["0 m/s^2", "0 m/s^2"]
-    palm_width = "31 mm"
-    lengths = { l11 = "15 mm", l21 = "24.43 mm", l22 = "7.5 mm", t22 = "12.86 mm", phi22 = "120 deg" }
-    object = { radius = "4 mm", height = "20 mm" }
-    motor = { torque = "480 N*mm" }
-    spring = { torque = "132.6 N*mm" }
-    contact.friction.mu_static = 0.8
-"#;
+const BOTH_MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
+
+/// Lengths of design 95 with an object that floats above the palm.
+fn small_object(radius: &str, height: &str, duration: &str, more: &str) -> Scene {
+    let text = format!(
+        r#"
+        kind = "gripper"
+        duration = "{duration}"
+        gravity = ["0 m/s^2", "0 m/s^2"]
+        palm_width = "31 mm"
+        lengths = {{ l11 = "15 mm", l21 = "24.43 mm", l22 = "7.5 mm", t22 = "12.86 mm", phi22 = "120 deg" }}
+        object.radius = "{radius}"
+        object.height = "{height}"
+        motor = {{ torque = "480 N*mm" }}
+        spring = {{ torque = "132.6 N*mm" }}
+        contact.friction.mu_static = 0.8
+        {more}
+        "#
+    );
+    parse_any(&text, "fates.toml").unwrap_or_else(|error| panic!("{error}"))
+}
 
 /// A light, fast object that rebounds from the palm and flies past almost motionless fingers.
 const BOUNCING_OBJECT: &str = r#"
@@ -44,44 +55,25 @@ const BOUNCING_OBJECT: &str = r#"
     transition = "1e-8 m"
 "#;
 
-fn scene(text: &str, changes: &[(&str, &str)]) -> Scene {
-    let changed = changes.iter().fold(text.to_string(), |text, (from, to)| {
-        assert!(text.contains(from), "{from}");
-        text.replace(from, to)
-    });
-    parse_any(&changed, "fates.toml").unwrap_or_else(|error| panic!("{error}"))
-}
-
-/// Loads a shipped gripper.
-fn load(name: &str) -> Scene {
-    load_any(format!("scenes/gripper/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
-}
-
 fn run_with_criteria(scene: &Scene, model: Model) -> (GraspCriteria, Outcome) {
-    let mut tracker = GraspTracker::for_scene(scene);
-    let outcome = run(model, scene, &mut tracker).unwrap_or_else(|error| panic!("{model:?}: {error}"));
-    (tracker.criteria().expect("samples"), outcome)
+    let run = record_run(model, scene);
+    (run.run_criteria.and_then(|all| all.grasp).expect("criteria"), run.outcome)
 }
 
 #[test]
 fn an_untouched_object_is_not_ejected() {
-    for model in [Model::Analytic, Model::Engine] {
-        let scene = scene(SMALL_OBJECT, &[("20 ms", "3 ms")]);
-        let (criteria, outcome) = run_with_criteria(&scene, model);
-        assert_eq!(
-            (criteria.fate, outcome.ejected_s, outcome.last.time_s),
-            (Fate::NotGrasped, None, 3e-3),
-            "{model:?}"
-        );
-    }
-    // An untouched object that flies away is not ejected either.
-    let escaping = ("height = \"20 mm\"", "height = \"20 mm\", velocity = [\"0 m/s\", \"30 m/s\"]");
-    for model in [Model::Analytic, Model::Engine] {
-        let scene = scene(SMALL_OBJECT, &[escaping, ("20 ms", "4 ms")]);
-        let (criteria, outcome) = run_with_criteria(&scene, model);
+    let escaping = "object.velocity = [\"0 m/s\", \"30 m/s\"]";
+    for (scene, escapes) in [
+        (small_object("4 mm", "20 mm", "3 ms", ""), false),
+        // An untouched object that flies away is not ejected either.
+        (small_object("4 mm", "20 mm", "4 ms", escaping), true),
+    ] {
         let reach = Reach::from_system(&scene.system).expect("a free object");
-        assert!(reach.is_outside(&outcome.last.bodies[0]), "{model:?}");
-        assert_eq!((criteria.fate, outcome.last.time_s), (Fate::NotGrasped, 4e-3), "{model:?}");
+        for model in BOTH_MODELS {
+            let (criteria, outcome) = run_with_criteria(&scene, model);
+            assert_eq!((criteria.fate, outcome.last.time_s), (Fate::NotGrasped, scene.duration_s), "{model:?}");
+            assert_eq!((outcome.ejected_s, reach.is_outside(&outcome.last.bodies[0])), (None, escapes), "{model:?}");
+        }
     }
 }
 
@@ -89,20 +81,19 @@ fn an_untouched_object_is_not_ejected() {
 /// than its radius.
 #[test]
 fn an_object_pulled_onto_the_palm_is_held_for_any_radius() {
-    for (radius, height) in
-        [("8 mm", "16 mm"), ("8 mm", "15.9 mm"), ("8 mm", "17 mm"), ("7 mm", "15 mm"), ("10 mm", "18 mm")]
-    {
-        let radius_m: f64 = radius.trim_end_matches(" mm").parse::<f64>().expect("a number") * 1e-3;
-        let (radius, height) = (format!("radius = \"{radius}\""), format!("height = \"{height}\""));
-        let changes = [("radius = \"4 mm\"", &*radius), ("height = \"20 mm\"", &*height), ("20 ms", "60 ms")];
-        let scene = scene(SMALL_OBJECT, &changes);
-        for model in [Model::Analytic, Model::Engine] {
+    for (radius, height, radius_m) in [
+        ("8 mm", "16 mm", 8e-3),
+        ("8 mm", "15.9 mm", 8e-3),
+        ("8 mm", "17 mm", 8e-3),
+        ("7 mm", "15 mm", 7e-3),
+        ("10 mm", "18 mm", 10e-3),
+    ] {
+        let scene = small_object(radius, height, "60 ms", "");
+        for model in BOTH_MODELS {
             let (criteria, outcome) = run_with_criteria(&scene, model);
             assert_eq!(criteria.fate, Fate::Held, "{radius}, {height}, {model:?}: {criteria:?}");
-            assert!(
-                (outcome.last.bodies[0].centre_m[1] - radius_m).abs() < 5e-5,
-                "{radius}, {height}: it lies on the palm"
-            );
+            let height_m = outcome.last.bodies[0].centre_m[1];
+            assert!((height_m - radius_m).abs() < 5e-5, "{radius}, {height}: it lies on the palm");
             assert!(criteria.tts_s.is_some_and(|tts_s| tts_s > 4e-3 && tts_s < 20e-3), "{:?}", criteria.tts_s);
         }
     }
@@ -112,12 +103,8 @@ fn an_object_pulled_onto_the_palm_is_held_for_any_radius() {
 /// 36.9 N on the palm.
 #[test]
 fn the_forces_of_a_held_object_balance() {
-    let scene = scene(
-        SMALL_OBJECT,
-        &[("radius = \"4 mm\"", "radius = \"8 mm\""), ("height = \"20 mm\"", "height = \"16 mm\""), ("20 ms", "60 ms")],
-    );
-    let (_, outcome) = run_with_criteria(&scene, Model::Analytic);
-    let forces: Vec<f64> = [0, 3, 1, 4, 6].map(|index: usize| outcome.last.contacts[index].normal_n).to_vec();
+    let (_, outcome) = run_with_criteria(&small_object("8 mm", "16 mm", "60 ms", ""), Model::Analytic);
+    let forces = [0, 3, 1, 4, 6].map(|index: usize| outcome.last.contacts[index].normal_n);
     for (force, expected) in forces.iter().zip([29.86, 29.86, 6.10, 6.10, 36.90]) {
         assert!((force - expected).abs() < 0.05, "{forces:?}");
     }
@@ -125,72 +112,61 @@ fn the_forces_of_a_held_object_balance() {
 
 #[test]
 fn a_run_ends_at_the_ejection_for_any_tolerance() {
-    let scene = scene(BOUNCING_OBJECT, &[]);
+    let scene = parse_any(BOUNCING_OBJECT, "fates.toml").unwrap_or_else(|error| panic!("{error}"));
     let reach = Reach::from_system(&scene.system).expect("a free object");
-    let ends: Vec<f64> = [1e-4, 3e-6, 1e-8]
-        .map(|rtol| {
-            let finer = Scene { integrator: Integrator { rtol, ..scene.integrator }, ..scene.clone() };
-            let (criteria, outcome) = run_with_criteria(&finer, Model::Analytic);
-            assert_ends_at_ejection(&reach, &criteria, &outcome)
-        })
-        .into();
+    // The run ends with the object on the boundary of the reach.
+    let end_s = |model: Model, scene: &Scene| {
+        let (criteria, outcome) = run_with_criteria(scene, model);
+        let end_s = outcome.ejected_s.expect("an ejection");
+        assert_eq!((criteria.fate, outcome.last.time_s), (Fate::Ejected { at_s: end_s }, end_s));
+        let (clearance_m, rate_m_s) = reach.clearance(&outcome.last.bodies[0]);
+        assert!(clearance_m.abs() < 1e-9 && rate_m_s > 0.0, "{clearance_m} m from the boundary, at {rate_m_s} m/s");
+        end_s
+    };
+    let ends = [1e-4, 3e-6, 1e-8].map(|rtol| {
+        let mut finer = scene.clone();
+        finer.integrator.rtol = rtol;
+        end_s(Model::Analytic, &finer)
+    });
     assert!(ends.iter().all(|end_s| (end_s - ends[2]).abs() < 2e-7), "{ends:?}");
-    let (criteria, outcome) = run_with_criteria(&scene, Model::Engine);
-    let engine_s = assert_ends_at_ejection(&reach, &criteria, &outcome);
+    let engine_s = end_s(Model::Engine, &scene);
     assert!((engine_s - ends[2]).abs() < 2e-6, "{engine_s} and {ends:?}");
 }
 
-/// Asserts that a run ends at the ejection, with the object on the boundary of the reach. Returns the end, s.
-fn assert_ends_at_ejection(reach: &Reach, criteria: &GraspCriteria, outcome: &Outcome) -> f64 {
-    let end_s = outcome.ejected_s.expect("an ejection");
-    assert_eq!((criteria.fate, outcome.last.time_s), (Fate::Ejected { at_s: end_s }, end_s));
-    let (clearance_m, rate_m_s) = reach.clearance(&outcome.last.bodies[0]);
-    assert!(clearance_m.abs() < 1e-9 && rate_m_s > 0.0, "{clearance_m} m from the boundary, at {rate_m_s} m/s");
-    end_s
-}
-
-const SMOOTH_GRASPS: [&str; 6] = ["design-95", "table", "hold", "bought", "seesaw", "offset"];
-
 #[test]
 fn a_torque_change_of_1e_7_leaves_the_criteria_of_a_smooth_grasp_unchanged() {
-    for name in SMOOTH_GRASPS {
-        let scene = load(name);
-        let [(original, _), (changed, _)] =
-            [scene.clone(), perturbed(&scene, 1e-7)].map(|scene| run_with_criteria(&scene, Model::Analytic));
+    for name in ["design-95", "table", "hold", "bought", "seesaw", "offset"] {
+        let scene = load(&format!("gripper/{name}"));
+        let [original, changed] =
+            [scene.clone(), perturbed(&scene, 1e-7)].map(|scene| run_with_criteria(&scene, Model::Analytic).0);
         assert_eq!((original.fate, changed.fate), (Fate::Held, Fate::Held), "{name}");
         let [original_s, changed_s] = [&original, &changed].map(|criteria| criteria.tts_s.expect("a stable grasp"));
         assert!((original_s - changed_s).abs() < 1e-6, "{name}: {original_s} and {changed_s}");
-        let loss_counts =
-            |criteria: &GraspCriteria| criteria.contacts.iter().map(|contact| contact.times_lost).collect::<Vec<_>>();
-        assert_eq!(loss_counts(&original), loss_counts(&changed), "{name}");
+        let losses = |criteria: &GraspCriteria| criteria.contacts.iter().map(|contact| contact.times_lost).collect();
+        let [original, changed]: [Vec<_>; 2] = [losses(&original), losses(&changed)];
+        assert_eq!(original, changed, "{name}");
     }
-}
-
-fn overlaps(scene: &Scene, model: Model) -> Vec<LinkOverlap> {
-    let mut tracker = RunCriteriaTracker::for_scene(scene);
-    run(model, scene, &mut tracker).expect("a run to its end");
-    tracker.finish(true).overlaps
 }
 
 #[test]
 fn overlapping_links_are_reported() {
-    let fingers = scene(SMALL_OBJECT, &[("20 ms", "6 ms")]);
+    let overlaps = |scene: &Scene, model: Model| -> Vec<LinkOverlap> {
+        record_run(model, scene).run_criteria.expect("criteria").overlaps
+    };
+    let fingers = small_object("4 mm", "20 mm", "6 ms", "");
     // The table overlaps the tips from the start on.
-    let table = scene(&format!("{SMALL_OBJECT}\ntable.level = \"30 mm\""), &[("20 ms", "6 ms")]);
-    for model in [Model::Analytic, Model::Engine] {
-        let finger_overlaps = overlaps(&fingers, model);
-        let [tips] = &finger_overlaps[..] else { panic!("{model:?}: {finger_overlaps:?}") };
+    let table = small_object("4 mm", "20 mm", "6 ms", "table.level = \"30 mm\"");
+    for model in BOTH_MODELS {
+        let all = overlaps(&fingers, model);
+        let [tips] = &all[..] else { panic!("{model:?}: {all:?}") };
         assert!(matches!(tips.obstacle, Obstacle::Link((_, "t22"))) && tips.link.1 == "t22", "{tips:?}");
         // The object is 8 mm thick and the links 5 mm, so they overlap next to it.
         assert!((tips.depth_m - 5e-3).abs() < 1e-4 && tips.from_s > 4e-3 && tips.from_s < 5e-3, "{tips:?}");
-        let finger_overlaps = overlaps(&table, model);
-        let with_table: Vec<_> = finger_overlaps.iter().filter(|overlap| overlap.obstacle == Obstacle::Table).collect();
-        assert_eq!(with_table.len(), 2, "{finger_overlaps:?}");
-        assert!(
-            with_table.iter().all(|overlap| overlap.from_s == 0.0 && overlap.depth_m > 5e-3),
-            "{finger_overlaps:?}"
-        );
+        let all = overlaps(&table, model);
+        let with_table: Vec<_> = all.iter().filter(|overlap| overlap.obstacle == Obstacle::Table).collect();
+        let is_deep_at_start = |overlap: &&LinkOverlap| overlap.from_s == 0.0 && overlap.depth_m > 5e-3;
+        assert!(with_table.len() == 2 && with_table.iter().all(is_deep_at_start), "{all:?}");
     }
     // In this gripper the links touch only the object.
-    assert_eq!(overlaps(&load("design-95"), Model::Analytic), []);
+    assert_eq!(overlaps(&load("gripper/design-95"), Model::Analytic), []);
 }

@@ -3,23 +3,23 @@
 
 use std::fmt::Write;
 
-use super::rng::{Rng, pair, quantity};
+use super::random::{Random, pair, quantity, write_normal_law};
 
 /// Returns a scene text. A few are rejected because no finger with the design exists.
-pub fn scene_text(rng: &mut Rng) -> String {
-    let duration_s = rng.log_uniform(1e-2, 4e-2);
+pub fn scene_text(rng: &mut Random) -> String {
+    let duration_s = rng.log_within(1e-2, 4e-2);
     let mut text = format!("kind = \"gripper\"\nduration = {}\n", quantity(duration_s, "s"));
-    let base = rng.uniform(12.0, 22.5);
+    let base = rng.within(12.0, 22.5);
     let palm = 2.0 * base + rng.choose(&[0.0, 0.0, 1.0, 3.0, 8.0]);
     let max_offset = (palm / 2.0 - 10.4).clamp(0.0, 3.5);
-    let offset = if rng.chance(0.25) { 0.0 } else { rng.uniform(-max_offset, max_offset) };
+    let offset = if rng.chance(0.25) { 0.0 } else { rng.within(-max_offset, max_offset) };
     let _ = writeln!(text, "palm_width = {}", quantity(palm, "mm"));
     if rng.chance(0.3) {
-        let error = offset.abs() + rng.uniform(0.0, max_offset - offset.abs());
+        let error = offset.abs() + rng.within(0.0, max_offset - offset.abs());
         let _ = writeln!(text, "positioning_error = {}", quantity(error, "mm"));
     }
     if rng.chance(0.2) {
-        let gravity = [rng.uniform(-40.0, 40.0), rng.uniform(-40.0, 40.0)];
+        let gravity = [rng.within(-40.0, 40.0), rng.within(-40.0, 40.0)];
         let _ = writeln!(text, "gravity = {}", pair(gravity, "m/s^2"));
     }
     if rng.chance(0.1) {
@@ -36,59 +36,59 @@ pub fn scene_text(rng: &mut Rng) -> String {
     text
 }
 
-fn design(rng: &mut Rng, text: &mut String, section: &str, base: f64) {
+fn design(rng: &mut Random, text: &mut String, section: &str, base: f64) {
     let _ = writeln!(text, "[{section}]\nbase = {}", quantity(base, "mm"));
-    let _ = writeln!(text, "l21_fraction = {:e}", rng.uniform(0.0, 1.0));
-    let _ = writeln!(text, "phi22 = {}", quantity(rng.uniform(90.0, 130.0), "deg"));
-    let _ = writeln!(text, "arm_ratio = {:e}", rng.uniform(0.3, 0.75));
+    let _ = writeln!(text, "l21_fraction = {:e}", rng.within(0.0, 1.0));
+    let _ = writeln!(text, "phi22 = {}", quantity(rng.within(90.0, 130.0), "deg"));
+    let _ = writeln!(text, "arm_ratio = {:e}", rng.within(0.3, 0.75));
 }
 
-fn object(rng: &mut Rng, text: &mut String, offset: f64, table: bool) {
+fn object(rng: &mut Random, text: &mut String, offset: f64, table: bool) {
     let _ = writeln!(text, "[object]\noffset = {}", quantity(offset, "mm"));
     if rng.chance(0.07) {
         text.push_str("motion = \"fixed\"\n");
     } else {
-        let mass = 53.784 * if rng.chance(0.3) { 1.0 } else { rng.log_uniform(0.05, 20.0) };
+        let mass = 53.784 * if rng.chance(0.3) { 1.0 } else { rng.log_within(0.05, 20.0) };
         let _ = writeln!(text, "mass = {}", quantity(mass, "g"));
         if rng.chance(0.3) {
-            let inertia = 0.5 * mass * 400.0 * rng.uniform(0.5, 1.8);
+            let inertia = 0.5 * mass * 400.0 * rng.within(0.5, 1.8);
             let _ = writeln!(text, "inertia = {}", quantity(inertia, "g*mm^2"));
         }
         if rng.chance(0.15) {
-            let velocity = [rng.uniform(-1.0, 1.0), rng.uniform(-2.0, 0.5)];
+            let velocity = [rng.within(-1.0, 1.0), rng.within(-2.0, 0.5)];
             let _ = writeln!(text, "velocity = {}", pair(velocity, "m/s"));
-            let _ = writeln!(text, "spin = {}", quantity(rng.uniform(-50.0, 50.0), "rad/s"));
+            let _ = writeln!(text, "spin = {}", quantity(rng.within(-50.0, 50.0), "rad/s"));
         }
     }
     if table {
-        let clearance = if rng.chance(0.3) { 0.0 } else { rng.uniform(0.0, 2.0) };
+        let clearance = if rng.chance(0.3) { 0.0 } else { rng.within(0.0, 2.0) };
         let _ = writeln!(text, "[table]\nlevel = {}", quantity(40.0 + clearance, "mm"));
     }
 }
 
-fn drives(rng: &mut Rng, text: &mut String) {
-    let torque = rng.uniform(100.0, 700.0);
+fn drives(rng: &mut Random, text: &mut String) {
+    let torque = rng.within(100.0, 700.0);
     let seesaw = rng.chance(0.25);
     let _ = writeln!(text, "[motor]\ntorque = {}", quantity(if seesaw { 2.0 * torque } else { torque }, "N*mm"));
     if rng.chance(0.3) {
-        let _ = writeln!(text, "inertia = {}", quantity(rng.log_uniform(1e-7, 1e-5), "kg*m^2"));
+        let _ = writeln!(text, "inertia = {}", quantity(rng.log_within(1e-7, 1e-5), "kg*m^2"));
     }
     if rng.chance(0.3) {
-        let _ = writeln!(text, "no_load_speed = {}", quantity(rng.uniform(200.0, 1000.0), "rad/s"));
+        let _ = writeln!(text, "no_load_speed = {}", quantity(rng.within(200.0, 1000.0), "rad/s"));
     }
     if seesaw {
         text.push_str("[differential]\n");
         if rng.chance(0.6) {
-            let _ = writeln!(text, "input_inertia = {}", quantity(rng.log_uniform(1e-6, 5e-5), "kg*m^2"));
-            let _ = writeln!(text, "seesaw_inertia = {}", quantity(rng.log_uniform(1e-7, 1e-5), "kg*m^2"));
+            let _ = writeln!(text, "input_inertia = {}", quantity(rng.log_within(1e-6, 5e-5), "kg*m^2"));
+            let _ = writeln!(text, "seesaw_inertia = {}", quantity(rng.log_within(1e-7, 1e-5), "kg*m^2"));
         }
     } else if rng.chance(0.2) {
-        let _ = writeln!(text, "[left.motor]\ntorque = {}", quantity(torque * rng.uniform(0.6, 1.4), "N*mm"));
+        let _ = writeln!(text, "[left.motor]\ntorque = {}", quantity(torque * rng.within(0.6, 1.4), "N*mm"));
     }
-    let _ = writeln!(text, "[spring]\ntorque = {}", quantity(torque * rng.uniform(0.1, 0.4), "N*mm"));
+    let _ = writeln!(text, "[spring]\ntorque = {}", quantity(torque * rng.within(0.1, 0.4), "N*mm"));
 }
 
-fn laws(rng: &mut Rng, text: &mut String, table: bool) {
+fn laws(rng: &mut Random, text: &mut String, table: bool) {
     let random_laws = rng.chance(0.5);
     if !random_laws {
         text.push_str("[contact.friction]\nmu_static = 0.8\n");
@@ -103,15 +103,13 @@ fn laws(rng: &mut Rng, text: &mut String, table: bool) {
     }
     for section in sections {
         let exponent = rng.choose(&[1.0, 1.5, 2.2, 2.2]);
-        let stiffness = if exponent < 1.4 { rng.log_uniform(1e5, 1e8) } else { rng.log_uniform(1e6, 1e10) };
-        let damping = if rng.chance(0.1) { 0.0 } else { rng.log_uniform(1e2, 1e6) };
-        let _ = writeln!(text, "[{section}]\nstiffness_si = {stiffness:e}\nexponent = {exponent:e}");
-        let _ = writeln!(text, "damping = {}", quantity(damping, "N*s/m"));
-        let _ = writeln!(text, "transition = {}", quantity(rng.log_uniform(1e-6, 1e-4), "m"));
+        let stiffness = if exponent < 1.4 { rng.log_within(1e5, 1e8) } else { rng.log_within(1e6, 1e10) };
+        let damping = if rng.chance(0.1) { 0.0 } else { rng.log_within(1e2, 1e6) };
+        write_normal_law(text, section, [stiffness, exponent, damping, rng.log_within(1e-6, 1e-4)]);
         if rng.chance(0.9) {
-            let v_static = rng.log_uniform(1e-3, 0.3);
-            let v_dynamic = v_static * rng.uniform(1.5, 5.0);
-            let _ = writeln!(text, "[{section}.friction]\nmu_static = {:e}", rng.uniform(0.0, 1.2));
+            let v_static = rng.log_within(1e-3, 0.3);
+            let v_dynamic = v_static * rng.within(1.5, 5.0);
+            let _ = writeln!(text, "[{section}.friction]\nmu_static = {:e}", rng.within(0.0, 1.2));
             let _ =
                 writeln!(text, "v_static = {}\nv_dynamic = {}", quantity(v_static, "m/s"), quantity(v_dynamic, "m/s"));
         }

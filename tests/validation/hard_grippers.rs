@@ -1,201 +1,100 @@
-//! Every gripper of scenes/hard and scenes/gripper: both models complete the run, satisfy every invariant, and agree
-//! within the bounds of the scene. The default preset is close to the reference.
-
-use std::collections::BTreeSet;
-use std::fs;
-use std::path::Path;
+//! Every gripper of scenes/hard and scenes/gripper: both models agree as in `hard_scenes`, and their criteria agree.
 
 use phalanx::check::perturbed;
-use phalanx::criteria::{Fate, GraspCriteria, GraspTracker};
-use phalanx::scene::{self, Scene};
-use phalanx::trace::{Model, Sink};
-use phalanx::validate::{Recording, check_bounds, check_invariants, compare, reference_scene, sampled_scene};
+use phalanx::criteria::{Fate, GraspCriteria};
+use phalanx::scene::Scene;
+use phalanx::trace::Model;
+use phalanx::validate::{Recording, reference_scene};
 
-use crate::support::checked_run::{assert_no_violations, record_run};
+use crate::hard_scenes::{agreement_tests, assert_models_agree, load, run_reference, scenes_in, test_name};
+use crate::support::checked_run::record_run;
 
-const GRIPPERS: [&str; 28] = [
-    "gripper/bought",
-    "gripper/carried",
-    "gripper/cycle",
-    "gripper/cycle-dropped",
-    "gripper/cycle-fast",
-    "gripper/cycle-heavy",
-    "gripper/cycle-light",
-    "gripper/cycle-shaken",
-    "gripper/design-95",
-    "gripper/different",
-    "gripper/fixed",
-    "gripper/heavy",
-    "gripper/hold",
-    "gripper/lift",
-    "gripper/light",
-    "gripper/offset",
-    "gripper/offset-left",
-    "gripper/seesaw",
-    "gripper/table",
-    "hard/gripper-both-tips",
-    "hard/gripper-heavy",
-    "hard/gripper-light",
-    "hard/gripper-no-friction",
-    "hard/gripper-one-finger-first",
-    "hard/gripper-out-of-reach",
-    "hard/gripper-squeezed",
-    "hard/gripper-thrown",
-    "hard/gripper-undamped",
-];
-
-/// Largest difference of the default preset from the reference along the whole path, in rad or lengths of 20 mm.
-const MAX_DEFAULT_ERROR: f64 = 1e-5;
-/// Scenes that a perturbation of 1e-7 changes by more than 1e-3, with their largest difference.
-const CHAOTIC_SCENES: [(&str, f64); 1] = [("hard/gripper-light", 1e-2)];
-
-fn load(name: &str) -> Scene {
-    scene::load_any(format!("scenes/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
+agreement_tests! { GRIPPERS, "gripper", assert_criteria_agree:
+    bought carried cycle cycle_dropped cycle_fast cycle_heavy cycle_light cycle_shaken design_95 different fixed heavy
+    hold lift light offset offset_left seesaw table
 }
 
-/// Returns the criteria of a recorded run.
-fn criteria(scene: &Scene, run: &Recording) -> GraspCriteria {
-    let mut tracker = GraspTracker::for_scene(scene);
-    let mut events = run.events.iter().peekable();
-    for sample in &run.samples {
-        while let Some(event) = events.next_if(|event| event.time_s <= sample.time_s) {
-            tracker.event(event).expect("nothing is written");
-        }
-        tracker.sample(sample).expect("nothing is written");
-    }
-    tracker.criteria().expect("samples")
+agreement_tests! { HARD_GRIPPERS, "hard", assert_criteria_agree:
+    gripper_both_tips gripper_heavy gripper_light gripper_no_friction gripper_one_finger_first gripper_out_of_reach
+    gripper_squeezed gripper_thrown gripper_undamped
 }
 
 #[test]
-fn every_gripper_scene_is_listed() {
-    let mut scenes = BTreeSet::new();
-    for directory in ["gripper", "hard"] {
-        for entry in fs::read_dir(Path::new("scenes").join(directory)).expect("the scenes") {
-            let stem = entry.expect("an entry").path().file_stem().expect("a name").to_string_lossy().into_owned();
-            if directory == "gripper" || stem.starts_with("gripper-") {
-                scenes.insert(format!("{directory}/{stem}"));
-            }
-        }
-    }
-    assert_eq!(scenes, GRIPPERS.map(String::from).into());
+fn every_gripper_scene_is_tested() {
+    let is_tested = |name: &String| GRIPPERS.contains(&&*test_name(name));
+    let is_hard_tested = |name: &String| HARD_GRIPPERS.contains(&&*test_name(name));
+    assert!(scenes_in("gripper").iter().all(is_tested));
+    assert!(scenes_in("hard").iter().filter(|name| name.starts_with("gripper-")).all(is_hard_tested));
 }
 
-#[test]
-fn both_models_agree_on_every_gripper() {
-    let mut failures = Vec::new();
-    for name in GRIPPERS {
-        let scene = load(name);
-        let reference = reference_scene(&scene);
-        let expected = record_run(Model::Analytic, &reference);
-        assert_no_violations(
-            &check_invariants(&reference, Model::Analytic, &expected),
-            &format!("{name}, analytic reference"),
-        );
-        let default_scene = sampled_scene(Model::Analytic, &scene);
-        let actual = record_run(Model::Analytic, &default_scene);
-        assert_no_violations(&check_invariants(&default_scene, Model::Analytic, &actual), &format!("{name}, analytic"));
-        let error = compare(&actual, &expected, scene.bounds.until_s).path_max();
-        let allowed = CHAOTIC_SCENES
-            .iter()
-            .find(|(chaotic, _)| *chaotic == name)
-            .map_or(MAX_DEFAULT_ERROR, |(_, allowed)| *allowed);
-        if error >= allowed {
-            failures.push(format!("{name}: the default preset has an error of {error:.1e}"));
-        }
-        let actual = record_run(Model::Engine, &sampled_scene(Model::Engine, &scene));
-        assert_no_violations(&check_invariants(&scene, Model::Engine, &actual), &format!("{name}, engine"));
-        let verdict = check_bounds(&compare(&actual, &expected, scene.bounds.until_s), &scene.bounds);
-        let failed_checks = verdict.checks.iter().filter(|check| !check.passed);
-        let criteria_of_both = [(&reference, &expected), (&scene, &actual)].map(|(scene, run)| criteria(scene, run));
-        failures.extend(
-            criteria_difference(&criteria_of_both, scene.thresholds.loss_time_s)
-                .map(|difference| format!("{name}: {difference}")),
-        );
-        failures.extend(
-            failed_checks.map(|check| format!("{name}: {} is {:?}, not {}", check.bound, check.measured, check.limit)),
-        );
-    }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
+fn criteria(run: &Recording) -> &GraspCriteria {
+    run.run_criteria.as_ref().and_then(|all| all.grasp.as_ref()).expect("criteria")
 }
 
-/// Describes a difference between the criteria of both models: other fates, or times to stability that differ by more
-/// than `max_tts_difference_s`.
-fn criteria_difference([first, second]: &[GraspCriteria; 2], max_tts_difference_s: f64) -> Option<String> {
-    let same_time = match (first.tts_s, second.tts_s) {
-        (Some(first_s), Some(second_s)) => (first_s - second_s).abs() <= max_tts_difference_s,
-        (first_s, second_s) => first_s == second_s,
+/// Asserts that the models agree, also in the fate and, within the shortest loss, in the time to stability.
+fn assert_criteria_agree(name: &str) {
+    let (scene, [expected, actual]) = assert_models_agree(name);
+    let [expected, actual] = [criteria(&expected), criteria(&actual)];
+    let has_same_time = match (expected.tts_s, actual.tts_s) {
+        (Some(expected_s), Some(actual_s)) => (expected_s - actual_s).abs() <= scene.thresholds.loss_time_s,
+        (expected_s, actual_s) => expected_s == actual_s,
     };
-    let same = first.fate.name() == second.fate.name() && same_time;
-    (!same).then(|| format!("{:?} from {:?}, and {:?} from {:?}", first.fate, first.tts_s, second.fate, second.tts_s))
+    assert!(has_same_time && expected.fate.name() == actual.fate.name(), "{name}: {expected:?}\n{actual:?}");
 }
 
 #[test]
 fn scenes_have_their_documented_outcomes() {
     for (name, is_held) in [("gripper/offset", true), ("gripper/seesaw", true), ("hard/gripper-no-friction", false)] {
-        let scene = load(name);
-        let run = record_run(Model::Analytic, &reference_scene(&scene));
-        let grasp = criteria(&scene, &run);
+        let run = run_reference(name);
+        let grasp = criteria(&run);
         assert_eq!(grasp.fate == Fate::Held, is_held, "{name}: {grasp:?}");
     }
-    let run_reference = |name: &str| record_run(Model::Analytic, &reference_scene(&load(name)));
     // An object moved by the palm is held until the fingers release it, and slips by micrometres.
     for (name, slip_m) in [
-        ("gripper/carried", [11e-6, 13e-6]),
-        ("gripper/cycle", [3e-6, 4e-6]),
-        ("gripper/cycle-fast", [3.5e-6, 4.5e-6]),
-        ("gripper/cycle-heavy", [14e-6, 16e-6]),
-        ("gripper/cycle-light", [2.5e-6, 3.5e-6]),
-        ("gripper/cycle-shaken", [3e-6, 4e-6]),
+        ("gripper/carried", 11e-6..13e-6),
+        ("gripper/cycle", 3e-6..4e-6),
+        ("gripper/cycle-fast", 3.5e-6..4.5e-6),
+        ("gripper/cycle-heavy", 14e-6..16e-6),
+        ("gripper/cycle-light", 2.5e-6..3.5e-6),
+        ("gripper/cycle-shaken", 3e-6..4e-6),
     ] {
-        let scene = load(name);
-        let grasp = criteria(&scene, &record_run(Model::Analytic, &reference_scene(&scene)));
+        let run = run_reference(name);
+        let grasp = criteria(&run);
         let travel_m = grasp.cycle.motion_travel.expect("the palm moves").displacement_m;
-        assert!(
-            grasp.fate == Fate::Held && (slip_m[0]..slip_m[1]).contains(&travel_m),
-            "{name}: {travel_m:e} {grasp:?}"
-        );
+        assert!(grasp.fate == Fate::Held && slip_m.contains(&travel_m), "{name}: {travel_m:e} {grasp:?}");
         let opening_s = grasp.cycle.opened_s.zip(grasp.cycle.release_s).map(|(opened, released)| opened - released);
-        assert_eq!(
-            opening_s.is_some_and(|time| time > 3e-3 && time < 5e-3),
-            name != "gripper/carried",
-            "{opening_s:?}"
-        );
+        let opens = opening_s.is_some_and(|time| time > 3e-3 && time < 5e-3);
+        assert_eq!(opens, name != "gripper/carried", "{opening_s:?}");
         assert!(grasp.cycle.brake_slip_rad.iter().all(|slip| slip.is_some_and(|slip| slip < 2e-4)), "{grasp:?}");
     }
     // An object too heavy for the brakes slips through the hand while the lift decelerates, and is dropped at about the
     // same time in both models.
     let scene = load("gripper/cycle-dropped");
-    let dropped_times = [Model::Analytic, Model::Engine].map(|model| {
-        let run = record_run(model, &if model == Model::Analytic { reference_scene(&scene) } else { scene.clone() });
-        let grasp = criteria(&scene, &run);
+    let dropped = [(Model::Analytic, reference_scene(&scene)), (Model::Engine, scene)].map(|(model, scene)| {
+        let run = record_run(model, &scene);
+        let grasp = criteria(&run);
         assert_eq!(grasp.cycle.release_s, None, "{model:?}: the run ends before the release");
-        match grasp.fate {
-            Fate::Dropped { since_s } => since_s,
-            other => panic!("{model:?}: {other:?}"),
-        }
+        let Fate::Dropped { since_s } = grasp.fate else { panic!("{model:?}: {:?}", grasp.fate) };
+        since_s
     });
-    assert!(
-        (dropped_times[0] - 123.8833e-3).abs() < 1e-6 && (dropped_times[0] - dropped_times[1]).abs() < 2e-5,
-        "{dropped_times:?}"
-    );
+    assert!((dropped[0] - 123.8833e-3).abs() < 1e-6 && (dropped[0] - dropped[1]).abs() < 2e-5, "{dropped:?}");
+    let outcome = |name: &str| run_reference(name).outcome;
     // The disc is ejected, which ends the run.
-    let thrown = run_reference("hard/gripper-no-friction");
-    assert!(
-        (thrown.outcome.ejected_s.expect("an ejection") - 33.999e-3).abs() < 2e-5,
-        "{:?}",
-        thrown.outcome.ejected_s
-    );
+    let ejected_s = outcome("hard/gripper-no-friction").ejected_s.expect("an ejection");
+    assert!((ejected_s - 33.999e-3).abs() < 2e-5, "{ejected_s}");
     // Both tips touch at the same instant, before the proximal phalanges.
-    let tips = run_reference("hard/gripper-both-tips").outcome.contacts;
-    let first = |index: usize| tips[index].first_s.expect("a touch");
-    assert!((first(1) - first(4)).abs() < 1e-12 && first(1) < first(0), "{} {}", first(1), first(4));
+    let first_touches =
+        |name: &str| outcome(name).contacts.into_iter().map(|contact| contact.first_s).collect::<Vec<_>>();
+    let first_s = first_touches("hard/gripper-both-tips");
+    let [proximal, right, left] = [0, 1, 4].map(|index: usize| first_s[index].expect("a touch"));
+    assert!((right - left).abs() < 1e-12 && right < proximal, "{right} {left} {proximal}");
     // One finger pushes for milliseconds before the other touches the object.
-    let pushed_contacts = run_reference("hard/gripper-one-finger-first").outcome.contacts;
-    assert!(pushed_contacts[3].first_s.expect("a touch") - pushed_contacts[0].first_s.expect("a touch") > 2e-3);
+    let first_s = first_touches("hard/gripper-one-finger-first");
+    assert!(first_s[3].expect("a touch") - first_s[0].expect("a touch") > 2e-3);
     // Only tips and table hold the squeezed disc.
-    let final_contacts = run_reference("hard/gripper-squeezed").outcome.last.contacts;
-    let active_contacts: Vec<usize> = (0..8).filter(|index| final_contacts[*index].normal_n > 0.0).collect();
-    assert_eq!(active_contacts, [1, 2, 4, 5, 7]);
+    let contacts = outcome("hard/gripper-squeezed").last.contacts;
+    let active: Vec<usize> = (0..8).filter(|index| contacts[*index].normal_n > 0.0).collect();
+    assert_eq!(active, [1, 2, 4, 5, 7]);
 }
 
 /// Relative perturbations of the motor torques, in units of the machine epsilon.

@@ -4,21 +4,17 @@
 
 #[path = "../support/mod.rs"]
 mod support;
+use support::random;
 
 mod budget;
 mod campaign;
 mod check;
-mod check_verdicts;
-mod criteria_anchor;
-mod criteria_reason;
-mod criteria_tracker;
+mod criteria;
 mod fates;
 mod grippers;
 mod hard_grippers;
 mod hard_scenes;
 mod random_scenes;
-mod rng;
 mod validate_command;
 mod validate_criteria;
 mod validate_measures;
-mod validate_scenes;

@@ -3,17 +3,15 @@
 //!
 //! A failing scene is printed with its seed, from which the generator of its kind reproduces it.
 
-#[path = "random_scenes/discs.rs"]
-mod discs;
-#[path = "random_scenes/finger.rs"]
-mod finger;
+#[path = "random_scenes/texts.rs"]
+mod texts;
 #[path = "random_scenes/trial.rs"]
 mod trial;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::grippers;
-use crate::rng::{self, Rng};
+use crate::support::random::{self, Random};
 use phalanx::trace::Model;
 use trial::{Counts, run_trial};
 
@@ -23,11 +21,11 @@ const MAX_STEPS: u64 = 20_000;
 const MAX_PRINTED_FAILURES: usize = 5;
 
 /// Runs the scenes of the seeds `first`…`first + count` in one model.
-fn run_scenes(model: Model, generate_text: fn(&mut Rng) -> String, first: u64, count: u64) {
+fn run_scenes(model: Model, generate_text: fn(&mut Random) -> String, first: u64, count: u64) {
     let mut counts = Counts::default();
     let mut failures = Vec::new();
     for seed in first..first + count {
-        let text = generate_text(&mut Rng::new(seed));
+        let text = generate_text(&mut Random::for_seed(seed));
         let result = catch_unwind(AssertUnwindSafe(|| run_trial(model, &text, &mut counts)));
         let problem = match result {
             Ok(Ok(())) => continue,
@@ -36,52 +34,33 @@ fn run_scenes(model: Model, generate_text: fn(&mut Rng) -> String, first: u64, c
         };
         failures.push(format!("---- seed {seed}, {} model: {problem}\n{text}", model.name()));
     }
-    println!("{count} scenes in the {} model: {counts}", model.name());
+    println!("{count} scenes in the {} model: {counts:#?}", model.name());
     let printed = failures.iter().take(MAX_PRINTED_FAILURES).cloned().collect::<Vec<_>>().join("\n");
     assert!(failures.is_empty(), "{} of {count} scenes failed\n{printed}", failures.len());
     // The scenes are useful: most of them run, and most runs are completed.
-    assert!(counts.rejected() * 2 < count, "{counts}");
-    assert!(counts.completed() > counts.ended(), "{counts}");
+    let [rejected, ended] = [&counts.rejected, &counts.ended].map(|reasons| reasons.values().sum::<u64>());
+    assert!(rejected * 2 < count && counts.completed > ended, "{counts:?}");
 }
 
-#[test]
-fn fingers_in_the_analytic_model() {
-    run_scenes(Model::Analytic, finger::scene_text, 0, 1000);
+/// Defines one test per model, family and seed range, so that they run in parallel: first seed and number of scenes.
+macro_rules! random_scene_tests {
+    ($($test:ident: $model:ident, $family:path, $first:literal, $count:literal;)*) => {
+        $(#[test]
+        fn $test() {
+            run_scenes(Model::$model, $family, $first, $count);
+        })*
+    };
 }
 
-#[test]
-fn more_fingers_in_the_analytic_model() {
-    run_scenes(Model::Analytic, finger::scene_text, 1000, 500);
-}
-
-#[test]
-fn fingers_in_the_engine() {
-    run_scenes(Model::Engine, finger::scene_text, 0, 400);
-}
-
-#[test]
-fn more_fingers_in_the_engine() {
-    run_scenes(Model::Engine, finger::scene_text, 1000, 200);
-}
-
-#[test]
-fn discs_in_the_analytic_model() {
-    run_scenes(Model::Analytic, discs::scene_text, 0, 250);
-}
-
-#[test]
-fn discs_in_the_engine() {
-    run_scenes(Model::Engine, discs::scene_text, 0, 200);
-}
-
-#[test]
-fn grippers_in_the_analytic_model() {
-    run_scenes(Model::Analytic, grippers::scene_text, 0, 120);
-}
-
-#[test]
-fn grippers_in_the_engine() {
-    run_scenes(Model::Engine, grippers::scene_text, 0, 80);
+random_scene_tests! {
+    fingers_in_the_analytic_model: Analytic, texts::finger, 0, 1000;
+    more_fingers_in_the_analytic_model: Analytic, texts::finger, 1000, 500;
+    fingers_in_the_engine: Engine, texts::finger, 0, 400;
+    more_fingers_in_the_engine: Engine, texts::finger, 1000, 200;
+    discs_in_the_analytic_model: Analytic, texts::discs, 0, 250;
+    discs_in_the_engine: Engine, texts::discs, 0, 200;
+    grippers_in_the_analytic_model: Analytic, grippers::scene_text, 0, 120;
+    grippers_in_the_engine: Engine, grippers::scene_text, 0, 80;
 }
 
 /// 16 to 50 times as many scenes: `cargo nextest run --test validation random_scenes --run-ignored only --no-capture`.
@@ -89,8 +68,8 @@ fn grippers_in_the_engine() {
 #[ignore = "takes minutes"]
 fn large_random_campaign_agrees() {
     for (model, fingers) in [(Model::Analytic, 20_000), (Model::Engine, 8_000)] {
-        run_scenes(model, finger::scene_text, 100_000, fingers);
-        run_scenes(model, discs::scene_text, 100_000, 4_000);
+        run_scenes(model, texts::finger, 100_000, fingers);
+        run_scenes(model, texts::discs, 100_000, 4_000);
         run_scenes(model, grippers::scene_text, 100_000, 4_000);
     }
 }

@@ -1,24 +1,32 @@
 //! The command `phalanx validate`: output, files and exit status.
 
+use std::collections::BTreeSet;
 use std::fs;
+use std::process::Output;
 
-use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, json, phalanx, stderr, stdout, variant};
+use crate::support::cli::{
+    EXPERIMENT_95, assert_contains, assert_rejected, assert_status, directory, json, path_text, stderr, stdout, variant,
+};
 use mcap::{MessageStream, Summary};
-use serde_json::Value;
+use serde_json::{Value, json};
 
-fn validate(scene: &str, arguments: &[&str]) -> std::process::Output {
-    phalanx(&[&["validate", scene, "--quick"], arguments].concat())
+/// Runs a quick validation and asserts its exit status.
+#[track_caller]
+fn validate(scene: &str, arguments: &[&str], status: i32) -> Output {
+    assert_status(&[&["validate", scene, "--quick"], arguments].concat(), status, &[])
+}
+
+/// Lines of the bounds that fail.
+fn failed_bounds(text: &str) -> Vec<&str> {
+    text.lines().filter(|line| line.ends_with("FAIL")).collect()
 }
 
 #[test]
 fn the_anchor_case_is_within_its_bounds() {
-    let output = validate(EXPERIMENT_95, &["--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}\n{}", stdout(&output), stderr(&output));
+    let output = validate(EXPERIMENT_95, &["--json"], 0);
     assert_eq!(stderr(&output), "", "no progress output without a terminal");
     let report = json(&output);
-    assert_eq!(report["scene"], "experiment-95");
-    assert_eq!(report["passed"], true);
-    assert_eq!(report["ensemble_runs"], 5);
+    assert_eq!(json!([report["scene"], report["passed"], report["ensemble_runs"]]), json!(["experiment-95", true, 5]));
     let verdict = report["verdict"].as_array().expect("a list");
     for check in verdict {
         assert_eq!(check["passed"], true, "{check}");
@@ -42,67 +50,57 @@ fn the_anchor_case_is_within_its_bounds() {
         }
     }
     assert_eq!(report["impacts"].as_array().expect("a list").len(), 2);
-    assert_eq!(report["files"], Value::Null);
     // Without a ladder, no other settings run and nothing is timed.
-    assert_eq!((&report["settings"], &report["ladder_time_s"]), (&Value::Array(Vec::new()), &Value::Null));
-    assert!(
-        report["engine"]["steps"].as_u64().is_some_and(|steps| steps > 500) && report["engine"]["wall_s"].is_null()
-    );
+    let engine = &report["engine"];
+    assert_eq!(json!([report["files"], report["settings"], report["ladder_time_s"]]), json!([null, [], null]));
+    assert!(engine["steps"].as_u64().is_some_and(|steps| steps > 500) && engine["wall_s"].is_null());
     let [class, time] = [0, 1].map(|k| &report["criteria"][k]);
-    assert_eq!(
-        (&class["criterion"], &class["analytic"], &class["engine"]),
-        (&"class".into(), &"stable".into(), &"stable".into())
-    );
-    assert_eq!((&time["criterion"], &time["limit"]), (&"stability_time_s".into(), &1e-5.into()));
+    assert_eq!(json!([class["criterion"], class["analytic"], class["engine"]]), json!(["class", "stable", "stable"]));
+    assert_eq!(json!([time["criterion"], time["limit"]]), json!(["stability_time_s", 1e-5]));
     assert!((time["analytic"].as_f64().expect("a time") - 6.883746e-3).abs() < 1e-8, "{time}");
 }
 
 #[test]
 fn the_verdict_precedes_the_ladder_and_does_not_depend_on_it() {
-    let without_ladder = validate(EXPERIMENT_95, &[]);
-    let ladder = validate(EXPERIMENT_95, &["--ladder"]);
-    let (without_ladder, ladder) = (stdout(&without_ladder), stdout(&ladder));
-    assert!(
-        without_ladder.starts_with("experiment-95: engine against analytic model: within all bounds\n"),
-        "{without_ladder}"
-    );
-    assert!(
-        without_ladder.contains("time to stability, ms  6.8837463") && !without_ladder.contains("speed against error"),
-        "{without_ladder}"
-    );
-    let rest = ladder.strip_prefix(without_ladder).unwrap_or_else(|| panic!("{without_ladder}\n{ladder}"));
-    assert!(rest.starts_with("\nspeed against error"), "{rest}");
+    let [verdict, ladder] = [&[][..], &["--ladder"]].map(|arguments| validate(EXPERIMENT_95, arguments, 0));
+    let (verdict, ladder) = (stdout(&verdict), stdout(&ladder));
+    assert!(verdict.starts_with("experiment-95: engine against analytic model: within all bounds\n"), "{verdict}");
+    assert_contains(verdict, &["time to stability, ms  6.8837463"]);
+    let rest = ladder.strip_prefix(verdict).unwrap_or_else(|| panic!("{verdict}\n{ladder}"));
+    assert!(rest.starts_with("\nspeed against error") && !verdict.contains("speed against error"), "{rest}");
 }
 
 #[test]
 fn a_ladder_respects_its_time_limit_and_names_omitted_settings() {
-    let report = json(&validate(EXPERIMENT_95, &["--json", "--ladder-time", "1 us"]));
-    assert_eq!((&report["ladder_time_s"], &report["passed"]), (&1e-6.into(), &true.into()));
+    let report = json(&validate(EXPERIMENT_95, &["--json", "--ladder-time", "1 us"], 0));
+    assert_eq!(json!([report["ladder_time_s"], report["passed"]]), json!([1e-6, true]));
     for setting in report["settings"].as_array().expect("a list") {
         // The two compared settings are always timed.
         let is_compared = setting["own"] == true || setting["reference"] == true;
         assert_eq!(setting["status"], if is_compared { "done" } else { "no_time" }, "{setting}");
         assert_eq!(setting["reason"].is_null(), is_compared, "{setting}");
     }
-    let text = validate(EXPERIMENT_95, &["--ladder-time", "1 us"]);
-    assert!(
-        stdout(&text).contains("engine, fixed steps, dt 1e-4 s: omitted, beyond the time limit of the ladder"),
-        "{}",
-        stdout(&text)
-    );
+    let text = validate(EXPERIMENT_95, &["--ladder-time", "1 us"], 0);
+    let omitted = "engine, fixed steps, dt 1e-4 s: omitted, beyond the time limit of the ladder";
+    assert_contains(stdout(&text), &[omitted]);
     assert_rejected(&["validate", EXPERIMENT_95, "--ladder-time", "0 s"], &["longer than 0"]);
 }
 
 #[test]
 fn a_ladder_reports_speed_and_error_of_every_setting() {
-    let report = json(&validate(EXPERIMENT_95, &["--json", "--ladder-time", "600 s"]));
+    let report = json(&validate(EXPERIMENT_95, &["--json", "--ladder-time", "600 s"], 0));
     let settings = report["settings"].as_array().expect("a list");
     let family = |name: &str| settings.iter().filter(|setting| setting["family"] == name).count();
-    assert_eq!(family("engine, adaptive steps"), 4);
-    assert_eq!(family("engine, fixed steps"), 2, "short steps are omitted");
-    assert_eq!(family("engine, reduced coordinates"), 0);
-    assert_eq!(family("engine, native contact"), 2);
-    assert_eq!(family("analytic"), 7);
+    for (name, count) in [
+        ("engine, adaptive steps", 4),
+        // Short steps are omitted.
+        ("engine, fixed steps", 2),
+        ("engine, reduced coordinates", 0),
+        ("engine, native contact", 2),
+        ("analytic", 7),
+    ] {
+        assert_eq!(family(name), count, "{name}");
+    }
     assert_eq!(settings.iter().filter(|setting| setting["own"] == true).count(), 1);
     for setting in settings {
         assert_eq!(setting["status"], "done", "{setting}");
@@ -124,55 +122,47 @@ fn a_ladder_reports_speed_and_error_of_every_setting() {
 
 #[test]
 fn bounds_decide_the_exit_status() {
+    let directory = directory("validate_bounds");
     // Below the error of the engine, and above the error estimate of the reference.
-    let scene = variant(&directory("validate_bounds"), "tight.toml", "[validate]\nangle = \"1e-9 rad\"\n");
-    let output = validate(&scene, &["--ladder"]);
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let scene = variant(&directory, "tight.toml", "[validate]\nangle = \"1e-9 rad\"\n");
+    let output = validate(&scene, &["--ladder"], 1);
     let text = stdout(&output);
-    assert!(text.contains("OUT OF BOUNDS"), "{text}");
-    let failed: Vec<&str> = text.lines().filter(|line| line.ends_with("FAIL")).collect();
-    assert!(failed.len() == 1 && failed[0].starts_with("angle_rad"), "{text}");
-    assert!(text.contains("speed against error") && text.contains("omitted by --quick"), "{text}");
+    assert_contains(text, &["OUT OF BOUNDS", "speed against error", "omitted by --quick"]);
+    let [failed] = failed_bounds(text)[..] else { panic!("{text}") };
+    assert!(failed.starts_with("angle_rad"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 130), "{text}");
-}
-
-#[test]
-fn a_bound_below_the_reference_error_fails_the_reference_check() {
-    let scene = variant(&directory("validate_reference"), "finest.toml", "[validate]\nangle = \"1e-12 rad\"\n");
-    let output = validate(&scene, &[]);
+    // A bound below the error of the reference fails that check, too.
+    let scene = variant(&directory, "finest.toml", "[validate]\nangle = \"1e-12 rad\"\n");
+    let output = validate(&scene, &[], 1);
     let text = stdout(&output);
-    let failed: Vec<&str> = text.lines().filter(|line| line.ends_with("FAIL")).collect();
-    assert!(failed.len() == 2 && failed[0].starts_with("angle_rad") && failed[1].starts_with("reference"), "{text}");
-    assert!(text.contains("Neither model can be trusted"), "{text}");
+    let [angle, reference] = failed_bounds(text)[..] else { panic!("{text}") };
+    assert!(angle.starts_with("angle_rad") && reference.starts_with("reference"), "{text}");
+    assert_contains(text, &["Neither model can be trusted"]);
 }
 
 #[test]
 fn a_failed_validation_names_the_model_to_trust_and_a_setting_that_passes() {
     let coarse = ["--set", "engine.tolerance=1e-4 m"];
-    let failed = validate(EXPERIMENT_95, &coarse);
-    assert_eq!(failed.status.code(), Some(1), "{}", stderr(&failed));
-    let text = stdout(&failed);
-    assert!(text.contains("Trust the analytic model: its two integration methods agree to "), "{text}");
-    let report = json(&validate(EXPERIMENT_95, &[&coarse[..], &["--json"]].concat()));
+    let failed = validate(EXPERIMENT_95, &coarse, 1);
+    assert_contains(stdout(&failed), &["Trust the analytic model: its two integration methods agree to "]);
+    let report = json(&validate(EXPERIMENT_95, &[&coarse[..], &["--json"]].concat(), 1));
     assert_eq!(report["trusted"], "analytic");
     assert!(report["reference_error"].as_f64().is_some_and(|error| error < 1e-8), "{}", report["reference_error"]);
     let finer = report["finer"].as_array().and_then(|all| all.last()).expect("a setting");
     let setting = finer["setting"].as_str().expect("text");
-    assert!(finer["passed"] == true && text.contains(&format!("The engine passes with [engine] {setting}.")), "{text}");
-    let set = format!("engine.{}", setting.replace(" = ", "=").replace('"', ""));
-    assert_eq!(validate(EXPERIMENT_95, &["--set", &set]).status.code(), Some(0), "{set}");
+    assert_eq!(finer["passed"], true);
+    assert_contains(stdout(&failed), &[&format!("The engine passes with [engine] {setting}.")]);
+    validate(EXPERIMENT_95, &["--set", &format!("engine.{}", setting.replace(" = ", "=").replace('"', ""))], 0);
 }
 
 #[test]
 fn an_incomplete_run_exits_with_status_3() {
     let directory = directory("validate_budget");
-    for (section, model) in [("[engine]\nmax_steps = 20", "engine"), ("[integrator]\nmax_steps = 20", "analytic")] {
-        let scene = variant(&directory, "budget.toml", section);
-        let output = validate(&scene, &["--json"]);
-        assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    for (section, model) in [("engine", "engine"), ("integrator", "analytic")] {
+        let scene = variant(&directory, "budget.toml", &format!("[{section}]\nmax_steps = 20"));
+        let output = validate(&scene, &["--json"], 3);
         assert_eq!(stdout(&output), "");
-        let message = stderr(&output);
-        assert!(message.contains(&format!("the {model} model stopped at")) && message.contains("20"), "{message}");
+        assert_contains(stderr(&output), &[&format!("the {model} model stopped at"), "20"]);
     }
 }
 
@@ -187,42 +177,31 @@ fn invalid_input_exits_with_status_2() {
 #[test]
 fn all_output_files_are_written() {
     let out = directory("validate_out").join("new").join("results");
-    let output = validate(EXPERIMENT_95, &["--json", "--out", out.to_str().expect("text")]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = validate(EXPERIMENT_95, &["--json", "--out", path_text(&out)], 0);
     let report = json(&output);
-    assert_eq!(report["directory"], out.to_str().expect("text"));
-    let named: Vec<&str> = report["files"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
-    let mut written: Vec<String> = fs::read_dir(&out)
+    assert_eq!(report["directory"], path_text(&out));
+    let named: BTreeSet<&str> = report["files"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    let written: BTreeSet<String> = fs::read_dir(&out)
         .expect("made")
         .map(|entry| entry.expect("read").file_name().into_string().expect("text"))
         .collect();
-    written.sort();
-    let mut sorted = named.clone();
-    sorted.sort_unstable();
-    assert_eq!(written, sorted);
-    let report = fs::read_to_string(out.join("report.json")).expect("a report");
-    assert_eq!(report.replacen("\n  \"generator\": \"phalanx\",", "", 1), stdout(&output));
-    assert!(fs::read_to_string(out.join("report.txt")).expect("a report").contains("within all bounds"));
+    assert!(written.iter().eq(&named), "{written:?} {named:?}");
+    let read = |name: &str| fs::read_to_string(out.join(name)).expect("written");
+    assert_eq!(read("report.json").replacen("\n  \"generator\": \"phalanx\",", "", 1), stdout(&output));
+    assert_contains(&read("report.txt"), &["within all bounds"]);
 
     for name in ["speed-error.svg", "overlay.svg", "difference.svg"] {
-        let picture = fs::read_to_string(out.join(name)).expect("a picture");
+        let picture = read(name);
         let picture = roxmltree::Document::parse(&picture).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(picture.root_element().has_tag_name(("http://www.w3.org/2000/svg", "svg")), "{name}");
         assert!(picture.descendants().any(|element| element.tag_name().name() == "text"), "{name}");
     }
-    let page = fs::read_to_string(out.join("page.html")).expect("a page");
-    for part in [
-        "<title>experiment-95</title>",
-        "Summary: analytic",
-        "Summary: engine",
-        "Speed against error",
-        "within all bounds",
-    ] {
-        assert!(page.contains(part), "{part}");
-    }
+    let page = read("page.html");
+    let summaries = ["Summary: analytic", "Summary: engine", "Speed against error", "within all bounds"];
+    assert_contains(&page, &[&["<title>experiment-95</title>"], &summaries[..]].concat());
     assert!(page.len() < 1_500_000, "{} bytes", page.len());
-    assert!(!page.contains(out.to_str().expect("text")), "a page contains no local paths");
-    let table = fs::read_to_string(out.join("series.csv")).expect("a table");
+    assert!(!page.contains(path_text(&out)), "a page contains no local paths");
+    let table = read("series.csv");
     let mut lines = table.lines();
     let head = lines.next().expect("a head");
     assert!(head.starts_with("time_s,q11_rad_analytic,q11_rad_engine,"), "{head}");
@@ -243,8 +222,7 @@ fn output_files_are_reproducible() {
     let directory = directory("validate_same");
     let runs = ["a", "b"].map(|name| {
         let out = directory.join(name);
-        let output = validate("scenes/free-swing.toml", &["--out", out.to_str().expect("text")]);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        validate("scenes/free-swing.toml", &["--out", path_text(&out)], 0);
         out
     });
     for file in ["series.csv", "overlay.svg", "difference.svg", "analytic.mcap", "engine.mcap"] {

@@ -1,40 +1,44 @@
 //! `validate` compares the criteria of both runs and fails if they disagree.
 
+use crate::hard_scenes::{load, run_reference};
+use crate::support::checked_run::record_run;
 use phalanx::check;
 use phalanx::criteria::{Class, Fate, RunCriteria};
-use phalanx::scene::{self, Scene};
+use phalanx::scene::Scene;
 use phalanx::trace::Model;
 use phalanx::validate::{
-    Check, Criterion, Recording, Value, compare_criteria, criteria_checks, reason_not_judged, record, reference_scene,
-    sampled_scene, validate,
+    Check, Criterion, Recording, Value, compare_criteria, criteria_checks, reason_not_judged, sampled_scene, validate,
 };
 
-/// Loads a scene and runs it in both models.
-fn load_and_run(file: &str) -> (Scene, [Recording; 2]) {
-    let scene = scene::load_any(file).unwrap_or_else(|error| panic!("{error}"));
-    let analytic = record(Model::Analytic, &reference_scene(&scene)).expect("runs");
-    let engine = record(Model::Engine, &sampled_scene(Model::Engine, &scene)).expect("runs");
-    (scene, [analytic, engine])
+/// Runs a scene in both models.
+fn load_and_run(name: &str) -> (Scene, [Recording; 2]) {
+    let scene = load(name);
+    let engine = record_run(Model::Engine, &sampled_scene(Model::Engine, &scene));
+    (scene, [run_reference(name), engine])
 }
 
-/// Returns the bounds that fail after `change` is applied to the criteria of the engine's run.
+/// Returns the bounds that fail after `change` is applied to the engine's run.
 fn failed_bounds(
     scene: &Scene,
     [analytic, engine]: &[Recording; 2],
-    change: impl FnOnce(&mut RunCriteria),
+    change: impl FnOnce(&mut Recording),
 ) -> Vec<&'static str> {
     let mut engine = engine.clone();
-    change(engine.run_criteria.as_mut().expect("judged"));
+    change(&mut engine);
     let checks = criteria_checks(&compare_criteria(scene, analytic, &engine));
     checks.iter().filter(|check| !check.passed).map(|check| check.bound).collect()
 }
 
+fn run_criteria(run: &mut Recording) -> &mut RunCriteria {
+    run.run_criteria.as_mut().expect("judged")
+}
+
 #[test]
 fn class_and_time_to_stability_of_a_finger_are_compared() {
-    let (scene, runs) = load_and_run("scenes/experiment-95.toml");
+    let (scene, runs) = load_and_run("experiment-95");
     assert_eq!(failed_bounds(&scene, &runs, |_| {}), [""; 0]);
     let finger = |change: fn(&mut phalanx::criteria::Criteria)| {
-        failed_bounds(&scene, &runs, |run_criteria| change(run_criteria.criteria.as_mut().expect("a finger")))
+        failed_bounds(&scene, &runs, |run| change(run_criteria(run).criteria.as_mut().expect("a finger")))
     };
     assert_eq!(finger(|criteria| criteria.class = Class::SemiStable), ["class"]);
     assert_eq!(finger(|criteria| criteria.tts_s = criteria.tts_s.map(|tts_s| tts_s + 9e-6)), [""; 0]);
@@ -44,10 +48,10 @@ fn class_and_time_to_stability_of_a_finger_are_compared() {
 
 #[test]
 fn fate_closure_and_losses_of_a_gripper_are_compared() {
-    let (scene, runs) = load_and_run("scenes/gripper/hold.toml");
+    let (scene, runs) = load_and_run("gripper/hold");
     assert_eq!(failed_bounds(&scene, &runs, |_| {}), [""; 0]);
     let grasp = |change: fn(&mut phalanx::criteria::GraspCriteria)| {
-        failed_bounds(&scene, &runs, |run_criteria| change(run_criteria.grasp.as_mut().expect("a gripper")))
+        failed_bounds(&scene, &runs, |run| change(run_criteria(run).grasp.as_mut().expect("a gripper")))
     };
     // Regression: a drop in one model only, and a time to stability of 85.57 instead of 7.3 ms, were "within all
     // bounds".
@@ -57,16 +61,15 @@ fn fate_closure_and_losses_of_a_gripper_are_compared() {
     assert_eq!(grasp(|criteria| criteria.contacts[0].times_lost += 3), ["contacts_lost"]);
     assert_eq!(grasp(|criteria| criteria.contacts[4].lost_s += 0.021 * 60e-3), ["lost_time"]);
     // Without active contacts in the last sample the grasp is not form-closed.
-    let mut open = runs[1].clone();
-    open.outcome.last.contacts.iter_mut().for_each(|contact| contact.normal_n = 0.0);
-    let checks = criteria_checks(&compare_criteria(&scene, &runs[0], &open));
-    let failed: Vec<&str> = checks.iter().filter(|check| !check.passed).map(|check| check.bound).collect();
-    assert_eq!(failed, ["form_closed"]);
+    let open = |run: &mut Recording| {
+        run.outcome.last.contacts.iter_mut().for_each(|contact| contact.normal_n = 0.0);
+    };
+    assert_eq!(failed_bounds(&scene, &runs, open), ["form_closed"]);
 }
 
 #[test]
 fn restitution_of_every_pair_with_an_impact_is_compared() {
-    let (scene, runs) = load_and_run("scenes/laws/radii.toml");
+    let (scene, runs) = load_and_run("laws/radii");
     let actual = compare_criteria(&scene, &runs[0], &runs[1]);
     let names: Vec<&str> = actual.iter().map(|criterion| criterion.subject.as_deref().unwrap_or_default()).collect();
     assert_eq!(names, ["large-target", "medium-target", "small-target"]);
@@ -76,15 +79,15 @@ fn restitution_of_every_pair_with_an_impact_is_compared() {
         assert!((restitution - 0.8862).abs() < 1e-4 && *difference < 1e-4, "{restitution}, {difference}");
     }
     assert_eq!(failed_bounds(&scene, &runs, |_| {}), [""; 0]);
-    let change_separation = |run_criteria: &mut RunCriteria| {
-        let pair = run_criteria.rebounds.iter_mut().find(|pair| pair.separation_m_s.is_some()).expect("an impact");
-        pair.separation_m_s = pair.separation_m_s.map(|speed| 0.98 * speed);
-    };
-    assert_eq!(failed_bounds(&scene, &runs, change_separation), ["restitution"]);
-    // One model has no rebound.
-    let remove_separation =
-        |run_criteria: &mut RunCriteria| run_criteria.rebounds.iter_mut().for_each(|pair| pair.separation_m_s = None);
-    assert_eq!(failed_bounds(&scene, &runs, remove_separation), ["restitution"]);
+    // A slower rebound, and none.
+    for factor in [Some(0.98), None] {
+        let change = |run: &mut Recording| {
+            let mut pairs = run_criteria(run).rebounds.iter_mut();
+            let pair = pairs.find(|pair| pair.separation_m_s.is_some()).expect("an impact");
+            pair.separation_m_s = pair.separation_m_s.zip(factor).map(|(speed, factor)| factor * speed);
+        };
+        assert_eq!(failed_bounds(&scene, &runs, change), ["restitution"]);
+    }
 }
 
 #[test]
@@ -100,7 +103,7 @@ fn criteria_of_ambiguous_comparisons_are_reported_but_not_judged() {
         reference: String::new(),
         reason: None,
     };
-    let (mut scene, _) = load_and_run("scenes/experiment-95.toml");
+    let mut scene = load("experiment-95");
     assert_eq!(reason_not_judged(&scene, &check_with(check::Verdict::Accurate)), None);
     assert_eq!(reason_not_judged(&scene, &check_with(check::Verdict::Chaotic)), Some("the outcome is chaotic"));
     scene.bounds.until_s = 0.5 * scene.duration_s;

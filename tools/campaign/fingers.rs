@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::rng::{Rng, pair, quantity};
+use super::random::{Random, pair, quantity, write_friction_law, write_normal_law};
 
 /// Focus of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,29 +15,29 @@ enum Focus {
     Stick,
 }
 
-pub fn mixed(rng: &mut Rng) -> String {
+pub fn mixed(rng: &mut Random) -> String {
     scene_text(rng, Focus::Mixed)
 }
 
-pub fn soft(rng: &mut Rng) -> String {
+pub fn soft(rng: &mut Random) -> String {
     scene_text(rng, Focus::Soft)
 }
 
-pub fn stick(rng: &mut Rng) -> String {
+pub fn stick(rng: &mut Random) -> String {
     scene_text(rng, Focus::Stick)
 }
 
-fn scene_text(rng: &mut Rng, focus: Focus) -> String {
+fn scene_text(rng: &mut Random, focus: Focus) -> String {
     let is_mixed = focus == Focus::Mixed;
     let mut text = String::new();
-    let duration_s = rng.log_uniform(4e-3, 3.2e-2);
+    let duration_s = rng.log_within(4e-3, 3.2e-2);
     let _ = writeln!(text, "duration = {}", quantity(duration_s, "s"));
     if rng.chance(0.4) {
-        let gravity = [rng.uniform(-40.0, 40.0), rng.uniform(-40.0, 40.0)];
+        let gravity = [rng.within(-40.0, 40.0), rng.within(-40.0, 40.0)];
         let _ = writeln!(text, "gravity = {}", pair(gravity, "m/s^2"));
     }
     if rng.chance(0.3) {
-        let _ = writeln!(text, "half_width = {}", quantity(rng.uniform(0.5, 4.0), "mm"));
+        let _ = writeln!(text, "half_width = {}", quantity(rng.within(0.5, 4.0), "mm"));
     }
     let is_other_assembly = is_mixed && rng.chance(0.12);
     if is_other_assembly {
@@ -45,10 +45,10 @@ fn scene_text(rng: &mut Rng, focus: Focus) -> String {
     }
     let has_object = write_finger(rng, &mut text, is_mixed);
     if is_mixed {
-        write_bodies(rng, &mut text);
+        write_bodies(rng, &mut text, false);
     }
-    write_motor(rng, &mut text, duration_s);
-    write_spring(rng, &mut text);
+    write_motor(rng, &mut text, duration_s, false);
+    write_spring(rng, &mut text, false);
     write_limit(rng, &mut text, focus);
     write_contacts(rng, &mut text, focus);
     write_initial(rng, &mut text, is_other_assembly || !has_object);
@@ -56,20 +56,20 @@ fn scene_text(rng: &mut Rng, focus: Focus) -> String {
 }
 
 /// Writes lengths and object; returns whether there is an object.
-fn write_finger(rng: &mut Rng, text: &mut String, is_mixed: bool) -> bool {
+fn write_finger(rng: &mut Random, text: &mut String, is_mixed: bool) -> bool {
     let is_designed = !is_mixed || rng.chance(0.6);
-    let base = rng.uniform(11.0, 22.5);
+    let base = rng.within(11.0, 22.5);
     if is_designed {
         let _ = writeln!(text, "[design]\nbase = {}", quantity(base, "mm"));
-        let _ = writeln!(text, "l21_fraction = {:e}", rng.uniform(0.0, 1.0));
-        let _ = writeln!(text, "phi22 = {}", quantity(rng.uniform(88.0, 135.0), "deg"));
-        let _ = writeln!(text, "arm_ratio = {:e}", rng.uniform(0.3, 0.8));
+        let _ = writeln!(text, "l21_fraction = {:e}", rng.within(0.0, 1.0));
+        let _ = writeln!(text, "phi22 = {}", quantity(rng.within(88.0, 135.0), "deg"));
+        let _ = writeln!(text, "arm_ratio = {:e}", rng.within(0.3, 0.8));
     } else {
-        let _ = writeln!(text, "[lengths]\nl11 = {}", quantity(rng.uniform(12.0, 18.0), "mm"));
-        let _ = writeln!(text, "l21 = {}", quantity(rng.uniform(20.0, 32.0), "mm"));
-        let _ = writeln!(text, "l22 = {}", quantity(rng.uniform(5.0, 11.0), "mm"));
-        let _ = writeln!(text, "t22 = {}", quantity(rng.uniform(9.0, 18.0), "mm"));
-        let _ = writeln!(text, "phi22 = {}", quantity(rng.uniform(85.0, 135.0), "deg"));
+        let _ = writeln!(text, "[lengths]\nl11 = {}", quantity(rng.within(12.0, 18.0), "mm"));
+        let _ = writeln!(text, "l21 = {}", quantity(rng.within(20.0, 32.0), "mm"));
+        let _ = writeln!(text, "l22 = {}", quantity(rng.within(5.0, 11.0), "mm"));
+        let _ = writeln!(text, "t22 = {}", quantity(rng.within(9.0, 18.0), "mm"));
+        let _ = writeln!(text, "phi22 = {}", quantity(rng.within(85.0, 135.0), "deg"));
     }
     text.push_str("[object]\n");
     if is_mixed && rng.chance(0.08) {
@@ -77,45 +77,54 @@ fn write_finger(rng: &mut Rng, text: &mut String, is_mixed: bool) -> bool {
         return false;
     }
     if !is_designed {
-        let radius = rng.uniform(15.0, 24.0);
-        let centre = [-rng.uniform(11.0, 27.0), radius + rng.choose(&[0.0, 1.0, 4.0, 9.0])];
+        let radius = rng.within(15.0, 24.0);
+        let centre = [-rng.within(11.0, 27.0), radius + rng.choose(&[0.0, 1.0, 4.0, 9.0])];
         let _ = writeln!(text, "radius = {}\ncentre = {}", quantity(radius, "mm"), pair(centre, "mm"));
     }
     true
 }
 
-/// Writes masses of some bodies, with or without their other properties.
-fn write_bodies(rng: &mut Rng, text: &mut String) {
+/// Writes masses of some bodies, with or without their other properties; with `extreme` ranges, they differ by decades.
+pub fn write_bodies(rng: &mut Random, text: &mut String, extreme: bool) {
     if rng.chance(0.2) {
-        let _ = writeln!(text, "[material]\ndensity = {}", quantity(rng.log_uniform(500.0, 8e3), "kg/m^3"));
+        let density = if extreme { rng.log_within(100.0, 2e4) } else { rng.log_within(500.0, 8e3) };
+        let _ = writeln!(text, "[material]\ndensity = {}", quantity(density, "kg/m^3"));
     }
     for name in ["l11", "l12", "l21", "l22"] {
-        if !rng.chance(0.2) {
+        if !rng.chance(if extreme { 0.15 } else { 0.2 }) {
             continue;
         }
-        let _ = writeln!(text, "[bodies.{name}]\nmass = {}", quantity(rng.log_uniform(1.0, 100.0), "g"));
-        if rng.chance(0.6) {
-            let com = [rng.uniform(0.0, 22.0), rng.uniform(-7.0, 7.0)];
-            let inertia = quantity(rng.log_uniform(2e-8, 5e-6), "kg*m^2");
-            let _ = writeln!(text, "com = {}\ninertia = {inertia}", pair(com, "mm"));
+        let mass = if extreme { rng.log_within(1e-2, 1e3) } else { rng.log_within(1.0, 100.0) };
+        let _ = writeln!(text, "[bodies.{name}]\nmass = {}", quantity(mass, "g"));
+        if rng.chance(if extreme { 0.5 } else { 0.6 }) {
+            let (com, inertia) = match extreme {
+                true => ([rng.within(-5.0, 25.0), rng.within(-10.0, 10.0)], rng.log_within(1e-10, 1e-4)),
+                false => ([rng.within(0.0, 22.0), rng.within(-7.0, 7.0)], rng.log_within(2e-8, 5e-6)),
+            };
+            let _ = writeln!(text, "com = {}\ninertia = {}", pair(com, "mm"), quantity(inertia, "kg*m^2"));
         }
     }
 }
 
-fn write_motor(rng: &mut Rng, text: &mut String, duration_s: f64) {
-    let torque = |rng: &mut Rng| {
-        let sign = if rng.chance(0.1) { -1.0 } else { 1.0 };
-        quantity(sign * rng.log_uniform(100.0, 1500.0), "N*mm")
+pub fn write_motor(rng: &mut Random, text: &mut String, duration_s: f64, extreme: bool) {
+    let torque = |rng: &mut Random| {
+        let sign = if rng.chance(if extreme { 0.15 } else { 0.1 }) { -1.0 } else { 1.0 };
+        let size = if extreme { rng.log_within(10.0, 3e3) } else { rng.log_within(100.0, 1500.0) };
+        quantity(sign * size, "N*mm")
     };
-    let profile = rng.choose(&["constant", "constant", "constant", "ramp", "half-sine", "reversal", "table"]);
+    let profiles = ["constant", "constant", "constant", "ramp", "half-sine", "reversal", "table"];
+    let profile = rng.choose(if extreme { &profiles[2..] } else { &profiles });
     let _ = writeln!(text, "[motor]\nprofile = \"{profile}\"");
     if profile == "table" {
-        let count = rng.choose(&[2, 3, 6]);
+        let count = rng.choose(if extreme { &[1, 2, 5, 12][..] } else { &[2, 3, 6] });
         let mut time = 0.0;
         let times: Vec<String> = (0..count)
-            .map(|_| {
-                time += duration_s * rng.log_uniform(0.02, 0.5);
-                quantity(time, "s")
+            .map(|k| match extreme {
+                true => quantity(duration_s * f64::from(k) / f64::from(count), "s"),
+                false => {
+                    time += duration_s * rng.log_within(0.02, 0.5);
+                    quantity(time, "s")
+                }
             })
             .collect();
         let torques: Vec<String> = (0..count).map(|_| torque(rng)).collect();
@@ -131,26 +140,31 @@ fn write_motor(rng: &mut Rng, text: &mut String, duration_s: f64) {
         "reversal" => "reverse_at",
         _ => return,
     };
-    let _ = writeln!(text, "{key} = {}", quantity(duration_s * rng.log_uniform(0.1, 1.0), "s"));
+    let fraction = if extreme { rng.log_within(0.01, 2.0) } else { rng.log_within(0.1, 1.0) };
+    let _ = writeln!(text, "{key} = {}", quantity(duration_s * fraction, "s"));
 }
 
-fn write_spring(rng: &mut Rng, text: &mut String) {
-    let kind = rng.choose(&["none", "constant", "constant", "constant", "torsional"]);
+pub fn write_spring(rng: &mut Random, text: &mut String, extreme: bool) {
+    let last_kind = if extreme { "torsional" } else { "constant" };
+    let kind = rng.choose(&["none", "constant", "constant", last_kind, "torsional"]);
     let _ = writeln!(text, "[spring]\ntype = \"{kind}\"");
     if kind == "none" {
         return;
     }
-    let placement = rng.choose(&["q22", "q22", "q22", "q12", "q21-q11", "q11+q12-(q21+q22)"]);
+    let placements = ["q22", "q22", "q22", "q12", "q21-q11", "q11+q12-(q21+q22)"];
+    let placement = rng.choose(if extreme { &placements[1..] } else { &placements });
     let _ = writeln!(text, "placement = \"{placement}\"");
     if kind == "constant" {
-        let _ = writeln!(text, "torque = {}", quantity(rng.log_uniform(20.0, 300.0), "N*mm"));
+        let torque = if extreme { rng.log_within(1.0, 500.0) } else { rng.log_within(20.0, 300.0) };
+        let _ = writeln!(text, "torque = {}", quantity(torque, "N*mm"));
     } else {
-        let stiffness = quantity(rng.log_uniform(10.0, 500.0), "N*mm/rad");
-        let _ = writeln!(text, "stiffness = {stiffness}\npreload = {}", quantity(rng.uniform(0.0, 90.0), "deg"));
+        let stiffness = if extreme { rng.log_within(1.0, 2e3) } else { rng.log_within(10.0, 500.0) };
+        let preload = quantity(rng.within(0.0, 90.0), "deg");
+        let _ = writeln!(text, "stiffness = {}\npreload = {preload}", quantity(stiffness, "N*mm/rad"));
     }
 }
 
-fn write_limit(rng: &mut Rng, text: &mut String, focus: Focus) {
+fn write_limit(rng: &mut Random, text: &mut String, focus: Focus) {
     if rng.chance(0.1) {
         text.push_str("[limit]\nenabled = false\n");
     } else if rng.chance(0.5) {
@@ -158,14 +172,14 @@ fn write_limit(rng: &mut Rng, text: &mut String, focus: Focus) {
             Focus::Soft => rng.choose(&[1.0, 1.5]),
             _ => rng.choose(&[1.0, 1.5, 2.2, 3.0]),
         };
-        let _ = writeln!(text, "[limit]\nstiffness_si = {:e}\nexponent = {exponent:e}", rng.log_uniform(1e4, 1e12));
-        let damping = if rng.chance(0.1) { 0.0 } else { rng.log_uniform(1.0, 1e10) };
+        let _ = writeln!(text, "[limit]\nstiffness_si = {:e}\nexponent = {exponent:e}", rng.log_within(1e4, 1e12));
+        let damping = if rng.chance(0.1) { 0.0 } else { rng.log_within(1.0, 1e10) };
         let _ = writeln!(text, "damping = {}", quantity(damping, "N*m*s/rad"));
-        let _ = writeln!(text, "transition = {}", quantity(rng.log_uniform(1e-6, 1e-3), "rad"));
+        let _ = writeln!(text, "transition = {}", quantity(rng.log_within(1e-6, 1e-3), "rad"));
     }
 }
 
-fn write_contacts(rng: &mut Rng, text: &mut String, focus: Focus) {
+fn write_contacts(rng: &mut Random, text: &mut String, focus: Focus) {
     for section in ["contact", "contact.proximal", "contact.distal"] {
         let is_contact_section = section == "contact";
         let probability = match focus {
@@ -175,17 +189,15 @@ fn write_contacts(rng: &mut Rng, text: &mut String, focus: Focus) {
         };
         if rng.chance(probability) {
             let (exponent, stiffness) = match focus {
-                Focus::Soft => (rng.choose(&[1.0, 1.5]), rng.log_uniform(1e5, 1e8)),
-                _ => (rng.choose(&[1.0, 1.5, 2.2, 2.2, 3.0]), rng.log_uniform(1e6, 1e10)),
+                Focus::Soft => (rng.choose(&[1.0, 1.5]), rng.log_within(1e5, 1e8)),
+                _ => (rng.choose(&[1.0, 1.5, 2.2, 2.2, 3.0]), rng.log_within(1e6, 1e10)),
             };
             let damping = match focus {
                 _ if rng.chance(0.07) => 0.0,
-                Focus::Soft => rng.log_uniform(10.0, 1e5),
-                _ => rng.log_uniform(10.0, 1e7),
+                Focus::Soft => rng.log_within(10.0, 1e5),
+                _ => rng.log_within(10.0, 1e7),
             };
-            let _ = writeln!(text, "[{section}]\nstiffness_si = {stiffness:e}\nexponent = {exponent:e}");
-            let _ = writeln!(text, "damping = {}", quantity(damping, "N*s/m"));
-            let _ = writeln!(text, "transition = {}", quantity(rng.log_uniform(1e-6, 1e-4), "m"));
+            write_normal_law(text, section, [stiffness, exponent, damping, rng.log_within(1e-6, 1e-4)]);
         }
         let probability = match focus {
             Focus::Stick if is_contact_section => 1.0,
@@ -194,34 +206,28 @@ fn write_contacts(rng: &mut Rng, text: &mut String, focus: Focus) {
             _ => 0.15,
         };
         if rng.chance(probability) {
-            let v_static = match focus {
-                Focus::Stick => rng.log_uniform(1e-4, 1e-2),
-                _ => rng.log_uniform(1e-3, 0.3),
-            };
-            let _ = writeln!(text, "[{section}.friction]\nmu_static = {:e}", rng.uniform(0.05, 1.4));
-            let v_dynamic = v_static * rng.uniform(1.2, 5.0);
-            let _ =
-                writeln!(text, "v_static = {}\nv_dynamic = {}", quantity(v_static, "m/s"), quantity(v_dynamic, "m/s"));
+            let v_static = if focus == Focus::Stick { [1e-4, 1e-2] } else { [1e-3, 0.3] };
+            write_friction_law(rng, text, section, v_static, [0.05, 1.4], 1.2);
         }
     }
 }
 
 /// Writes the initial state: the start posture of the design, or random angles.
-fn write_initial(rng: &mut Rng, text: &mut String, needs_angles: bool) {
+fn write_initial(rng: &mut Random, text: &mut String, needs_angles: bool) {
     if needs_angles || rng.chance(0.15) {
-        let q21 = rng.uniform(15.0, 70.0);
+        let q21 = rng.within(15.0, 70.0);
         let _ = writeln!(text, "[initial]\nq21 = {}", quantity(q21, "deg"));
         if needs_angles || rng.chance(0.3) {
-            let _ = writeln!(text, "q11 = {}", quantity(q21 - rng.uniform(60.0, 95.0), "deg"));
+            let _ = writeln!(text, "q11 = {}", quantity(q21 - rng.within(60.0, 95.0), "deg"));
         }
     } else if rng.chance(0.2) {
-        let _ = writeln!(text, "[initial]\noffset = {}", quantity(rng.log_uniform(0.1, 30.0), "deg"));
+        let _ = writeln!(text, "[initial]\noffset = {}", quantity(rng.log_within(0.1, 30.0), "deg"));
     } else {
         return;
     }
     if rng.chance(0.3) {
         for rate in ["qd11", "qd21"] {
-            let _ = writeln!(text, "{rate} = {}", quantity(rng.uniform(-100.0, 200.0), "rad/s"));
+            let _ = writeln!(text, "{rate} = {}", quantity(rng.within(-100.0, 200.0), "rad/s"));
         }
     }
 }

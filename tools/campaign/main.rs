@@ -10,9 +10,9 @@ mod discs;
 mod fingers;
 #[path = "../../tests/validation/grippers.rs"]
 mod grippers;
+#[path = "../../tests/support/random.rs"]
+mod random;
 mod record;
-#[path = "../../tests/validation/rng.rs"]
-mod rng;
 mod trial;
 
 use std::collections::BTreeMap;
@@ -23,12 +23,12 @@ use std::time::Duration;
 
 use clap::Parser;
 use phalanx::scene::{Scene, parse_any};
+use random::Random;
 use record::{Run, Setting, difference, record};
-use rng::Rng;
 use trial::{Trial, Verdict, run_trial};
 
 /// Generator of scene texts.
-type Family = fn(&mut Rng) -> String;
+type Family = fn(&mut Random) -> String;
 
 const FAMILIES: [(&str, Family); 5] = [
     ("mixed", fingers::mixed),
@@ -132,7 +132,7 @@ fn run_family(name: &str, generate: Family, args: &Args) -> Summary {
                     if seed >= args.seed + args.scenes {
                         return;
                     }
-                    let text = generate(&mut Rng::new(seed));
+                    let text = generate(&mut Random::for_seed(seed));
                     let Ok(scene) = parse_any(&text, "random.toml") else {
                         summary.lock().expect("no panic in other threads").invalid += 1;
                         continue;
