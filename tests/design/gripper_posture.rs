@@ -133,14 +133,14 @@ fn shortest_proximal_phalanx_has_the_smallest_contact_angle() {
 fn contact_rotates_with_the_disc() {
     // A rotation of the disc about O rotates the contact by the same angle and keeps its length.
     let original = contact_proximal(W, disc(&design_95())).unwrap();
-    assert_near(original.q21_rad.to_degrees(), 65.0007, 0.00005);
+    assert_near(original.angle_rad.to_degrees(), 65.0007, 0.00005);
     let (s, c) = 0.3f64.sin_cos();
     let [x, y] = disc(&design_95()).centre_m;
     let rotated = PlacedShape::disc(R_C, [c * x - s * y, s * x + c * y]);
     let rotated_contact = contact_proximal(W, rotated).unwrap();
-    assert_near(rotated_contact.q21_rad, original.q21_rad + 0.3, 1e-15);
+    assert_near(rotated_contact.angle_rad, original.angle_rad + 0.3, 1e-15);
     assert_near(rotated_contact.length_m, original.length_m, 1e-16);
-    assert_eq!(contact_angle_proximal(W, rotated).unwrap(), rotated_contact.q21_rad);
+    assert_eq!(contact_angle_proximal(W, rotated).unwrap(), rotated_contact.angle_rad);
 }
 
 #[test]

@@ -1,14 +1,15 @@
 //! The mechanics of one finger in its own frame: links, spring and laws. The motion of the object is prescribed by the
 //! caller.
 
-use super::contact::{self, DistalShape, Geometry};
 use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
-use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_rates, reference_gamma};
-use crate::fivebar::spring::SpringModel;
+use crate::fivebar::kinematics::{
+    Capsule, ClosestPoints, Directions, PassiveRates, SpringModel, closest_points, directions, passive_rates,
+    reference_gamma,
+};
 use crate::gripper::{Assembly, Finger, FingerContact, Spring};
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{angle_between, opening_angle, rotate};
+use crate::numeric::plane::{Vector, angle_between, dot, opening_angle, perp, rotate, scale_by, sub};
 use crate::numeric::{Dual, Real, map_array};
 use crate::scene::{FingerContactLaws, Initial};
 use crate::shape::{PlacedShape, Support};
@@ -73,8 +74,8 @@ impl FingerModel {
         object: &PlacedShape<T>,
     ) -> Geometry<T> {
         match contact {
-            FingerContact::Proximal => contact::proximal(pose, self.distal.l21, self.distal.w, object),
-            _ => contact::distal(pose, rates, &self.distal, object),
+            FingerContact::Proximal => proximal(pose, self.distal.l21, self.distal.w, object),
+            _ => distal(pose, rates, &self.distal, object),
         }
     }
 
@@ -160,4 +161,67 @@ pub struct PassiveJoints {
     pub q13: f64,
     pub qd12: f64,
     pub qd22: f64,
+}
+
+/// Geometry of one unilateral contact in closed form (thesis (B.1)–(B.2), errata 5): the gap, and the rows that give gap rate and slip from q̇_a.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<T> {
+    /// Distance between the surfaces; −δ in penetration.
+    pub gap: T,
+    /// Rate of the gap = normal_row · q̇_a.
+    pub normal_row: [T; 2],
+    /// Slip velocity = tangent_row · q̇_a.
+    pub tangent_row: [T; 2],
+    /// Unit normal from the object to the phalanx.
+    pub normal: Vector<T>,
+    /// Contact point on the surface of the phalanx.
+    pub point: Vector<T>,
+    /// Support function of the object along the normal.
+    pub support: Support<T>,
+}
+
+/// Contact of l21, a body that rotates about O at q̇21.
+#[inline(always)]
+pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, object: &PlacedShape<T>) -> Geometry<T> {
+    let capsule = Capsule { base: [T::zero(); 2], axis: pose.e2, length: l21, radius: w };
+    let ClosestPoints { foot, normal, gap, support } = closest_points(&capsule, object);
+    let point = sub(foot, scale_by(normal, w));
+    let lever = |direction| dot(perp(point), direction);
+    Geometry {
+        gap,
+        normal_row: [T::zero(), lever(normal)],
+        tangent_row: [T::zero(), lever(perp(normal))],
+        normal,
+        point,
+        support,
+    }
+}
+
+/// Dimensions of the distal phalanx; φ22 is given as (cos, sin).
+#[derive(Clone, Copy, Debug)]
+pub struct DistalShape {
+    pub l21: f64,
+    pub t22: f64,
+    pub w: f64,
+    pub phi22: [f64; 2],
+}
+
+/// Contact geometry of t22. A22 moves with l21, and the distal body rotates about A22 at θ̇4.
+#[inline(always)]
+pub fn distal<T: Real>(
+    pose: &Directions<T>,
+    rates: &PassiveRates<T>,
+    shape: &DistalShape,
+    object: &PlacedShape<T>,
+) -> Geometry<T> {
+    let base = scale_by(pose.e2, shape.l21);
+    let capsule = Capsule { base, axis: rotate(pose.e4, shape.phi22), length: shape.t22, radius: shape.w };
+    let ClosestPoints { foot, normal, gap, support } = closest_points(&capsule, object);
+    let point = sub(foot, scale_by(normal, shape.w));
+    let arm = perp(sub(point, base));
+    let row = |direction| {
+        let lever = dot(arm, direction);
+        [lever * rates.a4[0], lever * rates.a4[1] + dot(perp(base), direction)]
+    };
+    Geometry { gap, normal_row: row(normal), tangent_row: row(perp(normal)), normal, point, support }
 }

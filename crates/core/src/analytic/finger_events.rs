@@ -1,6 +1,6 @@
 //! Event functions of the finger's contacts: where the branches of their laws change.
 
-use super::mode::{ContactState, ContactVariables, ContactWithLaws, EventTolerances, StateRef, is_kinked};
+use super::mode::{ContactState, ContactVariables, EventTolerances, StateRef, is_kinked};
 use super::model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, QUADRATURES, finger_coordinates, pad};
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
@@ -29,11 +29,13 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         (pose, rates): &(Directions<f64>, PassiveRates<f64>),
         v: &[f64; N],
         contact: FingerContact,
-    ) -> Option<ContactWithLaws<'_, N>> {
+    ) -> Option<ContactVariables<'_, N>> {
         let geometry = self.geometry(pose, rates, contact)?;
         let (rate, slip) =
             (-dot(geometry.normal_row, finger_coordinates(v)), dot(geometry.tangent_row, finger_coordinates(v)));
         let mut variables = ContactVariables {
+            law: self.finger.normal_law(contact)?,
+            friction: self.finger.friction_law(contact),
             delta: -geometry.gap,
             rate,
             slip,
@@ -44,7 +46,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         if let Some(bristle) = Self::bristle_index(contact) {
             (variables.bristle_state, variables.tangent_row[bristle]) = (v[bristle], 1.0);
         }
-        Some((variables, self.finger.normal_law(contact)?, self.finger.friction_law(contact)))
+        Some(variables)
     }
 }
 
@@ -72,7 +74,8 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         max_rate: f64,
     ) -> Option<QuasiStaticState<N>> {
         let terms = self.finger.terms(finger_coordinates(q));
-        let (variables, law, _) = self.contact_variables(&(terms.pose, terms.rates), v, contact)?;
+        let variables = self.contact_variables(&(terms.pose, terms.rates), v, contact)?;
+        let law = variables.law;
         let is_small = variables.delta.abs() <= MAX_CHATTER_DEPTH && variables.rate.abs() <= max_rate;
         if !is_small || law.stiffness_n_per_m_e == 0.0 {
             return None;

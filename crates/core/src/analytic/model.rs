@@ -3,8 +3,7 @@
 //! Coordinates are q_a = (q11, q21). If friction has bristles, the rates after theirs are the bristle states σ of both
 //! phalanges; nothing depends on the coordinates at these indices.
 
-use super::contact::Geometry;
-use super::finger::{FingerModel, PassiveJoints};
+use super::finger::{FingerModel, Geometry, PassiveJoints};
 use super::mode::ContactState;
 use crate::fivebar::dynamics::{Terms, kinetic_energy, solve_mass, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
@@ -16,7 +15,8 @@ use crate::law::{
 };
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array};
-use crate::scene::{self, Actuation, DrivenFinger, Initial, Side, torque};
+use crate::scene;
+use crate::scene::{Actuation, DrivenFinger, Initial, Side, torque};
 use crate::shape::{PlacedShape, Support};
 
 /// Number of quadratures: normal impulses of the three contacts, work of all contact forces on the finger, work of the

@@ -11,20 +11,19 @@
 //! The check compares the path, energies and works, and the restitution of discs.
 
 mod path;
-mod scale;
 mod verdict;
 
-pub use path::{Errors, perturbed, units};
-use path::{Path, RunOptions, is_comparable, reference_name, run};
-use scale::error_limits;
-pub use scale::{ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, reference_length_m};
-pub use verdict::Verdict;
-use verdict::{Comparison, verdict};
-
+/// Relative change of the actuation of a scene: motor torques, or velocities and gravity of discs.
 use crate::scene::Scene;
 use crate::trace::{Model, Sink};
+use path::{Path, RunOptions, is_comparable, reference_name, run};
+use verdict::{Comparison, error_limits, verdict};
 
-/// Relative change of the actuation of a scene: motor torques, or velocities and gravity of discs.
+pub use path::{Errors, perturbed, units};
+pub use verdict::{
+    ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, Verdict, reference_length_m,
+};
+
 pub const PERTURBATION: f64 = 1e-7;
 /// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
 pub const REFERENCE_LENGTH_M: f64 = 0.02;
@@ -144,7 +143,7 @@ pub fn check_with_sinks(
         perturbed_sink,
     );
     let limits = error_limits(model, checked_run.events);
-    let limit = scale::path_error_limit(&scene.system, &checked_run, limits.path);
+    let limit = verdict::path_error_limit(&scene.system, &checked_run, limits.path);
     let mut errors = path::errors(&checked_run, &reference_run);
     errors.path = errors.path.max(error_until_failure);
     let sensitivity = path::difference(&reference_run, &perturbed_run);

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use parry2d_f64::query;
 use rapier2d_f64::prelude::*;
 
-use super::closest_points::{ClosestPoints, closest_points_of_shapes};
 use super::linkage::{BodyPose, Linkage, Twist};
 use super::plan::{ContactPartner, ContactPointConvention, Plan, PlannedBrake, PlannedContact, PlannedMotor};
 use super::world::World;
@@ -13,6 +12,15 @@ use crate::law::{Bristle, BristleStep, FrictionLaw, NormalLaw, friction_coeffici
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{cross, perp, rotate, sub};
 use crate::scene::Response;
+
+/// Gap, closest point on each surface, and normal from the other surface to the body's.
+#[derive(Clone, Copy, Debug)]
+struct ClosestPoints {
+    gap: f64,
+    point: [f64; 2],
+    other_point: [f64; 2],
+    normal: [f64; 2],
+}
 
 /// A generalised direction: the impulse on each body per unit impulse along the row.
 #[derive(Clone, Copy, Debug)]
@@ -367,12 +375,9 @@ fn gap_rounding(plan: &Plan, contact: &PlannedContact, poses: &[BodyPose]) -> f6
     f64::EPSILON * (size(poses[contact.body].com) + size(other))
 }
 
-/// Returns the closest points of a contact at given poses, from parry if it handles the shapes exactly.
+/// Returns the closest points of a contact at given poses, from parry, which handles its round and flat shapes exactly.
 fn closest_points(world: &World, plan: &Plan, index: usize, poses: &[BodyPose]) -> Option<ClosestPoints> {
     let contact = &plan.contacts[index];
-    if let Some(points) = closest_points_of_shapes(plan, contact, poses) {
-        return Some(points);
-    }
     let [collider, other] = world.contacts[index].map(|handle| &world.physics.colliders[handle]);
     let pose = frame_pose(plan, contact.body, poses);
     let other_pose = match contact.against {

@@ -6,9 +6,8 @@
 //! part from the next step on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
 
 use super::candidates::GAP_ROUNDING;
-use super::contact_space::{ActiveContact, ContactSpace};
+use super::contact_space::{ActiveContact, ContactSpace, NotConverged, Stage, Workspace};
 use super::dense::{refill, reset};
-use super::implicit::{NotConverged, Stage, Workspace};
 use crate::law::{friction_range, normal_force};
 use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Stepping;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::fivebar::spring::gradient;
+use crate::fivebar::kinematics::gradient;
 use crate::gripper::{FinalPosture, Finger, GraspError, Spring, final_posture};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::keywords::SceneKind;

@@ -10,7 +10,6 @@
 mod phases;
 mod profile;
 mod task;
-pub mod trajectory;
 
 pub use profile::{Profile, ProfilePoint, profile};
 pub use task::{CLOSING_S, Closing, OPENING_RAD, SizingError, Task, closing};

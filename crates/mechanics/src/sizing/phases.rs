@@ -6,10 +6,10 @@
 //! acceleration, rate squared and two components of gravity.
 
 use super::Closing;
-use super::trajectory::Motion;
+use super::task::Motion;
 use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, terms};
+use crate::fivebar::kinematics::gradient;
 use crate::fivebar::kinematics::{Directions, PassiveRates, directions, reference_gamma};
-use crate::fivebar::spring::gradient;
 use crate::gripper::{Finger, Placement};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{opening_angle, rotate};

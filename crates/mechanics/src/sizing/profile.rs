@@ -2,7 +2,7 @@
 
 use super::phases::{BendingPhase, RigidPhase};
 use super::{Closing, INTERVALS, Rule, Sizing, SizingError, Task, closing, size_with};
-use crate::gripper::{Finger, Placement};
+use crate::gripper::{Finger, Placement, positive};
 
 /// The test trajectory with its required torques and the resulting sizing.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,9 +47,7 @@ pub struct ProfilePoint {
 /// # Errors
 /// See [`super::size`]; also returns an error if the preload is not above 0.
 pub fn profile(finger: &Finger, task: &Task, preload_rad: f64, samples: usize) -> Result<Profile, SizingError> {
-    if !(preload_rad.is_finite() && preload_rad > 0.0) {
-        return Err(SizingError::NotPositive { name: "preload_rad", value: preload_rad });
-    }
+    positive(&[("preload_rad", preload_rad)])?;
     let closing = closing(finger, task)?;
     let size_both = |intervals| -> Result<[Sizing; 2], SizingError> {
         let size_by = |rule| size_with(finger, task, rule, Placement::Phalanges, intervals);

@@ -14,9 +14,18 @@ use std::ops::Range;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::{DMatrix, DVector};
 
-use super::StaticsError;
-use super::linear::{solve_program, terms};
-use super::loads::{Load, ROWS};
+use super::form_closure::{solve_program, terms};
+use super::{Result, StaticsError};
+
+/// Number of equilibrium equations of a gripper and its object at rest in the frame of the palm.
+///
+/// Rows are the generalised forces on (q11, q21) of the right and the left finger, N·m (for the left finger, of its
+/// mirror image), the force on the object along x and y of the palm frame, N, and the moment about the object's centre,
+/// N·m. A translating palm causes a uniform field, gravity minus its acceleration, on the object and on every link.
+pub const ROWS: usize = 7;
+
+/// Generalised forces of one load: one column of the equations.
+pub type Load = [f64; ROWS];
 
 /// A force or torque of unknown size: its load per unit, scaled to size 1, and its bounds.
 #[derive(Clone, Copy, Debug)]
@@ -83,7 +92,7 @@ impl Program {
 
     /// Returns the forces that balance `fixed` and the largest multiple of the driving load, which is limited to the
     /// range `multiple`; `None` if infeasible. `braking` scales the torque bounds.
-    fn forces(&self, multiple: (f64, f64), fixed: &Load, braking: f64) -> Result<Option<Vec<f64>>, StaticsError> {
+    fn forces(&self, multiple: (f64, f64), fixed: &Load, braking: f64) -> Result<Option<Vec<f64>>> {
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         // 0 times an infinite bound remains infinite: a blocked drive can resist any torque.
         let bound = |bound: f64| if bound.is_finite() { braking * bound } else { bound };
@@ -112,7 +121,7 @@ impl Program {
     }
 
     /// Returns the largest multiple of the driving load, at least 0.
-    pub fn largest(&self) -> Result<Optimum, StaticsError> {
+    pub fn largest(&self) -> Result<Optimum> {
         if self.forces((0.0, 0.0), &self.fixed, 1.0)?.is_none() {
             return Ok(Optimum::Infeasible);
         }
@@ -125,7 +134,7 @@ impl Program {
     }
 
     /// Returns the smallest bound on the multiple; `None` if no motion gives one.
-    pub fn bound(&self) -> Result<Option<Bound>, StaticsError> {
+    pub fn bound(&self) -> Result<Option<Bound>> {
         let mut problem = Problem::new(OptimizationDirection::Minimize);
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let motion: [Variable; ROWS] = std::array::from_fn(|row| problem.add_var(-self.fixed[row], free));

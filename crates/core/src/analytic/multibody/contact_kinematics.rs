@@ -7,7 +7,7 @@
 //! are exchanged exactly. Between discs, and between discs and a plane in systems without fingers, each body has the
 //! contact point on its own surface, as in the thesis.
 
-use crate::analytic::contact::Geometry;
+use crate::analytic::finger::Geometry;
 use crate::analytic::mode::row_dot;
 use crate::law::{friction_with_state, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};

@@ -8,7 +8,7 @@ use super::evaluation::FingerKinematics;
 use super::model::Multibody;
 use super::{FINGERS, event_function_count, first_impact_step, mode};
 use crate::analytic::ContactState;
-use crate::analytic::mode::{ContactVariables, ContactWithLaws, StateRef, row_dot};
+use crate::analytic::mode::{ContactVariables, StateRef, row_dot};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{EventFunction, EventSet, Hybrid, System};
@@ -24,60 +24,57 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     fn contact_variables(
         &self,
-        state: StateRef<'_, N>,
+        (q, v): StateRef<'_, N>,
         finger_kinematics: impl Fn(usize) -> FingerKinematics,
         index: usize,
-    ) -> Option<ContactWithLaws<'_, N>> {
-        match Self::GRASP {
-            true => self.contact_variables_from(state.1, index, |contact| {
-                self.contact_kinematics(state.0, finger_kinematics, contact)
-            }),
-            false => self.contact_variables_noinline(state, &finger_kinematics, index),
+    ) -> Option<ContactVariables<'_, N>> {
+        if !Self::GRASP {
+            return self.contact_variables_noinline((q, v), &finger_kinematics, index);
         }
+        let contact = self.contacts.get(index)?.as_ref()?;
+        Some(self.contact_variables_from(v, contact, self.contact_kinematics(q, finger_kinematics, contact)))
     }
 
     /// Like [`Multibody::contact_variables`], but compiled only once.
     #[inline(never)]
     fn contact_variables_noinline(
         &self,
-        state: StateRef<'_, N>,
+        (q, v): StateRef<'_, N>,
         finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
         index: usize,
-    ) -> Option<ContactWithLaws<'_, N>> {
-        self.contact_variables_from(state.1, index, |contact| {
-            self.contact_kinematics_noinline(state.0, finger_kinematics, contact)
-        })
+    ) -> Option<ContactVariables<'_, N>> {
+        let contact = self.contacts.get(index)?.as_ref()?;
+        Some(self.contact_variables_from(v, contact, self.contact_kinematics_noinline(q, finger_kinematics, contact)))
     }
 
     #[inline(always)]
-    fn contact_variables_from(
+    fn contact_variables_from<'a>(
         &self,
         v: &[f64; N],
-        index: usize,
-        kinematics: impl FnOnce(&ContactModel) -> ContactKinematics<f64, N>,
-    ) -> Option<ContactWithLaws<'_, N>> {
-        let contact = self.contacts.get(index)?.as_ref()?;
-        let kinematics = kinematics(contact);
+        contact: &'a ContactModel,
+        kinematics: ContactKinematics<f64, N>,
+    ) -> ContactVariables<'a, N> {
         let (rate, slip) = (-row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
         let (mut row, mut tangent) = (kinematics.normal_row, kinematics.tangent_row);
         // Time is no degree of freedom.
         self.time_index.into_iter().for_each(|time| (row[time], tangent[time]) = (0.0, 0.0));
         contact.bristle_index.into_iter().for_each(|bristle| tangent[bristle] = 1.0);
         let bristle_state = self.bristle_state(contact, v).unwrap_or(0.0);
-        let variables = ContactVariables {
+        ContactVariables {
+            law: &contact.normal,
+            friction: contact.friction.as_ref(),
             delta: -kinematics.gap,
             rate,
             slip,
             bristle_state,
             normal_row: row,
             tangent_row: tangent,
-        };
-        Some((variables, &contact.normal, contact.friction.as_ref()))
+        }
     }
 
-    /// Mobility of a contact, row · M⁻¹ rowᵀ: the relative acceleration of its surfaces per unit of force.
-    fn mobility(&self, q: &[f64; N], row: &[f64; N]) -> f64 {
-        row_dot(row, &self.inverse(q).solve(row))
+    /// Like [`Multibody::contact_variables`], for callers that need it rarely.
+    fn variables_at(&self, q: &[f64; N], v: &[f64; N], index: usize) -> Option<ContactVariables<'_, N>> {
+        self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index)
     }
 
     /// Whether the contact force accelerates neither surface.
@@ -118,21 +115,15 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
             return max_dt;
         }
         for index in &self.disc_contacts {
-            let is_not_driven =
-                |contact: &Option<ContactModel>| !contact.is_some_and(|contact| self.is_driven(&contact));
-            if mode[*index] != ContactState::Active || is_not_driven(&self.contacts[*index]) {
+            let is_driven = self.contacts[*index].is_some_and(|contact| self.is_driven(&contact));
+            if mode[*index] != ContactState::Active || !is_driven {
                 continue;
             }
-            let finger_kinematics = |finger| self.finger_kinematics(finger, q);
-            let Some((variables, law, friction)) = self.contact_variables_noinline((q, v), &finger_kinematics, *index)
-            else {
-                continue;
-            };
-            max_dt = max_dt.min(DRIVEN_FRACTION * variables.delta.max(law.transition_m) / variables.rate.abs());
-            if let Some(friction) = friction {
+            let Some(contact) = self.variables_at(q, v, *index) else { continue };
+            max_dt = max_dt.min(DRIVEN_FRACTION * contact.delta.max(contact.law.transition_m) / contact.rate.abs());
+            if let Some(friction) = contact.friction {
                 let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
-                max_dt =
-                    max_dt.min(DRIVEN_FRACTION * friction.v_static_m_s / row_dot(&variables.tangent_row, &a).abs());
+                max_dt = max_dt.min(DRIVEN_FRACTION * friction.v_static_m_s / row_dot(&contact.tangent_row, &a).abs());
             }
         }
         max_dt
@@ -176,8 +167,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> mode::Mode<C> {
-        let finger_kinematics = |finger| self.finger_kinematics(finger, q);
-        mode.after_event(event, self.contact_variables_noinline((q, v), &finger_kinematics, event % C))
+        mode.after_event(event, self.variables_at(q, v, event % C))
     }
 
     fn is_reported(&self, event: usize) -> bool {
@@ -193,23 +183,18 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> mode::Mode<C> {
-        let variables =
-            |index: usize| self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index);
-        mode::Mode::at_state(&self.event_tolerances, variables, |mode| {
-            <Self as System<N, Z>>::rates(self, t, q, v, mode).a
-        })
+        let accelerations = |mode: &mode::Mode<C>| <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
+        mode::Mode::at_state(&self.event_tolerances, |index| self.variables_at(q, v, index), accelerations)
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Option<f64> {
-        let index = event % C;
-        if mode[index] != ContactState::Active {
+        if mode[event % C] != ContactState::Active {
             return None;
         }
-        let (variables, law, _) =
-            self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index)?;
-        let mobility = self.mobility(q, &variables.normal_row);
+        let ContactVariables { law, rate, normal_row, .. } = self.variables_at(q, v, event % C)?;
+        let mobility = row_dot(&normal_row, &self.inverse(q).solve(&normal_row));
         // The mobility is 0 for a fixed disc on a plane.
-        (mobility > 0.0).then(|| first_impact_step(law, variables.rate.abs(), 1.0 / mobility))
+        (mobility > 0.0).then(|| first_impact_step(law, rate.abs(), 1.0 / mobility))
     }
 
     fn describe_obstacle(&self, q: &[f64; N]) -> String {

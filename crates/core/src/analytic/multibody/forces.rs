@@ -1,15 +1,13 @@
 //! Accelerations of a multibody system. Every finger and contact contributes in the few coordinates it depends on.
 
 use super::components::{
-    ContactLaws, ContactModel, ContactPair, DiscComponent, FingerComponent, SignedIndex, disc_indices,
-    disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices,
+    BrakeTorque, ContactLaws, ContactModel, ContactPair, DiscComponent, FingerComponent, ShaftTorque, SignedIndex,
+    disc_indices, disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices,
 };
-use super::contact_kinematics::{self, ContactKinematics};
-use super::drive::{BrakeTorque, ShaftTorque};
-use super::frame::{self, InertialField, disc_inertial_force};
-use super::inertia::Inertia;
+use super::contact_kinematics::ContactKinematics;
+use super::frame::{Inertia, InertialField, disc_inertial_force};
 use super::model::Multibody;
-use super::{FINGERS, mode, quadratures};
+use super::{FINGERS, contact_kinematics, frame, mode, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::StateRef;
 use crate::fivebar::dynamics::{Terms, absolute_rates};

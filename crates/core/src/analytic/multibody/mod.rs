@@ -8,25 +8,21 @@
 
 mod components;
 mod contact_kinematics;
-mod derivatives;
-mod drive;
 mod evaluation;
 mod events;
 mod forces;
 mod frame;
-mod inertia;
 mod model;
-mod size;
 
-pub use model::Multibody;
-pub(crate) use size::count_moving_discs;
-pub use size::{MAX_SIZES, Size, TooLarge};
-
+/// Largest number of fingers: a right and a left one.
 use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::mode;
 use crate::analytic::model::normal_force_on_branch;
 
-/// Largest number of fingers: a right and a left one.
+pub(crate) use components::count_moving_discs;
+pub use components::{MAX_SIZES, Size, TooLarge};
+pub use model::Multibody;
+
 const FINGERS: usize = 2;
 
 /// Number of quadratures of a system: the normal impulse of each contact, the work of all contact forces and brakes,

@@ -1,12 +1,12 @@
 //! The constant data of a multibody system, and the layout of its coordinates.
 
-use super::components::{ContactModel, ContactPair, DiscComponent, FingerComponent, Plane};
-use super::drive::Drive;
-use super::size::{MAX_DISC_PAIRS, error_coordinates};
+use super::components::{
+    ContactModel, ContactPair, DiscComponent, Drive, FingerComponent, MAX_DISC_PAIRS, Plane, error_coordinates,
+};
 use super::{FINGERS, Size, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::EventTolerances;
-use crate::fivebar::inertial_forces::InertialForces;
+use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
