@@ -6,13 +6,16 @@ use crate::fivebar::kinematics::{
     Capsule, ClosestPoints, Directions, PassiveRates, SpringModel, closest_points, directions, passive_rates,
     reference_gamma,
 };
-use crate::gripper::{Assembly, Finger, FingerContact, Spring};
+use crate::gripper::{Assembly, FingerContact};
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, angle_between, dot, opening_angle, perp, rotate, scale_by, sub};
 use crate::numeric::{Dual, Real, map_array};
-use crate::scene::{FingerContactLaws, Initial};
+use crate::scene::{DrivenFinger, FingerContactLaws};
 use crate::shape::{PlacedShape, Support};
+
+/// Pose of a finger with its passive rates.
+pub(crate) type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
 
 /// A finger with all constant terms precomputed.
 #[derive(Clone, Debug)]
@@ -25,27 +28,22 @@ pub(crate) struct FingerModel {
 }
 
 impl FingerModel {
-    /// Builds the model under the gravity in the finger's own frame, for a run that starts at `initial`.
-    pub fn new(
-        finger: &Finger,
-        (spring, limit): (Option<Spring>, Option<NormalLaw>),
-        contacts: FingerContactLaws,
-        initial: &Initial,
-        gravity_m_s2: [f64; 2],
-    ) -> Self {
-        let lengths = finger.lengths;
+    /// Builds the model under the gravity in the finger's own frame.
+    pub fn new(finger: &DrivenFinger, gravity_m_s2: [f64; 2]) -> Self {
+        let DrivenFinger { linkage, spring, limit, contact, initial, .. } = finger;
+        let lengths = linkage.lengths;
         let reference = reference_gamma(&lengths);
-        let gamma = match finger.assembly {
+        let gamma = match linkage.assembly {
             Assembly::Reference => reference,
             Assembly::Other => -reference,
         };
         let (sin, cos) = sin_cos(lengths.phi22_rad);
         let start = directions(&lengths, gamma, [initial.q11_rad, initial.q21_rad]);
         Self {
-            dynamics: Dynamics::new(finger, gamma, gravity_m_s2),
+            dynamics: Dynamics::new(linkage, gamma, gravity_m_s2),
             spring: spring.map(|s| SpringModel::new(&s, &lengths, gamma, &start)),
-            limit,
-            contacts,
+            limit: *limit,
+            contacts: *contact,
             distal: DistalShape { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
         }
     }
@@ -58,7 +56,7 @@ impl FingerModel {
 
     /// Link directions and passive rates at q_a, the part of [`FingerModel::terms`] that contact geometry needs.
     #[inline(always)]
-    pub(super) fn kinematics(&self, q: [f64; 2]) -> (Directions<f64>, PassiveRates<f64>) {
+    pub(super) fn kinematics(&self, q: [f64; 2]) -> FingerKinematics {
         let pose = directions(&self.dynamics.lengths, self.dynamics.gamma, q);
         let rates = passive_rates(&self.dynamics.lengths, &pose);
         (pose, rates)
@@ -138,13 +136,7 @@ impl FingerModel {
     }
 
     /// Angles and rates of the passive joints (2.2), (2.8).
-    pub(super) fn passive_joints(
-        &self,
-        pose: &Directions<f64>,
-        rates: &PassiveRates<f64>,
-        q: [f64; 2],
-        v: [f64; 2],
-    ) -> PassiveJoints {
+    pub(super) fn passive_joints(&self, (pose, rates): &FingerKinematics, q: [f64; 2], v: [f64; 2]) -> PassiveJoints {
         let [_, _, qd3, qd4] = absolute_rates(rates, v);
         let phi22 = self.dynamics.lengths.phi22_rad;
         // Measured from the straight line, so that q22 is continuous through the joint limit.
@@ -163,7 +155,7 @@ pub struct PassiveJoints {
     pub qd22: f64,
 }
 
-/// Geometry of one unilateral contact in closed form (thesis (B.1)–(B.2), errata 5): the gap, and the rows that give gap rate and slip from q̇_a.
+/// Geometry of one contact (thesis (B.1)–(B.2), errata 5): gap, and rows that give gap rate and slip from q̇_a.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<T> {
     /// Distance between the surfaces; −δ in penetration.

@@ -53,7 +53,6 @@ pub struct Mode<const C: usize> {
 }
 
 impl DamperRange {
-    /// Range at the depth `delta`.
     #[inline(always)]
     pub(crate) fn at_depth(law: &NormalLaw, delta: f64) -> Self {
         match is_damped(law) {
@@ -89,7 +88,7 @@ impl<const C: usize> IndexMut<usize> for Mode<C> {
 /// Coordinates and rates.
 pub(crate) type StateRef<'a, const N: usize> = (&'a [f64; N], &'a [f64; N]);
 
-/// State of one contact with its laws: penetration and its rate, slip, and the rows that give the rates of gap and slip.
+/// State of one contact with its laws: penetration, its rate, slip, and the rows that give the rates of gap and slip.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactVariables<'a, const N: usize> {
     pub law: &'a NormalLaw,
@@ -187,8 +186,7 @@ impl<const N: usize> ContactVariables<'_, N> {
         }
     }
 
-    /// Error weight of a sticking bristle contact, for the sum of slip and bristle state, which the cone bounds
-    /// tightly.
+    /// Error weight of a sticking bristle, for the sum of slip and bristle state, which the cone bounds tightly.
     fn sticking_error_weight(&self, law: &FrictionLaw, force: f64) -> ErrorWeight<N> {
         let limit = law.mu_static * force.max(0.0);
         let slip_scale =
@@ -220,8 +218,7 @@ impl EventTolerances {
     }
 }
 
-/// Whether a low derivative of the spring force is infinite at zero depth, so that the polynomial of a step cannot
-/// follow it.
+/// Whether a low derivative of the spring force is infinite at zero depth, where no polynomial can follow it.
 pub(crate) fn is_kinked(law: &NormalLaw) -> bool {
     law.exponent.fract() != 0.0 && law.exponent < 3.0
 }
@@ -284,8 +281,7 @@ impl<const C: usize> Mode<C> {
         mode
     }
 
-    /// Whether the friction of a contact is outside its sticking range; `None` without a force, or if the range is not
-    /// monitored.
+    /// Whether the friction of a contact is outside its sticking range; `None` without a force or a monitored range.
     pub(crate) fn is_slipping(&self, index: usize) -> Option<bool> {
         match self.friction_ranges[index] {
             _ if !self.contacts[index].has_force() => None,
@@ -421,7 +417,6 @@ impl<const C: usize> Mode<C> {
         EventFunction { value, root_search, is_separated: false, error_weight, ..EventFunction::INACTIVE }
     }
 
-    /// Event function of the damper of a contact.
     #[inline(always)]
     fn damper_event<const N: usize>(&self, index: usize, contact: &ContactVariables<'_, N>) -> EventFunction<N> {
         let ContactVariables { law, delta, rate, .. } = *contact;
@@ -435,8 +430,7 @@ impl<const C: usize> Mode<C> {
         EventFunction { value, rate: margin_rate, root_search, is_separated: false, ..EventFunction::INACTIVE }
     }
 
-    /// Tolerance of an event function. Indices below C belong to normal laws, those below 2 C to friction laws, the
-    /// others to dampers.
+    /// Tolerance of an event function: indices below C are normal laws, below 2 C friction laws, others dampers.
     pub fn event_tolerance(
         &self,
         event: usize,
@@ -485,10 +479,7 @@ impl<const C: usize> Mode<C> {
     }
 
     /// Returns the mode after a step in which released surfaces have separated; `None` if none has.
-    pub(crate) fn with_separated_contacts<const N: usize, const G: usize>(
-        &self,
-        functions: &[EventFunction<N>; G],
-    ) -> Option<Self> {
+    pub(crate) fn with_separated_contacts<const N: usize>(&self, functions: &[EventFunction<N>]) -> Option<Self> {
         let mut next = *self;
         for (state, function) in next.contacts.iter_mut().zip(functions) {
             if *state == ContactState::Released && function.is_separated {

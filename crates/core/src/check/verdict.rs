@@ -129,8 +129,7 @@ pub const MOTION_FRACTION: f64 = 1e-2;
 const CHAOS_MOTION_FRACTION: f64 = 0.1;
 /// Length that corresponds to a radian in scenes without fingers, in radii of the smallest moving disc.
 const DISC_LENGTH_RADII: f64 = 20.0;
-/// Displacements below this fraction of a radian, or of the corresponding length, are rounding errors and count as
-/// rest.
+/// Displacements below this fraction of a radian, or of the corresponding length, are rounding and count as rest.
 const REST_FRACTION: f64 = 1e-10;
 
 /// Largest errors of a run with the verdict "sure".

@@ -22,8 +22,7 @@ use serde::Serialize;
 /// and moment by normal forces and friction. It is *held* while either condition is met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraspCriteria {
-    /// Criteria of all contacts except joint limits (four phalanges, palm, table), in the order of
-    /// [`GripperContact::ALL`].
+    /// Criteria of four phalanges, palm and table (no joint limits), in the order of [`GripperContact::ALL`].
     pub contacts: Vec<ContactCriteria>,
     /// Time to stability of the whole grasp: start of the interval up to the end of the run in which all contacts that
     /// are active at the end are active, including palm and table. It is the largest of their
@@ -55,8 +54,7 @@ pub struct CycleCriteria {
     pub release_s: Option<f64>,
     /// Travel of the object in the hand from `motion_start_s` to `release_s`, or to the end of the run.
     pub motion_travel: Option<Travel>,
-    /// Time after the release since which no phalanx is in active contact; `None` if one still is at the end, or if
-    /// there is no release.
+    /// Time after the release since which no phalanx is active; `None` if one is at the end, or without a release.
     pub opened_s: Option<f64>,
     /// Largest rotation of the driven links, right and left, from the engagement of their brakes to the release, rad.
     pub brake_slip_rad: [Option<f64>; 2],
@@ -84,8 +82,7 @@ pub fn fate_reason(criteria: &GraspCriteria, held_time_s: f64) -> String {
 const CENTRED_TOLERANCE_M: f64 = 1e-9;
 
 impl GraspCriteria {
-    /// Returns |x| at the end over |x| at the start: below 1 the grasp centres its object. `None` if the object starts
-    /// within 1e-9 m of the middle.
+    /// Returns |x| at the end over that at the start: below 1 the grasp centres its object. `None` for a centred start.
     pub fn offset_ratio(&self) -> Option<f64> {
         let [start, end] = [self.start, self.end].map(|body| body.centre_m[0].abs());
         (start > CENTRED_TOLERANCE_M).then(|| end / start)
@@ -106,8 +103,7 @@ pub struct ContactCriteria {
     /// Time of the first contact; `None` if there was none.
     #[serde(rename = "first_touch_s")]
     pub first_contact_s: Option<f64>,
-    /// Start of the last interval up to the end of the run in which it is active; `None` if it is not active at the
-    /// end.
+    /// Start of the interval up to the end of the run in which it is active; `None` if it is not active then.
     #[serde(rename = "presses_since_s")]
     pub active_since_s: Option<f64>,
     /// Number of losses after the contact was first active.
@@ -145,8 +141,7 @@ impl Fate {
         }]
     }
 
-    /// Returns the time since which the object is no longer held, or at which it left the gripper; `None` for the other
-    /// fates.
+    /// Returns the time since which the object is not held, or at which it left the gripper; `None` for other fates.
     pub fn lost_at_s(self) -> Option<f64> {
         match self {
             Fate::Dropped { since_s } => Some(since_s),
@@ -191,8 +186,7 @@ struct Setup {
     closure_interval_s: f64,
 }
 
-/// Minimum time between two evaluations of force closure as a fraction of the run: a hundred evaluations take less time
-/// than the run itself.
+/// Minimum time between two evaluations of force closure, per run time: a hundred evaluations cost less than the run.
 const CLOSURE_INTERVAL_FRACTION: f64 = 0.01;
 
 /// Force closure of an unchanged set of active contacts.
@@ -201,7 +195,6 @@ struct Closure {
     /// Active contacts, and the time since which they are unchanged.
     active: [bool; CONTACT_COUNT],
     since_s: f64,
-    /// Time of the last evaluation.
     last_evaluation_s: Option<f64>,
     /// Result of the last evaluation.
     closed: bool,
@@ -266,8 +259,7 @@ impl TrackerState {
         has_contact_from(1.0) && has_contact_from(-1.0)
     }
 
-    /// Returns the time since which an unchanged set of active contacts force-closes the object; `None` if it does not,
-    /// or not for the required time.
+    /// Returns since when an unchanged set of active contacts force-closes the object; `None` if not, or too shortly.
     fn force_closed_since(&mut self, segment: &Segment<CONTACT_COUNT>) -> Option<f64> {
         let active = self.history.contacts.map(|contact| contact.active_since.is_some());
         if active != self.history.closure.active {
@@ -351,7 +343,6 @@ fn is_phalanx(id: GripperContact) -> bool {
     matches!(id, GripperContact::Finger(_, FingerContact::Proximal | FingerContact::Distal))
 }
 
-/// Returns whether any phalanx is active.
 fn has_active_phalanx(segment: &Segment<CONTACT_COUNT>) -> bool {
     GripperContact::ALL.iter().zip(segment.is_active).any(|(id, is_active)| is_active && is_phalanx(*id))
 }
@@ -440,8 +431,7 @@ struct ContactHistory {
     /// records its own travel, because the contact that became active last is known only at the end of the run.
     active_since: Option<TravelSince>,
     was_active: bool,
-    /// Start of the current loss. While the loss is shorter than the threshold, [`ContactHistory::active_since`] is
-    /// kept.
+    /// Start of the current loss. A loss shorter than the threshold keeps [`ContactHistory::active_since`].
     inactive_since_s: Option<f64>,
     times_lost: u32,
     lost_s: f64,

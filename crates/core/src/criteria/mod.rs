@@ -27,7 +27,6 @@ mod segments;
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::trace::{Event, RequiredData, Sample, Sink, SinkError};
-/// The dynamic criteria of one run.
 use class::{is_in_position, is_positive};
 use segments::{Hermite, Segment, SegmentObserver, SegmentSplitter};
 use serde::Serialize;
@@ -42,6 +41,7 @@ pub use grasp_tracker::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Gra
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
 pub use rebounds::{Rebound, Rebounds};
 
+/// The dynamic criteria of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Criteria {
     /// Time to stability; `None` if the run does not end in a stable state.
@@ -78,7 +78,7 @@ pub struct Tracker {
 }
 
 /// History of the stability conditions up to the last segment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct TrackerState {
     target: FinalAngles,
     t_geo_s: Option<f64>,
@@ -90,7 +90,6 @@ struct TrackerState {
     deviation_rad: Option<[f64; 2]>,
 }
 
-/// History of one condition of stability.
 #[derive(Clone, Copy, Debug, Default)]
 struct ConditionHistory {
     /// Time at which the angle was first within its tolerance, or the phalanx first touched the object.
@@ -102,8 +101,7 @@ struct ConditionHistory {
 }
 
 impl ConditionHistory {
-    /// Adds a segment. `has_started` is true once the angle has been within its tolerance, or the phalanx has touched
-    /// the object.
+    /// Adds a segment. `has_started`: the angle has been within its tolerance, or the phalanx has touched the object.
     fn update(&mut self, [from_s, to_s]: [f64; 2], has_started: bool, is_met: bool) {
         if has_started {
             self.first_s.get_or_insert(from_s);
@@ -132,20 +130,11 @@ impl ConditionHistory {
 impl Tracker {
     /// Creates a tracker for a finger with these final angles.
     pub fn new(target: FinalAngles) -> Self {
-        let state = TrackerState {
-            target,
-            t_geo_s: None,
-            stable_since_s: None,
-            lost_s: 0.0,
-            conditions: Default::default(),
-            deviation_rad: None,
-        };
-        Tracker { segments: SegmentSplitter::new(None), state }
+        Tracker { segments: SegmentSplitter::new(None), state: TrackerState { target, ..TrackerState::default() } }
     }
 
     /// Returns the criteria of the run up to the last sample; `None` for a run without duration. `static_forces_n`:
-    /// normal forces of both phalanges in the static grasp (thesis (2.32)), N; `None` if unknown or evaluated
-    /// elsewhere.
+    /// normal forces of both phalanges in the static grasp (thesis (2.32)), N; `None` if unknown.
     pub fn criteria(&self, static_forces_n: Option<[f64; 2]>) -> Option<Criteria> {
         let TrackerState { t_geo_s, stable_since_s, lost_s, deviation_rad, .. } = self.state;
         let (last, evaluated_rad) = (self.segments.last()?, deviation_rad?);
@@ -212,8 +201,6 @@ impl TrackerState {
 impl SegmentObserver<2> for TrackerState {
     /// Interpolants of q11 and q21.
     type Interpolant = [Hermite; 2];
-
-    fn begin(&mut self, _: &Sample) {}
 
     fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 2] {
         let ([from, to], [t0, t1]) = ([last.finger(), next.finger()], [last.time_s, next.time_s]);

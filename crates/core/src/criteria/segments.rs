@@ -21,12 +21,11 @@ pub(crate) trait SegmentObserver<const K: usize> {
     type Interpolant;
 
     /// Receives the first sample of the run.
-    fn begin(&mut self, first: &Sample);
+    fn begin(&mut self, _first: &Sample) {}
 
     /// Interpolates between two samples. Appends times of changes other than contact changes to `cuts_s`, in any order.
     fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> Self::Interpolant;
 
-    /// Receives one segment.
     fn observe(&mut self, interpolant: &Self::Interpolant, segment: &Segment<K>);
 }
 
@@ -41,8 +40,7 @@ pub(crate) struct SegmentSplitter<const K: usize> {
     events: Vec<Event>,
     /// Ends of the segments of the current step; reused.
     cuts_s: Vec<f64>,
-    /// Normal force above which a contact is active, N, with linear interpolation of the force between samples. `None`
-    /// if a contact is active at any positive force.
+    /// Normal force above which a contact is active, N, interpolated linearly; `None`: active at any positive force.
     threshold_n: Option<f64>,
 }
 
@@ -53,8 +51,7 @@ fn threshold_crossing(threshold_n: f64, from_n: f64, to_n: f64) -> Option<f64> {
 }
 
 impl<const K: usize> SegmentSplitter<K> {
-    /// Creates a splitter whose contacts are active while their normal force exceeds a threshold, N, or is positive if
-    /// there is none.
+    /// Creates a splitter whose contacts are active while their normal force exceeds a threshold, N, or by default 0.
     pub fn new(threshold_n: Option<f64>) -> Self {
         SegmentSplitter {
             last: None,
@@ -76,7 +73,6 @@ impl<const K: usize> SegmentSplitter<K> {
         from_n + fraction * (to_n - from_n) > threshold_n
     }
 
-    /// Returns the last sample.
     pub fn last(&self) -> Option<&Sample> {
         self.last.as_ref()
     }
@@ -118,7 +114,6 @@ impl<const K: usize> SegmentSplitter<K> {
         self.contacts.iter_mut().zip(&sample.contacts).for_each(|(state, contact)| state.update(contact));
     }
 
-    /// Splits the step from the last sample to `next`.
     fn step(&mut self, last: &Sample, next: &Sample, observer: &mut impl SegmentObserver<K>) {
         let mut cuts_s = std::mem::take(&mut self.cuts_s);
         cuts_s.clear();
@@ -166,8 +161,7 @@ struct ContactStatus {
     has_touched: bool,
     /// Whether a sample since the touch-down had a positive force.
     was_loaded: bool,
-    /// Whether the normal force was zero at the last sample although the contact had been loaded: the normal law clamps
-    /// it to 0.
+    /// Whether the normal law clamped the force to zero at the last sample, after the contact had been loaded.
     is_slack: bool,
 }
 
@@ -227,7 +221,6 @@ impl Hermite {
         Hermite { start_s: t0, length_s, coefficients: [q0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise] }
     }
 
-    /// Returns the value at a time.
     pub fn value(&self, time_s: f64) -> f64 {
         self.evaluate((time_s - self.start_s) / self.length_s)
     }

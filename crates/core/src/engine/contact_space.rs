@@ -1,5 +1,5 @@
-//! Contact space: the rows in which contact is solved, and their response to impulses; and the correction of the rates of
-//! active contacts to the solution of their equations, by impulses along normals and tangents.
+//! Contact space: the rows in which contact is solved, and their response to impulses; and the correction of the rates
+//! of active contacts to the solution of their equations, by impulses along normals and tangents.
 //!
 //! A stiff damper determines the rate of its contact: within the next step it would remove the fraction h λ/(1 + h λ),
 //! λ = W (∂F/∂δ̇ + h ∂F/∂δ), of any rate error. The correction removes that fraction from all rows at once; soft
@@ -45,7 +45,6 @@ pub struct ContactSpace {
 }
 
 impl ContactSpace {
-    /// Number of rows.
     pub fn len(&self) -> usize {
         self.rows.len()
     }
@@ -177,7 +176,6 @@ const CLOSING_MARGIN: f64 = 1.5;
 /// Shortest interval for the evaluation of curvature, s.
 const MIN_CURVATURE_STEP_S: f64 = 1e-7;
 
-/// A row to correct.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CorrectedRow {
     /// Index of the row in the contact space.
@@ -268,8 +266,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Smallest force scale of bristle friction, N. Without it, the residual of a contact with a vanishing normal force
 /// would be dominated by rounding errors, such as slip rates of 1e-26 m/s.
 const MIN_FORCE_SCALE_N: f64 = 1.0;
-/// Fraction of the rate resolution below which a residual is ignored: a row of touching discs transmits rates of 1e-30
-/// m/s and less.
+/// Fraction of the rate resolution below which a residual is ignored: a row of discs transmits rates of 1e-30 m/s.
 const MIN_RATE_SCALE: f64 = 1e-9;
 /// Largest number of Newton iterations.
 const MAX_ITERATIONS: u32 = 30;
@@ -313,7 +310,7 @@ pub(crate) struct Workspace {
 
 /// No solution was found within the allowed iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct NotConverged {
+pub(crate) struct Diverged {
     pub residual: f64,
 }
 
@@ -330,11 +327,8 @@ impl Workspace {
     }
 
     /// Solves a stage and returns the number of iterations. `rate` is the initial guess on entry and the solution on
-    /// return; `self.force` contains the forces there.
-    ///
-    /// # Errors
-    /// Returns an error if the iteration does not converge within the allowed number of iterations.
-    pub fn solve(&mut self, space: &ContactSpace, stage: &Stage, rate: &mut [f64]) -> Result<u32, NotConverged> {
+    /// return; `self.force` contains the forces there. Fails if the iteration does not converge.
+    pub fn solve(&mut self, space: &ContactSpace, stage: &Stage, rate: &mut [f64]) -> Result<u32, Diverged> {
         // Compile-time sizes are faster; contact spaces are small.
         match space.len() {
             1 => self.iterate(space, stage, rate, 1),
@@ -348,13 +342,7 @@ impl Workspace {
 
     /// Newton's method with step halving.
     #[inline(always)]
-    fn iterate(
-        &mut self,
-        space: &ContactSpace,
-        stage: &Stage,
-        rate: &mut [f64],
-        rows: usize,
-    ) -> Result<u32, NotConverged> {
+    fn iterate(&mut self, space: &ContactSpace, stage: &Stage, rate: &mut [f64], rows: usize) -> Result<u32, Diverged> {
         let mut residual = self.evaluate(space, stage, rate, rows);
         for iteration in 0..MAX_ITERATIONS {
             if residual <= TARGET_RESIDUAL {
@@ -390,7 +378,7 @@ impl Workspace {
             }
             break;
         }
-        if residual <= MAX_RESIDUAL { Ok(MAX_ITERATIONS) } else { Err(NotConverged { residual }) }
+        if residual <= MAX_RESIDUAL { Ok(MAX_ITERATIONS) } else { Err(Diverged { residual }) }
     }
 
     /// Filters an error: e ← (1 − h W ∂F/∂u)⁻¹ e at the last solution.
@@ -399,8 +387,7 @@ impl Workspace {
         dense::solve(&mut self.jacobian, error, space.len());
     }
 
-    /// Evaluates forces, their derivatives and the residual at given rates; returns the residual relative to the terms
-    /// of the equation.
+    /// Evaluates forces and their derivatives; returns the residual relative to the terms of the equation.
     #[inline(always)]
     fn evaluate(&mut self, space: &ContactSpace, stage: &Stage, rate: &[f64], rows: usize) -> f64 {
         let h = stage.h;

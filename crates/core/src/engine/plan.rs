@@ -14,8 +14,7 @@ use crate::scene::{
 use crate::shape;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A moving body: mass properties and initial state. A body without mass is moved by a drive; a body without inertia
-/// does not rotate.
+/// A moving body with its initial state. Without mass, a drive moves it; without inertia, it does not rotate.
 #[derive(Clone, Debug)]
 pub struct PlannedBody {
     pub body: Body,
@@ -90,8 +89,7 @@ pub struct PlannedMotor {
     pub no_load_speed_rad_s: Option<f64>,
 }
 
-/// A gear: two constraints. Each one keeps at zero the sum of the wheel angles, measured from the start, times one
-/// ratio per wheel.
+/// A gear: two constraints, each of which keeps the sum of ratios times wheel angles, measured from the start, at zero.
 #[derive(Clone, Debug)]
 pub struct PlannedGear {
     pub wheels: Vec<(usize, [f64; 2])>,
@@ -123,8 +121,7 @@ pub struct PlannedBrake {
     pub brake: Brake,
 }
 
-/// Inertia of a rotor on a body, driven by the rate of the body relative to the palm; rotation of the palm alone does
-/// not turn it.
+/// Inertia of a rotor on a body, driven by the rate of the body relative to the palm, not by the palm's own rotation.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedRotor {
     pub body: usize,
@@ -264,7 +261,7 @@ impl PlannedMotor {
     }
 
     /// Returns the shaft angle or rate from those of the bodies.
-    pub fn shaft(&self, value: impl Fn(usize) -> f64) -> f64 {
+    pub(crate) fn shaft(&self, value: impl Fn(usize) -> f64) -> f64 {
         self.on.iter().map(|(body, ratio)| ratio * value(*body)).sum()
     }
 }
@@ -367,7 +364,6 @@ fn add_motor(plan: &mut Plan, side: Side, finger: &DrivenFinger, palm: Option<us
     plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { on: (driven, mirror), against, brake }));
 }
 
-/// Adds a moving disc.
 fn add_disc(plan: &mut Plan, disc: &Disc) {
     let (mass_kg, inertia_kg_m2, velocity_m_s, rate_rad_s) = match disc.motion {
         DiscMotion::Fixed => return,
@@ -392,7 +388,6 @@ fn add_disc(plan: &mut Plan, disc: &Disc) {
     });
 }
 
-/// Adds a moving palm.
 fn add_palm(plan: &mut Plan, body: usize, motion: &PalmMotion, is_solid: bool) {
     plan.drives.push(PlannedDrive { body, motion: PrescribedMotion::Palm(motion.clone()) });
     let palm = PlannedBody { shape: is_solid.then_some(Shape::HalfPlane), ..PlannedBody::at_origin(0.0) };
@@ -598,14 +593,12 @@ fn add_differential(plan: &mut Plan, differential: &Differential) {
         (right, [-0.5 * is_geared[0], -0.5 * is_geared[1]]),
         (left, [0.5 * is_geared[0], -0.5 * is_geared[1]]),
     ];
-    // The rotation of the palm cancels in the mean of both closing angles, but counts for wheels that turn relative to
-    // it.
+    // The rotation of the palm cancels in the mean of both closing angles, but not for wheels that turn relative to it.
     wheels.extend(palm.map(|palm| (palm, [-is_geared[0], 0.0])));
     plan.gears.push(PlannedGear { wheels });
 }
 
-/// Torque of the brakes on the driven link of a finger, N·m, positive in closing; `torque` returns the torque of a
-/// brake by its index.
+/// Torque of the brakes, each given by `torque`, on the driven link of a finger, N·m, positive in closing.
 pub(crate) fn driven_link_brake_torque(plan: &Plan, side: Side, torque: impl Fn(usize) -> f64) -> f64 {
     let driven = first_link(side) + L11;
     let ratio = |brake: &PlannedBrake| {

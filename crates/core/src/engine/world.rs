@@ -123,8 +123,7 @@ fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationPa
             Response::Rapier { .. } => 1,
         },
         warmstart_joints: true,
-        // rapier's contact is soft by default (60 Hz against a fixed body): the motor would push surfaces into each
-        // other for the whole closing motion.
+        // rapier's contact is soft by default (60 Hz): the motor would push surfaces into each other while closing.
         contact_softness: RIGID,
         static_contact_softness: RIGID,
         normalized_max_linear_velocity: Real::MAX,
@@ -221,8 +220,7 @@ pub(crate) fn collider(shape: Shape) -> ColliderBuilder {
     }
 }
 
-/// Sets the initial rates: every body rotates about its origin, which moves with the preceding links or with its own
-/// velocity.
+/// Sets the initial rates: every body rotates about its origin, which moves with the preceding links or by itself.
 fn set_rates(world: &mut World, plan: &Plan) {
     if plan.bodies.iter().all(|body| body.rate_rad_s == 0.0 && body.velocity_m_s == [0.0; 2]) {
         return;

@@ -16,7 +16,6 @@
 
 mod measure;
 
-/// A property that every run must have. See the [module](super) for their limits.
 use crate::scene::{Engine, Integrator, Response, Scene, Stepping};
 use crate::trace::{Energy, Model, Sample, Sink, SinkError};
 use serde::ser::SerializeMap;
@@ -26,6 +25,7 @@ use std::fmt;
 
 pub use measure::Invariants;
 
+/// A property that every run must have. See the [module](super) for their limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Invariant {
     Finite,
@@ -41,18 +41,10 @@ pub enum Invariant {
 }
 
 impl Invariant {
-    pub const ALL: [Invariant; 10] = [
-        Invariant::Finite,
-        Invariant::Energy,
-        Invariant::Passivity,
-        Invariant::NoAdhesion,
-        Invariant::Friction,
-        Invariant::Penetration,
-        Invariant::JointLimit,
-        Invariant::LoopGap,
-        Invariant::Momentum,
-        Invariant::AngularMomentum,
-    ];
+    pub const ALL: [Invariant; 10] = {
+        use Invariant::*;
+        [Finite, Energy, Passivity, NoAdhesion, Friction, Penetration, JointLimit, LoopGap, Momentum, AngularMomentum]
+    };
 
     /// Name in JSON keys.
     pub fn name(self) -> &'static str {
@@ -92,7 +84,6 @@ pub struct Finding {
     pub invariant: Invariant,
     /// Name of the contact or stop.
     pub contact: Option<String>,
-    /// Time of the value.
     pub time_s: f64,
     /// Measured value, in the unit of the invariant.
     pub measured: f64,
@@ -163,8 +154,7 @@ pub struct Tolerances {
     /// Length of fixed steps; 0 for adaptive steps, which are as short as contacts need. A force acts for a whole step,
     /// at whose end the surfaces may already be separated.
     pub step_s: f64,
-    /// Whether contacts follow the scene's laws. rapier's own contact has a different friction law and no spring that
-    /// bounds the depth.
+    /// Whether contacts follow the scene's laws; rapier's own differ in friction, and no spring bounds the depth.
     pub laws: bool,
 }
 
@@ -213,8 +203,7 @@ impl Tolerances {
 
 /// Relative rounding error of stored energies.
 const ROUNDING: f64 = 1e-10;
-/// Smallest fraction of the exchanged energy that counts as missing: the tolerance of the everyday preset, four digits
-/// of printed results.
+/// Smallest fraction of the exchanged energy that counts as missing: the tolerance of the everyday preset.
 const MIN_TOLERANCE: f64 = 1e-4;
 /// [`MIN_TOLERANCE`] for rapier's own contact, whose energy has no error bound: rigid impacts of discs conserve energy
 /// to 6e-4, and unstable stacks gain half of theirs.
@@ -244,8 +233,7 @@ pub struct EnergyAudit {
 /// An energy error beyond its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyViolation {
-    /// Whether contacts, friction and dampers released more energy than they had absorbed; otherwise the balance has an
-    /// error.
+    /// Whether contacts, friction and dampers released more energy than absorbed; otherwise the balance has an error.
     pub max_created: bool,
     pub time_s: f64,
     pub amount_j: f64,
@@ -274,7 +262,6 @@ impl EnergyAudit {
         self.max_exchanged_j + ROUNDING * self.max_stored_j
     }
 
-    /// Records the energies at one instant.
     pub fn record(&mut self, time_s: f64, energy: &Energy) {
         let start = *self.start.get_or_insert(*energy);
         let Energy { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j } = *energy;

@@ -229,7 +229,6 @@ impl AccelerationField {
         AccelerationField { uniform: [mirror * x, y], centrifugal, coriolis: mirror * coriolis, euler: mirror * euler }
     }
 
-    /// Whether the frame rotates.
     pub(crate) fn is_rotating(&self) -> bool {
         self.centrifugal != 0.0 || self.coriolis != 0.0 || self.euler != 0.0
     }

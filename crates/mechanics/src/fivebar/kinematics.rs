@@ -168,8 +168,7 @@ pub fn passive_bias<T: Real>(lengths: &Lengths, pose: &Directions<T>, rates: &Pa
 pub struct SpringModel {
     kind: SpringKind,
     placement: Placement,
-    /// s: +1 if q_s increases as the tip closes, −1 if it decreases. The torque −s k_s always acts towards the straight
-    /// configuration.
+    /// s: +1 if q_s increases as the tip closes, −1 otherwise: −s k_s acts towards the straight configuration.
     closing_sign: f64,
     /// (cos, sin) of −q_s in the straight configuration.
     straight: [f64; 2],
@@ -201,8 +200,7 @@ pub fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2
 }
 
 impl SpringModel {
-    /// Returns the spring of a finger in assembly mode γ, with zero extension in the straight configuration, for a run
-    /// that starts in the pose `start`.
+    /// Returns the spring in assembly mode γ, at zero in the straight configuration, for a run from the pose `start`.
     pub fn new(spring: &Spring, lengths: &Lengths, gamma: f64, start: &Directions<f64>) -> Self {
         let pose = straight_directions(lengths);
         let [from, to] = directions_of(spring.placement, &pose);
@@ -243,8 +241,7 @@ impl SpringModel {
         if self.closing_sign > 0.0 { opening_angle(from, to) } else { opening_angle(to, from) }
     }
 
-    /// Δq_s ≥ 0 in closing: deviation of the spring coordinate from the straight configuration, in rad; continuous
-    /// along a run.
+    /// Δq_s ≥ 0 in closing: deviation of q_s from the straight configuration, in rad; continuous along a run.
     #[inline(always)]
     pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
         let principal_extension = self.principal_extension(pose);

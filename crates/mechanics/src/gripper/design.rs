@@ -50,8 +50,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// Returns the designs of the thesis: l11 = 15 mm, w = 2.5 mm, r_c = 20 mm (Table 3.2), and four numbers that vary
-    /// (§4.2).
+    /// Designs of the thesis: l11 = 15 mm, w = 2.5 mm, r_c = 20 mm (Table 3.2), and four numbers that vary (§4.2).
     pub const fn thesis(base_m: f64, l21: ProximalLength, phi22_rad: f64, arm_ratio: f64) -> Self {
         Self {
             base_m,

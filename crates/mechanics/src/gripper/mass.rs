@@ -1,4 +1,5 @@
-//! Mass, centre of mass and inertia of each body: a homogeneous outline of constant depth, a polygon in the body's frame.
+//! Mass, centre of mass and inertia of each body: a homogeneous outline of constant depth, a polygon in the body's
+//! frame.
 //!
 //! Frames: origin at the preceding joint (O for l11 and l21, A12 for l12, A22 for the distal body), x along the link
 //! (along the arm A22 → A13 for the distal body). Corners are counter-clockwise.

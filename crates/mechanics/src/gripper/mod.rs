@@ -7,6 +7,16 @@ mod design;
 mod mass;
 mod posture;
 
+pub use design::{Design, DesignError, HEIGHT_RATIO, ProximalLength, disc, lengths, proximal_range};
+pub use mass::{
+    BodyOverride, MassError, Outlines, PolygonMoments, bodies, bodies_with_overrides, link_outline, outlines,
+    polygon_moments, tip_outline, total_mass,
+};
+pub use posture::{
+    FinalPosture, GraspError, Joints, Posture, PostureError, close_loop, contact_angle_proximal, contact_proximal,
+    final_posture, gamma, joint_a13, joint_positions, posture_at, start_posture, straight_posture,
+};
+
 /// Error for a number out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{name} is {value}, but {allowed}: give another value")]
@@ -27,16 +37,6 @@ pub(crate) fn positive(numbers: &[(&'static str, f64)]) -> Result<(), NumberErro
 }
 
 /// Link lengths of one finger, in metres and radians.
-pub use design::{Design, DesignError, HEIGHT_RATIO, ProximalLength, disc, lengths, proximal_range};
-pub use mass::{
-    BodyOverride, MassError, Outlines, PolygonMoments, bodies, bodies_with_overrides, link_outline, outlines,
-    polygon_moments, tip_outline, total_mass,
-};
-pub use posture::{
-    FinalPosture, GraspError, Joints, Posture, PostureError, close_loop, contact_angle_proximal, contact_proximal,
-    final_posture, gamma, joint_a13, joint_positions, posture_at, start_posture, straight_posture,
-};
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lengths {
     /// Driven link, joint O to joint A12.
@@ -122,7 +122,6 @@ pub struct Spring {
     pub placement: Placement,
 }
 
-/// Characteristic of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpringKind {
     /// Constant torque k_s.

@@ -12,8 +12,7 @@ use crate::numeric::plane::{add, cross, sub, wrap_angle};
 use crate::shape::{self, PlacedShape, Tangent, second_tangent, tangent};
 use std::f64::consts::FRAC_PI_2;
 
-/// Smallest |sin| of the angle between two links that are not in line: above √ε, the accuracy of a triangle height from
-/// rounded sides.
+/// Smallest |sin| of the angle between two links that are not in line: above √ε, the accuracy of a triangle height.
 const MIN_SINE: f64 = 1e-7;
 
 /// All joint angles of one posture.
@@ -184,8 +183,7 @@ fn side(lengths: &Lengths, a12: [f64; 2], a22: [f64; 2], a13: [f64; 2]) -> Resul
     Ok(sine.signum()) // the triangle A13, A12, A22 has the orientation of A12, A22, A13
 }
 
-/// Apex of the triangle over the segment `from` → `to` with the given sides at `from` and `to`, on its left (+1) or
-/// right.
+/// Apex of the triangle over `from` → `to` with the given sides at `from` and `to`, on its left (+1) or right.
 fn apex(
     links: &'static str,
     from: [f64; 2],
@@ -285,8 +283,7 @@ pub fn contact_angle_proximal(half_width_m: f64, object: PlacedShape) -> Result<
     Ok(contact_proximal(half_width_m, object)?.angle_rad)
 }
 
-/// Start of the closing motion: straight, at the angle `opening_rad` (q_0 of thesis Table 3.2) before the proximal
-/// contact.
+/// Start of the closing motion: straight, `opening_rad` (q_0 of thesis Table 3.2) before the proximal contact.
 pub fn start_posture(lengths: &Lengths, object: PlacedShape, opening_rad: f64) -> Result<Posture, GraspError> {
     finite("opening_rad", opening_rad)?;
     Ok(straight_posture(lengths, contact_angle_proximal(lengths.half_width_m, object)? - opening_rad)?)

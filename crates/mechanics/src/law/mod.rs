@@ -5,15 +5,15 @@
 mod bristle;
 mod friction;
 
-/// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).
-///
-/// For the joint limit the same law gives a torque in N·m from an angle in rad.
 use crate::numeric::Real;
 use crate::numeric::elementary::{cbrt, pow, powi};
 
 pub use bristle::{Bristle, BristleStep, bristle_force, friction_cone, friction_with_state, implicit_bristle_step};
 pub use friction::{FrictionRange, friction_coefficient, friction_force, friction_range};
 
+/// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).
+///
+/// For the joint limit the same law gives a torque in N·m from an angle in rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalLaw {
     /// k, in N/mᵉ (limit: N·m/radᵉ).

@@ -3,10 +3,10 @@
 pub mod elementary;
 pub mod plane;
 
-/// A real number, possibly with derivatives attached.
 use elementary::sin_cos;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
+/// A real number, possibly with derivatives attached.
 pub trait Real:
     Copy
     + Default
@@ -53,7 +53,6 @@ pub trait Real:
         self * self
     }
 
-    /// Returns (sin, cos).
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = sin_cos(self.value());

@@ -7,19 +7,18 @@
 //! |---|---|
 //! | `placed` | a shape at a position and angle, its support function, and tangent lines |
 
-/// Outline of a body, relative to its centre.
 use crate::numeric::Real;
 use crate::numeric::elementary::{asin, atan2, hypot, sin_cos};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
 use std::f64::consts::{PI, TAU};
 
+/// Outline of a body, relative to its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     Disc { radius_m: f64 },
 }
 
-/// Dimensions of a shape, one or two lengths: name and value in m. Called millions of times in a study, hence no
-/// allocation.
+/// Dimensions of a shape: name and value in m of one or two lengths; not allocated, because studies call it often.
 pub fn dimensions(shape: &Shape) -> impl Iterator<Item = (&'static str, f64)> + use<> {
     let sizes = match shape {
         Shape::Disc { radius_m } => [Some(("radius", *radius_m)), None],
@@ -71,8 +70,7 @@ pub fn support<T: Real>(placed: &PlacedShape<T>, _direction: Vector<T>) -> Suppo
     }
 }
 
-/// Outward normal at the surface point nearest to an exterior point, and the distance of that point from the centre
-/// along the normal.
+/// Outward normal at the surface point nearest to an exterior point, and its distance from the centre along it.
 #[inline(always)]
 pub fn normal_towards<T: Real>(placed: &PlacedShape<T>, point: Vector<T>) -> (Vector<T>, T) {
     let offset = sub(point, placed.centre_m);
@@ -81,8 +79,7 @@ pub fn normal_towards<T: Real>(placed: &PlacedShape<T>, point: Vector<T>) -> (Ve
     }
 }
 
-/// Normal at the closest points of two surfaces, from the second to the first, and the distance of the centres along
-/// it.
+/// Normal at the closest points of two surfaces, from second to first, and the distance of the centres along it.
 #[inline(always)]
 pub fn normal_between<T: Real>([first, second]: [&PlacedShape<T>; 2]) -> (Vector<T>, T) {
     let offset = sub(first.centre_m, second.centre_m);
@@ -189,8 +186,7 @@ impl PlacedShape {
         (0..CORNERS).map(direction).map(|(sin, cos)| self.furthest_point_m([cos, sin])).collect()
     }
 
-    /// Returns the shape in the frame of a finger, whose ground joint is half a palm width from the centre; mirrored
-    /// for a left finger (mirror −1).
+    /// Returns the shape in the frame of a finger, half a palm width from the centre; mirrored for a left one (−1).
     #[must_use]
     #[inline(always)]
     pub fn in_finger_frame(self, mirror: f64, half_palm_m: f64) -> Self {

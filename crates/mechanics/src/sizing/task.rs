@@ -14,7 +14,6 @@ pub const OPENING_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
 /// The task for which a finger is sized.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Task {
-    /// The object to be grasped.
     pub object: PlacedShape,
     /// Angle between the start, straight and at rest, and the proximal contact.
     pub opening_rad: f64,
@@ -39,7 +38,6 @@ pub struct Closing {
     pub end: FinalPosture,
     /// Contact angle q_c21, at which l21 remains.
     pub q21_contact_rad: f64,
-    /// Trajectory of q11.
     pub trajectory: Trajectory,
     /// x = t/T of the proximal contact: the end of the rigid phase.
     pub contact_x: f64,
@@ -55,8 +53,7 @@ impl Closing {
 /// Finds the test trajectory of a finger.
 ///
 /// # Errors
-/// Returns an error if the finger cannot grasp the object, or does so without bending its tip after the proximal
-/// contact.
+/// Returns an error if the finger cannot grasp the object, or bends no tip after the proximal contact.
 pub fn closing(finger: &Finger, task: &Task) -> Result<Closing, SizingError> {
     positive(&[("closing_s", task.closing_s)])?;
     if !(task.opening_rad.is_finite() && task.opening_rad > 0.0) {

@@ -19,8 +19,7 @@ use crate::numeric::plane::{add, cross, scale, sub};
 use crate::shape;
 use std::f64::consts::TAU;
 
-/// Largest difference between the accelerations from forces and from motion, relative to the acceleration or to the
-/// scale of the fixed loads.
+/// Largest difference of accelerations from forces and from motion, relative to them or to the scale of fixed loads.
 const GAP: f64 = 1e-6;
 
 /// Rates below this fraction of the largest are rounding.
@@ -66,8 +65,7 @@ pub struct Limit {
     /// The motion that a larger acceleration causes and no force within the cones prevents, normalised to an object
     /// speed of 1 mm/s (if the object is at rest, to 1 rad/s of the fastest joint).
     pub motion: HandMotion,
-    /// Difference between the limits from forces and from motion, relative to the limit or to the scale of the fixed
-    /// loads.
+    /// Difference of the limits from forces and from motion, relative to the limit or the scale of the fixed loads.
     pub gap: f64,
 }
 
@@ -109,8 +107,7 @@ pub struct HandMotion {
     pub fingers_rad_s: [[f64; 2]; 2],
 }
 
-/// Returns the largest acceleration of a translating palm along a direction that contact forces within their cones can
-/// balance.
+/// Returns the largest acceleration of a translating palm in a direction that forces within their cones can balance.
 pub fn balanced_acceleration(hand: &HandAtRest<'_>, direction: [f64; 2]) -> Result<Balance> {
     largest_acceleration(&loads(hand)?, direction)
 }
@@ -288,7 +285,6 @@ pub struct Drive {
     pub brake_n_m: [f64; 2],
 }
 
-/// Location of a contact force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactLocation {
     Finger(Side, FingerContact),
@@ -343,8 +339,7 @@ pub fn loads(hand: &HandAtRest<'_>) -> Result<Loads> {
         add_finger(hand, side, &mut loads)?;
     }
     if let Some(mu) = friction.palm {
-        // The contact point is on the palm below the lowest point of the object: the lever of friction is the height of
-        // the centre.
+        // The contact point is on the palm below the object: the lever of friction is the height of its centre.
         let ([x, y], [lowest, _]) = (configuration.object.centre_m, configuration.object.lowest_point_m());
         let mut columns = [[0.0; ROWS]; 2];
         (columns[0][X + 1], columns[0][MOMENT]) = (1.0, lowest - x);

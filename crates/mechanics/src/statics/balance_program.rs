@@ -36,8 +36,7 @@ pub struct Column {
     pub size: f64,
 }
 
-/// Columns of the equations, scaled so that the loads are about 1: the driving load D, unilateral forces G along the
-/// edges of the friction cones, and torques B.
+/// Columns, scaled to loads of about 1: driving load D, unilateral forces G along edges of friction cones, torques B.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub columns: Vec<Column>,
@@ -65,7 +64,6 @@ pub struct Bound {
     pub motion: Load,
 }
 
-/// Power of a load in a motion.
 pub fn power(motion: &Load, column: &Load) -> f64 {
     motion.iter().zip(column).map(|(rate, load)| rate * load).sum()
 }
@@ -80,7 +78,6 @@ impl Program {
         1..1 + self.edge_count
     }
 
-    /// Indices of the torques.
     pub fn torques(&self) -> Range<usize> {
         1 + self.edge_count..self.columns.len()
     }
@@ -165,8 +162,7 @@ impl Program {
     }
 }
 
-/// Distance from its bound (with fixed loads of about 1) within which a force counts as on it: ten times the tolerance
-/// of the programme.
+/// Distance from its bound (with loads of about 1) within which a force is on it: ten times the programme's tolerance.
 const ON_BOUND_TOLERANCE: f64 = 1e-6;
 
 /// Singular values below this are zero (columns have size 1).
@@ -222,8 +218,7 @@ impl Program {
         if forces.iter().zip(&self.columns).all(is_within) { forces } else { found }
     }
 
-    /// Returns the motion in which forces strictly within their bounds have exactly zero power, and the driving load
-    /// has 1 W.
+    /// Returns the motion in which forces within their bounds have exactly zero power, and the driving load has 1 W.
     pub(crate) fn exact_motion(&self, forces: &[f64], found: Bound) -> Bound {
         let loads = self.driving_last().map(|index| self.columns[index].load);
         let columns: Vec<Load> = loads.chain([self.fixed]).collect();

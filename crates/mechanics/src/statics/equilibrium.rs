@@ -56,8 +56,7 @@ const DEAD_POINT_SLOPE: f64 = 1e-9;
 pub struct StaticKinematics {
     pub pose: Directions<f64>,
     pub rates: PassiveRates<f64>,
-    /// ∂q22/∂(q11, q21). Their sum is 0: l11 and l21 rotate about the same joint, so equal rates of both rotate the
-    /// finger as one body.
+    /// ∂q22/∂(q11, q21). Their sum is 0: equal rates of l11 and l21 rotate the finger as one body.
     pub tip_slope: [f64; 2],
 }
 
@@ -181,25 +180,20 @@ pub fn equilibrium(finger: &Finger, end: &FinalPosture, loads: [f64; 2], mu_stat
 }
 
 /// [`equilibrium`] with separate friction coefficients for the proximal and the distal contact.
-pub fn equilibrium_with_mu(
-    finger: &Finger,
-    end: &FinalPosture,
-    loads: [f64; 2],
-    mu_static: [f64; 2],
-) -> Result<Equilibrium> {
+pub fn equilibrium_with_mu(finger: &Finger, end: &FinalPosture, loads: [f64; 2], mus: [f64; 2]) -> Result<Equilibrium> {
     number("the load on q11", loads[0], true, "must be finite")?;
     number("the load on q21", loads[1], true, "must be finite")?;
-    for mu in mu_static {
+    for mu in mus {
         number("mu_static", mu, mu >= 0.0, "must be finite, 0 or more")?;
     }
-    let lever_m = end.l_c22_m + mu_static[1] * finger.lengths.half_width_m;
+    let lever_m = end.l_c22_m + mus[1] * finger.lengths.half_width_m;
     if lever_m < MIN_LEVER_M {
         return Err(StaticsError::NoLever { lever_m });
     }
-    let [[_, j12], [j21, j22]] = contact_jacobian(finger, end, mu_static)?;
+    let [[_, j12], [j21, j22]] = contact_jacobian(finger, end, mus)?;
     let f22_n = -loads[0] / j12;
     let f21_n = -(loads[1] + j22 * f22_n) / j21;
-    Ok(Equilibrium { f21_n, f22_n, pfp_n: palm_force_with_mu(end, [f21_n, f22_n], mu_static) })
+    Ok(Equilibrium { f21_n, f22_n, pfp_n: palm_force_with_mu(end, [f21_n, f22_n], mus) })
 }
 
 /// PFP = F22 (sin φ_c + μ cos φ_c) − F21 (cos q21 − μ sin q21), in N: force of the object on the palm due to one
@@ -219,8 +213,8 @@ pub fn palm_force_with_mu(end: &FinalPosture, [f21_n, f22_n]: [f64; 2], [mu_21, 
     f22_n * (sin_c + mu_22 * cos_c) - f21_n * (cos_21 - mu_21 * sin_21)
 }
 
-/// J, T and f of one grasp in Birglen's formulation (thesis §1.2.1, §1.2.3). θ = (θ1, θ2) are the angle of the proximal phalanx and the angle of the tip relative to it;
-/// the actuator angle is θ_a = q11.
+/// J, T and f of one grasp in Birglen's formulation (thesis §1.2.1, §1.2.3). θ = (θ1, θ2) are the angle of the proximal
+/// phalanx and the angle of the tip relative to it; the actuator angle is θ_a = q11.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Birglen {
     /// J of (1.8), in m: normal velocities of the contacts J θ̇.

@@ -44,20 +44,17 @@ pub struct FormClosure {
     /// Rank of U; full if it is the number of unknowns.
     pub rank: usize,
     pub necessary: NecessaryCount,
-    /// Ratio of the smallest to the largest multiplier if they are unique: distance from the boundary, negative
-    /// outside.
+    /// Ratio of the smallest to the largest unique multiplier: distance from the boundary, negative outside.
     pub margin: Option<f64>,
     pub decision: Decision,
 }
 
-/// Method of the decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// Rank of U: U does not determine the motion.
     Rank,
     /// Signs of the unique multipliers.
     Signs,
-    /// Linear programmes.
     Programme,
 }
 
@@ -128,8 +125,7 @@ fn report_undetermined_motion(u: &Unilateral, scaled: &Scaled, rank: usize) -> R
     report_motion(u, scaled, rank, &motion, Decision::Rank, None)
 }
 
-/// Solves the programme of the motion first: an infeasible programme, as the programme of the multipliers mostly is,
-/// costs several times as much.
+/// Solves the programme of the motion first: that of the multipliers is mostly infeasible, which costs more.
 fn solve_linear_program(u: &Unilateral, scaled: &Scaled, columns: &DMatrix<f64>) -> Result<FormClosure> {
     let rank = columns.ncols();
     let Some(found) = motion(&scaled.matrix)? else {
@@ -176,12 +172,7 @@ fn separations(lambda: &DVector<f64>, rows: &[Row]) -> DVector<f64> {
 }
 
 /// Checks the multipliers that exclude a free motion, and returns them as form closure.
-fn report_multipliers(
-    u: &Unilateral,
-    scaled: &Scaled,
-    lambda: &DVector<f64>,
-    decision: Decision,
-) -> Result<FormClosure> {
+fn report_multipliers(u: &Unilateral, scaled: &Scaled, lambda: &DVector<f64>, by: Decision) -> Result<FormClosure> {
     let residual = scaled.matrix.tr_mul(lambda).amax() / lambda.amax();
     if residual.is_nan() || residual > MAX_RESIDUAL {
         return Err(StaticsError::Undecided { motion_residual: f64::NAN, multiplier_residual: residual });
@@ -191,10 +182,9 @@ fn report_multipliers(
     let motor = u.rows.iter().position(|&row| RowKind::from(row) == RowKind::Motor);
     let unit = motor.map_or(unscaled.iter().copied().fold(0.0, f64::max), |i| unscaled[i]);
     let certificate = Certificate::Multipliers { values: unscaled.iter().map(|l| l / unit).collect(), residual };
-    Ok(report(u, certificate, u.unknowns.len(), Some(lambda.min() / lambda.amax()), decision))
+    Ok(report(u, certificate, u.unknowns.len(), Some(lambda.min() / lambda.amax()), by))
 }
 
-/// Checks and reports a motion.
 fn report_motion(
     u: &Unilateral,
     scaled: &Scaled,
@@ -225,16 +215,10 @@ fn report_motion(
     Ok(report(u, certificate, rank, margin, decision))
 }
 
-fn report(
-    u: &Unilateral,
-    certificate: Certificate,
-    rank: usize,
-    margin: Option<f64>,
-    decision: Decision,
-) -> FormClosure {
+fn report(u: &Unilateral, proof: Certificate, rank: usize, margin: Option<f64>, decision: Decision) -> FormClosure {
     FormClosure {
-        closed: matches!(certificate, Certificate::Multipliers { .. }),
-        certificate,
+        closed: matches!(proof, Certificate::Multipliers { .. }),
+        certificate: proof,
         rows: u.rows.clone(),
         unknowns: u.unknowns.clone(),
         rank,

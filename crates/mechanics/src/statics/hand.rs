@@ -101,8 +101,7 @@ impl<'a> Hand<'a> {
     }
 }
 
-/// A gripper in one posture with its object, in the frame of the palm: origin at its centre, x along the palm, y out of
-/// it.
+/// A gripper in one posture with its object, in the frame of the palm: origin at its centre, x along it, y out of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GraspConfiguration<'a> {
     /// Right and left finger.
@@ -134,7 +133,6 @@ pub struct PerContact<T> {
 }
 
 impl<T> PerContact<T> {
-    /// Maps the value of each contact.
     pub fn map<S>(self, f: impl Fn(T) -> S) -> PerContact<S> {
         PerContact { phalanges: self.phalanges.map(|finger| finger.map(&f)), palm: f(self.palm) }
     }
@@ -235,7 +233,6 @@ pub enum Row {
     Input,
 }
 
-/// Kind of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowKind {
     /// A motor: its rate is in rad/s and its multiplier is a torque. All other kinds have a speed and a force.
@@ -256,8 +253,7 @@ impl From<Row> for RowKind {
     }
 }
 
-/// One coordinate of a motion of the grasp. The object is a disc under central forces, so its rotation is not included
-/// (d = 2).
+/// One coordinate of a motion of the grasp. The rotation of a disc under central forces is not included (d = 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
     /// Velocity of the object, in m/s.
@@ -280,8 +276,7 @@ pub struct Unilateral {
     pub unknowns: Vec<Unknown>,
     /// U by rows, in units of [`Row`] per unit of [`Unknown`].
     pub matrix: Vec<f64>,
-    /// For each unknown, the speed in m/s that corresponds to one unit, so that rates of different kinds are
-    /// comparable.
+    /// For each unknown, the speed in m/s of one unit, so that rates of different kinds are comparable.
     pub scale: Vec<f64>,
 }
 
@@ -322,7 +317,6 @@ impl Unilateral {
         self.matrix.extend(entries);
     }
 
-    /// Entries of one row.
     pub fn row(&self, index: usize) -> &[f64] {
         let width = self.unknowns.len();
         &self.matrix[index * width..(index + 1) * width]

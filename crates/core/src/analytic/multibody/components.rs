@@ -35,8 +35,7 @@ pub(crate) struct DiscComponent {
     pub prescribed_acceleration: Option<[f64; 2]>,
 }
 
-/// A half plane that only discs can touch: `normal` points towards the discs; the surface is at −`offset` along
-/// `normal`.
+/// A half plane that only discs can touch. `normal` points towards them; the surface is at −`offset` along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     pub normal: [f64; 2],
@@ -69,7 +68,6 @@ pub(crate) enum ContactPair {
     },
 }
 
-/// A contact with its laws.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactModel {
     pub pair: ContactPair,
@@ -117,8 +115,7 @@ impl DiscComponent {
 }
 
 impl Plane {
-    /// Creates a horizontal half plane whose surface is at y = `level_m`: solid below it for `up` = 1, above it for
-    /// `up` = −1.
+    /// Creates a horizontal half plane with its surface at y = `level_m`, solid below (`up` = 1) or above (`up` = −1).
     pub(crate) fn at_level(level_m: f64, up: f64) -> Self {
         Self { normal: [0.0, up], offset: -up * level_m }
     }
@@ -141,17 +138,14 @@ impl ContactModel {
     }
 }
 
-/// Index of a coordinate, and the sign of its contribution. An index beyond the last represents a coordinate of a fixed
-/// disc.
+/// Index of a coordinate, and the sign of its contribution. An index beyond the last belongs to a fixed disc.
 pub(crate) type SignedIndex = (usize, f64);
 
-/// Indices of the coordinates of a finger.
 #[inline(always)]
 pub(crate) fn finger_indices(finger: usize) -> [SignedIndex; 2] {
     [(2 * finger, 1.0), (2 * finger + 1, 1.0)]
 }
 
-/// Indices of the coordinates of a disc.
 #[inline(always)]
 pub(crate) fn disc_indices(first: usize) -> [SignedIndex; 3] {
     [(first, 1.0), (first + 1, 1.0), (first + 2, 1.0)]
@@ -263,7 +257,6 @@ impl Drive {
         ShaftTorque { rate, torque: full + by_rate * rate, by_rate, by_time }
     }
 
-    /// Returns the bristle of the brake.
     pub fn bristle(&self) -> Option<Bristle> {
         self.brake.and_then(|brake| brake.bristle)
     }
@@ -275,7 +268,6 @@ impl Drive {
     }
 }
 
-/// Size of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     /// Number of coordinates, including time and the bristle states.
@@ -303,7 +295,6 @@ pub enum TooLarge {
 }
 
 impl Size {
-    /// Size of a system.
     pub(crate) fn of_system(system: &System) -> Self {
         let moving_discs = count_moving(system);
         let contacts = system.contact_ids();
@@ -346,11 +337,7 @@ pub(super) fn error_coordinates(system: &System) -> usize {
     3 * moving_discs + if system.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { 0 }
 }
 
-/// Number of moving discs in a system without fingers.
-///
-/// # Errors
-///
-/// Returns an error if the system is too large for the model.
+/// Number of moving discs in a system without fingers; an error if the system is too large for the model.
 pub(crate) fn count_moving_discs(system: &System) -> Result<usize, TooLarge> {
     let moving_discs = count_moving(system);
     let pairs = system.contact_ids().len();

@@ -6,12 +6,12 @@ use super::components::{
 };
 use super::contact_kinematics::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
 use super::forces::{ActiveContact, LoadSums};
-use super::frame::{Inertia, InertialField, Inverse, disc_inertial_force};
+use super::frame::{Inertia, InertialField, Inverse, inertial_force};
 use super::model::Multibody;
-use super::{FINGERS, contact_kinematics, frame, mode, normal_force_on_branch};
+use super::{FINGERS, contact_kinematics, frame, normal_force_on_branch};
 use crate::analytic::ContactState;
-use crate::analytic::finger::{FingerModel, Geometry, PassiveJoints};
-use crate::analytic::mode::{StateRef, row_dot};
+use crate::analytic::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
+use crate::analytic::mode::{Mode, StateRef, row_dot};
 use crate::analytic::model::{ContactReading, Energies};
 use crate::fivebar::dynamics::{AccelerationField, Terms, absolute_rates};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
@@ -20,9 +20,6 @@ use crate::law::{elastic_energy, friction_with_state};
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array, map_same_type};
 use crate::shape::Support;
-
-/// Pose of a finger with its passive rates.
-pub(crate) type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
 
 /// Placeholder for a finger that the system does not have.
 const ABSENT_FINGER: FingerKinematics = {
@@ -170,14 +167,12 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 
     /// Angles and rates of a finger's passive joints.
-    pub fn passive_joints(&self, finger: usize, q: &[f64; N], v: &[f64; N]) -> PassiveJoints {
+    pub(crate) fn passive_joints(&self, finger: usize, q: &[f64; N], v: &[f64; N]) -> PassiveJoints {
         let model = &self.fingers[finger].model;
         let (q, v) = (Self::finger_coordinates(finger, q), Self::finger_coordinates(finger, v));
-        let (pose, rates) = model.kinematics(q);
-        model.passive_joints(&pose, &rates, q, v)
+        model.passive_joints(&model.kinematics(q), q, v)
     }
 
-    /// Energies of a state.
     pub fn energies(&self, q: &[f64; N], v: &[f64; N]) -> Energies {
         let terms = self.terms(q);
         let kinetic = self.inertia(&terms).kinetic(v);
@@ -407,14 +402,14 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<N, Z> {
 
     /// The forces are linear in position and velocity; the moment depends on neither.
     fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField) {
-        let force = disc_inertial_force(disc, &field.field, pose, rates);
-        let force_rate = disc_inertial_force(disc, &field.rate, pose, rates);
+        let force = inertial_force(disc, &field.field, pose, rates);
+        let force_rate = inertial_force(disc, &field.rate, pose, rates);
         let linear = AccelerationField { uniform: [0.0; 2], euler: field.field.euler, ..field.field };
         let unit = |j: usize| array_from(|k| if k == j { 1.0 } else { 0.0 });
         let (mut by_q, mut by_v) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
         for j in 0..2 {
-            let by_position = disc_inertial_force(disc, &linear, unit(j), [0.0; 3]);
-            let by_velocity = disc_inertial_force(disc, &linear, [0.0; 3], unit(j));
+            let by_position = inertial_force(disc, &linear, unit(j), [0.0; 3]);
+            let by_velocity = inertial_force(disc, &linear, [0.0; 3], unit(j));
             (0..2).for_each(|i| (by_q[i][j], by_v[i][j]) = (by_position[i], by_velocity[i]));
         }
         self.add_inertia(disc.first_coordinate, rates, [force, force_rate], [by_q, by_v]);
@@ -432,12 +427,7 @@ fn finger_terms(model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> (Terms<Dua
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Accelerations, and their derivatives with respect to coordinates, rates and time.
-    pub(super) fn rates_with_derivatives<const Z: usize>(
-        &self,
-        t: f64,
-        state: StateRef<'_, N>,
-        mode: &mode::Mode<C>,
-    ) -> Linearised<N, Z> {
+    pub(super) fn jacobian<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &Mode<C>) -> Linearised<N, Z> {
         let mut sums = DerivativeSums::<N, Z>::ZERO;
         let masses = self.add_loads(t, state, mode, &mut sums);
         let inverse = Inertia::new(self, map_array(masses, |mass| map_array(mass, |m| m.value))).inverse();

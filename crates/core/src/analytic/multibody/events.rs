@@ -4,11 +4,11 @@ use std::cell::OnceCell;
 
 use super::components::{ContactModel, ContactPair};
 use super::contact_kinematics::ContactKinematics;
-use super::evaluation::FingerKinematics;
 use super::model::Multibody;
-use super::{FINGERS, event_function_count, first_impact_step, mode};
+use super::{FINGERS, event_function_count, first_impact_step};
 use crate::analytic::ContactState;
-use crate::analytic::mode::{ContactVariables, StateRef, row_dot};
+use crate::analytic::finger::FingerKinematics;
+use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{EventFunction, EventSet, Hybrid, System};
@@ -109,7 +109,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         self.next_time_discontinuity(t)
     }
 
-    fn max_step(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> f64 {
+    fn max_step(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> f64 {
         let mut max_dt = f64::INFINITY;
         if self.discs.iter().all(|disc| disc.prescribed_acceleration.is_none()) {
             return max_dt;
@@ -130,7 +130,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     #[inline(always)]
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> EventSet<N, G> {
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> EventSet<N, G> {
         const { assert!(G == event_function_count(C)) };
         let all_finger_kinematics = self.all_finger_kinematics(q);
         let functions = mode.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
@@ -141,13 +141,13 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     #[inline(always)]
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>, event: usize) -> EventFunction<N> {
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, event: usize) -> EventFunction<N> {
         let contact = self.contact_variables((q, v), |finger| self.finger_kinematics(finger, q), event % C);
         mode.event_function(event, &self.event_tolerances, contact)
     }
 
     #[inline(always)]
-    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>, requested: &[bool; G]) -> [f64; G] {
+    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, requested: &[bool; G]) -> [f64; G] {
         let all_finger_kinematics = [const { OnceCell::new() }; FINGERS];
         let finger_kinematics =
             |finger: usize| *all_finger_kinematics[finger].get_or_init(|| self.finger_kinematics(finger, q));
@@ -159,14 +159,14 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         values
     }
 
-    fn event_tolerance(&self, event: usize, mode: &mode::Mode<C>) -> f64 {
+    fn event_tolerance(&self, event: usize, mode: &Mode<C>) -> f64 {
         let contact = self.contacts.get(event % C).and_then(|contact| contact.as_ref());
         contact.map_or(0.0, |contact| {
             mode.event_tolerance(event, &contact.normal, contact.friction.as_ref(), &self.event_tolerances)
         })
     }
 
-    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> mode::Mode<C> {
+    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Mode<C> {
         mode.after_event(event, self.variables_at(q, v, event % C))
     }
 
@@ -174,20 +174,20 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         event < C
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &mode::Mode<C>) -> Option<mode::Mode<C>> {
+    fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &Mode<C>) -> Option<Mode<C>> {
         mode.with_separated_contacts(functions)
     }
 
-    fn with_clamped_law(&self, event: usize, mode: &mode::Mode<C>) -> mode::Mode<C> {
+    fn with_clamped_law(&self, event: usize, mode: &Mode<C>) -> Mode<C> {
         mode.with_clamped_law(event)
     }
 
-    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> mode::Mode<C> {
-        let accelerations = |mode: &mode::Mode<C>| <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
-        mode::Mode::at_state(&self.event_tolerances, |index| self.variables_at(q, v, index), accelerations)
+    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Mode<C> {
+        let accelerations = |mode: &Mode<C>| <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
+        Mode::at_state(&self.event_tolerances, |index| self.variables_at(q, v, index), accelerations)
     }
 
-    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Option<f64> {
+    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Option<f64> {
         if mode[event % C] != ContactState::Active {
             return None;
         }

@@ -18,8 +18,7 @@ pub(crate) struct InertialField {
     pub rate: AccelerationField,
 }
 
-/// Inertial field of a moving palm (Spec 6.5): the inertial accelerations, and the difference between gravity in the
-/// rotated frame and in a frame at rest.
+/// Inertial field of a moving palm (Spec 6.5): inertial accelerations, and the change of gravity by the rotated frame.
 pub(crate) fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> InertialField {
     let Pose { position, rate, acceleration, jerk } = motion.pose(t);
     let ([_, _, angle], [_, _, omega]) = (position, rate);
@@ -93,12 +92,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
 /// Inertial force and moment of a field on a disc.
 #[inline(always)]
-pub(crate) fn disc_inertial_force(
-    disc: &DiscComponent,
-    field: &AccelerationField,
-    [x, y, _]: [f64; 3],
-    [vx, vy, _]: [f64; 3],
-) -> [f64; 3] {
+pub(crate) fn inertial_force(disc: &DiscComponent, field: &AccelerationField, pose: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    let ([x, y, _], [vx, vy, _]) = (pose, v);
     let AccelerationField { uniform: [ex, ey], centrifugal, coriolis, euler } = *field;
     let (mass, inertia) = (disc.mass, disc.inertia);
     [
@@ -109,8 +104,8 @@ pub(crate) fn disc_inertial_force(
 }
 
 /// The mass matrix: a block for each finger and a diagonal block for each disc. A differential adds one entry that
-/// couples both driven links. `fingers` is (M₁₁, M₁₂, M₂₂) of each finger, including the inertia that rotates with its driven link. The masses of the discs are
-/// in the model.
+/// couples both driven links. `fingers` is (M₁₁, M₁₂, M₂₂) of each finger, including the inertia that rotates with its
+/// driven link. The masses of the discs are in the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Inertia<'a, const N: usize, const C: usize> {
     model: &'a Multibody<N, C>,
@@ -176,8 +171,7 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
         array_from(|i| a[i][0])
     }
 
-    /// M⁻¹ of a matrix of loads. The rows are processed one by one, so that the compiler can vectorise over the
-    /// columns.
+    /// M⁻¹ of a matrix of loads, row by row, so that the compiler can vectorise over the columns.
     #[inline(always)]
     pub(crate) fn solve_columns<const K: usize>(&self, loads: &[[f64; K]; N]) -> [[f64; K]; N] {
         let mut a = [[0.0; K]; N];

@@ -14,15 +14,14 @@ mod forces;
 mod frame;
 mod model;
 
-/// Largest number of fingers: a right and a left one.
 use crate::analytic::finger_events::first_impact_step;
-use crate::analytic::mode;
 use crate::analytic::model::normal_force_on_branch;
 
 pub(crate) use components::count_moving_discs;
 pub use components::{MAX_SIZES, Size, TooLarge};
 pub use model::Multibody;
 
+/// Largest number of fingers: a right and a left one.
 const FINGERS: usize = 2;
 
 /// Number of quadratures of a system: the normal impulse of each contact, the work of all contact forces and brakes,
