@@ -4,7 +4,8 @@
 use std::f64::consts::PI;
 
 use crate::support::runs::{Random, assert_below};
-use phalanx::analytic::contact::{Capsule, ClosestPoints, DistalShape, Geometry, closest_points, distal, proximal};
+use phalanx::analytic::{DistalShape, Geometry, distal, proximal};
+use phalanx::fivebar::kinematics::{Capsule, ClosestPoints, closest_points};
 use phalanx::fivebar::kinematics::{Directions, directions, passive_rates};
 use phalanx::gripper::Lengths;
 use phalanx::shape::PlacedShape;

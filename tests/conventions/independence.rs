@@ -72,15 +72,10 @@ const SCENE: CrateLayers = CrateLayers {
 const INTEGRATOR: CrateLayers = CrateLayers {
     root: "crates/integrator/src",
     layers: &[
-        "chatter",
         "clock",
-        "counters",
         "linear",
         "state",
-        "tableau",
         "control",
-        "dense",
-        "observer",
         "stall",
         "system",
         "event_location",

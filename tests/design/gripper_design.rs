@@ -81,7 +81,7 @@ fn errata_14_t22_min_is_the_tangent_length_with_plus_base() {
     for design in sweep_designs(THIRDS) {
         let l = lengths(&design).unwrap();
         let contact = contact_proximal(W, disc(&design)).unwrap();
-        let (q, base) = (contact.q21_rad, design.base_m);
+        let (q, base) = (contact.angle_rad, design.base_m);
         // (B.6) with + base: distance from A22 to the centre (−base, r_c), hence the tangent length.
         let tangent =
             |base: f64| (l.l21_m * q.cos() + base).powi(2) + (R_C - l.l21_m * q.sin()).powi(2) - (R_C + W).powi(2);
@@ -100,14 +100,14 @@ fn errata_14_bounds_of_t22_are_equal_at_l21_max() {
         let design = Design { base_m: base, ..design_95() };
         let (_, max) = proximal_range(&design).unwrap();
         let contact = contact_proximal(W, disc(&design)).unwrap();
-        let t22 = 0.0375 - W - max * contact.q21_rad.sin(); // h = 37.5 mm: 0.9375 · 40 mm
+        let t22 = 0.0375 - W - max * contact.angle_rad.sin(); // h = 37.5 mm: 0.9375 · 40 mm
         assert_near(t22, max - contact.length_m, 1e-16);
         // The system (B.4) with + base: A22, then the tip phalanx along its contact angle, ends at the contact.
         let bend = 2.0 * t22.atan2(R_C + W);
-        let phi_c = contact.q21_rad - FRAC_PI_2 + bend;
+        let phi_c = contact.angle_rad - FRAC_PI_2 + bend;
         let (s, c) = phi_c.sin_cos();
-        assert_near(max * contact.q21_rad.cos() - t22 * s - (R_C + W) * c + base, 0.0, 1e-16);
-        assert_near(max * contact.q21_rad.sin() + t22 * c - (R_C + W) * s - R_C, 0.0, 1e-16);
+        assert_near(max * contact.angle_rad.cos() - t22 * s - (R_C + W) * c + base, 0.0, 1e-16);
+        assert_near(max * contact.angle_rad.sin() + t22 * c - (R_C + W) * s - R_C, 0.0, 1e-16);
     }
 }
 
@@ -327,7 +327,7 @@ proptest! {
         let design = Design::thesis(base, ProximalLength::Fraction(fraction), phi, ratio);
         let l = lengths(&design).unwrap();
         let contact = contact_proximal(W, disc(&design)).unwrap();
-        let (lo, hi) = (l.l21_m - contact.length_m, 0.0375 - W - l.l21_m * contact.q21_rad.sin());
+        let (lo, hi) = (l.l21_m - contact.length_m, 0.0375 - W - l.l21_m * contact.angle_rad.sin());
         prop_assert!(lo <= l.t22_m * (1.0 + 1e-12) && l.t22_m <= hi * (1.0 + 1e-12), "{lo} {} {hi}", l.t22_m);
     }
 

@@ -126,12 +126,12 @@ fn both_phalanges_are_tangent_to_the_virtual_circle_in_the_final_posture() {
 fn contact_rotates_with_the_disc() {
     // A rotation of the disc about O rotates the contact by the same angle and keeps its length.
     let original = contact_proximal(W, disc(&design_95())).unwrap();
-    assert_near(original.q21_rad.to_degrees(), 65.0007, 0.00005);
+    assert_near(original.angle_rad.to_degrees(), 65.0007, 0.00005);
     let rotated = PlacedShape::disc(R_C, rotate(disc(&design_95()).centre_m, unit(0.3)));
     let rotated_contact = contact_proximal(W, rotated).unwrap();
-    assert_near(rotated_contact.q21_rad, original.q21_rad + 0.3, 1e-15);
+    assert_near(rotated_contact.angle_rad, original.angle_rad + 0.3, 1e-15);
     assert_near(rotated_contact.length_m, original.length_m, 1e-16);
-    assert_eq!(contact_angle_proximal(W, rotated).unwrap(), rotated_contact.q21_rad);
+    assert_eq!(contact_angle_proximal(W, rotated).unwrap(), rotated_contact.angle_rad);
 }
 
 #[test]

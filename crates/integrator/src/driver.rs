@@ -1,12 +1,11 @@
 //! The integration loop: steps, event location, mode changes, termination.
 
-use super::chatter::Chatter;
 use super::clock::Clock;
 use super::control::{Controller, ToleranceSchedule};
 use super::event_location::{Crossing, first_crossing, may_have_passed};
 use super::method::{Attempt, Method, StepStart};
-use super::observer::{Observer, Step, StepTools};
-use super::stall::StallDetector;
+use super::stall::{Chatter, StallDetector};
+use super::state::{Observer, Step, StepTools};
 use super::{Counters, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
 
 /// Options of an integration.

@@ -8,38 +8,30 @@
 // Kernels index several arrays of the same constant size in parallel; iterators would obscure that.
 #![allow(clippy::needless_range_loop)]
 
-mod chatter;
 mod clock;
 mod control;
-mod counters;
-mod dense;
 mod driver;
 mod error_weight;
 mod event_location;
 mod linear;
 mod method;
-mod observer;
 mod radau5;
 mod radau_or_rodas;
 mod rodas5p;
 mod stall;
 mod state;
 mod system;
-mod tableau;
 
 use phalanx_mechanics::numeric;
 
 pub use clock::Clock;
 pub use control::Tolerances;
-pub use counters::Counters;
-pub use dense::Dense;
 pub use driver::{End, Failure, Options, Reason, integrate, integrate_by};
 pub use method::{Attempt, Method, StepStart};
-pub use observer::{Observer, Step, StepTools};
 pub use radau_or_rodas::RadauOrRodas;
 pub use radau5::Radau5;
 pub use rodas5p::Rodas5p;
-pub use state::State;
+pub use state::{Counters, Dense, Observer, State, Step, StepTools};
 pub use system::{
     ErrorWeight, EventFunction, EventSet, Hybrid, Linearised, QuasiStaticState, Rates, RootSearch, System,
 };

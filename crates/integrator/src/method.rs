@@ -35,7 +35,6 @@ pub struct StepStart<'a, Y: System<N, Z>, const N: usize, const Z: usize> {
     pub state: &'a State<N, Z>,
 }
 
-/// A one-step method.
 pub trait Method<const N: usize, const Z: usize> {
     fn new() -> Self;
 
@@ -51,7 +50,6 @@ pub trait Method<const N: usize, const Z: usize> {
     /// Notifies the method that the run has stalled.
     fn on_stall(&mut self) {}
 
-    /// Attempts a step of size `h`.
     fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z>;
 
     /// Dense output of the last attempt.

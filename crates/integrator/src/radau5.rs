@@ -103,7 +103,6 @@ fn weighted_sum<const N: usize>(w: &[f64; 3], [a, b, c]: [&[f64; N]; 3]) -> [f64
     array_from(|n| w[0] * a[n] + w[1] * b[n] + w[2] * c[n])
 }
 
-/// Weighted sum of stages.
 #[inline]
 fn weighted_stages<const N: usize>(w: &[f64; 3], [a, b, c]: &Stages<N>) -> Stage<N> {
     (weighted_sum(w, [&a.0, &b.0, &c.0]), weighted_sum(w, [&a.1, &b.1, &c.1]))

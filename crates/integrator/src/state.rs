@@ -1,4 +1,6 @@
-//! Coordinates, their rates, and quadratures.
+//! Coordinates and rates, their dense output within a step, observers and the cost of an integration.
+
+use crate::numeric::array_from;
 
 /// Coordinates, their rates, and quadratures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,4 +16,83 @@ impl<const N: usize, const Z: usize> State<N, Z> {
         let finite = |all: &[f64]| all.iter().all(|x| x.is_finite());
         finite(&self.q) && finite(&self.v) && finite(&self.z)
     }
+}
+
+/// y(Θ) = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)) on t₀ + Θ h, Θ in 0…1.
+#[derive(Clone, Copy, Debug)]
+pub struct Dense<const N: usize, const Z: usize> {
+    pub t0: f64,
+    pub h: f64,
+    pub start: State<N, Z>,
+    pub end: State<N, Z>,
+    pub d: [State<N, Z>; 3],
+}
+
+impl<const N: usize, const Z: usize> Dense<N, Z> {
+    /// State at the fraction `theta` of the step.
+    #[inline(always)]
+    pub fn evaluate(&self, theta: f64) -> State<N, Z> {
+        let bump = theta * (1.0 - theta);
+        let blend =
+            |y0: f64, y1: f64, d: [f64; 3]| y0 + theta * (y1 - y0) + bump * (d[0] + theta * (d[1] + theta * d[2]));
+        let [a, b, c] = &self.d;
+        State {
+            q: array_from(|i| blend(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
+            v: array_from(|i| blend(self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]])),
+            z: array_from(|i| blend(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]])),
+        }
+    }
+}
+
+/// An accepted step from `t0` to `t1`.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a, const N: usize, const Z: usize> {
+    pub t0: f64,
+    pub t1: f64,
+    /// Step size, exact even if t1 − t0 cancels completely.
+    pub h: f64,
+    pub start: &'a State<N, Z>,
+    pub end: &'a State<N, Z>,
+}
+
+/// States inside a step.
+pub trait StepTools<const N: usize, const Z: usize> {
+    /// Returns the dense output at the fraction `theta` of the step: accurate for angles and rates.
+    fn interpolate(&mut self, theta: f64) -> State<N, Z>;
+
+    /// Returns the end of a separate step from the same start. The force of a stiff damper requires this accuracy,
+    /// since it is a large multiple of a tiny rate.
+    fn resolve(&mut self, theta: f64) -> State<N, Z>;
+}
+
+/// Observer of an integration. `()` ignores everything.
+pub trait Observer<const N: usize, const Z: usize, M> {
+    /// Called after each accepted step, taken in `mode`. Returning `false` ends the integration.
+    fn step(&mut self, step: &Step<N, Z>, mode: &M, tools: &mut dyn StepTools<N, Z>) -> bool;
+
+    /// Called for each event, at the end of the step just reported. Several events may occur at the same time. `mode`
+    /// is the mode after the event.
+    fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &M);
+}
+
+impl<const N: usize, const Z: usize, M> Observer<N, Z, M> for () {
+    #[inline(always)]
+    fn step(&mut self, _: &Step<N, Z>, _: &M, _: &mut dyn StepTools<N, Z>) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn event(&mut self, _: f64, _: &State<N, Z>, _: usize, _: &M) {}
+}
+
+/// Cost of an integration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    pub steps: u64,
+    /// Attempts rejected by the error estimate, made to locate an event, or shortened before a singularity.
+    pub rejected: u64,
+    /// Right-hand-side evaluations, without those requested by an observer.
+    pub rhs: u64,
+    pub jacobians: u64,
+    pub events: u64,
 }

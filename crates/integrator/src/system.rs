@@ -110,7 +110,6 @@ pub struct EventSet<const N: usize, const S: usize> {
     pub functions: [EventFunction<N>; S],
     /// Not negative while the equations are valid.
     pub clearance: f64,
-    /// Rate of `clearance`.
     pub clearance_rate: f64,
 }
 

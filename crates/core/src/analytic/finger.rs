@@ -1,17 +1,21 @@
 //! The mechanics of one finger in its own frame: links, spring and laws. The motion of the object is prescribed by the
 //! caller.
 
-use super::contact::{self, DistalShape, Geometry};
 use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
-use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_rates, reference_gamma};
-use crate::fivebar::spring::SpringModel;
-use crate::gripper::{Assembly, Finger, FingerContact, Spring};
+use crate::fivebar::kinematics::{
+    Capsule, ClosestPoints, Directions, PassiveRates, SpringModel, closest_points, directions, passive_rates,
+    reference_gamma,
+};
+use crate::gripper::{Assembly, FingerContact};
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{angle_between, opening_angle, rotate};
+use crate::numeric::plane::{Vector, angle_between, dot, opening_angle, perp, rotate, scale_by, sub};
 use crate::numeric::{Dual, Real, map_array};
-use crate::scene::{FingerContactLaws, Initial};
+use crate::scene::{DrivenFinger, FingerContactLaws};
 use crate::shape::{PlacedShape, Support};
+
+/// Pose of a finger with its passive rates.
+pub(crate) type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
 
 /// A finger with all constant terms precomputed.
 #[derive(Clone, Debug)]
@@ -24,27 +28,22 @@ pub(crate) struct FingerModel {
 }
 
 impl FingerModel {
-    /// Builds the model under the gravity in the finger's own frame, for a run that starts at `initial`.
-    pub fn new(
-        finger: &Finger,
-        (spring, limit): (Option<Spring>, Option<NormalLaw>),
-        contacts: FingerContactLaws,
-        initial: &Initial,
-        gravity_m_s2: [f64; 2],
-    ) -> Self {
-        let lengths = finger.lengths;
+    /// Builds the model under the gravity in the finger's own frame.
+    pub fn new(finger: &DrivenFinger, gravity_m_s2: [f64; 2]) -> Self {
+        let DrivenFinger { linkage, spring, limit, contact, initial, .. } = finger;
+        let lengths = linkage.lengths;
         let reference = reference_gamma(&lengths);
-        let gamma = match finger.assembly {
+        let gamma = match linkage.assembly {
             Assembly::Reference => reference,
             Assembly::Other => -reference,
         };
         let (sin, cos) = sin_cos(lengths.phi22_rad);
         let start = directions(&lengths, gamma, [initial.q11_rad, initial.q21_rad]);
         Self {
-            dynamics: Dynamics::new(finger, gamma, gravity_m_s2),
+            dynamics: Dynamics::new(linkage, gamma, gravity_m_s2),
             spring: spring.map(|s| SpringModel::new(&s, &lengths, gamma, &start)),
-            limit,
-            contacts,
+            limit: *limit,
+            contacts: *contact,
             distal: DistalShape { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
         }
     }
@@ -57,7 +56,7 @@ impl FingerModel {
 
     /// Link directions and passive rates at q_a, the part of [`FingerModel::terms`] that contact geometry needs.
     #[inline(always)]
-    pub(super) fn kinematics(&self, q: [f64; 2]) -> (Directions<f64>, PassiveRates<f64>) {
+    pub(super) fn kinematics(&self, q: [f64; 2]) -> FingerKinematics {
         let pose = directions(&self.dynamics.lengths, self.dynamics.gamma, q);
         let rates = passive_rates(&self.dynamics.lengths, &pose);
         (pose, rates)
@@ -73,8 +72,8 @@ impl FingerModel {
         object: &PlacedShape<T>,
     ) -> Geometry<T> {
         match contact {
-            FingerContact::Proximal => contact::proximal(pose, self.distal.l21, self.distal.w, object),
-            _ => contact::distal(pose, rates, &self.distal, object),
+            FingerContact::Proximal => proximal(pose, self.distal.l21, self.distal.w, object),
+            _ => distal(pose, rates, &self.distal, object),
         }
     }
 
@@ -137,13 +136,7 @@ impl FingerModel {
     }
 
     /// Angles and rates of the passive joints (2.2), (2.8).
-    pub(super) fn passive_joints(
-        &self,
-        pose: &Directions<f64>,
-        rates: &PassiveRates<f64>,
-        q: [f64; 2],
-        v: [f64; 2],
-    ) -> PassiveJoints {
+    pub(super) fn passive_joints(&self, (pose, rates): &FingerKinematics, q: [f64; 2], v: [f64; 2]) -> PassiveJoints {
         let [_, _, qd3, qd4] = absolute_rates(rates, v);
         let phi22 = self.dynamics.lengths.phi22_rad;
         // Measured from the straight line, so that q22 is continuous through the joint limit.
@@ -160,4 +153,67 @@ pub struct PassiveJoints {
     pub q13: f64,
     pub qd12: f64,
     pub qd22: f64,
+}
+
+/// Geometry of one contact (thesis (B.1)–(B.2), errata 5): gap, and rows that give gap rate and slip from q̇_a.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<T> {
+    /// Distance between the surfaces; −δ in penetration.
+    pub gap: T,
+    /// Rate of the gap = normal_row · q̇_a.
+    pub normal_row: [T; 2],
+    /// Slip velocity = tangent_row · q̇_a.
+    pub tangent_row: [T; 2],
+    /// Unit normal from the object to the phalanx.
+    pub normal: Vector<T>,
+    /// Contact point on the surface of the phalanx.
+    pub point: Vector<T>,
+    /// Support function of the object along the normal.
+    pub support: Support<T>,
+}
+
+/// Contact of l21, a body that rotates about O at q̇21.
+#[inline(always)]
+pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, object: &PlacedShape<T>) -> Geometry<T> {
+    let capsule = Capsule { base: [T::zero(); 2], axis: pose.e2, length: l21, radius: w };
+    let ClosestPoints { foot, normal, gap, support } = closest_points(&capsule, object);
+    let point = sub(foot, scale_by(normal, w));
+    let lever = |direction| dot(perp(point), direction);
+    Geometry {
+        gap,
+        normal_row: [T::zero(), lever(normal)],
+        tangent_row: [T::zero(), lever(perp(normal))],
+        normal,
+        point,
+        support,
+    }
+}
+
+/// Dimensions of the distal phalanx; φ22 is given as (cos, sin).
+#[derive(Clone, Copy, Debug)]
+pub struct DistalShape {
+    pub l21: f64,
+    pub t22: f64,
+    pub w: f64,
+    pub phi22: [f64; 2],
+}
+
+/// Contact geometry of t22. A22 moves with l21, and the distal body rotates about A22 at θ̇4.
+#[inline(always)]
+pub fn distal<T: Real>(
+    pose: &Directions<T>,
+    rates: &PassiveRates<T>,
+    shape: &DistalShape,
+    object: &PlacedShape<T>,
+) -> Geometry<T> {
+    let base = scale_by(pose.e2, shape.l21);
+    let capsule = Capsule { base, axis: rotate(pose.e4, shape.phi22), length: shape.t22, radius: shape.w };
+    let ClosestPoints { foot, normal, gap, support } = closest_points(&capsule, object);
+    let point = sub(foot, scale_by(normal, shape.w));
+    let arm = perp(sub(point, base));
+    let row = |direction| {
+        let lever = dot(arm, direction);
+        [lever * rates.a4[0], lever * rates.a4[1] + dot(perp(base), direction)]
+    };
+    Geometry { gap, normal_row: row(normal), tangent_row: row(perp(normal)), normal, point, support }
 }

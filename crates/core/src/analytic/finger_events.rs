@@ -1,9 +1,10 @@
 //! Event functions of the finger's contacts: where the branches of their laws change.
 
-use super::mode::{ContactState, ContactVariables, ContactWithLaws, EventTolerances, StateRef, is_kinked};
+use super::finger::FingerKinematics;
+use super::mode::{ContactState, ContactVariables, EventTolerances, StateRef, is_kinked};
 use super::model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, QUADRATURES, finger_coordinates, pad};
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
-use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
+use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::gripper::FingerContact;
 use crate::integrator::{EventFunction, EventSet, Hybrid, QuasiStaticState, System, Tolerances};
 use crate::law::{NormalLaw, damping};
@@ -12,8 +13,7 @@ use crate::numeric::elementary::{cbrt, pow, powi};
 use crate::numeric::plane::{cross, dot};
 use crate::scene::next_discontinuity;
 
-/// Touch-downs are located to a part of δ_max, lift-off and reload to a force that has no visible effect on the
-/// finger's motion.
+/// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-5, force: 1e-6 };
 
 /// Returns the contact that an event function belongs to. Normal laws come first, then friction laws, then dampers.
@@ -26,14 +26,16 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     #[inline(always)]
     fn contact_variables(
         &self,
-        (pose, rates): &(Directions<f64>, PassiveRates<f64>),
+        (pose, rates): &FingerKinematics,
         v: &[f64; N],
         contact: FingerContact,
-    ) -> Option<ContactWithLaws<'_, N>> {
+    ) -> Option<ContactVariables<'_, N>> {
         let geometry = self.geometry(pose, rates, contact)?;
         let (rate, slip) =
             (-dot(geometry.normal_row, finger_coordinates(v)), dot(geometry.tangent_row, finger_coordinates(v)));
         let mut variables = ContactVariables {
+            law: self.finger.normal_law(contact)?,
+            friction: self.finger.friction_law(contact),
             delta: -geometry.gap,
             rate,
             slip,
@@ -44,7 +46,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         if let Some(bristle) = Self::bristle_index(contact) {
             (variables.bristle_state, variables.tangent_row[bristle]) = (v[bristle], 1.0);
         }
-        Some((variables, self.finger.normal_law(contact)?, self.finger.friction_law(contact)))
+        Some(variables)
     }
 }
 
@@ -52,8 +54,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
 /// the square root of the tolerance. Projecting a contact to equilibrium changes the rate with which it is released
 /// later, so finer runs, including those of a check, use a smaller limit.
 const MAX_CHATTER_RATE: f64 = 0.05;
-/// Smallest value to which [`MAX_CHATTER_RATE`] decreases. The reference must also treat rates of 3e-3 rad/s as chatter
-/// (scenes/hard/limit-trembles).
+/// Smallest [`MAX_CHATTER_RATE`]: the reference, too, must treat 3e-3 rad/s as chatter (scenes/hard/limit-trembles).
 const MIN_CHATTER_RATE_LIMIT: f64 = 5e-3;
 /// Largest depth that counts as chatter, m (limit: rad).
 const MAX_CHATTER_DEPTH: f64 = 1e-8;
@@ -72,7 +73,8 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         max_rate: f64,
     ) -> Option<QuasiStaticState<N>> {
         let terms = self.finger.terms(finger_coordinates(q));
-        let (variables, law, _) = self.contact_variables(&(terms.pose, terms.rates), v, contact)?;
+        let variables = self.contact_variables(&(terms.pose, terms.rates), v, contact)?;
+        let law = variables.law;
         let is_small = variables.delta.abs() <= MAX_CHATTER_DEPTH && variables.rate.abs() <= max_rate;
         if !is_small || law.stiffness_n_per_m_e == 0.0 {
             return None;
@@ -182,12 +184,8 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
         event < FingerContact::ALL.len()
     }
 
-    fn mode_after_step(
-        &self,
-        functions: &[EventFunction<N>; EVENT_FUNCTIONS],
-        mode: &FingerMode,
-    ) -> Option<FingerMode> {
-        mode.with_separated_contacts(functions)
+    fn mode_after_step(&self, events: &[EventFunction<N>; EVENT_FUNCTIONS], mode: &FingerMode) -> Option<FingerMode> {
+        mode.with_separated_contacts(events)
     }
 
     fn with_clamped_law(&self, event: usize, mode: &FingerMode) -> FingerMode {

@@ -6,14 +6,13 @@
 //! The model is independent of the engine model, which it checks: both share lengths, masses and scalar laws, nothing
 //! else.
 
-pub mod contact;
 mod finger;
 mod finger_events;
 mod mode;
 mod model;
 pub mod multibody;
 
-pub use finger::PassiveJoints;
+pub use finger::{DistalShape, Geometry, PassiveJoints, distal, proximal};
 pub use mode::{ContactState, Mode};
 pub use model::{
     BristleModel, ContactReading, EVENT_FUNCTIONS, Energies, FingerMode, FingerMotion, Model, QUADRATURES,

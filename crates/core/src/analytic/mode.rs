@@ -53,7 +53,6 @@ pub struct Mode<const C: usize> {
 }
 
 impl DamperRange {
-    /// Range at the depth `delta`.
     #[inline(always)]
     pub(crate) fn at_depth(law: &NormalLaw, delta: f64) -> Self {
         match is_damped(law) {
@@ -89,9 +88,11 @@ impl<const C: usize> IndexMut<usize> for Mode<C> {
 /// Coordinates and rates.
 pub(crate) type StateRef<'a, const N: usize> = (&'a [f64; N], &'a [f64; N]);
 
-/// State of one contact: penetration and its rate, slip, and the rows that give the rates of gap and slip.
+/// State of one contact with its laws: penetration, its rate, slip, and the rows that give the rates of gap and slip.
 #[derive(Clone, Copy, Debug)]
-pub struct ContactVariables<const N: usize> {
+pub struct ContactVariables<'a, const N: usize> {
+    pub law: &'a NormalLaw,
+    pub friction: Option<&'a FrictionLaw>,
     pub delta: f64,
     pub rate: f64,
     pub slip: f64,
@@ -101,9 +102,6 @@ pub struct ContactVariables<const N: usize> {
     pub tangent_row: [f64; N],
 }
 
-/// State of a contact from which its event functions are evaluated, with its laws.
-pub(crate) type ContactWithLaws<'a, const N: usize> = (ContactVariables<N>, &'a NormalLaw, Option<&'a FrictionLaw>);
-
 /// Spring and damper force of the normal law, N (limit: N·m); their sum may be negative.
 #[derive(Clone, Copy, Debug, Default)]
 struct SpringDamperForce {
@@ -112,14 +110,6 @@ struct SpringDamperForce {
 }
 
 impl SpringDamperForce {
-    #[inline(always)]
-    fn evaluate<const N: usize>(law: &NormalLaw, variables: &ContactVariables<N>) -> Self {
-        if variables.delta <= 0.0 {
-            return Self { spring: 0.0, damper: 0.0 };
-        }
-        Self { spring: spring_force(law, variables.delta), damper: damping(law, variables.delta).0 * variables.rate }
-    }
-
     #[inline(always)]
     fn total(&self) -> f64 {
         self.spring + self.damper
@@ -131,74 +121,77 @@ const CONE_RELATIVE_TOLERANCE: f64 = 0.1;
 /// Absolute part of that margin, N.
 const CONE_TOLERANCE_N: f64 = 1e-3;
 
-/// Margin between the friction force of a bristle and the cone, on one side of the cone, scaled to a slip in m/s.
-fn cone_margin<const N: usize>(
-    law: &FrictionLaw,
-    bristle: &Bristle,
-    variables: &ContactVariables<N>,
-    force: f64,
-    forward: bool,
-) -> f64 {
-    let limit = friction_cone(law, variables.slip).0 * force.max(0.0);
-    let friction = bristle.damping_n_s_per_m * (variables.bristle_state + variables.slip);
-    law.min_slip_scale_m_s() * (limit - if forward { friction } else { -friction })
-        / (CONE_RELATIVE_TOLERANCE * (limit + CONE_TOLERANCE_N))
-}
-
-/// Range of the friction law of a contact under a normal force. A bristle sticks within its cone, and has two sliding
-/// ranges.
-fn friction_range_at<const N: usize>(law: &FrictionLaw, variables: &ContactVariables<N>, force: f64) -> FrictionRange {
-    let Some(bristle) = &law.bristle else { return friction_range(law, variables.slip) };
-    let forward = variables.bristle_state + variables.slip > 0.0;
-    if cone_margin(law, bristle, variables, force, forward) >= 0.0 {
-        FrictionRange::Sticking
-    } else if variables.slip.abs() <= law.v_dynamic_m_s {
-        FrictionRange::Transition { forward }
-    } else {
-        FrictionRange::Sliding { forward: variables.slip > 0.0 }
+impl<const N: usize> ContactVariables<'_, N> {
+    #[inline(always)]
+    fn force(&self) -> SpringDamperForce {
+        if self.delta <= 0.0 {
+            return SpringDamperForce { spring: 0.0, damper: 0.0 };
+        }
+        let damper = damping(self.law, self.delta).0 * self.rate;
+        SpringDamperForce { spring: spring_force(self.law, self.delta), damper }
     }
-}
 
-/// Margin between a contact and the end of its friction range, as a slip in m/s.
-fn range_margin<const N: usize>(
-    range: FrictionRange,
-    law: &FrictionLaw,
-    variables: &ContactVariables<N>,
-    force: f64,
-) -> f64 {
-    let Some(bristle) = &law.bristle else { return range.margin(law, variables.slip) };
-    match range {
-        FrictionRange::Sticking => {
-            let [forward, backward] = [true, false].map(|forward| cone_margin(law, bristle, variables, force, forward));
-            forward.min(backward)
-        }
-        FrictionRange::Transition { forward } => {
-            (-cone_margin(law, bristle, variables, force, forward)).min(law.v_dynamic_m_s - variables.slip.abs())
-        }
-        FrictionRange::Sliding { .. } | FrictionRange::Any => range.margin(law, variables.slip),
+    /// Margin between the friction force of a bristle and the cone, on one side of the cone, scaled to a slip in m/s.
+    fn cone_margin(&self, law: &FrictionLaw, bristle: &Bristle, force: f64, forward: bool) -> f64 {
+        let limit = friction_cone(law, self.slip).0 * force.max(0.0);
+        let friction = bristle.damping_n_s_per_m * (self.bristle_state + self.slip);
+        law.min_slip_scale_m_s() * (limit - if forward { friction } else { -friction })
+            / (CONE_RELATIVE_TOLERANCE * (limit + CONE_TOLERANCE_N))
     }
-}
 
-/// Friction range beyond the nearest end of the current one.
-fn neighbour_range<const N: usize>(
-    range: FrictionRange,
-    law: &FrictionLaw,
-    variables: &ContactVariables<N>,
-    force: f64,
-) -> FrictionRange {
-    let Some(bristle) = &law.bristle else { return range.neighbour(law, variables.slip) };
-    match range {
-        FrictionRange::Sticking => {
-            FrictionRange::Transition { forward: variables.bristle_state + variables.slip > 0.0 }
-        }
-        FrictionRange::Sliding { forward } => FrictionRange::Transition { forward },
-        FrictionRange::Transition { forward }
-            if -cone_margin(law, bristle, variables, force, forward) < law.v_dynamic_m_s - variables.slip.abs() =>
-        {
+    /// Range of the friction law under a normal force; not monitored without a law. A bristle sticks within its cone,
+    /// and has two sliding ranges.
+    fn friction_range(&self, force: f64) -> FrictionRange {
+        let Some(law) = self.friction else { return FrictionRange::Any };
+        let Some(bristle) = &law.bristle else { return friction_range(law, self.slip) };
+        let forward = self.bristle_state + self.slip > 0.0;
+        if self.cone_margin(law, bristle, force, forward) >= 0.0 {
             FrictionRange::Sticking
+        } else if self.slip.abs() <= law.v_dynamic_m_s {
+            FrictionRange::Transition { forward }
+        } else {
+            FrictionRange::Sliding { forward: self.slip > 0.0 }
         }
-        FrictionRange::Transition { .. } => FrictionRange::Sliding { forward: variables.slip > 0.0 },
-        FrictionRange::Any => FrictionRange::Any,
+    }
+
+    /// Margin between the contact and the end of a friction range, as a slip in m/s.
+    fn range_margin(&self, range: FrictionRange, law: &FrictionLaw, force: f64) -> f64 {
+        let Some(bristle) = &law.bristle else { return range.margin(law, self.slip) };
+        match range {
+            FrictionRange::Sticking => {
+                let [forward, backward] = [true, false].map(|forward| self.cone_margin(law, bristle, force, forward));
+                forward.min(backward)
+            }
+            FrictionRange::Transition { forward } => {
+                (-self.cone_margin(law, bristle, force, forward)).min(law.v_dynamic_m_s - self.slip.abs())
+            }
+            FrictionRange::Sliding { .. } | FrictionRange::Any => range.margin(law, self.slip),
+        }
+    }
+
+    /// Friction range beyond the nearest end of a range.
+    fn neighbour_range(&self, range: FrictionRange, force: f64) -> FrictionRange {
+        let Some(law) = self.friction else { return range };
+        let Some(bristle) = &law.bristle else { return range.neighbour(law, self.slip) };
+        match range {
+            FrictionRange::Sticking => FrictionRange::Transition { forward: self.bristle_state + self.slip > 0.0 },
+            FrictionRange::Sliding { forward } => FrictionRange::Transition { forward },
+            FrictionRange::Transition { forward }
+                if -self.cone_margin(law, bristle, force, forward) < law.v_dynamic_m_s - self.slip.abs() =>
+            {
+                FrictionRange::Sticking
+            }
+            FrictionRange::Transition { .. } => FrictionRange::Sliding { forward: self.slip > 0.0 },
+            FrictionRange::Any => FrictionRange::Any,
+        }
+    }
+
+    /// Error weight of a sticking bristle, for the sum of slip and bristle state, which the cone bounds tightly.
+    fn sticking_error_weight(&self, law: &FrictionLaw, force: f64) -> ErrorWeight<N> {
+        let limit = law.mu_static * force.max(0.0);
+        let slip_scale =
+            law.bristle.map_or(f64::INFINITY, |bristle| (limit + CONE_TOLERANCE_N) / bristle.damping_n_s_per_m);
+        ErrorWeight::Slip { row: self.tangent_row, slip_scale, normal_force: 0.0 }
     }
 }
 
@@ -225,8 +218,7 @@ impl EventTolerances {
     }
 }
 
-/// Whether a low derivative of the spring force is infinite at zero depth, so that the polynomial of a step cannot
-/// follow it.
+/// Whether a low derivative of the spring force is infinite at zero depth, where no polynomial can follow it.
 pub(crate) fn is_kinked(law: &NormalLaw) -> bool {
     law.exponent.fract() != 0.0 && law.exponent < 3.0
 }
@@ -261,18 +253,16 @@ impl<const C: usize> Mode<C> {
     /// forces of all contacts at zero depth.
     pub(crate) fn at_state<'a, const N: usize>(
         event_tolerances: &EventTolerances,
-        contact_variables: impl Fn(usize) -> Option<ContactWithLaws<'a, N>>,
+        contact_variables: impl Fn(usize) -> Option<ContactVariables<'a, N>>,
         accelerations: impl FnOnce(&Self) -> [f64; N],
     ) -> Self {
         let mut mode = Self::FREE;
         let mut at_zero_depth = [None; C];
         for (index, zero_depth) in at_zero_depth.iter_mut().enumerate() {
-            let Some((contact, law, friction)) = contact_variables(index) else { continue };
-            let ContactVariables { delta, rate, normal_row, .. } = contact;
-            let force = SpringDamperForce::evaluate(law, &contact).total();
+            let Some(contact) = contact_variables(index) else { continue };
+            let ContactVariables { law, delta, rate, normal_row, .. } = contact;
             mode.damper_ranges[index] = DamperRange::at_depth(law, delta);
-            mode.friction_ranges[index] =
-                friction.map_or(FrictionRange::Any, |law| friction_range_at(law, &contact, force));
+            mode.friction_ranges[index] = contact.friction_range(contact.force().total());
             if delta.abs() <= event_tolerances.depth_fraction * law.transition_m {
                 *zero_depth = Some((normal_row, rate));
             } else if delta > 0.0 {
@@ -291,8 +281,7 @@ impl<const C: usize> Mode<C> {
         mode
     }
 
-    /// Whether the friction of a contact is outside its sticking range; `None` without a force, or if the range is not
-    /// monitored.
+    /// Whether the friction of a contact is outside its sticking range; `None` without a force or a monitored range.
     pub(crate) fn is_slipping(&self, index: usize) -> Option<bool> {
         match self.friction_ranges[index] {
             _ if !self.contacts[index].has_force() => None,
@@ -308,19 +297,19 @@ impl<const C: usize> Mode<C> {
         &self,
         count: usize,
         event_tolerances: &EventTolerances,
-        contact_variables: impl Fn(usize) -> Option<ContactWithLaws<'a, N>>,
+        contact_variables: impl Fn(usize) -> Option<ContactVariables<'a, N>>,
     ) -> [EventFunction<N>; G] {
         let mut functions = [EventFunction::INACTIVE; G];
         for index in 0..count {
             if self.contacts[index] == ContactState::Clamped && self.friction_ranges[index] == FrictionRange::Any {
                 continue;
             }
-            let Some((variables, law, friction)) = contact_variables(index) else { continue };
-            let force = SpringDamperForce::evaluate(law, &variables);
-            functions[index] = self.normal_event(index, law, event_tolerances, &variables, &force);
-            functions[index + 2 * C] = self.damper_event(index, law, &variables);
-            if let Some(friction) = friction {
-                functions[index + C] = self.slip_event(index, friction, &variables, &force);
+            let Some(contact) = contact_variables(index) else { continue };
+            let force = contact.force();
+            functions[index] = self.normal_event(index, event_tolerances, &contact, &force);
+            functions[index + 2 * C] = self.damper_event(index, &contact);
+            if let Some(friction) = contact.friction {
+                functions[index + C] = self.slip_event(index, friction, &contact, &force);
             }
         }
         functions
@@ -332,25 +321,19 @@ impl<const C: usize> Mode<C> {
         &self,
         event: usize,
         event_tolerances: &EventTolerances,
-        contact: Option<ContactWithLaws<'_, N>>,
+        contact: Option<ContactVariables<'_, N>>,
     ) -> EventFunction<N> {
-        let Some((variables, law, friction)) = &contact else { return EventFunction::INACTIVE };
+        let Some(contact) = &contact else { return EventFunction::INACTIVE };
         let index = event % C;
-        match (event / C, friction) {
-            (0, _) => {
-                let force = SpringDamperForce::evaluate(law, variables);
-                self.normal_event(index, law, event_tolerances, variables, &force)
-            }
+        match (event / C, contact.friction) {
+            (0, _) => self.normal_event(index, event_tolerances, contact, &contact.force()),
             (1, Some(friction)) => {
-                let force = if friction.bristle.is_some() {
-                    SpringDamperForce::evaluate(law, variables)
-                } else {
-                    SpringDamperForce::default()
-                };
-                self.slip_event(index, friction, variables, &force)
+                let has_bristle = friction.bristle.is_some();
+                let force = if has_bristle { contact.force() } else { SpringDamperForce::default() };
+                self.slip_event(index, friction, contact, &force)
             }
             (1, None) => EventFunction::INACTIVE,
-            _ => self.damper_event(index, law, variables),
+            _ => self.damper_event(index, contact),
         }
     }
 
@@ -359,20 +342,20 @@ impl<const C: usize> Mode<C> {
     fn normal_event<const N: usize>(
         &self,
         index: usize,
-        law: &NormalLaw,
         event_tolerances: &EventTolerances,
-        variables: &ContactVariables<N>,
+        contact: &ContactVariables<'_, N>,
         force: &SpringDamperForce,
     ) -> EventFunction<N> {
-        let ContactVariables { delta, rate, .. } = *variables;
+        let ContactVariables { law, delta, rate, .. } = *contact;
         let inactive = EventFunction::INACTIVE;
         let error_weight = || {
             let is_spring_dominated = force.spring > force.damper.abs();
             let is_rebounding = is_spring_dominated && rate.abs() > MIN_REBOUND_SPEED;
-            if delta > 0.0 {
-                ErrorWeight::Depth { row: variables.normal_row, depth: delta, is_rebounding, is_spring_dominated }
-            } else {
-                ErrorWeight::None
+            match delta > 0.0 {
+                true => {
+                    ErrorWeight::Depth { row: contact.normal_row, depth: delta, is_rebounding, is_spring_dominated }
+                }
+                false => ErrorWeight::None,
             }
         };
         match self.contacts[index] {
@@ -384,14 +367,8 @@ impl<const C: usize> Mode<C> {
             ContactState::Active if delta <= 0.0 && rate >= 0.0 => EventFunction { is_separated: false, ..inactive },
             // Without a damper the force falls continuously to 0 with the depth, so the depth locates the separation.
             ContactState::Active if !is_damped(law) => {
-                let value = if delta > 0.0 { delta } else { delta.min(-1e-290) };
-                EventFunction {
-                    value,
-                    rate,
-                    root_search: RootSearch::Gap,
-                    is_separated: false,
-                    error_weight: error_weight(),
-                }
+                let (value, root_search) = (if delta > 0.0 { delta } else { delta.min(-1e-290) }, RootSearch::Gap);
+                EventFunction { value, rate, root_search, is_separated: false, error_weight: error_weight() }
             }
             ContactState::Active => {
                 // A negative depth ends the branch even if the force never became negative.
@@ -416,26 +393,23 @@ impl<const C: usize> Mode<C> {
         &self,
         index: usize,
         law: &FrictionLaw,
-        variables: &ContactVariables<N>,
+        contact: &ContactVariables<'_, N>,
         force: &SpringDamperForce,
     ) -> EventFunction<N> {
-        if !self.contacts[index].has_force() || self.friction_ranges[index] == FrictionRange::Any {
+        let range = self.friction_ranges[index];
+        if !self.contacts[index].has_force() || range == FrictionRange::Any {
             return EventFunction::INACTIVE;
         }
-        let value = range_margin(self.friction_ranges[index], law, variables, force.total())
-            + RANGE_MARGIN * law.min_slip_scale_m_s();
+        let value = contact.range_margin(range, law, force.total()) + RANGE_MARGIN * law.min_slip_scale_m_s();
         // A step may leave sticking and return; but a sliding step must not miss that it would have stuck.
-        let root_search = if self.friction_ranges[index] == FrictionRange::Sticking {
-            RootSearch::EndOnly
-        } else {
-            RootSearch::Smooth
-        };
-        let error_weight = match self.friction_ranges[index] {
-            FrictionRange::Sticking if law.bristle.is_some() => sticking_error_weight(law, variables, force),
+        let is_sticking = range == FrictionRange::Sticking;
+        let root_search = if is_sticking { RootSearch::EndOnly } else { RootSearch::Smooth };
+        let error_weight = match range {
+            FrictionRange::Sticking if law.bristle.is_some() => contact.sticking_error_weight(law, force.total()),
             _ if law.bristle.is_some() => ErrorWeight::None,
             FrictionRange::Sliding { .. } | FrictionRange::Any => ErrorWeight::None,
             _ => ErrorWeight::Slip {
-                row: variables.tangent_row,
+                row: contact.tangent_row,
                 slip_scale: law.min_slip_scale_m_s(),
                 normal_force: force.total().max(0.0),
             },
@@ -443,32 +417,20 @@ impl<const C: usize> Mode<C> {
         EventFunction { value, root_search, is_separated: false, error_weight, ..EventFunction::INACTIVE }
     }
 
-    /// Event function of the damper of a contact.
     #[inline(always)]
-    fn damper_event<const N: usize>(
-        &self,
-        index: usize,
-        law: &NormalLaw,
-        variables: &ContactVariables<N>,
-    ) -> EventFunction<N> {
+    fn damper_event<const N: usize>(&self, index: usize, contact: &ContactVariables<'_, N>) -> EventFunction<N> {
+        let ContactVariables { law, delta, rate, .. } = *contact;
         let [margin, margin_rate] = match self.damper_ranges[index] {
             _ if self.contacts[index] != ContactState::Active => return EventFunction::INACTIVE,
             DamperRange::Any => return EventFunction::INACTIVE,
-            DamperRange::Engaging => [law.transition_m - variables.delta, -variables.rate],
-            DamperRange::Engaged => [variables.delta - law.transition_m, variables.rate],
+            DamperRange::Engaging => [law.transition_m - delta, -rate],
+            DamperRange::Engaged => [delta - law.transition_m, rate],
         };
-        let value = margin + RANGE_MARGIN * law.transition_m;
-        EventFunction {
-            value,
-            rate: margin_rate,
-            root_search: RootSearch::Gap,
-            is_separated: false,
-            ..EventFunction::INACTIVE
-        }
+        let (value, root_search) = (margin + RANGE_MARGIN * law.transition_m, RootSearch::Gap);
+        EventFunction { value, rate: margin_rate, root_search, is_separated: false, ..EventFunction::INACTIVE }
     }
 
-    /// Tolerance of an event function. Indices below C belong to normal laws, those below 2 C to friction laws, the
-    /// others to dampers.
+    /// Tolerance of an event function: indices below C are normal laws, below 2 C friction laws, others dampers.
     pub fn event_tolerance(
         &self,
         event: usize,
@@ -490,23 +452,20 @@ impl<const C: usize> Mode<C> {
     }
 
     /// Returns the mode after an event of a contact in this state.
-    pub fn after_event<const N: usize>(&self, event: usize, contact: Option<ContactWithLaws<'_, N>>) -> Self {
-        let Some((variables, law, friction)) = &contact else { return *self };
-        let (delta, force) = (variables.delta, SpringDamperForce::evaluate(law, variables).total());
+    pub fn after_event<const N: usize>(&self, event: usize, contact: Option<ContactVariables<'_, N>>) -> Self {
+        let Some(contact) = &contact else { return *self };
         let mut next = *self;
         if event >= 2 * C {
             let damper = &mut next.damper_ranges[event - 2 * C];
             *damper = if *damper == DamperRange::Engaging { DamperRange::Engaged } else { DamperRange::Engaging };
             return next;
         }
-        let range = friction.map_or(FrictionRange::Any, |law| friction_range_at(law, variables, force));
+        let force = contact.force().total();
+        let range = contact.friction_range(force);
         if event >= C {
-            let index = event - C;
-            next.friction_ranges[index] = match self.friction_ranges[index] == range {
-                // The event was located within the margin of the old range.
-                true => friction.map_or(range, |law| neighbour_range(range, law, variables, force)),
-                false => range,
-            };
+            // If the range is the old one, the event was located within its margin.
+            let is_old = self.friction_ranges[event - C] == range;
+            next.friction_ranges[event - C] = if is_old { contact.neighbour_range(range, force) } else { range };
             return next;
         }
         next.contacts[event] = match self.contacts[event] {
@@ -515,15 +474,12 @@ impl<const C: usize> Mode<C> {
             ContactState::Clamped => ContactState::Clamped,
         };
         next.friction_ranges[event] = range;
-        next.damper_ranges[event] = DamperRange::at_depth(law, delta);
+        next.damper_ranges[event] = DamperRange::at_depth(contact.law, contact.delta);
         next
     }
 
     /// Returns the mode after a step in which released surfaces have separated; `None` if none has.
-    pub(crate) fn with_separated_contacts<const N: usize, const G: usize>(
-        &self,
-        functions: &[EventFunction<N>; G],
-    ) -> Option<Self> {
+    pub(crate) fn with_separated_contacts<const N: usize>(&self, functions: &[EventFunction<N>]) -> Option<Self> {
         let mut next = *self;
         for (state, function) in next.contacts.iter_mut().zip(functions) {
             if *state == ContactState::Released && function.is_separated {
@@ -543,18 +499,6 @@ impl<const C: usize> Mode<C> {
         }
         next
     }
-}
-
-/// Error weight of a sticking bristle contact, for the sum of slip and bristle state, which the cone bounds tightly.
-fn sticking_error_weight<const N: usize>(
-    law: &FrictionLaw,
-    variables: &ContactVariables<N>,
-    force: &SpringDamperForce,
-) -> ErrorWeight<N> {
-    let limit = law.mu_static * force.total().max(0.0);
-    let slip_scale =
-        law.bristle.map_or(f64::INFINITY, |bristle| (limit + CONE_TOLERANCE_N) / bristle.damping_n_s_per_m);
-    ErrorWeight::Slip { row: variables.tangent_row, slip_scale, normal_force: 0.0 }
 }
 
 /// Product of a row and a column, such as the rate of a gap.

@@ -3,8 +3,7 @@
 //! Coordinates are q_a = (q11, q21). If friction has bristles, the rates after theirs are the bristle states σ of both
 //! phalanges; nothing depends on the coordinates at these indices.
 
-use super::contact::Geometry;
-use super::finger::{FingerModel, PassiveJoints};
+use super::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
 use super::mode::ContactState;
 use crate::fivebar::dynamics::{Terms, kinetic_energy, solve_mass, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
@@ -16,11 +15,11 @@ use crate::law::{
 };
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array};
-use crate::scene::{self, Actuation, DrivenFinger, Initial, Side, torque};
+use crate::scene;
+use crate::scene::{Actuation, Initial, Side, torque};
 use crate::shape::{PlacedShape, Support};
 
-/// Number of quadratures: normal impulses of the three contacts, work of all contact forces on the finger, work of the
-/// motor.
+/// Number of quadratures: normal impulses of the three contacts, work of all contact forces, work of the motor.
 pub const QUADRATURES: usize = 5;
 
 /// Number of event functions of the three contacts. Normal laws come first, then friction laws, then dampers.
@@ -74,9 +73,7 @@ pub struct ContactReading {
     pub geometry: Geometry<f64>,
     /// Penetration δ.
     pub delta: f64,
-    /// Rate of the penetration.
     pub delta_rate: f64,
-    /// Slip velocity.
     pub slip: f64,
     /// Normal force (limit: torque), clamped.
     pub normal: f64,
@@ -98,10 +95,10 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
             Self::HAS_BRISTLES == system.has_stiction() && W == FINGER_COORDINATES + N,
             "N and W must match the finger's coordinates and bristles"
         );
-        let DrivenFinger { linkage, motor, spring, limit, contact, initial } = system.finger(Side::Right);
+        let finger = system.finger(Side::Right);
         Self {
-            finger: FingerModel::new(linkage, (*spring, *limit), *contact, initial, system.gravity_m_s2),
-            actuation: motor.actuation.clone(),
+            finger: FingerModel::new(finger, system.gravity_m_s2),
+            actuation: finger.motor.actuation.clone(),
             object: system.object().map(|object| object.placed()),
         }
     }
@@ -160,8 +157,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         Some(self.finger.phalanx_geometry(pose, rates, contact, &object))
     }
 
-    /// q̈_a (2.24) and the rates of bristle states and quadratures, from the position-dependent terms and the geometry
-    /// of the active contacts.
+    /// q̈_a (2.24) and the rates of bristle states and quadratures, from terms and geometry of the active contacts.
     #[inline(always)]
     fn accelerations<T: Real>(
         &self,
@@ -222,14 +218,12 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         contact: FingerContact,
         state: ContactState,
     ) -> Option<ContactReading> {
-        let (pose, rates) = self.finger.kinematics(finger_coordinates(&q));
-        self.reading_in_pose(&pose, &rates, &v, contact, state)
+        self.reading_in_pose(&self.finger.kinematics(finger_coordinates(&q)), &v, contact, state)
     }
 
     fn reading_in_pose(
         &self,
-        pose: &Directions<f64>,
-        rates: &PassiveRates<f64>,
+        (pose, rates): &FingerKinematics,
         v: &[f64; N],
         contact: FingerContact,
         state: ContactState,
@@ -244,22 +238,15 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         Some(ContactReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
-    /// Passive joints, contacts and energies of a state, all from one evaluation of the model; passive joints and
-    /// energies are optional, and zero if omitted.
-    pub(crate) fn snapshot(
-        &self,
-        q: [f64; N],
-        v: [f64; N],
-        mode: &FingerMode,
-        (passive, energies): (bool, bool),
-    ) -> Snapshot {
-        let (pose, rates) = self.finger.kinematics(finger_coordinates(&q));
+    /// Passive joints, contacts and energies of a state, from one evaluation; joints and energies are zero if omitted.
+    pub(crate) fn snapshot(&self, q: [f64; N], v: [f64; N], mode: &FingerMode, with: (bool, bool)) -> Snapshot {
+        let (passive, energies) = with;
+        let kinematics = self.finger.kinematics(finger_coordinates(&q));
         let contacts =
-            FingerContact::ALL.map(|contact| self.reading_in_pose(&pose, &rates, &v, contact, mode[contact as usize]));
-        let passive_joints =
-            || self.finger.passive_joints(&pose, &rates, finger_coordinates(&q), finger_coordinates(&v));
+            FingerContact::ALL.map(|contact| self.reading_in_pose(&kinematics, &v, contact, mode[contact as usize]));
+        let passive_joints = || self.finger.passive_joints(&kinematics, finger_coordinates(&q), finger_coordinates(&v));
         let passive = if passive { passive_joints() } else { PassiveJoints::default() };
-        let energies = if energies { self.energies(v, &pose, &contacts) } else { Energies::default() };
+        let energies = if energies { self.energies(v, &kinematics.0, &contacts) } else { Energies::default() };
         Snapshot { passive, contacts, energies }
     }
 
@@ -299,7 +286,6 @@ pub(super) fn pad<const N: usize>(finger_coordinates: [f64; FINGER_COORDINATES])
     all
 }
 
-/// Normal force on the branch of `state`.
 #[inline(always)]
 pub(super) fn normal_force_on_branch(law: &NormalLaw, state: ContactState, delta: f64, rate: f64) -> NormalForce {
     match state {
@@ -323,8 +309,7 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
 
     #[inline(always)]
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Linearised<N, QUADRATURES> {
-        // Terms that depend on positions only are computed with the derivatives with respect to the two positions, then
-        // extended to all variables.
+        // Terms that depend on positions only are derived by the two positions, then extended to all variables.
         let finger_terms = self.finger.terms([Dual::<FINGER_COORDINATES>::variable(q[0], 0), Dual::variable(q[1], 1)]);
         let widened_terms = finger_terms.map(Dual::widen);
         let rate = array_from(|i| Dual::<W>::variable(v[i], FINGER_COORDINATES + i));

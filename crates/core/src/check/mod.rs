@@ -11,31 +11,28 @@
 //! The check compares the path, energies and works, and the restitution of discs.
 
 mod path;
-mod scale;
 mod verdict;
-
-pub use path::{Errors, perturbed, units};
-use path::{Path, RunOptions, is_comparable, reference_name, run};
-use scale::error_limits;
-pub use scale::{ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, reference_length_m};
-pub use verdict::Verdict;
-use verdict::{Comparison, verdict};
 
 use crate::scene::Scene;
 use crate::trace::{Model, Sink};
+use path::{Path, RunOptions, is_comparable, reference_name, run};
+use verdict::{Comparison, error_limits, verdict};
+
+pub use path::{Errors, perturbed, units};
+pub use verdict::{
+    ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, Verdict, reference_length_m,
+};
 
 /// Relative change of the actuation of a scene: motor torques, or velocities and gravity of discs.
 pub const PERTURBATION: f64 = 1e-7;
 /// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
 pub const REFERENCE_LENGTH_M: f64 = 0.02;
-/// Largest number of steps of a run that is checked without a request. At a few microseconds per step the check takes
-/// some tenths of a second.
+/// Largest number of steps of a run that is checked without a request; the check then takes some tenths of a second.
 pub const MAX_CHECKED_STEPS: u64 = 20_000;
 
 /// Step budget of each run of a check, per step of the checked run.
 const STEPS_PER_STEP: u64 = 10;
-/// Additional step budget. A finer run resolves chatter for some 30,000 steps before the integrator damps it; a check
-/// that stopped there would give no result.
+/// Additional step budget, so that a check outlasts the some 30,000 steps of chatter before the integrator damps it.
 const EXTRA_CHECK_STEPS: u64 = 50_000;
 
 /// Result of a check.
@@ -83,8 +80,7 @@ impl Check {
     }
 }
 
-/// Checks a run of a model with the settings of the scene. `keep_running` is polled; the check stops if it returns
-/// false.
+/// Checks a run of a model with the settings of the scene, while `keep_running` returns true.
 pub fn check(model: Model, scene: &Scene, keep_running: &dyn Fn() -> bool) -> Check {
     check_with_sinks(model, scene, [&mut (), &mut ()], keep_running)
 }
@@ -127,24 +123,17 @@ pub fn check_with_sinks(
         (model == Model::Analytic || is_comparable(scene)).then(|| run(scene, Model::Analytic, &finer, reference_sink));
     // The analytic model is the reference for the engine up to its failure; the engine itself is the reference if it
     // fails.
-    let error_until_failure = if model == Model::Engine {
-        analytic.as_ref().map_or(0.0, |path| path::difference(&checked_run, path))
-    } else {
-        0.0
-    };
+    let until_failure = analytic.as_ref().filter(|_| model == Model::Engine);
+    let error_until_failure = until_failure.map_or(0.0, |path| path::difference(&checked_run, path));
     let is_reference = |path: &Path| model == Model::Analytic || path.failure.is_none();
     let (reference_run, reference_model) = match analytic.filter(is_reference) {
         Some(analytic) => (analytic, Model::Analytic),
         None => (run(scene, Model::Engine, &finer, reference_sink), Model::Engine),
     };
-    let perturbed_run = run(
-        scene,
-        reference_model,
-        &RunOptions { perturbation: PERTURBATION, energies: false, ..finer },
-        perturbed_sink,
-    );
+    let perturbed = RunOptions { perturbation: PERTURBATION, energies: false, ..finer };
+    let perturbed_run = run(scene, reference_model, &perturbed, perturbed_sink);
     let limits = error_limits(model, checked_run.events);
-    let limit = scale::path_error_limit(&scene.system, &checked_run, limits.path);
+    let limit = verdict::path_error_limit(&scene.system, &checked_run, limits.path);
     let mut errors = path::errors(&checked_run, &reference_run);
     errors.path = errors.path.max(error_until_failure);
     let sensitivity = path::difference(&reference_run, &perturbed_run);

@@ -38,7 +38,6 @@ pub struct Path {
     pub failure: Option<Reason>,
     /// Whether the object left the gripper, which ended the run.
     pub ejected: bool,
-    /// Energies at the end.
     pub energy: Energy,
     /// Rebounds of the pairs of discs; empty in scenes with fingers.
     pub rebounds: Vec<Rebound>,
@@ -53,8 +52,7 @@ pub struct Path {
     pub events: u64,
 }
 
-/// Records the grid points of a run and passes its samples and events on; the run stops when `keep_running` returns
-/// false.
+/// Records the grid points of a run and passes samples and events on, while `keep_running` returns true.
 struct PathRecorder<'a> {
     interval_s: f64,
     /// Path with an audit if energies are recorded.
@@ -67,10 +65,7 @@ struct PathRecorder<'a> {
 /// Returns the compared coordinates: angles of fingers and centres of bodies. Passive angles can jump by a turn; each
 /// angle is shifted by turns to the value nearest to the previous point's angle.
 fn coordinates(sample: &Sample, previous: Option<&Vec<f64>>) -> Vec<f64> {
-    let angles = sample
-        .fingers
-        .iter()
-        .flat_map(|finger| -> [f64; FINGER_ANGLES] { [finger.q11_rad, finger.q21_rad, finger.q22_rad] });
+    let angles = sample.fingers.iter().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
     let unwrap = |(index, angle)| previous.map_or(angle, |previous| nearest_equivalent_angle(angle, previous[index]));
     let centres = sample.bodies.iter().flat_map(|body| body.centre_m);
     angles.enumerate().map(unwrap).chain(centres).collect()
@@ -186,8 +181,7 @@ fn energy_error(run: &Path, reference: &Path) -> f64 {
 /// Estimated errors of the main results of a run; `None` if one or both runs do not have the quantity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Largest error of any coordinate along the path, rad (discs: m; a gripper's object: in its radii). Infinite
-    /// without a comparison.
+    /// Largest error of a coordinate along the path, rad (discs: m; object: radii); infinite without a comparison.
     pub path: f64,
     /// Errors of the coordinates at the end: q11, q21, q22 of every finger, then x and y of every body.
     pub last: Vec<f64>,
@@ -197,15 +191,13 @@ pub struct Errors {
     pub normal_n: Vec<f64>,
     /// Errors of the restitution of every pair of discs; infinite if only one of the runs has it.
     pub restitution: Vec<Option<f64>>,
-    /// Largest error of a restitution, times the ratio (at most 1) of the pair's approach speed to the largest speed in
-    /// the run.
+    /// Largest error of a restitution, times the ratio (at most 1) of approach speed to the run's largest speed.
     pub rebound: f64,
     /// Largest error of any energy or work, as a fraction of the energy exchanged in the run.
     pub energy: f64,
 }
 
-/// Units of the compared coordinates: 1 for angles; for a body next to fingers its reach (radius of a disc) in m, for
-/// discs alone 1 m.
+/// Units of the compared coordinates: 1 for angles; for a body next to fingers its radius in m, for discs alone 1 m.
 pub fn units(system: &System) -> Vec<f64> {
     let unit = |disc: &Disc| if system.fingers.is_empty() { 1.0 } else { max_radius(&disc.shape) };
     let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * system.fingers.len());
@@ -219,7 +211,6 @@ const MIN_TOLERANCE: f64 = 1e-9;
 /// Duration of the reference relative to the end of a run that ended early.
 const DURATION_FACTOR: f64 = 1.25;
 
-/// Options of one run of a check.
 #[derive(Clone, Copy)]
 pub(crate) struct RunOptions<'a> {
     /// Whether to use the reference settings: another method, or smaller steps.
@@ -274,7 +265,6 @@ fn other_method(integrator: &Integrator) -> Integrator {
     Integrator { method, ..integrator.with_rtol((TOLERANCE_FACTOR * integrator.rtol).max(MIN_TOLERANCE)) }
 }
 
-/// Name of the reference.
 pub(crate) fn reference_name(scene: &Scene, reference_model: Model) -> String {
     match reference_model {
         Model::Analytic => {

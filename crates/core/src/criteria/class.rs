@@ -95,16 +95,13 @@ impl Class {
 /// [`Criteria::verdict`](super::Criteria::verdict) includes the name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClassReason {
-    /// A phalanx would have to pull in the static grasp. Static normal forces, N; at least one is negative or not a
-    /// number.
+    /// A phalanx would have to pull in the static grasp: at least one static normal force, N, is negative or NaN.
     StaticForces { forces_n: [f64; 2] },
-    /// The run ends out of position. |q11 − q11,f| and |q21 − q21,f| at its end, rad; at least one is above
-    /// [`EPSILON_RAD`].
+    /// The run ends out of position: |q11 − q11,f| or |q21 − q21,f|, rad, is above [`EPSILON_RAD`] at its end.
     OutOfPosition { deviation_rad: [f64; 2] },
     /// The run ends in position, but a phalanx is not in contact.
     NotInContact { phalanges: [FinalContact; 2] },
-    /// The finger is in position with both phalanges in contact from `tts_s` to the end of the run. `loss` is the last
-    /// loss of a rebound; `None` without a rebound.
+    /// The finger is in position with both contacts active from `tts_s` on. `loss`: the last loss of a rebound, if any.
     Settled { tts_s: f64, rebound_percent: f64, loss: Option<Loss> },
 }
 
@@ -158,7 +155,6 @@ impl Condition {
 }
 
 impl ClassReason {
-    /// Returns the class.
     pub fn class(&self) -> Class {
         match *self {
             ClassReason::Settled { tts_s, rebound_percent, .. } => {

@@ -110,7 +110,6 @@ pub struct GraspState<'a> {
     pub time_s: f64,
 }
 
-/// Returns the grasp state of a sample.
 pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
     let is_at_limit = |side| sample.contacts[GripperContact::Finger(side, FingerContact::Limit).index()].normal_n > 0.0;
     GraspState {
@@ -122,13 +121,9 @@ pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'
 }
 
 /// Returns the gripper at rest with its active contacts; `None` if its object is fixed.
-pub(crate) fn hand_at_rest<'a>(
-    scene: &'a Scene,
-    grasp_state: &GraspState<'a>,
-    mode: DriveMode,
-) -> Option<HandAtRest<'a>> {
+pub(crate) fn hand_at_rest<'a>(scene: &'a Scene, grasp: &GraspState<'a>, mode: DriveMode) -> Option<HandAtRest<'a>> {
     let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else { return None };
-    let GraspState { configuration, active, at_limit, time_s } = *grasp_state;
+    let GraspState { configuration, active, at_limit, time_s } = *grasp;
     let drive = |motor: &Motor, weights: [f64; 2]| Drive {
         weights,
         torque_n_m: torque(&motor.actuation, time_s).0,
@@ -165,7 +160,7 @@ pub fn sampled_hand_at_rest<'a>(scene: &'a Scene, sample: &Sample, mode: DriveMo
 }
 
 /// The two angles of the geometric final configuration, in which both phalanges touch the object.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FinalAngles {
     pub q11_rad: f64,
     pub q21_rad: f64,
@@ -198,19 +193,13 @@ impl StaticGrasp {
     }
 }
 
-/// Returns the static grasp of the finger of a scene.
-///
-/// # Errors
-/// Returns an error if there is no object or the finger cannot grasp it.
+/// Returns the static grasp of the finger of a scene; an error if there is no object or the finger cannot grasp it.
 pub fn scene_static_grasp(scene: &Scene) -> Result<StaticGrasp, String> {
     let object = scene.object().ok_or_else(|| "there is no object".to_string())?;
     static_grasp(scene, object).map_err(|error| error.to_string())
 }
 
-/// Returns the static grasp of the finger of a scene on an object.
-///
-/// # Errors
-/// Returns an error if the finger cannot grasp the object.
+/// Returns the static grasp of the finger of a scene on an object; an error if the finger cannot grasp it.
 pub fn static_grasp(scene: &Scene, object: &Disc) -> Result<StaticGrasp, GraspError> {
     let finger = scene.finger();
     let end = final_posture(&finger.linkage.lengths, finger.linkage.assembly, object.placed())?;

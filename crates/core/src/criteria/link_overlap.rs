@@ -26,7 +26,6 @@ pub struct LinkOverlap {
     pub obstacle: Obstacle,
     /// Time of the first overlap.
     pub from_s: f64,
-    /// Largest depth, m.
     pub depth_m: f64,
     /// Time of the largest depth, s.
     pub deepest_s: f64,
@@ -111,7 +110,10 @@ impl LinkOverlaps {
             let half_width_m = self.lengths[side as usize].half_width_m;
             for axis in axes {
                 let table = self.table_m.map(|level_m| half_width_m - distance_to_table(axis, pose, level_m));
-                let palm = self.has_palm.then(|| half_width_m - self.height_above_palm(axis));
+                // A link whose distal end is not above the palm does not overlap it.
+                let [x, height_m] = axis.to;
+                let is_above_palm = self.has_palm && x.abs() < 0.5 * self.palm_width_m;
+                let palm = is_above_palm.then_some(half_width_m - height_m);
                 self.record_overlap(sample.time_s, (side, axis.name), Obstacle::Table, table);
                 self.record_overlap(sample.time_s, (side, axis.name), Obstacle::Palm, palm);
             }
@@ -151,7 +153,6 @@ impl LinkOverlaps {
         }
     }
 
-    /// Returns the axes of the links of a finger.
     fn axes(&self, side: Side, finger: &FingerState) -> [Axis; 5] {
         let Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, .. } = self.lengths[side as usize];
         let half_palm_width_m = 0.5 * self.palm_width_m;
@@ -168,12 +169,6 @@ impl LinkOverlaps {
             axis("l22", a22, link_end(a22, l22_m, finger.q13_rad)),
             axis("t22", a22, link_end(a22, t22_m, finger.q13_rad + phi22_rad)),
         ]
-    }
-
-    /// Returns the height of the distal end of a link above the palm, m; infinite if the end is not above the palm.
-    fn height_above_palm(&self, axis: &Axis) -> f64 {
-        let [x, y] = axis.to;
-        if x.abs() < 0.5 * self.palm_width_m { y } else { f64::INFINITY }
     }
 }
 

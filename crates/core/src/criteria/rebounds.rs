@@ -4,8 +4,7 @@ use crate::numeric::elementary::hypot;
 use crate::scene::{ContactId, DiscMotion, System};
 use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
 
-/// Smallest approach speed relative to the fastest body. A slower approach is rounding error: the difference of two
-/// velocities with errors of the same size.
+/// Smallest approach speed relative to the fastest body; a slower approach is the rounding error of two velocities.
 const MIN_RELATIVE_APPROACH: f64 = 1e-6;
 /// Largest ratio of separation and approach speed that is rounding error.
 const SEPARATION_ROUNDING: f64 = 1e-9;
@@ -18,8 +17,7 @@ const MAX_OTHER_FRACTION: f64 = 0.5;
 /// The first impact of a pair: from its touch-down to its last lift-off before the next touch-down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rebound {
-    /// Approach speed (−gap rate) at the touch-down, m/s; `None` before the first touch-down with a positive approach
-    /// speed.
+    /// Approach speed (−gap rate) at the touch-down, m/s; `None` before the first touch-down with a positive one.
     pub approach_m_s: Option<f64>,
     /// Gap rate after the force has ended, m/s; `None` while the contact is active.
     pub separation_m_s: Option<f64>,
@@ -65,8 +63,7 @@ pub struct Rebounds {
 }
 
 impl Rebounds {
-    /// Creates the sink for pairs of bodies of unknown mass. A separation at no more than the approach speed then
-    /// counts as due to the impact.
+    /// Creates the sink for bodies of unknown mass, where a separation up to the approach speed is due to the impact.
     pub fn new(pairs: usize) -> Self {
         Rebounds {
             pairs: vec![Rebound::default(); pairs],
@@ -91,7 +88,6 @@ impl Rebounds {
         Rebounds { mobilities_per_kg: pairs.iter().map(pair_mobility).collect(), ..Self::new(pairs.len()) }
     }
 
-    /// Returns the rebounds in the order of the pairs of the scene.
     pub fn pairs(&self) -> &[Rebound] {
         &self.pairs
     }

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use parry2d_f64::query;
 use rapier2d_f64::prelude::*;
 
-use super::closest_points::{ClosestPoints, closest_points_of_shapes};
 use super::linkage::{BodyPose, Linkage, Twist};
 use super::plan::{ContactPartner, ContactPointConvention, Plan, PlannedBrake, PlannedContact, PlannedMotor};
 use super::world::World;
@@ -13,6 +12,15 @@ use crate::law::{Bristle, BristleStep, FrictionLaw, NormalLaw, friction_coeffici
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{cross, perp, rotate, sub};
 use crate::scene::Response;
+
+/// Gap, closest point on each surface, and normal from the other surface to the body's.
+#[derive(Clone, Copy, Debug)]
+struct ClosestPoints {
+    gap: f64,
+    point: [f64; 2],
+    other_point: [f64; 2],
+    normal: [f64; 2],
+}
 
 /// A generalised direction: the impulse on each body per unit impulse along the row.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +43,6 @@ impl Row {
         along(&self.on) + self.against.as_ref().map_or(0.0, along)
     }
 
-    /// Returns the contribution of one body to the rate.
     pub fn rate_of(&self, body: usize, velocity: &Twist) -> f64 {
         let body_row = std::iter::once(&self.on).chain(&self.against).filter(|(on, _)| *on == body);
         body_row.map(|(_, row)| power(row, velocity)).sum()
@@ -92,8 +99,7 @@ pub enum Source {
     Motor(usize),
 }
 
-/// Torque of a motor that falls with its rate: `sign` of the stall torque, and decrease per unit rate, both relative to
-/// the stall torque.
+/// Torque of a motor that falls with its rate, relative to the stall torque: its sign, and its decrease per unit rate.
 #[derive(Clone, Copy, Debug)]
 pub struct MotorSlope {
     pub sign: f64,
@@ -102,8 +108,7 @@ pub struct MotorSlope {
 
 /// Gaps below this fraction of the transition are rounding errors of surfaces that a step has brought into contact.
 pub(crate) const GAP_ROUNDING: f64 = 1e-9;
-/// Rates below this value are rounding errors, m/s (stop: rad/s); the analytic model uses the same value at the start
-/// of a run.
+/// Rates below this are rounding errors, m/s (stop: rad/s); the analytic model starts a run with the same value.
 pub(crate) const ZERO_RATE: f64 = 1e-12;
 
 impl ContactCandidate {
@@ -138,7 +143,8 @@ impl ContactCandidate {
     }
 
     /// Friction at the end of an implicit step: opposing force along the slip row at the rate `slip`, with its
-    /// derivatives with respect to rate and normal force, as in [`BristleStep`]. A law without internal state leaves the bristle state unchanged.
+    /// derivatives with respect to rate and normal force, as in [`BristleStep`]. A law without internal state leaves
+    /// the bristle state unchanged.
     #[inline(always)]
     pub(crate) fn friction_at_step_end(&self, [slip, bristle_state, normal]: [f64; 3], h: f64) -> BristleStep {
         if let Some(MotorSlope { sign, slope }) = self.motor {
@@ -177,14 +183,12 @@ impl ContactCandidate {
         self.gap > GAP_ROUNDING * self.law.transition_m
     }
 
-    /// Whether the candidate is a pair of surfaces, whose normal rotates with the bodies; the gap of a stop is an
-    /// angle.
+    /// Whether the candidate is a pair of surfaces, whose normal rotates with the bodies; a stop's gap is an angle.
     pub(crate) fn is_between_surfaces(&self) -> bool {
         matches!(self.source, Source::Contact(_))
     }
 }
 
-/// Returns a candidate by its element index.
 pub fn find(candidates: &[ContactCandidate], index: usize) -> Option<&ContactCandidate> {
     candidates.iter().find(|candidate| candidate.index == index)
 }
@@ -265,8 +269,7 @@ fn shaft_candidate(index: usize, source: Source, on: (usize, f64), against: Opti
     }
 }
 
-/// Sets the forces of brakes and motors for the step of `dt` from time `t`: a parabola through the values at start,
-/// middle and end.
+/// Sets the forces of brakes and motors for a step: a parabola through the values at its start, middle and end.
 pub(crate) fn set_shaft_torques(plan: &Plan, t: f64, dt: f64, candidates: &mut [ContactCandidate]) {
     // Discontinuities at both ends belong to adjacent steps.
     let times = [1e-9, 0.5, 1.0 - 1e-9].map(|fraction| t + fraction * dt);
@@ -367,12 +370,9 @@ fn gap_rounding(plan: &Plan, contact: &PlannedContact, poses: &[BodyPose]) -> f6
     f64::EPSILON * (size(poses[contact.body].com) + size(other))
 }
 
-/// Returns the closest points of a contact at given poses, from parry if it handles the shapes exactly.
+/// Returns the closest points of a contact at given poses, from parry, which handles its round and flat shapes exactly.
 fn closest_points(world: &World, plan: &Plan, index: usize, poses: &[BodyPose]) -> Option<ClosestPoints> {
     let contact = &plan.contacts[index];
-    if let Some(points) = closest_points_of_shapes(plan, contact, poses) {
-        return Some(points);
-    }
     let [collider, other] = world.contacts[index].map(|handle| &world.physics.colliders[handle]);
     let pose = frame_pose(plan, contact.body, poses);
     let other_pose = match contact.against {

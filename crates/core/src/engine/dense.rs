@@ -13,8 +13,7 @@ pub(crate) fn reset<T: Clone>(list: &mut Vec<T>, count: usize, item: T) {
     list.resize(count, item);
 }
 
-/// Solves a x = b by Gaussian elimination with row pivoting; `a` (row by row) is destroyed, `b` becomes x. Returns
-/// false if a is singular.
+/// Solves a x = b by elimination with row pivoting; `a` is destroyed, `b` becomes x. Returns false if a is singular.
 pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
     let (a, b) = (&mut a[..size * size], &mut b[..size]);
     // Compile-time sizes are three times faster; contact spaces are small.

@@ -1,5 +1,5 @@
-//! Loads and prescribed motions: gravity, motors and springs; bodies with prescribed motion, which are rapier's kinematic
-//! bodies; and the frame of a moving palm, with the motion of bodies relative to it and its inertial forces.
+//! Loads and prescribed motions: gravity, motors and springs; bodies with prescribed motion, which are rapier's
+//! kinematic bodies; and the frame of a moving palm, with the motion of bodies relative to it and its inertial forces.
 //!
 //! Bodies with prescribed motion have no mass in the linkage, so impulses do not move them; their velocities and
 //! accelerations are set here.
@@ -64,8 +64,7 @@ fn spring_torque(spring: &PlannedSpring, extension: f64) -> f64 {
     }
 }
 
-/// Returns the energies of gravity and springs, J, in the frame of a moving palm; the spring energy is zero in the
-/// straight configuration.
+/// Returns the energies of gravity and springs, J, in the palm frame; springs are at zero in the straight posture.
 pub(crate) fn potential_energies(plan: &Plan, linkage: &Linkage, frame: &PalmFrame) -> (f64, f64) {
     let [gx, gy] = plan.gravity_m_s2;
     let gravity_energy = |(inertia, pose): (&Inertia, &BodyPose)| {
@@ -248,8 +247,7 @@ impl PalmFrame {
         })
     }
 
-    /// Returns the velocity and rate of a body relative to the palm frame, from its centre of mass and velocity in the
-    /// world.
+    /// Returns velocity and rate of a body relative to the palm, from its centre of mass and velocity in the world.
     pub(crate) fn twist(&self, centre: [f64; 2], velocity: &Twist) -> Twist {
         if self.pose.is_none() {
             return *velocity;
@@ -274,8 +272,7 @@ impl PalmFrame {
     }
 }
 
-/// Returns the power of the palm motion on all bodies in its frame, W: of the rotating gravity vector and of inertial
-/// forces.
+/// Returns the power of the palm motion on all bodies in its frame, W: of rotating gravity and of inertial forces.
 pub(crate) fn palm_power(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64) -> f64 {
     let frame = PalmFrame::at(plan, t);
     let Some(Pose { acceleration: [ax, ay, angular_acceleration], rate: [_, _, omega], .. }) = frame.pose else {

@@ -65,7 +65,6 @@ pub struct Linkage {
     ground_anchors: Vec<[f64; 2]>,
     /// Pairs of sides on the same body, which couple their pins.
     couplings: Vec<(usize, usize)>,
-    /// Cholesky factor of A.
     factor: Vec<f64>,
     /// First nonzero column of each row of the factor: pins that share no body do not couple.
     first_columns: Vec<usize>,
@@ -177,10 +176,7 @@ impl Linkage {
         }
     }
 
-    /// Factorises A at the current poses.
-    ///
-    /// # Errors
-    /// Returns an error if the joint constraints are singular.
+    /// Factorises A at the current poses; fails if the joint constraints are singular.
     pub(crate) fn factorise(&mut self) -> Result<(), SingularConstraints> {
         let size = self.first_columns.len();
         if size == 0 {
@@ -263,16 +259,9 @@ impl Linkage {
         self.correct(velocities);
     }
 
-    /// Computes accelerations M⁻¹ (f + Jᵀ λ) at given velocities, with J a = −J̇ v; the accelerations of driven bodies
-    /// are prescribed.
-    pub fn accelerations(
-        &mut self,
-        forces: &[Twist],
-        velocities: &[Twist],
-        driven: &[(usize, Twist)],
-        out: &mut [Twist],
-    ) {
-        self.centripetal(velocities);
+    /// Computes accelerations M⁻¹ (f + Jᵀ λ) with J a = −J̇ v; those of driven bodies are prescribed.
+    pub fn accelerations(&mut self, forces: &[Twist], rates: &[Twist], driven: &[(usize, Twist)], out: &mut [Twist]) {
+        self.centripetal(rates);
         self.accelerate(forces, driven, out);
     }
 

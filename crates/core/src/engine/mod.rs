@@ -3,13 +3,10 @@
 //! `src/docs/engine.md` describes how it drives rapier and the limits of rapier. The engine is independent of the
 //! analytic model: both share only the scene, lengths, masses and scalar laws.
 
-mod build_plan;
 mod candidates;
-mod closest_points;
 mod contact_space;
 mod dense;
 mod forces;
-mod implicit;
 mod linkage;
 mod motion;
 mod plan;
@@ -17,9 +14,6 @@ mod stepper;
 mod substeps;
 mod world;
 
-pub use build_plan::{L21, L22, build_plan};
-
-pub(crate) use build_plan::{L11, L12, LINKS, driven_link_brake_torque, first_link};
 pub(crate) use candidates::ZERO_RATE;
 pub use candidates::{ContactCandidate, Row};
 pub use contact_space::{ActiveContact, ContactSpace};
@@ -28,10 +22,11 @@ pub use forces::{PalmFrame, kinetic_energy};
 pub use linkage::{BodyPose, Inertia, Linkage, SingularConstraints, Twist};
 pub use motion::{Motion, RapierContact, StepError};
 pub use plan::{
-    Capsule, ContactPartner, ContactPointConvention, Plan, PlannedBody, PlannedBrake, PlannedContact, PlannedDrive,
-    PlannedFixedSurface, PlannedGear, PlannedMotor, PlannedPin, PlannedRotor, PlannedSpring, PlannedStop,
-    PrescribedMotion, Shape,
+    Capsule, ContactPartner, ContactPointConvention, L21, L22, Plan, PlannedBody, PlannedBrake, PlannedContact,
+    PlannedDrive, PlannedFixedSurface, PlannedGear, PlannedMotor, PlannedPin, PlannedRotor, PlannedSpring, PlannedStop,
+    PrescribedMotion, Shape, build_plan,
 };
+pub(crate) use plan::{L11, L12, LINKS, driven_link_brake_torque, first_link};
 pub use stepper::next_step;
 pub use substeps::{Change, ChangeKind, ContactExtremum, ContactSolveError, ContactSolver, Tolerance};
 pub use world::{World, build_world};

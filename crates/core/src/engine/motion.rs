@@ -22,7 +22,6 @@ use crate::numeric::elementary::{exp, hypot};
 use crate::numeric::plane::add;
 use crate::scene::{Construction, Response};
 
-/// Error during a step.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     #[error(transparent)]
@@ -61,13 +60,11 @@ pub struct Motion<'a> {
     pub world: World,
     pub linkage: Linkage,
     pub clock: Clock,
-    /// Velocities at the node.
     pub velocities: Vec<Twist>,
     /// Accelerations without contact at the node.
     pub accelerations: Vec<Twist>,
     /// Largest change of a body's acceleration over the last step, in m/s².
     pub acceleration_change: f64,
-    /// Contact candidates at the node.
     pub candidates: Vec<ContactCandidate>,
     /// Contact space of the last step, from its start.
     pub space: ContactSpace,
@@ -111,10 +108,7 @@ pub struct Motion<'a> {
 }
 
 impl<'a> Motion<'a> {
-    /// Creates the motion of a world at t = 0.
-    ///
-    /// # Errors
-    /// Returns an error if the joint constraints are singular.
+    /// Creates the motion of a world at t = 0; fails if the joint constraints are singular.
     pub fn new(plan: &'a Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, plan);
         let bodies = plan.bodies.len();
@@ -159,10 +153,7 @@ impl<'a> Motion<'a> {
         Ok(motion)
     }
 
-    /// Takes one step of rapier with all forces, while `keep_running` returns true.
-    ///
-    /// # Errors
-    /// See [`StepError`]. After an error other than [`StepError::TooLong`] the motion is unusable.
+    /// Takes one step, while `keep_running` returns true. Of all errors only [`StepError::TooLong`] leaves it usable.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
         let power_before = forces::palm_power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         candidates::set_shaft_torques(self.plan, self.clock.now(), dt, &mut self.candidates);
@@ -269,8 +260,7 @@ impl<'a> Motion<'a> {
         self.forces(self.plan.first_brake() + brake).1
     }
 
-    /// Returns normal and tangential force of a stop or contact at the end of the last step, from the contact laws or
-    /// from rapier.
+    /// Returns normal and tangential force of a stop or contact at the end of the last step, from laws or rapier.
     pub fn forces(&self, index: usize) -> (f64, f64) {
         if let Some((_, contact)) = self.space.find(index) {
             let force = &self.contact.force;
@@ -286,13 +276,11 @@ impl<'a> Motion<'a> {
         self.rapier_contacts.iter().find(|contact| contact.index == index)
     }
 
-    /// Returns a candidate by its element index.
     pub fn candidate(&self, index: usize) -> Option<&ContactCandidate> {
         candidates::find(&self.candidates, index)
     }
 
-    /// Whether the bristle of a contact slips at the end of the last step; `None` if it has no bristle or is not
-    /// loaded.
+    /// Whether the bristle of a contact slips at the end of the last step; `None` without a bristle or a load.
     pub(crate) fn is_slipping(&self, index: usize) -> Option<bool> {
         self.contact.is_slipping(self.space.find(index)?.0, &self.space)
     }
@@ -312,8 +300,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// Advances from the mean velocities of the last step to those at its end: second half of the smooth forces, and
-    /// late contact impulses along the current rows.
+    /// Advances mean velocities to those at the end of the step: second half of smooth forces, and late impulses.
     fn kick(&mut self, half: f64) {
         self.velocities.copy_from_slice(&self.mean_velocities);
         self.impulse.copy_from_slice(&self.forces);
@@ -432,8 +419,7 @@ impl<'a> Motion<'a> {
             let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
                 continue;
             };
-            // The shifted anchor rotates with its body, by ω × shift in the step; the shift solves (1 + ω dt ×) shift =
-            // overshoot.
+            // The shifted anchor rotates with its body; the shift solves (1 + ω dt ×) shift = overshoot.
             let rotation = dt * planned.first.map_or(0.0, |body| self.predicted_mean_velocities[body][2]);
             let [a, b] = overshoot.map(|x| x / (1.0 + rotation * rotation));
             let shift = self.linkage.direction_in_body(planned.first, [a + rotation * b, b - rotation * a]);
@@ -466,8 +452,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// Returns the largest joint opening in a step at the predicted mean velocities, m, and its largest difference from
-    /// the opening that the shifted anchors compensate, m.
+    /// Returns the largest joint opening, m, at the predicted mean velocities, and the part not compensated by anchors.
     fn opening_errors(&mut self, dt: f64) -> [f64; 2] {
         let Self { linkage, overshoot, predicted_mean_velocities, .. } = self;
         let openings = linkage.overshoot(predicted_mean_velocities, dt).zip(&*overshoot);
@@ -519,8 +504,8 @@ impl<'a> Motion<'a> {
     }
 }
 
-/// Reads the impulses of rapier's own contact in the last step from its manifolds; returns their work on all bodies and on the driven bodies. `candidates` are
-/// those at the start of the step.
+/// Reads the impulses of rapier's own contact in the last step from its manifolds; returns their work on all bodies and
+/// on the driven bodies. `candidates` are those at the start of the step.
 fn read_rapier_impulses(
     world: &World,
     plan: &Plan,

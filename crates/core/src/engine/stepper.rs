@@ -37,20 +37,14 @@ const MIN_STEP_S: f64 = 1e-10;
 pub fn next_step(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
     let remaining = motion.clock.until(latest_end(motion, end_s));
     match stepping {
-        Stepping::Fixed { step_s } => {
-            if remaining < 1.000_001 * step_s {
-                remaining
-            } else {
-                step_s
-            }
-        }
+        Stepping::Fixed { step_s } if remaining < 1.000_001 * step_s => remaining,
+        Stepping::Fixed { step_s } => step_s,
         Stepping::Adaptive { tolerance_m, max_step_s } => {
             let requested = adaptive_step(motion, tolerance_m, max_step_s);
-            // Two equal steps instead of a full one and a short rest.
-            if remaining <= requested {
-                remaining
-            } else {
-                requested.min(if remaining < 2.0 * requested { 0.5 * remaining } else { remaining })
+            match remaining <= requested {
+                true => remaining,
+                // Two equal steps instead of a full one and a short rest.
+                false => requested.min(if remaining < 2.0 * requested { 0.5 * remaining } else { remaining }),
             }
         }
     }
@@ -97,8 +91,8 @@ fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
             Some((_, active)) => {
                 let inverse_mass = motion.space.w[active.normal * (motion.space.len() + 1)];
                 let depth = stopping_depth(&candidate.law, rate.abs(), inverse_mass).max(-candidate.gap);
-                let crossing =
-                    (crossing_fraction(depth) * depth / rate.abs()).min(rotation_limit(0.5 * rate * rate / depth));
+                let fraction = CROSSING_FRACTION * (SHALLOW_DEPTH / depth).sqrt().clamp(MIN_CROSSING_FACTOR, 1.0);
+                let crossing = (fraction * depth / rate.abs()).min(rotation_limit(0.5 * rate * rate / depth));
                 (crossing, motion.contact.force[active.normal])
             }
             // The effective mass is unknown: an impact may stop the whole rate in one step.
@@ -109,8 +103,7 @@ fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
             }
         };
         if candidate.gap <= 0.0 {
-            // A receding surface limits the step only while a force acts; a surface that a step moves by less than
-            // rounding never does.
+            // A receding surface limits the step only under a force; one that moves by less than rounding never does.
             if (rate < 0.0 || force > 0.0) && rate.abs() * dt > candidate.rounding {
                 dt = dt.min(crossing);
             }
@@ -138,9 +131,4 @@ fn contact_acceleration_rotation(motion: &Motion) -> f64 {
         acceleration * candidate.map_or(0.0, |candidate| candidate.normal_rotation_rate)
     };
     motion.space.active_contacts.iter().map(rotation).fold(0.0, f64::max)
-}
-
-/// Returns the fraction of its stopping depth that an impact may cross in one step.
-fn crossing_fraction(depth: f64) -> f64 {
-    CROSSING_FRACTION * (SHALLOW_DEPTH / depth).sqrt().clamp(MIN_CROSSING_FACTOR, 1.0)
 }

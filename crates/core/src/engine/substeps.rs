@@ -6,9 +6,8 @@
 //! part from the next step on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
 
 use super::candidates::GAP_ROUNDING;
-use super::contact_space::{ActiveContact, ContactSpace};
+use super::contact_space::{ActiveContact, ContactSpace, Diverged, Stage, Workspace};
 use super::dense::{refill, reset};
-use super::implicit::{NotConverged, Stage, Workspace};
 use crate::law::{friction_range, normal_force};
 use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Stepping;
@@ -23,8 +22,7 @@ const RELATIVE_TOLERANCE_PER_S: f64 = 20.0;
 const MAX_RELATIVE_TOLERANCE: f64 = 0.03;
 /// Absolute tolerance of rates, m/s or rad/s.
 const ABSOLUTE_TOLERANCE: f64 = 1e-5;
-/// Tolerance of slip, as a fraction of the narrowest range of the friction law, within which μ changes from one end
-/// value to the other.
+/// Tolerance of slip, as a fraction of the narrowest range of the friction law, over which μ changes fully.
 const SLIP_TOLERANCE: f64 = 0.03;
 /// Tolerances for fixed steps. The error of the frozen geometry is larger, so finer tolerances have no benefit.
 const FIXED: Tolerance = Tolerance { relative: 3e-3, relative_per_s: 300.0, absolute: 1e-5, slip: SLIP_TOLERANCE };
@@ -59,18 +57,14 @@ pub struct Change {
     /// Index of the contact in the contact space.
     pub contact: usize,
     pub kind: ChangeKind,
-    /// Closing rate.
     pub closing: f64,
     /// Normal impulse of this step so far.
     pub impulse: f64,
 }
 
-/// Kind of a contact change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangeKind {
-    /// The gap closes.
     Closes,
-    /// The gap opens.
     Opens,
     /// The contact force starts.
     Loads,
@@ -175,8 +169,7 @@ impl Tolerance {
         }
     }
 
-    /// Returns the tolerances for a step of length `dt`: a long step freezes the geometry, so a finer tolerance has no
-    /// benefit.
+    /// Returns the tolerances for a step of `dt`: a long step freezes the geometry, so finer ones have no benefit.
     fn for_step(self, dt: f64) -> Self {
         let relative = (self.relative_per_s * dt).max(self.relative).min(MAX_RELATIVE_TOLERANCE);
         Self { relative, ..self }
@@ -196,9 +189,6 @@ pub enum ContactSolveError {
 
 impl ContactSolver {
     /// Integrates contact over `dt` while `keep_running` returns true: a step with many contacts can take minutes.
-    ///
-    /// # Errors
-    /// See [`ContactSolveError`].
     pub fn solve(
         &mut self,
         space: &ContactSpace,
@@ -273,7 +263,7 @@ impl ContactSolver {
         let contact = &space.active_contacts[index];
         let is_loaded =
             contact.candidate.has_gap() && contact.candidate.bristle().is_some() && self.force[contact.normal] > 0.0;
-        if is_loaded { self.buffers.is_slipping.get(index).copied() } else { None }
+        is_loaded.then(|| self.buffers.is_slipping.get(index).copied()).flatten()
     }
 
     /// Initialises all arrays at the start of a step.
@@ -360,13 +350,7 @@ impl ContactSolver {
     }
 
     /// Computes both stages of a sub-step of length h; returns the error of the rates relative to the tolerance.
-    fn substep(
-        &mut self,
-        space: &ContactSpace,
-        h: f64,
-        remaining: f64,
-        tolerance: Tolerance,
-    ) -> Result<f64, NotConverged> {
+    fn substep(&mut self, space: &ContactSpace, h: f64, remaining: f64, tolerance: Tolerance) -> Result<f64, Diverged> {
         self.substeps += 1;
         let Buffers { first, second, first_force, base_rate, base_gap, base_bristle_state, error, .. } =
             &mut self.buffers;
@@ -395,12 +379,12 @@ impl ContactSolver {
             let (a1, a2) = (first[i] - self.rate[i], second[i] - base_rate[i]);
             error[i] = a2 - a1;
         }
-        let relative = relative_error(space, (&self.rate, second, &self.work_space.force), error, tolerance);
+        let relative = relative_error(space, [&self.rate, second, &self.work_space.force], error, tolerance);
         if relative <= 1.0 && h >= remaining {
             return Ok(relative);
         }
         self.work_space.filter(space, implicit, error);
-        Ok(relative_error(space, (&self.rate, second, &self.work_space.force), error, tolerance))
+        Ok(relative_error(space, [&self.rate, second, &self.work_space.force], error, tolerance))
     }
 
     /// Returns the fraction of the sub-step after which friction leaves the polynomial range it starts in; `None` if it
@@ -497,12 +481,8 @@ impl ContactSolver {
             if contact.candidate.has_gap() && contact.candidate.bristle().is_some() {
                 let is_slipping = is_loaded && self.work_space.is_slipping[index];
                 if is_slipping != self.buffers.is_slipping[index] && is_loaded {
-                    self.push_change(
-                        space,
-                        index,
-                        now,
-                        if is_slipping { ChangeKind::Slips } else { ChangeKind::Sticks },
-                    );
+                    let kind = if is_slipping { ChangeKind::Slips } else { ChangeKind::Sticks };
+                    self.push_change(space, index, now, kind);
                 }
                 self.buffers.is_slipping[index] = is_slipping;
             }
@@ -519,7 +499,6 @@ impl ContactSolver {
         has_closed
     }
 
-    /// Appends a change of a contact.
     fn push_change(&mut self, space: &ContactSpace, contact: usize, after_s: f64, kind: ChangeKind) {
         let normal = space.active_contacts[contact].normal;
         let (closing, impulse) = (-self.rate[normal], self.buffers.impulse[normal]);
@@ -527,8 +506,7 @@ impl ContactSolver {
     }
 }
 
-/// Whether the bristle of a contact is at the edge of its friction cone at the start of a step, under the given normal
-/// force.
+/// Whether the bristle of a contact is at the edge of its cone at the start of a step, under this normal force.
 fn is_bristle_slipping(contact: &ActiveContact, space: &ContactSpace, force: f64) -> bool {
     let tangent = contact.candidate.bristle().and(contact.tangent);
     tangent.is_some_and(|t| {
@@ -536,14 +514,8 @@ fn is_bristle_slipping(contact: &ActiveContact, space: &ContactSpace, force: f64
     })
 }
 
-/// Returns the largest rate error of any contact relative to the tolerance at its speed and, for speed-dependent
-/// friction, to the ranges of its law.
-fn relative_error(
-    space: &ContactSpace,
-    (from, rate, force): (&[f64], &[f64], &[f64]),
-    error: &[f64],
-    tolerance: Tolerance,
-) -> f64 {
+/// Returns the largest rate error of a contact relative to the tolerance at its speed and to the ranges of its law.
+fn relative_error(space: &ContactSpace, [from, rate, force]: [&[f64]; 3], error: &[f64], tolerance: Tolerance) -> f64 {
     let contact_error = |contact: &ActiveContact| {
         let n = contact.normal;
         let Some(t) = contact.tangent else {

@@ -6,7 +6,7 @@ use rapier2d_f64::prelude::*;
 use super::plan::{Capsule, ContactPartner, Plan, PlannedBody, PlannedPin, Shape};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Construction, Response};
-use crate::shape::{self, circle_radius, max_radius};
+use crate::shape::max_radius;
 
 /// A rapier world, with the handles of the components of a plan.
 pub struct World {
@@ -123,8 +123,7 @@ fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationPa
             Response::Rapier { .. } => 1,
         },
         warmstart_joints: true,
-        // rapier's contact is soft by default (60 Hz against a fixed body): the motor would push surfaces into each
-        // other for the whole closing motion.
+        // rapier's contact is soft by default (60 Hz): the motor would push surfaces into each other while closing.
         contact_softness: RIGID,
         static_contact_softness: RIGID,
         normalized_max_linear_velocity: Real::MAX,
@@ -209,13 +208,6 @@ fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
     InteractionGroups::new(group(surface), partners, InteractionTestMode::And)
 }
 
-/// Polygon that approximates a non-round shape in the broad phase; [`closest_points`](super::closest_points) uses the
-/// exact shape.
-pub fn polygon(shape: &shape::Shape) -> ColliderBuilder {
-    let corners = shape.at([0.0; 2]).outline_m().into_iter().map(|[x, y]| Vector::new(x, y)).collect();
-    ColliderBuilder::convex_polyline(corners).expect("the corners of a convex outline")
-}
-
 /// Returns the rapier collider of a surface.
 pub(crate) fn collider(shape: Shape) -> ColliderBuilder {
     match shape {
@@ -223,13 +215,12 @@ pub(crate) fn collider(shape: Shape) -> ColliderBuilder {
             let end = Vector::new(cos(capsule.angle_rad), sin(capsule.angle_rad)) * capsule.length_m;
             ColliderBuilder::capsule_from_endpoints(Vector::ZERO, end, capsule.radius_m)
         }
-        Shape::Disc(shape) => circle_radius(&shape).map_or_else(|| polygon(&shape), ColliderBuilder::ball),
+        Shape::Disc(shape) => ColliderBuilder::ball(max_radius(&shape)),
         Shape::HalfPlane => ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)),
     }
 }
 
-/// Sets the initial rates: every body rotates about its origin, which moves with the preceding links or with its own
-/// velocity.
+/// Sets the initial rates: every body rotates about its origin, which moves with the preceding links or by itself.
 fn set_rates(world: &mut World, plan: &Plan) {
     if plan.bodies.iter().all(|body| body.rate_rad_s == 0.0 && body.velocity_m_s == [0.0; 2]) {
         return;

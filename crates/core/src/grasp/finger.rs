@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::fivebar::spring::gradient;
+use crate::fivebar::kinematics::gradient;
 use crate::gripper::{FinalPosture, Finger, GraspError, Spring, final_posture};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::keywords::SceneKind;
@@ -30,8 +30,7 @@ pub struct Grasp {
     pub forces: Vec<Forces>,
     pub palm: Palm,
     pub closure: FormClosure,
-    /// Forces per 1 N·m of motor torque without spring and friction. With a palm, all three are positive if the grasp
-    /// is form-closed.
+    /// Forces per 1 N·m of motor torque alone, without friction; with a palm all positive if form-closed.
     pub unit_torque_forces: Equilibrium,
 }
 
@@ -40,9 +39,7 @@ pub struct Grasp {
 pub struct Contact {
     /// Distance from the joint along the phalanx.
     pub from_joint_m: f64,
-    /// Length of the phalanx.
     pub phalanx_m: f64,
-    /// Contact point.
     pub point_m: [f64; 2],
     /// Unit normal n, from the object into the phalanx.
     pub normal: [f64; 2],
@@ -58,8 +55,7 @@ pub struct Drive {
     pub spring: Option<SpringAtRest>,
     /// Generalised forces τ_a + τ_s on (q11, q21).
     pub loads_n_m: [f64; 2],
-    /// Smallest motor torque at which the distal phalanx pushes (F22 ≥ 0); `None` if a closing motor opens the distal
-    /// phalanx.
+    /// Smallest motor torque at which the distal phalanx pushes (F22 ≥ 0); `None` if closing opens the phalanx.
     pub motor_min_n_m: Option<f64>,
 }
 
@@ -99,7 +95,6 @@ pub enum Palm {
 }
 
 impl Palm {
-    /// Returns whether the palm supports the object.
     pub fn supports_object(&self) -> bool {
         matches!(self, Palm::Resting | Palm::Penetrating { .. })
     }
@@ -108,8 +103,7 @@ impl Palm {
 /// Values that replace those of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GraspOverrides {
-    /// Friction coefficients, each for both contacts. If empty, the grasp is evaluated without friction and with the
-    /// coefficients of the scene.
+    /// Friction coefficients, each for both contacts; if empty, none and those of the scene.
     pub mu_static: Vec<f64>,
     /// Motor torque; `None` for the torque at the end of the scene.
     pub motor_n_m: Option<f64>,

@@ -26,7 +26,6 @@ pub struct GripperGraspRequest {
     pub directions: usize,
 }
 
-/// Requested posture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PostureRequest {
     /// Posture of a run of the analytic model at `at_s`; by default at its end, or just before the release. The
@@ -68,7 +67,6 @@ pub struct GripperGrasp {
     pub friction_cases: Vec<FrictionCase>,
 }
 
-/// Source of a posture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PostureSource {
     Run { time_s: f64, fate: Fate },
@@ -128,9 +126,6 @@ pub enum GripperGraspError {
 }
 
 /// Returns the static grasp of a gripper.
-///
-/// # Errors
-/// See [`GripperGraspError`].
 pub fn gripper_grasp(
     scene: &Scene,
     request: &GripperGraspRequest,
@@ -385,8 +380,7 @@ pub fn geometric_posture(scene: &Scene) -> Result<[[f64; 2]; 2], (Side, GraspErr
     Ok(angles_rad)
 }
 
-/// Runs a scene with a sink that receives all steps. Returns the outcome or the failure; `None` if the run was
-/// interrupted.
+/// Runs a scene with a sink that receives all steps. Returns outcome or failure; `None` if interrupted.
 pub fn run(
     model: Model,
     scene: &Scene,

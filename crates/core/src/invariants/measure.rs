@@ -1,13 +1,12 @@
 //! Measures every invariant while a run progresses.
 
-use super::momentum::{FreeBody, MomentumBalance};
-use super::{Finding, Invariant, Tolerances};
+use super::{Finding, Invariant, Tolerances, update_max};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
-use crate::numeric::elementary::pow;
-use crate::scene::{ContactId, DiscMotion, Scene, Side, System};
+use crate::numeric::elementary::{hypot, pow};
+use crate::scene::{ContactId, DiscMotion, Scene, System};
 use crate::trace::{Channels, ContactSample, Energy, Model, Sample, Sink, SinkError};
 
-/// Tolerance for limits that hold in exact arithmetic.
+/// Tolerance for limits that hold in exact arithmetic; relative rounding error of the exchanged momentum.
 const ROUNDING: f64 = 1e-9;
 /// Relative tolerance of the available energy, which is a difference of large numbers at the start of a run.
 const ENERGY_SUM_TOLERANCE: f64 = 0.01;
@@ -22,9 +21,13 @@ struct MonitoredContact {
     friction: Option<FrictionLaw>,
     /// Invariant that an excessive depth violates.
     depth: Invariant,
-    /// Surface displacement per unit of the gap: 1 between surfaces; for a joint stop, whose gap is an angle, the arm
-    /// length in m.
+    /// Surface displacement per unit of the gap: 1, or the arm length, m, of a stop, whose gap is an angle.
     reach_m: f64,
+    impulse: Impulse,
+    /// Slip in the last sample; NaN before the first.
+    slip_m_s: f64,
+    /// Gap rate in the last sample.
+    gap_rate_m_s: f64,
 }
 
 /// A sink that measures how close a run comes to violating each [`Invariant`].
@@ -49,12 +52,6 @@ pub struct Invariants {
     lowest_j: f64,
     /// Largest increase of that difference above an earlier value.
     created_j: f64,
-    /// Normal impulse of every contact.
-    impulses: Vec<Impulse>,
-    /// Slip of every contact in the last sample.
-    slips_m_s: Vec<f64>,
-    /// Gap rate of every contact in the last sample.
-    gap_rates_m_s: Vec<f64>,
     last_s: f64,
     samples: u64,
 }
@@ -86,14 +83,10 @@ impl Invariants {
         // Momentum is not conserved in a moving frame. The engine's forces are averages over steps, so their impulses
         // between samples are not known accurately enough.
         let free_object = object(system).filter(|_| system.palm_motion.is_none() && model == Model::Analytic);
-        let contacts = monitored_contacts(system);
         Self {
             model,
             tolerances,
-            impulses: vec![Impulse::default(); contacts.len()],
-            slips_m_s: vec![f64::NAN; contacts.len()],
-            gap_rates_m_s: vec![0.0; contacts.len()],
-            contacts,
+            contacts: monitored_contacts(system),
             momentum_balance: free_object
                 .map(|(body, friction_laws)| MomentumBalance::new(tolerances.energy, body, friction_laws)),
             worst: [Violation::default(); Invariant::ALL.len()],
@@ -109,7 +102,6 @@ impl Invariants {
         }
     }
 
-    /// Number of samples measured.
     pub fn samples(&self) -> u64 {
         self.samples
     }
@@ -141,9 +133,9 @@ impl Invariants {
         let (max_imbalance, decrease, last_s) = (self.max_imbalance, self.decrease, self.last_s);
         self.update(Invariant::Energy, None, max_imbalance.1, max_imbalance.0, allowed);
         self.update(Invariant::Passivity, None, decrease.1, decrease.0, allowed);
-        for (index, impulse) in self.impulses.clone().into_iter().enumerate() {
-            let (decrease, at_s) = impulse.decrease;
-            let allowed = self.tolerances.energy.max(ROUNDING) * impulse.largest;
+        for index in 0..self.contacts.len() {
+            let Impulse { largest, decrease: (decrease, at_s), .. } = self.contacts[index].impulse;
+            let allowed = self.tolerances.energy.max(ROUNDING) * largest;
             self.update(Invariant::NoAdhesion, Some(index), at_s, decrease, allowed);
         }
         self.update(Invariant::LoopGap, None, last_s, loop_gap_m, self.tolerances.loop_gap_m);
@@ -157,32 +149,6 @@ impl Invariants {
         Invariant::ALL.into_iter().zip(&self.worst).map(finding).collect()
     }
 
-    /// Records one instant: the number of non-finite values, the energies, and the state of every contact.
-    fn record<'a>(
-        &mut self,
-        time_s: f64,
-        non_finite: usize,
-        energy: &Energy,
-        contacts: impl IntoIterator<Item = &'a ContactSample>,
-    ) {
-        self.samples += 1;
-        self.last_s = time_s;
-        self.update(Invariant::Finite, None, time_s, non_finite as f64, 0.0);
-        if non_finite > 0 {
-            return;
-        }
-        let start = *self.start.get_or_insert(*energy);
-        self.energy(time_s, energy);
-        let supplied_j = start.kinetic_j + start.elastic_j + energy.motor_work_j;
-        let released_j = (start.gravity_j - energy.gravity_j) + (start.spring_j - energy.spring_j);
-        let available_j =
-            (1.0 + ENERGY_SUM_TOLERANCE) * (supplied_j + released_j) + self.tolerances.energy * self.throughput_j;
-        for (index, values) in contacts.into_iter().enumerate() {
-            self.contact(index, values, time_s, available_j);
-            self.friction(index, values, time_s);
-        }
-    }
-
     /// Replaces the worst value of an invariant by this one if it is worse.
     fn update(&mut self, invariant: Invariant, contact_index: Option<usize>, time_s: f64, measured: f64, allowed: f64) {
         let worst = &mut self.worst[invariant as usize];
@@ -191,45 +157,43 @@ impl Invariants {
         }
     }
 
-    /// Measures the energies.
     fn energy(&mut self, time_s: f64, energy: &Energy) {
         let stored_j = energy.kinetic_j + energy.elastic_j + energy.dissipated_j.abs();
         let exchanged_j = energy.motor_work_j.abs() + energy.spring_j.abs() + energy.gravity_j.abs();
         self.throughput_j = self.throughput_j.max(stored_j).max(exchanged_j);
-        record_max(&mut self.max_imbalance, energy.balance_j.abs(), time_s);
+        update_max(&mut self.max_imbalance, energy.balance_j.abs(), time_s);
         let mechanical_j =
             energy.kinetic_j + energy.gravity_j + energy.spring_j + energy.elastic_j - energy.motor_work_j;
         self.lowest_j = self.lowest_j.min(mechanical_j);
         self.created_j = self.created_j.max(mechanical_j - self.lowest_j);
         self.dissipated_j = self.dissipated_j.max(energy.dissipated_j);
-        record_max(&mut self.decrease, self.dissipated_j - energy.dissipated_j, time_s);
+        update_max(&mut self.decrease, self.dissipated_j - energy.dissipated_j, time_s);
     }
 
     /// Measures depth, force and impulse of a contact.
     fn contact(&mut self, index: usize, values: &ContactSample, time_s: f64, available_j: f64) {
         let contact = Some(index);
-        let MonitoredContact { law, depth, reach_m, .. } = self.contacts[index];
+        let MonitoredContact { law, depth, reach_m, impulse, gap_rate_m_s, .. } = &mut self.contacts[index];
+        let (law, depth, reach_m) = (*law, *depth, *reach_m);
+        let previous_rate = std::mem::replace(gap_rate_m_s, values.gap_rate_m_s);
+        let previous = std::mem::replace(&mut impulse.last, values.impulse_n_s);
+        impulse.largest = impulse.largest.max(values.impulse_n_s);
+        update_max(&mut impulse.decrease, previous - values.impulse_n_s, time_s);
         self.update(Invariant::NoAdhesion, contact, time_s, -values.normal_n, 0.0);
-        let previous_rate = std::mem::replace(&mut self.gap_rates_m_s[index], values.gap_rate_m_s);
         if values.normal_n > 0.0 {
             let opening = values.gap_rate_m_s.abs().max(previous_rate.abs()) * self.tolerances.step_s;
             let allowed = self.tolerances.gap_m / reach_m + opening;
             self.update(Invariant::NoAdhesion, contact, time_s, values.gap_m, allowed);
         }
-        let Impulse { last, largest, decrease } = &mut self.impulses[index];
-        let previous = std::mem::replace(last, values.impulse_n_s);
-        *largest = largest.max(values.impulse_n_s);
-        record_max(decrease, previous - values.impulse_n_s, time_s);
         if self.tolerances.laws {
             let allowed = max_depth(&law, available_j) + POSITION_ROUNDING_M / reach_m;
             self.update(depth, contact, time_s, -values.gap_m, allowed);
         }
     }
 
-    /// Measures the friction of a contact.
     fn friction(&mut self, index: usize, values: &ContactSample, time_s: f64) {
         let contact = Some(index);
-        let previous = std::mem::replace(&mut self.slips_m_s[index], values.slip_m_s);
+        let previous = std::mem::replace(&mut self.contacts[index].slip_m_s, values.slip_m_s);
         if !self.tolerances.laws {
             return;
         }
@@ -263,13 +227,6 @@ fn friction_range(law: &FrictionLaw, slips_m_s: [f64; 2]) -> [f64; 2] {
     ratios.fold([f64::INFINITY, f64::NEG_INFINITY], |[lower, upper], ratio| [lower.min(ratio), upper.max(ratio)])
 }
 
-/// Updates a maximum and its time.
-fn record_max((max, at_s): &mut (f64, f64), measured: f64, time_s: f64) {
-    if measured > *max {
-        (*max, *at_s) = (measured, time_s);
-    }
-}
-
 /// Depth at which the spring of the law alone stores this energy; infinite without a spring.
 fn max_depth(law: &NormalLaw, energy_j: f64) -> f64 {
     let NormalLaw { stiffness_n_per_m_e: k, exponent: e, .. } = *law;
@@ -278,35 +235,51 @@ fn max_depth(law: &NormalLaw, energy_j: f64) -> f64 {
 
 impl Sink for Invariants {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        let (time_s, energy, non_finite) = (sample.time_s, &sample.energy, non_finite(sample));
+        self.samples += 1;
+        self.last_s = time_s;
+        self.update(Invariant::Finite, None, time_s, non_finite as f64, 0.0);
+        if non_finite > 0 {
+            return Ok(());
+        }
+        let start = *self.start.get_or_insert(*energy);
+        self.energy(time_s, energy);
+        let supplied_j = start.kinetic_j + start.elastic_j + energy.motor_work_j;
+        let released_j = (start.gravity_j - energy.gravity_j) + (start.spring_j - energy.spring_j);
+        let available_j =
+            (1.0 + ENERGY_SUM_TOLERANCE) * (supplied_j + released_j) + self.tolerances.energy * self.throughput_j;
         // An infinite gap belongs to a contact that the scene does not have.
         let existing = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
-        let non_finite = non_finite(sample);
-        self.record(sample.time_s, non_finite, &sample.energy, existing);
-        if non_finite == 0 {
-            self.momentum_balance.iter_mut().for_each(|balance| balance.record(sample));
+        for (index, values) in existing.enumerate() {
+            self.contact(index, values, time_s, available_j);
+            self.friction(index, values, time_s);
         }
+        self.momentum_balance.iter_mut().for_each(|balance| balance.record(sample));
         Ok(())
     }
 }
 
-/// All contacts of a system.
 fn monitored_contacts(system: &System) -> Vec<MonitoredContact> {
-    let surface = |name: String, (law, friction): (NormalLaw, Option<FrictionLaw>)| MonitoredContact {
-        name,
-        law,
-        friction,
-        depth: Invariant::Penetration,
-        reach_m: 1.0,
-    };
-    let stop = |name: String, side: Side| {
+    let monitored =
+        |name: String, (law, friction): (NormalLaw, Option<FrictionLaw>), depth, reach_m| MonitoredContact {
+            name,
+            law,
+            friction,
+            depth,
+            reach_m,
+            impulse: Impulse::default(),
+            slip_m_s: f64::NAN,
+            gap_rate_m_s: 0.0,
+        };
+    let contact = |id: ContactId| {
+        let name = system.contact_name(id);
+        let ContactId::Stop(side) = id else {
+            return system.contact_laws(id).map(|laws| monitored(name, laws, Invariant::Penetration, 1.0));
+        };
         let (law, reach_m) = (system.finger(side).limit?, system.finger(side).linkage.lengths.l22_m);
-        Some(MonitoredContact { name, law, friction: None, depth: Invariant::JointLimit, reach_m })
+        Some(monitored(name, (law, None), Invariant::JointLimit, reach_m))
     };
-    let monitored = |contact| match contact {
-        ContactId::Stop(side) => stop(system.contact_name(contact), side),
-        _ => system.contact_laws(contact).map(|law| surface(system.contact_name(contact), law)),
-    };
-    system.contact_ids().into_iter().filter_map(monitored).collect()
+    system.contact_ids().into_iter().filter_map(contact).collect()
 }
 
 /// Returns a free object that is the only disc, and the friction law of every contact.
@@ -315,10 +288,8 @@ fn object(system: &System) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
     let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = object.motion else {
         return None;
     };
-    let friction_laws = system
-        .contact_ids()
-        .into_iter()
-        .map(|touching| system.contact_laws(touching).and_then(|(_, friction)| friction));
+    let friction = |id: ContactId| system.contact_laws(id).and_then(|(_, friction)| friction);
+    let friction_laws = system.contact_ids().into_iter().map(friction);
     Some((FreeBody { mass_kg, inertia_kg_m2, gravity_m_s2: system.gravity_m_s2 }, friction_laws.collect()))
 }
 
@@ -332,4 +303,140 @@ fn non_finite(sample: &Sample) -> usize {
     });
     let all = fingers.chain(bodies).chain(contacts).chain(sample.energy.values()).chain([sample.time_s]);
     all.filter(|number| !number.is_finite()).count()
+}
+
+/// A body that only contacts and gravity accelerate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FreeBody {
+    pub mass_kg: f64,
+    pub inertia_kg_m2: f64,
+    pub gravity_m_s2: [f64; 2],
+}
+
+/// Error of a momentum (N·s) or angular momentum (N·m·s), and its limit from samples and integration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Imbalance {
+    pub time_s: f64,
+    pub error: f64,
+    pub allowed: f64,
+}
+
+/// Error of one momentum so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct MomentumError {
+    uncertainty: f64,
+    /// Sum of the absolute values of all exchanged impulses.
+    exchanged: f64,
+    /// Imbalance furthest beyond its limit.
+    worst: Imbalance,
+}
+
+impl MomentumError {
+    fn record(&mut self, time_s: f64, error: f64, tolerance: f64) {
+        let found = Imbalance { time_s, error, allowed: tolerance * self.exchanged + self.uncertainty };
+        if found.error - found.allowed >= self.worst.error - self.worst.allowed {
+            self.worst = found;
+        }
+    }
+
+    fn worst(&self) -> Imbalance {
+        Imbalance { allowed: self.worst.allowed + ROUNDING * self.exchanged, ..self.worst }
+    }
+}
+
+/// Momentum balance of a free object: its momentum must equal the impulses of its contacts and its weight.
+///
+/// Between two samples a contact transfers ΔJ (n + μ t), where ΔJ is the increase of its normal impulse and μ = F_t /
+/// F_n. Directions and μ change in between. Their differences between the two samples give the uncertainty, which is
+/// allowed as an error.
+#[derive(Clone, Debug)]
+pub(super) struct MomentumBalance {
+    body: FreeBody,
+    /// Friction law of every contact of a sample; `None` for stops.
+    friction_laws: Vec<Option<FrictionLaw>>,
+    last: Option<Sample>,
+    /// Impulses minus the change of momentum: along x, along y, about the centre.
+    unbalanced: [f64; 3],
+    /// Relative integration error of the exchanged momentum.
+    tolerance: f64,
+    linear: MomentumError,
+    angular: MomentumError,
+}
+
+impl MomentumBalance {
+    pub fn new(tolerance: f64, body: FreeBody, friction_laws: Vec<Option<FrictionLaw>>) -> Self {
+        let (linear, angular) = (MomentumError::default(), MomentumError::default());
+        Self { body, friction_laws, last: None, unbalanced: [0.0; 3], tolerance, linear, angular }
+    }
+
+    /// Imbalances of momentum and angular momentum furthest beyond their limits.
+    pub fn worst(&self) -> [Imbalance; 2] {
+        [self.linear.worst(), self.angular.worst()]
+    }
+
+    /// Adds the interval from the last sample to this one.
+    pub fn record(&mut self, sample: &Sample) {
+        if let Some(last) = self.last.take() {
+            self.add_weight(&last, sample);
+            for index in (0..sample.contacts.len()).filter(|index| !sample.is_stop(*index)) {
+                let ends = [(&last, &last.contacts[index]), (sample, &sample.contacts[index])];
+                self.add_contact(ends, self.friction_laws[index]);
+            }
+            self.subtract_momentum_change(&last, sample);
+        }
+        self.last = Some(sample.clone());
+        let [x, y, angular] = self.unbalanced;
+        self.linear.record(sample.time_s, hypot(x, y), self.tolerance);
+        self.angular.record(sample.time_s, angular.abs(), self.tolerance);
+    }
+
+    fn add_weight(&mut self, last: &Sample, sample: &Sample) {
+        for (unbalanced, gravity) in self.unbalanced.iter_mut().zip(self.body.gravity_m_s2) {
+            let impulse = self.body.mass_kg * gravity * (sample.time_s - last.time_s);
+            *unbalanced += impulse;
+            self.linear.exchanged += impulse.abs();
+        }
+    }
+
+    fn subtract_momentum_change(&mut self, last: &Sample, sample: &Sample) {
+        let (before, after) = (&last.bodies[0], &sample.bodies[0]);
+        for axis in 0..2 {
+            self.unbalanced[axis] -= self.body.mass_kg * (after.velocity_m_s[axis] - before.velocity_m_s[axis]);
+        }
+        self.unbalanced[2] -= self.body.inertia_kg_m2 * (after.spin_rad_s - before.spin_rad_s);
+    }
+
+    fn add_contact(&mut self, ends: [(&Sample, &ContactSample); 2], friction: Option<FrictionLaw>) {
+        let impulse = ends[1].1.impulse_n_s - ends[0].1.impulse_n_s;
+        if impulse == 0.0 {
+            return;
+        }
+        // Force and moment on the object, opposite to those on its partner, per unit of normal impulse.
+        let [from, to] = ends.map(|(sample, contact)| {
+            let (normal, tangent, mu) = (contact.normal, contact.tangent(), friction_ratio(contact, friction));
+            let force = [0, 1].map(|axis| -normal[axis] - mu * tangent[axis]);
+            let centre = sample.bodies[0].centre_m;
+            let lever = [0, 1].map(|axis| contact.point_m[axis] - centre[axis]);
+            [force[0], force[1], lever[0] * force[1] - lever[1] * force[0]]
+        });
+        let change = [0, 1, 2].map(|axis| (to[axis] - from[axis]).abs());
+        for axis in 0..3 {
+            self.unbalanced[axis] += impulse * 0.5 * (from[axis] + to[axis]);
+        }
+        let (centre, point) = (ends[1].0.bodies[0].centre_m, ends[1].1.point_m);
+        let radius = hypot(point[0] - centre[0], point[1] - centre[1]);
+        self.linear.uncertainty += impulse.abs() * hypot(change[0], change[1]);
+        self.linear.exchanged += impulse.abs();
+        self.angular.uncertainty += impulse.abs() * change[2];
+        self.angular.exchanged += impulse.abs() * radius;
+    }
+}
+
+/// F_t / F_n; without a normal force, the ratio that the law gives at this slip.
+fn friction_ratio(contact: &ContactSample, friction: Option<FrictionLaw>) -> f64 {
+    if contact.normal_n > 0.0 {
+        contact.tangential_n / contact.normal_n
+    } else {
+        friction.map_or(0.0, |law| -friction_coefficient(&law, contact.slip_m_s).0)
+    }
 }

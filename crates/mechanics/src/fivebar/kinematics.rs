@@ -3,10 +3,14 @@
 //! Directions of the links are stored as unit vectors, so that only q11 and q21 need a sine and a cosine.
 //! Index 1 is l11, 2 is l21, 3 is l12 (absolute angle q11 + q12), 4 is l22 (absolute angle q21 + q22 = q13).
 
-use crate::gripper::Lengths;
+use crate::gripper::{Lengths, Placement, Spring, SpringKind};
 use crate::numeric::elementary::{cos, powi, sin, sin_cos};
-use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, scale_by, sub};
+use crate::numeric::plane::{
+    Vector, add, angle_between, cross, dot, nearest_equivalent_angle, opening_angle, perp, rotate, scale, scale_by, sub,
+};
 use crate::numeric::{Real, map_array};
+use crate::shape::{PlacedShape, Support, normal_towards, support};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Singularity of the closed form of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -157,4 +161,175 @@ pub fn passive_bias<T: Real>(lengths: &Lengths, pose: &Directions<T>, rates: &Pa
         b3: [dot(e1, e4) * i * (l11 / l12), dot(e2, e4) * i * (-l21 / l12), cos34 * i, i * (-l22 / l12)],
         b4: [dot(e1, e3) * i * (l11 / l22), dot(e2, e3) * i * (-l21 / l22), i * (l12 / l22), cos34 * -i],
     }
+}
+
+/// The return spring (thesis (2.30), §3.3.2.3, errata 4) with its reference angle in the straight configuration.
+#[derive(Clone, Copy, Debug)]
+pub struct SpringModel {
+    kind: SpringKind,
+    placement: Placement,
+    /// s: +1 if q_s increases as the tip closes, −1 otherwise: −s k_s acts towards the straight configuration.
+    closing_sign: f64,
+    /// (cos, sin) of −q_s in the straight configuration.
+    straight: [f64; 2],
+    /// Extension opposite to the branch cut of the angle; the cut lies where no run passes.
+    centre_rad: f64,
+}
+
+/// Returns the two directions that enclose the angle q_s.
+#[inline(always)]
+fn directions_of<T: Real>(placement: Placement, pose: &Directions<T>) -> [[T; 2]; 2] {
+    match placement {
+        Placement::GroundLinks => [pose.e1, pose.e2],
+        Placement::DrivenCoupler => [pose.e1, pose.e3],
+        Placement::Phalanges => [pose.e2, pose.e4],
+        Placement::CouplerDistal => [pose.e4, pose.e3],
+    }
+}
+
+/// Gradient ∂q_s/∂q_a of the spring angle.
+#[inline(always)]
+pub fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2] {
+    let (a3, a4) = (rates.a3, rates.a4);
+    match placement {
+        Placement::GroundLinks => [T::constant(-1.0), T::constant(1.0)],
+        Placement::DrivenCoupler => [a3[0] - 1.0, a3[1]],
+        Placement::Phalanges => [a4[0], a4[1] - 1.0],
+        Placement::CouplerDistal => [a3[0] - a4[0], a3[1] - a4[1]],
+    }
+}
+
+impl SpringModel {
+    /// Returns the spring in assembly mode γ, at zero in the straight configuration, for a run from the pose `start`.
+    pub fn new(spring: &Spring, lengths: &Lengths, gamma: f64, start: &Directions<f64>) -> Self {
+        let pose = straight_directions(lengths);
+        let [from, to] = directions_of(spring.placement, &pose);
+        let q_s: f64 = angle_between(from, to);
+        let closing = gradient(spring.placement, &passive_rates(lengths, &pose))[0];
+        let model = Self {
+            kind: spring.kind,
+            placement: spring.placement,
+            closing_sign: closing.signum(),
+            straight: [cos(q_s), -sin(q_s)],
+            centre_rad: 0.0,
+        };
+        let first = model.principal_extension(start);
+        let first = if first.is_finite() { first } else { FRAC_PI_2 };
+        let centre = match spring.placement {
+            // A12 is always behind A22 along l21, and l22 is always on the same side of l21 by less than half a turn:
+            // the extensions that a mode can reach span less than one turn about this value.
+            Placement::Phalanges if lengths.l21_m > lengths.l11_m => {
+                let q22_rad = -gamma * reference_gamma(lengths) * FRAC_PI_2;
+                model.closing_sign * (q22_rad + lengths.phi22_rad)
+            }
+            // l12 and l22 are never in line within a mode.
+            Placement::CouplerDistal => {
+                let initial_angle: f64 = angle_between(start.e4, start.e3);
+                first + model.closing_sign * (FRAC_PI_2.copysign(initial_angle) - initial_angle)
+            }
+            // A crank may rotate fully: the branch cut is a quarter of a turn before the straight configuration.
+            _ => FRAC_PI_2,
+        };
+        Self { centre_rad: nearest_equivalent_angle(centre, first), ..model }
+    }
+
+    /// Extension with the branch cut a quarter of a turn before the straight configuration.
+    #[inline(always)]
+    fn principal_extension<T: Real>(&self, pose: &Directions<T>) -> T {
+        let [from, to] = directions_of(self.placement, pose);
+        let to = rotate(to, self.straight);
+        if self.closing_sign > 0.0 { opening_angle(from, to) } else { opening_angle(to, from) }
+    }
+
+    /// Δq_s ≥ 0 in closing: deviation of q_s from the straight configuration, in rad; continuous along a run.
+    #[inline(always)]
+    pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
+        let principal_extension = self.principal_extension(pose);
+        let off = principal_extension.value() - self.centre_rad;
+        if off.abs() <= PI { principal_extension } else { principal_extension + -TAU * (off / TAU).round() }
+    }
+
+    /// Generalised force τ_s (2.30): −(∂q_s/∂q_a)ᵀ s T with T = k_s, or c_s (q_p + Δq_s).
+    #[inline(always)]
+    pub fn generalised_force<T: Real>(&self, pose: &Directions<T>, rates: &PassiveRates<T>) -> [T; 2] {
+        let [g0, g1] = gradient(self.placement, rates);
+        match self.kind {
+            SpringKind::Constant { torque_n_m } => {
+                let t = -self.closing_sign * torque_n_m;
+                [g0 * t, g1 * t]
+            }
+            SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
+                let t = (self.extension(pose) + preload_rad) * (-self.closing_sign * stiffness_n_m_per_rad);
+                [g0 * t, g1 * t]
+            }
+        }
+    }
+
+    /// Stored energy in J, zero in the straight configuration.
+    pub fn energy(&self, pose: &Directions<f64>) -> f64 {
+        let extension = self.extension(pose);
+        match self.kind {
+            SpringKind::Constant { torque_n_m } => torque_n_m * extension,
+            SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
+                stiffness_n_m_per_rad * extension * (preload_rad + 0.5 * extension)
+            }
+        }
+    }
+}
+
+/// A phalanx: the segment from `base` along the unit vector `axis`, with a radius.
+#[derive(Clone, Copy, Debug)]
+pub struct Capsule<T> {
+    pub base: Vector<T>,
+    pub axis: Vector<T>,
+    pub length: f64,
+    pub radius: f64,
+}
+
+impl Capsule<f64> {
+    /// Returns the capsule around the segment between two points.
+    pub fn between(from: Vector<f64>, to: Vector<f64>, radius: f64) -> Self {
+        let along = sub(to, from);
+        let length = dot(along, along).sqrt();
+        Capsule { base: from, axis: scale(along, 1.0 / length), length, radius }
+    }
+}
+
+/// Closest points of a phalanx and a shape (thesis (B.1)–(B.2)).
+#[derive(Clone, Copy, Debug)]
+pub struct ClosestPoints<T> {
+    /// Point on the centre line of the phalanx.
+    pub foot: Vector<T>,
+    /// Unit normal from the shape to the phalanx.
+    pub normal: Vector<T>,
+    pub gap: T,
+    /// Support value of the shape along the normal.
+    pub support: Support<T>,
+}
+
+/// Finds the closest points. On the face the normal is ± the axis rotated by 90°; beyond an end it points from the
+/// shape to that end (the slip to the tip of (2.29)).
+#[inline(always)]
+pub fn closest_points<T: Real>(capsule: &Capsule<T>, placed: &PlacedShape<T>) -> ClosestPoints<T> {
+    let to_centre = sub(placed.centre_m, capsule.base);
+    let offset = cross(capsule.axis, to_centre);
+    let side = if offset.value() >= 0.0 { -1.0 } else { 1.0 };
+    let normal = scale_by(perp(capsule.axis), side);
+    let face_support = support(placed, normal);
+    // The normal rotated by 90° is −side times the axis.
+    let along = dot(to_centre, capsule.axis) - face_support.slope * side;
+    let s = along.value();
+    if s > 0.0 && s < capsule.length {
+        let gap = offset * -side - (face_support.distance + capsule.radius);
+        return ClosestPoints {
+            foot: add(capsule.base, scale(capsule.axis, along)),
+            normal,
+            gap,
+            support: face_support,
+        };
+    }
+    let end = if s <= 0.0 { capsule.base } else { add(capsule.base, scale_by(capsule.axis, capsule.length)) };
+    let (normal, distance) = normal_towards(placed, end);
+    let support = support(placed, normal);
+    ClosestPoints { foot: end, normal, gap: distance - (support.distance + capsule.radius), support }
 }

@@ -3,8 +3,5 @@
 //! The analytic model integrates it; sizing and statics evaluate it along a path and at rest. The engine model does not
 //! use it.
 
-pub mod capsule;
 pub mod dynamics;
-pub mod inertial_forces;
 pub mod kinematics;
-pub mod spring;

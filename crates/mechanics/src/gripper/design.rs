@@ -3,9 +3,9 @@
 //! A design fixes the distance of the finger from the disc (`base`), the length of the proximal phalanx within the
 //! range that this base allows, the angle of the distal body, and its arm. All other lengths follow.
 
-use super::grasp::{GraspError, contact_proximal};
+use super::posture::{GraspError, contact_proximal};
 use super::posture::{PostureError, gamma};
-use super::{Assembly, Lengths};
+use super::{Assembly, Lengths, NumberError, positive};
 use crate::numeric::elementary::{cos, hypot, sin, sin_cos, tan};
 use crate::shape::PlacedShape;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -50,8 +50,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// Returns the designs of the thesis: l11 = 15 mm, w = 2.5 mm, r_c = 20 mm (Table 3.2), and four numbers that vary
-    /// (§4.2).
+    /// Designs of the thesis: l11 = 15 mm, w = 2.5 mm, r_c = 20 mm (Table 3.2), and four numbers that vary (§4.2).
     pub const fn thesis(base_m: f64, l21: ProximalLength, phi22_rad: f64, arm_ratio: f64) -> Self {
         Self {
             base_m,
@@ -70,8 +69,8 @@ impl Design {
 /// Error for a design without a valid finger.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
-    #[error("{name} is {value}, but must be a finite number above 0: give another value")]
-    NotPositive { name: &'static str, value: f64 },
+    #[error(transparent)]
+    Number(#[from] NumberError),
     #[error(
         "phi22 is {:.4} deg, but must lie between 0 and 180 deg (both excluded): the distal body is a triangle",
         .phi22_rad.to_degrees()
@@ -142,9 +141,9 @@ pub fn proximal_range(design: &Design) -> Result<(f64, f64), DesignError> {
     }
 
     let contact = contact_proximal(w, disc(design))?;
-    let bend = phi_min - (contact.q21_rad - FRAC_PI_2);
+    let bend = phi_min - (contact.angle_rad - FRAC_PI_2);
     let min_m = contact.length_m + r * tan(0.5 * bend);
-    let max_m = (height(design) - w + contact.length_m) / (1.0 + sin(contact.q21_rad));
+    let max_m = (height(design) - w + contact.length_m) / (1.0 + sin(contact.angle_rad));
     if !(min_m > contact.length_m && min_m <= max_m && max_m.is_finite()) {
         return Err(DesignError::NoProximalRange { min_m, max_m });
     }
@@ -166,7 +165,7 @@ pub fn lengths(design: &Design) -> Result<Lengths, DesignError> {
 
     let contact = contact_proximal(design.half_width_m, disc(design))?;
     let t22_min = l21 - contact.length_m;
-    let t22_max = height(design) - design.half_width_m - l21 * sin(contact.q21_rad);
+    let t22_max = height(design) - design.half_width_m - l21 * sin(contact.angle_rad);
     let t22 = 0.5 * (t22_min + t22_max);
     if t22.is_nan() || t22 <= 0.0 {
         return Err(DesignError::TipNotPositive { t22_m: t22 });
@@ -192,17 +191,14 @@ fn height(design: &Design) -> f64 {
 }
 
 fn check(design: &Design) -> Result<(), DesignError> {
-    let positive_values = [
+    positive(&[
         ("base_m", design.base_m),
         ("arm_ratio", design.arm_ratio),
         ("l11_m", design.l11_m),
         ("half_width_m", design.half_width_m),
         ("object_radius_m", design.object_radius_m),
         ("height_ratio", design.height_ratio),
-    ];
-    if let Some(&(name, value)) = positive_values.iter().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
-        return Err(DesignError::NotPositive { name, value });
-    }
+    ])?;
     if !(design.phi22_rad > 0.0 && design.phi22_rad < PI) {
         return Err(DesignError::Phi22 { phi22_rad: design.phi22_rad });
     }

@@ -1,11 +1,12 @@
-//! Mass, centre of mass and inertia of each body: a homogeneous outline of constant depth, a polygon in the body's frame.
+//! Mass, centre of mass and inertia of each body: a homogeneous outline of constant depth, a polygon in the body's
+//! frame.
 //!
 //! Frames: origin at the preceding joint (O for l11 and l21, A12 for l12, A22 for the distal body), x along the link
 //! (along the arm A22 → A13 for the distal body). Corners are counter-clockwise.
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Bodies, Body, Lengths};
+use super::{Bodies, Body, Lengths, NumberError, positive};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{cross, dot, sub};
 
@@ -14,7 +15,7 @@ use crate::numeric::plane::{cross, dot, sub};
 /// Density in kg/m³, depth in metres. Each body is in its own frame: origin at the preceding joint (O, O, A12, A22), x
 /// along the link, along the arm A22 → A13 for the distal body.
 pub fn bodies(lengths: &Lengths, density_kg_m3: f64, depth_m: f64) -> Result<Bodies, MassError> {
-    let positive = [
+    positive(&[
         ("l11_m", lengths.l11_m),
         ("l12_m", lengths.l12_m),
         ("l21_m", lengths.l21_m),
@@ -23,10 +24,7 @@ pub fn bodies(lengths: &Lengths, density_kg_m3: f64, depth_m: f64) -> Result<Bod
         ("half_width_m", lengths.half_width_m),
         ("density_kg_m3", density_kg_m3),
         ("depth_m", depth_m),
-    ];
-    if let Some(&(name, value)) = positive.iter().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
-        return Err(MassError::NotPositive { name, value });
-    }
+    ])?;
     let outlines = outlines(lengths)?;
     let areal = density_kg_m3 * depth_m;
     Ok(Bodies {
@@ -102,8 +100,8 @@ const MIN_INRADIUS_RATIO: f64 = 1e-6;
 /// Error for link lengths without valid mass properties.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MassError {
-    #[error("{name} is {value}, but must be a finite number above 0: give another value")]
-    NotPositive { name: &'static str, value: f64 },
+    #[error(transparent)]
+    Number(#[from] NumberError),
     #[error(
         "the distal body is not a triangle: l22 = {:.4} mm and t22 = {:.4} mm at phi22 = {:.4} deg are collinear, but phi22 \
          must differ from 0 and 180 deg, or the scene must give mass, centre and inertia of the body",

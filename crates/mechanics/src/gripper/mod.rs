@@ -4,22 +4,37 @@
 //! `l12` is the coupler, `l22` the arm of the distal body and `t22` its phalanx, at an angle of `+φ22` from the arm.
 
 mod design;
-mod grasp;
 mod mass;
 mod posture;
 
 pub use design::{Design, DesignError, HEIGHT_RATIO, ProximalLength, disc, lengths, proximal_range};
-
-pub use grasp::{
-    FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture, start_posture,
-};
 pub use mass::{
     BodyOverride, MassError, Outlines, PolygonMoments, bodies, bodies_with_overrides, link_outline, outlines,
     polygon_moments, tip_outline, total_mass,
 };
 pub use posture::{
-    Joints, Posture, PostureError, close_loop, gamma, joint_a13, joint_positions, posture_at, straight_posture,
+    FinalPosture, GraspError, Joints, Posture, PostureError, close_loop, contact_angle_proximal, contact_proximal,
+    final_posture, gamma, joint_a13, joint_positions, posture_at, start_posture, straight_posture,
 };
+
+/// Error for a number out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{name} is {value}, but {allowed}: give another value")]
+pub struct NumberError {
+    name: &'static str,
+    value: f64,
+    allowed: &'static str,
+}
+
+/// Checks that a number is finite and in its range, which `allowed` describes.
+pub(crate) fn number(name: &'static str, value: f64, in_range: bool, allowed: &'static str) -> Result<(), NumberError> {
+    if value.is_finite() && in_range { Ok(()) } else { Err(NumberError { name, value, allowed }) }
+}
+
+/// Checks that numbers are positive.
+pub(crate) fn positive(numbers: &[(&'static str, f64)]) -> Result<(), NumberError> {
+    numbers.iter().try_for_each(|(name, value)| number(name, *value, *value > 0.0, "must be a finite number above 0"))
+}
 
 /// Link lengths of one finger, in metres and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +122,6 @@ pub struct Spring {
     pub placement: Placement,
 }
 
-/// Characteristic of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpringKind {
     /// Constant torque k_s.

@@ -2,14 +2,17 @@
 //!
 //! A12 = l11 e(q11), A22 = l21 e(q21), A13 = A12 + l12 e(q11 + q12) = A22 + l22 e(q21 + q22) (thesis (2.4)). The
 //! assembly sign γ of thesis (2.1) is the side of the line A12 → A22 on which A13 lies: +1 left, −1 right.
+//!
+//! At an object, the half width w is added to it ("virtual width", thesis B.10): a phalanx becomes its centre line, and
+//! a disc becomes a virtual circle of radius R = r_c + w.
 
-use super::{Assembly, Lengths};
+use super::{Assembly, Lengths, NumberError, number};
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use crate::numeric::plane::{add, cross, sub, wrap_angle};
+use crate::shape::{self, PlacedShape, Tangent, second_tangent, tangent};
 use std::f64::consts::FRAC_PI_2;
 
-/// Smallest |sin| of the angle between two links that are not in line: above √ε, the accuracy of a triangle height from
-/// rounded sides.
+/// Smallest |sin| of the angle between two links that are not in line: above √ε, the accuracy of a triangle height.
 const MIN_SINE: f64 = 1e-7;
 
 /// All joint angles of one posture.
@@ -37,8 +40,8 @@ pub struct Joints {
 /// Error for link lengths without a valid posture.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PostureError {
-    #[error("{name} is {value}, but {allowed}: give another value")]
-    Number { name: &'static str, value: f64, allowed: &'static str },
+    #[error(transparent)]
+    Number(#[from] NumberError),
     #[error(
         "the loop cannot close: {links} ({:.4} and {:.4} mm) must span {:.4} mm, but can span only {:.4} to {:.4} mm: \
          change their lengths, or the angles of the ground links",
@@ -180,8 +183,7 @@ fn side(lengths: &Lengths, a12: [f64; 2], a22: [f64; 2], a13: [f64; 2]) -> Resul
     Ok(sine.signum()) // the triangle A13, A12, A22 has the orientation of A12, A22, A13
 }
 
-/// Apex of the triangle over the segment `from` → `to` with the given sides at `from` and `to`, on its left (+1) or
-/// right.
+/// Apex of the triangle over `from` → `to` with the given sides at `from` and `to`, on its left (+1) or right.
 fn apex(
     links: &'static str,
     from: [f64; 2],
@@ -199,32 +201,17 @@ fn apex(
     Ok([from[0] + (x * dx - h * dy) / d, from[1] + (x * dy + h * dx) / d])
 }
 
-fn check(lengths: &Lengths) -> Result<(), PostureError> {
-    let allowed = "must be a finite length above 0";
-    let positive = [
-        ("l11_m", lengths.l11_m),
-        ("l12_m", lengths.l12_m),
-        ("l21_m", lengths.l21_m),
-        ("l22_m", lengths.l22_m),
-        ("t22_m", lengths.t22_m),
-    ];
-    if let Some(&(name, value)) = positive.iter().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
-        return Err(PostureError::Number { name, value, allowed });
+fn check(lengths: &Lengths) -> Result<(), NumberError> {
+    let Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m: w } = *lengths;
+    for (name, value) in [("l11_m", l11_m), ("l12_m", l12_m), ("l21_m", l21_m), ("l22_m", l22_m), ("t22_m", t22_m)] {
+        number(name, value, value > 0.0, "must be a finite length above 0")?;
     }
-    let w = lengths.half_width_m;
-    if !(w.is_finite() && w >= 0.0) {
-        let allowed = "must be a finite length, 0 or more";
-        return Err(PostureError::Number { name: "half_width_m", value: w, allowed });
-    }
-    finite("phi22_rad", lengths.phi22_rad)
+    number("half_width_m", w, w >= 0.0, "must be a finite length, 0 or more")?;
+    finite("phi22_rad", phi22_rad)
 }
 
-fn finite(name: &'static str, value: f64) -> Result<(), PostureError> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(PostureError::Number { name, value, allowed: "must be a finite angle" })
-    }
+fn finite(name: &'static str, value: f64) -> Result<(), NumberError> {
+    number(name, value, true, "must be a finite angle")
 }
 
 fn polar(r: f64, angle: f64) -> [f64; 2] {
@@ -234,4 +221,94 @@ fn polar(r: f64, angle: f64) -> [f64; 2] {
 
 fn angle(v: [f64; 2]) -> f64 {
     atan2(v[1], v[0])
+}
+
+/// Relative tolerance for a contact at the very end of a phalanx (as for l21 = l21,max).
+const SLACK: f64 = 1e-9;
+
+/// Both phalanges tangent to the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FinalPosture {
+    pub posture: Posture,
+    /// l_c21, distance from O to the contact along l21.
+    pub l_c21_m: f64,
+    /// l_c22, distance from A22 to the contact along t22.
+    pub l_c22_m: f64,
+    /// φ_c: direction of the object's outward normal at the tip contact.
+    pub phi_c_rad: f64,
+}
+
+/// Error for a finger that cannot grasp the object.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum GraspError {
+    #[error(transparent)]
+    Number(#[from] NumberError),
+    #[error(
+        "the object's centre is {:.4} mm from the ground joint, but must be more than {:.4} mm (its radius and the half \
+         width) away: move it, or make it smaller",
+        .distance_m * 1e3, .min_m * 1e3
+    )]
+    TooNear { distance_m: f64, min_m: f64 },
+    #[error(
+        "the proximal phalanx misses the object: it is {:.4} mm long, but the contact is {:.4} mm from its joint, so \
+         make l21 longer or move the object closer",
+        .l21_m * 1e3, .contact_m * 1e3
+    )]
+    ProximalTooShort { l21_m: f64, contact_m: f64 },
+    #[error(
+        "the distal phalanx does not reach its contact: it is {:.4} mm long, but the contact is {:.4} mm from its joint, \
+         so make t22 longer or l21 shorter",
+        .t22_m * 1e3, .contact_m * 1e3
+    )]
+    TipTooShort { t22_m: f64, contact_m: f64 },
+    #[error(transparent)]
+    Loop(#[from] PostureError),
+}
+
+/// Contact of the proximal phalanx, rotated counter-clockwise towards the object from its right (thesis (B.3)): contact
+/// angle q_c21, and distance l_c21 from O along the phalanx. The disc of a design has (x_c, y_c) = (−base, r_c).
+pub fn contact_proximal(half_width_m: f64, object: PlacedShape) -> Result<Tangent, GraspError> {
+    let [x, y] = object.centre_m;
+    for (name, size_m) in shape::dimensions(&object.shape) {
+        number(name, size_m, size_m > 0.0, "must be a finite length above 0")?;
+    }
+    number("half_width_m", half_width_m, half_width_m >= 0.0, "must be a finite length, 0 or more")?;
+    number("centre_m x", x, true, "must be a finite length")?;
+    number("centre_m y", y, true, "must be a finite length")?;
+    tangent(&object, half_width_m).map_err(|min_m| GraspError::TooNear { distance_m: hypot(x, y), min_m })
+}
+
+/// q_c21 of [`contact_proximal`] alone.
+pub fn contact_angle_proximal(half_width_m: f64, object: PlacedShape) -> Result<f64, GraspError> {
+    Ok(contact_proximal(half_width_m, object)?.angle_rad)
+}
+
+/// Start of the closing motion: straight, `opening_rad` (q_0 of thesis Table 3.2) before the proximal contact.
+pub fn start_posture(lengths: &Lengths, object: PlacedShape, opening_rad: f64) -> Result<Posture, GraspError> {
+    finite("opening_rad", opening_rad)?;
+    Ok(straight_posture(lengths, contact_angle_proximal(lengths.half_width_m, object)? - opening_rad)?)
+}
+
+/// Returns the final posture: both phalanges tangent to the object.
+///
+/// q21 = q_c21. The tip lies on the second tangent from A22, and the angle of that tangent is the bend of the tip: φ_c
+/// = q21 − 90° + bend, and the tip points along φ_c + 90°, i.e. q22 = bend − φ22. q11 follows from the loop.
+pub fn final_posture(lengths: &Lengths, assembly: Assembly, object: PlacedShape) -> Result<FinalPosture, GraspError> {
+    let contact = contact_proximal(lengths.half_width_m, object)?;
+    let (l21, t22, l_c21, q21_rad) = (lengths.l21_m, lengths.t22_m, contact.length_m, contact.angle_rad);
+    if l_c21 > l21 * (1.0 + SLACK) {
+        return Err(GraspError::ProximalTooShort { l21_m: l21, contact_m: l_c21 });
+    }
+    let Tangent { angle_rad: bend, length_m: l_c22 } =
+        second_tangent(&object, lengths.half_width_m, &contact, (l21 - l_c21).max(0.0));
+    if l_c22 > t22 * (1.0 + SLACK) {
+        return Err(GraspError::TipTooShort { t22_m: t22, contact_m: l_c22 });
+    }
+    // NaN lengths pass the comparisons above; `posture_at` rejects them.
+    Ok(FinalPosture {
+        posture: posture_at(lengths, assembly, q21_rad, bend - lengths.phi22_rad)?,
+        l_c21_m: l_c21,
+        l_c22_m: l_c22,
+        phi_c_rad: q21_rad - FRAC_PI_2 + bend,
+    })
 }

@@ -35,8 +35,7 @@ impl Bristle {
     }
 }
 
-/// Friction coefficient of the cone and its slope: μ(v) ≥ 0, even in v; μ_s up to v_s, |μ| of the regularised law
-/// beyond.
+/// Friction coefficient of the cone and its slope: even in v; μ_s up to v_s, |μ| of the regularised law beyond.
 #[inline(always)]
 pub fn friction_cone(law: &FrictionLaw, v: f64) -> (f64, f64) {
     if v.abs() < law.v_static_m_s {
@@ -70,8 +69,7 @@ pub fn friction_with_state<T: Real>(law: &FrictionLaw, slip: T, state: Option<T>
     }
 }
 
-/// Result of an implicit step of a bristle: T, its derivatives with respect to slip and normal force, and the internal
-/// state at the end.
+/// Result of an implicit step of a bristle: T, its derivatives by slip and normal force, and the state at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BristleStep {
     pub force: f64,
@@ -80,8 +78,7 @@ pub struct BristleStep {
     pub state: f64,
 }
 
-/// One implicit Euler step of length h. A sticking bristle stretches by the slip at the end of the step; with `one_way`
-/// it only resists negative slip.
+/// One implicit Euler step: a sticking bristle stretches by the slip at its end; `one_way` resists negative slip only.
 #[inline(always)]
 pub fn implicit_bristle_step(
     law: &FrictionLaw,

@@ -4,16 +4,12 @@
 
 mod bristle;
 mod friction;
-mod hertz;
-mod normal;
+
+use crate::numeric::Real;
+use crate::numeric::elementary::{cbrt, pow, powi};
 
 pub use bristle::{Bristle, BristleStep, bristle_force, friction_cone, friction_with_state, implicit_bristle_step};
 pub use friction::{FrictionRange, friction_coefficient, friction_force, friction_range};
-pub use hertz::{Material, hertz_stiffness};
-pub use normal::{
-    NormalForce, damping, elastic_energy, is_damped, normal_force, normal_over_gap, spring_force, stopping_depth,
-    unclamped_normal_force,
-};
 
 /// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).
 ///
@@ -73,5 +69,188 @@ pub fn smoothstep(s: f64) -> (f64, f64) {
         (1.0, 0.0)
     } else {
         (s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s))
+    }
+}
+
+/// A force with its derivatives with respect to penetration and penetration rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NormalForce {
+    /// F, in N (limit: N·m).
+    pub force: f64,
+    /// ∂F/∂δ.
+    pub d_delta: f64,
+    /// ∂F/∂δ̇.
+    pub d_rate: f64,
+}
+
+/// c(δ) = c_max σ(δ/δ_max) and dc/dδ: the damper engages over the first δ_max of penetration.
+#[inline(always)]
+pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
+    let (sigma, slope) = smoothstep(delta / law.transition_m);
+    (law.damping_max_n_s_per_m * sigma, law.damping_max_n_s_per_m * slope / law.transition_m)
+}
+
+/// Whether the force depends on the rate, so that a contact may release before the surfaces separate.
+#[inline(always)]
+pub fn is_damped(law: &NormalLaw) -> bool {
+    law.damping_max_n_s_per_m > 0.0
+}
+
+/// Force of the spring k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
+#[inline(always)]
+pub fn spring_force(law: &NormalLaw, delta: f64) -> f64 {
+    law.stiffness_n_per_m_e * pow(delta.max(0.0), law.exponent)
+}
+
+/// Normal force k δᵉ + c(δ) δ̇ for δ > 0, without the clamp: negative where a real contact would release. Zero for δ ≤
+/// 0.
+///
+/// `delta` in m (limit: rad), `rate` in m/s (rad/s).
+#[inline(always)]
+pub fn unclamped_normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalForce {
+    if delta <= 0.0 {
+        return NormalForce::default();
+    }
+    // This power is also the derivative divided by e; it stays finite at δ → 0 because e ≥ 1.
+    let power = law.stiffness_n_per_m_e * pow(delta, law.exponent - 1.0);
+    let (c, dc) = damping(law, delta);
+    NormalForce { force: power * delta + c * rate, d_delta: law.exponent * power + dc * rate, d_rate: c }
+}
+
+/// F = max(0, k δᵉ + c(δ) δ̇), 0 for δ ≤ 0: a contact cannot pull (thesis (2.38)).
+#[inline(always)]
+pub fn normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalForce {
+    let unclamped = unclamped_normal_force(law, delta, rate);
+    if unclamped.force > 0.0 { unclamped } else { NormalForce::default() }
+}
+
+/// Returns a normal force as a function of the gap (−δ) and its rate (−δ̇), from the law's value and derivatives there.
+///
+/// `law` maps (δ, δ̇) to the force on the active branch: [`normal_force`] or
+/// [`unclamped_normal_force`].
+#[inline(always)]
+pub fn normal_over_gap<T: Real>(law: impl Fn(f64, f64) -> NormalForce, gap: T, gap_rate: T) -> T {
+    let f = law(-gap.value(), -gap_rate.value());
+    gap.chain2(gap_rate, f.force, -f.d_delta, -f.d_rate)
+}
+
+/// Energy in the Hertz spring, k δᵉ⁺¹/(e + 1), in J; 0 for δ ≤ 0.
+pub fn elastic_energy(law: &NormalLaw, delta: f64) -> f64 {
+    if delta <= 0.0 {
+        return 0.0;
+    }
+    law.stiffness_n_per_m_e * pow(delta, law.exponent + 1.0) / (law.exponent + 1.0)
+}
+
+/// Approximate penetration of an impact at `speed` without external force: the smaller of the depths at which the
+/// spring alone or the damper alone stops the mass.
+pub fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
+    let NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m } = *law;
+    let spring = pow((e + 1.0) * speed * speed / (2.0 * k * inverse_mass), (e + 1.0).recip());
+    // v(δ) = v₀ − (c/m)(δ³/δ_max² − …), linear beyond the transition.
+    let excess_depth = speed / (c * inverse_mass) - 0.5 * transition_m;
+    let damper = match excess_depth > 0.0 {
+        true => transition_m + excess_depth,
+        false => cbrt(speed * transition_m * transition_m / (c * inverse_mass)),
+    };
+    spring.min(damper)
+}
+
+/// Elastic constants of one body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    pub youngs_modulus_pa: f64,
+    pub poisson_ratio: f64,
+}
+
+/// k = (4/3) E* √R of F = k δ^{3/2}, in N/m^{3/2}, with 1/E* = Σ (1 − ν²)/E and 1/R = 1/R₁ + 1/R₂ (thesis (2.33),
+/// (2.34), errata 6).
+///
+/// A flat face has an infinite radius.
+pub fn hertz_stiffness(materials: [Material; 2], radii_m: [f64; 2]) -> f64 {
+    let compliance: f64 = materials.iter().map(|m| (1.0 - powi(m.poisson_ratio, 2)) / m.youngs_modulus_pa).sum();
+    let curvature: f64 = radii_m.iter().map(|r| r.recip()).sum();
+    4.0 / 3.0 / compliance / curvature.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OBJECT: NormalLaw =
+        NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+
+    #[test]
+    fn errata_07_damper_reaches_c_max_at_delta_max() {
+        assert_eq!(damping(&OBJECT, 1e-5).0, 1e6);
+        assert_eq!(damping(&OBJECT, 3e-5).0, 1e6);
+        assert!((damping(&OBJECT, 5e-6).0 - 0.5e6).abs() < 1e-9);
+        // As printed, a = +2 c_max/δ_max³ would give 5 c_max at δ_max.
+        let thesis_damping = 2e6 + 3e6;
+        assert!(damping(&OBJECT, 1e-5).0 < thesis_damping / 4.0);
+    }
+
+    #[test]
+    fn spring_and_damper_match_the_closed_form() {
+        for (delta, rate) in [(1e-7, 2.0), (3e-6, 0.5), (9.9e-6, -1e-3), (2e-5, 1e-4)] {
+            let s: f64 = (delta / 1e-5f64).min(1.0);
+            let expected = 1e8 * f64::powf(delta, 2.2) + 1e6 * (3.0 * s * s - 2.0 * s * s * s) * rate;
+            let found = unclamped_normal_force(&OBJECT, delta, rate).force;
+            assert!(
+                (found - expected).abs() <= 1e-12 * expected.abs().max(1e-3),
+                "depth {delta}, rate {rate}: {found}, expected {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn derivatives_match_central_differences() {
+        for (delta, rate) in [(1e-7, 2.0), (3e-6, 0.5), (9.0e-6, -1e-3), (2e-5, 1e-4)] {
+            let f = |d, r| unclamped_normal_force(&OBJECT, d, r).force;
+            let law_at = unclamped_normal_force(&OBJECT, delta, rate);
+            let (hd, hr) = (1e-5 * delta, 1e-5);
+            let d_delta = (f(delta + hd, rate) - f(delta - hd, rate)) / (2.0 * hd);
+            let d_rate = (f(delta, rate + hr) - f(delta, rate - hr)) / (2.0 * hr);
+            assert!((law_at.d_delta - d_delta).abs() < 1e-7 * d_delta.abs(), "{delta} {rate}");
+            assert!((law_at.d_rate - d_rate).abs() < 1e-7 * d_rate.abs().max(1.0), "{delta} {rate}");
+        }
+    }
+
+    #[test]
+    fn contact_never_pulls_and_vanishes_without_penetration() {
+        assert_eq!(normal_force(&OBJECT, -1e-6, 5.0), NormalForce::default());
+        assert_eq!(normal_force(&OBJECT, 0.0, 5.0), NormalForce::default());
+        assert_eq!(normal_force(&OBJECT, 5e-6, -1.0), NormalForce::default());
+        assert!(unclamped_normal_force(&OBJECT, 5e-6, -1.0).force < 0.0);
+    }
+
+    #[test]
+    fn exponent_one_is_linear_with_finite_slope_at_zero() {
+        let linear = NormalLaw { exponent: 1.0, ..OBJECT };
+        let law_at = unclamped_normal_force(&linear, 1e-12, 0.0);
+        assert!((law_at.d_delta - 1e8).abs() < 1e-6);
+    }
+
+    #[test]
+    fn elastic_energy_is_the_integral_of_the_spring_force() {
+        let delta: f64 = 4e-6;
+        let n = 20_000;
+        let step = delta / n as f64;
+        // Midpoint rule.
+        let sum: f64 = (0..n)
+            .map(|i| OBJECT.stiffness_n_per_m_e * f64::powf((i as f64 + 0.5) * step, OBJECT.exponent) * step)
+            .sum();
+        assert!((sum / elastic_energy(&OBJECT, delta) - 1.0).abs() < 1e-8);
+    }
+
+    /// Steel sphere of 10 mm on a steel flat: δ = (9 F²/(16 E*² R))^{1/3} (Johnson, Contact Mechanics, (4.23)).
+    #[test]
+    fn errata_06_stiffness_agrees_with_johnson() {
+        let steel = Material { youngs_modulus_pa: 210e9, poisson_ratio: 0.3 };
+        let e_star = 210e9 / (2.0 * (1.0 - 0.09));
+        let force: f64 = 100.0;
+        let delta = (9.0 * force * force / (16.0 * e_star * e_star * 0.01)).cbrt();
+        let k = hertz_stiffness([steel, steel], [0.01, f64::INFINITY]);
+        assert!((k * delta.powf(1.5) / force - 1.0).abs() < 1e-12);
     }
 }

@@ -54,8 +54,7 @@ pub fn rotate<T: Real>(a: Vector<T>, rotation: [f64; 2]) -> Vector<T> {
 
 /// Angle from unit vector a to unit vector b, in (−π, π].
 ///
-/// Near zero the series of arcsin replaces atan2: a joint limit operates at 1e-8 rad, where the series is exact and
-/// much cheaper.
+/// Near zero the series of arcsin replaces atan2: at the 1e-8 rad of a joint limit it is exact and much cheaper.
 #[inline(always)]
 pub fn angle_between<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     let sin = cross(a, b);
@@ -65,8 +64,7 @@ pub fn angle_between<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     sin.chain2(cos, angle, c, -s)
 }
 
-/// Angle from one unit vector to another in (−π/2, 3π/2]. The branch cut is at −90°, which a tip cannot reach beyond
-/// its stop.
+/// Angle from one unit vector to another in (−π/2, 3π/2]: a tip cannot reach the branch cut at −90° beyond its stop.
 #[inline(always)]
 pub fn opening_angle<T: Real>(from: Vector<T>, to: Vector<T>) -> T {
     let angle = angle_between(from, to);

@@ -1,15 +1,15 @@
 //! Both phases of the test trajectory: the rigid phase, in which the straight finger rotates about its ground joint as
 //! one body, and the bending phase after the proximal contact, in which l21 rests on the object and l11 drives the tip.
 //!
-//! In the rigid phase relative link angles are constant, so mass matrix, centrifugal coefficients and passive rates keep
-//! their initial values, and only gravity rotates in the body frame. The inverse dynamics are constants times
+//! In the rigid phase relative link angles are constant, so mass matrix, centrifugal coefficients and passive rates
+//! keep their initial values, and only gravity rotates in the body frame. The inverse dynamics are constants times
 //! acceleration, rate squared and two components of gravity.
 
 use super::Closing;
-use super::trajectory::Motion;
+use super::task::Motion;
 use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, terms};
+use crate::fivebar::kinematics::gradient;
 use crate::fivebar::kinematics::{Directions, PassiveRates, directions, reference_gamma};
-use crate::fivebar::spring::gradient;
 use crate::gripper::{Finger, Placement};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{opening_angle, rotate};

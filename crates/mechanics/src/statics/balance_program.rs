@@ -14,9 +14,18 @@ use std::ops::Range;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::{DMatrix, DVector};
 
-use super::StaticsError;
-use super::linear::{solve_program, terms};
-use super::loads::{Load, ROWS};
+use super::form_closure::{solve_program, terms};
+use super::{Result, StaticsError};
+
+/// Number of equilibrium equations of a gripper and its object at rest in the frame of the palm.
+///
+/// Rows are the generalised forces on (q11, q21) of the right and the left finger, N·m (for the left finger, of its
+/// mirror image), the force on the object along x and y of the palm frame, N, and the moment about the object's centre,
+/// N·m. A translating palm causes a uniform field, gravity minus its acceleration, on the object and on every link.
+pub const ROWS: usize = 7;
+
+/// Generalised forces of one load: one column of the equations.
+pub type Load = [f64; ROWS];
 
 /// A force or torque of unknown size: its load per unit, scaled to size 1, and its bounds.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +36,7 @@ pub struct Column {
     pub size: f64,
 }
 
-/// Columns of the equations, scaled so that the loads are about 1: the driving load D, unilateral forces G along the
-/// edges of the friction cones, and torques B.
+/// Columns, scaled to loads of about 1: driving load D, unilateral forces G along edges of friction cones, torques B.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub columns: Vec<Column>,
@@ -56,7 +64,6 @@ pub struct Bound {
     pub motion: Load,
 }
 
-/// Power of a load in a motion.
 pub fn power(motion: &Load, column: &Load) -> f64 {
     motion.iter().zip(column).map(|(rate, load)| rate * load).sum()
 }
@@ -71,7 +78,6 @@ impl Program {
         1..1 + self.edge_count
     }
 
-    /// Indices of the torques.
     pub fn torques(&self) -> Range<usize> {
         1 + self.edge_count..self.columns.len()
     }
@@ -83,7 +89,7 @@ impl Program {
 
     /// Returns the forces that balance `fixed` and the largest multiple of the driving load, which is limited to the
     /// range `multiple`; `None` if infeasible. `braking` scales the torque bounds.
-    fn forces(&self, multiple: (f64, f64), fixed: &Load, braking: f64) -> Result<Option<Vec<f64>>, StaticsError> {
+    fn forces(&self, multiple: (f64, f64), fixed: &Load, braking: f64) -> Result<Option<Vec<f64>>> {
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         // 0 times an infinite bound remains infinite: a blocked drive can resist any torque.
         let bound = |bound: f64| if bound.is_finite() { braking * bound } else { bound };
@@ -112,7 +118,7 @@ impl Program {
     }
 
     /// Returns the largest multiple of the driving load, at least 0.
-    pub fn largest(&self) -> Result<Optimum, StaticsError> {
+    pub fn largest(&self) -> Result<Optimum> {
         if self.forces((0.0, 0.0), &self.fixed, 1.0)?.is_none() {
             return Ok(Optimum::Infeasible);
         }
@@ -125,7 +131,7 @@ impl Program {
     }
 
     /// Returns the smallest bound on the multiple; `None` if no motion gives one.
-    pub fn bound(&self) -> Result<Option<Bound>, StaticsError> {
+    pub fn bound(&self) -> Result<Option<Bound>> {
         let mut problem = Problem::new(OptimizationDirection::Minimize);
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let motion: [Variable; ROWS] = std::array::from_fn(|row| problem.add_var(-self.fixed[row], free));
@@ -156,8 +162,7 @@ impl Program {
     }
 }
 
-/// Distance from its bound (with fixed loads of about 1) within which a force counts as on it: ten times the tolerance
-/// of the programme.
+/// Distance from its bound (with loads of about 1) within which a force is on it: ten times the programme's tolerance.
 const ON_BOUND_TOLERANCE: f64 = 1e-6;
 
 /// Singular values below this are zero (columns have size 1).
@@ -213,8 +218,7 @@ impl Program {
         if forces.iter().zip(&self.columns).all(is_within) { forces } else { found }
     }
 
-    /// Returns the motion in which forces strictly within their bounds have exactly zero power, and the driving load
-    /// has 1 W.
+    /// Returns the motion in which forces within their bounds have exactly zero power, and the driving load has 1 W.
     pub(crate) fn exact_motion(&self, forces: &[f64], found: Bound) -> Bound {
         let loads = self.driving_last().map(|index| self.columns[index].load);
         let columns: Vec<Load> = loads.chain([self.fixed]).collect();

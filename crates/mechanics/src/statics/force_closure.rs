@@ -8,8 +8,7 @@
 //! Q1 is the minimum of the support function h(u) of the set over unit vectors u. The minimum is attained at the normal
 //! of a face, and the normals of all faces are among the cross products of the edges. Hence all of these are evaluated.
 
-/// A contact with the object: its point, the direction of its normal force on the object (unit vector), and its
-/// friction coefficient.
+/// A contact with the object: point, direction of the normal force on the object (unit vector), friction coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionContact {
     pub point_m: [f64; 2],
@@ -31,22 +30,10 @@ pub struct ForceClosure {
     pub weakest: [f64; 3],
 }
 
-type Wrench = [f64; 3];
+type Wrench = nalgebra::Vector3<f64>;
 
 /// Q1 below this is rounding.
 const ZERO_TOLERANCE: f64 = 1e-12;
-
-fn dot(a: &Wrench, b: &Wrench) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: &Wrench, b: &Wrench) -> Wrench {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn sub(a: &Wrench, b: &Wrench) -> Wrench {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
 
 /// Edges of a contact's friction cone for a normal force of 1.
 fn edges(contact: &FrictionContact, centre_m: [f64; 2], radius_m: f64) -> [Wrench; 2] {
@@ -54,7 +41,7 @@ fn edges(contact: &FrictionContact, centre_m: [f64; 2], radius_m: f64) -> [Wrenc
     let lever = [contact.point_m[0] - centre_m[0], contact.point_m[1] - centre_m[1]];
     [contact.mu, -contact.mu].map(|mu| {
         let force = [nx - mu * ny, ny + mu * nx];
-        [force[0], force[1], (lever[0] * force[1] - lever[1] * force[0]) / radius_m]
+        Wrench::new(force[0], force[1], (lever[0] * force[1] - lever[1] * force[0]) / radius_m)
     })
 }
 
@@ -62,33 +49,32 @@ fn edges(contact: &FrictionContact, centre_m: [f64; 2], radius_m: f64) -> [Wrenc
 pub fn force_closure(contacts: &[FrictionContact], centre_m: [f64; 2], radius_m: f64) -> ForceClosure {
     let cones: Vec<[Wrench; 2]> = contacts.iter().map(|contact| edges(contact, centre_m, radius_m)).collect();
     let points: Vec<Wrench> = cones.iter().flatten().copied().collect();
-    let support = |u: &Wrench, edges: &[Wrench]| edges.iter().map(|point| dot(u, point)).fold(0.0, f64::max);
+    let support = |u: &Wrench, edges: &[Wrench]| edges.iter().map(|point| u.dot(point)).fold(0.0, f64::max);
     let l1_support = |u: &Wrench| support(u, &points);
     let linf_support = |u: &Wrench| cones.iter().map(|cone| support(u, cone)).sum::<f64>();
 
     // Edge directions of both sets: from 0 to every point, and between points.
     let mut edge_directions: Vec<Wrench> = points.clone();
     for (i, a) in points.iter().enumerate() {
-        edge_directions.extend(points[i + 1..].iter().map(|b| sub(a, b)));
+        edge_directions.extend(points[i + 1..].iter().map(|b| a - b));
     }
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    edge_directions.extend(axes);
-    let mut found = ForceClosure { closed: false, q1_l1: f64::INFINITY, q1_linf: f64::INFINITY, weakest: axes[0] };
+    edge_directions.extend([Wrench::x(), Wrench::y(), Wrench::z()]);
+    let weakest = Wrench::x().into();
+    let mut found = ForceClosure { closed: false, q1_l1: f64::INFINITY, q1_linf: f64::INFINITY, weakest };
     let mut evaluate = |u: Wrench| {
         let (l1, linf) = (l1_support(&u), linf_support(&u));
         found.q1_linf = found.q1_linf.min(linf);
         if l1 < found.q1_l1 {
-            (found.q1_l1, found.weakest) = (l1, u);
+            (found.q1_l1, found.weakest) = (l1, u.into());
         }
     };
     for (i, a) in edge_directions.iter().enumerate() {
         for b in &edge_directions[i + 1..] {
-            let normal = cross(a, b);
-            let length = dot(&normal, &normal).sqrt();
+            let normal = a.cross(b);
+            let length = normal.dot(&normal).sqrt();
             if length > ZERO_TOLERANCE {
-                let u = normal.map(|component| component / length);
-                evaluate(u);
-                evaluate(u.map(|component| -component));
+                evaluate(normal / length);
+                evaluate(-normal / length);
             }
         }
     }
@@ -140,8 +126,9 @@ mod tests {
             let found = closure_of(&contacts);
             assert!(!found.closed && found.q1_l1 == 0.0 && found.q1_linf == 0.0, "{found:?}");
             let contact_wrenches = contacts.iter().flat_map(|contact| edges(contact, [0.0; 2], RADIUS));
-            let support = contact_wrenches.map(|wrench| dot(&found.weakest, &wrench)).fold(0.0, f64::max);
-            assert!(support <= ZERO_TOLERANCE && (dot(&found.weakest, &found.weakest) - 1.0).abs() < 1e-12);
+            let weakest = Wrench::from(found.weakest);
+            let support = contact_wrenches.map(|wrench| weakest.dot(&wrench)).fold(0.0, f64::max);
+            assert!(support <= ZERO_TOLERANCE && (weakest.dot(&weakest) - 1.0).abs() < 1e-12);
         }
     }
 
@@ -157,9 +144,9 @@ mod tests {
                 let z: f64 = -1.0 + 2.0 * (f64::from(i) + 0.5) / 400.0;
                 let (sin, cos) = (std::f64::consts::TAU * f64::from(j) / 400.0).sin_cos();
                 let around = (1.0 - z * z).sqrt();
-                let u = [around * cos, around * sin, z];
+                let u = Wrench::new(around * cos, around * sin, z);
                 let support: Vec<f64> =
-                    cones.iter().map(|cone| cone.iter().map(|w| dot(&u, w)).fold(0.0, f64::max)).collect();
+                    cones.iter().map(|cone| cone.iter().map(|w| u.dot(w)).fold(0.0, f64::max)).collect();
                 l1 = l1.min(support.iter().copied().fold(0.0, f64::max));
                 linf = linf.min(support.iter().sum());
             }

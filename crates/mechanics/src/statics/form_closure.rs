@@ -10,14 +10,13 @@
 //! and one row more than unknowns, as for two fingers with a palm, the multipliers are unique up to a factor, and their
 //! signs decide; this takes 3 µs, including U and the certificate. A test compares both methods.
 
-use nalgebra::{DMatrix, DVector};
-
-use super::linear::{self, Scaled, basis, orthogonal, orthogonal_component, scale_constraints, solve};
 use super::{
-    Blocked, GraspConfiguration, Hand, NecessaryCount, PerContact, Row, RowKind, StaticsError, Unilateral, Unknown,
-    gripper_unilateral, unilateral,
+    Blocked, GraspConfiguration, Hand, NecessaryCount, PerContact, Result, Row, RowKind, StaticsError, Unilateral,
+    Unknown, gripper_unilateral, unilateral,
 };
 use crate::gripper::{FinalPosture, Finger};
+use microlp::{ComparisonOp, Error, OptimizationDirection, Problem, Solution, SolveOutcome, Variable};
+use nalgebra::{DMatrix, DVector};
 
 /// Ratio of the smallest to the largest multiplier (of normalised rows and unknowns) above which a grasp counts as
 /// closed. At smaller ratios rounding dominates, and there is a motion that violates no constraint by more than this
@@ -45,20 +44,17 @@ pub struct FormClosure {
     /// Rank of U; full if it is the number of unknowns.
     pub rank: usize,
     pub necessary: NecessaryCount,
-    /// Ratio of the smallest to the largest multiplier if they are unique: distance from the boundary, negative
-    /// outside.
+    /// Ratio of the smallest to the largest unique multiplier: distance from the boundary, negative outside.
     pub margin: Option<f64>,
     pub decision: Decision,
 }
 
-/// Method of the decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// Rank of U: U does not determine the motion.
     Rank,
     /// Signs of the unique multipliers.
     Signs,
-    /// Linear programmes.
     Programme,
 }
 
@@ -76,19 +72,12 @@ pub enum Certificate {
 }
 
 /// Form closure of a finger, its mirror image and the palm, with both motors not back-drivable.
-///
-/// # Errors
-/// Returns an error for the singular postures of [`static_kinematics`](super::static_kinematics), and if the grasp is
-/// so close to the boundary that no certificate exists.
-pub fn form_closure(finger: &Finger, end: &FinalPosture) -> Result<FormClosure, StaticsError> {
+pub fn form_closure(finger: &Finger, end: &FinalPosture) -> Result<FormClosure> {
     decide_form_closure(&unilateral(&Hand::symmetric(finger, end))?)
 }
 
 /// Form closure of any set of constraints.
-///
-/// # Errors
-/// Returns an error if the set is so close to the boundary that no certificate exists.
-pub fn decide_form_closure(u: &Unilateral) -> Result<FormClosure, StaticsError> {
+pub fn decide_form_closure(u: &Unilateral) -> Result<FormClosure> {
     let scaled = scale_constraints(u);
     let (m, n) = scaled.matrix.shape();
     let columns = basis(&scaled.matrix);
@@ -112,23 +101,16 @@ pub fn decide_form_closure(u: &Unilateral) -> Result<FormClosure, StaticsError> 
 }
 
 /// Decides form closure of a posture, provided that blocked drives are not back-driven, with a certificate.
-///
-/// # Errors
-/// See [`gripper_unilateral`]; also returns an error if the grasp is so close to the boundary that no certificate
-/// exists.
 pub fn gripper_closure(
     configuration: &GraspConfiguration<'_>,
     active_contacts: &PerContact<bool>,
     blocked: Blocked,
-) -> Result<FormClosure, StaticsError> {
+) -> Result<FormClosure> {
     decide_form_closure(&gripper_unilateral(configuration, active_contacts, blocked)?)
 }
 
 /// [`decide_form_closure`], always by linear programmes.
-///
-/// # Errors
-/// See [`decide_form_closure`]; also returns an error if the linear programme has no solution.
-pub fn decide_by_linear_program(u: &Unilateral) -> Result<FormClosure, StaticsError> {
+pub fn decide_by_linear_program(u: &Unilateral) -> Result<FormClosure> {
     let scaled = scale_constraints(u);
     let columns = basis(&scaled.matrix);
     match columns.ncols() < u.unknowns.len() {
@@ -138,21 +120,20 @@ pub fn decide_by_linear_program(u: &Unilateral) -> Result<FormClosure, StaticsEr
 }
 
 /// Reports a motion that leaves all rows at zero.
-fn report_undetermined_motion(u: &Unilateral, scaled: &Scaled, rank: usize) -> Result<FormClosure, StaticsError> {
+fn report_undetermined_motion(u: &Unilateral, scaled: &Scaled, rank: usize) -> Result<FormClosure> {
     let motion = orthogonal(&basis(&scaled.matrix.transpose()));
     report_motion(u, scaled, rank, &motion, Decision::Rank, None)
 }
 
-/// Solves the programme of the motion first: an infeasible programme, as the programme of the multipliers mostly is,
-/// costs several times as much.
-fn solve_linear_program(u: &Unilateral, scaled: &Scaled, columns: &DMatrix<f64>) -> Result<FormClosure, StaticsError> {
+/// Solves the programme of the motion first: that of the multipliers is mostly infeasible, which costs more.
+fn solve_linear_program(u: &Unilateral, scaled: &Scaled, columns: &DMatrix<f64>) -> Result<FormClosure> {
     let rank = columns.ncols();
-    let Some(found) = linear::motion(&scaled.matrix)? else {
+    let Some(found) = motion(&scaled.matrix)? else {
         return Err(StaticsError::Program { reason: "no motion is feasible, not even rest".to_string() });
     };
     let rates = &scaled.matrix * &found;
     if rates.amax() < MIN_RATE
-        && let Some(lambda) = linear::multipliers(&scaled.matrix)?
+        && let Some(lambda) = multipliers(&scaled.matrix)?
     {
         // Remove the residual of the programme.
         let lambda = orthogonal_component(columns, &lambda);
@@ -191,12 +172,7 @@ fn separations(lambda: &DVector<f64>, rows: &[Row]) -> DVector<f64> {
 }
 
 /// Checks the multipliers that exclude a free motion, and returns them as form closure.
-fn report_multipliers(
-    u: &Unilateral,
-    scaled: &Scaled,
-    lambda: &DVector<f64>,
-    decision: Decision,
-) -> Result<FormClosure, StaticsError> {
+fn report_multipliers(u: &Unilateral, scaled: &Scaled, lambda: &DVector<f64>, by: Decision) -> Result<FormClosure> {
     let residual = scaled.matrix.tr_mul(lambda).amax() / lambda.amax();
     if residual.is_nan() || residual > MAX_RESIDUAL {
         return Err(StaticsError::Undecided { motion_residual: f64::NAN, multiplier_residual: residual });
@@ -206,10 +182,9 @@ fn report_multipliers(
     let motor = u.rows.iter().position(|&row| RowKind::from(row) == RowKind::Motor);
     let unit = motor.map_or(unscaled.iter().copied().fold(0.0, f64::max), |i| unscaled[i]);
     let certificate = Certificate::Multipliers { values: unscaled.iter().map(|l| l / unit).collect(), residual };
-    Ok(report(u, certificate, u.unknowns.len(), Some(lambda.min() / lambda.amax()), decision))
+    Ok(report(u, certificate, u.unknowns.len(), Some(lambda.min() / lambda.amax()), by))
 }
 
-/// Checks and reports a motion.
 fn report_motion(
     u: &Unilateral,
     scaled: &Scaled,
@@ -217,7 +192,7 @@ fn report_motion(
     motion: &DVector<f64>,
     decision: Decision,
     margin: Option<f64>,
-) -> Result<FormClosure, StaticsError> {
+) -> Result<FormClosure> {
     let size = motion.amax();
     let clear_rounding = |v: f64| if v.abs() <= ROUNDING_RATIO * size { 0.0 } else { v };
     let motion = motion.map(clear_rounding);
@@ -240,21 +215,117 @@ fn report_motion(
     Ok(report(u, certificate, rank, margin, decision))
 }
 
-fn report(
-    u: &Unilateral,
-    certificate: Certificate,
-    rank: usize,
-    margin: Option<f64>,
-    decision: Decision,
-) -> FormClosure {
+fn report(u: &Unilateral, proof: Certificate, rank: usize, margin: Option<f64>, decision: Decision) -> FormClosure {
     FormClosure {
-        closed: matches!(certificate, Certificate::Multipliers { .. }),
-        certificate,
+        closed: matches!(proof, Certificate::Multipliers { .. }),
+        certificate: proof,
         rows: u.rows.clone(),
         unknowns: u.unknowns.clone(),
         rank,
         necessary: u.necessary_count(),
         margin,
         decision,
+    }
+}
+
+/// Relative size of a pivot below which a column is linearly dependent.
+const RANK_TOLERANCE: f64 = 1e-10;
+
+/// U with unknowns scaled to speeds in m/s and rows of length 1.
+#[derive(Clone, Debug)]
+pub struct Scaled {
+    pub matrix: DMatrix<f64>,
+    /// Length of each row before scaling; 1 for a row of zeros.
+    pub norms: Vec<f64>,
+}
+
+/// Scales U: column j by 1/scale_j, row i by 1/norm_i.
+pub(crate) fn scale_constraints(u: &Unilateral) -> Scaled {
+    let (m, n) = (u.rows.len(), u.unknowns.len());
+    let mut matrix = DMatrix::from_fn(m, n, |i, j| u.row(i)[j] / u.scale[j]);
+    let norms: Vec<f64> =
+        (0..m).map(|i| Some(matrix.row(i).norm()).filter(|&norm| norm > 0.0).unwrap_or(1.0)).collect();
+    for (i, norm) in norms.iter().enumerate() {
+        matrix.row_mut(i).unscale_mut(*norm);
+    }
+    Scaled { matrix, norms }
+}
+
+/// Orthonormal basis of the span of the columns, as columns.
+pub fn basis(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    if matrix.is_empty() {
+        return DMatrix::zeros(matrix.nrows(), 0);
+    }
+    let qr = matrix.clone().col_piv_qr();
+    let r = qr.r();
+    let pivot = |i: usize| r[(i, i)].abs();
+    let rank = (0..r.nrows()).take_while(|&i| pivot(i) > 0.0 && pivot(i) > RANK_TOLERANCE * pivot(0)).count();
+    qr.q().columns(0, rank).into_owned()
+}
+
+/// Component of a vector orthogonal to a basis; projected twice, so that it is orthogonal up to rounding.
+pub(crate) fn orthogonal_component(basis: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
+    let projected = vector - basis * basis.tr_mul(vector);
+    &projected - basis * basis.tr_mul(&projected)
+}
+
+/// Returns a unit vector orthogonal to a basis that does not span the whole space.
+pub(crate) fn orthogonal(basis: &DMatrix<f64>) -> DVector<f64> {
+    let n = basis.nrows();
+    // Select the axis with the smallest projection onto the basis.
+    let coverage = |i: usize| basis.row(i).norm_squared();
+    let axis = (0..n).min_by(|&a, &b| coverage(a).total_cmp(&coverage(b))).unwrap_or(0);
+    orthogonal_component(basis, &DVector::from_fn(n, |i, _| if i == axis { 1.0 } else { 0.0 })).normalize()
+}
+
+/// ω with A ω = s for a matrix of full column rank and an s in its column space.
+pub fn solve(matrix: &DMatrix<f64>, s: &DVector<f64>) -> Option<DVector<f64>> {
+    let qr = matrix.clone().qr();
+    qr.r().solve_upper_triangular(&qr.q().tr_mul(s))
+}
+
+/// Multipliers λ ≥ 1 with Aᵀ λ = 0 and the smallest sum, if they exist.
+///
+/// If they exist, A ω ≥ 0 implies A ω = 0, since λ·A ω = 0 has no negative terms.
+pub fn multipliers(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>> {
+    let mut problem = Problem::new(OptimizationDirection::Minimize);
+    let lambda: Vec<Variable> = matrix.row_iter().map(|_| problem.add_var(1.0, (1.0, f64::INFINITY))).collect();
+    for column in matrix.column_iter() {
+        problem.add_constraint(terms(&lambda, column.iter()), ComparisonOp::Eq, 0.0);
+    }
+    values(&problem, &lambda)
+}
+
+/// Returns the motion ω of the largest sum of separations A ω with 0 ≤ A ω ≤ 1.
+pub fn motion(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>> {
+    let mut problem = Problem::new(OptimizationDirection::Maximize);
+    let free = (f64::NEG_INFINITY, f64::INFINITY);
+    let omega: Vec<Variable> = matrix.column_iter().map(|column| problem.add_var(column.sum(), free)).collect();
+    for row in matrix.row_iter() {
+        let terms = terms(&omega, row.iter());
+        problem.add_constraint(terms.clone(), ComparisonOp::Ge, 0.0);
+        problem.add_constraint(terms, ComparisonOp::Le, 1.0);
+    }
+    values(&problem, &omega)
+}
+
+/// Terms of a constraint; zero entries are omitted.
+pub fn terms<'a>(variables: &[Variable], entries: impl Iterator<Item = &'a f64>) -> Vec<(Variable, f64)> {
+    variables.iter().copied().zip(entries.copied()).filter(|(_, entry)| *entry != 0.0).collect()
+}
+
+fn values(problem: &Problem, of: &[Variable]) -> Result<Option<DVector<f64>>> {
+    let solution = solve_program(problem, |reason| StaticsError::Program { reason })?;
+    let read = |solution: Solution| DVector::from_iterator(of.len(), of.iter().map(|&v| solution.var_value(v)));
+    Ok(solution.map(read))
+}
+
+/// Solves a linear programme; `None` if it is infeasible.
+pub(crate) fn solve_program(problem: &Problem, error: impl Fn(String) -> StaticsError) -> Result<Option<Solution>> {
+    match problem.solve() {
+        Ok(SolveOutcome::Solution(solution)) => Ok(Some(solution)),
+        Ok(SolveOutcome::Interrupted(_)) => Err(error("interrupted".to_string())),
+        Err(Error::Infeasible) => Ok(None),
+        Err(other) => Err(error(other.to_string())),
     }
 }

@@ -2,36 +2,35 @@
 //!
 //! Forces are evaluated at the final posture, where both phalanges are in contact with the object; form closure in any
 //! posture.
+//!
+//! All functions fail with a [`StaticsError`] if a loop does not close in the posture, for a singular posture (see
+//! [`static_kinematics`]) and for numbers out of range; closures also if the grasp is so close to the boundary that no
+//! certificate exists, and balances if the forces and the motion of the linear programme give different limits.
 
 mod balance;
 mod balance_program;
-mod birglen;
 mod equilibrium;
-mod error;
 mod force_closure;
 mod form_closure;
 mod hand;
-mod linear;
-mod loads;
-mod posture;
-mod unilateral;
 
 pub use balance::{
-    AccelerationLimit, Balance, BrakeLoad, ContactLoad, ContactMotion, HandMotion, Limit, balance_polar,
-    balanced_acceleration,
+    AccelerationLimit, Balance, BrakeLoad, ContactLoad, ContactLocation, ContactMotion, Drive, HandAtRest, HandMotion,
+    Limit, balance_polar, balanced_acceleration,
 };
-pub use birglen::{Birglen, birglen};
 pub use equilibrium::{
-    Ejection, Equilibrium, contact_jacobian, drive_loads, equilibrium, equilibrium_with_mu, palm_force,
-    palm_force_with_mu,
+    Birglen, Ejection, Equilibrium, StaticKinematics, StaticsError, birglen, contact_jacobian, drive_loads,
+    equilibrium, equilibrium_with_mu, palm_force, palm_force_with_mu, static_kinematics,
 };
-pub use error::StaticsError;
 pub use force_closure::{ForceClosure, FrictionContact, force_closure};
 pub use form_closure::{
     BOUNDARY, Certificate, Decision, FormClosure, decide_by_linear_program, decide_form_closure, form_closure,
     gripper_closure,
 };
-pub use hand::{ContactPoint, FingerGrip, GraspConfiguration, Hand, PerContact, PhalanxContact, Side};
-pub use loads::{ContactLocation, Drive, HandAtRest};
-pub use posture::{StaticKinematics, static_kinematics};
-pub use unilateral::{Blocked, NecessaryCount, Row, RowKind, Unilateral, Unknown, gripper_unilateral, unilateral};
+pub use hand::{
+    Blocked, ContactPoint, FingerGrip, GraspConfiguration, Hand, NecessaryCount, PerContact, PhalanxContact, Row,
+    RowKind, Side, Unilateral, Unknown, gripper_unilateral, unilateral,
+};
+
+/// Result of the functions of this module.
+pub type Result<T> = std::result::Result<T, StaticsError>;

@@ -2,10 +2,10 @@
 
 use crate::analytic::ContactState;
 use crate::analytic::finger::FingerModel;
-use crate::fivebar::inertial_forces::InertialForces;
+use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
-use crate::scene::{Disc, DiscMotion, Side};
+use crate::scene::{Actuation, Brake, Disc, DiscMotion, Motor, Side, System, next_discontinuity, torque};
 use crate::shape::Shape;
 
 /// Constant data of a finger, and indices of its contacts.
@@ -35,8 +35,7 @@ pub(crate) struct DiscComponent {
     pub prescribed_acceleration: Option<[f64; 2]>,
 }
 
-/// A half plane that only discs can touch: `normal` points towards the discs; the surface is at −`offset` along
-/// `normal`.
+/// A half plane that only discs can touch. `normal` points towards them; the surface is at −`offset` along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     pub normal: [f64; 2],
@@ -69,7 +68,6 @@ pub(crate) enum ContactPair {
     },
 }
 
-/// A contact with its laws.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactModel {
     pub pair: ContactPair,
@@ -117,8 +115,7 @@ impl DiscComponent {
 }
 
 impl Plane {
-    /// Creates a horizontal half plane whose surface is at y = `level_m`: solid below it for `up` = 1, above it for
-    /// `up` = −1.
+    /// Creates a horizontal half plane with its surface at y = `level_m`, solid below (`up` = 1) or above (`up` = −1).
     pub(crate) fn at_level(level_m: f64, up: f64) -> Self {
         Self { normal: [0.0, up], offset: -up * level_m }
     }
@@ -141,17 +138,14 @@ impl ContactModel {
     }
 }
 
-/// Index of a coordinate, and the sign of its contribution. An index beyond the last represents a coordinate of a fixed
-/// disc.
+/// Index of a coordinate, and the sign of its contribution. An index beyond the last belongs to a fixed disc.
 pub(crate) type SignedIndex = (usize, f64);
 
-/// Indices of the coordinates of a finger.
 #[inline(always)]
 pub(crate) fn finger_indices(finger: usize) -> [SignedIndex; 2] {
     [(2 * finger, 1.0), (2 * finger + 1, 1.0)]
 }
 
-/// Indices of the coordinates of a disc.
 #[inline(always)]
 pub(crate) fn disc_indices(first: usize) -> [SignedIndex; 3] {
     [(first, 1.0), (first + 1, 1.0), (first + 2, 1.0)]
@@ -183,5 +177,175 @@ pub fn scatter<const N: usize>(row: &mut [f64; N], indices: &[SignedIndex], deri
         if *index < N {
             row[*index] += sign * derivative;
         }
+    }
+}
+
+/// A motor with its brake. `weights` are the parts of its torque that act on the driven links (right, left).
+#[derive(Clone, Debug)]
+pub struct Drive {
+    actuation: Actuation,
+    pub weights: [f64; 2],
+    no_load_speed: Option<f64>,
+    brake: Option<Brake>,
+}
+
+/// A torque on a drive's shaft at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShaftTorque {
+    /// Rate of the shaft, rad/s.
+    pub rate: f64,
+    /// Torque, N·m.
+    pub torque: f64,
+    /// Derivative of the torque with respect to the rate.
+    pub by_rate: f64,
+    /// Derivative of the torque with respect to time.
+    pub by_time: f64,
+}
+
+/// The torque of a brake at one instant, and its effect on the state of its bristle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BrakeTorque {
+    pub shaft: ShaftTorque,
+    /// Derivative of the torque with respect to the bristle state.
+    pub by_bristle: f64,
+    /// Contribution to the rate of the bristle state: `gain` times the torque.
+    pub bristle_rate: f64,
+    pub gain: f64,
+}
+
+impl Drive {
+    pub fn new(motor: &Motor, weights: [f64; 2]) -> Self {
+        let Motor { actuation, no_load_speed_rad_s, brake, .. } = motor;
+        Self { actuation: actuation.clone(), weights, no_load_speed: *no_load_speed_rad_s, brake: *brake }
+    }
+
+    #[inline(always)]
+    fn rate(&self, driven_rates: [f64; 2]) -> f64 {
+        self.weights[0] * driven_rates[0] + self.weights[1] * driven_rates[1]
+    }
+
+    /// Torque of the brake, if the drive has one.
+    #[inline(always)]
+    pub fn brake_torque(&self, t: f64, driven_rates: [f64; 2], bristle_state: Option<f64>) -> Option<BrakeTorque> {
+        let (brake, rate) = (self.brake.as_ref()?, self.rate(driven_rates));
+        let Some((bristle, bristle_state)) = brake.bristle.as_ref().zip(bristle_state) else {
+            let [torque, by_rate, by_time] = brake.torque(t, rate);
+            let shaft = ShaftTorque { rate, torque, by_rate, by_time };
+            return Some(BrakeTorque { shaft, by_bristle: 0.0, bristle_rate: 0.0, gain: 0.0 });
+        };
+        let [torque, by_rate, by_time] = brake.bristle_torque(t, rate + bristle_state, bristle);
+        // The torque acts on the bristle state in the opposite direction.
+        let gain = -bristle.stretch_gain();
+        Some(BrakeTorque {
+            shaft: ShaftTorque { rate, torque, by_rate, by_time },
+            by_bristle: by_rate,
+            bristle_rate: gain * torque,
+            gain,
+        })
+    }
+
+    /// Motor torque τ − |τ| q̇/q̇0, for both directions of rotation.
+    #[inline(always)]
+    pub fn motor_torque(&self, t: f64, driven_rates: [f64; 2]) -> ShaftTorque {
+        let rate = self.rate(driven_rates);
+        let (full, slope) = torque(&self.actuation, t);
+        let Some(speed) = self.no_load_speed else {
+            return ShaftTorque { rate, torque: full, by_rate: 0.0, by_time: slope };
+        };
+        let by_rate = -full.abs() / speed;
+        let by_time = slope - slope * full.signum() * rate / speed;
+        ShaftTorque { rate, torque: full + by_rate * rate, by_rate, by_time }
+    }
+
+    pub fn bristle(&self) -> Option<Bristle> {
+        self.brake.and_then(|brake| brake.bristle)
+    }
+
+    /// Next time at which the torque of the motor, or a property of the brake, is discontinuous.
+    pub fn next_discontinuity(&self, t: f64) -> f64 {
+        let brake = self.brake.as_ref().map_or(f64::INFINITY, |brake| brake.next_discontinuity(t));
+        next_discontinuity(&self.actuation, t).min(brake)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Number of coordinates, including time and the bristle states.
+    pub coordinates: usize,
+    pub contacts: usize,
+}
+
+/// Largest sizes of a system that has fingers and is no grasp of two fingers: without and with bristles.
+pub const MAX_SIZES: [Size; 2] = [Size { coordinates: 14, contacts: 24 }, Size { coordinates: 32, contacts: 24 }];
+
+/// Error for a system too large for the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TooLarge {
+    #[error(
+        "{moving} discs move and {pairs} pairs of surfaces may come into contact; the analytic model takes up to {MAX_MOVING_DISCS} moving discs and \
+         {limit} pairs: fix or remove some"
+    )]
+    Discs { moving: usize, pairs: usize, limit: usize },
+    #[error(
+        "fingers, discs and bristles have {} coordinates and {} contacts; the analytic model takes up to {} and {}: fix or remove \
+         some discs",
+        .size.coordinates, .size.contacts, .limit.coordinates, .limit.contacts
+    )]
+    Components { size: Size, limit: Size },
+}
+
+impl Size {
+    pub(crate) fn of_system(system: &System) -> Self {
+        let moving_discs = count_moving(system);
+        let contacts = system.contact_ids();
+        let bristles = contacts.iter().filter_map(|contact| system.contact_laws(*contact)?.1?.bristle).count();
+        let input = system.differential.iter().map(|differential| &differential.motor);
+        let motors = system.fingers.iter().map(|finger| &finger.motor).chain(input);
+        let brakes = motors.filter(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some())).count();
+        let time = usize::from(system.palm_motion.is_some());
+        Self {
+            coordinates: 2 * system.fingers.len() + 3 * moving_discs + time + bristles + brakes,
+            contacts: contacts.len(),
+        }
+    }
+
+    /// Whether this size is within `capacity`.
+    pub fn fits(&self, capacity: &Self) -> bool {
+        self.coordinates <= capacity.coordinates && self.contacts <= capacity.contacts
+    }
+}
+
+/// Largest number of moving discs in a system without fingers.
+const MAX_MOVING_DISCS: usize = 3;
+
+/// How many discs of a system move.
+fn count_moving(system: &System) -> usize {
+    system.discs.iter().filter(|disc| disc.motion.moves()).count()
+}
+
+/// Largest number of contact pairs in a system without fingers.
+pub(super) const MAX_DISC_PAIRS: usize = 12;
+
+/// Largest number of contact pairs with bristles in a system without fingers, by its number of moving discs.
+const MAX_BRISTLE_PAIRS: [usize; MAX_MOVING_DISCS + 1] = [0, 4, 6, 9];
+
+/// Number of coordinates over which errors are averaged in systems without fingers: all positions, and the largest
+/// number of bristles allowed for this number of discs. If only existing bristles counted, a wheel that starts to roll
+/// would take 333 steps instead of 33 (scenes/laws/bristle-rolls).
+pub(super) fn error_coordinates(system: &System) -> usize {
+    let moving_discs = count_moving(system);
+    3 * moving_discs + if system.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { 0 }
+}
+
+/// Number of moving discs in a system without fingers; an error if the system is too large for the model.
+pub(crate) fn count_moving_discs(system: &System) -> Result<usize, TooLarge> {
+    let moving_discs = count_moving(system);
+    let pairs = system.contact_ids().len();
+    let limit =
+        if system.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { MAX_DISC_PAIRS };
+    if moving_discs > MAX_MOVING_DISCS || pairs > limit {
+        Err(TooLarge::Discs { moving: moving_discs, pairs, limit })
+    } else {
+        Ok(moving_discs)
     }
 }

@@ -7,7 +7,7 @@
 //! are exchanged exactly. Between discs, and between discs and a plane in systems without fingers, each body has the
 //! contact point on its own surface, as in the thesis.
 
-use crate::analytic::contact::Geometry;
+use crate::analytic::finger::Geometry;
 use crate::analytic::mode::row_dot;
 use crate::law::{friction_with_state, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
@@ -17,15 +17,13 @@ use crate::shape::{PlacedShape, Support, normal_between, support};
 use super::components::{ContactLaws, Plane};
 use super::normal_force_on_branch;
 
-/// Kinematics of one contact on K coordinates: of a finger and a disc in the finger's frame, of one or two discs, or of
-/// a finger (limit).
+/// Kinematics of one contact on K coordinates: of a finger and a disc in its frame, of discs, or of a finger (limit).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactKinematics<T, const K: usize> {
     pub gap: T,
     pub normal_row: [T; K],
     pub tangent_row: [T; K],
-    /// Normal from the second surface to the first: from the disc to the phalanx, or from the plane or the other disc
-    /// to the disc.
+    /// Normal from the second surface to the first: from disc to phalanx, or from plane or other disc to disc.
     pub normal: Vector<T>,
     pub point: Vector<T>,
 }
@@ -44,8 +42,7 @@ pub fn phalanx<T: Real>(geometry: &Geometry<T>) -> ContactKinematics<T, 5> {
     }
 }
 
-/// Returns the contact kinematics of a disc on a plane, on (x, y, θ). `on_plane`: whether the contact point is on the
-/// plane's surface.
+/// Contact kinematics of a disc on a plane, on (x, y, θ). `on_plane`: whether the contact point is on the plane.
 #[inline(always)]
 pub fn plane<T: Real>(plane: &Plane, placed: &PlacedShape<T>, on_plane: bool) -> ContactKinematics<T, 3> {
     let normal: Vector<T> = [T::constant(plane.normal[0]), T::constant(plane.normal[1])];
@@ -86,7 +83,6 @@ pub fn limit<T: Real>(geometry: &Geometry<T>) -> ContactKinematics<T, 2> {
     ContactKinematics { gap, normal_row, tangent_row, normal, point }
 }
 
-/// Forces of an active contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactForces<T, const K: usize> {
     pub normal: T,
@@ -98,8 +94,7 @@ pub(crate) struct ContactForces<T, const K: usize> {
     pub bristle_rate: T,
 }
 
-/// A number with its derivatives with respect to the P positions that the contact geometry depends on, the K rates, and
-/// the bristle state.
+/// A number with its derivatives by the P positions of the contact geometry, the K rates, and the bristle state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WithDerivatives<const P: usize, const K: usize> {
     pub value: f64,
@@ -114,18 +109,13 @@ impl<const P: usize, const K: usize> Default for WithDerivatives<P, K> {
     }
 }
 
-/// Normal force, friction, and their contribution to the rate of the bristle state, as functions of gap, gap rate, slip
-/// and bristle state.
+/// Normal force, friction, and rate of the bristle state due to them, at a gap, gap rate, slip and bristle state.
 #[inline(always)]
-fn normal_and_friction<T: Real>(
-    [gap, gap_rate, slip]: [T; 3],
-    bristle_state: Option<T>,
-    laws: ContactLaws<'_>,
-) -> [T; 3] {
+fn normal_and_friction<T: Real>([gap, gap_rate, slip]: [T; 3], state: Option<T>, laws: ContactLaws<'_>) -> [T; 3] {
     let normal =
         normal_over_gap(|depth, speed| normal_force_on_branch(laws.normal, laws.state, depth, speed), gap, gap_rate);
     let Some(friction) = laws.friction else { return [normal, T::zero(), T::zero()] };
-    let tangential = friction_with_state(friction, slip, bristle_state, normal);
+    let tangential = friction_with_state(friction, slip, state, normal);
     let bristle_rate = friction.bristle.map_or(T::zero(), |bristle| -tangential * bristle.stretch_gain());
     [normal, tangential, bristle_rate]
 }
@@ -148,8 +138,7 @@ pub fn contact_forces<const K: usize>(
     }
 }
 
-/// Like [`contact_forces`], with derivatives: the laws are differentiated with respect to their variables and combined
-/// with the rows by the chain rule.
+/// Like [`contact_forces`], with derivatives: those of the laws, combined with the rows by the chain rule.
 #[inline(always)]
 pub(crate) fn contact_forces_with_derivatives<const P: usize, const K: usize>(
     kinematics: &ContactKinematics<Dual<P>, K>,

@@ -4,11 +4,11 @@ use std::cell::OnceCell;
 
 use super::components::{ContactModel, ContactPair};
 use super::contact_kinematics::ContactKinematics;
-use super::evaluation::FingerKinematics;
 use super::model::Multibody;
-use super::{FINGERS, event_function_count, first_impact_step, mode};
+use super::{FINGERS, event_function_count, first_impact_step};
 use crate::analytic::ContactState;
-use crate::analytic::mode::{ContactVariables, ContactWithLaws, StateRef, row_dot};
+use crate::analytic::finger::FingerKinematics;
+use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{EventFunction, EventSet, Hybrid, System};
@@ -24,60 +24,57 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     fn contact_variables(
         &self,
-        state: StateRef<'_, N>,
+        (q, v): StateRef<'_, N>,
         finger_kinematics: impl Fn(usize) -> FingerKinematics,
         index: usize,
-    ) -> Option<ContactWithLaws<'_, N>> {
-        match Self::GRASP {
-            true => self.contact_variables_from(state.1, index, |contact| {
-                self.contact_kinematics(state.0, finger_kinematics, contact)
-            }),
-            false => self.contact_variables_noinline(state, &finger_kinematics, index),
+    ) -> Option<ContactVariables<'_, N>> {
+        if !Self::GRASP {
+            return self.contact_variables_noinline((q, v), &finger_kinematics, index);
         }
+        let contact = self.contacts.get(index)?.as_ref()?;
+        Some(self.contact_variables_from(v, contact, self.contact_kinematics(q, finger_kinematics, contact)))
     }
 
     /// Like [`Multibody::contact_variables`], but compiled only once.
     #[inline(never)]
     fn contact_variables_noinline(
         &self,
-        state: StateRef<'_, N>,
+        (q, v): StateRef<'_, N>,
         finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
         index: usize,
-    ) -> Option<ContactWithLaws<'_, N>> {
-        self.contact_variables_from(state.1, index, |contact| {
-            self.contact_kinematics_noinline(state.0, finger_kinematics, contact)
-        })
+    ) -> Option<ContactVariables<'_, N>> {
+        let contact = self.contacts.get(index)?.as_ref()?;
+        Some(self.contact_variables_from(v, contact, self.contact_kinematics_noinline(q, finger_kinematics, contact)))
     }
 
     #[inline(always)]
-    fn contact_variables_from(
+    fn contact_variables_from<'a>(
         &self,
         v: &[f64; N],
-        index: usize,
-        kinematics: impl FnOnce(&ContactModel) -> ContactKinematics<f64, N>,
-    ) -> Option<ContactWithLaws<'_, N>> {
-        let contact = self.contacts.get(index)?.as_ref()?;
-        let kinematics = kinematics(contact);
+        contact: &'a ContactModel,
+        kinematics: ContactKinematics<f64, N>,
+    ) -> ContactVariables<'a, N> {
         let (rate, slip) = (-row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
         let (mut row, mut tangent) = (kinematics.normal_row, kinematics.tangent_row);
         // Time is no degree of freedom.
         self.time_index.into_iter().for_each(|time| (row[time], tangent[time]) = (0.0, 0.0));
         contact.bristle_index.into_iter().for_each(|bristle| tangent[bristle] = 1.0);
         let bristle_state = self.bristle_state(contact, v).unwrap_or(0.0);
-        let variables = ContactVariables {
+        ContactVariables {
+            law: &contact.normal,
+            friction: contact.friction.as_ref(),
             delta: -kinematics.gap,
             rate,
             slip,
             bristle_state,
             normal_row: row,
             tangent_row: tangent,
-        };
-        Some((variables, &contact.normal, contact.friction.as_ref()))
+        }
     }
 
-    /// Mobility of a contact, row · M⁻¹ rowᵀ: the relative acceleration of its surfaces per unit of force.
-    fn mobility(&self, q: &[f64; N], row: &[f64; N]) -> f64 {
-        row_dot(row, &self.inverse(q).solve(row))
+    /// Like [`Multibody::contact_variables`], for callers that need it rarely.
+    fn variables_at(&self, q: &[f64; N], v: &[f64; N], index: usize) -> Option<ContactVariables<'_, N>> {
+        self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index)
     }
 
     /// Whether the contact force accelerates neither surface.
@@ -112,34 +109,28 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         self.next_time_discontinuity(t)
     }
 
-    fn max_step(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> f64 {
+    fn max_step(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> f64 {
         let mut max_dt = f64::INFINITY;
         if self.discs.iter().all(|disc| disc.prescribed_acceleration.is_none()) {
             return max_dt;
         }
         for index in &self.disc_contacts {
-            let is_not_driven =
-                |contact: &Option<ContactModel>| !contact.is_some_and(|contact| self.is_driven(&contact));
-            if mode[*index] != ContactState::Active || is_not_driven(&self.contacts[*index]) {
+            let is_driven = self.contacts[*index].is_some_and(|contact| self.is_driven(&contact));
+            if mode[*index] != ContactState::Active || !is_driven {
                 continue;
             }
-            let finger_kinematics = |finger| self.finger_kinematics(finger, q);
-            let Some((variables, law, friction)) = self.contact_variables_noinline((q, v), &finger_kinematics, *index)
-            else {
-                continue;
-            };
-            max_dt = max_dt.min(DRIVEN_FRACTION * variables.delta.max(law.transition_m) / variables.rate.abs());
-            if let Some(friction) = friction {
+            let Some(contact) = self.variables_at(q, v, *index) else { continue };
+            max_dt = max_dt.min(DRIVEN_FRACTION * contact.delta.max(contact.law.transition_m) / contact.rate.abs());
+            if let Some(friction) = contact.friction {
                 let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
-                max_dt =
-                    max_dt.min(DRIVEN_FRACTION * friction.v_static_m_s / row_dot(&variables.tangent_row, &a).abs());
+                max_dt = max_dt.min(DRIVEN_FRACTION * friction.v_static_m_s / row_dot(&contact.tangent_row, &a).abs());
             }
         }
         max_dt
     }
 
     #[inline(always)]
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> EventSet<N, G> {
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> EventSet<N, G> {
         const { assert!(G == event_function_count(C)) };
         let all_finger_kinematics = self.all_finger_kinematics(q);
         let functions = mode.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
@@ -150,13 +141,13 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     #[inline(always)]
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>, event: usize) -> EventFunction<N> {
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, event: usize) -> EventFunction<N> {
         let contact = self.contact_variables((q, v), |finger| self.finger_kinematics(finger, q), event % C);
         mode.event_function(event, &self.event_tolerances, contact)
     }
 
     #[inline(always)]
-    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>, requested: &[bool; G]) -> [f64; G] {
+    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, requested: &[bool; G]) -> [f64; G] {
         let all_finger_kinematics = [const { OnceCell::new() }; FINGERS];
         let finger_kinematics =
             |finger: usize| *all_finger_kinematics[finger].get_or_init(|| self.finger_kinematics(finger, q));
@@ -168,48 +159,42 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         values
     }
 
-    fn event_tolerance(&self, event: usize, mode: &mode::Mode<C>) -> f64 {
+    fn event_tolerance(&self, event: usize, mode: &Mode<C>) -> f64 {
         let contact = self.contacts.get(event % C).and_then(|contact| contact.as_ref());
         contact.map_or(0.0, |contact| {
             mode.event_tolerance(event, &contact.normal, contact.friction.as_ref(), &self.event_tolerances)
         })
     }
 
-    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> mode::Mode<C> {
-        let finger_kinematics = |finger| self.finger_kinematics(finger, q);
-        mode.after_event(event, self.contact_variables_noinline((q, v), &finger_kinematics, event % C))
+    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Mode<C> {
+        mode.after_event(event, self.variables_at(q, v, event % C))
     }
 
     fn is_reported(&self, event: usize) -> bool {
         event < C
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &mode::Mode<C>) -> Option<mode::Mode<C>> {
+    fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &Mode<C>) -> Option<Mode<C>> {
         mode.with_separated_contacts(functions)
     }
 
-    fn with_clamped_law(&self, event: usize, mode: &mode::Mode<C>) -> mode::Mode<C> {
+    fn with_clamped_law(&self, event: usize, mode: &Mode<C>) -> Mode<C> {
         mode.with_clamped_law(event)
     }
 
-    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> mode::Mode<C> {
-        let variables =
-            |index: usize| self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index);
-        mode::Mode::at_state(&self.event_tolerances, variables, |mode| {
-            <Self as System<N, Z>>::rates(self, t, q, v, mode).a
-        })
+    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Mode<C> {
+        let accelerations = |mode: &Mode<C>| <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
+        Mode::at_state(&self.event_tolerances, |index| self.variables_at(q, v, index), accelerations)
     }
 
-    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Option<f64> {
-        let index = event % C;
-        if mode[index] != ContactState::Active {
+    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Option<f64> {
+        if mode[event % C] != ContactState::Active {
             return None;
         }
-        let (variables, law, _) =
-            self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index)?;
-        let mobility = self.mobility(q, &variables.normal_row);
+        let ContactVariables { law, rate, normal_row, .. } = self.variables_at(q, v, event % C)?;
+        let mobility = row_dot(&normal_row, &self.inverse(q).solve(&normal_row));
         // The mobility is 0 for a fixed disc on a plane.
-        (mobility > 0.0).then(|| first_impact_step(law, variables.rate.abs(), 1.0 / mobility))
+        (mobility > 0.0).then(|| first_impact_step(law, rate.abs(), 1.0 / mobility))
     }
 
     fn describe_obstacle(&self, q: &[f64; N]) -> String {

@@ -1,17 +1,15 @@
 //! Accelerations of a multibody system. Every finger and contact contributes in the few coordinates it depends on.
 
 use super::components::{
-    ContactLaws, ContactModel, ContactPair, DiscComponent, FingerComponent, SignedIndex, disc_indices,
-    disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices,
+    BrakeTorque, ContactLaws, ContactModel, ContactPair, DiscComponent, FingerComponent, ShaftTorque, SignedIndex,
+    disc_indices, disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices,
 };
-use super::contact_kinematics::{self, ContactKinematics};
-use super::drive::{BrakeTorque, ShaftTorque};
-use super::frame::{self, InertialField, disc_inertial_force};
-use super::inertia::Inertia;
+use super::contact_kinematics::ContactKinematics;
+use super::frame::{Inertia, InertialField, inertial_force};
 use super::model::Multibody;
-use super::{FINGERS, mode, quadratures};
+use super::{FINGERS, contact_kinematics, frame, quadratures};
 use crate::analytic::finger::FingerModel;
-use crate::analytic::mode::StateRef;
+use crate::analytic::mode::{Mode, StateRef};
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, System};
@@ -19,8 +17,7 @@ use crate::numeric::Real;
 use crate::scene::GripperContact;
 use crate::shape::PlacedShape;
 
-/// Sums of the loads on all coordinates and of the rates of all quadratures: plain numbers ([`Loads`]) or numbers with
-/// derivatives. [`Assembly`] fills both.
+/// Sums of all loads and quadrature rates, plain ([`Loads`]) or with derivatives, which [`Assembly`] fills.
 pub(super) trait LoadSums<const N: usize, const Z: usize> {
     /// Number that depends on the two angles of a finger.
     type Angles: Real;
@@ -62,8 +59,7 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
         indices: &[SignedIndex; K],
     );
 
-    /// Adds a torque that acts on the driven links of the first `fingers` fingers with these weights; `work` is the
-    /// index of its quadrature.
+    /// Adds a torque on the driven links of the first fingers with these weights; `work` indexes its quadrature.
     fn add_shaft_torque(&mut self, shaft: &ShaftTorque, driven: ([f64; FINGERS], usize), work: usize);
 
     /// Adds the rate of the bristle state of a brake, and the effect of that state on the brake's torque.
@@ -73,7 +69,6 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
     /// (`is_disc`), or the table that moves with time.
     fn add_prescribed_work(&mut self, row: usize, rate: f64, is_disc: bool);
 
-    /// Adds the decay of a bristle state.
     fn add_decay(&mut self, bristle: usize, decay_rate: f64, state: f64);
 
     /// Loads without derivatives.
@@ -180,14 +175,15 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<N, Z> {
 
     #[inline(always)]
     fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField) {
-        let inertial = disc_inertial_force(disc, &field.field, pose, rates);
+        let inertial = inertial_force(disc, &field.field, pose, rates);
         (0..3).for_each(|i| self.load[disc.first_coordinate + i] += inertial[i]);
         self.g[Self::DRIVE_WORK] += (0..3).map(|i| inertial[i] * rates[i]).sum::<f64>();
     }
 }
 
-/// Positions that the geometry of a contact depends on: of a phalanx and a disc (q11, q21, x, y), of two discs, of a disc
-/// and a moving table (x, y, t), and of a disc. Discs are round, so that their angles, which come last, do not matter.
+/// Positions that the geometry of a contact depends on: of a phalanx and a disc (q11, q21, x, y), of two discs, of a
+/// disc and a moving table (x, y, t), and of a disc. Discs are round, so that their angles, which come last, do not
+/// matter.
 const PHALANX_POSITIONS: usize = 4;
 const DISC_PAIR_POSITIONS: usize = 4;
 const DISC_TIME_POSITIONS: usize = 3;
@@ -198,7 +194,7 @@ struct Assembly<'a, const N: usize, const C: usize, const Z: usize, S: LoadSums<
     model: &'a Multibody<N, C>,
     q: &'a [f64; N],
     v: &'a [f64; N],
-    mode: &'a mode::Mode<C>,
+    mode: &'a Mode<C>,
     field: InertialField,
     sums: &'a mut S,
 }
@@ -279,14 +275,10 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         terms.mass
     }
 
-    /// Adds a contact of a finger.
     #[inline(always)]
-    fn add_finger_contact(
-        &mut self,
-        index: usize,
-        (finger, component, terms): (usize, &FingerComponent, &Terms<S::Angles>),
-    ) {
+    fn add_finger_contact(&mut self, index: usize, data: (usize, &FingerComponent, &Terms<S::Angles>)) {
         const P: usize = PHALANX_POSITIONS;
+        let (finger, component, terms) = data;
         let Self { model, q, v, mode, .. } = *self;
         let Some(contact) = &model.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
@@ -360,7 +352,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         &self,
         t: f64,
         (q, v): StateRef<'_, N>,
-        mode: &mode::Mode<C>,
+        mode: &Mode<C>,
         sums: &mut S,
     ) -> [[S::Angles; 3]; FINGERS] {
         const { assert!(Z == quadratures(C)) };
@@ -370,12 +362,12 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Accelerations as one function, which is not inlined into every integrator. Only grasps, which studies simulate
     /// by the thousand, are worth the compile time of inlining.
     #[inline(never)]
-    fn rates_noinline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &mode::Mode<C>) -> Rates<N, Z> {
+    fn rates_noinline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &Mode<C>) -> Rates<N, Z> {
         self.rates_inline(t, state, mode)
     }
 
     #[inline(always)]
-    fn rates_inline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &mode::Mode<C>) -> Rates<N, Z> {
+    fn rates_inline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &Mode<C>) -> Rates<N, Z> {
         let mut sums = Loads { load: [0.0; N], g: [0.0; Z] };
         let masses = self.add_loads(t, state, mode, &mut sums);
         let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);
@@ -406,7 +398,7 @@ fn placed_positions<const N: usize, const Z: usize, S: LoadSums<N, Z>, const P: 
 }
 
 impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<N, C> {
-    type Mode = mode::Mode<C>;
+    type Mode = Mode<C>;
 
     #[inline(always)]
     fn coordinate_count(&self) -> usize {
@@ -414,11 +406,11 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
     }
 
     #[inline(always)]
-    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Rates<N, Z> {
+    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Rates<N, Z> {
         if Self::GRASP { self.rates_inline(t, (q, v), mode) } else { self.rates_noinline(t, (q, v), mode) }
     }
 
-    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Linearised<N, Z> {
-        self.rates_with_derivatives(t, (q, v), mode)
+    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Linearised<N, Z> {
+        self.jacobian(t, (q, v), mode)
     }
 }

@@ -8,23 +8,18 @@
 
 mod components;
 mod contact_kinematics;
-mod derivatives;
-mod drive;
 mod evaluation;
 mod events;
 mod forces;
 mod frame;
-mod inertia;
 mod model;
-mod size;
-
-pub use model::Multibody;
-pub(crate) use size::count_moving_discs;
-pub use size::{MAX_SIZES, Size, TooLarge};
 
 use crate::analytic::finger_events::first_impact_step;
-use crate::analytic::mode;
 use crate::analytic::model::normal_force_on_branch;
+
+pub(crate) use components::count_moving_discs;
+pub use components::{MAX_SIZES, Size, TooLarge};
+pub use model::Multibody;
 
 /// Largest number of fingers: a right and a left one.
 const FINGERS: usize = 2;

@@ -1,12 +1,12 @@
 //! The constant data of a multibody system, and the layout of its coordinates.
 
-use super::components::{ContactModel, ContactPair, DiscComponent, FingerComponent, Plane};
-use super::drive::Drive;
-use super::size::{MAX_DISC_PAIRS, error_coordinates};
+use super::components::{
+    ContactModel, ContactPair, DiscComponent, Drive, FingerComponent, MAX_DISC_PAIRS, Plane, error_coordinates,
+};
 use super::{FINGERS, Size, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::EventTolerances;
-use crate::fivebar::inertial_forces::InertialForces;
+use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
@@ -47,8 +47,7 @@ pub struct Multibody<const N: usize, const C: usize> {
 /// Touch-downs of fingers on an object are located to a part of δ_max, lift-off and reload to a force that has no
 /// visible effect on the motion.
 const GRASP_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-5, force: 1e-6 };
-/// Contacts between discs alone are located as precisely as positions allow, because their contact times are compared
-/// with measurements.
+/// Contacts between discs alone are located as precisely as positions allow: measurements have their contact times.
 const COLLISION_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-8, force: 1e-9 };
 
 /// Builds the discs of a system, and returns them with the first coordinate after them. Coordinates of moving discs
@@ -122,14 +121,11 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             let found = indices.filter(|(_, contact)| contact.is_some_and(|contact| belongs_to_finger(contact.pair)));
             found.map(|(index, _)| index).collect::<Vec<_>>()
         };
-        let finger = |(side, finger): (Side, &DrivenFinger)| {
-            let DrivenFinger { linkage, spring, limit, contact, initial, .. } = finger;
-            FingerComponent {
-                side,
-                model: FingerModel::new(linkage, (*spring, *limit), *contact, initial, [side.mirror() * x, y]),
-                inertial_load: InertialForces::new(linkage, [half_palm_width, 0.0]),
-                contacts: finger_contacts(side as usize),
-            }
+        let finger = |(side, finger): (Side, &DrivenFinger)| FingerComponent {
+            side,
+            model: FingerModel::new(finger, [side.mirror() * x, y]),
+            inertial_load: InertialForces::new(&finger.linkage, [half_palm_width, 0.0]),
+            contacts: finger_contacts(side as usize),
         };
         let (fingers, disc_contacts) = (system.fingers_by_side().map(finger).collect(), finger_contacts(FINGERS));
         let mut rotor_inertia = [0.0; FINGERS];
@@ -200,7 +196,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         !self.fingers.is_empty()
     }
 
-    /// Number of contacts, including those that the scene does not have.
     pub fn contact_count(&self) -> usize {
         self.contacts.len()
     }
@@ -210,8 +205,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         self.contacts[contact].and_then(|contact| contact.bristle_index)
     }
 
-    /// Index of the bristle state of a drive's brake: drives of the fingers in their order, then the drive of the
-    /// differential.
+    /// Index of the bristle state of a drive's brake: drives of the fingers, then the drive of the differential.
     pub fn brake_bristle_index(&self, drive: usize) -> Option<usize> {
         self.brake_bristles[drive]
     }
@@ -263,7 +257,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         if Self::DISCS { self.coordinate_count } else { N }
     }
 
-    /// Number of fingers.
     #[inline(always)]
     pub(super) fn finger_count(&self) -> usize {
         match (Self::GRASP, Self::DISCS) {
@@ -297,7 +290,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         if Self::GRASP { N > 2 * FINGERS + 3 } else { !Self::DISCS && self.time_index.is_some() }
     }
 
-    /// Bristle state σ of a contact.
     #[inline(always)]
     pub(super) fn bristle_state(&self, contact: &ContactModel, v: &[f64; N]) -> Option<f64> {
         if Self::GRASP { None } else { contact.bristle_index.map(|bristle_index| v[bristle_index]) }

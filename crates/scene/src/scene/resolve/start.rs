@@ -5,7 +5,7 @@ use super::super::section_input::SectionInput;
 use super::super::settings::InitialSettings;
 use super::finger::{FingerLengths, geometry};
 use super::object::{self, Target, rest_on_palm};
-use crate::fivebar::capsule::{Capsule, closest_points};
+use crate::fivebar::kinematics::{Capsule, closest_points};
 use crate::gripper::{self, Assembly, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
 use crate::shape::PlacedShape;
