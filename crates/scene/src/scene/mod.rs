@@ -2,79 +2,58 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `settings` | the sections of a scene as structs: every key with its type, default and description |
+//! | `sections` | the sections of a scene: every key with its type, default and description; resolved, physics checked |
 //! | `quantity`, `keywords` | types of values: quantities with their dimension and range, keywords |
-//! | `schema` | the JSON Schema of a scene, and what follows from it: allowed values, records, documentation |
+//! | `schema` | the schema of a scene, and what follows from it: allowed values, records, documentation |
 //! | `value`, `toml_value` | reading single values by their type |
 //! | `section_input` | the file as written, section by section |
-//! | `compose`, `texts`, `setting`, `precedence` | merging of a scene with those it extends and with single settings |
-//! | `parse`, `keys` | text → scene; unknown keys |
-//! | `check`, `error`, `suggest`, `locate` | collecting, showing and locating problems |
-//! | `resolve` | scene as written → [`Scene`], physics checked |
+//! | `parse` | text → scene as written → [`Scene`] |
+//! | `keys` | unknown keys, suggestions |
+//! | `compose`, `precedence` | merging of a scene with those it extends and with single settings |
+//! | `check`, `error` | collecting, showing and locating problems |
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
-//! | `torque` | motor torque over time |
-//! | `system` | [`System`], the description of the simulated system that both models read |
-//! | `finger`, `disc` | components of a system: fingers, discs and planes |
-//! | `gripper_contact`, `contact_id` | possible contacts |
-//! | `unsupported`, `wrong_kind` | systems that neither model supports; scenes of the wrong kind |
-//! | `palm_motion`, `cycle` | motion of a gripper's palm; brakes; times of a grasp cycle |
+//! | `system` | [`System`], the description of the simulated system that both models read, and its possible contacts |
+//! | `torque`, `palm_motion` | motor torque over time, brakes; motion of a gripper's palm |
 
 pub mod check;
 mod compose;
-mod contact_id;
-mod cycle;
-mod disc;
 pub mod error;
-mod finger;
-mod gripper_contact;
 pub mod keys;
 pub mod keywords;
-mod locate;
 mod palm_motion;
 pub mod parse;
 pub mod precedence;
 pub mod quantity;
-mod resolve;
 pub mod schema;
 mod section_input;
-mod setting;
-pub mod settings;
+pub mod sections;
 mod show;
-mod suggest;
 mod system;
 mod template;
-mod texts;
 pub mod toml_value;
 mod torque;
-mod unsupported;
 pub mod value;
-mod wrong_kind;
 
-pub use compose::{Layer, extended, parse_layers};
-pub use contact_id::ContactId;
-pub use cycle::Cycle;
-pub use disc::{Disc, DiscMotion, HalfPlane};
-pub use error::{Problem, SceneError};
-pub use finger::{Differential, DrivenFinger, FingerContactLaws, Initial, Motor};
-pub use gripper_contact::{GripperContact, Side};
+pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
+pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
+pub use keys::closest_match;
 use keywords::SceneKind;
-pub use locate::{LocatedProblem, locate_problems};
-pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
+pub use palm_motion::{Axis, Cycle, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use parse::{parse, parse_any, parse_template};
 pub use quantity::Keyword;
 pub use schema::schema;
-pub use setting::{parse_setting, setting_from_parts};
-pub use settings::{
+pub use sections::{
     Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
     Stepping, Thresholds,
 };
 pub use show::{show, show_written};
-pub use suggest::closest_match;
-pub use system::System;
+pub use system::{
+    ContactId, Differential, Disc, DiscMotion, DrivenFinger, FingerContactLaws, GripperContact, HalfPlane, Initial,
+    Motor, Side, System,
+};
 pub use template::Template;
-pub use torque::{Actuation, Interpolation, largest_torque, next_discontinuity, scaled, torque};
-pub use wrong_kind::WrongKind;
+pub use torque::{Actuation, Brake, Interpolation, largest_torque, next_discontinuity, scaled, torque};
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
 
@@ -145,4 +124,27 @@ impl Scene {
             }
         };
     }
+
+    /// Returns the scene if it is of the required kind.
+    ///
+    /// # Errors
+    /// Returns an error if the scene is of another kind.
+    pub fn require_kind(&self, required: SceneKind) -> Result<&Self, WrongKind> {
+        match self.kind() {
+            found if found == required => Ok(self),
+            found => Err(WrongKind { scene: self.name.clone(), found, required }),
+        }
+    }
+}
+
+/// A scene of one kind where another kind is required.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "\"{scene}\" is a scene of kind \"{}\", but a scene of kind \"{}\" is required: give another scene",
+    .found.keyword(), .required.keyword()
+)]
+pub struct WrongKind {
+    pub scene: String,
+    pub found: SceneKind,
+    pub required: SceneKind,
 }
