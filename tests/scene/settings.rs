@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::schema::{Key, Section, markdown, record, restore};
+use phalanx::scene::schema::{markdown, record, restore, top_level};
+use phalanx::scene::section::{Key, Section};
 use phalanx::scene::{Bounds, Engine, Keyword, Response, Stepping};
 
 const BEGIN: &str = "<!-- settings: PHALANX_BLESS=1 cargo test --test scene settings -->\n";
@@ -44,14 +45,14 @@ fn for_each_default(section: &Section, path: &str, check: &mut impl FnMut(&str, 
 fn defaults_are_valid() {
     for kind in SceneKind::ALL {
         let mut count = 0;
-        for_each_default(Section::top_level(kind), kind.keyword(), &mut |path, key| {
+        for_each_default(top_level(kind), kind.keyword(), &mut |path, key| {
             count += 1;
             let si = key.default.as_ref().unwrap_or_else(|| panic!("{path}: {}", key.schema["default"]));
             assert!(key.allows(si), "{path}: {si}");
         });
         assert!(count > 20, "{count}");
         let bounds = toml::Table::try_from(Bounds::defaults_for_run(kind, 1.0)).expect("a table");
-        for key in Section::top_level(kind).subsection("validate").expect("bounds").keys() {
+        for key in top_level(kind).subsection("validate").expect("bounds").keys() {
             let value = &bounds[key.field];
             assert!(key.default.as_ref().is_none_or(|si| si == value), "{kind:?} {}: {value:?}", key.name);
         }

@@ -16,7 +16,7 @@ use super::error::{Problem, entry, entry_at, locate_problems, shortened};
 use super::keys::{join, pair_element};
 use super::parse::{parse_any, syntax_problem};
 use super::precedence::{KIND_KEYS, replaced_keys};
-use super::schema::{NO_SECTION, Section};
+use super::section::{NO_SECTION, Section};
 
 /// One of the texts of a scene, with its name for messages.
 #[derive(Clone, Debug, PartialEq, Eq)]

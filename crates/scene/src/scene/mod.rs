@@ -5,6 +5,7 @@
 //! | `sections` | the sections of a scene: every key with its type, default and description; resolved, physics checked |
 //! | `quantity`, `keywords` | types of values: quantities with their dimension and range, keywords |
 //! | `schema` | the schema of a scene, and what follows from it: allowed values, records, documentation |
+//! | `section` | the sections of the schema with their keys, parsed for reading |
 //! | `value`, `toml_value` | reading single values by their type |
 //! | `section_input` | the file as written, section by section |
 //! | `parse` | text → scene as written → [`Scene`] |
@@ -26,6 +27,7 @@ pub mod parse;
 pub mod precedence;
 pub mod quantity;
 pub mod schema;
+pub mod section;
 mod section_input;
 pub mod sections;
 mod show;
@@ -39,7 +41,7 @@ pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_par
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
 pub use keys::closest_match;
 use keywords::SceneKind;
-pub use palm_motion::{Axis, Cycle, Move, PalmMotion, Path, Pose, Ramp, Vibration};
+pub use palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use parse::{parse, parse_any, parse_template};
 pub use quantity::Keyword;
 pub use schema::schema;
@@ -147,4 +149,62 @@ pub struct WrongKind {
     pub scene: String,
     pub found: SceneKind,
     pub required: SceneKind,
+}
+
+/// Times of a grasp cycle of a gripper, s: the fingers are blocked, the palm moves, the fingers open. `None` for phases
+/// that the scene does not have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cycle {
+    /// Time at which the brake of each finger is fully engaged.
+    pub blocked_s: [Option<f64>; 2],
+    /// Time at which the palm begins to move.
+    pub motion_start_s: Option<f64>,
+    /// Time from which no motor closes and no brake is engaged.
+    pub release_s: Option<f64>,
+}
+
+impl Scene {
+    /// Returns the grasp cycle of a gripper.
+    pub fn cycle(&self) -> Cycle {
+        let input = self.system.differential.as_ref().map(|differential| &differential.motor);
+        let motors: Vec<&Motor> =
+            input.into_iter().chain(self.system.fingers.iter().map(|finger| &finger.motor)).collect();
+        let engaged_s = |motor: &Motor| motor.brake.map(|brake| brake.start_s + brake.rise_s);
+        let blocked_s = [0, 1].map(|side: usize| engaged_s(input.unwrap_or(&self.system.fingers[side].motor)));
+        let motion = self.system.palm_motion.as_ref();
+        let motion_start_s = motion.map(|motion| motion.start_s()).filter(|start| *start < self.duration_s);
+        let closes = |t: f64| {
+            motors.iter().any(|motor| {
+                let is_braked =
+                    motor.brake.is_some_and(|brake| t >= brake.start_s && brake.release_s.is_none_or(|end| t < end));
+                is_braked || torque(&motor.actuation, t).0 > 0.0
+            })
+        };
+        let candidates = motors.iter().flat_map(|motor| {
+            let release = motor.brake.and_then(|brake| brake.release_s);
+            closing_end_candidates(&motor.actuation).into_iter().chain(release)
+        });
+        let mut candidates: Vec<f64> = candidates.filter(|end| *end > 0.0 && *end < self.duration_s).collect();
+        candidates.sort_by(f64::total_cmp);
+        let first = candidates.iter().position(|end| closes(end.next_down()) && !closes(*end));
+        let release_s = first.map(|index| candidates[index]);
+        Cycle { blocked_s, motion_start_s, release_s }
+    }
+}
+
+/// Times at which a motor torque may stop closing the finger.
+fn closing_end_candidates(actuation: &Actuation) -> Vec<f64> {
+    match actuation {
+        Actuation::Constant { .. } | Actuation::Ramp { .. } => Vec::new(),
+        Actuation::HalfSine { length_s, .. } => vec![*length_s],
+        Actuation::Reversal { at_s, .. } => vec![*at_s],
+        Actuation::Table { points, .. } => {
+            // The zeros of linear interpolation, and all points.
+            let crossings = points.windows(2).filter(|pair| pair[0].1 > 0.0 && pair[1].1 < 0.0).map(|pair| {
+                let ((t0, a), (t1, b)) = (pair[0], pair[1]);
+                t0 + (t1 - t0) * a / (a - b)
+            });
+            crossings.chain(points.iter().map(|point| point.0)).collect()
+        }
+    }
 }

@@ -11,7 +11,7 @@ use super::error::{Problem, SceneError};
 use super::keys::{self, closest_match};
 use super::keywords::SceneKind;
 use super::quantity::Keyword;
-use super::schema::{other_schemas, schema_for};
+use super::schema::{other_schemas, schema_for, top_level};
 use super::section_input::{SceneInput, SectionInput};
 use super::sections::{
     DifferentialSettings, FingerLengths, Level, SceneSettings, SizingResult, Target, bodies, drive, finger, law,
@@ -44,7 +44,8 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<Scene, SceneError> {
     let allowed =
         keys::KeySchemas { kind: kind.keyword(), schema: schema_for(kind), other_kinds: &|| other_schemas(kind) };
     let unknown_keys = keys::remove_unknown(document.get_mut(), &allowed);
-    let input = SceneInput::parse(kind, document).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
+    let input =
+        SceneInput::parse(kind, top_level(kind), document).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
     let checker = Checker::new(text, unknown_keys);
     match resolve(&input, &checker, file_name) {
         Some(scene) if checker.is_clean() => Ok(scene),
@@ -60,7 +61,8 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<Scene, SceneError> {
 pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneError> {
     // Problems of the scene itself are reported first.
     let (scene, refuse) = (parse(text, file_name)?, invalid(text, file_name));
-    let input = DeTable::parse(text).and_then(|document| SceneInput::parse(SceneKind::Finger, document));
+    let input = DeTable::parse(text)
+        .and_then(|document| SceneInput::parse(SceneKind::Finger, top_level(SceneKind::Finger), document));
     let input = input.map_err(|error| refuse(vec![syntax_problem(&error)]))?;
     template::template(&input, Checker::new(text, Vec::new()), &scene).map_err(refuse)
 }

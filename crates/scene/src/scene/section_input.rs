@@ -17,7 +17,7 @@ use super::error::Problem;
 use super::keys::pair_element;
 use super::keywords::SceneKind;
 use super::precedence::{KIND_KEYS, replaced_keys};
-use super::schema::{Key, NO_SECTION, Section};
+use super::section::{Key, NO_SECTION, Section};
 use super::toml_value::TomlValue;
 use super::value::{ValueType, problem_at};
 
@@ -28,6 +28,7 @@ type Values = BTreeMap<String, Spanned<TomlValue>>;
 #[derive(Debug)]
 pub(crate) struct SceneInput {
     pub kind: SceneKind,
+    schema: &'static Section,
     values: Values,
     /// Values of each finger of a gripper.
     fingers: Vec<Values>,
@@ -38,14 +39,19 @@ pub(crate) struct SceneInput {
 impl SceneInput {
     /// # Errors
     /// Returns an error if the deserialisation fails.
-    pub fn parse(kind: SceneKind, document: Spanned<DeTable<'_>>) -> Result<Self, toml::de::Error> {
+    pub fn parse(
+        kind: SceneKind,
+        schema: &'static Section,
+        document: Spanned<DeTable<'_>>,
+    ) -> Result<Self, toml::de::Error> {
         let names = match document.get_ref().get("discs").map(Spanned::get_ref) {
             Some(DeValue::Table(discs)) => discs.keys().map(|name| (name.get_ref().to_string(), name.span())).collect(),
             _ => BTreeMap::new(),
         };
         let values = Values::deserialize(Deserializer::from(document))?;
-        let fingers = if kind.fingers() > 1 { Side::BOTH.map(|side| finger(&values, side)).into() } else { Vec::new() };
-        Ok(Self { kind, values, fingers, names })
+        let fingers =
+            if kind.fingers() > 1 { Side::BOTH.map(|side| finger(&values, schema, side)).into() } else { Vec::new() };
+        Ok(Self { kind, schema, values, fingers, names })
     }
 
     /// Sides of the fingers; a single finger is the right one.
@@ -55,7 +61,7 @@ impl SceneInput {
 
     /// Returns the top level, with common values only.
     pub(crate) fn top_level<'a>(&'a self, checker: &'a Checker<'a>) -> SectionInput<'a> {
-        let (path, schema, values) = (String::new(), Section::top_level(self.kind), Some(&self.values));
+        let (path, schema, values) = (String::new(), self.schema, Some(&self.values));
         SectionInput { kind: self.kind, checker, path, schema, span: None, values }
     }
 
@@ -71,8 +77,8 @@ impl SceneInput {
 }
 
 /// Merges the values of one finger over the common ones.
-fn finger(values: &Values, side: Side) -> Values {
-    let of_finger = Section::top_level(SceneKind::Gripper).subsection(side.name()).unwrap_or(&NO_SECTION);
+fn finger(values: &Values, schema: &Section, side: Side) -> Values {
+    let of_finger = schema.subsection(side.name()).unwrap_or(&NO_SECTION);
     let common = values.iter().filter(|(key, _)| of_finger.key(key).is_some() || of_finger.subsection(key).is_some());
     let mut merged: Values = common.map(|(key, value)| (key.clone(), value.clone())).collect();
     if let Some(TomlValue::Table(overriding)) = values.get(side.name()).map(Spanned::get_ref) {

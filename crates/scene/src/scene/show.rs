@@ -8,7 +8,8 @@ use toml::{Table, Value};
 use super::compose::{find, remove, texts, write_texts};
 use super::error::locate_problems;
 use super::keys::{join, pair_element};
-use super::schema::{Key, Section};
+use super::schema::top_level;
+use super::section::{Key, Section};
 use super::sections::{bodies, drive, law, list, motion, table};
 use super::value::ValueType;
 use super::{Bounds, Differential, DrivenFinger, Keyword, Scene, System, parse_any};
@@ -25,7 +26,7 @@ const OPTIONAL: [&str; 5] = ["design", "lengths", "half_plane", "table", "differ
 /// Returns the scene as simulated, with all values.
 pub fn show(scene: &Scene) -> String {
     let mut text = "# Scene with every default filled in; masses and lengths as simulated.\n".to_string();
-    let schema = Section::top_level(scene.kind());
+    let schema = top_level(scene.kind());
     let exact = |value: &Value, value_type: &ValueType, _: &str| Some(toml_text(value, value_type, None));
     write_texts(&mut text, schema, &to_texts(schema, &resolved(scene), "", &exact), "");
     text
@@ -221,7 +222,7 @@ fn quantity(si: f64, dimension: Dimension, digits: Option<usize>) -> String {
 /// changed since its source was read is shown in full as it is now.
 pub fn show_written(scene: &Scene) -> String {
     let Ok(document) = DeTable::parse(&scene.source) else { return show(scene) };
-    let (schema, resolved) = (Section::top_level(scene.kind()), resolved(scene));
+    let (schema, resolved) = (top_level(scene.kind()), resolved(scene));
     let written = texts(document.get_ref(), &scene.source);
     let mut complete = written.clone();
     complete.entry("name").or_insert_with(|| toml::Value::String(scene.name.clone()).to_string().into());
