@@ -181,7 +181,7 @@ fn source_files_have_no_import_cycles() {
     for (root, min_dependencies) in [
         ("crates/mechanics/src", 40),
         ("crates/integrator/src", 30),
-        ("crates/scene/src", 150),
+        ("crates/scene/src", 120),
         ("crates/core/src", 200),
         ("crates/show/src", 60),
         ("crates/log/src", 30),

@@ -7,7 +7,7 @@ use phalanx::shape::max_radius;
 use proptest::prelude::*;
 use serde_json::Value;
 
-use super::common::{assert_round_trip, parse};
+use super::{assert_round_trip, parse};
 use crate::support::cli::{path_text, succeed};
 
 const BALL: &str = "[discs.ball]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"25 mm\"]\nmass = \"50 g\"\n";

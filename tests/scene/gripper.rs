@@ -8,7 +8,7 @@ use phalanx::scene::{
 use phalanx::shape::PlacedShape;
 use phalanx::sizing::{INTERVALS, Rule, Task, size_with};
 
-use super::common::{DESIGN, DRIVE, assert_round_trip, parse};
+use super::{DESIGN, DRIVE, assert_round_trip, parse};
 use crate::support::reference_cases::reference_case;
 
 /// Parses the gripper of design 95, with `top` above and `rest` below its sections.

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::schema::{field, is_within, markdown, properties, record, restore, schema_for};
+use phalanx::scene::schema::{markdown, record, restore, top_level};
+use phalanx::scene::section::{Key, Section};
 use phalanx::scene::{Bounds, Engine, Keyword, Response, Stepping};
-use serde_json::Value;
 
 const BEGIN: &str = "<!-- settings: PHALANX_BLESS=1 cargo test --test scene settings -->\n";
 const END: &str = "<!-- end of settings -->\n";
@@ -29,15 +29,14 @@ fn the_documented_settings_are_up_to_date() {
     );
 }
 
-/// Calls `check` for every default of a schema.
-fn for_each_default(schema: &Value, path: &str, check: &mut impl FnMut(&str, &Value)) {
-    for (key, property) in properties(schema) {
-        let path = format!("{path}.{key}");
-        if property.get("default").is_some() {
-            check(&path, property);
-        }
-        for_each_default(property, &path, check);
-        for_each_default(&property["additionalProperties"], &path, check);
+/// Calls `check` for every key with a default.
+fn for_each_default(section: &Section, path: &str, check: &mut impl FnMut(&str, &Key)) {
+    for key in section.keys().iter().filter(|key| key.schema.get("default").is_some()) {
+        check(&format!("{path}.{}", key.name), key);
+    }
+    let named = section.named().map(|each| ("NAME", each));
+    for (name, section) in section.subsections().iter().map(|(name, section)| (*name, section)).chain(named) {
+        for_each_default(section, &format!("{path}.{name}"), check);
     }
 }
 
@@ -46,16 +45,16 @@ fn for_each_default(schema: &Value, path: &str, check: &mut impl FnMut(&str, &Va
 fn defaults_are_valid() {
     for kind in SceneKind::ALL {
         let mut count = 0;
-        for_each_default(schema_for(kind), kind.keyword(), &mut |path, property| {
+        for_each_default(top_level(kind), kind.keyword(), &mut |path, key| {
             count += 1;
-            let si = property.get("x-si").unwrap_or_else(|| panic!("{path}: {}", property["default"]));
-            assert!(si.as_f64().is_none_or(|si| is_within(si, property)), "{path}: {si}");
+            let si = key.default.as_ref().unwrap_or_else(|| panic!("{path}: {}", key.schema["default"]));
+            assert!(key.allows(si), "{path}: {si}");
         });
         assert!(count > 20, "{count}");
         let bounds = toml::Table::try_from(Bounds::defaults_for_run(kind, 1.0)).expect("a table");
-        for (key, property) in properties(&schema_for(kind)["properties"]["validate"]) {
-            let value = bounds[field(property)].as_float();
-            assert!(property.get("x-si").is_none_or(|si| si.as_f64() == value), "{kind:?} {key}: {value:?}");
+        for key in top_level(kind).subsection("validate").expect("bounds").keys() {
+            let value = &bounds[key.field];
+            assert!(key.default.as_ref().is_none_or(|si| si == value), "{kind:?} {}: {value:?}", key.name);
         }
     }
 }

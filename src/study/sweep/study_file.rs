@@ -16,13 +16,12 @@ use super::base_scene::{Base, Template, base_from_layers, check_scene, check_val
 use super::sequence::{MAX_HALTON_AXES, Method, Sequence};
 use super::{Filter, MAX_RUNS, MAX_SHARDED_RUNS, Study};
 use crate::scene::check::Checker;
-use crate::scene::file::{load_layers, read};
 use crate::scene::keywords::SceneKind;
 use crate::scene::parse::syntax_problem;
 use crate::scene::quantity::Word;
 use crate::scene::schema::{schema_for, unwrap_lines};
 use crate::scene::toml_value::TomlValue;
-use crate::scene::{Layer, Problem, SceneError, keys};
+use crate::scene::{Layer, Problem, SceneError, keys, load_layers, read};
 use crate::trace::Model;
 
 /// Error in a study. Formatted like an error of a scene: `error:`, location, source line and help.

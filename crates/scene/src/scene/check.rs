@@ -23,9 +23,9 @@ impl<'a> Checker<'a> {
         Checker { text, problems: RefCell::new(problems), has_type_errors }
     }
 
-    /// Creates a checker of the same text, without problems, whose problems can be discarded.
-    pub(crate) fn for_trial(&self) -> Self {
-        Checker { text: self.text, problems: RefCell::default(), has_type_errors: self.has_type_errors }
+    /// Takes back the problems after the first `count`.
+    pub(crate) fn take_after(&self, count: usize) -> Vec<Problem> {
+        self.problems.borrow_mut().split_off(count)
     }
 
     /// Number of problems.

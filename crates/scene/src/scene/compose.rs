@@ -1,22 +1,22 @@
 //! Merges several texts into one scene: the scenes it extends, its own text, and single settings.
 //!
 //! The merged text contains every value verbatim and is parsed like any other scene. Problems are then reported at their
-//! positions in the original texts.
+//! positions in the original texts. A scene is merged and completed as the texts of its values, without a change of notation.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::ops::Range;
 
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
 use super::SceneError;
 use super::check::NO_EFFECT;
-use super::error::{Problem, shortened};
-use super::keys::pair_element;
-use super::locate::{entry, entry_at, locate_problems};
+use super::error::{Problem, entry, entry_at, locate_problems, shortened};
+use super::keys::{join, pair_element};
 use super::parse::{parse_any, syntax_problem};
 use super::precedence::{KIND_KEYS, replaced_keys};
-use super::texts::{find, remove, texts, write_texts};
+use super::section::{NO_SECTION, Section};
 
 /// One of the texts of a scene, with its name for messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,7 +33,8 @@ pub(crate) const EXTENDS: &str = "extends";
 /// Returns the path of the scene that a text extends, as written, and its position; `None` also for a text that is not
 /// TOML.
 pub fn extended(text: &str) -> Option<(String, Range<usize>)> {
-    let document = DeTable::parse(text).ok()?;
+    // Most scenes extend none, and need not be parsed twice.
+    let document = DeTable::parse(text.contains(EXTENDS).then_some(text)?).ok()?;
     let value = document.get_ref().get(EXTENDS)?;
     Some((value.get_ref().as_str()?.to_string(), value.span()))
 }
@@ -123,7 +124,7 @@ impl Merged {
 
     fn text(&self) -> String {
         let mut text = String::new();
-        write_texts(&mut text, &serde_json::Value::Null, &self.texts, "");
+        write_texts(&mut text, &NO_SECTION, &self.texts, "");
         text
     }
 
@@ -195,6 +196,122 @@ fn merge(table: &mut Table, overriding: Table, replaces_kinds: bool) {
                 merge(inner, more, replaces_kinds);
             }
             (_, value) => _ = table.insert(key, value),
+        }
+    }
+}
+
+const EXAMPLE: &str = "write FIELD=VALUE, such as contact.friction.mu_static=0.6";
+
+/// Parses `FIELD=VALUE` into a line of a scene; `origin` is its name in messages. A value that is not TOML, such as `12
+/// mm` or `torsional`, is taken as a string without quotes.
+///
+/// # Errors
+/// Returns a message if the field is invalid or the value is missing.
+pub fn parse_setting(origin: &str, text: &str) -> Result<Layer, String> {
+    let (field, value) = text.split_once('=').ok_or(format!("there is no `=`: {EXAMPLE}"))?;
+    setting_from_parts(origin, field, value)
+}
+
+/// Like [`parse_setting`], but field and value are separate arguments.
+///
+/// # Errors
+/// See [`parse_setting`].
+pub fn setting_from_parts(origin: &str, field: &str, value: &str) -> Result<Layer, String> {
+    let (mut field, value) = (field.trim().to_string(), value.trim());
+    if field.is_empty() || value.is_empty() {
+        return Err(format!("there is no {}: {EXAMPLE}", if field.is_empty() { "field" } else { "value" }));
+    }
+    // The key of one element of a pair must be quoted.
+    if pair_element(&field).is_some() {
+        field.insert(field.rfind('.').map_or(0, |point| point + 1), '"');
+        field.push('"');
+    }
+    if format!("{field} = 0").parse::<toml::Table>().is_err() || field.contains('\n') {
+        return Err(format!(
+            "`{field}` is not a field: write its sections and its key, separated by points: {EXAMPLE}"
+        ));
+    }
+    let plain = format!("value = {value}");
+    let value = match plain.parse::<toml::Table>() {
+        Ok(found) if found.len() == 1 && !value.contains('\n') => value.to_string(),
+        _ => toml::Value::from(value).to_string(),
+    };
+    Ok(Layer { file: origin.to_string(), text: format!("{field} = {value}") })
+}
+
+/// The texts of all values as written, by section.
+pub fn texts(table: &DeTable<'_>, source: &str) -> Table {
+    let text = |value: &Spanned<DeValue<'_>>| match value.get_ref() {
+        DeValue::Table(inner) => Value::Table(texts(inner, source)),
+        _ => inline(value, source).into(),
+    };
+    table.iter().map(|(key, value)| (key.get_ref().to_string(), text(value))).collect()
+}
+
+/// Returns a value as written, except that tables in a list, which may have headers of their own, become inline tables.
+fn inline(value: &Spanned<DeValue<'_>>, source: &str) -> String {
+    let list = |items: Vec<String>, [open, close]: [&str; 2]| format!("{open}{}{close}", items.join(", "));
+    match value.get_ref() {
+        DeValue::Table(table) => {
+            let pairs =
+                table.iter().map(|(key, value)| format!("{} = {}", key_text(key.get_ref()), inline(value, source)));
+            list(pairs.collect(), ["{", "}"])
+        }
+        DeValue::Array(items) if items.iter().any(|item| matches!(item.get_ref(), DeValue::Table(_))) => {
+            list(items.iter().map(|item| inline(item, source)).collect(), ["[", "]"])
+        }
+        _ => source[value.span()].to_string(),
+    }
+}
+
+/// A key as written in a file: quoted if it has other characters than letters, digits, - and _.
+fn key_text(key: &str) -> String {
+    let is_bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
+    if is_bare { key.to_string() } else { Value::from(key).to_string() }
+}
+
+/// Writes texts of values with the sections below, in the order of a section of the schema.
+pub(crate) fn write_texts(text: &mut String, order: &Section, values: &Table, path: &str) {
+    let position = |name: &str| {
+        let name = pair_element(name).map_or(name, |(pair, _)| pair);
+        let mut all = order.keys().iter().map(|key| key.name).chain(order.subsections().iter().map(|(name, _)| *name));
+        all.position(|known| known == name).unwrap_or(usize::MAX)
+    };
+    let mut entries: Vec<(&String, &Value)> = values.iter().collect();
+    entries.sort_by_key(|(key, _)| position(key));
+    // Writing to a string cannot fail.
+    for (key, value) in &entries {
+        value.as_str().into_iter().for_each(|value| _ = writeln!(text, "{} = {value}", key_text(key)));
+    }
+    for (key, value) in entries {
+        let Value::Table(inner) = value else { continue };
+        let section = join(path, &key_text(key));
+        if inner.is_empty() || inner.values().any(Value::is_str) {
+            let _ = write!(text, "\n[{section}]\n");
+        }
+        write_texts(text, order.subsection(key).unwrap_or(&NO_SECTION), inner, &section);
+    }
+}
+
+/// Returns the text or the section at a path.
+pub fn find<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
+    match path.split_once('.') {
+        None => table.get(path),
+        Some((key, rest)) => find(table.get(key)?.as_table()?, rest),
+    }
+}
+
+/// Removes a value, and its section if it is the last one; returns whether there was one.
+pub fn remove(table: &mut Table, path: &str) -> bool {
+    match path.split_once('.') {
+        None => table.remove(path).is_some(),
+        Some((key, rest)) => {
+            let Some(Value::Table(inner)) = table.get_mut(key) else { return false };
+            let was_there = remove(inner, rest);
+            if was_there && inner.is_empty() {
+                table.remove(key);
+            }
+            was_there
         }
     }
 }
@@ -289,5 +406,31 @@ mod tests {
         for position in ["base.toml:3:5", "base.toml:2:2", "own.toml:2:1", "own.toml:2:5", "--set:1:7"] {
             assert!(shown.contains(position), "{position}: {shown}");
         }
+    }
+
+    #[test]
+    fn accepts_toml_values_and_unquoted_texts() {
+        for (input, text) in [
+            ("contact.friction.mu_static=0.6", "contact.friction.mu_static = 0.6"),
+            (" design.base = 12 mm ", "design.base = \"12 mm\""),
+            ("design.base=\"12 mm\"", "design.base = \"12 mm\""),
+            ("spring.type=torsional", "spring.type = \"torsional\""),
+            ("palm=false", "palm = false"),
+            ("gravity=[\"0 m/s^2\", \"0 m/s^2\"]", "gravity = [\"0 m/s^2\", \"0 m/s^2\"]"),
+            ("gravity[1]=1 g", "\"gravity[1]\" = \"1 g\""),
+            ("object.centre[0]=\"1 mm\"", "object.\"centre[0]\" = \"1 mm\""),
+            ("name=a = b", "name = \"a = b\""),
+            ("discs.\"a b\".radius=\"1 mm\"", "discs.\"a b\".radius = \"1 mm\""),
+            ("name=1\n[motor]", "name = \"\"\"\n1\n[motor]\"\"\""),
+        ] {
+            let found = parse_setting("--set", input).unwrap_or_else(|error| panic!("{input}: {error}"));
+            let (found, text): (toml::Table, toml::Table) =
+                (found.text.parse().expect("TOML"), text.replace("\n1", "1").parse().expect("TOML"));
+            assert_eq!(found, text, "{input}");
+        }
+        for wrong in ["mu_static", "=1", "a=", "a b=1", "a..b=1", "[a]=1"] {
+            assert!(parse_setting("--set", wrong).is_err(), "{wrong}");
+        }
+        assert!(setting_from_parts("set", "a=b", "1").is_err());
     }
 }

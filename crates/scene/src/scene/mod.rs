@@ -2,79 +2,60 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `settings` | the sections of a scene as structs: every key with its type, default and description |
+//! | `sections` | the sections of a scene: every key with its type, default and description; resolved, physics checked |
 //! | `quantity`, `keywords` | types of values: quantities with their dimension and range, keywords |
-//! | `schema` | the JSON Schema of a scene, and what follows from it: allowed values, records, documentation |
+//! | `schema` | the schema of a scene, and what follows from it: allowed values, records, documentation |
+//! | `section` | the sections of the schema with their keys, parsed for reading |
 //! | `value`, `toml_value` | reading single values by their type |
 //! | `section_input` | the file as written, section by section |
-//! | `compose`, `texts`, `setting`, `precedence` | merging of a scene with those it extends and with single settings |
-//! | `parse`, `keys` | text → scene; unknown keys |
-//! | `check`, `error`, `suggest`, `locate` | collecting, showing and locating problems |
-//! | `resolve` | scene as written → [`Scene`], physics checked |
+//! | `parse` | text → scene as written → [`Scene`] |
+//! | `keys` | unknown keys, suggestions |
+//! | `compose`, `precedence` | merging of a scene with those it extends and with single settings |
+//! | `check`, `error` | collecting, showing and locating problems |
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
-//! | `torque` | motor torque over time |
-//! | `system` | [`System`], the description of the simulated system that both models read |
-//! | `finger`, `disc` | components of a system: fingers, discs and planes |
-//! | `gripper_contact`, `contact_id` | possible contacts |
-//! | `unsupported`, `wrong_kind` | systems that neither model supports; scenes of the wrong kind |
-//! | `palm_motion`, `cycle` | motion of a gripper's palm; brakes; times of a grasp cycle |
+//! | `system` | [`System`], the description of the simulated system that both models read, and its possible contacts |
+//! | `torque`, `palm_motion` | motor torque over time, brakes; motion of a gripper's palm |
 
 pub mod check;
 mod compose;
-mod contact_id;
-mod cycle;
-mod disc;
 pub mod error;
-mod finger;
-mod gripper_contact;
 pub mod keys;
 pub mod keywords;
-mod locate;
 mod palm_motion;
 pub mod parse;
 pub mod precedence;
 pub mod quantity;
-mod resolve;
 pub mod schema;
+pub mod section;
 mod section_input;
-mod setting;
-pub mod settings;
+pub mod sections;
 mod show;
-mod suggest;
 mod system;
 mod template;
-mod texts;
 pub mod toml_value;
 mod torque;
-mod unsupported;
 pub mod value;
-mod wrong_kind;
 
-pub use compose::{Layer, extended, parse_layers};
-pub use contact_id::ContactId;
-pub use cycle::Cycle;
-pub use disc::{Disc, DiscMotion, HalfPlane};
-pub use error::{Problem, SceneError};
-pub use finger::{Differential, DrivenFinger, FingerContactLaws, Initial, Motor};
-pub use gripper_contact::{GripperContact, Side};
+pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
+pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
+pub use keys::closest_match;
 use keywords::SceneKind;
-pub use locate::{LocatedProblem, locate_problems};
-pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
+pub use palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use parse::{parse, parse_any, parse_template};
 pub use quantity::Keyword;
 pub use schema::schema;
-pub use setting::{parse_setting, setting_from_parts};
-pub use settings::{
+pub use sections::{
     Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
     Stepping, Thresholds,
 };
 pub use show::{show, show_written};
-pub use suggest::closest_match;
-pub use system::System;
+pub use system::{
+    ContactId, Differential, Disc, DiscMotion, DrivenFinger, FingerContactLaws, GripperContact, HalfPlane, Initial,
+    Motor, Side, System,
+};
 pub use template::Template;
-pub use torque::{Actuation, Interpolation, largest_torque, next_discontinuity, scaled, torque};
-pub use wrong_kind::WrongKind;
+pub use torque::{Actuation, Brake, Interpolation, largest_torque, next_discontinuity, scaled, torque};
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
 
@@ -144,5 +125,86 @@ impl Scene {
                 Integrator { atol_rate_rad_s: reference.atol_rate_rad_s.min(resolved), ..reference }
             }
         };
+    }
+
+    /// Returns the scene if it is of the required kind.
+    ///
+    /// # Errors
+    /// Returns an error if the scene is of another kind.
+    pub fn require_kind(&self, required: SceneKind) -> Result<&Self, WrongKind> {
+        match self.kind() {
+            found if found == required => Ok(self),
+            found => Err(WrongKind { scene: self.name.clone(), found, required }),
+        }
+    }
+}
+
+/// A scene of one kind where another kind is required.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "\"{scene}\" is a scene of kind \"{}\", but a scene of kind \"{}\" is required: give another scene",
+    .found.keyword(), .required.keyword()
+)]
+pub struct WrongKind {
+    pub scene: String,
+    pub found: SceneKind,
+    pub required: SceneKind,
+}
+
+/// Times of a grasp cycle of a gripper, s: the fingers are blocked, the palm moves, the fingers open. `None` for phases
+/// that the scene does not have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cycle {
+    /// Time at which the brake of each finger is fully engaged.
+    pub blocked_s: [Option<f64>; 2],
+    /// Time at which the palm begins to move.
+    pub motion_start_s: Option<f64>,
+    /// Time from which no motor closes and no brake is engaged.
+    pub release_s: Option<f64>,
+}
+
+impl Scene {
+    /// Returns the grasp cycle of a gripper.
+    pub fn cycle(&self) -> Cycle {
+        let input = self.system.differential.as_ref().map(|differential| &differential.motor);
+        let motors: Vec<&Motor> =
+            input.into_iter().chain(self.system.fingers.iter().map(|finger| &finger.motor)).collect();
+        let engaged_s = |motor: &Motor| motor.brake.map(|brake| brake.start_s + brake.rise_s);
+        let blocked_s = [0, 1].map(|side: usize| engaged_s(input.unwrap_or(&self.system.fingers[side].motor)));
+        let motion = self.system.palm_motion.as_ref();
+        let motion_start_s = motion.map(|motion| motion.start_s()).filter(|start| *start < self.duration_s);
+        let closes = |t: f64| {
+            motors.iter().any(|motor| {
+                let is_braked =
+                    motor.brake.is_some_and(|brake| t >= brake.start_s && brake.release_s.is_none_or(|end| t < end));
+                is_braked || torque(&motor.actuation, t).0 > 0.0
+            })
+        };
+        let candidates = motors.iter().flat_map(|motor| {
+            let release = motor.brake.and_then(|brake| brake.release_s);
+            closing_end_candidates(&motor.actuation).into_iter().chain(release)
+        });
+        let mut candidates: Vec<f64> = candidates.filter(|end| *end > 0.0 && *end < self.duration_s).collect();
+        candidates.sort_by(f64::total_cmp);
+        let first = candidates.iter().position(|end| closes(end.next_down()) && !closes(*end));
+        let release_s = first.map(|index| candidates[index]);
+        Cycle { blocked_s, motion_start_s, release_s }
+    }
+}
+
+/// Times at which a motor torque may stop closing the finger.
+fn closing_end_candidates(actuation: &Actuation) -> Vec<f64> {
+    match actuation {
+        Actuation::Constant { .. } | Actuation::Ramp { .. } => Vec::new(),
+        Actuation::HalfSine { length_s, .. } => vec![*length_s],
+        Actuation::Reversal { at_s, .. } => vec![*at_s],
+        Actuation::Table { points, .. } => {
+            // The zeros of linear interpolation, and all points.
+            let crossings = points.windows(2).filter(|pair| pair[0].1 > 0.0 && pair[1].1 < 0.0).map(|pair| {
+                let ((t0, a), (t1, b)) = (pair[0], pair[1]);
+                t0 + (t1 - t0) * a / (a - b)
+            });
+            crossings.chain(points.iter().map(|point| point.0)).collect()
+        }
     }
 }

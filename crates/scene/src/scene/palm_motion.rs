@@ -1,8 +1,8 @@
-//! Motion of the palm in the world, and brakes that block a drive during it.
+//! Motion of the palm in the world.
 
 use std::f64::consts::TAU;
 
-use crate::law::{Bristle, smoothstep};
+use super::torque::first_after;
 use crate::numeric::elementary::{hypot, powi, sin_cos};
 
 /// Pose (X, Y, Φ) of the palm over time: the sum of moves, vibrations and path; initially at rest at the origin.
@@ -74,24 +74,6 @@ pub struct Pose {
     pub jerk: [f64; 3],
 }
 
-/// An electromagnetic brake of a drive: torque −T s(t) β(q̇).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Brake {
-    /// Maximum torque, N·m.
-    pub torque_n_m: f64,
-    pub start_s: f64,
-    /// Duration of engagement and of release.
-    pub rise_s: f64,
-    /// Time at which the release starts; `None` if the brake is never released.
-    pub release_s: Option<f64>,
-    /// Whether the brake resists opening only.
-    pub one_way: bool,
-    /// Half width of the sticking range of the regularised law.
-    pub v_static_rad_s: f64,
-    /// Bristle that holds without creep below the maximum torque, in rad; `None` for the regularised law, which creeps.
-    pub bristle: Option<Bristle>,
-}
-
 impl Pose {
     #[inline]
     fn add(&mut self, axis: Axis, derivatives: [f64; 4]) {
@@ -119,21 +101,24 @@ impl PalmMotion {
         pose
     }
 
-    /// Returns the next time after `t` at which some derivative jumps; infinite if there is none.
+    /// Times at which some derivative jumps.
     #[inline]
-    pub fn next_discontinuity(&self, t: f64) -> f64 {
+    fn corners(&self) -> impl Iterator<Item = f64> {
         let moves = self.moves.iter().flat_map(|item| [item.start_s, item.start_s + item.length_s]);
         let vibrations = self.vibrations.iter().flat_map(|item| [item.start_s, item.start_s + item.ramp_s()]);
         let path = self.path.iter().flat_map(|path| path.points.iter().map(|point| point.0));
-        first_after(t, moves.chain(vibrations).chain(path))
+        moves.chain(vibrations).chain(path)
+    }
+
+    /// Returns the next time after `t` at which some derivative jumps; infinite if there is none.
+    #[inline]
+    pub fn next_discontinuity(&self, t: f64) -> f64 {
+        first_after(t, self.corners())
     }
 
     /// Time at which the palm begins to move, s.
     pub fn start_s(&self) -> f64 {
-        let (moves, vibrations) =
-            (self.moves.iter().map(|item| item.start_s), self.vibrations.iter().map(|item| item.start_s));
-        let path = self.path.iter().filter_map(|path| path.points.first()).map(|point| point.0);
-        moves.chain(vibrations).chain(path).fold(f64::INFINITY, f64::min)
+        self.corners().fold(f64::INFINITY, f64::min)
     }
 
     /// Largest acceleration of a point of the palm in the world up to a time, m/s².
@@ -306,66 +291,6 @@ fn second_derivatives(t: &[f64], y: &[f64]) -> Vec<f64> {
     second_derivatives
 }
 
-impl Brake {
-    /// Engagement, 0…1, and its rate.
-    #[inline]
-    pub fn engagement(&self, t: f64) -> (f64, f64) {
-        let step = |from: f64| {
-            let (value, slope) = smoothstep((t - from) / self.rise_s);
-            (value, slope / self.rise_s)
-        };
-        let (on, on_rate) = step(self.start_s);
-        let (off, off_rate) = self.release_s.map_or((0.0, 0.0), step);
-        (on * (1.0 - off), on_rate * (1.0 - off) - on * off_rate)
-    }
-
-    /// Returns the next time after `t` at which the engagement has a kink; infinite if there is none.
-    #[inline]
-    pub fn next_discontinuity(&self, t: f64) -> f64 {
-        let from = [Some(self.start_s), self.release_s].into_iter().flatten();
-        first_after(t, from.flat_map(|from| [from, from + self.rise_s]))
-    }
-
-    /// Torque of the bristle, N·m, and its derivatives with respect to `rate` and time; `rate` is the sum of the rate
-    /// of the shaft and the internal state of the bristle.
-    #[inline]
-    pub fn bristle_torque(&self, t: f64, rate: f64, bristle: &Bristle) -> [f64; 3] {
-        let (engagement, engagement_rate) = self.engagement(t);
-        let (limit, limit_rate) = (self.torque_n_m * engagement, self.torque_n_m * engagement_rate);
-        let torque = bristle.damping_n_s_per_m * rate;
-        if torque < -limit {
-            [limit, 0.0, limit_rate]
-        } else if self.one_way && torque > 0.0 {
-            [0.0; 3]
-        } else if torque > limit {
-            [-limit, 0.0, -limit_rate]
-        } else {
-            [-torque, -bristle.damping_n_s_per_m, 0.0]
-        }
-    }
-
-    /// Torque at a rate of the shaft, N·m, and its derivatives with respect to rate and time.
-    #[inline]
-    pub fn torque(&self, t: f64, rate: f64) -> [f64; 3] {
-        let (grip, grip_rate) = self.engagement(t);
-        if grip == 0.0 && grip_rate == 0.0 || self.one_way && rate >= 0.0 {
-            return [0.0; 3];
-        }
-        let (beta, slope) = if rate.abs() >= self.v_static_rad_s {
-            (rate.signum(), 0.0)
-        } else {
-            let (sigma, slope) = smoothstep((rate + self.v_static_rad_s) / (2.0 * self.v_static_rad_s));
-            (2.0 * sigma - 1.0, slope / self.v_static_rad_s)
-        };
-        [-grip * beta, -grip * slope, -grip_rate * beta].map(|part| self.torque_n_m * part)
-    }
-}
-
-#[inline]
-fn first_after(t: f64, times: impl Iterator<Item = f64>) -> f64 {
-    times.filter(|time| *time > t).fold(f64::INFINITY, f64::min)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -438,31 +363,5 @@ mod tests {
             std::iter::successors(Some(0.0), |t| Some(motion.next_discontinuity(*t))).take(4).collect();
         assert_eq!(corners, [0.0, 0.05, 0.1, 0.2]);
         assert_eq!(motion.moves_end_s(), 1.0);
-    }
-
-    #[test]
-    fn brake_torque_follows_engagement_and_rate() {
-        let brake = Brake {
-            torque_n_m: 2.0,
-            start_s: 0.01,
-            rise_s: 1e-3,
-            release_s: Some(0.05),
-            one_way: false,
-            v_static_rad_s: 0.01,
-            bristle: None,
-        };
-        assert_eq!(brake.torque(9e-3, 5.0), [0.0; 3]);
-        assert_eq!(brake.torque(0.02, 5.0)[0], -2.0);
-        assert_eq!(brake.torque(0.02, -5.0)[0], 2.0);
-        assert!((brake.torque(0.0105, 5.0)[0] + 1.0).abs() < 1e-12);
-        assert!((brake.torque(0.02, 0.0)[1] + 300.0).abs() < 1e-9, "1.5 T/v_s");
-        assert_eq!(brake.torque(0.06, 5.0)[0], 0.0);
-        let ratchet = Brake { one_way: true, ..brake };
-        assert_eq!((ratchet.torque(0.02, 5.0)[0], ratchet.torque(0.02, -5.0)[0]), (0.0, 2.0));
-        let (t, rate, h) = (0.0107, 0.004, 1e-7);
-        let [_, by_rate, by_time] = brake.torque(t, rate);
-        let slope = |a: [f64; 3], b: [f64; 3]| (a[0] - b[0]) / (2.0 * h);
-        assert!((by_rate - slope(brake.torque(t, rate + h), brake.torque(t, rate - h))).abs() < 1e-3);
-        assert!((by_time - slope(brake.torque(t + h, rate), brake.torque(t - h, rate))).abs() < 1e-3);
     }
 }

@@ -1,15 +1,25 @@
-//! Parses the text of a scene.
+//! Parses the text of a scene, and resolves it: fills in defaults and checks the physics.
+//!
+//! Every part is resolved even after another one failed, so that all problems are reported at once.
+
+use std::path::Path;
 
 use toml::de::DeTable;
 
 use super::check::Checker;
 use super::error::{Problem, SceneError};
+use super::keys::{self, closest_match};
 use super::keywords::SceneKind;
 use super::quantity::Keyword;
-use super::schema::{other_schemas, schema_for};
-use super::section_input::SceneInput;
-use super::suggest::closest_match;
-use super::{Scene, Template, keys, resolve};
+use super::schema::{other_schemas, schema_for, top_level};
+use super::section_input::{SceneInput, SectionInput};
+use super::sections::{
+    DifferentialSettings, FingerLengths, Level, SceneSettings, SizingResult, Target, bodies, drive, finger, law,
+    motion, run, start,
+};
+use super::template::{self, Template};
+use super::{Differential, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Motor, Scene, Side, System};
+use crate::shape;
 
 /// Parses, checks and resolves the scene of a finger; `file_name` appears in messages and gives the default name.
 ///
@@ -34,8 +44,13 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<Scene, SceneError> {
     let allowed =
         keys::KeySchemas { kind: kind.keyword(), schema: schema_for(kind), other_kinds: &|| other_schemas(kind) };
     let unknown_keys = keys::remove_unknown(document.get_mut(), &allowed);
-    let input = SceneInput::parse(kind, document).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
-    resolve::scene(&input, Checker::new(text, unknown_keys), file_name).map_err(refuse)
+    let input =
+        SceneInput::parse(kind, top_level(kind), document).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
+    let checker = Checker::new(text, unknown_keys);
+    match resolve(&input, &checker, file_name) {
+        Some(scene) if checker.is_clean() => Ok(scene),
+        _ => Err(refuse(checker.into_problems())),
+    }
 }
 
 /// Parses the scene of a finger as a template for many designs; `file_name` appears in messages and gives the default
@@ -46,9 +61,10 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<Scene, SceneError> {
 pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneError> {
     // Problems of the scene itself are reported first.
     let (scene, refuse) = (parse(text, file_name)?, invalid(text, file_name));
-    let input = DeTable::parse(text).and_then(|document| SceneInput::parse(SceneKind::Finger, document));
+    let input = DeTable::parse(text)
+        .and_then(|document| SceneInput::parse(SceneKind::Finger, top_level(SceneKind::Finger), document));
     let input = input.map_err(|error| refuse(vec![syntax_problem(&error)]))?;
-    resolve::template(&input, Checker::new(text, Vec::new()), &scene).map_err(refuse)
+    template::template(&input, Checker::new(text, Vec::new()), &scene).map_err(refuse)
 }
 
 /// Error for problems of a text.
@@ -85,4 +101,166 @@ fn not_a_finger(text: &str, kind: SceneKind) -> Problem {
 pub fn syntax_problem(error: &toml::de::Error) -> Problem {
     let help = "a line is a [section] or key = value; strings and quantities are in quotes: radius = \"20 mm\"";
     Problem::new(error.span(), format!("not valid TOML: {}", error.message().trim()), "", help)
+}
+
+/// Resolves a scene; its default name is derived from `file_name`.
+fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option<Scene> {
+    let root = input.top_level(checker);
+    let settings: SceneSettings = root.read();
+    if settings.extends.is_some() {
+        let message = "`extends` refers to another file, but this text is not read from a file";
+        let help = "give the scene as a file, or include the contents of the extended scene";
+        root.report("extends", message, "relative to no file", help);
+    }
+    let duration_s = root.is_valid("duration").then_some(*settings.duration);
+    let system = system(input, &root, &settings);
+    let integrator = run::integrator(&root.subsection("integrator"));
+    let engine = run::engine(&root.subsection("engine"), system.as_ref());
+    let bounds = run::bounds(&root.subsection("validate"), duration_s);
+    let thresholds = run::thresholds(&root.subsection("criteria"), system.as_ref(), duration_s);
+    let log = run::log(&root.subsection("log"), duration_s);
+    // Initial positions are checked only if everything else is valid.
+    if let (Some(system), true) = (&system, checker.is_clean()) {
+        bodies::check_initial_positions(&root, system);
+    }
+    Some(Scene {
+        name: settings.name.unwrap_or_else(|| stem(file_name)),
+        description: settings.description.unwrap_or_default(),
+        source: checker.text.to_string(),
+        system: system?,
+        duration_s: duration_s?,
+        integrator,
+        engine,
+        bounds,
+        thresholds,
+        log,
+    })
+}
+
+/// Name of the file without its extension.
+fn stem(file_name: &str) -> String {
+    let stem = Path::new(file_name).file_stem().unwrap_or_default().to_string_lossy();
+    if stem.trim().is_empty() { "scene".into() } else { stem.into_owned() }
+}
+
+/// Resolves the system; `None` if any part is invalid.
+fn system(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings) -> Option<System> {
+    let gravity_m_s2 = settings.gravity.map(|component| *component);
+    let given = bodies::object(root);
+    let object = &given.0;
+    let fingers_input: Vec<_> = input.sides().iter().map(|side| input.finger(*side, root.checker)).collect();
+    let reach_m = shape::max_radius(&object.shape);
+    let finger_lengths: Vec<_> = fingers_input.iter().map(|finger| finger::resolve_lengths(finger, reach_m)).collect();
+    let discs = match &finger_lengths[..] {
+        [] => bodies::discs(input, root, gravity_m_s2),
+        [finger] => bodies::single_object(root, &given, finger),
+        _ => Some(vec![object.clone()]),
+    };
+    let palm_width_m = bodies::palm_width(root, settings, &finger_lengths, object);
+    let levels = bodies::levels(root, settings, object);
+    let positions = (discs.as_deref(), palm_width_m, levels);
+    let targets = bodies::targets(root, input, settings, &finger_lengths, object, positions);
+
+    let section = root.subsection("differential");
+    let differential_settings = section.is_present().then(|| section.read::<DifferentialSettings>());
+    let differential_settings = differential_settings.filter(|settings| settings.present);
+    let curvature_m = shape::curvature_radius(&object.shape);
+    let (mut sizings, mut fingers): (Vec<SizingResult>, Vec<Option<DrivenFinger>>) = Default::default();
+    for ((side, finger), (lengths, target)) in
+        input.sides().iter().zip(&fingers_input).zip(finger_lengths.iter().zip(&targets))
+    {
+        let [x, y] = gravity_m_s2;
+        let (gravity, has_motor) = ([side.mirror() * x, y], differential_settings.is_none());
+        let (sizing, finger) = driven_finger(finger, lengths, gravity, has_motor, curvature_m, target.as_ref());
+        sizings.push(sizing);
+        fingers.push(finger);
+    }
+    let differential = match (differential_settings, &sizings[..]) {
+        (Some(settings), [right, left]) => {
+            let sized = match (*right, *left) {
+                (Some(Some(right)), Some(Some(left))) => {
+                    Some(Some(drive::combine(right, left, |right, left| right + left)))
+                }
+                (Some(None), Some(None)) => Some(None),
+                _ => None,
+            };
+            differential(root, &settings, sized).map(Some)
+        }
+        _ => Some(None),
+    };
+
+    let is_fixed = discs.iter().flatten().any(|disc| disc.motion == DiscMotion::Fixed);
+    let palm_motion = motion::palm_motion(root, is_fixed);
+    let [between_discs, palm_law, table_law] = match input.sides().len() {
+        0 => [Level::common(root.subsection("contact"), 0.0).law(); 3],
+        // The object is fixed, so nothing can reach the palm.
+        1 => [None; 3],
+        _ => {
+            let common = Level::common(root.subsection("contact"), curvature_m);
+            let mut laws = [None; 3];
+            for (index, (plane, level)) in ["palm", "table"].into_iter().zip(levels).enumerate() {
+                match level {
+                    Some(_) => laws[index + 1] = Some(common.law_of(plane)?),
+                    None => common.report_unused(plane),
+                }
+            }
+            laws
+        }
+    };
+    let [palm, table] = [(levels[0], palm_law), (levels[1], table_law)]
+        .map(|(level, contact)| level.map(|level_m| HalfPlane { level_m, contact }));
+    Some(System {
+        fingers: fingers.into_iter().collect::<Option<_>>()?,
+        palm_width_m: palm_width_m?,
+        differential: differential?,
+        discs: discs?,
+        between_discs,
+        palm,
+        table,
+        palm_motion,
+        gravity_m_s2,
+    })
+}
+
+/// Resolves a finger with its drive and initial configuration; also returns its sizing. `gravity_m_s2` is in the frame
+/// of the finger, `curvature_m` the radius of curvature of the object, and `target` `None` if it is invalid.
+fn driven_finger(
+    input: &SectionInput<'_>,
+    lengths: &FingerLengths,
+    gravity_m_s2: [f64; 2],
+    has_motor: bool,
+    curvature_m: f64,
+    target: Option<&Target>,
+) -> (SizingResult, Option<DrivenFinger>) {
+    let linkage = finger::linkage(input, lengths);
+    let finger_and_target = linkage.as_ref().zip(target);
+    let sized = drive::size(input, lengths, finger_and_target, gravity_m_s2);
+    let motor = if has_motor { drive::motor(&input.subsection("motor"), sized) } else { Some(Motor::NONE) };
+    let spring = drive::spring(&input.subsection("spring"), sized);
+    let limit = law::limit(&input.subsection("limit"));
+    let contact = Level::common(input.subsection("contact"), curvature_m);
+    let (proximal, distal) = (contact.law_of("proximal"), contact.law_of("distal"));
+    let initial = start::initial(input, lengths, finger_and_target, limit);
+    let finger = || {
+        Some(DrivenFinger {
+            linkage: linkage?,
+            motor: motor?,
+            spring: spring?,
+            limit,
+            contact: FingerContactLaws { proximal: proximal?, distal: distal? },
+            initial: initial?,
+        })
+    };
+    (sized, finger())
+}
+
+/// Resolves the differential: the motor at the input, sized for both fingers, and the seesaw.
+fn differential(root: &SectionInput<'_>, settings: &DifferentialSettings, sized: SizingResult) -> Option<Differential> {
+    for side in Side::BOTH.map(Side::name) {
+        let reason = "with a [differential], which is driven by the motor in [motor]";
+        root.subsection(side).report_unused("motor", reason);
+    }
+    let mut motor = drive::motor(&root.subsection("motor"), sized)?;
+    motor.inertia_kg_m2 += *settings.input_inertia;
+    Some(Differential { motor, seesaw_inertia_kg_m2: *settings.seesaw_inertia })
 }

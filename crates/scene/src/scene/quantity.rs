@@ -82,6 +82,10 @@ impl<D, R> Deref for Quantity<D, R> {
 }
 
 impl<D: Measure, R: Range> JsonSchema for Quantity<D, R> {
+    fn inline_schema() -> bool {
+        true
+    }
+
     fn schema_name() -> Cow<'static, str> {
         "Quantity".into()
     }
@@ -105,9 +109,9 @@ impl<D: Measure, R: Range> JsonSchema for Quantity<D, R> {
     }
 }
 
-/// The SI values of a list of quantities.
-pub(crate) fn si_values<D, R>(values: &[Quantity<D, R>]) -> Vec<f64> {
-    values.iter().map(|value| **value).collect()
+/// The SI values of a list of quantities; empty if it is not given.
+pub(crate) fn si_values<D, R>(values: Option<Vec<Quantity<D, R>>>) -> Vec<f64> {
+    values.into_iter().flatten().map(|value| *value).collect()
 }
 
 /// A type whose values are written as keywords.
@@ -154,6 +158,10 @@ impl<'de, K: Keyword> Deserialize<'de> for Word<K> {
 }
 
 impl<K: Keyword> JsonSchema for Word<K> {
+    fn inline_schema() -> bool {
+        true
+    }
+
     fn schema_name() -> Cow<'static, str> {
         "Word".into()
     }

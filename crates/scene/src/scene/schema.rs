@@ -1,20 +1,22 @@
-//! JSON Schema of scene files, derived from the [settings](super::settings), and what follows from it: allowed values,
-//! the settings in a log, the tables of the documentation.
+//! Schema of scene files, derived from the [sections](super::sections): JSON Schema for editors and studies, the settings in
+//! a log, the tables of the documentation.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::OnceLock;
 
 use schemars::generate::SchemaSettings;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use toml::Table;
 
+use super::keys::join;
 use super::keywords::SceneKind::{self, Bodies, Finger, Gripper};
 use super::quantity::Keyword;
-use super::settings::{Engine, Integrator, LogRates, SceneFile};
-use super::value::{ValueType, from_json};
-use crate::units::{format, number};
+use super::section::{Key, NO_SECTION, Section};
+use super::sections::{Engine, Integrator, LogRates, SceneFile};
+use super::value::ValueType;
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
 pub fn schema() -> String {
@@ -38,17 +40,25 @@ pub fn schema() -> String {
 }
 
 /// Returns the schema of one kind of scene. Built once, because a sweep reads thousands of scenes, and on first use,
-/// because building all three takes longer than most runs.
+/// because most programs read one kind.
 pub fn schema_for(kind: SceneKind) -> &'static Value {
+    static SECTIONS: OnceLock<Value> = OnceLock::new();
     static SCHEMAS: [OnceLock<Value>; SceneKind::ALL.len()] = [const { OnceLock::new() }; SceneKind::ALL.len()];
     SCHEMAS[kind as usize].get_or_init(|| {
-        let settings = SchemaSettings::draft07().for_serialize().with(|settings| settings.inline_subschemas = true);
-        let mut schema = settings.into_generator().into_root_schema_for::<SceneFile>().to_value();
-        adapt(&mut schema, kind, false);
-        // After the keys of other kinds are removed.
-        unwrap_lines(&mut schema);
-        schema
+        // The sections are references: inlined, a finger and its contacts would be generated many times.
+        let all = SECTIONS.get_or_init(|| {
+            let settings = SchemaSettings::draft07().for_serialize().with(|settings| settings.transforms.clear());
+            settings.into_generator().into_root_schema_for::<SceneFile>().to_value()
+        });
+        let mut adapter = Adapter { kind, sections: &all["definitions"], adapted: BTreeMap::new() };
+        adapter.adapt(all, false).into()
     })
+}
+
+/// Returns the top level of the schema of one kind of scene.
+pub fn top_level(kind: SceneKind) -> &'static Section {
+    static SECTIONS: [OnceLock<Section>; SceneKind::ALL.len()] = [const { OnceLock::new() }; SceneKind::ALL.len()];
+    SECTIONS[kind as usize].get_or_init(|| Section::new(schema_for(kind)))
 }
 
 /// Returns the keywords and schemas of all other kinds.
@@ -57,69 +67,80 @@ pub fn other_schemas(kind: SceneKind) -> Vec<(&'static str, &'static Value)> {
     others.map(|other| (other.keyword(), schema_for(other))).collect()
 }
 
-/// Adapts a part of the schema to a kind of scene: keys that the kind does not have are removed, keys lose the unit of
-/// the name of their field, and defaults are also given in SI units. In a part that `overrides` another one, keys have no
-/// defaults, and the contacts common to both fingers are left out.
-fn adapt(schema: &mut Value, kind: SceneKind, overrides: bool) {
-    let Some(map) = schema.as_object_mut() else { return };
-    let overrides = overrides || map.contains_key("x-overrides");
-    let description = map.get("description").cloned();
-    let own = SceneKind::ALL.map(|kind| (kind, map.remove(&format!("x-{}", kind.keyword()))));
-    for (_, own) in own.into_iter().filter(|(own_kind, _)| *own_kind == kind) {
-        map.extend(own.as_ref().and_then(Value::as_object).cloned().unwrap_or_default());
-    }
-    // A missing key is not null.
-    for key in ["type", "enum"] {
-        if let Some(Value::Array(items)) = map.get_mut(key) {
-            items.retain(|item| !item.is_null() && item != "null");
+/// The schema of one kind of scene in the making.
+struct Adapter {
+    kind: SceneKind,
+    /// Sections of all kinds, to which parts of the schema refer.
+    sections: &'static Value,
+    /// Adapted sections, by name and whether they override another one. Many are needed several times.
+    adapted: BTreeMap<(&'static str, bool), Map<String, Value>>,
+}
+
+impl Adapter {
+    /// Adapts a part of the schema: keys that the kind does not have are left out, keys lose the unit of the name of
+    /// their field, defaults are also given in SI units, and references are replaced by their sections. In a part that
+    /// `overrides` another one, keys have no defaults, and the contacts common to both fingers are left out.
+    fn adapt(&mut self, part: &'static Value, overrides: bool) -> Map<String, Value> {
+        let overrides = overrides || part.get("x-overrides").is_some();
+        let fields = part.get("properties");
+        let is_contact = fields.is_some_and(|fields| fields.get("proximal").is_some());
+        let overrides_contacts = overrides && self.kind == Gripper && is_contact;
+        let of_kind = ["x-finger", "x-bodies", "x-gripper"][self.kind as usize];
+        let of_kind = part.get(of_kind).and_then(Value::as_object).into_iter().flatten();
+        // The description of the contacts of a gripper names palm and table.
+        let of_kind = of_kind.filter(|(key, _)| !overrides_contacts || *key != "description");
+        let section = part.get("$ref").and_then(|path| path.as_str()?.rsplit('/').next());
+        let mut map = section.map(|name| self.section(name, overrides)).unwrap_or_default();
+        for (key, value) in part.as_object().into_iter().flatten().chain(of_kind) {
+            let adapted = match (key.as_str(), value) {
+                ("$ref" | "definitions" | "properties" | "required" | "format", _) => continue,
+                ("x-finger" | "x-bodies" | "x-gripper" | "x-kinds" | "x-key", _) => continue,
+                ("default", _) if overrides => continue,
+                // From doc comments.
+                ("description", Value::String(text)) => text.replace('\n', " ").into(),
+                // A missing key is not null.
+                ("type", Value::Array(types)) => types[0].clone(),
+                ("enum", Value::Array(items)) => items.iter().filter(|item| !item.is_null()).cloned().collect(),
+                ("additionalProperties" | "items", Value::Object(_)) => self.adapt(value, overrides).into(),
+                _ => value.clone(),
+            };
+            map.insert(key.clone(), adapted);
         }
-    }
-    if let Some(Value::Array(types)) = map.get("type") {
-        let only = types[0].clone();
-        map.insert("type".into(), only);
-    }
-    map.remove("format");
-    if overrides {
-        map.remove("default");
-    }
-    if let Some(Value::Object(mut fields)) = map.remove("properties") {
-        let order = map.remove("required").and_then(|names| Vec::<String>::deserialize(names).ok()).unwrap_or_default();
+        let Some(fields) = fields else { return map };
         let mut properties = Map::new();
-        let take = |property: &mut Value, key: &str| Some(property.as_object_mut()?.remove(key)?.as_str()?.to_string());
-        for (index, field) in order.into_iter().enumerate() {
-            let Some(mut property) = fields.remove(&field) else { continue };
-            let kinds = take(&mut property, "x-kinds");
-            if kinds.is_some_and(|kinds| kinds.split(' ').all(|name| name != kind.keyword())) {
+        let order = part.get("required").and_then(Value::as_array).into_iter().flatten();
+        for (index, field) in order.filter_map(Value::as_str).enumerate() {
+            let text = |key: &str| fields[field].get(key).and_then(Value::as_str);
+            let is_of_kind = |kinds: &str| kinds.split(' ').any(|name| name == self.kind.keyword());
+            if !text("x-kinds").is_none_or(is_of_kind) || overrides_contacts && ["palm", "table"].contains(&field) {
                 continue;
             }
-            adapt(&mut property, kind, overrides);
-            let key = take(&mut property, "x-key").unwrap_or_else(|| without_unit(&field, &property).to_string());
+            let mut property = Value::from(self.adapt(&fields[field], overrides));
+            let value_type = ValueType::from_schema(&property);
+            if let Some(si) = property.get("default").and_then(|default| value_type.json_to_si(default)) {
+                property["x-si"] = json!(si);
+            }
             property["x-order"] = index.into();
             property["x-field"] = field.into();
-            properties.insert(key, property);
+            properties.insert(text("x-key").unwrap_or_else(|| without_unit(field, &value_type)).to_string(), property);
         }
         map.insert("properties".into(), properties.into());
         map.entry("additionalProperties").or_insert(false.into());
+        map
     }
-    for key in ["additionalProperties", "items"] {
-        map.get_mut(key).into_iter().for_each(|inner| adapt(inner, kind, overrides));
-    }
-    let default = schema.get("default").and_then(|default| from_json(default, &ValueType::from_schema(schema)));
-    default.into_iter().for_each(|si| schema["x-si"] = json!(si));
-    if overrides && schema["properties"].get("proximal").is_some() && kind == Gripper {
-        let properties = schema["properties"].as_object_mut();
-        properties
-            .into_iter()
-            .for_each(|properties| ["palm", "table"].iter().for_each(|key| _ = properties.remove(*key)));
-        // That of a finger; the one of a gripper names palm and table.
-        schema["description"] = description.unwrap_or_default();
+
+    fn section(&mut self, name: &'static str, overrides: bool) -> Map<String, Value> {
+        if !self.adapted.contains_key(&(name, overrides)) {
+            let adapted = self.adapt(&self.sections[name], overrides);
+            self.adapted.insert((name, overrides), adapted);
+        }
+        self.adapted[&(name, overrides)].clone()
     }
 }
 
 /// Name of a field without its unit.
-fn without_unit<'a>(field: &'a str, property: &Value) -> &'a str {
-    let suffix = ValueType::from_schema(property).suffix();
-    suffix.and_then(|suffix| field.strip_suffix(suffix)?.strip_suffix('_')).unwrap_or(field)
+fn without_unit<'a>(field: &'a str, value_type: &ValueType) -> &'a str {
+    value_type.suffix().and_then(|suffix| field.strip_suffix(suffix)?.strip_suffix('_')).unwrap_or(field)
 }
 
 /// Removes the line breaks of descriptions, which come from doc comments.
@@ -136,103 +157,14 @@ pub fn unwrap_lines(value: &mut Value) {
     }
 }
 
-/// Keys of a table in their order, with their schemas.
-pub fn properties(schema: &Value) -> Vec<(&String, &Value)> {
-    let mut all: Vec<_> = schema["properties"].as_object().into_iter().flatten().collect();
-    all.sort_by_cached_key(|(_, property)| property["x-order"].as_u64());
-    all
-}
-
-/// Keys of a table that are values, in their order.
-pub(crate) fn value_properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
-    properties(schema).into_iter().filter(|(_, property)| !super::keys::is_table(property))
-}
-
-/// Name of the field of a key.
-pub fn field(property: &Value) -> &str {
-    property["x-field"].as_str().unwrap_or_default()
-}
-
-/// The key that decides whether a key has an effect, and the values with which it has one.
-pub fn condition(property: &Value) -> Option<(&str, Vec<&str>)> {
-    let (choice, values) = property["x-with"].as_str()?.split_once(" = ")?;
-    Some((choice, values.split('|').collect()))
-}
-
-/// Whether a key has an effect in a section with these values; if not, with the choice that prevents it: key, value, and
-/// the values with which it would have an effect.
-pub fn effect<'a>(property: &'a Value, schema: &Value, values: &Table) -> Result<(), (&'a str, String, Vec<&'a str>)> {
-    let Some((choice, allowed)) = condition(property) else { return Ok(()) };
-    let chosen = values.get(choice).map(|value| value.to_string().replace('"', ""));
-    let chosen = chosen.filter(|_| effect(&schema["properties"][choice], schema, values).is_ok()).unwrap_or_default();
-    if allowed.contains(&chosen.as_str()) { Ok(()) } else { Err((choice, chosen, allowed)) }
-}
-
-/// Whether a number is within the limits of a schema, which are in SI units.
-pub fn is_within(number: f64, schema: &Value) -> bool {
-    limits(schema).iter().all(|(keyword, limit)| match *keyword {
-        "minimum" => number >= *limit,
-        "exclusiveMinimum" => number > *limit,
-        "maximum" => number <= *limit,
-        _ => number < *limit,
-    })
-}
-
-/// Limits of numbers: keywords of JSON Schema, which begin with `x-` for quantities, with their values.
-fn limits(schema: &Value) -> Vec<(&'static str, f64)> {
-    let limit = |keyword| {
-        let value = schema.get(keyword).or_else(|| schema.get(format!("x-{keyword}")))?;
-        Some((keyword, value.as_f64()?))
-    };
-    ["minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"].into_iter().filter_map(limit).collect()
-}
-
-/// Describes the allowed numbers: "above 0", "from 0 to 1".
-pub(crate) fn describe_limits(schema: &Value) -> String {
-    let text = |limit: f64| match ValueType::from_schema(schema) {
-        ValueType::Quantity(dimension) if limit != 0.0 => format(limit, dimension),
-        _ => number(limit),
-    };
-    match limits(schema)[..] {
-        [] => "any finite number".to_string(),
-        [("minimum", low)] => format!("at least {}", text(low)),
-        [(_, low)] => format!("above {}", text(low)),
-        [("minimum", low), (_, high)] => format!("from {} to {}", text(low), text(high)),
-        [("exclusiveMinimum", low), ("maximum", high)] => format!("above {} and up to {}", text(low), text(high)),
-        [(_, low), (_, high), ..] => format!("between {} and {}, both excluded", text(low), text(high)),
-    }
-}
-
-/// Describes the allowed values of a key.
-pub(crate) fn describe_allowed(schema: &Value) -> String {
-    let described = describe_limits(schema);
-    match ValueType::from_schema(schema) {
-        ValueType::Choice(keywords) => {
-            keywords.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ")
-        }
-        ValueType::Integer(min, i64::MAX) => format!("a whole number from {min}"),
-        ValueType::Integer(min, max) => format!("a whole number from {min} to {max}"),
-        ValueType::Flag => "true or false".to_string(),
-        ValueType::Text => "a string".to_string(),
-        ValueType::Quantity(dimension) if limits(schema).is_empty() => dimension.name().to_string(),
-        ValueType::Quantity(dimension) => format!("{} {described}", dimension.name()),
-        ValueType::Number | ValueType::Percent if limits(schema).is_empty() => described,
-        ValueType::Number | ValueType::Percent => format!("a number {described}"),
-        ValueType::List(item, _) => match *item {
-            ValueType::Quantity(dimension) => dimension.name().to_string(),
-            _ => "a list".to_string(),
-        },
-    }
-}
-
-/// A section whose settings logs and reports record.
+/// A section whose settings logs and reports record. It is the same in all kinds of scene.
 pub trait SettingsSection: Serialize + DeserializeOwned {
     /// Path of the section in a scene.
     const PATH: &'static str;
 
-    /// Schema of the section, which is the same in all kinds of scene.
-    fn schema() -> &'static Value {
-        &schema_for(Finger)["properties"][Self::PATH]
+    /// Its part of the schema.
+    fn section() -> &'static Section {
+        top_level(Finger).subsection(Self::PATH).unwrap_or(&NO_SECTION)
     }
 }
 
@@ -248,34 +180,21 @@ impl SettingsSection for LogRates {
     const PATH: &'static str = "log";
 }
 
-/// Name of a value with its SI unit.
-fn column(key: &str, property: &Value) -> String {
-    let (field, suffix) = (field(property), ValueType::from_schema(property).suffix());
-    match suffix {
-        Some(suffix) if !field.ends_with(&format!("_{suffix}")) => format!("{field}_{suffix}"),
-        Some(_) => field.to_string(),
-        None => key.to_string(),
-    }
-}
-
 /// Returns every key of a section with its unit in its name, and its value in SI units; `None` for a key without effect.
-pub fn columns<T: SettingsSection>(section: &T) -> Vec<(String, Option<toml::Value>)> {
-    let (schema, values) = (T::schema(), Table::try_from(section).unwrap_or_default());
-    let column = |(key, property): (&String, &Value)| {
-        let value = values.get(field(property)).filter(|_| effect(property, schema, &values).is_ok());
-        (column(key, property), value.cloned())
-    };
-    value_properties(schema).map(column).collect()
+pub fn columns<T: SettingsSection>(settings: &T) -> Vec<(String, Option<toml::Value>)> {
+    let (section, values) = (T::section(), Table::try_from(settings).unwrap_or_default());
+    let value = |key: &Key| values.get(key.field).filter(|_| section.effect(key, &values).is_ok()).cloned();
+    section.keys().iter().map(|key| (key.column(), value(key))).collect()
 }
 
 /// Returns the record of a section for a log: keys with their units, and values that parse back to the same bits.
-pub fn record<T: SettingsSection>(section: &T) -> Vec<(String, String)> {
+pub fn record<T: SettingsSection>(settings: &T) -> Vec<(String, String)> {
     let text = |value: toml::Value| match value {
         toml::Value::Float(number) => format!("{number:?}"),
         toml::Value::String(text) => text,
         other => other.to_string(),
     };
-    let columns = columns(section).into_iter();
+    let columns = columns(settings).into_iter();
     columns.filter_map(|(name, value)| Some((format!("{}_{name}", T::PATH), text(value?)))).collect()
 }
 
@@ -288,21 +207,19 @@ pub fn restore<T: SettingsSection, E>(
     mut entry: impl FnMut(&str) -> Result<String, E>,
     refuse: impl Fn(String, String, String) -> E,
 ) -> Result<T, E> {
-    let (schema, path, mut values) = (T::schema(), T::PATH, Table::new());
-    for (key, property) in value_properties(schema) {
-        if effect(property, schema, &values).is_err() {
+    let (section, mut values) = (T::section(), Table::new());
+    for key in section.keys() {
+        if section.effect(key, &values).is_err() {
             continue;
         }
-        let name = format!("{path}_{}", column(key, property));
+        let name = format!("{}_{}", T::PATH, key.column());
         let text = entry(&name)?;
-        let value = ValueType::from_schema(property).restore(&text);
-        let value = value.filter(|value| value.as_float().is_none_or(|number| is_within(number, property)));
-        match value {
-            Some(value) => _ = values.insert(field(property).to_string(), value),
-            None => return Err(refuse(name, text, describe_allowed(property))),
+        match key.value_type.restore(&text).filter(|value| key.allows(value)) {
+            Some(value) => _ = values.insert(key.field.to_string(), value),
+            None => return Err(refuse(name, text, key.allowed())),
         }
     }
-    let invalid = |error: toml::de::Error| refuse(path.to_string(), error.to_string(), "complete".to_string());
+    let invalid = |error: toml::de::Error| refuse(T::PATH.to_string(), error.to_string(), "complete".to_string());
     T::deserialize(toml::Value::Table(values)).map_err(invalid)
 }
 
@@ -315,13 +232,11 @@ pub fn markdown() -> String {
         (Bodies, "scene of discs", " of a scene of discs"),
         (Gripper, "scene of a gripper", " of a gripper"),
     ] {
-        let top = (format!("Top level of a {top}"), schema_for(kind));
-        let mut found = vec![top];
-        collect_sections(schema_for(kind), "", &mut found);
-        for (title, schema) in found {
-            let text = markdown_section(schema);
+        let mut found = vec![(format!("Top level of a {top}"), top_level(kind))];
+        collect_sections(top_level(kind), "", of, &mut found);
+        for (title, section) in found {
+            let text = markdown_section(section);
             if !sections.iter().any(|(_, known)| *known == text) {
-                let title = if title.starts_with("Top") { title } else { title + of };
                 sections.push((title, text));
             }
         }
@@ -329,34 +244,34 @@ pub fn markdown() -> String {
     sections.iter().map(|(title, text)| format!("{title}: {text}")).collect::<Vec<_>>().join("\n")
 }
 
-/// Collects all sections with keys below a table.
-fn collect_sections(schema: &'static Value, path: &str, found: &mut Vec<(String, &'static Value)>) {
-    let named = schema.get("additionalProperties").filter(|each| each.is_object());
-    let named = named.map(|each| ("NAME".to_string(), each));
-    for (key, section) in properties(schema).into_iter().map(|(key, section)| (key.clone(), section)).chain(named) {
-        let path = super::keys::join(path, &key);
+/// Collects all sections with keys below a section of a kind of scene.
+fn collect_sections(section: &'static Section, path: &str, of: &str, found: &mut Vec<(String, &'static Section)>) {
+    let named = section.named().map(|each| ("NAME", each));
+    for (name, section) in section.subsections().iter().map(|(name, section)| (*name, section)).chain(named) {
+        let path = join(path, name);
         // A section that overrides another one has the same keys.
-        if section.get("x-overrides").is_none() && super::keys::is_table(section) {
-            if value_properties(section).next().is_some() {
-                found.push((format!("`[{path}]`"), section));
+        if section.schema.get("x-overrides").is_none() {
+            if !section.keys().is_empty() {
+                found.push((format!("`[{path}]`{of}"), section));
             }
-            collect_sections(section, &path, found);
+            collect_sections(section, &path, of, found);
         }
     }
 }
 
 /// Description of a section and the table of its keys.
-fn markdown_section(schema: &Value) -> String {
+fn markdown_section(section: &Section) -> String {
     // Names of sections in brackets are not links.
     let description = |schema: &Value| schema["description"].as_str().unwrap_or_default().replace('[', "\\[");
-    let mut text = format!("{}\n\n| key | default | allowed | description |\n|---|---|---|---|\n", description(schema));
-    for (key, property) in value_properties(schema) {
-        let default = match property.get("default") {
+    let head = "| key | default | allowed | description |\n|---|---|---|---|\n";
+    let mut text = format!("{}\n\n{head}", description(section.schema));
+    for key in section.keys() {
+        let default = match key.schema.get("default") {
             Some(Value::String(text)) => text.clone(),
             Some(value) => value.to_string(),
-            None => property.get("x-required").map_or("", |_| "required").to_string(),
+            None => key.schema.get("x-required").map_or("", |_| "required").to_string(),
         };
-        let _ = writeln!(text, "| `{key}` | {default} | {} | {} |", describe_allowed(property), description(property));
+        let _ = writeln!(text, "| `{}` | {default} | {} | {} |", key.name, key.allowed(), description(key.schema));
     }
     text
 }

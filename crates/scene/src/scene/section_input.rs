@@ -8,17 +8,16 @@ use std::ops::Range;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value as Json;
 use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Spanned, Table, Value};
 
 use super::Side;
 use super::check::Checker;
 use super::error::Problem;
-use super::keys::{child_schema, pair_element};
+use super::keys::pair_element;
 use super::keywords::SceneKind;
 use super::precedence::{KIND_KEYS, replaced_keys};
-use super::schema::{describe_limits, effect, field, is_within, schema_for, value_properties};
+use super::section::{Key, NO_SECTION, Section};
 use super::toml_value::TomlValue;
 use super::value::{ValueType, problem_at};
 
@@ -29,6 +28,7 @@ type Values = BTreeMap<String, Spanned<TomlValue>>;
 #[derive(Debug)]
 pub(crate) struct SceneInput {
     pub kind: SceneKind,
+    schema: &'static Section,
     values: Values,
     /// Values of each finger of a gripper.
     fingers: Vec<Values>,
@@ -39,14 +39,19 @@ pub(crate) struct SceneInput {
 impl SceneInput {
     /// # Errors
     /// Returns an error if the deserialisation fails.
-    pub fn parse(kind: SceneKind, document: Spanned<DeTable<'_>>) -> Result<Self, toml::de::Error> {
+    pub fn parse(
+        kind: SceneKind,
+        schema: &'static Section,
+        document: Spanned<DeTable<'_>>,
+    ) -> Result<Self, toml::de::Error> {
         let names = match document.get_ref().get("discs").map(Spanned::get_ref) {
             Some(DeValue::Table(discs)) => discs.keys().map(|name| (name.get_ref().to_string(), name.span())).collect(),
             _ => BTreeMap::new(),
         };
         let values = Values::deserialize(Deserializer::from(document))?;
-        let fingers = if kind.fingers() > 1 { Side::BOTH.map(|side| finger(&values, side)).into() } else { Vec::new() };
-        Ok(Self { kind, values, fingers, names })
+        let fingers =
+            if kind.fingers() > 1 { Side::BOTH.map(|side| finger(&values, schema, side)).into() } else { Vec::new() };
+        Ok(Self { kind, schema, values, fingers, names })
     }
 
     /// Sides of the fingers; a single finger is the right one.
@@ -56,7 +61,7 @@ impl SceneInput {
 
     /// Returns the top level, with common values only.
     pub(crate) fn top_level<'a>(&'a self, checker: &'a Checker<'a>) -> SectionInput<'a> {
-        let (path, schema, values) = (String::new(), schema_for(self.kind), Some(&self.values));
+        let (path, schema, values) = (String::new(), self.schema, Some(&self.values));
         SectionInput { kind: self.kind, checker, path, schema, span: None, values }
     }
 
@@ -72,10 +77,9 @@ impl SceneInput {
 }
 
 /// Merges the values of one finger over the common ones.
-fn finger(values: &Values, side: Side) -> Values {
-    let of_finger =
-        |key: &str| schema_for(SceneKind::Gripper)["properties"][side.name()]["properties"].get(key).is_some();
-    let common = values.iter().filter(|(key, _)| of_finger(key));
+fn finger(values: &Values, schema: &Section, side: Side) -> Values {
+    let of_finger = schema.subsection(side.name()).unwrap_or(&NO_SECTION);
+    let common = values.iter().filter(|(key, _)| of_finger.key(key).is_some() || of_finger.subsection(key).is_some());
     let mut merged: Values = common.map(|(key, value)| (key.clone(), value.clone())).collect();
     if let Some(TomlValue::Table(overriding)) = values.get(side.name()).map(Spanned::get_ref) {
         merge(&mut merged, overriding);
@@ -106,7 +110,7 @@ pub struct SectionInput<'a> {
     /// Collects the problems.
     pub checker: &'a Checker<'a>,
     path: String,
-    schema: &'static Json,
+    schema: &'static Section,
     /// Position of its header; `None` for the top level and for an omitted section.
     pub span: Option<Range<usize>>,
     values: Option<&'a Values>,
@@ -123,7 +127,9 @@ impl<'a> SectionInput<'a> {
 
     /// Single elements of a pair: `centre[0]`.
     fn elements(&self, key: &str) -> impl Iterator<Item = (usize, &'a Spanned<TomlValue>)> {
-        [0, 1].into_iter().filter_map(move |index| Some((index, self.get(&format!("{key}[{index}]"))?)))
+        let elements =
+            [0, 1].map(|index| self.values.and_then(|values| Some((index, values.get(&format!("{key}[{index}]"))?))));
+        elements.into_iter().flatten()
     }
 
     /// Position of the value of a key.
@@ -145,14 +151,13 @@ impl<'a> SectionInput<'a> {
 
     /// Whether the value of a key is valid, or omitted.
     pub fn is_valid(&self, key: &str) -> bool {
-        let Some((value, property)) = self.get(key).zip(child_schema(self.schema, key)) else { return true };
-        let value = ValueType::from_schema(property).read(key, value);
-        value.is_ok_and(|value| value.as_float().is_none_or(|number| is_within(number, property)))
+        let Some((value, key)) = self.get(key).zip(self.schema.key(key)) else { return true };
+        key.value_type.read(key.name, value).is_ok_and(|value| key.allows(&value))
     }
 
     /// Returns the subsection with this key.
     pub(crate) fn subsection(&self, key: &str) -> Self {
-        let schema = child_schema(self.schema, key).unwrap_or(&Json::Null);
+        let schema = self.schema.subsection(key).unwrap_or(&NO_SECTION);
         let (span, values) = match self.get(key).map(|value| (value.span(), value.get_ref())) {
             Some((span, TomlValue::Table(values))) => (Some(span), Some(values)),
             _ => (None, None),
@@ -163,14 +168,6 @@ impl<'a> SectionInput<'a> {
     /// All subsections with their names.
     pub(crate) fn subsections(&self) -> Vec<(&'a str, Self)> {
         self.values.into_iter().flatten().map(|(name, _)| (name.as_str(), self.subsection(name))).collect()
-    }
-
-    /// The same section with another collector of problems.
-    pub(crate) fn with_checker<'b>(&self, checker: &'b Checker<'b>) -> SectionInput<'b>
-    where
-        'a: 'b,
-    {
-        SectionInput { checker, path: self.path.clone(), span: self.span.clone(), ..*self }
     }
 
     /// Full path of a key.
@@ -188,11 +185,8 @@ impl<'a> SectionInput<'a> {
     /// # Panics
     /// Panics if a required value of the type has no default: its field must be an option.
     pub(crate) fn read_over<T: DeserializeOwned>(&self, base: &impl Serialize) -> T {
-        let mut values = Table::new();
-        for (_, property) in value_properties(self.schema) {
-            let default = property.get("x-si").and_then(|si| Value::try_from(si).ok());
-            default.into_iter().for_each(|si| _ = values.insert(field(property).to_string(), si));
-        }
+        let defaults = self.schema.keys().iter().filter_map(|key| Some((key.field.to_string(), key.default.clone()?)));
+        let mut values: Table = defaults.collect();
         values.extend(Table::try_from(base).unwrap_or_default());
         self.read_values(&mut values);
         T::deserialize(Value::Table(values)).expect("keys without default are options")
@@ -200,41 +194,36 @@ impl<'a> SectionInput<'a> {
 
     fn read_values(&self, values: &mut Table) {
         let mut invalid: Vec<&str> = Vec::new();
-        for (key, property) in value_properties(self.schema) {
-            let effect = effect(property, self.schema, values);
-            let (field, span) = (field(property), self.span(key));
-            match (effect, &span) {
+        for key in self.schema.keys() {
+            let span = self.span(key.name);
+            match (self.schema.effect(key, values), &span) {
                 // If a choice is invalid, it is unknown whether the keys that depend on it have an effect.
-                _ if !invalid.is_empty()
-                    && super::schema::condition(property).is_some_and(|(choice, _)| invalid.contains(&choice)) => {}
+                _ if key.condition.as_ref().is_some_and(|(choice, _)| invalid.contains(choice)) => {}
                 (Err(_), None) => {}
                 (Err((choice, chosen, allowed)), Some(_)) => {
                     let quoted = |value: &str| {
                         if ["true", "false"].contains(&value) { value.to_string() } else { format!("\"{value}\"") }
                     };
                     let allowed: Vec<String> =
-                        allowed.into_iter().map(|value| format!("{choice} = {}", quoted(value))).collect();
+                        allowed.iter().map(|value| format!("{choice} = {}", quoted(value))).collect();
                     let help = format!("remove it, or write {}", allowed.join(" or "));
-                    self.checker.report_no_effect(
-                        &self.path(key),
-                        span,
-                        &format!("with {choice} = {}", quoted(&chosen)),
-                        &help,
-                    );
+                    let reason = format!("with {choice} = {}", quoted(&chosen));
+                    self.checker.report_no_effect(&self.path(key.name), span, &reason, &help);
                 }
                 (Ok(()), None) => {
-                    let help = property["x-required"].as_str().filter(|_| !values.contains_key(field));
-                    let has_alternative = property["x-alternative"].as_str().is_some_and(|other| self.has(other));
-                    help.into_iter().filter(|_| !has_alternative).for_each(|help| self.report_missing(key, help));
+                    let text = |keyword: &str| key.schema.get(keyword)?.as_str();
+                    let help = text("x-required").filter(|_| !values.contains_key(key.field));
+                    let has_alternative = || text("x-alternative").is_some_and(|other| self.has(other));
+                    help.into_iter()
+                        .filter(|_| !has_alternative())
+                        .for_each(|help| self.report_missing(key.name, help));
                 }
-                (Ok(()), Some(_)) => match self.read_value(key, property, values.get(field)) {
-                    Ok(value) if value.as_float().is_none_or(|number| is_within(number, property)) => {
-                        values.insert(field.to_string(), value);
-                    }
-                    Ok(_) => self.report_out_of_range(key, &describe_limits(property)),
+                (Ok(()), Some(_)) => match self.read_value(key, values.get(key.field)) {
+                    Ok(value) if key.allows(&value) => _ = values.insert(key.field.to_string(), value),
+                    Ok(_) => self.report_out_of_range(key.name, &key.limits()),
                     Err(problems) => {
                         self.checker.extend(problems);
-                        invalid.push(key);
+                        invalid.push(key.name);
                     }
                 },
             }
@@ -242,11 +231,11 @@ impl<'a> SectionInput<'a> {
     }
 
     /// Reads a value or the single elements of a pair, in SI units.
-    fn read_value(&self, key: &str, property: &Json, default: Option<&Value>) -> Result<Value, Vec<Problem>> {
-        let (path, value_type) = (self.path(key), ValueType::from_schema(property));
-        let mut value = self.get(key).map(|value| value_type.read(&path, value)).transpose()?;
-        for (index, element) in self.elements(key) {
-            let ValueType::List(item, _) = &value_type else { continue };
+    fn read_value(&self, key: &Key, default: Option<&Value>) -> Result<Value, Vec<Problem>> {
+        let path = self.path(key.name);
+        let mut value = self.get(key.name).map(|value| key.value_type.read(&path, value)).transpose()?;
+        for (index, element) in self.elements(key.name) {
+            let ValueType::List(item, _) = &key.value_type else { continue };
             let si = item.read(&path, element)?;
             let pair = value.get_or_insert_with(|| match default {
                 Some(pair) => pair.clone(),
@@ -255,9 +244,9 @@ impl<'a> SectionInput<'a> {
             pair.as_array_mut().into_iter().for_each(|pair| pair[index].clone_from(&si));
         }
         let lacks_element = value.as_ref().and_then(Value::as_array).is_some_and(|items| {
-            items.iter().any(|item| item.as_float().is_some_and(f64::is_nan)) && property.get("x-derived").is_none()
+            items.iter().any(|item| item.as_float().is_some_and(f64::is_nan)) && key.schema.get("x-derived").is_none()
         });
-        match (value, self.elements(key).next()) {
+        match (value, self.elements(key.name).next()) {
             (Some(_), Some((_, element))) if lacks_element => {
                 let message = format!("only one element of `{path}` is set, and the other one has no default");
                 let help = format!("give the whole pair: {path} = [.., ..]");
@@ -270,6 +259,18 @@ impl<'a> SectionInput<'a> {
     /// Reports a problem of a key, or of the section if the key is omitted.
     pub fn report(&self, key: &str, message: impl Into<String>, label: &str, help: impl Into<String>) {
         self.checker.push(Problem::new(self.span(key).or(self.span.clone()), message, label, help));
+    }
+
+    /// Reports a problem of a value that is required: there is no result.
+    pub(crate) fn refuse<T>(
+        &self,
+        key: &str,
+        message: impl Into<String>,
+        label: &str,
+        help: impl Into<String>,
+    ) -> Option<T> {
+        self.report(key, message, label, help);
+        None
     }
 
     /// Reports a number out of range.

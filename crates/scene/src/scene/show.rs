@@ -2,17 +2,18 @@
 //! except for `source`.
 
 use serde::Serialize;
-use serde_json::Value as Json;
 use toml::de::DeTable;
 use toml::{Table, Value};
 
-use super::keys::{is_table, join, pair_element};
-use super::locate::locate_problems;
-use super::schema::{effect, field, properties, schema_for, value_properties};
-use super::settings::{self, table};
-use super::texts::{find, remove, texts, write_texts};
+use super::compose::{find, remove, texts, write_texts};
+use super::error::locate_problems;
+use super::keys::{join, pair_element};
+use super::schema::top_level;
+use super::section::{Key, Section};
+use super::sections::{bodies, drive, law, list, motion, table};
 use super::value::ValueType;
 use super::{Bounds, Differential, DrivenFinger, Keyword, Scene, System, parse_any};
+use crate::gripper::{Body, Lengths};
 use crate::law::ContactLaw;
 use crate::units::{self, Dimension, number};
 
@@ -25,7 +26,7 @@ const OPTIONAL: [&str; 5] = ["design", "lengths", "half_plane", "table", "differ
 /// Returns the scene as simulated, with all values.
 pub fn show(scene: &Scene) -> String {
     let mut text = "# Scene with every default filled in; masses and lengths as simulated.\n".to_string();
-    let schema = schema_for(scene.kind());
+    let schema = top_level(scene.kind());
     let exact = |value: &Value, value_type: &ValueType, _: &str| Some(toml_text(value, value_type, None));
     write_texts(&mut text, schema, &to_texts(schema, &resolved(scene), "", &exact), "");
     text
@@ -56,14 +57,14 @@ fn resolved(scene: &Scene) -> Table {
     match &system.fingers[..] {
         [] => {
             let discs: Table =
-                system.discs.iter().map(|disc| (disc.name.clone(), settings::disc(disc).into())).collect();
+                system.discs.iter().map(|disc| (disc.name.clone(), bodies::disc_settings(disc).into())).collect();
             file.insert("discs".into(), discs.into());
             let ground = system.palm.map(|ground| table([("level", ground.level_m.into())]).into());
             file.extend(ground.map(|ground| ("half_plane".to_string(), ground)));
-            file.extend(system.between_discs.map(|law| ("contact".to_string(), settings::contact(&law).into())));
+            file.extend(system.between_discs.map(|law| ("contact".to_string(), law::contact_settings(&law).into())));
         }
         [first, others @ ..] => {
-            file.insert("object".into(), settings::object(system.object()).into());
+            file.insert("object".into(), bodies::object_settings(system.object()).into());
             let has_motor = system.differential.is_none();
             if others.iter().all(|finger| finger == first) {
                 file.extend(finger(first, has_motor));
@@ -77,7 +78,7 @@ fn resolved(scene: &Scene) -> Table {
             }
         }
     }
-    file.extend(system.palm_motion.iter().flat_map(settings::palm_motion));
+    file.extend(system.palm_motion.iter().flat_map(motion::palm_motion_settings));
     file
 }
 
@@ -86,23 +87,41 @@ fn serialized(section: &impl Serialize) -> Value {
 }
 
 fn finger(finger: &DrivenFinger, has_motor: bool) -> Table {
-    let linkage = &finger.linkage;
-    let mut contact = settings::contact(&finger.contact.proximal);
-    if finger.contact.distal != finger.contact.proximal {
-        contact.insert("distal".into(), settings::contact(&finger.contact.distal).into());
+    let DrivenFinger { linkage, contact: laws, initial, .. } = finger;
+    let Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m } = linkage.lengths;
+    let lengths = [l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad].map(Value::from);
+    let lengths = ["l11", "l12", "l21", "l22", "t22", "phi22"].map(String::from).into_iter().zip(lengths);
+    let bodies = [
+        ("l11", linkage.bodies.l11),
+        ("l12", linkage.bodies.l12),
+        ("l21", linkage.bodies.l21),
+        ("l22", linkage.bodies.l22),
+    ];
+    let bodies = bodies.map(|(name, Body { mass_kg, com_m, inertia_kg_m2 })| {
+        (name, table([("mass", mass_kg.into()), ("com", list(com_m)), ("inertia", inertia_kg_m2.into())]).into())
+    });
+    let start = [
+        ("q11", initial.q11_rad.into()),
+        ("q21", initial.q21_rad.into()),
+        ("qd11", initial.qd11_rad_s.into()),
+        ("qd21", initial.qd21_rad_s.into()),
+    ];
+    let mut contact = law::contact_settings(&laws.proximal);
+    if laws.distal != laws.proximal {
+        contact.insert("distal".into(), law::contact_settings(&laws.distal).into());
     }
     let mut sections = table([
-        ("half_width", linkage.lengths.half_width_m.into()),
+        ("half_width", half_width_m.into()),
         ("assembly", linkage.assembly.keyword().into()),
-        ("lengths", settings::lengths(&linkage.lengths).into()),
-        ("bodies", settings::bodies(&linkage.bodies).into()),
-        ("spring", settings::spring(finger.spring).into()),
-        ("limit", settings::limit(finger.limit).into()),
+        ("lengths", Table::from_iter(lengths).into()),
+        ("bodies", table(bodies).into()),
+        ("spring", drive::spring_settings(finger.spring).into()),
+        ("limit", law::limit_settings(finger.limit).into()),
         ("contact", contact.into()),
-        ("initial", settings::initial(&finger.initial).into()),
+        ("initial", table(start).into()),
     ]);
     if has_motor {
-        sections.insert("motor".into(), settings::motor(&finger.motor, finger.motor.inertia_kg_m2).into());
+        sections.insert("motor".into(), drive::motor_settings(&finger.motor, finger.motor.inertia_kg_m2).into());
     }
     sections
 }
@@ -114,7 +133,7 @@ fn add_gripper(file: &mut Table, system: &System) {
     if let Some(Differential { motor, seesaw_inertia_kg_m2 }) = &system.differential {
         let [input, seesaw] = [motor.inertia_kg_m2, *seesaw_inertia_kg_m2].map(Value::from);
         differential.extend(table([("input_inertia", input), ("seesaw_inertia", seesaw)]));
-        file.insert("motor".into(), settings::motor(motor, 0.0).into());
+        file.insert("motor".into(), drive::motor_settings(motor, 0.0).into());
     }
     file.insert("differential".into(), differential.into());
     let present = system.table.is_some().into();
@@ -122,10 +141,10 @@ fn add_gripper(file: &mut Table, system: &System) {
     // Fingers that differ would inherit the keys of a common friction law.
     let first = system.fingers[0].contact.proximal;
     let common = if file.contains_key("contact") { first } else { ContactLaw { friction: None, ..first } };
-    let laws = file.entry("contact").or_insert_with(|| settings::contact(&common).into());
+    let laws = file.entry("contact").or_insert_with(|| law::contact_settings(&common).into());
     for (key, plane) in [("palm", system.palm), ("table", system.table)] {
         let law = plane.and_then(|plane| plane.contact).filter(|law| *law != common);
-        let law = law.map(|law| (key.to_string(), Value::from(settings::contact(&law))));
+        let law = law.map(|law| (key.to_string(), Value::from(law::contact_settings(&law))));
         laws.as_table_mut().into_iter().for_each(|laws| laws.extend(law.clone()));
     }
 }
@@ -133,7 +152,7 @@ fn add_gripper(file: &mut Table, system: &System) {
 /// Returns the texts of a table in SI units and its sections; `text` returns the text of a value at a path, or `None` to
 /// omit it.
 fn to_texts(
-    schema: &Json,
+    schema: &Section,
     values: &Table,
     path: &str,
     text: &impl Fn(&Value, &ValueType, &str) -> Option<String>,
@@ -142,23 +161,22 @@ fn to_texts(
         let items = value.as_array().map_or(std::slice::from_ref(*value), Vec::as_slice);
         !items.is_empty() && items.iter().all(|item| item.as_float().is_none_or(f64::is_finite))
     };
-    let value = |(key, property): (&String, &Json)| {
-        let value = values.get(field(property)).filter(is_set).filter(|_| effect(property, schema, values).is_ok())?;
-        Some((key.clone(), text(value, &ValueType::from_schema(property), &join(path, key))?.into()))
+    let value = |key: &Key| {
+        let value = values.get(key.field).filter(is_set).filter(|_| schema.effect(key, values).is_ok())?;
+        Some((key.name.to_string(), text(value, &key.value_type, &join(path, key.name))?.into()))
     };
-    let section = |(key, property): (&String, &Json)| {
-        let section = to_texts(property, values.get(key)?.as_table()?, &join(path, key), text);
+    let subsection = |(name, schema): (String, &Section)| {
+        let texts = to_texts(schema, values.get(&name)?.as_table()?, &join(path, &name), text);
         // A group of sections with free names has no values of its own.
-        (!section.is_empty() || property.get("properties").is_some()).then(|| (key.clone(), section.into()))
+        (!texts.is_empty() || schema.named().is_none()).then(|| (name, texts.into()))
     };
-    value_properties(schema).filter_map(value).chain(tables(schema, values).into_iter().filter_map(section)).collect()
+    schema.keys().iter().filter_map(value).chain(tables(schema, values).into_iter().filter_map(subsection)).collect()
 }
 
 /// Sections of a table in the order of the schema, with their schemas; those with free names in the order of names.
-fn tables<'a>(schema: &'a Json, values: &'a Table) -> Vec<(&'a String, &'a Json)> {
-    let named = schema.get("additionalProperties").filter(|each| each.is_object());
-    let named = named.into_iter().flat_map(|each| values.keys().map(move |name| (name, each)));
-    properties(schema).into_iter().filter(|(_, property)| is_table(property)).chain(named).collect()
+fn tables<'a>(schema: &'a Section, values: &Table) -> Vec<(String, &'a Section)> {
+    let named = schema.named().into_iter().flat_map(|each| values.keys().map(move |name| (name.clone(), each)));
+    schema.subsections().iter().map(|(name, section)| (name.to_string(), section)).chain(named).collect()
 }
 
 /// Returns a value in SI units as TOML, with a number of significant digits; `None` for all digits.
@@ -204,7 +222,7 @@ fn quantity(si: f64, dimension: Dimension, digits: Option<usize>) -> String {
 /// changed since its source was read is shown in full as it is now.
 pub fn show_written(scene: &Scene) -> String {
     let Ok(document) = DeTable::parse(&scene.source) else { return show(scene) };
-    let (schema, resolved) = (schema_for(scene.kind()), resolved(scene));
+    let (schema, resolved) = (top_level(scene.kind()), resolved(scene));
     let written = texts(document.get_ref(), &scene.source);
     let mut complete = written.clone();
     complete.entry("name").or_insert_with(|| toml::Value::String(scene.name.clone()).to_string().into());
@@ -231,32 +249,30 @@ pub fn show_written(scene: &Scene) -> String {
 }
 
 /// Adds the defaults of the schema that the resolved scene has; `resolved` is the same table of it.
-fn add_defaults(complete: &mut Table, schema: &Json, resolved: Option<&Table>) {
-    for (key, property) in value_properties(schema) {
-        let value_type = ValueType::from_schema(property);
-        let Some(si) = property.get("x-si").and_then(|si| Value::try_from(si).ok()) else { continue };
-        let is_written =
-            complete.keys().any(|known| known == key || pair_element(known).is_some_and(|(pair, _)| pair == key));
-        let actual = resolved.and_then(|resolved| resolved.get(field(property)));
-        if !is_written && actual.is_none_or(|actual| *actual == si) {
-            let default = &property["default"];
+fn add_defaults(complete: &mut Table, schema: &Section, resolved: Option<&Table>) {
+    for key in schema.keys() {
+        let Some(si) = &key.default else { continue };
+        let is_element = |known: &str| pair_element(known).is_some_and(|(pair, _)| pair == key.name);
+        let is_written = complete.keys().any(|known| known == key.name || is_element(known));
+        let actual = resolved.and_then(|resolved| resolved.get(key.field));
+        if !is_written && actual.is_none_or(|actual| actual == si) {
+            let default = &key.schema["default"];
             // Other values have the notation of JSON, with spaces between the items of lists.
             let in_json = || default.to_string().replace("\",\"", "\", \"");
-            let text = if default.is_number() { toml_text(&si, &value_type, None) } else { in_json() };
-            complete.insert(key.clone(), text.into());
+            let text = if default.is_number() { toml_text(si, &key.value_type, None) } else { in_json() };
+            complete.insert(key.name.to_string(), text.into());
         }
     }
-    let names: Vec<(String, Json)> =
-        tables(schema, complete).into_iter().map(|(key, property)| (key.clone(), property.clone())).collect();
-    for (key, property) in names {
-        let is_present = complete.contains_key(&key);
-        let is_optional = OPTIONAL.contains(&key.as_str()) || property.get("x-overrides").is_some();
-        if is_present || !is_optional && property.get("properties").is_some() {
-            let mut section = complete.remove(&key).and_then(|section| section.as_table().cloned()).unwrap_or_default();
-            let inner = resolved.and_then(|resolved| resolved.get(&key)?.as_table());
-            add_defaults(&mut section, &property, inner);
+    for (name, schema) in tables(schema, complete) {
+        let is_present = complete.contains_key(&name);
+        let is_optional = OPTIONAL.contains(&name.as_str()) || schema.schema.get("x-overrides").is_some();
+        if is_present || !is_optional && schema.named().is_none() {
+            let mut section =
+                complete.remove(&name).and_then(|section| section.as_table().cloned()).unwrap_or_default();
+            let inner = resolved.and_then(|resolved| resolved.get(&name)?.as_table());
+            add_defaults(&mut section, schema, inner);
             if is_present || !section.is_empty() {
-                complete.insert(key, section.into());
+                complete.insert(name, section.into());
             }
         }
     }
@@ -283,7 +299,7 @@ fn by_contact(resolved: &Table) -> Table {
 }
 
 /// Returns the values derived from the scene, rounded, as comments.
-fn derived_values(schema: &Json, resolved: &Table, complete: &Table) -> String {
+fn derived_values(schema: &Section, resolved: &Table, complete: &Table) -> String {
     // A value may be given in a common section: that of both fingers, the common contact law, or the design for some
     // lengths.
     let is_given = |path: &str| {

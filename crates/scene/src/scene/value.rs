@@ -1,12 +1,10 @@
 //! Values of settings: their types by the schema, and reading them from a file.
 
-use std::collections::BTreeMap;
-
 use serde_json::Value as Json;
 use toml::{Spanned, Value};
 
 use super::error::Problem;
-use super::suggest::{closest_match, find_unsupported};
+use super::keys::{closest_match, find_unsupported};
 use super::toml_value::TomlValue;
 use crate::units::{self, Dimension};
 
@@ -104,10 +102,7 @@ impl ValueType {
             (ValueType::Flag, _) => {
                 refuse(found.name(), "true or false", "true or false", "write true or false, without quotes".into())
             }
-            (ValueType::Choice(keywords), _) => {
-                let keywords: Vec<&str> = keywords.iter().map(String::as_str).collect();
-                read_keyword(key, value, &keywords).map(|index| keywords[index].into())
-            }
+            (ValueType::Choice(keywords), _) => read_keyword(key, value, keywords),
             (ValueType::Text, TomlValue::Text(text)) if !text.trim().is_empty() => Ok(Value::from(text.as_str())),
             (ValueType::Text, _) => {
                 let name = if matches!(found, TomlValue::Text(_)) { "empty" } else { found.name() };
@@ -152,6 +147,19 @@ impl ValueType {
         format!("write x and y: [\"0 {unit}\", \"{y}\"]")
     }
 
+    /// Converts a value of a schema, such as a default, to SI units.
+    pub(crate) fn json_to_si(&self, json: &Json) -> Option<Value> {
+        match (self, json) {
+            (ValueType::Quantity(dimension), _) => units::parse(json.as_str()?, *dimension).ok().map(Value::Float),
+            (ValueType::Number | ValueType::Percent, _) => json.as_f64().map(Value::Float),
+            (ValueType::List(item, _), Json::Array(items)) => {
+                items.iter().map(|json| item.json_to_si(json)).collect::<Option<_>>().map(Value::Array)
+            }
+            (_, Json::String(text)) => self.restore(text),
+            _ => self.restore(&json.to_string()),
+        }
+    }
+
     /// Reads a value in SI units as recorded in a log.
     pub fn restore(&self, text: &str) -> Option<Value> {
         match self {
@@ -186,28 +194,8 @@ fn dimension(schema: &Json) -> Option<Dimension> {
     Dimension::ALL.into_iter().find(|dimension| dimension.units()[0].name == unit)
 }
 
-/// Reads a value of a schema, such as a default, in SI units.
-pub(crate) fn from_json(json: &Json, value_type: &ValueType) -> Option<Value> {
-    fn spanned(json: &Json) -> Spanned<TomlValue> {
-        let value = match json {
-            Json::Bool(flag) => TomlValue::Flag(*flag),
-            Json::Number(number) => {
-                number.as_i64().map_or(TomlValue::Float(number.as_f64().unwrap_or(0.0)), TomlValue::Integer)
-            }
-            Json::String(text) => TomlValue::Text(text.clone()),
-            Json::Array(items) => TomlValue::List(items.iter().map(spanned).collect()),
-            Json::Null | Json::Object(_) => TomlValue::Table(BTreeMap::new()),
-        };
-        Spanned::new(0..0, value)
-    }
-    value_type.read("", &spanned(json)).ok()
-}
-
 /// Reads a quantity of one dimension.
-///
-/// # Errors
-/// Returns the problem of a value that is no such quantity.
-pub(crate) fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: Dimension) -> Read<f64> {
+fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: Dimension) -> Read<f64> {
     let help = || format!("write a number and its unit, as in \"{}\"", expected.example());
     let TomlValue::Text(text) = value.get_ref() else {
         let message = format!(
@@ -221,24 +209,22 @@ pub(crate) fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: Dim
     units::parse(text, expected).map_err(|e| vec![problem_at(value, format!("`{key}`: {e}"), expected.name(), help())])
 }
 
-/// Reads a keyword of a closed list and returns its index.
-///
-/// # Errors
-/// Returns the problem of a value that is no such keyword.
-pub(crate) fn read_keyword(key: &str, value: &Spanned<TomlValue>, keywords: &[&str]) -> Read<usize> {
+/// Reads a keyword of a closed list.
+fn read_keyword(key: &str, value: &Spanned<TomlValue>, keywords: &[String]) -> Read<Value> {
     let help = format!("allowed: \"{}\"", keywords.join("\", \""));
     let TomlValue::Text(text) = value.get_ref() else {
         let message = format!("`{key}` is {}, but must be a keyword", value.get_ref().name());
         return Err(vec![problem_at(value, message, "a keyword in quotes", help)]);
     };
-    if let Some(index) = keywords.iter().position(|keyword| keyword == text) {
-        return Ok(index);
+    if keywords.contains(text) {
+        return Ok(text.as_str().into());
     }
     if let Some((reason, instead)) = find_unsupported(key, text) {
         let (message, help) = (format!("`{key}` has no \"{text}\": {reason}"), format!("{instead}; {help}"));
         return Err(vec![problem_at(value, message, "not supported by phalanx", help)]);
     }
-    let label = closest_match(text, keywords).map_or("unknown value".into(), |w| format!("did you mean \"{w}\"?"));
+    let keywords: Vec<&str> = keywords.iter().map(String::as_str).collect();
+    let label = closest_match(text, &keywords).map_or("unknown value".into(), |w| format!("did you mean \"{w}\"?"));
     let message = format!("\"{}\" is not a valid value of `{key}`", text.escape_debug());
     Err(vec![problem_at(value, message, label, help)])
 }

@@ -9,6 +9,7 @@ use crate::numeric::elementary::hypot;
 use crate::scene::quantity::{
     Acceleration, Angle, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word, si_values,
 };
+use crate::scene::section_input::SectionInput;
 use crate::scene::{Axis, Move, PalmMotion, Path, Ramp, Vibration};
 
 /// Coordinates that are not 0.
@@ -37,23 +38,6 @@ pub struct MoveSettings {
     /// Peak acceleration a over the distance s = √(x² + y²), which determines the duration T = √(16.8/√5 s/a), with
     /// 16.8/√5 = 7.513. Alternative to `time`.
     pub acceleration: Option<Positive<Acceleration>>,
-}
-
-impl MoveSettings {
-    /// Distance of the translation.
-    pub fn distance_m(&self) -> f64 {
-        hypot(*self.x, *self.y)
-    }
-
-    /// Moves along each coordinate that changes; the duration follows from the peak acceleration if that is given.
-    pub fn moves(&self) -> impl Iterator<Item = Move> {
-        let start_s = self.start.map_or(f64::NAN, |start| *start);
-        let length_s = match self.acceleration {
-            None => self.time.map_or(f64::NAN, |time| *time),
-            Some(peak) => (Move::unit_peak_acceleration() * self.distance_m() / *peak).sqrt(),
-        };
-        nonzero(*self.x, *self.y, *self.angle).map(move |(axis, distance)| Move { axis, distance, start_s, length_s })
-    }
 }
 
 /// A vibration of the palm, amplitude × sin(2π f (t − start) + phase), with a ramp over the first periods.
@@ -85,23 +69,6 @@ pub struct VibrationSettings {
     pub ramp: Word<Ramp>,
 }
 
-impl VibrationSettings {
-    /// Vibrations along each coordinate that changes.
-    pub fn vibrations(&self) -> impl Iterator<Item = Vibration> {
-        let frequency_hz = self.frequency.map_or(f64::NAN, |frequency| *frequency);
-        let (phase_rad, start_s, ramp_periods, ramp) = (*self.phase, *self.start, *self.ramp_periods, self.ramp.0);
-        nonzero(*self.x, *self.y, *self.angle).map(move |(axis, amplitude)| Vibration {
-            axis,
-            amplitude,
-            frequency_hz,
-            phase_rad,
-            start_s,
-            ramp_periods,
-            ramp,
-        })
-    }
-}
-
 impl Keyword for Ramp {
     const KEYWORDS: &'static [(&'static str, Self)] = &[("quintic", Ramp::Quintic), ("cubic", Ramp::Cubic)];
 }
@@ -120,28 +87,8 @@ pub struct PathSettings {
     pub angle: Option<Vec<Quantity<Angle>>>,
 }
 
-impl PathSettings {
-    /// Times of the poses; empty if they are not given.
-    pub fn times_s(&self) -> Vec<f64> {
-        self.times.as_deref().map(si_values).unwrap_or_default()
-    }
-
-    /// X, Y and Φ over the poses; empty for a coordinate that is not given.
-    pub fn coordinates(&self) -> [Vec<f64>; 3] {
-        let lengths = |values: &Option<Vec<Quantity<Length>>>| values.as_deref().map(si_values).unwrap_or_default();
-        [lengths(&self.x), lengths(&self.y), self.angle.as_deref().map(si_values).unwrap_or_default()]
-    }
-
-    /// Creates the spline; `None` for fewer than two times.
-    pub fn path(&self) -> Option<Path> {
-        let coordinates = self.coordinates();
-        let at = |index: usize| coordinates.each_ref().map(|values| values.get(index).copied().unwrap_or(0.0));
-        Path::new(self.times_s().into_iter().enumerate().map(|(index, time)| (time, at(index))).collect())
-    }
-}
-
 /// Settings of a given motion: moves, vibrations and path; those without a name are numbered.
-pub fn palm_motion(motion: &PalmMotion) -> Table {
+pub fn palm_motion_settings(motion: &PalmMotion) -> Table {
     let mut settings = table([("moves", Table::new().into()), ("vibrations", Table::new().into())]);
     let mut add = |section: &str, names: &[String], index: usize, (axis, value): (Axis, f64), more: Table| {
         let axis = ["x", "y", "angle"][axis as usize];
@@ -181,4 +128,80 @@ pub fn palm_motion(motion: &PalmMotion) -> Table {
         );
     }
     settings
+}
+
+/// Resolves the motion of the palm; `None` if it is at rest. Reports a moving palm with a fixed object.
+pub fn palm_motion(input: &SectionInput<'_>, is_fixed: bool) -> Option<PalmMotion> {
+    let mut motion = PalmMotion::default();
+    for (name, keys) in input.subsection("moves").subsections() {
+        motion.moves.extend(moves(&keys));
+        motion.names[0].resize(motion.moves.len(), name.to_string());
+    }
+    for (name, keys) in input.subsection("vibrations").subsections() {
+        let settings: VibrationSettings = keys.read();
+        let (phase_rad, start_s, ramp_periods) = (*settings.phase, *settings.start, *settings.ramp_periods);
+        let (frequency_hz, ramp) = (settings.frequency.map_or(f64::NAN, |frequency| *frequency), settings.ramp.0);
+        let vibration =
+            |(axis, amplitude)| Vibration { axis, amplitude, frequency_hz, phase_rad, start_s, ramp_periods, ramp };
+        motion.vibrations.extend(nonzero(*settings.x, *settings.y, *settings.angle).map(vibration));
+        motion.names[1].resize(motion.vibrations.len(), name.to_string());
+    }
+    let path_input = input.subsection("path");
+    motion.path = path_input.is_present().then(|| path(&path_input)).flatten();
+    if motion == PalmMotion::default() {
+        return None;
+    }
+    if is_fixed {
+        let section = ["moves", "vibrations", "path"].into_iter().find(|section| input.has(section)).unwrap_or("moves");
+        let help = "write object.motion = \"free\", or remove the motion of the palm";
+        let message = "the palm moves, but the object is fixed in the world";
+        input.report(section, message, "requires a free object", help);
+    }
+    Some(motion)
+}
+
+/// Moves along each coordinate that changes. The duration is given, or follows from the peak acceleration.
+fn moves(input: &SectionInput<'_>) -> impl Iterator<Item = Move> {
+    let MoveSettings { x, y, angle, start, time, acceleration } = input.read();
+    let distance_m = hypot(*x, *y);
+    if input.has("time") {
+        input.report_unused("acceleration", "with `time`");
+    } else if !input.has("acceleration") {
+        let help = "add the duration or the peak acceleration: time = \"40 ms\" or acceleration = \"2 g\"";
+        input.report_missing("time", help);
+    } else if distance_m == 0.0 {
+        input.report_unused("acceleration", "without a distance x or y: give `time` instead");
+    }
+    let start_s = start.map_or(f64::NAN, |start| *start);
+    let length_s = match acceleration {
+        None => time.map_or(f64::NAN, |time| *time),
+        Some(peak) => (Move::unit_peak_acceleration() * distance_m / *peak).sqrt(),
+    };
+    nonzero(*x, *y, *angle).map(move |(axis, distance)| Move { axis, distance, start_s, length_s })
+}
+
+fn path(input: &SectionInput<'_>) -> Option<Path> {
+    let PathSettings { times, x, y, angle } = input.read();
+    let (times, coordinates) = (si_values(times), [si_values(x), si_values(y), si_values(angle)]);
+    let is_ordered = times.iter().all(|time| *time >= 0.0) && times.windows(2).all(|pair| pair[0] < pair[1]);
+    if times.len() < 2 || !is_ordered {
+        let message = "`path.times` must have two or more times, at least 0 and increasing";
+        return input.refuse("times", message, "invalid times", "write times = [\"0 ms\", \"50 ms\", \"100 ms\"]");
+    }
+    let problem_count = input.checker.count();
+    for (key, values) in ["x", "y", "angle"].into_iter().zip(&coordinates) {
+        if !values.is_empty() && values.len() != times.len() {
+            let message = format!("`path.{key}` has {} values, but there are {} times", values.len(), times.len());
+            let help = "give one value per time, or remove the key (default: 0)";
+            input.report(key, message, "different number", help);
+        }
+        if values.first().is_some_and(|first| *first != 0.0) {
+            let message = format!("`path.{key}` must begin at 0, the initial position of the palm");
+            input.report(key, message, "does not begin at 0", "give all values relative to the first one");
+        }
+    }
+    // A coordinate that is not given is 0.
+    let at = |index: usize| coordinates.each_ref().map(|values| values.get(index).copied().unwrap_or(0.0));
+    let points = times.into_iter().enumerate().map(|(index, time)| (time, at(index)));
+    (input.checker.count() == problem_count).then(|| Path::new(points.collect())).flatten()
 }

@@ -6,10 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::{BODIES, FINGERS, NO_OR_TWO_FINGERS};
 use crate::limits::{MAX_PICTURES, MAX_SAMPLES};
 use crate::numeric::elementary::{log10, powi};
+use crate::scene::System;
 use crate::scene::keywords::SceneKind;
 use crate::scene::quantity::{
     Angle, AngularRate, Force, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word,
 };
+use crate::scene::section_input::SectionInput;
+use crate::units::{self, Dimension};
 
 /// Integration of the equations of motion. Defaults depend on the preset.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -36,6 +39,7 @@ pub struct Integrator {
 /// Tolerances of the integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
 pub enum Preset {
     Engineering,
     Reference,
@@ -43,6 +47,7 @@ pub enum Preset {
 
 /// Integration method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(inline)]
 pub enum Method {
     #[serde(rename = "rodas5p")]
     Rodas5p,
@@ -79,7 +84,7 @@ impl Integrator {
     }
 
     /// The settings of another preset, within the same step budget.
-    pub(in crate::scene) const fn with_preset(&self, preset: Preset) -> Self {
+    pub(crate) const fn with_preset(&self, preset: Preset) -> Self {
         Self { max_steps: self.max_steps, ..Self::preset(preset) }
     }
 
@@ -108,20 +113,23 @@ impl Keyword for Method {
 
 /// Construction, contact law and stepping of the engine model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(from = "EngineSettings", into = "EngineSettings")]
 #[schemars(with = "EngineSettings")]
 pub struct Engine {
     pub construction: Construction,
+    #[serde(flatten)]
     pub response: Response,
+    #[serde(flatten)]
     pub stepping: Stepping,
     /// Sweeps of rapier's projected Gauss–Seidel solver over the joints, per step.
+    #[serde(default)]
     pub iterations: u32,
     /// Step budget; a run that needs more steps ends with an error, and its log is kept.
     pub max_steps: u64,
 }
 
 /// Coordinates of the engine model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Construction {
     /// Three coordinates per body; every joint is a constraint between two bodies. Second-order accurate.
     Maximal,
@@ -130,51 +138,54 @@ pub enum Construction {
 }
 
 /// Contact forces of the engine model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "law", rename_all = "kebab-case")]
 pub enum Response {
     /// The scene's contact laws, applied through the engine's contact-force hook.
+    #[serde(rename = "scene")]
     Laws,
     /// rapier's own rigid contact, with its Coulomb friction and Newton restitution.
-    Rapier { friction: f64, restitution: f64 },
+    Rapier {
+        #[serde(default = "unset")]
+        friction: f64,
+        restitution: f64,
+    },
+}
+
+/// A value that is not given.
+fn unset() -> f64 {
+    f64::NAN
 }
 
 /// Step sizes of the engine model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "stepping", rename_all = "kebab-case")]
 pub enum Stepping {
     Fixed {
+        #[serde(rename = "step", default = "unset")]
         step_s: f64,
     },
     /// Steps in which no joint deviates by more than `tolerance_m` from its circular path; shorter around impacts.
     Adaptive {
+        #[serde(rename = "tolerance")]
         tolerance_m: f64,
+        #[serde(rename = "max_step")]
         max_step_s: f64,
     },
 }
 
 pub const ENGINE_MAX_STEP_S: f64 = 6e-5;
 
-const ADAPTIVE: Stepping = Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: ENGINE_MAX_STEP_S };
-
 impl Keyword for Construction {
     const KEYWORDS: &'static [(&'static str, Self)] =
         &[("maximal", Construction::Maximal), ("reduced", Construction::Reduced)];
-}
-
-impl Keyword for Response {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("scene", Response::Laws), ("rapier", Response::Rapier { friction: f64::NAN, restitution: 0.0 })];
-}
-
-impl Keyword for Stepping {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("adaptive", ADAPTIVE), ("fixed", Stepping::Fixed { step_s: f64::NAN })];
 }
 
 impl Engine {
     pub const DEFAULT: Self = Self {
         construction: Construction::Maximal,
         response: Response::Laws,
-        stepping: ADAPTIVE,
+        stepping: Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: ENGINE_MAX_STEP_S },
         iterations: Self::default_iterations(Response::Laws),
         max_steps: MAX_STEPS,
     };
@@ -196,90 +207,44 @@ impl Engine {
 }
 
 /// Construction, contact law and stepping of the engine model.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct EngineSettings {
+// The keys of an `Engine` in a file, for the schema.
+#[derive(JsonSchema)]
+pub struct EngineSettings {
     /// "maximal": every body moves freely, and every joint is a constraint; "reduced": a tree of joints in joint
     /// coordinates, closed by one constraint (for a single finger only).
     #[schemars(extend("default" = "maximal"))]
-    construction: Word<Construction>,
+    pub construction: Word<Construction>,
     /// Contact law: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
-    #[schemars(extend("default" = "scene"))]
-    law: Word<Response>,
+    #[schemars(extend("default" = "scene", "enum" = ["scene", "rapier"]))]
+    pub law: String,
     /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the contact (of the proximal
     /// contact of a finger).
     #[schemars(extend("x-with" = "law = rapier"))]
-    friction: Option<NotNegative<Plain>>,
+    pub friction: Option<NotNegative<Plain>>,
     /// Coefficient of rapier's Newton restitution, 0 to 1 (law = "rapier").
     #[schemars(extend("x-with" = "law = rapier", "default" = 0.0, "minimum" = 0.0, "maximum" = 1.0))]
-    restitution: Option<Quantity<Plain>>,
+    pub restitution: Option<Quantity<Plain>>,
     /// "adaptive": steps limited by `tolerance`, shorter around impacts; "fixed": all steps of size `step`.
-    #[schemars(extend("default" = "adaptive"))]
-    stepping: Word<Stepping>,
+    #[schemars(extend("default" = "adaptive", "enum" = ["adaptive", "fixed"]))]
+    pub stepping: String,
     /// Step size. Required with stepping = "fixed", not allowed otherwise.
     #[schemars(extend("x-with" = "stepping = fixed",
         "x-required" = "add the step size: step = \"10 us\"; or use stepping = \"adaptive\""))]
-    step: Option<Positive<Time>>,
+    pub step: Option<Positive<Time>>,
     /// Largest deviation of a joint from its circular path in one step, in which bodies move along straight lines
     /// (stepping = "adaptive"). The default is proportionally smaller if the shortest link is shorter than 2.5 mm.
     #[schemars(extend("x-with" = "stepping = adaptive", "default" = "1e-4 mm"))]
-    tolerance: Option<Positive<Length>>,
+    pub tolerance: Option<Positive<Length>>,
     /// Longest step (stepping = "adaptive").
     #[schemars(extend("x-with" = "stepping = adaptive", "default" = "60 us"))]
-    max_step: Option<Positive<Time>>,
+    pub max_step: Option<Positive<Time>>,
     /// Sweeps of rapier's joint solver in every step. Default: 2, or 50 with law = "rapier".
     // Bounded, because the step budget cannot end a run if a single step takes too long.
     #[schemars(extend("minimum" = 1, "maximum" = 10_000))]
-    iterations: Option<u32>,
+    pub iterations: Option<u32>,
     /// Maximum number of steps of a run.
     #[schemars(extend("default" = MAX_STEPS, "minimum" = 1))]
-    max_steps: u64,
-}
-
-impl From<EngineSettings> for Engine {
-    fn from(settings: EngineSettings) -> Self {
-        let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
-        let response = match settings.law.0 {
-            Response::Laws => Response::Laws,
-            Response::Rapier { .. } => Response::Rapier {
-                friction: number(settings.friction.map(|friction| *friction)),
-                restitution: number(settings.restitution.map(|restitution| *restitution)),
-            },
-        };
-        let stepping = match settings.stepping.0 {
-            Stepping::Fixed { .. } => Stepping::Fixed { step_s: number(settings.step.map(|step| *step)) },
-            Stepping::Adaptive { .. } => Stepping::Adaptive {
-                tolerance_m: number(settings.tolerance.map(|tolerance| *tolerance)),
-                max_step_s: number(settings.max_step.map(|step| *step)),
-            },
-        };
-        let iterations = settings.iterations.unwrap_or(Engine::default_iterations(response));
-        Engine { construction: settings.construction.0, response, stepping, iterations, max_steps: settings.max_steps }
-    }
-}
-
-impl From<Engine> for EngineSettings {
-    fn from(engine: Engine) -> Self {
-        let (friction, restitution) = match engine.response {
-            Response::Laws => (None, None),
-            Response::Rapier { friction, restitution } => (Some(friction.into()), Some(restitution.into())),
-        };
-        let (step, tolerance, max_step) = match engine.stepping {
-            Stepping::Fixed { step_s } => (Some(step_s.into()), None, None),
-            Stepping::Adaptive { tolerance_m, max_step_s } => (None, Some(tolerance_m.into()), Some(max_step_s.into())),
-        };
-        EngineSettings {
-            construction: Word(engine.construction),
-            law: Word(engine.response),
-            friction,
-            restitution,
-            stepping: Word(engine.stepping),
-            step,
-            tolerance,
-            max_step,
-            iterations: Some(engine.iterations),
-            max_steps: engine.max_steps,
-        }
-    }
+    pub max_steps: u64,
 }
 
 /// Tolerances of `phalanx validate` for differences between the engine model and the analytic model.
@@ -431,4 +396,95 @@ impl LogRates {
             .into_iter()
             .find(|excess| excess.rate_hz * duration_s > excess.max)
     }
+}
+
+/// Resolves the settings of the integrator: preset and relative tolerance determine the defaults of the others.
+pub fn integrator(input: &SectionInput<'_>) -> Integrator {
+    let mut base = Integrator::engineering_for(input.kind);
+    let Integrator { preset, rtol, .. } = input.read_over(&base);
+    if preset == Preset::Reference {
+        base = base.with_preset(preset);
+    }
+    if input.has("rtol") {
+        base = base.with_rtol(rtol);
+    }
+    input.read_over(&base)
+}
+
+/// Default duration.
+const DURATION_S: f64 = 0.020;
+
+/// For links shorter than this, m, the default tolerance of steps is proportional to their length: the error of angles
+/// is the tolerance divided by the length.
+const SHORT_LINK_M: f64 = 2.5e-3;
+
+/// Resolves the settings of the engine model. The default friction of rapier's contact is the static friction of the
+/// scene's contact law.
+pub fn engine(input: &SectionInput<'_>, system: Option<&System>) -> Engine {
+    let mut engine: Engine = input.read();
+    if !input.has("iterations") {
+        engine.iterations = Engine::default_iterations(engine.response);
+    }
+    let proximal = system.and_then(|system| system.fingers.first()).map(|finger| finger.contact.proximal);
+    let law = proximal.or(system.and_then(|system| system.between_discs));
+    if let (Response::Rapier { friction, .. }, Some(law), false) = (&mut engine.response, law, input.has("friction")) {
+        *friction = law.friction.map_or(0.0, |friction| friction.mu_static);
+    }
+    if let (Stepping::Adaptive { tolerance_m, .. }, Some(system), false) =
+        (&mut engine.stepping, system, input.has("tolerance"))
+    {
+        *tolerance_m *= SHORT_LINK_M.min(system.shortest_link_m()) / SHORT_LINK_M;
+    }
+    if engine.construction == Construction::Reduced && input.kind != SceneKind::Finger {
+        let (reason, label, what) = match input.kind {
+            SceneKind::Bodies => ("a scene of discs has no joints", "no joints", "disc"),
+            _ => ("joint coordinates are supported for one finger only", "one finger only", "body"),
+        };
+        let message = format!("`engine.construction` is \"reduced\", but {reason}");
+        let help = format!("remove it: every {what} then has its own coordinates");
+        input.report("construction", message, label, help);
+    }
+    engine
+}
+
+/// Resolves the tolerances of the validation; only the end of the comparison depends on the duration.
+pub fn bounds(input: &SectionInput<'_>, duration_s: Option<f64>) -> Bounds {
+    let defaults = Bounds::defaults_for_run(input.kind, duration_s.unwrap_or(DURATION_S));
+    let bounds: Bounds = input.read_over(&defaults);
+    let help = "lower it, raise `duration`, or remove it (default: the duration)";
+    check_within_duration(input, "until", bounds.until_s, duration_s, help);
+    bounds
+}
+
+/// Resolves the thresholds of the grasp criteria of a gripper.
+pub fn thresholds(input: &SectionInput<'_>, system: Option<&System>, duration_s: Option<f64>) -> Thresholds {
+    let motor_force_n = system.map_or(0.0, System::motor_force_n);
+    let defaults = match input.kind {
+        SceneKind::Gripper => Thresholds::defaults_for_run(duration_s.unwrap_or(DURATION_S), motor_force_n),
+        SceneKind::Finger | SceneKind::Bodies => Thresholds::NONE,
+    };
+    let thresholds: Thresholds = input.read_over(&defaults);
+    for (key, time_s) in [("loss_time", thresholds.loss_time_s), ("held_time", thresholds.held_time_s)] {
+        check_within_duration(input, key, time_s, duration_s, "lower it, raise `duration`, or remove it");
+    }
+    thresholds
+}
+
+/// Reports a time that is longer than the run.
+fn check_within_duration(input: &SectionInput<'_>, key: &str, time_s: f64, duration_s: Option<f64>, help: &str) {
+    let Some(duration_s) = duration_s.filter(|duration_s| time_s > *duration_s) else { return };
+    let [time, duration] = [time_s, duration_s].map(|time_s| units::format(time_s, Dimension::Time));
+    let message = format!("`{}` is {time}, but must be at most the duration of {duration}", input.path(key));
+    input.report(key, message, "after the end", help);
+}
+
+/// Resolves the rates of the log and checks their limits.
+pub fn log(input: &SectionInput<'_>, duration_s: Option<f64>) -> LogRates {
+    let rates: LogRates = input.read();
+    if let Some(excess) = duration_s.and_then(|duration_s| rates.excess(duration_s)) {
+        let key = if excess.pictures { "picture_rate" } else { "numeric_rate" };
+        let help = format!("write `{key} = \"{}\"` in [log], or shorten the run", excess.suggested_rate());
+        input.report(key, excess.to_string(), "too many", help);
+    }
+    rates
 }

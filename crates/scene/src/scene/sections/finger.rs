@@ -1,16 +1,126 @@
 //! The links of a finger: lengths, given or from a design, and bodies from outlines, material and overrides.
 
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Display;
 
-use super::super::section_input::SectionInput;
-use super::super::settings::{BodySettings, DesignSettings, LengthSettings, MaterialSettings};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::FINGERS;
 use crate::gripper::{self, Assembly, BodyOverride, Design, DesignError, Finger, Lengths, MassError, ProximalLength};
 use crate::numeric::elementary::{cos, hypot, sin};
-use crate::scene::quantity::{Length, Positive, Time, Word};
+use crate::scene::quantity::{Angle, Density, Inertia, Length, Mass, Plain, Positive, Quantity, Time, Word};
+use crate::scene::section_input::SectionInput;
 use crate::sizing::Rule;
 
+/// Keys of a finger at the top level.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct FingerKeys {
+    /// Half width w of every link; a phalanx is a capsule of this radius.
+    #[schemars(extend("default" = "2.5 mm", "x-kinds" = FINGERS))]
+    pub half_width: Positive<Length>,
+    /// Assembly mode of the five-bar: "reference": that of the straight configuration; "other": its mirror image.
+    #[schemars(extend("default" = "reference", "x-kinds" = FINGERS))]
+    pub assembly: Word<Assembly>,
+    /// Computes the torques of motor and spring (or the stiffness of a torsional spring with a preload), which must not
+    /// be given then: the spring keeps the finger straight on a test trajectory up to the object; the motor has the RMS
+    /// torque of this "rigid" phase, or of the "whole" trajectory.
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub sizing: Option<Word<Rule>>,
+    /// Duration of the test trajectory of `sizing`.
+    #[schemars(extend("default" = "10 ms", "x-kinds" = FINGERS))]
+    pub closing_time: Positive<Time>,
+}
+
+/// The finger by its design variables, adapted to the object. Alternative to [lengths].
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct DesignSettings {
+    /// Distance along the palm from the ground joints to the object's centre. Required.
+    #[schemars(extend("x-required" = "add the distance to the object: base = \"15.5 mm\""))]
+    pub base: Option<Positive<Length>>,
+    /// Length of the proximal phalanx l21. Alternative to l21_fraction.
+    pub l21: Option<Positive<Length>>,
+    /// Length of the proximal phalanx as a fraction, 0 to 1, of the range of l21 that the base allows.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1.0, "x-alternative" = "l21",
+        "x-required" = "give the proximal phalanx: l21_fraction = 1.0, or a length l21 = \"24 mm\""))]
+    pub l21_fraction: Option<Quantity<Plain>>,
+    /// Angle from the arm l22 to the distal phalanx. Required.
+    #[schemars(extend("x-exclusiveMinimum" = 0.0, "x-exclusiveMaximum" = PI,
+        "x-required" = "add the angle of the distal phalanx: phi22 = \"120 deg\""))]
+    pub phi22: Option<Quantity<Angle>>,
+    /// Ratio l22 / l11. Required.
+    #[schemars(extend("x-required" = "add l22 / l11: arm_ratio = 0.5"))]
+    pub arm_ratio: Option<Positive<Plain>>,
+    /// Length of the driven link l11.
+    #[schemars(extend("default" = "15 mm"))]
+    pub l11: Positive<Length>,
+    /// Height of the closed finger divided by the object's diameter.
+    #[schemars(extend("default" = crate::gripper::HEIGHT_RATIO))]
+    pub height_ratio: Positive<Plain>,
+    /// Smallest contact angle of the distal phalanx; determines the shortest l21.
+    #[schemars(extend("default" = "5 deg", "x-exclusiveMinimum" = -FRAC_PI_2, "x-exclusiveMaximum" = FRAC_PI_2))]
+    pub tip_contact_min: Quantity<Angle>,
+}
+
+/// The finger by its link lengths. Alternative to [design].
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct LengthSettings {
+    /// Distance along the palm from the ground joints to the object's centre: the position of the object of one finger,
+    /// half the palm width of a gripper. Alternative to `object.centre` and `palm_width`.
+    pub base: Option<Positive<Length>>,
+    /// Length of the driven link, between ground joint and coupler.
+    #[schemars(extend("default" = "15 mm"))]
+    pub l11: Positive<Length>,
+    /// Length of the coupler. Default: such that the finger is straight with l11 along the palm and l21 perpendicular
+    /// to it.
+    pub l12: Option<Positive<Length>>,
+    /// Length of the proximal phalanx. Required.
+    #[schemars(extend("x-required" = "add the proximal phalanx: l21 = \"24 mm\""))]
+    pub l21: Option<Positive<Length>>,
+    /// Length of the arm of the distal body, to the coupler. Required.
+    #[schemars(extend("x-required" = "add the arm of the distal body: l22 = \"7.5 mm\""))]
+    pub l22: Option<Positive<Length>>,
+    /// Length of the distal phalanx. Required.
+    #[schemars(extend("x-required" = "add the distal phalanx: t22 = \"13 mm\""))]
+    pub t22: Option<Positive<Length>>,
+    /// Angle from the arm l22 to the distal phalanx. Required.
+    #[schemars(extend("x-exclusiveMinimum" = 0.0, "x-exclusiveMaximum" = PI,
+        "x-required" = "add the angle of the distal phalanx: phi22 = \"120 deg\""))]
+    pub phi22: Option<Quantity<Angle>>,
+}
+
+/// Density and depth of the links, which determine masses and inertias together with the outlines.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct MaterialSettings {
+    #[schemars(extend("default" = "1070 kg/m^3"))]
+    pub density: Positive<Density>,
+    /// Extent of the links out of the plane.
+    #[schemars(extend("default" = "40 mm"))]
+    pub depth: Positive<Length>,
+}
+
+/// Mass properties of single bodies that replace those from the outlines.
+#[derive(JsonSchema)]
+pub struct BodiesSettings {
+    pub l11: BodySettings,
+    pub l12: BodySettings,
+    pub l21: BodySettings,
+    pub l22: BodySettings,
+}
+
+/// Mass properties of one body: `l11`, `l12`, `l21` or `l22`. If only the mass is given, the inertia from the outline is
+/// scaled with it.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct BodySettings {
+    pub mass: Option<Positive<Mass>>,
+    /// Centre of mass relative to the preceding joint: along the link, and to its left.
+    pub com: Option<[Quantity<Length>; 2]>,
+    /// Moment of inertia about the centre of mass.
+    pub inertia: Option<Positive<Inertia>>,
+}
+
 /// The lengths of a finger without bodies, and its settings at the top level.
-pub(crate) struct FingerLengths {
+pub struct FingerLengths {
     pub half_width_m: f64,
     pub assembly: Assembly,
     /// Sizing of motor and spring; `None` if their torques are given.
@@ -22,18 +132,9 @@ pub(crate) struct FingerLengths {
     pub base_m: Option<f64>,
 }
 
-/// Keys of a finger at the top level.
-#[derive(serde::Deserialize)]
-struct TopSettings {
-    half_width: Positive<Length>,
-    assembly: Word<Assembly>,
-    sizing: Option<Word<Rule>>,
-    closing_time: Positive<Time>,
-}
-
 /// Resolves the lengths from [design] or [lengths].
 pub(crate) fn resolve_lengths(input: &SectionInput<'_>, object_radius_m: f64) -> FingerLengths {
-    let TopSettings { half_width, assembly, sizing, closing_time } = input.read();
+    let FingerKeys { half_width, assembly, sizing, closing_time } = input.read();
     let (half_width_m, rule) = (*half_width, sizing.map(|rule| rule.0));
     let (design_input, lengths_input) = (input.subsection("design"), input.subsection("lengths"));
     let (mut lengths, mut base_m) = (None, None);
@@ -72,8 +173,7 @@ pub fn design(input: &SectionInput<'_>, half_width_m: f64, object_radius_m: f64)
     let DesignSettings { base, l21, l21_fraction, phi22, arm_ratio, l11, height_ratio, tip_contact_min } = settings;
     if input.has("l21") && input.has("l21_fraction") {
         let message = "the proximal phalanx is given twice, by `l21` and by `l21_fraction`";
-        input.report("l21_fraction", message, "second definition", "keep one of them");
-        return None;
+        return input.refuse("l21_fraction", message, "second definition", "keep one of them");
     }
     let l21 = l21.map(|l21_m| ProximalLength::Length(*l21_m));
     Some(Design {
@@ -123,7 +223,14 @@ fn complete_lengths(input: &SectionInput<'_>, settings: &LengthSettings, half_wi
 /// Material, and overrides of the mass properties of l11, l12, l21 and l22.
 pub(crate) fn mass_settings(input: &SectionInput<'_>) -> (MaterialSettings, [BodyOverride; 4]) {
     let bodies = input.subsection("bodies");
-    let overrides = ["l11", "l12", "l21", "l22"].map(|name| bodies.subsection(name).read::<BodySettings>().into());
+    let overrides = ["l11", "l12", "l21", "l22"].map(|name| {
+        let BodySettings { mass, com, inertia } = bodies.subsection(name).read();
+        BodyOverride {
+            mass_kg: mass.map(|mass| *mass),
+            com_m: com.map(|com| com.map(|coordinate| *coordinate)),
+            inertia_kg_m2: inertia.map(|inertia| *inertia),
+        }
+    });
     (input.subsection("material").read(), overrides)
 }
 

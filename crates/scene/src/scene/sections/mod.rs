@@ -14,24 +14,31 @@
 //! | `x-required` | the remedy if the key is missing |
 //! | `x-key` | name in a file, if that is not the name of the field without its unit |
 //!
+//! Each file has the keys of its sections, resolves them (the functions that read a [`SectionInput`]), and gives the
+//! settings of what is resolved (the functions with the suffix `_settings`).
+//!
 //! | file | sections |
 //! |---|---|
-//! | `finger` | design, lengths, material, bodies, initial |
+//! | `finger` | design, lengths, material, bodies |
+//! | `start` | initial |
 //! | `drive` | motor, spring, differential |
 //! | `bodies` | object, discs, half plane, table |
 //! | `law` | contact, limit |
 //! | `motion` | moves, vibrations, path |
 //! | `run` | integrator, engine, validate, criteria, log |
+//!
+//! [`SectionInput`]: super::section_input::SectionInput
 
 // Descriptions name sections in brackets, as in a file: [design].
 #![allow(rustdoc::broken_intra_doc_links)]
 
-mod bodies;
-mod drive;
-mod finger;
-mod law;
-mod motion;
-mod run;
+pub(crate) mod bodies;
+pub(crate) mod drive;
+pub(crate) mod finger;
+pub(crate) mod law;
+pub(crate) mod motion;
+pub(crate) mod run;
+pub(crate) mod start;
 
 use std::collections::BTreeMap;
 
@@ -39,18 +46,16 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::{Table, Value};
 
-pub use bodies::{DiscSettings, HalfPlaneSettings, ObjectSettings, TableSettings, disc, object};
-pub use drive::{DifferentialSettings, MotorSettings, SpringSettings, motor, spring};
-pub use finger::{
-    BodySettings, DesignSettings, FingerSettings, InitialSettings, LengthSettings, MaterialSettings, bodies, initial,
-    lengths,
-};
-pub use law::{ContactSettings, FrictionSettings, LawSettings, LimitSettings, SurfaceSettings, contact, limit};
-pub use motion::{MoveSettings, PathSettings, VibrationSettings, palm_motion};
+pub use bodies::{DENSITY_KG_M3, DEPTH_M, DiscSettings, HalfPlaneSettings, ObjectSettings, TableSettings, Target};
+pub use drive::{DifferentialSettings, MotorSettings, SizingResult, SpringSettings};
+pub use finger::{BodiesSettings, DesignSettings, FingerKeys, FingerLengths, LengthSettings, MaterialSettings};
+pub use law::{ContactSettings, Level, LimitSettings};
+pub use motion::{MoveSettings, PathSettings, VibrationSettings};
 pub use run::{
-    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
-    Stepping, Thresholds,
+    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, EngineSettings, Integrator, LogExcess, LogRates, Method, Preset,
+    Response, Stepping, Thresholds,
 };
+pub use start::InitialSettings;
 
 use super::keywords::SceneKind;
 use super::quantity::{Acceleration, Length, Positive, Quantity, Time, Word};
@@ -61,7 +66,7 @@ pub fn table<const N: usize>(values: [(&str, Value); N]) -> Table {
 }
 
 /// Values of a pair or a list in SI units.
-fn list(values: impl IntoIterator<Item = f64>) -> Value {
+pub fn list(values: impl IntoIterator<Item = f64>) -> Value {
     values.into_iter().collect::<Vec<f64>>().into()
 }
 
@@ -132,6 +137,30 @@ pub struct SceneFile {
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub criteria: Thresholds,
     pub log: LogRates,
+}
+
+/// Keys and sections of a finger; in a gripper they apply to both fingers, or to one within `[right]` and `[left]`.
+#[derive(JsonSchema)]
+pub struct FingerSettings {
+    #[serde(flatten)]
+    pub keys: FingerKeys,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub design: DesignSettings,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub lengths: LengthSettings,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub material: MaterialSettings,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub bodies: BodiesSettings,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub motor: MotorSettings,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub spring: SpringSettings,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub limit: LimitSettings,
+    pub contact: ContactSettings,
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub initial: InitialSettings,
 }
 
 /// Settings at the top level.

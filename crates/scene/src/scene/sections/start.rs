@@ -1,15 +1,35 @@
 //! The initial configuration of a finger and its checks.
 
-use super::super::Initial;
-use super::super::section_input::SectionInput;
-use super::super::settings::InitialSettings;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::bodies::{self, Target, rest_on_palm};
 use super::finger::{FingerLengths, geometry};
-use super::object::{self, Target, rest_on_palm};
 use crate::fivebar::kinematics::{Capsule, closest_points};
 use crate::gripper::{self, Assembly, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
+use crate::scene::Initial;
+use crate::scene::quantity::{Angle, AngularRate, Quantity};
+use crate::scene::section_input::SectionInput;
 use crate::shape::PlacedShape;
 use crate::units::{Dimension, format};
+
+/// Initial configuration. Default: straight, 25° before the contact of the proximal phalanx with the object, at
+/// rest.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct InitialSettings {
+    /// Angle before the contact of the proximal phalanx with the object, from which the finger starts straight.
+    #[schemars(extend("default" = "25 deg"))]
+    pub offset: Option<Quantity<Angle>>,
+    /// Angle of the driven link from the palm; requires q21. Default: that of the straight configuration.
+    pub q11: Option<Quantity<Angle>>,
+    /// Angle of the proximal phalanx from the palm.
+    pub q21: Option<Quantity<Angle>>,
+    #[schemars(extend("default" = "0 rad/s"))]
+    pub qd11: Quantity<AngularRate>,
+    #[schemars(extend("default" = "0 rad/s"))]
+    pub qd21: Quantity<AngularRate>,
+}
 
 /// Largest allowed initial penetration of a phalanx into the object.
 const MAX_PENETRATION_M: f64 = 1e-3;
@@ -79,7 +99,7 @@ fn angle_before_contact(
     let lengths = finger_lengths.lengths?;
     let placed = match (target.object, finger_lengths.base_m) {
         (Some(object), _) => object,
-        (None, Some(base_m)) => rest_on_palm(object::shape(input).at([-base_m, 0.0])),
+        (None, Some(base_m)) => rest_on_palm(bodies::shape(input).at([-base_m, 0.0])),
         (None, None) => {
             let help = "without object and base there is no default: add [initial] q21 = \"40 deg\", or [lengths] base";
             input.subsection("initial").report_missing("q21", help);
@@ -100,8 +120,7 @@ fn straight(input: &SectionInput<'_>, finger_lengths: &FingerLengths, lengths: &
     if finger_lengths.assembly == Assembly::Other {
         let message = "the other assembly mode has no straight configuration";
         let help = "give both angles: [initial] q11 = \"...\" and q21 = \"...\"";
-        input.report("assembly", message, "no default start", help);
-        return None;
+        return input.refuse("assembly", message, "no default start", help);
     }
     let (section, key) = start_place(input);
     let posture = geometry(&section, key, "cannot be straight", gripper::straight_posture(lengths, q21_rad))?;

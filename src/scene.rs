@@ -1,10 +1,11 @@
-//! Loads scene files and the scenes that they extend.
+//! Loads scene files and the scenes that they extend. The core defines scenes and parses their text.
 
 use std::io::{ErrorKind, Read};
-use std::path::{Path, PathBuf};
+use std::path::{Path as FilePath, PathBuf};
 
-use super::error::line_column;
-use super::{Layer, Problem, Scene, SceneError, extended, parse, parse_any, parse_layers};
+pub use phalanx_core::scene::*;
+
+use self::error::line_column;
 use crate::files::read_at_most;
 use crate::limits::MAX_SCENE_BYTES;
 
@@ -12,12 +13,12 @@ use crate::limits::MAX_SCENE_BYTES;
 ///
 /// # Errors
 /// Returns all problems of the file, or an error if the scene is of another kind.
-pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
+pub fn load(path: impl AsRef<FilePath>) -> Result<Scene, SceneError> {
     parse_layers(&load_layers(path.as_ref())?, &[], parse)
 }
 
 /// Reads, checks and resolves a scene file of any kind.
-pub fn load_any(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
+pub fn load_any(path: impl AsRef<FilePath>) -> Result<Scene, SceneError> {
     load_any_with(path, &[])
 }
 
@@ -25,7 +26,7 @@ pub fn load_any(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
 ///
 /// # Errors
 /// Returns all problems of the file and of the settings.
-pub fn load_any_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Scene, SceneError> {
+pub fn load_any_with(path: impl AsRef<FilePath>, settings: &[Layer]) -> Result<Scene, SceneError> {
     parse_layers(&load_layers(path.as_ref())?, settings, parse_any)
 }
 
@@ -36,7 +37,7 @@ const MAX_LAYERS: usize = 16;
 ///
 /// # Errors
 /// Returns an error if a file cannot be read or scenes extend each other.
-pub fn load_layers(path: &Path) -> Result<Vec<Layer>, SceneError> {
+pub fn load_layers(path: &FilePath) -> Result<Vec<Layer>, SceneError> {
     let (text, file) = read(path)?;
     load_bases(Layer { file, text }, path.to_path_buf())
 }
@@ -61,7 +62,7 @@ fn load_bases(scene_layer: Layer, mut path: PathBuf) -> Result<Vec<Layer>, Scene
             text: last.text.clone(),
             problems: vec![Problem { span: Some(span.clone()), message, label: label.into(), help: help.into() }],
         };
-        path = path.parent().unwrap_or(Path::new("")).join(&base);
+        path = path.parent().unwrap_or(FilePath::new("")).join(&base);
         let canonical = path.canonicalize().ok();
         if canonical.is_some() && visited.contains(&canonical) {
             let help = "remove one `extends` of the cycle: the scene without it is the base of the others";
@@ -88,7 +89,7 @@ fn load_bases(scene_layer: Layer, mut path: PathBuf) -> Result<Vec<Layer>, Scene
 }
 
 /// Returns the text of a file and its name for messages.
-pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
+pub(crate) fn read(path: &FilePath) -> Result<(String, String), SceneError> {
     let file = path.display().to_string();
     let read = |reason: &str| SceneError::Read { file: file.clone(), reason: reason.to_string() };
     if path.is_dir() {
@@ -102,7 +103,10 @@ pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
     if is_log(path).map_err(unreadable)? {
         return Err(SceneError::Log { file });
     }
-    let bytes = read_at_most(path, MAX_SCENE_BYTES).map_err(unreadable)?.ok_or_else(|| read(&too_large()))?;
+    let bytes = read_at_most(path, MAX_SCENE_BYTES).map_err(unreadable)?.ok_or_else(|| {
+        let max = MAX_SCENE_BYTES >> 20;
+        read(&format!("it is larger than {max} MiB, more than a file written by hand; check the path"))
+    })?;
     let text = String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&e.as_bytes()[..valid]);
@@ -113,17 +117,11 @@ pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
 }
 
 /// Whether a file begins with the magic bytes of a log. `false` for files that cannot be read twice, such as pipes.
-fn is_log(path: &Path) -> std::io::Result<bool> {
+fn is_log(path: &FilePath) -> std::io::Result<bool> {
     if !std::fs::metadata(path)?.is_file() {
         return Ok(false);
     }
     let mut head = Vec::new();
     std::fs::File::open(path)?.take(mcap::MAGIC.len() as u64).read_to_end(&mut head)?;
     Ok(head == mcap::MAGIC)
-}
-
-/// Message for a file above the size limit.
-pub(crate) fn too_large() -> String {
-    let max = MAX_SCENE_BYTES >> 20;
-    format!("it is larger than {max} MiB, more than a file written by hand; check the path")
 }

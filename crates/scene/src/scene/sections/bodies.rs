@@ -1,0 +1,514 @@
+//! The grasped object with its positions within the positioning error, discs, palm, ground and table.
+
+use std::ops::Range;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Table;
+
+use super::finger::{FingerLengths, example_base_m};
+use super::{FINGER, GRIPPER, SceneSettings, list, table};
+use crate::limits::MAX_DISCS;
+use crate::numeric::elementary::hypot;
+use crate::scene::keywords::Motion;
+use crate::scene::quantity::{
+    Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed, Word,
+};
+use crate::scene::section_input::{SceneInput, SectionInput};
+use crate::scene::{Disc, DiscMotion, Problem, Side, System};
+use crate::shape::{self, PlacedShape, Shape, tangent};
+use crate::units::{Dimension, format};
+
+/// The object to be grasped, a fixed disc.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(extend("x-gripper" = { "description": "The object to be grasped, a disc." }))]
+pub struct ObjectSettings {
+    /// Whether there is an object; without one the finger moves freely.
+    #[schemars(extend("x-kinds" = FINGER, "default" = true))]
+    pub present: Option<bool>,
+    /// "free": moves under gravity and contact forces; "fixed": does not move.
+    #[schemars(extend("x-kinds" = GRIPPER, "default" = "free", "enum" = ["free", "fixed"]))]
+    pub motion: Option<Word<Motion>>,
+    #[schemars(extend("default" = "20 mm"))]
+    pub radius: Option<Positive<Length>>,
+    /// Position of the centre. Default: (−base, radius), resting on the palm, with the base of [design] or [lengths].
+    #[schemars(extend("x-kinds" = FINGER, "x-with" = "present = true", "x-derived" = true))]
+    pub centre: Option<[Quantity<Length>; 2]>,
+    /// Positioning error: initial distance of the centre to the right of the middle of the palm.
+    #[schemars(extend("x-kinds" = GRIPPER, "default" = "0 mm"))]
+    pub offset: Option<Quantity<Length>>,
+    /// Initial height of the centre above the palm. Default: the radius, so that the object touches the palm.
+    #[schemars(extend("x-kinds" = GRIPPER))]
+    pub height: Option<Quantity<Length>>,
+    /// Initial angle.
+    #[schemars(extend("x-kinds" = GRIPPER, "default" = "0 deg"))]
+    pub angle: Option<Quantity<Angle>>,
+    /// Mass. Default: that of a homogeneous disc with 1070 kg/m³ and a depth of 40 mm (53.784 g for a radius of 20 mm).
+    #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "motion = free"))]
+    pub mass: Option<Positive<Mass>>,
+    /// Moment of inertia about the centre. Default: mass × radius² / 2 of a homogeneous disc.
+    #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "motion = free"))]
+    pub inertia: Option<Positive<Inertia>>,
+    /// Initial velocity of the centre.
+    #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "motion = free", "default" = ["0 m/s", "0 m/s"]))]
+    pub velocity: Option<[Quantity<Speed>; 2]>,
+    /// Initial angular rate, counter-clockwise.
+    #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "motion = free", "default" = "0 rad/s"))]
+    pub spin: Option<Quantity<AngularRate>>,
+}
+
+/// Settings of a given object; a driven disc becomes fixed, because an object cannot be driven.
+pub fn object_settings(object: Option<&Disc>) -> Table {
+    let Some(object) = object else { return table([("present", false.into())]) };
+    let mut settings = disc_settings(object);
+    let [offset, height] = object.centre_m;
+    settings.extend(table([
+        ("present", true.into()),
+        ("offset", offset.into()),
+        ("height", height.into()),
+        ("angle", object.angle_rad.into()),
+    ]));
+    if !matches!(object.motion, DiscMotion::Free { inertia_kg_m2: Some(_), .. }) {
+        settings.insert("motion".to_string(), Motion::Fixed.keyword().into());
+    }
+    settings
+}
+
+/// A disc.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct DiscSettings {
+    #[schemars(extend("x-required" = "add its size: radius = \"10 mm\""))]
+    pub radius: Option<Positive<Length>>,
+    /// Initial position of the centre. Required.
+    #[schemars(extend("x-required" = "add the initial position: centre = [\"0 mm\", \"10 mm\"]"))]
+    pub centre: Option<[Quantity<Length>; 2]>,
+    /// "free": moves under gravity and contact forces; "driven": moves with `velocity`, `acceleration` and `spin`, not
+    /// affected by contacts; "fixed": does not move.
+    #[schemars(extend("default" = "free"))]
+    pub motion: Word<Motion>,
+    /// Initial velocity of the centre (motion = "free" or "driven").
+    #[schemars(extend("x-with" = "motion = free|driven", "default" = ["0 m/s", "0 m/s"]))]
+    pub velocity: [Quantity<Speed>; 2],
+    /// Constant acceleration of the centre (motion = "driven").
+    #[schemars(extend("x-with" = "motion = driven", "default" = ["0 m/s^2", "0 m/s^2"]))]
+    pub acceleration: [Quantity<Acceleration>; 2],
+    /// Mass. Required with motion = "free", not allowed otherwise.
+    #[schemars(extend("x-with" = "motion = free",
+        "x-required" = "add the mass: mass = \"100 g\"; or drive the disc: motion = \"driven\" with velocity"))]
+    pub mass: Option<Positive<Mass>>,
+    /// Whether contact forces can rotate it (motion = "free").
+    #[schemars(extend("x-with" = "motion = free", "default" = true))]
+    pub rotates: bool,
+    /// Moment of inertia about the centre (motion = "free"). Default: mass × radius² / 2 of a homogeneous disc.
+    #[schemars(extend("x-with" = "motion = free"))]
+    pub inertia: Option<Positive<Inertia>>,
+    /// Initial angular rate, counter-clockwise (motion = "free" or "driven").
+    #[schemars(extend("x-with" = "motion = free|driven", "default" = "0 rad/s"))]
+    pub spin: Option<Quantity<AngularRate>>,
+}
+
+/// Settings of a given disc.
+pub fn disc_settings(disc: &Disc) -> Table {
+    let Shape::Disc { radius_m } = disc.shape;
+    let mut settings = table([("radius", radius_m.into()), ("centre", list(disc.centre_m))]);
+    settings.extend(match disc.motion {
+        DiscMotion::Fixed => table([("motion", Motion::Fixed.keyword().into())]),
+        DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => table([
+            ("motion", Motion::Driven.keyword().into()),
+            ("velocity", list(velocity_m_s)),
+            ("acceleration", list(acceleration_m_s2)),
+            ("spin", spin_rad_s.into()),
+        ]),
+        DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => table([
+            ("motion", Motion::Free.keyword().into()),
+            ("velocity", list(velocity_m_s)),
+            ("mass", mass_kg.into()),
+            ("rotates", inertia_kg_m2.is_some().into()),
+            ("inertia", inertia_kg_m2.unwrap_or(f64::NAN).into()),
+            ("spin", inertia_kg_m2.map_or(f64::NAN, |_| spin_rad_s).into()),
+        ]),
+    });
+    settings
+}
+
+/// A solid, fixed half plane below a level. An empty section suffices to add it.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct HalfPlaneSettings {
+    /// Height y of the surface.
+    #[schemars(extend("default" = "0 mm"))]
+    pub level: Quantity<Length>,
+}
+
+/// A table that supports the object on the side away from the palm: a solid, fixed half plane above a level. An
+/// empty section suffices to add it.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct TableSettings {
+    /// Whether there is a table.
+    #[schemars(extend("default" = true))]
+    pub present: bool,
+    /// Height of the surface above the palm. Default: the top of the object, so that the object touches the table.
+    #[schemars(extend("x-with" = "present = true"))]
+    pub level: Option<Quantity<Length>>,
+}
+
+/// Default density of links and object.
+pub const DENSITY_KG_M3: f64 = 1070.0;
+/// Default depth of links and object, perpendicular to the plane.
+pub const DEPTH_M: f64 = 0.040;
+/// Largest allowed initial penetration of the object into palm or table.
+const MAX_PENETRATION_M: f64 = 1e-3;
+
+fn length(metres: f64) -> String {
+    format(metres, Dimension::Length)
+}
+
+/// Moves a shape perpendicular to the palm such that it rests on the palm.
+pub(crate) fn rest_on_palm(placed: PlacedShape) -> PlacedShape {
+    let [x, _] = placed.centre_m;
+    let [_, below] = placed.at([x, 0.0]).lowest_point_m();
+    placed.at([x, -below])
+}
+
+/// Resolves the shape of the object.
+pub fn shape(input: &SectionInput<'_>) -> Shape {
+    shape_of(&input.subsection("object").read())
+}
+
+fn shape_of(settings: &ObjectSettings) -> Shape {
+    Shape::Disc { radius_m: settings.radius.map_or(0.020, |radius| *radius) }
+}
+
+/// Resolves the object, with the defaults that depend on its shape, and whether it is present. For one finger, its
+/// position along the palm is NaN if the base determines it.
+pub fn object(input: &SectionInput<'_>) -> (Disc, bool) {
+    let settings: ObjectSettings = input.subsection("object").read();
+    let shape = shape_of(&settings);
+    let coordinate = |value: Option<_>| value.map_or(f64::NAN, |value: Quantity<_>| *value);
+    let centre_m = match settings.centre {
+        Some(centre) => centre.map(|coordinate| *coordinate),
+        None => [coordinate(settings.offset), coordinate(settings.height)],
+    };
+    let mut placed = PlacedShape { shape, centre_m, angle_rad: settings.angle.map_or(0.0, |angle| *angle) };
+    if centre_m[1].is_nan() {
+        placed = rest_on_palm(placed);
+    }
+    let mut disc = Disc::fixed_object(placed);
+    if settings.motion.is_some_and(|motion| motion.0 == Motion::Free) {
+        let mass_kg = settings.mass.map_or_else(|| shape::mass(&shape, DENSITY_KG_M3, DEPTH_M), |mass| *mass);
+        let inertia_kg_m2 = Some(settings.inertia.map_or_else(|| shape::inertia(&shape, mass_kg), |inertia| *inertia));
+        let velocity_m_s = settings.velocity.map_or([0.0; 2], |velocity| velocity.map(|rate| *rate));
+        let spin_rad_s = settings.spin.map_or(0.0, |spin| *spin);
+        disc.motion = DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s };
+    }
+    (disc, settings.present.unwrap_or(true))
+}
+
+/// Resolves the object of a single finger: an empty list without object, `None` if it is invalid.
+pub fn single_object(input: &SectionInput<'_>, given: &(Disc, bool), finger: &FingerLengths) -> Option<Vec<Disc>> {
+    let (object, is_present) = given;
+    let (section, lengths) = (input.subsection("object"), input.subsection("lengths"));
+    if !is_present {
+        if !input.has("design") {
+            section.report_unused("radius", "with present = false and no [design]");
+        }
+        return Some(Vec::new());
+    }
+    // An invalid centre has been reported.
+    section.is_valid("centre").then_some(())?;
+    let placed = object.placed();
+    let [x, y] = placed.centre_m;
+    if x.is_finite() {
+        lengths.report_unused("base", "with object.centre");
+        return Some(vec![object.clone()]);
+    }
+    if finger.base_m.is_none() && lengths.is_present() && !lengths.has("base") {
+        let [base, height] = [example_base_m(finger.half_width_m, shape::max_radius(&placed.shape)), y].map(length);
+        let help = format!(
+            "add the distance along the palm to the object's centre, such as [lengths] base = \"{base}\", or [object] centre = \
+             [\"-{base}\", \"{height}\"], or [object] present = false"
+        );
+        lengths.report_missing("base", &help);
+    }
+    Some(vec![Disc::fixed_object(placed.at([-finger.base_m?, y]))])
+}
+
+/// Lowest and highest coordinate y of the object.
+fn heights_m(object: &Disc) -> [f64; 2] {
+    [-1.0, 1.0].map(|to| object.placed().furthest_point_m([0.0, to])[1])
+}
+
+/// Heights of the lower half plane (palm or ground) and of the table, if present.
+pub fn levels(input: &SectionInput<'_>, settings: &SceneSettings, object: &Disc) -> [Option<f64>; 2] {
+    let (ground, table) = (input.subsection("half_plane"), input.subsection("table"));
+    let below = match input.kind.fingers() {
+        0 => ground.is_present().then(|| *ground.read::<HalfPlaneSettings>().level),
+        _ => settings.palm.unwrap_or(true).then_some(0.0),
+    };
+    let table = table.is_present().then(|| table.read::<TableSettings>()).filter(|table| table.present);
+    [below, table.map(|table| table.level.map_or_else(|| heights_m(object)[1], |level| *level))]
+}
+
+/// Checks that the object does not penetrate palm or table at the start.
+fn check_planes(input: &SectionInput<'_>, object: &Disc, [palm, table]: [Option<f64>; 2]) {
+    let [lowest, highest] = heights_m(object);
+    let (object, table_input) = (input.subsection("object"), input.subsection("table"));
+    let planes = [
+        ("palm", palm.map(|_| -lowest), &object, "height"),
+        ("table", table.map(|level_m| highest - level_m), &table_input, "level"),
+    ];
+    for (plane, depth, section, key) in planes {
+        let Some(depth) = depth.filter(|depth| *depth > MAX_PENETRATION_M) else { continue };
+        let limit = length(MAX_PENETRATION_M);
+        let message =
+            format!("the object starts {:.3} mm inside the {plane}, but at most {limit} is allowed", depth * 1e3);
+        let help = "move the object by `object.height`, or the table by `table.level`";
+        section.report(key, message, "starts inside", help);
+    }
+}
+
+/// Resolves the palm width of a gripper: as given, or twice the base of both fingers. 0 in other kinds of scene.
+pub fn palm_width(
+    input: &SectionInput<'_>,
+    settings: &SceneSettings,
+    fingers: &[FingerLengths],
+    object: &Disc,
+) -> Option<f64> {
+    let [right, left] = fingers else { return Some(0.0) };
+    if input.has("palm_width") {
+        for section in [input.clone(), input.subsection("right"), input.subsection("left")] {
+            let lengths = section.subsection("lengths");
+            input.checker.report_unused_at("lengths.base", lengths.span("base"), "with palm_width");
+        }
+        return settings.palm_width.map(|width| *width);
+    }
+    // An invalid base has been reported.
+    let lacks_base = !input.subsection("lengths").has("base")
+        && fingers.iter().any(|finger| finger.lengths.is_some() && finger.base_m.is_none());
+    if lacks_base {
+        let example = || example_base_m(right.half_width_m, shape::max_radius(&object.shape));
+        let base_m = right.base_m.or(left.base_m).unwrap_or_else(example);
+        let [base, width] = [base_m, 2.0 * base_m].map(length);
+        let help = format!("add it, such as palm_width = \"{width}\", or half of it: [lengths] base = \"{base}\"");
+        input.report_missing("palm_width", &help);
+    } else if let (Some(first), Some(second)) = (right.base_m, left.base_m)
+        && first != second
+    {
+        let width = length(first + second);
+        let help = format!("add it, because the bases of both fingers differ: palm_width = \"{width}\"");
+        input.report_missing("palm_width", &help);
+    }
+    right.base_m.filter(|_| right.base_m == left.base_m).map(|base_m| 2.0 * base_m)
+}
+
+/// The object that a finger closes on, in the frame of the finger.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// The object; `None` without an object.
+    pub object: Option<PlacedShape>,
+    /// The object at both ends of the positioning error of a gripper.
+    pub ends: Vec<PlacedShape>,
+}
+
+/// Returns the target of each finger; `None` if it is invalid.
+pub fn targets(
+    input: &SectionInput<'_>,
+    scene: &SceneInput,
+    settings: &SceneSettings,
+    fingers: &[FingerLengths],
+    object: &Disc,
+    (discs, palm_width_m, levels): (Option<&[Disc]>, Option<f64>, [Option<f64>; 2]),
+) -> Vec<Option<Target>> {
+    if fingers.len() < 2 {
+        // The frame of a single finger is that of the scene.
+        let target = |object: Option<PlacedShape>| Target { object, ends: object.into_iter().collect() };
+        return vec![discs.map(|discs| target(discs.first().map(Disc::placed)))];
+    }
+    let problem_count = input.checker.count();
+    check_planes(input, object, levels);
+    let error_m = positioning_error(input, settings, object.centre_m[0]);
+    let mut range = palm_width_m.zip(error_m).filter(|_| input.checker.count() == problem_count);
+    let mut targets = Vec::new();
+    for (side, finger) in scene.sides().iter().zip(fingers) {
+        let half_width_m = finger.lengths.map(|lengths| lengths.half_width_m);
+        let mut target = range.map(|(palm_width_m, error_m)| {
+            let PlacedShape { shape, centre_m: [x, y], angle_rad } = object.placed();
+            let angle_rad = side.mirror() * angle_rad;
+            let at = |x: f64| PlacedShape { shape, centre_m: [x - 0.5 * palm_width_m, y], angle_rad };
+            Target { object: Some(at(side.mirror() * x)), ends: vec![at(-error_m), at(error_m)] }
+        });
+        if let (Some(candidate), Some(half_width_m)) = (&target, half_width_m)
+            && !is_ground_joint_clear(input, *side, candidate, half_width_m)
+        {
+            // The problem is reported for one finger only.
+            (target, range) = (None, None);
+        }
+        targets.push(target.filter(|_| half_width_m.is_some()));
+    }
+    targets
+}
+
+/// Resolves the positioning error, which must be at least the offset of the object.
+fn positioning_error(input: &SectionInput<'_>, settings: &SceneSettings, offset_m: f64) -> Option<f64> {
+    input.is_valid("positioning_error").then_some(())?;
+    let error_m = settings.positioning_error.map_or(offset_m.abs(), |error| *error);
+    if offset_m.abs() <= error_m {
+        return Some(error_m);
+    }
+    let [error, offset] = [error_m, offset_m.abs()].map(length);
+    let message = format!("`positioning_error` is {error}, but must be at least the offset of the object, {offset}");
+    let help = "raise it, reduce `object.offset`, or remove it (default: the offset of the object)";
+    input.refuse("positioning_error", message, "smaller than the offset", help)
+}
+
+/// Checks that the ground joint of a finger is outside of the object, enlarged by half the width of a link, at all
+/// positions.
+fn is_ground_joint_clear(input: &SectionInput<'_>, side: Side, target: &Target, half_width_m: f64) -> bool {
+    let tangent_failure = |placed: &PlacedShape| {
+        let reach = tangent(placed, half_width_m).err()?;
+        Some((hypot(placed.centre_m[0], placed.centre_m[1]), reach))
+    };
+    let nearest = target.object.iter().chain(&target.ends).filter_map(tangent_failure);
+    let Some((distance, reach)) = nearest.min_by(|nearer, other| nearer.0.total_cmp(&other.0)) else { return true };
+    let [distance, reach] = [distance, reach].map(|value| format!("{:.3} mm", value * 1e3));
+    let message = format!(
+        "the ground joint of the {} finger is {distance} from the object's centre, but must be at least {reach} away: the \
+         radius and half a link's width",
+        side.name()
+    );
+    let object = input.subsection("object");
+    let help = "increase `palm_width`, or reduce `object.offset` or `positioning_error`";
+    match object.has("offset") || !input.has("palm_width") {
+        true => object.report("offset", message, "inside the object", help),
+        false => input.report("palm_width", message, "inside the object", help),
+    }
+    false
+}
+
+/// Name of the half plane in pairs.
+const PLANE: &str = "plane";
+
+/// Resolves all discs in the order of their names; `None` if any is invalid.
+pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Vec<Disc>> {
+    let section = root.subsection("discs");
+    let sections = section.subsections();
+    let count = sections.len();
+    if count == 0 {
+        let help = "add at least one disc that moves: [discs.hammer] with radius, centre and mass";
+        root.checker.report_missing_at("[discs.NAME]", section.span, help);
+        return None;
+    }
+    if count > MAX_DISCS {
+        let message = format!("there are {count} discs, but at most {MAX_DISCS} are allowed");
+        return section.refuse("", message, "", format!("remove {} of them", count - MAX_DISCS));
+    }
+    let all: Vec<Option<Disc>> = sections.iter().map(|(name, keys)| disc(name, input.name_span(name), keys)).collect();
+    let all: Vec<Disc> = all.into_iter().collect::<Option<_>>()?;
+    if !all.iter().any(|disc| disc.motion.moves()) {
+        let help = "make one of them move: motion = \"free\" with mass, or motion = \"driven\" with velocity";
+        section.report("", "all discs are fixed: nothing would move", "", help);
+    }
+    let is_free = |disc: &Disc| matches!(disc.motion, DiscMotion::Free { .. });
+    if gravity_m_s2 != [0.0; 2] && !all.iter().any(is_free) {
+        root.report_unused("gravity", "without a disc with motion = \"free\"");
+    }
+    Some(all)
+}
+
+/// Resolves one disc; `None` if it is invalid.
+fn disc(name: &str, name_span: Option<Range<usize>>, input: &SectionInput<'_>) -> Option<Disc> {
+    let checked_name = check_name(input, name, name_span);
+    let settings: DiscSettings = input.read();
+    // If the motion is invalid, the required keys are unknown.
+    input.is_valid("motion").then_some(())?;
+    let shape = settings.radius.map(|radius| Shape::Disc { radius_m: *radius });
+    let velocity_m_s = settings.velocity.map(|rate| *rate);
+    let spin_rad_s = settings.spin.map_or(0.0, |spin| *spin);
+    let motion = match settings.motion.0 {
+        Motion::Fixed => DiscMotion::Fixed,
+        Motion::Driven => {
+            let acceleration_m_s2 = settings.acceleration.map(|acceleration| *acceleration);
+            DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s }
+        }
+        Motion::Free => {
+            let inertia_kg_m2 = inertia(input, name, &settings, shape)?;
+            DiscMotion::Free { mass_kg: *settings.mass?, inertia_kg_m2, velocity_m_s, spin_rad_s }
+        }
+    };
+    let centre_m = settings.centre?.map(|coordinate| *coordinate);
+    Some(Disc { name: checked_name?, shape: shape?, centre_m, angle_rad: 0.0, motion })
+}
+
+/// Checks a name: names are used in topics, keys and columns, joined by `-` for pairs.
+fn check_name(input: &SectionInput<'_>, text: &str, name_span: Option<Range<usize>>) -> Option<String> {
+    let is_valid = text.starts_with(|first: char| first.is_ascii_alphabetic())
+        && text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+    let problem = match text {
+        "" => "the name of a disc is empty".to_string(),
+        PLANE => format!("`{PLANE}` cannot be the name of a disc: it is the name of the half plane"),
+        _ if is_valid => return Some(text.to_string()),
+        _ => format!("`{}` cannot be the name of a disc", text.escape_debug()),
+    };
+    let help =
+        "use a letter followed by letters, digits and _, as in [discs.hammer_2]: the name is part of topics and keys";
+    input.checker.push(Problem::new(name_span, problem, "invalid name", help));
+    None
+}
+
+/// Inertia of a free disc: `Some(None)` if it does not rotate, `None` if invalid.
+fn inertia(input: &SectionInput<'_>, name: &str, settings: &DiscSettings, shape: Option<Shape>) -> Option<Option<f64>> {
+    if !settings.rotates {
+        ["inertia", "spin"].iter().for_each(|key| input.report_unused(key, "with rotates = false"));
+        return Some(None);
+    }
+    if input.has("inertia") {
+        return settings.inertia.map(|inertia| Some(*inertia));
+    }
+    let homogeneous = *settings.mass? * shape::inertia(&shape?, 1.0);
+    if homogeneous.is_normal() {
+        return Some(Some(homogeneous));
+    }
+    let message = format!("the mass and radius of `discs.{name}` give an inertia of {homogeneous:e} kg m^2");
+    let help = "check mass and radius, give `inertia`, or write rotates = false";
+    input.refuse("mass", message, "not a finite number above 0", help)
+}
+
+/// Rejects initial positions in which the centre of a disc is inside another disc or the half plane: contact laws do
+/// not cover such deep penetrations.
+pub(crate) fn check_initial_positions(input: &SectionInput<'_>, system: &System) {
+    let section = input.subsection("discs");
+    for (index, b) in system.discs.iter().enumerate() {
+        let keys = section.subsection(&b.name);
+        for a in &system.discs[..index] {
+            let distance_m = hypot(a.centre_m[0] - b.centre_m[0], a.centre_m[1] - b.centre_m[1]);
+            let [radius_a, radius_b] = [a, b].map(|disc| shape::max_radius(&disc.shape));
+            let moves = a.motion.moves() || b.motion.moves();
+            if moves && distance_m <= radius_a.max(radius_b) {
+                let message = format!(
+                    "discs `{}` and `{}` overlap too deeply at the start: the distance of their centres is {}, but must exceed \
+                     the radii {} and {}",
+                    a.name,
+                    b.name,
+                    length(distance_m),
+                    length(radius_a),
+                    length(radius_b)
+                );
+                let help =
+                    "move them apart: discs may overlap at the start, but the centre of each must be outside the other";
+                keys.report("centre", message, "too deep", help);
+            }
+        }
+        if let Some(plane) = system.palm
+            && b.motion.moves()
+            && b.centre_m[1] <= plane.level_m
+        {
+            let message = format!(
+                "the centre of `{}` is inside the half plane at the start: y = {}, but must be above its level of {}",
+                b.name,
+                length(b.centre_m[1]),
+                length(plane.level_m)
+            );
+            let help = "raise the disc, or lower `half_plane.level`: the disc may overlap the half plane at the start, but not its centre";
+            keys.report("centre", message, "too deep", help);
+        }
+    }
+}
