@@ -7,7 +7,7 @@ use arrow_array::RecordBatch;
 use phalanx::format::Report;
 use phalanx::page::{Page, PlaybackRecorder, render_page};
 use phalanx::scene::Scene;
-use phalanx::trace::{Event, Layout, Model, Recording};
+use phalanx::trace::{Event, Model, Recording, Schema};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
@@ -20,7 +20,7 @@ use super::{columns, conversion, errors};
 pub struct Result {
     batch: RecordBatch,
     events: Vec<Event>,
-    layout: Layout,
+    layout: Schema,
     /// JSON document of `phalanx run --json`, or of `phalanx replay --json`.
     document: String,
     playback: Option<Arc<Playback>>,
@@ -43,7 +43,7 @@ pub enum Source {
 
 impl Result {
     pub fn new(
-        layout: Layout,
+        layout: Schema,
         recording: Recording,
         document: String,
         playback: Option<Playback>,

@@ -11,7 +11,7 @@ use phalanx::report::replay::{LogObserver, scene_in_log};
 use phalanx::report::simulation::{CheckPolicy, SimulationOptions, simulate_and_check};
 use phalanx::scene::{Construction, Preset, Scene};
 use phalanx::trace::overrides::{self, Overrides};
-use phalanx::trace::{Cancellable, Event, Layout, Model, Recording, Sample, Sink, SinkError};
+use phalanx::trace::{Cancellable, Event, Model, Recording, Sample, Schema, Sink, SinkError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
@@ -93,7 +93,7 @@ pub fn run(
         None => CheckPolicy::IfCheap,
     };
     let input = RunInput { scene, model, scene_file: file_name.unwrap_or_else(|| "scene.toml".to_string()) };
-    let layout = Layout::from_system(&input.scene.system);
+    let layout = Schema::from_system(&input.scene.system);
     let recorders = Recorders { recording: Recording::new(&layout), playback: PlaybackRecorder::default() };
     let (report, recorders) =
         interruptible::run(py, |keep_running| simulate(&input, log.as_deref(), check_policy, recorders, keep_running))?
@@ -126,7 +126,7 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         let scene = scene_in_log(&head).and_then(std::result::Result::ok);
         let scene = scene.filter(|scene| scene.kind() == head.kind());
         let (observer, _) = LogObserver::new(&head);
-        let layout = Layout::from_kind(head.kind());
+        let layout = Schema::from_kind(head.kind());
         let recorders = Recorders { recording: Recording::new(&layout), playback: PlaybackRecorder::default() };
         let mut reader = Reader { layout, recorders, observer, keep_running };
         let reading = log::read_file(&path, &mut reader)?;
@@ -139,7 +139,7 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         log::ReadError::NotFound { .. } | log::ReadError::NotAFile { .. } => errors::run(py, error, None),
         _ => errors::run(py, format!("{}: {error}", path.display()), None),
     })?;
-    let playback = scene.filter(|scene| Layout::from_system(&scene.system) == layout).map(|scene| Playback {
+    let playback = scene.filter(|scene| Schema::from_system(&scene.system) == layout).map(|scene| Playback {
         scene,
         label: report.model.clone().unwrap_or_else(|| "run".to_string()),
         recorder: recorders.playback,
@@ -197,14 +197,14 @@ impl Sink for Recorders {
 
 /// Passes the contents of a log to the recorders and to the observer that builds the report.
 struct Reader<'a> {
-    layout: Layout,
+    layout: Schema,
     recorders: Recorders,
     observer: LogObserver,
     keep_running: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl LogSink for Reader<'_> {
-    fn layout(&mut self, layout: &Layout) -> std::result::Result<(), SinkError> {
+    fn schema(&mut self, schema: &Schema) -> std::result::Result<(), SinkError> {
         self.layout = layout.clone();
         self.recorders.recording = Recording::new(layout);
         self.observer.layout(layout)

@@ -18,7 +18,7 @@ use crate::plot::{self, DifferencePlot};
 use crate::report::replay::{LogComparisonReport, ReplayReport, TrajectoryDifference, compare_summaries};
 use crate::scene::Keyword;
 use crate::scene::keywords::SceneKind;
-use crate::trace::{Event, FingerContact, Layout, Sample, Sink, SinkError};
+use crate::trace::{Event, FingerContact, Sample, Schema, Sink, SinkError};
 use crate::validate::{Angle, Recording, compare};
 
 /// Files in the output directory.
@@ -205,7 +205,7 @@ struct LoadedLog<'a> {
     sink: SummarySink<'a>,
     summary: LogSummary,
     recording: Recording,
-    layout: Layout,
+    layout: Schema,
     value_count: usize,
     exceeds_limit: bool,
 }
@@ -217,7 +217,7 @@ impl<'a> LoadedLog<'a> {
             sink: SummarySink::new(path, interrupt)?,
             summary: LogSummary::default(),
             recording: Recording::default(),
-            layout: Layout::from_kind(read_head(path)?.kind()),
+            layout: Schema::from_kind(read_head(path)?.kind()),
             value_count: 0,
             exceeds_limit: false,
         };
@@ -254,7 +254,7 @@ impl<'a> LoadedLog<'a> {
 }
 
 impl LogSink for LoadedLog<'_> {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         self.layout = layout.clone();
         self.sink.layout(layout)
     }
@@ -314,8 +314,8 @@ fn comparison_notes(logs: &[LoadedLog<'_>; 2], labels: &[String; 2]) -> Vec<Stri
     }
     if summaries[0].kind() == SceneKind::Finger && summaries.iter().all(|summary| summary.samples > 0) {
         let last = logs.each_ref().map(|log| &log.recording.outcome.last);
-        let objects = last.map(|sample| sample.contact(FingerContact::Proximal).gap_m.is_finite());
-        let limits = last.map(|sample| sample.contact(FingerContact::Limit).gap_m.is_finite());
+        let objects = last.map(|sample| sample.finger_contact(FingerContact::Proximal).gap_m.is_finite());
+        let limits = last.map(|sample| sample.finger_contact(FingerContact::Limit).gap_m.is_finite());
         for (part, is_present) in [("an object", objects), ("a joint limit", limits)] {
             if is_present[0] != is_present[1] {
                 notes.push(format!("only {} has {part}", labels[usize::from(is_present[1])]));
@@ -341,7 +341,7 @@ fn retain_common(logs: &mut [LoadedLog<'_>; 2], labels: &[String; 2]) -> Vec<Str
             }
         }
     }
-    let layout = Layout {
+    let layout = Schema {
         bodies: intersection(&first.bodies, &second.bodies),
         contacts: intersection(&first.contacts, &second.contacts),
         ..first
@@ -350,8 +350,8 @@ fn retain_common(logs: &mut [LoadedLog<'_>; 2], labels: &[String; 2]) -> Vec<Str
         let bodies = indices_of(&layout.bodies, &log.layout.bodies);
         let contacts = indices_of(&layout.contacts, &log.layout.contacts);
         let retain = |sample: &mut Sample| {
-            sample.bodies = bodies.iter().filter_map(|&k| sample.bodies.get(k).copied()).collect();
-            sample.contacts = contacts.iter().filter_map(|&k| sample.contacts.get(k).copied()).collect();
+            sample.bodies() = bodies.iter().filter_map(|&k| sample.bodies().nth(k).copied()).collect();
+            sample.contacts() = contacts.iter().filter_map(|&k| sample.contacts().nth(k).copied()).collect();
         };
         log.recording.samples.iter_mut().for_each(retain);
         let outcome = &mut log.recording.outcome;

@@ -15,7 +15,7 @@ use crate::page::{Playback, PlaybackRecorder};
 pub(super) use crate::report::replay::scene_in_log;
 use crate::report::replay::{LogObserver, ReplayReport, Summary};
 use crate::scene::Scene;
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::trace::{Event, Sample, Schema, Sink, SinkError};
 
 /// Summarise the run in a log, verify it by simulating again, compare it with another log, or export its samples.
 #[derive(Debug, Args)]
@@ -93,7 +93,7 @@ impl<'a> SummarySink<'a> {
 }
 
 impl LogSink for SummarySink<'_> {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         self.observer.layout(layout)
     }
 
@@ -180,8 +180,8 @@ impl LogPlaybackRecorder {
 }
 
 impl LogSink for LogPlaybackRecorder {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.matches_scene = Layout::from_system(&self.scene.system) == *layout;
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
+        self.matches_scene = Schema::from_system(&self.scene.system) == *layout;
         Ok(())
     }
 
@@ -208,7 +208,7 @@ impl<A: LogSink, B: LogSink> LogSink for Tee<'_, A, B> {
         self.1.event(event)
     }
 
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         self.0.layout(layout)?;
         self.1.layout(layout)
     }

@@ -23,8 +23,8 @@ use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::PlaybackRecorder;
 use crate::report::document;
 use crate::scene::Scene;
-use crate::trace::columns::columns;
-use crate::trace::{Layout, Model, SinkError};
+
+use crate::trace::{Model, Schema, SinkError};
 
 /// Polling period of `--watch`, and time for an editor to finish writing.
 const PERIOD: Duration = Duration::from_millis(100);
@@ -164,7 +164,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let (run, table) = match &args.csv {
         None => (simulate(args.model, scene, log, &limits, &mut recorder), Ok(true)),
         Some(path) => {
-            let columns = columns(&Layout::from_system(&scene.system));
+            let columns = columns(&Schema::from_system(&scene.system));
             let (run, table) =
                 write_table(path, columns, &mut recorder, |table| Ok(simulate(args.model, scene, log, &limits, table)));
             (run?, table)

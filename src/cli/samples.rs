@@ -9,8 +9,8 @@ use super::targets::write_failure;
 use crate::files::{replace_file, without_temporary_path};
 use crate::log::LogSink;
 use crate::report::samples::{csv_head, csv_sample};
-use crate::trace::columns::{Column, columns};
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::trace::Channel;
+use crate::trace::{Event, Sample, Schema, Sink, SinkError};
 
 /// Name for standard output.
 const STDOUT: &str = "-";
@@ -51,7 +51,7 @@ impl<S> SampleTable<'_, S> {
 }
 
 impl<S: LogSink> LogSink for SampleTable<'_, S> {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         self.columns = columns(layout);
         self.inner.layout(layout)
     }

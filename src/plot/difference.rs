@@ -5,7 +5,7 @@ use super::canvas::{Marker, PlotPoint};
 use super::series::{Series, series_chart};
 use super::theme::{INK, SERIES, SOFT};
 use crate::scene::Scene;
-use crate::trace::{EventKind, Layout};
+use crate::trace::{EventKind, Schema};
 use crate::validate::{Angle, Recording, Validation, coordinate_errors};
 
 /// Maximum number of decades shown; smaller values are clamped to the lower edge.
@@ -29,7 +29,7 @@ pub(crate) struct DifferencePlot<'a> {
 
 /// Draws the difference between the two models in a validation of a scene with fingers.
 pub fn difference(scene: &Scene, found: &Validation) -> String {
-    let (layout, until_s, name) = (Layout::from_system(&scene.system), found.until_s, &scene.name);
+    let (layout, until_s, name) = (Schema::from_system(&scene.system), found.until_s, &scene.name);
     let (quantity, label) = match layout.bodies.is_empty() {
         true => ("the joint angles", "|engine − analytic|, rad"),
         false => ("the joint angles and the object", "|engine − analytic|, rad or m"),
@@ -46,7 +46,7 @@ pub fn difference(scene: &Scene, found: &Validation) -> String {
 
 /// Differences of the angles of fingers and of the centres of bodies between a run and a reference.
 pub(crate) fn path_differences(
-    layout: &Layout,
+    layout: &Schema,
     run: &Recording,
     reference: &Recording,
     until_s: f64,
@@ -68,7 +68,7 @@ pub(crate) fn path_differences(
 }
 
 /// Vertical lines at the touch-downs of all contacts between surfaces.
-pub fn touchdowns(layout: &Layout, run: &Recording, until_s: f64) -> Vec<Series> {
+pub fn touchdowns(layout: &Schema, run: &Recording, until_s: f64) -> Vec<Series> {
     let mut lines = Vec::new();
     for (contact, colour) in layout.surfaces().zip([SOFT, INK].into_iter().cycle()) {
         let name = format!("touch-down {}", layout.contacts[contact].name);

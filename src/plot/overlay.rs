@@ -5,7 +5,7 @@ use super::canvas::{Marker, THIN_LINE, TITLE_HEIGHT, picture};
 use super::series::{Panel, Series, Stack};
 use super::theme::{INK, SERIES};
 use crate::scene::Scene;
-use crate::trace::{ContactSample, FingerState, Layout, Sample};
+use crate::trace::{ContactSample, FingerState, Sample, Schema};
 use crate::validate::{Recording, Validation, wrap_angle};
 
 const PANEL_HEIGHT: f64 = 230.0;
@@ -23,14 +23,14 @@ pub fn overlay(scene: &Scene, found: &Validation) -> String {
     let title = format!("{}: analytic model and engine", scene.name);
     let end_s = found.reference.outcome.last.time_s;
     let labels = ["analytic (reference)", "engine"];
-    overlay_runs(title, labels, &Layout::from_system(&scene.system), [&found.reference, &found.engine], end_s)
+    overlay_runs(title, labels, &Schema::from_system(&scene.system), [&found.reference, &found.engine], end_s)
 }
 
 /// Draws two runs of this layout. Surfaces without contact are omitted if others have contact.
 pub(crate) fn overlay_runs(
     title: String,
     labels: [&str; 2],
-    layout: &Layout,
+    layout: &Schema,
     runs: [&Recording; 2],
     end_s: f64,
 ) -> String {
@@ -59,7 +59,7 @@ fn panel(label: &str, is_logarithmic: bool, runs: [&Recording; 2], quantities: &
 }
 
 /// Panels of joints, object, forces, gaps and energies; those that do not apply to the scene are omitted.
-fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
+fn panels(layout: &Schema, runs: [&Recording; 2]) -> Vec<Panel> {
     let discs = layout.fingers.is_empty();
     let mut panels = Vec::new();
     let mut add = |label: &str, is_logarithmic, quantities: Vec<Quantity>| {
@@ -81,7 +81,7 @@ fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
         ];
         add("joint rate, rad/s", false, joints(layout, rates));
     } else if !discs {
-        let centre = |axis: usize| move |sample: &Sample| sample.bodies[0].centre_m[axis] * 1e3;
+        let centre = |axis: usize| move |sample: &Sample| sample.body(0).centre_m[axis] * 1e3;
         add("object, mm", false, vec![quantity("x", centre(0)), quantity("y", centre(1))]);
     }
     let shown_contacts = shown_contacts(layout, runs);
@@ -89,25 +89,25 @@ fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
         let contact = |&index: &usize| {
             let name = &layout.contacts[index].name;
             let name = if discs { name.clone() } else { name.replace('_', " ") };
-            quantity(name, move |sample| value(&sample.contacts[index]))
+            quantity(name, move |sample| value(&sample.contact(index)))
         };
         shown_contacts.iter().map(contact).collect()
     };
     if !shown_contacts.is_empty() {
         add("normal force, N", !discs, contacts(|contact| contact.normal_n));
         add("gap, mm", false, contacts(|contact| contact.gap_m * 1e3));
-        let has_friction = |sample: &Sample| sample.contacts.iter().any(|contact| contact.tangential_n != 0.0);
+        let has_friction = |sample: &Sample| sample.contacts().any(|contact| contact.tangential_n != 0.0);
         if discs && runs.iter().any(|run| run.samples.iter().any(has_friction)) {
             add("friction force, N", false, contacts(|contact| contact.tangential_n));
         }
     }
     let mut energies = vec![
-        quantity("kinetic", |sample| sample.energy.kinetic_j * 1e3),
-        quantity(if discs { "drive work" } else { "motor work" }, |sample| sample.energy.motor_work_j * 1e3),
-        quantity("dissipated", |sample| sample.energy.dissipated_j * 1e3),
-        quantity("balance", |sample| sample.energy.balance_j * 1e3),
+        quantity("kinetic", |sample| sample.energy().kinetic_j * 1e3),
+        quantity(if discs { "drive work" } else { "motor work" }, |sample| sample.energy().motor_work_j * 1e3),
+        quantity("dissipated", |sample| sample.energy().dissipated_j * 1e3),
+        quantity("balance", |sample| sample.energy().balance_j * 1e3),
     ];
-    energies.extend(discs.then(|| quantity("contact", |sample| sample.energy.elastic_j * 1e3)));
+    energies.extend(discs.then(|| quantity("contact", |sample| sample.energy().elastic_j * 1e3)));
     add("energy, mJ", false, energies);
     panels
 }
@@ -118,9 +118,9 @@ fn quantity(name: impl Into<String>, value: impl Fn(&Sample) -> f64 + 'static) -
 
 /// Surfaces that have contact in a run, or all surfaces if none has; always all surfaces for a single finger with an
 /// object.
-fn shown_contacts(layout: &Layout, runs: [&Recording; 2]) -> Vec<usize> {
+fn shown_contacts(layout: &Schema, runs: [&Recording; 2]) -> Vec<usize> {
     let any = |of: &dyn Fn(&Recording) -> Option<bool>| runs.into_iter().any(|run| of(run) == Some(true));
-    let exists = |index: &usize| any(&|run| Some(run.outcome.last.contacts.get(*index)?.gap_m.is_finite()));
+    let exists = |index: &usize| any(&|run| Some(run.outcome.last.contacts().nth(*index)?.gap_m.is_finite()));
     let has_contact = |index: &usize| any(&|run| Some(run.outcome.contacts.get(*index)?.first_s.is_some()));
     let all: Vec<usize> = layout.surfaces().filter(exists).collect();
     let in_contact: Vec<usize> = all.iter().copied().filter(has_contact).collect();
@@ -128,11 +128,11 @@ fn shown_contacts(layout: &Layout, runs: [&Recording; 2]) -> Vec<usize> {
 }
 
 /// Quantities of the joints of every finger.
-fn joints(layout: &Layout, values: [FingerQuantity; 3]) -> Vec<Quantity> {
+fn joints(layout: &Schema, values: [FingerQuantity; 3]) -> Vec<Quantity> {
     let of_finger = |(index, finger): (usize, &String)| {
         values.map(|(joint, value)| {
             let name = [finger, joint].join(" ");
-            quantity(name.trim_start(), move |sample| value(&sample.fingers[index]))
+            quantity(name.trim_start(), move |sample| value(&sample.finger(index)))
         })
     };
     layout.fingers.iter().enumerate().flat_map(of_finger).collect()

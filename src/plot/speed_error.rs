@@ -11,7 +11,7 @@ const HEIGHT: f64 = 600.0;
 /// Draws speed over error; settings without a finite error are omitted.
 pub fn speed_error(scene: &str, found: &Validation) -> String {
     let last = &found.reference.outcome.last;
-    let label = match (last.fingers.is_empty(), last.bodies.is_empty()) {
+    let label = match (last.counts().fingers == 0, last.counts().bodies == 0) {
         (false, true) => "largest difference of a joint angle from the reference, rad",
         (false, false) => "largest difference of a joint angle from the reference, rad (of the object in 20 mm)",
         (true, _) => "largest distance of a disc from its position in the reference, m",

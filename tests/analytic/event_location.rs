@@ -35,8 +35,8 @@ impl Sink for EventResiduals {
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         assert_eq!(event.time_s, self.last.time_s, "an event without a sample");
         match event.finger_contact() {
-            FingerContact::Proximal => self.record(event, &self.last.contact(FingerContact::Proximal).clone()),
-            FingerContact::Distal => self.record(event, &self.last.contact(FingerContact::Distal).clone()),
+            FingerContact::Proximal => self.record(event, &self.last.finger_contact(FingerContact::Proximal).clone()),
+            FingerContact::Distal => self.record(event, &self.last.finger_contact(FingerContact::Distal).clone()),
             FingerContact::Limit => {}
         }
         Ok(())
@@ -85,7 +85,9 @@ struct DepthRecorder {
 impl Sink for DepthRecorder {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         for (index, contact) in
-            [sample.contact(FingerContact::Proximal), sample.contact(FingerContact::Distal)].into_iter().enumerate()
+            [sample.finger_contact(FingerContact::Proximal), sample.finger_contact(FingerContact::Distal)]
+                .into_iter()
+                .enumerate()
         {
             let depth = -contact.gap_m / self.transitions_m[index];
             self.depths[index].push(if contact.normal_n > 0.0 { depth } else { f64::NAN });

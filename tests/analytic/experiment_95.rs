@@ -42,8 +42,8 @@ fn assert_reference_values(settings: Integrator, time: f64, angle: f64, force: f
     assert_near(last.finger().q11_rad, Q11_DEG.to_radians(), angle, "q11");
     assert_near(last.finger().q21_rad, Q21_DEG.to_radians(), angle, "q21");
     let force = |f: f64| force * f + digits * HALF_LAST_DIGIT_N;
-    assert_near(last.contact(FingerContact::Proximal).normal_n, PROXIMAL_N, force(PROXIMAL_N), "proximal force");
-    assert_near(last.contact(FingerContact::Distal).normal_n, DISTAL_N, force(DISTAL_N), "distal force");
+    assert_near(last.finger_contact(FingerContact::Proximal).normal_n, PROXIMAL_N, force(PROXIMAL_N), "proximal force");
+    assert_near(last.finger_contact(FingerContact::Distal).normal_n, DISTAL_N, force(DISTAL_N), "distal force");
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn runs_are_deterministic() {
                     s.time_s,
                     s.finger().q11_rad,
                     s.finger().qd21_rad_s,
-                    s.contact(FingerContact::Proximal).normal_n,
+                    s.finger_contact(FingerContact::Proximal).normal_n,
                     s.energy.balance_j,
                 ]
                 .map(f64::to_bits)

@@ -62,7 +62,7 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_matches_a_single_finger() {
         }
         assert!(max_error < 1e-8, "{max_error:.1e} rad");
         for (index, contact) in PHALANGES.into_iter().enumerate() {
-            let expected = outcome.last.contact(contact).tangential_n;
+            let expected = outcome.last.finger_contact(contact).tangential_n;
             let error = (expected - gripper_samples[600].contacts[index].tangential_n).abs();
             assert!(error < 1e-6 && expected.abs() > 1e-3, "{contact:?}: error {error:.1e} N of {expected}");
         }

@@ -128,7 +128,7 @@ fn adhesion_and_forces_at_a_gap_are_violations() {
 fn decreasing_impulse_is_a_violation() {
     let mut samples = valid_samples();
     samples[3].contact_mut(FingerContact::Proximal).impulse_n_s =
-        0.5 * samples[2].contact(FingerContact::Proximal).impulse_n_s;
+        0.5 * samples[2].finger_contact(FingerContact::Proximal).impulse_n_s;
     for model in [Model::Analytic, Model::Engine] {
         let actual = violations(model, &scene(), &samples, 0.0);
         assert!(
@@ -259,7 +259,7 @@ fn invariants_apply_to_discs() {
             time_s: sample.time_s,
             fingers: Vec::new(),
             bodies: vec![BodyState::default()],
-            contacts: vec![*sample.contact(FingerContact::Proximal)],
+            contacts: vec![*sample.finger_contact(FingerContact::Proximal)],
             energy: sample.energy,
         })
         .collect();

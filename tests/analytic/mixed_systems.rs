@@ -10,7 +10,7 @@ use phalanx::scene::{
     load_any,
 };
 use phalanx::shape::{PlacedShape, max_radius};
-use phalanx::trace::{Layout, Model, Outcome, RunError, run};
+use phalanx::trace::{Model, Outcome, RunError, Schema, run};
 
 use crate::support::laws::{CollectSink, THESIS_FRICTION, THESIS_NORMAL, sampled_at_steps};
 
@@ -164,7 +164,7 @@ fn both_models_agree() {
             has_contact(&reference),
             has_contact(&engine),
             "{name}: {:?}",
-            Layout::from_system(&scene.system).contacts
+            Schema::from_system(&scene.system).contacts
         );
     }
 }
@@ -243,7 +243,7 @@ fn brake() -> Brake {
 #[test]
 fn contacts_have_unique_names() {
     let names = |scene: &Scene| {
-        Layout::from_system(&scene.system)
+        Schema::from_system(&scene.system)
             .contacts
             .into_iter()
             .map(|contact| contact.name)
@@ -262,7 +262,7 @@ fn contacts_have_unique_names() {
     );
     for (name, scene) in cases() {
         let mut names: Vec<_> =
-            Layout::from_system(&scene.system).contacts.into_iter().map(|contact| contact.name).collect();
+            Schema::from_system(&scene.system).contacts.into_iter().map(|contact| contact.name).collect();
         let count = names.len();
         names.sort();
         names.dedup();

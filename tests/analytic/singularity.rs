@@ -28,13 +28,13 @@ fn logged_numbers(s: &Sample) -> [f64; 14] {
         s.finger().qd21_rad_s,
         s.finger().qd12_rad_s,
         s.finger().qd22_rad_s,
-        s.contact(FingerContact::Limit).normal_n,
+        s.finger_contact(FingerContact::Limit).normal_n,
         s.energy.kinetic_j,
         s.energy.balance_j,
-        s.contact(FingerContact::Proximal).normal_n
-            + s.contact(FingerContact::Distal).normal_n
-            + s.contact(FingerContact::Proximal).tangential_n
-            + s.contact(FingerContact::Distal).tangential_n,
+        s.finger_contact(FingerContact::Proximal).normal_n
+            + s.finger_contact(FingerContact::Distal).normal_n
+            + s.finger_contact(FingerContact::Proximal).tangential_n
+            + s.finger_contact(FingerContact::Distal).tangential_n,
     ]
 }
 

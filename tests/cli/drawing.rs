@@ -49,7 +49,7 @@ fn joints_and_contact_points_match_the_drawn_bodies() {
         // The loop is closed: the ends of the coupler and of the arm are one point.
         assert!(distance(coupler.apply([lengths.l12_m, 0.0]), distal.apply([lengths.l22_m, 0.0])) < 1e-9);
         for (body, contact) in
-            [(4, sample.contact(FingerContact::Proximal)), (5, sample.contact(FingerContact::Distal))]
+            [(4, sample.finger_contact(FingerContact::Proximal)), (5, sample.finger_contact(FingerContact::Distal))]
         {
             let capsule = drawing.bodies[body].shapes.last().unwrap();
             let distance_m = distance_from_surface(capsule, &poses[body], contact.point_m);

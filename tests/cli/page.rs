@@ -107,11 +107,14 @@ fn page_contains_every_sample_bit_for_bit() {
             let series = list(&panel["series"]).iter().find(|each| each["name"] == name).expect("a series");
             bits(column(run, &series["values"]))
         };
-        let distal_n = samples.iter().map(|s| s.contact(FingerContact::Distal).normal_n);
+        let distal_n = samples.iter().map(|s| s.finger_contact(FingerContact::Distal).normal_n);
         assert_eq!(series("Normal force", "distal"), bits(distal_n));
         assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger().qd22_rad_s)));
         assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy.balance_j)));
-        assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.contact(FingerContact::Limit).normal_n)));
+        assert_eq!(
+            series("Torque", "limit"),
+            bits(samples.iter().map(|s| s.finger_contact(FingerContact::Limit).normal_n))
+        );
         let times: Vec<f64> =
             list(&run["events"]).iter().map(|event| event["time_s"].as_f64().expect("a time")).collect();
         assert_eq!(times.len(), recording.events.len());
@@ -226,8 +229,8 @@ fn long_run_is_decimated_and_keeps_its_extremes() {
     for sample in &recording.samples {
         recorder.sample(sample).expect("recorded");
         largest = [
-            largest[0].max(sample.contact(FingerContact::Proximal).normal_n),
-            largest[1].max(sample.contact(FingerContact::Distal).normal_n),
+            largest[0].max(sample.finger_contact(FingerContact::Proximal).normal_n),
+            largest[1].max(sample.finger_contact(FingerContact::Distal).normal_n),
         ];
     }
     assert!(recording.samples.len() > 70_000, "{}", recording.samples.len());

@@ -135,7 +135,10 @@ fn keys_come_in_the_documented_order_and_floats_are_not_rounded() {
         values.map(|rest| number(rest).expect("a number").to_bits()).collect()
     };
     assert_eq!(numbers("q11_rad"), [last().finger().q11_rad.to_bits()]);
-    let forces = [last().contact(FingerContact::Proximal).normal_n, last().contact(FingerContact::Distal).normal_n];
+    let forces = [
+        last().finger_contact(FingerContact::Proximal).normal_n,
+        last().finger_contact(FingerContact::Distal).normal_n,
+    ];
     assert_eq!(numbers("final_normal_n"), forces.map(f64::to_bits));
     assert_eq!(numbers("balance_j"), [last().energy.balance_j.to_bits()]);
 }

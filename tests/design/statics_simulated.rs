@@ -18,7 +18,7 @@ fn simulate(scene: &Scene) -> Sample {
 }
 
 fn forces(last: &Sample) -> [f64; 2] {
-    [last.contact(FingerContact::Proximal).normal_n, last.contact(FingerContact::Distal).normal_n]
+    [last.finger_contact(FingerContact::Proximal).normal_n, last.finger_contact(FingerContact::Distal).normal_n]
 }
 
 fn static_grasp(scene: &Scene) -> Grasp {

@@ -55,7 +55,7 @@ fn reproduces_the_counts_of_the_thesis() {
     let scene = scene::parse(&study.scene_text(287), "95.toml").expect("a scene");
     assert_eq!(scene.integrator.preset, Preset::Engineering);
     let outcome = run_analytic(&scene, &mut ()).expect("completes");
-    assert_eq!(number("f21_n"), outcome.last.contact(FingerContact::Proximal).normal_n);
+    assert_eq!(number("f21_n"), outcome.last.finger_contact(FingerContact::Proximal).normal_n);
     assert_eq!(number("peak_f22_n"), outcome.finger_contact(FingerContact::Distal).peak_normal_n);
     assert!((number("t22_m") - 12.857e-3).abs() < 5e-7);
     assert_eq!(row[table.column("class").expect("class")], Value::from("stable"));

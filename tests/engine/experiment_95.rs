@@ -36,12 +36,12 @@ fn default_settings_agree_with_the_analytic_model_over_the_whole_closing() {
         }
         for (actual, expected) in [
             (
-                outcome.last.contact(FingerContact::Proximal).normal_n,
-                expected_outcome.last.contact(FingerContact::Proximal).normal_n,
+                outcome.last.finger_contact(FingerContact::Proximal).normal_n,
+                expected_outcome.last.finger_contact(FingerContact::Proximal).normal_n,
             ),
             (
-                outcome.last.contact(FingerContact::Distal).normal_n,
-                expected_outcome.last.contact(FingerContact::Distal).normal_n,
+                outcome.last.finger_contact(FingerContact::Distal).normal_n,
+                expected_outcome.last.finger_contact(FingerContact::Distal).normal_n,
             ),
         ] {
             assert_near(actual, expected, 1e-4 * expected, "final normal force");
@@ -101,8 +101,8 @@ fn rapier_contact_model_ends_near_the_same_posture() {
         assert!(outcome.finger_contact(contact).impulse_n_s > 0.0);
     }
     assert!(
-        outcome.last.contact(FingerContact::Proximal).normal_n > 1.0
-            && outcome.last.contact(FingerContact::Distal).normal_n > 1.0
+        outcome.last.finger_contact(FingerContact::Proximal).normal_n > 1.0
+            && outcome.last.finger_contact(FingerContact::Distal).normal_n > 1.0
     );
 }
 
@@ -116,8 +116,14 @@ fn creep_of_the_grasp_matches_the_analytic_model() {
         let (outcome, run) = run_engine(&scene);
         assert!(max_angle_error(&run, &reference) < 1e-5);
         for (actual, expected) in [
-            (outcome.last.contact(FingerContact::Proximal), expected_outcome.last.contact(FingerContact::Proximal)),
-            (outcome.last.contact(FingerContact::Distal), expected_outcome.last.contact(FingerContact::Distal)),
+            (
+                outcome.last.finger_contact(FingerContact::Proximal),
+                expected_outcome.last.finger_contact(FingerContact::Proximal),
+            ),
+            (
+                outcome.last.finger_contact(FingerContact::Distal),
+                expected_outcome.last.finger_contact(FingerContact::Distal),
+            ),
         ] {
             assert_near(actual.normal_n, expected.normal_n, 2e-6 * expected.normal_n, "normal force");
             assert_near(actual.gap_m, expected.gap_m, 1e-3 * expected.gap_m.abs(), "penetration");

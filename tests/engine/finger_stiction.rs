@@ -16,7 +16,8 @@ fn both_models_agree_and_the_difference_falls_with_the_tolerance() {
         let difference = max_angle_error(&run, &reference);
         assert!(difference < 2e-5, "{name}: {difference:.1e} rad");
         for contact in [FingerContact::Proximal, FingerContact::Distal] {
-            let (actual, expected) = (outcome.last.contact(contact), expected_outcome.last.contact(contact));
+            let (actual, expected) =
+                (outcome.last.finger_contact(contact), expected_outcome.last.finger_contact(contact));
             let (force_scale, distance) = (expected.normal_n.abs().max(1.0), |a: f64, b: f64| (a - b).abs());
             assert!(
                 distance(actual.normal_n, expected.normal_n) < 1e-3 * force_scale,

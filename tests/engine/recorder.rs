@@ -48,7 +48,7 @@ fn a_loaded_start_at_rest_in_contact_is_a_touchdown_at_time_zero() {
 fn a_start_in_penetration_has_a_force_in_the_first_sample() {
     let scene = load("start-in-penetration");
     let [(_, expected), (outcome, actual)] = [runs::run_to_end(&scene), runs::run_engine(&scene)];
-    let [expected, actual] = [&expected, &actual].map(|log| log.samples[0].contact(FingerContact::Proximal));
+    let [expected, actual] = [&expected, &actual].map(|log| log.samples[0].finger_contact(FingerContact::Proximal));
     assert!(expected.normal_n > 0.02, "{expected:?}");
     assert!(
         (actual.normal_n / expected.normal_n - 1.0).abs() < 1e-6,

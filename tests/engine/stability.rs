@@ -26,21 +26,21 @@ fn energy_created_j(run: &CollectSink) -> f64 {
 fn rebound_gap_m(run: &CollectSink, contact: FingerContact) -> f64 {
     let contact_s = run.first_contact_s(contact as usize).expect("a touch-down");
     let gap = |sample: &Sample| match contact {
-        FingerContact::Proximal => sample.contact(FingerContact::Proximal).gap_m,
-        _ => sample.contact(FingerContact::Distal).gap_m,
+        FingerContact::Proximal => sample.finger_contact(FingerContact::Proximal).gap_m,
+        _ => sample.finger_contact(FingerContact::Distal).gap_m,
     };
     run.samples.iter().filter(|sample| sample.time_s > contact_s).map(gap).fold(0.0, f64::max)
 }
 
 fn is_finite_sample(sample: &Sample) -> bool {
-    let contacts = [sample.contact(FingerContact::Proximal), sample.contact(FingerContact::Distal)];
+    let contacts = [sample.finger_contact(FingerContact::Proximal), sample.finger_contact(FingerContact::Distal)];
     mechanical_energy_j(sample).is_finite()
         && [
             sample.finger().q11_rad,
             sample.finger().q21_rad,
             sample.finger().q22_rad,
             sample.finger().qd11_rad_s,
-            sample.contact(FingerContact::Limit).normal_n,
+            sample.finger_contact(FingerContact::Limit).normal_n,
         ]
         .iter()
         .chain(contacts.iter().flat_map(|c| [&c.normal_n, &c.tangential_n, &c.gap_m, &c.slip_m_s]))
@@ -58,10 +58,13 @@ fn assert_stable(scene: &Scene, step_s: f64, energy_tolerance_j: f64, rebound_to
         let gap_m = rebound_gap_m(&run, contact);
         assert!(gap_m <= rebound_tolerance_m, "{contact:?} reopens by {gap_m:e} m at steps of {step_s:e} s");
         let friction = |s: &Sample| match contact {
-            FingerContact::Proximal => {
-                (s.contact(FingerContact::Proximal).normal_n, s.contact(FingerContact::Proximal).tangential_n)
+            FingerContact::Proximal => (
+                s.finger_contact(FingerContact::Proximal).normal_n,
+                s.finger_contact(FingerContact::Proximal).tangential_n,
+            ),
+            _ => {
+                (s.finger_contact(FingerContact::Distal).normal_n, s.finger_contact(FingerContact::Distal).tangential_n)
             }
-            _ => (s.contact(FingerContact::Distal).normal_n, s.contact(FingerContact::Distal).tangential_n),
         };
         for (normal, tangential) in run.samples.iter().map(friction) {
             assert!(normal >= 0.0 && tangential.abs() <= 0.8 * normal * (1.0 + 1e-12));

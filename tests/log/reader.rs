@@ -66,8 +66,8 @@ fn absent_contacts_have_an_infinite_gap() {
     let (reading, items_read) = read_log(&bytes);
     assert!(reading.is_complete());
     let Some(LogItem::Sample(sample)) = items_read.0.first() else { panic!("no sample") };
-    assert_eq!(sample.contact(FingerContact::Distal).gap_m, f64::INFINITY);
-    assert_eq!(sample.contact(FingerContact::Limit).gap_m, f64::INFINITY);
+    assert_eq!(sample.finger_contact(FingerContact::Distal).gap_m, f64::INFINITY);
+    assert_eq!(sample.finger_contact(FingerContact::Limit).gap_m, f64::INFINITY);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs;
 
 use phalanx::log::{read_file, run_to};
 use phalanx::scene::{Scene, load, load_any};
-use phalanx::trace::{Event, EventKind, FingerContact, Layout, Model, Recording, record, run};
+use phalanx::trace::{Event, EventKind, FingerContact, Model, Recording, Schema, record, run};
 
 use crate::support::cli::{directory, path_text, succeed};
 use crate::support::replay::{DISC_SCENE, FINGER_SCENE};
@@ -64,9 +64,9 @@ fn recording_matches_the_csv_table() {
     }
 }
 
-/// Layout of the arrays into which a log is read.
-fn layout(scene: &Scene) -> Layout {
-    if scene.kind() == SceneKind::Finger { Layout::from_kind(SceneKind::Finger) } else { Layout::default() }
+/// Schema of the arrays into which a log is read.
+fn layout(scene: &Scene) -> Schema {
+    if scene.kind() == SceneKind::Finger { Schema::from_kind(SceneKind::Finger) } else { Schema::default() }
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn maximum_of_a_column_is_the_peak_of_the_run() {
     let scene = load(FINGER_SCENE).expect("a scene");
     let (outcome, recording) = record(Model::Analytic, &scene).expect("a run");
     // A second recording is not decimated.
-    let mut all_steps = Recording::new(&Layout::from_kind(SceneKind::Finger));
+    let mut all_steps = Recording::new(&Schema::from_kind(SceneKind::Finger));
     run(Model::Analytic, &scene, &mut all_steps).expect("a run");
     assert!(all_steps.time().len() >= recording.time().len());
     assert!(all_steps.time().is_sorted() && recording.time().is_sorted());

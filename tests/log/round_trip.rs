@@ -8,7 +8,7 @@ use mcap::{MessageStream, Summary};
 use phalanx::log::{RunInfo, Severity, Writer, metadata};
 use phalanx::scene::Scene;
 use phalanx::scene::keywords::SceneKind;
-use phalanx::trace::{Event, FingerContact, Layout, Recording, Sample, Sink};
+use phalanx::trace::{Event, FingerContact, Recording, Sample, Schema, Sink};
 use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
 
 enum Record {
@@ -101,7 +101,7 @@ fn read(bytes: &[u8]) -> Vec<Decoded> {
 fn every_value_is_read_back_unchanged() {
     let records = test_records();
     let messages = read(&write(&scene(), &records));
-    let mut recording = Recording::new(&Layout::from_kind(SceneKind::Finger));
+    let mut recording = Recording::new(&Schema::from_kind(SceneKind::Finger));
     for record in &records {
         if let Record::Sample(sample) = record {
             recording.sample(sample).expect("recorded");

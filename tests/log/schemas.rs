@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use phalanx::log::read_file;
-use phalanx::trace::{Layout, Model, Recording};
+use phalanx::trace::{Model, Recording, Schema};
 use prost_reflect::prost::Message;
 use prost_reflect::prost_types::FileDescriptorSet;
 
@@ -66,7 +66,7 @@ fn schema_names_have_the_expected_package() {
 fn reads_a_log_with_old_schema_names() {
     let path = "tests/log/names-of-old.mcap";
     assert_eq!(schemas(&fs::read(path).expect("the log"))["/state"], "state.State");
-    let mut recording = Recording::new(&Layout::from_kind(SceneKind::Finger));
+    let mut recording = Recording::new(&Schema::from_kind(SceneKind::Finger));
     let reading = read_file(path.as_ref(), &mut recording).expect("a log");
     assert!(reading.is_complete(), "{:?}", reading.losses);
     assert_eq!(reading.run_end.expect("an end").stopped, None);
@@ -87,7 +87,7 @@ fn old_schema_names_do_not_change_contents_or_verification() {
         assert!(schemas(&fs::read(&old).expect("a log")).values().any(|name| name == "energy.Energy"));
         let is_finger = scene == FINGER_SCENE;
         let [a, b] = [&current, &old].map(|path| {
-            let layout = if is_finger { Layout::from_kind(SceneKind::Finger) } else { Layout::default() };
+            let layout = if is_finger { Schema::from_kind(SceneKind::Finger) } else { Schema::default() };
             let mut recording = Recording::new(&layout);
             read_file(path, &mut recording).expect("a log");
             recording

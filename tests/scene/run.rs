@@ -22,8 +22,8 @@ fn grasps_match_their_documented_times_and_forces() {
     ] {
         let outcome = run(name);
         let contacts = [
-            (FingerContact::Proximal, outcome.last.contact(FingerContact::Proximal)),
-            (FingerContact::Distal, outcome.last.contact(FingerContact::Distal)),
+            (FingerContact::Proximal, outcome.last.finger_contact(FingerContact::Proximal)),
+            (FingerContact::Distal, outcome.last.finger_contact(FingerContact::Distal)),
         ];
         for (i, (phalanx, last)) in contacts.into_iter().enumerate() {
             let summary = outcome.finger_contact(phalanx);

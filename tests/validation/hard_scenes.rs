@@ -164,7 +164,10 @@ fn frictionless_contacts_have_no_tangential_force() {
     let (_, expected, engine) = assert_models_agree("friction-none");
     for sample in expected.samples.iter().chain(&engine.samples) {
         assert_eq!(
-            (sample.contact(FingerContact::Proximal).tangential_n, sample.contact(FingerContact::Distal).tangential_n),
+            (
+                sample.finger_contact(FingerContact::Proximal).tangential_n,
+                sample.finger_contact(FingerContact::Distal).tangential_n
+            ),
             (0.0, 0.0)
         );
     }
@@ -174,8 +177,8 @@ fn frictionless_contacts_have_no_tangential_force() {
 fn an_object_out_of_reach_is_never_touched() {
     let (_, expected, engine) = assert_models_agree("misses");
     for run in [expected, engine] {
-        assert!(run.samples.iter().all(|sample| sample.contact(FingerContact::Proximal).gap_m > 0.0
-            && sample.contact(FingerContact::Distal).gap_m > 0.0));
+        assert!(run.samples.iter().all(|sample| sample.finger_contact(FingerContact::Proximal).gap_m > 0.0
+            && sample.finger_contact(FingerContact::Distal).gap_m > 0.0));
         assert_eq!(
             run.outcome.finger_contact(FingerContact::Proximal).touchdowns
                 + run.outcome.finger_contact(FingerContact::Distal).touchdowns,
@@ -232,8 +235,8 @@ fn the_tip_slides_out_and_back() {
         let in_contact = run
             .samples
             .iter()
-            .filter(|sample| sample.time_s > 9e-3 && sample.contact(FingerContact::Distal).normal_n > 0.0);
-        let slips: Vec<f64> = in_contact.map(|sample| sample.contact(FingerContact::Distal).slip_m_s).collect();
+            .filter(|sample| sample.time_s > 9e-3 && sample.finger_contact(FingerContact::Distal).normal_n > 0.0);
+        let slips: Vec<f64> = in_contact.map(|sample| sample.finger_contact(FingerContact::Distal).slip_m_s).collect();
         let (forth, back) = (slips.iter().copied().fold(0.0, f64::max), slips.iter().copied().fold(0.0, f64::min));
         assert!(forth > 1.2 && back < -1.2, "{forth} {back}");
     }
@@ -260,13 +263,14 @@ fn a_reversed_torque_opens_the_grasp_for_good() {
     for run in [expected, engine] {
         assert_eq!(
             (
-                run.outcome.last.contact(FingerContact::Proximal).normal_n,
-                run.outcome.last.contact(FingerContact::Distal).normal_n
+                run.outcome.last.finger_contact(FingerContact::Proximal).normal_n,
+                run.outcome.last.finger_contact(FingerContact::Distal).normal_n
             ),
             (0.0, 0.0)
         );
         assert!(
-            run.outcome.last.contact(FingerContact::Proximal).gap_m > 1e-3 && run.outcome.last.energy.kinetic_j > 1.0
+            run.outcome.last.finger_contact(FingerContact::Proximal).gap_m > 1e-3
+                && run.outcome.last.energy.kinetic_j > 1.0
         );
     }
 }

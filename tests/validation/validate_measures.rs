@@ -159,7 +159,7 @@ fn impulses_of_small_rebounds_are_not_compared() {
             contacts: vec![ContactSample { impulse_n_s, ..ContactSample::default() }],
             ..Sample::default()
         };
-        let before = run.outcome.last.contact(FingerContact::Proximal).impulse_n_s;
+        let before = run.outcome.last.finger_contact(FingerContact::Proximal).impulse_n_s;
         run.impacts.sample(&sample_at(rebound_s + 1e-6, before + rebound)).expect("never fails");
         run.impacts.sample(&sample_at(rebound_s + 1e-4, before + rebound)).expect("never fails");
     }

@@ -162,9 +162,9 @@ fn contacts(system: &System) -> Vec<String> {
 
 /// Poses of the bodies of a scene's [`Drawing`], in their order.
 pub fn poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
-    let pose = |body: &BodyState| Pose { position_m: body.centre_m, angle_rad: body.angle_rad };
-    let postures = sample.fingers.iter().map(finger_posture).collect::<Vec<_>>();
-    poses_at(&scene.system, sample.time_s, sample.bodies.iter().map(pose), &postures)
+    let pose = |body: BodyState| Pose { position_m: body.centre_m, angle_rad: body.angle_rad };
+    let postures = sample.fingers().map(finger_posture).collect::<Vec<_>>();
+    poses_at(&scene.system, sample.time_s, sample.bodies().map(pose), &postures)
 }
 
 /// Poses of the bodies with the fingers in these postures and everything else at its start.
@@ -193,13 +193,12 @@ pub fn velocities(scene: &Scene, sample: &Sample) -> Vec<Pose> {
     let mut velocities: Vec<Pose> = plane_poses(system, sample.time_s).map(|(_, motion)| motion).collect();
     velocities.extend(unreported_discs(system).map(|_| Pose::default()));
     velocities.extend(
-        sample.bodies.iter().map(|BodyState { velocity_m_s, spin_rad_s, .. }| Pose {
-            position_m: *velocity_m_s,
-            angle_rad: *spin_rad_s,
-        }),
+        sample
+            .bodies()
+            .map(|BodyState { velocity_m_s, spin_rad_s, .. }| Pose { position_m: velocity_m_s, angle_rad: spin_rad_s }),
     );
-    for ((side, finger), state) in system.fingers_by_side().zip(&sample.fingers) {
-        velocities.extend(link_velocities(&finger.linkage.lengths, state).map(|motion| {
+    for ((side, finger), state) in system.fingers_by_side().zip(sample.fingers()) {
+        velocities.extend(link_velocities(&finger.linkage.lengths, &state).map(|motion| {
             let [x, y] = motion.position_m;
             Pose { position_m: [side.mirror() * x, y], angle_rad: side.mirror() * motion.angle_rad }
         }));
@@ -217,7 +216,7 @@ fn pose_at_start(disc: &Disc) -> Pose {
     Pose { position_m: disc.centre_m, angle_rad: disc.angle_rad }
 }
 
-fn finger_posture(finger: &FingerState) -> Posture {
+fn finger_posture(finger: FingerState) -> Posture {
     Posture { q11_rad: finger.q11_rad, q21_rad: finger.q21_rad, q12_rad: finger.q12_rad, q22_rad: finger.q22_rad }
 }
 

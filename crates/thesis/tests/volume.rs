@@ -1,7 +1,7 @@
 //! Grasp-state volumes: comparison with single designs and with the thesis, for several threads, resolutions and bases;
 //! allocations of the computation.
 
-use std::alloc::{GlobalAlloc, Layout, System};
+use std::alloc::{GlobalAlloc, Schema, System};
 use std::cell::Cell as Counter;
 use std::hint::black_box;
 use std::sync::Mutex;
@@ -271,12 +271,12 @@ thread_local! {
 
 // SAFETY: all calls are forwarded to the system allocator; the counter is a thread-local without a destructor.
 unsafe impl GlobalAlloc for CountingAllocator {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+    unsafe fn alloc(&self, layout: Schema) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
         unsafe { System.alloc(layout) }
     }
 
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Schema) {
         unsafe { System.dealloc(pointer, layout) }
     }
 }

@@ -115,7 +115,7 @@ impl ReplayReport {
         let states = outcome.map(|outcome| {
             let mut states = States::new(layout, Some(outcome), scene);
             states.fingers.0.retain(|(_, finger)| !finger.q11_rad.is_nan());
-            states.bodies.0.retain(|(_, body)| !body.x_m.is_nan());
+            states.bodies.0.retain(|(_, body)| !body.state.centre_m[0].is_nan());
             states
         });
         let contacts = outcome.map(|outcome| {
@@ -146,7 +146,7 @@ impl ReplayReport {
             contacts,
             criteria,
             grasp: grasp.zip(outcome).map(|(criteria, outcome)| GraspReport::new(criteria, scene, &outcome.last)),
-            energy: outcome.map(|outcome| outcome.last.energy).filter(|energy| !energy.kinetic_j.is_nan()),
+            energy: outcome.map(|outcome| outcome.last.energy()).filter(|energy| !energy.kinetic_j.is_nan()),
             warnings,
             is_inconsistent: false,
             verification: None,

@@ -8,7 +8,7 @@ use crate::limits::MAX_SCENE_BYTES;
 use crate::log::{LogSink, LogSummary, settings};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Scene, SceneError};
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::trace::{Event, Sample, Schema, Sink, SinkError};
 
 /// A sink for the contents of a log that collects the data of its report.
 #[derive(Debug, Default)]
@@ -87,7 +87,7 @@ pub fn scene_in_log(head: &LogSummary) -> Option<Result<Scene, SceneError>> {
 }
 
 impl LogSink for LogObserver {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         let scene = self.scene.as_ref().filter(|scene| scene.kind() != SceneKind::Finger);
         self.summary = Summary::new(layout.clone(), scene);
         // The kind of the scene can differ from the kind of the log.
@@ -99,7 +99,7 @@ impl LogSink for LogObserver {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.summary.sample(sample)?;
         // Samples have no energies if the energy topic is missing.
-        self.audit = self.audit.filter(|_| !sample.energy.kinetic_j.is_nan());
+        self.audit = self.audit.filter(|_| !sample.energy().kinetic_j.is_nan());
         self.audit.sample(sample)?;
         self.tracker.sample(sample)
     }

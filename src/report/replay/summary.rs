@@ -2,12 +2,12 @@
 
 use crate::criteria::{Rebound, Rebounds};
 use crate::scene::Scene;
-use crate::trace::{ContactSummary, Event, EventKind, Layout, Outcome, Sample, Sink, SinkError};
+use crate::trace::{ContactSummary, Event, EventKind, Outcome, Sample, Schema, Sink, SinkError};
 
 /// A [`Sink`] that summarises the samples and events of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
-    pub layout: Layout,
+    pub layout: Schema,
     outcome: Outcome,
     /// Rebounds of the pairs of bodies.
     rebounds: Option<Rebounds>,
@@ -17,7 +17,7 @@ pub struct Summary {
 impl Summary {
     /// Creates a summary for samples of this layout. `scene` is the scene of a log of bodies, if known; it provides the
     /// masses for the rebounds.
-    pub fn new(layout: Layout, scene: Option<&Scene>) -> Self {
+    pub fn new(layout: Schema, scene: Option<&Scene>) -> Self {
         let contacts = vec![ContactSummary::default(); layout.contacts.len()];
         let rebounds_of_scene = scene
             .map(|scene| Rebounds::for_system(&scene.system))
@@ -42,7 +42,7 @@ impl Sink for Summary {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.has_sample = true;
         self.outcome.last.clone_from(sample);
-        for (summary, contact) in self.outcome.contacts.iter_mut().zip(&sample.contacts) {
+        for (summary, contact) in self.outcome.contacts.iter_mut().zip(sample.contacts()) {
             summary.update(contact.force_and_penetration());
             summary.impulse_n_s = contact.impulse_n_s;
         }

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use super::super::named::Named;
 use crate::format::numbers::format_number;
 use crate::format::report::{Report, table};
-use crate::trace::Layout;
+use crate::trace::Schema;
 use crate::validate::{Angle, Differences, largest};
 
 /// One figure of a component.
@@ -70,7 +70,7 @@ pub(super) const TOTAL: [Figure; 8] = [
 
 impl Figure {
     /// Whether scenes of this layout have the figure: final forces only with fingers, peak forces only without.
-    fn applies_to(&self, layout: &Layout) -> bool {
+    fn applies_to(&self, layout: &Schema) -> bool {
         match self.key {
             "angle_max_rad" | "final_force" | "loop_gap_m" => !layout.fingers.is_empty(),
             "position_max_m" => !layout.bodies.is_empty(),
@@ -88,7 +88,7 @@ impl Figure {
 /// Returns the figures that scenes of this layout have, with their values; none has a value without differences.
 pub(super) fn figures<'a>(
     all: &'a [Figure],
-    layout: &'a Layout,
+    layout: &'a Schema,
     found: Option<&'a Differences>,
     index: usize,
 ) -> impl Iterator<Item = (&'a Figure, Option<f64>)> {
@@ -104,7 +104,7 @@ pub(super) fn by_key<'a>(figures: impl Iterator<Item = (&'a Figure, Option<f64>)
 /// All differences of a setting, with the names of the components.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NamedDifferences<'a> {
-    pub layout: &'a Layout,
+    pub layout: &'a Schema,
     pub found: &'a Differences,
 }
 

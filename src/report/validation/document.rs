@@ -13,7 +13,7 @@ use super::differences::{NamedDifferences, TOTAL, by_key, figures};
 use crate::invariants::Finding;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Keyword, Scene};
-use crate::trace::{Energy, Layout, Model};
+use crate::trace::{Energy, Model, Schema};
 use crate::validate::{
     IMPACT_S, Impact, LadderOptions, LadderRow, MEMBER_PERTURBATION, Recording, SolverConfiguration, Validation,
     configuration_name, ensemble_size, reference_configuration, scene_configuration,
@@ -23,7 +23,7 @@ use crate::validate::{
 #[derive(Clone, Debug)]
 pub struct ValidationReport<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) layout: Layout,
+    pub(super) layout: Schema,
     pub(super) validation: &'a Validation,
     /// Options of the ladder, if it was run.
     pub(super) ladder: Option<LadderOptions>,
@@ -34,7 +34,7 @@ pub struct ValidationReport<'a> {
 impl<'a> ValidationReport<'a> {
     /// Creates the report. `ladder` are the options of the ladder of `validation`, if it was run.
     pub fn new(scene: &'a Scene, validation: &'a Validation, ladder: Option<LadderOptions>) -> Self {
-        let layout = Layout::from_system(&scene.system);
+        let layout = Schema::from_system(&scene.system);
         ValidationReport { scene, layout, validation, ladder, files: None }
     }
 
@@ -64,7 +64,7 @@ impl<'a> ValidationReport<'a> {
             wall_s: ladder.iter().find(is_timed).and_then(|row| row.cost.wall_s),
             states: States::new(&self.layout, Some(outcome), Some(self.scene)),
             contacts: Contacts::new(&self.layout, outcome, &[]),
-            energy: outcome.last.energy,
+            energy: outcome.last.energy(),
             loop_gap_m: (self.scene.kind() != SceneKind::Bodies).then_some(outcome.loop_gap_m),
             invariants,
         }

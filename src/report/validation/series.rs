@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use super::super::samples::cell;
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
-use crate::trace::columns::{Column, columns};
-use crate::trace::{Layout, Sample};
+use crate::trace::Channel;
+use crate::trace::{Sample, Schema};
 use crate::validate::{Recording, wrap_angle};
 
 /// The columns of a single finger, in their order.
@@ -52,7 +52,7 @@ const OMITTED_FOR_DISCS: [&str; 10] = [
 pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
     let is_finger = scene.kind() == SceneKind::Finger;
     // The first column is the time.
-    let all = columns(&Layout::from_system(&scene.system)).into_iter().skip(1);
+    let all = columns(&Schema::from_system(&scene.system)).into_iter().skip(1);
     let all: Vec<Column> = match scene.kind() {
         SceneKind::Finger => {
             let position = |column: &Column| FINGER_COLUMNS.iter().position(|name| *name == column.name);

@@ -7,7 +7,7 @@ use crate::format::numbers::{format_number, row, zero_below_resolution};
 use crate::format::report::{Report, Table, ToReport, table};
 use crate::invariants::Finding;
 use crate::scene::DiscMotion;
-use crate::trace::columns::columns;
+
 use crate::trace::{ContactSummary, Model};
 use crate::units::Dimension;
 use crate::validate::{

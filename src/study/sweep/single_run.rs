@@ -153,7 +153,7 @@ fn set_closing(cells: &mut Cells, tracker: &Tracker, grasp: &StaticGrasp, outcom
     cells.set("class", criteria.class.name());
     cells.set("class_reason", criteria.class_reason.to_string());
     let contacts = [FingerContact::Proximal, FingerContact::Distal];
-    let forces_n = contacts.map(|contact| outcome.last.contact(contact).normal_n);
+    let forces_n = contacts.map(|contact| outcome.last.finger_contact(contact).normal_n);
     let peaks_n = contacts.map(|contact| outcome.finger_contact(contact).peak_normal_n);
     cells.set("f21_n", forces_n[0]);
     cells.set("f22_n", forces_n[1]);
@@ -250,7 +250,7 @@ fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &GraspCriteria, outcome
     cells.set("slip_rad", criteria.slip.map(|slip| slip.rotation_rad));
     cells.set("contacts_lost", criteria.contacts.iter().map(|contact| i64::from(contact.times_lost)).sum::<i64>());
     cells.set("form_closed", is_form_closed(scene, last).filter(|_| criteria.fate == Fate::Held));
-    let contacts = GripperContact::ALL.into_iter().zip(outcome.contacts.iter().zip(&last.contacts));
+    let contacts = GripperContact::ALL.into_iter().zip(outcome.contacts.iter().zip(last.contacts()));
     for (contact, (summary, last)) in
         contacts.filter(|(contact, (_, last))| !contact.is_stop() && last.gap_m.is_finite())
     {

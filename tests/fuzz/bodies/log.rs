@@ -5,12 +5,12 @@ use std::io::Cursor;
 use phalanx::criteria::{FinalAngles, Tracker};
 use phalanx::log::{self, LogSink};
 use phalanx::report::replay::Summary;
-use phalanx::trace::{Event, Layout, Sample, Sink, SinkError};
+use phalanx::trace::{Event, Sample, Schema, Sink, SinkError};
 
 /// The consumer of `phalanx replay`, with checks of its input.
 #[derive(Default)]
 struct CheckingSink {
-    layout: Layout,
+    layout: Schema,
     summary: Summary,
     /// Criteria of a single finger.
     tracker: Option<Tracker>,
@@ -20,7 +20,7 @@ struct CheckingSink {
 }
 
 impl LogSink for CheckingSink {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         self.layout = layout.clone();
         self.summary = Summary::new(layout.clone(), None);
         let angles = FinalAngles { q11_rad: 0.03, q21_rad: 1.13 };
@@ -32,7 +32,7 @@ impl LogSink for CheckingSink {
         assert!(sample.time_s >= self.latest_s);
         self.latest_s = sample.time_s;
         self.samples += 1;
-        let Layout { fingers, bodies, contacts } = &self.layout;
+        let Schema { fingers, bodies, contacts } = &self.layout;
         assert_eq!((sample.bodies.len(), sample.contacts.len()), (bodies.len(), contacts.len()));
         assert_eq!(sample.fingers.len(), fingers.len());
         self.summary.sample(sample)?;

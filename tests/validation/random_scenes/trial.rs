@@ -10,7 +10,7 @@ use phalanx::invariants::{Finding, Invariant};
 use phalanx::log::{self, LogSink, LogSummary, RunInfo, Severity, Writer};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{Scene, parse_any};
-use phalanx::trace::{BodyState, Event, Layout, Model, RunError, Sample, Sink, SinkError};
+use phalanx::trace::{BodyState, Event, Model, RunError, Sample, Schema, Sink, SinkError};
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
 
 use crate::support::checked_run;
@@ -219,7 +219,7 @@ impl Sink for LastSample {
 }
 
 impl LogSink for LastSample {
-    fn layout(&mut self, _: &Layout) -> Result<(), SinkError> {
+    fn layout(&mut self, _: &Schema) -> Result<(), SinkError> {
         Ok(())
     }
 

@@ -5,7 +5,8 @@ use super::{Finding, Invariant, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::numeric::elementary::pow;
 use crate::scene::{ContactId, DiscMotion, Scene, Side, System};
-use crate::trace::{Channels, ContactSample, Energy, Model, Sample, Sink, SinkError};
+use crate::trace::schema::State;
+use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
 
 /// Tolerance for limits that hold in exact arithmetic.
 const ROUNDING: f64 = 1e-9;
@@ -158,12 +159,12 @@ impl Invariants {
     }
 
     /// Records one instant: the number of non-finite values, the energies, and the state of every contact.
-    fn record<'a>(
+    fn record(
         &mut self,
         time_s: f64,
         non_finite: usize,
         energy: &Energy,
-        contacts: impl IntoIterator<Item = &'a ContactSample>,
+        contacts: impl IntoIterator<Item = ContactSample>,
     ) {
         self.samples += 1;
         self.last_s = time_s;
@@ -178,8 +179,8 @@ impl Invariants {
         let available_j =
             (1.0 + ENERGY_SUM_TOLERANCE) * (supplied_j + released_j) + self.tolerances.energy * self.throughput_j;
         for (index, values) in contacts.into_iter().enumerate() {
-            self.contact(index, values, time_s, available_j);
-            self.friction(index, values, time_s);
+            self.contact(index, &values, time_s, available_j);
+            self.friction(index, &values, time_s);
         }
     }
 
@@ -279,9 +280,9 @@ fn max_depth(law: &NormalLaw, energy_j: f64) -> f64 {
 impl Sink for Invariants {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         // An infinite gap belongs to a contact that the scene does not have.
-        let existing = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
+        let existing = sample.contacts().filter(|contact| contact.gap_m != f64::INFINITY);
         let non_finite = non_finite(sample);
-        self.record(sample.time_s, non_finite, &sample.energy, existing);
+        self.record(sample.time_s, non_finite, &sample.energy(), existing);
         if non_finite == 0 {
             self.momentum_balance.iter_mut().for_each(|balance| balance.record(sample));
         }
@@ -324,12 +325,7 @@ fn object(system: &System) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
 
 /// Number of values that are not finite. An infinite gap belongs to a missing contact and does not count.
 fn non_finite(sample: &Sample) -> usize {
-    let fingers = sample.fingers.iter().flat_map(Channels::values);
-    let bodies = sample.bodies.iter().flat_map(Channels::values);
-    let contacts = sample.contacts.iter().flat_map(|contact| {
-        let gap_m = if contact.gap_m == f64::INFINITY { 0.0 } else { contact.gap_m };
-        ContactSample { gap_m, ..*contact }.values()
-    });
-    let all = fingers.chain(bodies).chain(contacts).chain(sample.energy.values()).chain([sample.time_s]);
-    all.filter(|number| !number.is_finite()).count()
+    let missing_gaps = sample.contacts().filter(|contact| contact.gap_m == f64::INFINITY).count();
+    let all = sample.values().iter().chain([&sample.time_s]);
+    all.filter(|number| !number.is_finite()).count() - missing_gaps
 }

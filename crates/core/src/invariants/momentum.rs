@@ -81,8 +81,8 @@ impl MomentumBalance {
     pub fn record(&mut self, sample: &Sample) {
         if let Some(last) = self.last.take() {
             self.add_weight(&last, sample);
-            for index in (0..sample.contacts.len()).filter(|index| !sample.is_stop(*index)) {
-                let ends = [(&last, &last.contacts[index]), (sample, &sample.contacts[index])];
+            for index in (0..sample.counts().contacts).filter(|index| !sample.is_stop(*index)) {
+                let ends = [(&last, &last.contact(index)), (sample, &sample.contact(index))];
                 self.add_contact(ends, self.friction_laws[index]);
             }
             self.subtract_momentum_change(&last, sample);
@@ -102,7 +102,7 @@ impl MomentumBalance {
     }
 
     fn subtract_momentum_change(&mut self, last: &Sample, sample: &Sample) {
-        let (before, after) = (&last.bodies[0], &sample.bodies[0]);
+        let (before, after) = (last.body(0), sample.body(0));
         for axis in 0..2 {
             self.unbalanced[axis] -= self.body.mass_kg * (after.velocity_m_s[axis] - before.velocity_m_s[axis]);
         }
@@ -118,7 +118,7 @@ impl MomentumBalance {
         let [from, to] = ends.map(|(sample, contact)| {
             let (normal, tangent, mu) = (contact.normal, contact.tangent(), friction_ratio(contact, friction));
             let force = [0, 1].map(|axis| -normal[axis] - mu * tangent[axis]);
-            let centre = sample.bodies[0].centre_m;
+            let centre = sample.body(0).centre_m;
             let lever = [0, 1].map(|axis| contact.point_m[axis] - centre[axis]);
             [force[0], force[1], lever[0] * force[1] - lever[1] * force[0]]
         });
@@ -126,7 +126,7 @@ impl MomentumBalance {
         for axis in 0..3 {
             self.unbalanced[axis] += impulse * 0.5 * (from[axis] + to[axis]);
         }
-        let (centre, point) = (ends[1].0.bodies[0].centre_m, ends[1].1.point_m);
+        let (centre, point) = (ends[1].0.body(0).centre_m, ends[1].1.point_m);
         let radius = hypot(point[0] - centre[0], point[1] - centre[1]);
         self.linear.uncertainty += impulse.abs() * hypot(change[0], change[1]);
         self.linear.exchanged += impulse.abs();

@@ -3,7 +3,7 @@
 
 use std::ops::Index;
 
-use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, RequiredData, Sample};
+use super::{BodyState, ContactSample, Counts, Energy, FingerContact, FingerState, RequiredData, Sample};
 use crate::analytic::multibody::Multibody;
 use crate::analytic::{
     ContactReading, ContactState, Energies, FingerMode, FingerMotion, Mode, PassiveJoints, QUADRATURES,
@@ -34,12 +34,6 @@ pub(super) trait Reader<const N: usize, const Z: usize> {
 
     /// Reads one contact of a state.
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
-}
-
-/// Replaces the elements of a vector, reusing its allocation.
-fn refill<T>(items: &mut Vec<T>, new: impl Iterator<Item = T>) {
-    items.clear();
-    items.extend(new);
 }
 
 /// Converts the energies of a state to those of a sample.
@@ -96,14 +90,15 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
             qd22_rad_s: passive.qd22,
             motor_torque_n_m: if required_data.passive { self.motor_torque(t) } else { 0.0 },
         };
-        sample.time_s = t;
-        refill(&mut sample.fingers, std::iter::once(finger));
-        refill(&mut sample.contacts, FingerContact::ALL.into_iter().map(sample_contact));
-        sample.energy = if required_data.energies {
-            stored_energy(energies).relative_to(start, contact_work, motor_work)
-        } else {
-            Energy::default()
-        };
+        sample.prepare(t, Counts { fingers: 1, bodies: 0, contacts: FingerContact::ALL.len() });
+        sample.set_finger(0, &finger);
+        FingerContact::ALL
+            .into_iter()
+            .for_each(|contact| sample.set_contact(contact as usize, &sample_contact(contact)));
+        sample.set_energy(&match required_data.energies {
+            true => stored_energy(energies).relative_to(start, contact_work, motor_work),
+            false => Energy::default(),
+        });
     }
 
     fn is_slipping(&self, index: usize, mode: &FingerMode) -> Option<bool> {
@@ -156,15 +151,19 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
             let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.disc_pose(disc, q), model.disc_rates(disc, v));
             BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
         };
-        sample.time_s = t;
-        refill(&mut sample.fingers, (0..self.system.fingers.len()).map(finger));
-        refill(&mut sample.bodies, (0..self.system.reported_discs().len()).map(disc));
-        refill(&mut sample.contacts, (0..model.contact_count()).map(|contact| self.contact(state, contact, mode)));
-        sample.energy = if required_data.energies {
-            stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1])
-        } else {
-            Energy::default()
+        let counts = Counts {
+            fingers: self.system.fingers.len(),
+            bodies: self.system.reported_discs().len(),
+            contacts: model.contact_count(),
         };
+        sample.prepare(t, counts);
+        (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
+        (0..counts.bodies).for_each(|k| sample.set_body(k, &disc(k)));
+        (0..counts.contacts).for_each(|k| sample.set_contact(k, &self.contact(state, k, mode)));
+        sample.set_energy(&match required_data.energies {
+            true => stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1]),
+            false => Energy::default(),
+        });
     }
 
     fn is_slipping(&self, index: usize, mode: &Mode<C>) -> Option<bool> {

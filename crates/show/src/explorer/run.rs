@@ -15,8 +15,7 @@ use crate::report::document::{Failure, RunData, RunReport};
 use crate::report::samples::{csv_head, csv_sample};
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
-use crate::trace::columns::{Column, columns};
-use crate::trace::{Decimated, Event, Layout, Model, RunError, Sample, Sink, SinkError, run_analytic};
+use crate::trace::{Channel, Decimated, Event, Model, RunError, Sample, Schema, Sink, SinkError, run_analytic};
 
 /// Runs a scene; `sink` also receives the samples. As on the command line, criteria are evaluated on the samples that a
 /// log would contain.
@@ -131,8 +130,8 @@ pub fn criteria(request: &Request, numbers: &mut Vec<f64>) -> Value {
 
 /// Returns the samples in the format of `phalanx replay --csv`.
 pub fn samples(scene: &Scene) -> Result<Value, Value> {
-    let mut lines = CsvSink { columns: columns(&Layout::from_system(&scene.system)), text: Vec::new() };
-    csv_head(&mut lines.text, &lines.columns).expect("writing to memory cannot fail");
+    let mut lines = CsvSink { channels: Schema::from_system(&scene.system).channels(), text: Vec::new() };
+    csv_head(&mut lines.text, &lines.channels).expect("writing to memory cannot fail");
     let mut decimated = Decimated::new(scene.log.numeric_hz, lines);
     // A run that fails early has the samples up to its failure.
     let result = run_analytic(scene, &mut decimated);
@@ -144,13 +143,13 @@ pub fn samples(scene: &Scene) -> Result<Value, Value> {
 }
 
 struct CsvSink {
-    columns: Vec<Column>,
+    channels: Vec<Channel>,
     text: Vec<u8>,
 }
 
 impl Sink for CsvSink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        csv_sample(&mut self.text, &self.columns, sample).expect("writing to memory cannot fail");
+        csv_sample(&mut self.text, &self.channels, sample).expect("writing to memory cannot fail");
         Ok(())
     }
 }

@@ -90,7 +90,7 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
-/// Layout of stacked panels, in pixels.
+/// Schema of stacked panels, in pixels.
 pub struct Stack {
     /// Height of the area above the panels.
     pub top: f64,

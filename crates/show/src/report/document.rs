@@ -12,7 +12,7 @@ use crate::criteria::{Criteria, GraspCriteria, Rebound, scene_static_grasp};
 use crate::scene::keywords::SceneKind;
 use crate::scene::schema::{SettingsSection, columns};
 use crate::scene::{Engine, Integrator, Keyword, Scene};
-use crate::trace::{Energy, Layout, Model, Outcome, Work};
+use crate::trace::{Energy, Model, Outcome, Schema, Work};
 
 /// One run. All results are null if the simulation failed without a partial outcome. Keys that do not apply to the kind
 /// of scene are omitted.
@@ -119,7 +119,7 @@ impl RunReport {
     /// Builds the report of a completed run, or of a run up to its failure `error`.
     pub fn new(scene: &Scene, model: Model, data: &RunData<'_>, error: Option<Failure>) -> Self {
         let (engine, outcome) = (model == Model::Engine, data.outcome);
-        let (kind, layout) = (scene.kind(), Layout::from_system(&scene.system));
+        let (kind, layout) = (scene.kind(), Schema::from_system(&scene.system));
         let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
         let palm_peak = || {
             scene.system.palm_motion.as_ref().map(|motion| motion.peak_acceleration_m_s2([0.0; 2], scene.duration_s))
@@ -143,7 +143,7 @@ impl RunReport {
             end_s: outcome.map(|outcome| outcome.last.time_s),
             palm_peak_acceleration_m_s2: gripper.then(palm_peak),
             error,
-            energy: outcome.map(|outcome| outcome.last.energy),
+            energy: outcome.map(|outcome| outcome.last.energy()),
             warnings: data.warnings.to_vec(),
             work: outcome.map(|outcome| outcome.work),
             integrator: (!engine).then_some(EffectiveSettings(scene.integrator)),

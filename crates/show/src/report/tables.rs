@@ -71,12 +71,12 @@ fn bodies<'a>(bodies: impl IntoIterator<Item = (&'a str, &'a BodyReport)>, headi
         rows.push(row([
             name,
             body.motion,
-            &resolved(body.x_m, Dimension::Length, 1e3, 7),
-            &resolved(body.y_m, Dimension::Length, 1e3, 7),
-            &resolved(body.angle_rad, Dimension::Angle, DEGREES, 6),
-            &resolved(body.vx_m_s, Dimension::Speed, 1.0, 6),
-            &resolved(body.vy_m_s, Dimension::Speed, 1.0, 6),
-            &resolved(body.spin_rad_s, Dimension::AngularRate, 1.0, 6),
+            &resolved(body.state.centre_m[0], Dimension::Length, 1e3, 7),
+            &resolved(body.state.centre_m[1], Dimension::Length, 1e3, 7),
+            &resolved(body.state.angle_rad, Dimension::Angle, DEGREES, 6),
+            &resolved(body.state.velocity_m_s[0], Dimension::Speed, 1.0, 6),
+            &resolved(body.state.velocity_m_s[1], Dimension::Speed, 1.0, 6),
+            &resolved(body.state.spin_rad_s, Dimension::AngularRate, 1.0, 6),
         ]));
     }
     table(&rows)

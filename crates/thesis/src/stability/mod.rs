@@ -302,7 +302,7 @@ impl<'a> Observer<'a> {
         }
         let (from, to) = (&reference[self.index], &reference[(self.index + 1).min(last)]);
         let angles = |sample: &Sample| {
-            let FingerState { q11_rad, q21_rad, q22_rad, .. } = *sample.finger();
+            let FingerState { q11_rad, q21_rad, q22_rad, .. } = sample.finger(0);
             [q11_rad, q21_rad, q22_rad]
         };
         let expected = angles(&interpolate(from, to, sample.time_s.min(to.time_s)));
