@@ -179,6 +179,10 @@ impl<W: Write + Send + 'static> Drop for ThreadedWriter<W> {
 }
 
 impl<W: Write + Send + 'static> Sink for ThreadedWriter<W> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.batch.push_sample(sample);
         self.send_full_batch()

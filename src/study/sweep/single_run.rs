@@ -188,7 +188,7 @@ struct GripperSink {
 
 impl Sink for GripperSink {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, passive: true, peaks: true }
+        RequiredData { energies: false, joint_forces: false, passive: true, peaks: true }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

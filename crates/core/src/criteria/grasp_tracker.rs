@@ -394,7 +394,7 @@ impl GraspTracker {
 
 impl Sink for GraspTracker {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, passive: false, peaks: true }
+        RequiredData { energies: false, joint_forces: false, passive: false, peaks: true }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -200,7 +200,7 @@ impl SegmentObserver<2> for TrackerState {
 
 impl Sink for Tracker {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, passive: false, peaks: true }
+        RequiredData { energies: false, joint_forces: false, passive: false, peaks: true }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

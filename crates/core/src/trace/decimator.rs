@@ -5,7 +5,7 @@
 //! the run itself.
 
 use super::grid::is_point;
-use super::{Event, Sample, Sink, SinkError};
+use super::{Event, RequiredData, Sample, Sink, SinkError};
 
 /// Smallest change of a contact force during an impact, per grid interval, as a fraction of the force.
 const MIN_FORCE_CHANGE: f64 = 0.1;
@@ -61,6 +61,11 @@ impl<S: Sink> Decimated<S> {
 }
 
 impl<S: Sink> Sink for Decimated<S> {
+    fn required_data(&self) -> RequiredData {
+        // Decimation uses the peaks of contact forces.
+        RequiredData { peaks: true, ..self.sink.required_data() }
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let is_first = self.latest.is_none();
         if is_first {

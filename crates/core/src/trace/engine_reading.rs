@@ -12,6 +12,11 @@ use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{angle_between, nearest_equivalent_angle, opening_angle, rotate};
 use crate::scene::{ContactId, Disc, Side, System};
 
+/// Number of pins of a finger.
+const FINGER_PINS: usize = 5;
+/// Pins of the joints of a finger, in the order of its samples.
+const PINS_OF_JOINTS: [usize; FINGER_PINS] = [0, 2, 1, 3, 4];
+
 /// Reads fingers and bodies of a system at a node of its motion.
 pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) {
     let frame = PalmFrame::at(motion.plan, motion.clock.now());
@@ -22,6 +27,8 @@ pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) 
         let phi22_rad = finger.linkage.lengths.phi22_rad;
         let state = Links::new(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes);
         sample.set_finger(index, &state);
+        let force_n = |pin: usize| frame.direction(motion.pin_forces[FINGER_PINS * index + pin]);
+        sample.set_joint_forces(index, &PINS_OF_JOINTS.map(force_n));
     }
     for (index, (disc, body)) in reported_discs(system).enumerate() {
         let state = match body {

@@ -20,6 +20,7 @@ pub(super) struct EngineRecorder<'a> {
     reach: Option<Reach>,
     /// Time at which the object left the region.
     ejected_s: Option<f64>,
+    pub requires_joint_forces: bool,
     start_energy: Energy,
     trackers: Vec<ContactTracker>,
     /// Contacts whose sampled normal is opposite to that of the plan.
@@ -51,6 +52,7 @@ impl<'a> EngineRecorder<'a> {
         read_node(system, motion, start_energy.relative_to(&start_energy, 0.0, 0.0), (&trackers, &flipped), &mut last);
         Self {
             system,
+            requires_joint_forces: sink.required_data().joint_forces,
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,

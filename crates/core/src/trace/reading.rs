@@ -9,7 +9,7 @@ use crate::analytic::{
     ContactReading, ContactState, Energies, FingerMode, FingerMotion, Mode, PassiveJoints, QUADRATURES,
 };
 use crate::integrator::State;
-use crate::scene::System;
+use crate::scene::{ContactId, System};
 
 /// Converts the states of a model to samples.
 pub(super) trait Reader<const N: usize, const Z: usize> {
@@ -95,6 +95,17 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
         FingerContact::ALL
             .into_iter()
             .for_each(|contact| sample.set_contact(contact as usize, &sample_contact(contact)));
+        if required_data.joint_forces {
+            let forces = FingerContact::ALL.into_iter().map(|contact| {
+                let sample = sample.finger_contact(contact);
+                match contact {
+                    FingerContact::Limit => (contact, [[sample.normal_n, 0.0]; 2]),
+                    _ => (contact, [sample.force_n(), sample.point_m]),
+                }
+            });
+            let forces_n = self.joint_forces(t, state, mode, forces);
+            sample.set_joint_forces(0, &forces_n);
+        }
         sample.set_energy(&match required_data.energies {
             true => stored_energy(energies).relative_to(start, contact_work, motor_work),
             false => Energy::default(),
@@ -114,6 +125,7 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
 pub(super) struct SystemReader<'a, const N: usize, const C: usize> {
     pub model: &'a Multibody<N, C>,
     pub system: &'a System,
+    pub contact_ids: Vec<ContactId>,
 }
 
 impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemReader<'_, N, C> {
@@ -160,6 +172,21 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
         (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
         (0..counts.bodies).for_each(|k| sample.set_body(k, &disc(k)));
         (0..counts.contacts).for_each(|k| sample.set_contact(k, &self.contact(state, k, mode)));
+        if required_data.joint_forces && counts.fingers > 0 {
+            let contact_forces = self.contact_ids.iter().enumerate().map(|(index, &id)| {
+                let contact = sample.contact(index);
+                match id {
+                    ContactId::Stop(_) => (id, [[contact.normal_n, 0.0]; 2]),
+                    _ => (id, [contact.force_n(), contact.point_m]),
+                }
+            });
+            let forces_n = model.joint_forces(t, state, mode, contact_forces);
+            forces_n
+                .iter()
+                .enumerate()
+                .take(counts.fingers)
+                .for_each(|(k, forces_n)| sample.set_joint_forces(k, forces_n));
+        }
         sample.set_energy(&match required_data.energies {
             true => stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1]),
             false => Energy::default(),

@@ -18,6 +18,12 @@ impl ContactSample {
         [-self.normal[1], self.normal[0]]
     }
 
+    /// Returns the force on the phalanx (palm, table), N.
+    pub fn force_n(&self) -> [f64; 2] {
+        let (normal, tangent) = (self.normal, self.tangent());
+        [0, 1].map(|k| self.normal_n * normal[k] + self.tangential_n * tangent[k])
+    }
+
     /// Returns the normal force (N; limit: N·m) and the penetration (m; limit: rad).
     pub fn force_and_penetration(&self) -> (f64, f64) {
         (self.normal_n, -self.gap_m)

@@ -6,5 +6,6 @@
 pub mod capsule;
 pub mod dynamics;
 pub mod inertial_forces;
+pub mod joint_forces;
 pub mod kinematics;
 pub mod spring;

@@ -15,7 +15,9 @@ use crate::report::document::{Failure, RunData, RunReport};
 use crate::report::samples::{csv_head, csv_sample};
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
-use crate::trace::{Channel, Decimated, Event, Model, RunError, Sample, Schema, Sink, SinkError, run_analytic};
+use crate::trace::{
+    Channel, Decimated, Event, Model, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
+};
 
 /// Runs a scene; `sink` also receives the samples. As on the command line, criteria are evaluated on the samples that a
 /// log would contain.
@@ -148,6 +150,10 @@ struct CsvSink {
 }
 
 impl Sink for CsvSink {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         csv_sample(&mut self.text, &self.channels, sample).expect("writing to memory cannot fail");
         Ok(())
