@@ -11,7 +11,7 @@ use phalanx::report::replay::{LogObserver, scene_in_log};
 use phalanx::report::simulation::{CheckPolicy, SimulationOptions, simulate_and_check};
 use phalanx::scene::{Construction, Preset, Scene};
 use phalanx::trace::overrides::{self, Overrides};
-use phalanx::trace::{Cancellable, Event, Model, Recording, Sample, Schema, Sink, SinkError};
+use phalanx::trace::{Cancellable, Event, Model, Recording, RequiredData, Sample, Schema, Sink, SinkError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
@@ -184,6 +184,10 @@ struct Recorders {
 }
 
 impl Sink for Recorders {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> std::result::Result<(), SinkError> {
         Sink::sample(&mut self.recording, sample)?;
         self.playback.sample(sample)
@@ -205,9 +209,9 @@ struct Reader<'a> {
 
 impl LogSink for Reader<'_> {
     fn schema(&mut self, schema: &Schema) -> std::result::Result<(), SinkError> {
-        self.layout = layout.clone();
-        self.recorders.recording = Recording::new(layout);
-        self.observer.layout(layout)
+        self.layout = schema.clone();
+        self.recorders.recording = Recording::new(schema);
+        self.observer.schema(schema)
     }
 
     fn sample(&mut self, sample: &Sample) -> std::result::Result<(), SinkError> {

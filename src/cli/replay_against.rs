@@ -255,13 +255,12 @@ impl<'a> LoadedLog<'a> {
 
 impl LogSink for LoadedLog<'_> {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
-        self.layout = layout.clone();
-        self.sink.layout(layout)
+        self.layout = schema.clone();
+        self.sink.schema(schema)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let Sample { fingers, bodies, contacts, .. } = sample;
-        self.count_values(8 + 10 * fingers.len() + 6 * bodies.len() + 10 * contacts.len())?;
+        self.count_values(1 + sample.values().len())?;
         self.recording.sample(sample)?;
         self.sink.sample(sample)
     }
@@ -350,8 +349,7 @@ fn retain_common(logs: &mut [LoadedLog<'_>; 2], labels: &[String; 2]) -> Vec<Str
         let bodies = indices_of(&layout.bodies, &log.layout.bodies);
         let contacts = indices_of(&layout.contacts, &log.layout.contacts);
         let retain = |sample: &mut Sample| {
-            sample.bodies() = bodies.iter().filter_map(|&k| sample.bodies().nth(k).copied()).collect();
-            sample.contacts() = contacts.iter().filter_map(|&k| sample.contacts().nth(k).copied()).collect();
+            *sample = sample.select(&bodies, &contacts);
         };
         log.recording.samples.iter_mut().for_each(retain);
         let outcome = &mut log.recording.outcome;

@@ -94,7 +94,7 @@ impl<'a> SummarySink<'a> {
 
 impl LogSink for SummarySink<'_> {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
-        self.observer.layout(layout)
+        self.observer.schema(schema)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -181,7 +181,7 @@ impl LogPlaybackRecorder {
 
 impl LogSink for LogPlaybackRecorder {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
-        self.matches_scene = Schema::from_system(&self.scene.system) == *layout;
+        self.matches_scene = Schema::from_system(&self.scene.system) == *schema;
         Ok(())
     }
 
@@ -209,8 +209,8 @@ impl<A: LogSink, B: LogSink> LogSink for Tee<'_, A, B> {
     }
 
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
-        self.0.layout(layout)?;
-        self.1.layout(layout)
+        self.0.schema(schema)?;
+        self.1.schema(schema)
     }
 }
 

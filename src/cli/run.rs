@@ -164,9 +164,10 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let (run, table) = match &args.csv {
         None => (simulate(args.model, scene, log, &limits, &mut recorder), Ok(true)),
         Some(path) => {
-            let columns = columns(&Schema::from_system(&scene.system));
-            let (run, table) =
-                write_table(path, columns, &mut recorder, |table| Ok(simulate(args.model, scene, log, &limits, table)));
+            let channels = Schema::from_system(&scene.system).channels();
+            let (run, table) = write_table(path, channels, &mut recorder, |table| {
+                Ok(simulate(args.model, scene, log, &limits, table))
+            });
             (run?, table)
         }
     };

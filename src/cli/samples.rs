@@ -9,8 +9,7 @@ use super::targets::write_failure;
 use crate::files::{replace_file, without_temporary_path};
 use crate::log::LogSink;
 use crate::report::samples::{csv_head, csv_sample};
-use crate::trace::Channel;
-use crate::trace::{Event, Sample, Schema, Sink, SinkError};
+use crate::trace::{Channel, Event, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Name for standard output.
 const STDOUT: &str = "-";
@@ -33,7 +32,7 @@ pub(super) fn csv_file(path: Option<&Path>, json: bool) -> Result<Option<&Path>,
 pub(super) struct SampleTable<'a, S> {
     out: &'a mut dyn Write,
     inner: &'a mut S,
-    columns: Vec<Column>,
+    channels: Vec<Channel>,
     /// Whether the header was written.
     has_header: bool,
     write_error: Option<io::ErrorKind>,
@@ -41,9 +40,9 @@ pub(super) struct SampleTable<'a, S> {
 
 impl<S> SampleTable<'_, S> {
     fn write_line(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let header = if self.has_header { Ok(()) } else { csv_head(self.out, &self.columns) };
+        let header = if self.has_header { Ok(()) } else { csv_head(self.out, &self.channels) };
         self.has_header = true;
-        header.and_then(|()| csv_sample(self.out, &self.columns, sample)).map_err(|source| {
+        header.and_then(|()| csv_sample(self.out, &self.channels, sample)).map_err(|source| {
             self.write_error = Some(source.kind());
             SinkError { target: "the table of samples".to_string(), source: without_temporary_path(source) }
         })
@@ -52,8 +51,8 @@ impl<S> SampleTable<'_, S> {
 
 impl<S: LogSink> LogSink for SampleTable<'_, S> {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
-        self.columns = columns(layout);
-        self.inner.layout(layout)
+        self.channels = schema.channels();
+        self.inner.schema(schema)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -67,6 +66,10 @@ impl<S: LogSink> LogSink for SampleTable<'_, S> {
 }
 
 impl<S: Sink> Sink for SampleTable<'_, S> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.write_line(sample)?;
         self.inner.sample(sample)
@@ -81,13 +84,13 @@ impl<S: Sink> Sink for SampleTable<'_, S> {
 /// whether the table was written; `false` if the reader of standard output closed the pipe (`| head`).
 pub(super) fn write_table<S, T>(
     path: &Path,
-    columns: Vec<Column>,
+    channels: Vec<Channel>,
     inner: &mut S,
     fill: impl FnOnce(&mut SampleTable<'_, S>) -> Result<T, Failure>,
 ) -> (Result<T, Failure>, Result<bool, Failure>) {
     let mut result = None;
     let write = |out: &mut dyn Write| {
-        let mut table = SampleTable { out, inner, columns, has_header: false, write_error: None };
+        let mut table = SampleTable { out, inner, channels, has_header: false, write_error: None };
         let fill_result = result.insert(fill(&mut table));
         // Any error discards an incomplete file; `result` holds the actual error.
         let table_result = fill_result.as_ref().map_or(Err(io::ErrorKind::Other.into()), |_| Ok(()));

@@ -15,7 +15,7 @@ use foxglove::messages::log::Level;
 use super::mcap_file::MessageFeed;
 use super::metadata::RunInfo;
 use super::writer::Writer;
-use phalanx_core::trace::{Event, Sample, Sink, SinkError};
+use phalanx_core::trace::{Event, RequiredData, Sample, Sink, SinkError};
 
 /// A batch is sent when it has this many entries.
 const MAX_BATCH_ENTRIES: usize = 64;

@@ -89,10 +89,10 @@ pub fn scene_in_log(head: &LogSummary) -> Option<Result<Scene, SceneError>> {
 impl LogSink for LogObserver {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         let scene = self.scene.as_ref().filter(|scene| scene.kind() != SceneKind::Finger);
-        self.summary = Summary::new(layout.clone(), scene);
+        self.summary = Summary::new(schema.clone(), scene);
         // The kind of the scene can differ from the kind of the log.
         let finger_count = self.scene.as_ref().map_or(0, |scene| scene.system.fingers.len());
-        self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == finger_count);
+        self.tracker = self.tracker.take().filter(|_| schema.fingers.len() == finger_count);
         Ok(())
     }
 

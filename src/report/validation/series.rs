@@ -52,11 +52,11 @@ const OMITTED_FOR_DISCS: [&str; 10] = [
 pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
     let is_finger = scene.kind() == SceneKind::Finger;
     // The first column is the time.
-    let all = columns(&Schema::from_system(&scene.system)).into_iter().skip(1);
-    let all: Vec<Column> = match scene.kind() {
+    let all = Schema::from_system(&scene.system).channels().into_iter().skip(1);
+    let all: Vec<Channel> = match scene.kind() {
         SceneKind::Finger => {
-            let position = |column: &Column| FINGER_COLUMNS.iter().position(|name| *name == column.name);
-            let mut shown: Vec<Column> = all.filter(|column| position(column).is_some()).collect();
+            let position = |column: &Channel| FINGER_COLUMNS.iter().position(|name| *name == column.name);
+            let mut shown: Vec<Channel> = all.filter(|column| position(column).is_some()).collect();
             shown.sort_by_key(position);
             shown
         }
@@ -65,13 +65,13 @@ pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engin
         }
         SceneKind::Gripper => all.collect(),
     };
-    let value = |column: &Column, sample: &Sample| match column.value(sample) {
+    let value = |column: &Channel, sample: &Sample| match column.value(sample) {
         angle_rad if is_finger && column.name.starts_with('q') && column.name.ends_with("_rad") => {
             wrap_angle(angle_rad)
         }
         value => value,
     };
-    let headers = all.iter().map(|Column { name, .. }| format!(",{name}_analytic,{name}_engine"));
+    let headers = all.iter().map(|Channel { name, .. }| format!(",{name}_analytic,{name}_engine"));
     writeln!(out, "time_s{}", headers.collect::<String>())?;
     let (numeric_hz, end_s) = (scene.log.numeric_hz, analytic.outcome.last.time_s);
     let mut cursors = [0, 0];

@@ -183,15 +183,15 @@ const CONTACTS: [ContactRow; 5] = [
 /// finger shows all contacts, other scenes those that occurred.
 fn side_by_side(report: &ValidationReport) -> Report {
     let ValidationReport { scene, layout, validation, .. } = report;
-    let columns = columns(layout);
+    let channels = layout.channels();
     let runs = [&validation.reference.outcome, &validation.engine.outcome];
     let end_s = if report.finger_count() == 0 { validation.until_s } else { scene.duration_s };
     let mut rows = vec![row([&format!("at {}", format_duration(end_s)), "analytic", "engine", "difference"])];
     let states = |component: &str, shown: &[StateRow]| -> Vec<Vec<String>> {
         let prefix = if component.is_empty() { String::new() } else { format!("{component}_") };
         let state = |&(name, label, scale, digits): &StateRow| {
-            let column = columns.iter().find(|column| column.name == format!("{prefix}{name}"))?;
-            let [analytic, engine] = runs.map(|run| zero_below_resolution(column.value(&run.last), Dimension::Length));
+            let channel = channels.iter().find(|channel| channel.name == format!("{prefix}{name}"))?;
+            let [analytic, engine] = runs.map(|run| zero_below_resolution(channel.value(&run.last), Dimension::Length));
             let difference = if scale == DEGREES { wrap_angle(engine - analytic) } else { engine - analytic };
             let analytic = if scale == DEGREES { wrap_angle(analytic) } else { analytic };
             Some(line(component, label, [analytic, difference].map(|value| value * scale), digits))

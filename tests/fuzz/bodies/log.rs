@@ -21,10 +21,10 @@ struct CheckingSink {
 
 impl LogSink for CheckingSink {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
-        self.layout = layout.clone();
-        self.summary = Summary::new(layout.clone(), None);
+        self.schema = schema.clone();
+        self.summary = Summary::new(schema.clone(), None);
         let angles = FinalAngles { q11_rad: 0.03, q21_rad: 1.13 };
-        self.tracker = (layout.fingers.len() == 1).then(|| Tracker::new(angles));
+        self.tracker = (schema.fingers.len() == 1).then(|| Tracker::new(angles));
         Ok(())
     }
 

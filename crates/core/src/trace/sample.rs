@@ -290,6 +290,19 @@ impl Sample {
         self.contacts().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
     }
 
+    /// Returns a sample of the same fingers, and of the bodies and contacts with these indices.
+    #[must_use]
+    pub fn select(&self, bodies: &[usize], contacts: &[usize]) -> Sample {
+        let counts = Counts { bodies: bodies.len(), contacts: contacts.len(), ..self.counts };
+        let mut selected = Sample::new(self.time_s, counts);
+        let of_fingers = ..self.counts.body(0);
+        selected.values[of_fingers].copy_from_slice(&self.values[of_fingers]);
+        bodies.iter().enumerate().for_each(|(k, &index)| selected.set_body(k, &self.body(index)));
+        contacts.iter().enumerate().for_each(|(k, &index)| selected.set_contact(k, &self.contact(index)));
+        selected.set_energy(&self.energy());
+        selected
+    }
+
     /// Copies the rates of another sample of the same run.
     #[cfg(feature = "engine")]
     pub(super) fn copy_rates(&mut self, source: &Self) {

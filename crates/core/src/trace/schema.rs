@@ -363,14 +363,20 @@ pub struct Schema {
     pub contacts: Vec<ContactName>,
 }
 
-/// Name of a contact of a sample.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// Name of a contact of a sample. Names are equal whether the scene has the contact or not.
+#[derive(Clone, Debug, Eq)]
 pub struct ContactName {
     pub name: String,
     /// Whether the gap is an angle, as for a joint limit: read rad for m and N·m for N.
     pub is_angular: bool,
     /// Whether the scene has this contact, see [`Subject::exists`].
     pub exists: bool,
+}
+
+impl PartialEq for ContactName {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && self.is_angular == other.is_angular
+    }
 }
 
 impl ContactName {
