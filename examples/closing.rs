@@ -32,6 +32,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             last.normal_n,
         );
     }
-    println!("{} steps, energy balance {:.1e} J", outcome.work.steps, outcome.last.energy.balance_j);
+    println!("{} steps, energy balance {:.1e} J", outcome.work.steps, outcome.last.energy().balance_j);
     Ok(())
 }

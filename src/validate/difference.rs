@@ -360,10 +360,9 @@ mod tests {
     use crate::trace::BodyState;
 
     fn recording(shift_m: f64, pairs: [ContactSummary; 3]) -> Recording {
-        let sample = |time_s: f64| Sample {
-            time_s,
-            bodies: vec![BodyState { centre_m: [shift_m * time_s, 0.0], ..BodyState::default() }],
-            ..Sample::default()
+        let sample = |time_s: f64| {
+            let body = BodyState { centre_m: [shift_m * time_s, 0.0], ..BodyState::default() };
+            Sample::of(time_s, &[], &[body], &[])
         };
         let samples = vec![sample(0.0), sample(1.0)];
         let outcome = Outcome { last: sample(1.0), contacts: pairs.to_vec(), ..Outcome::default() };

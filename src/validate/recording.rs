@@ -244,7 +244,7 @@ mod tests {
             velocity_m_s: [3.0, -10.0 * time_s],
             spin_rad_s: 7.0,
         };
-        Sample { time_s, bodies: vec![disc], ..Sample::default() }
+        Sample::of(time_s, &[], &[disc], &[])
     }
 
     #[test]
@@ -253,7 +253,7 @@ mod tests {
         let mut cursor = 0;
         for t in [0.0, 0.2, 0.5, 1.1, 2.0, 0.3] {
             let (found, expected) = (recording.interpolate(t, &mut cursor).expect("samples"), projectile(t));
-            let (found, expected) = (found.bodies[0], expected.bodies[0]);
+            let (found, expected) = (found.body(0), expected.body(0));
             for k in 0..2 {
                 assert!((found.centre_m[k] - expected.centre_m[k]).abs() < 1e-14, "{t}");
                 assert!((found.velocity_m_s[k] - expected.velocity_m_s[k]).abs() < 1e-14, "{t}");

@@ -56,18 +56,18 @@ fn scenes() -> Vec<Scene> {
 /// Energy scale of a run: the larger of the largest motor work and the largest kinetic energy, J.
 fn energy_scale(log: &CollectSink) -> f64 {
     let largest = |f: fn(&Sample) -> f64| log.samples.iter().map(f).fold(0.0, f64::max);
-    largest(|s| s.energy.motor_work_j.abs()).max(largest(|s| s.energy.kinetic_j))
+    largest(|s| s.energy().motor_work_j.abs()).max(largest(|s| s.energy().kinetic_j))
 }
 
 /// Largest imbalance and largest decrease of the dissipated energy, relative to the energy scale.
 fn relative_imbalance(log: &CollectSink) -> [f64; 2] {
     let energy_scale = energy_scale(log);
-    let balance = log.samples.iter().map(|s| s.energy.balance_j.abs()).fold(0.0, f64::max);
+    let balance = log.samples.iter().map(|s| s.energy().balance_j.abs()).fold(0.0, f64::max);
     let mut highest = 0.0f64;
     let mut dissipation_drop = 0.0f64;
     for sample in &log.samples {
-        highest = highest.max(sample.energy.dissipated_j);
-        dissipation_drop = dissipation_drop.max(highest - sample.energy.dissipated_j);
+        highest = highest.max(sample.energy().dissipated_j);
+        dissipation_drop = dissipation_drop.max(highest - sample.energy().dissipated_j);
     }
     [balance / energy_scale, dissipation_drop / energy_scale]
 }
@@ -118,8 +118,8 @@ fn work_of_a_constant_torque_is_torque_times_angle() {
         let (_, log) = run_to_end(&scene);
         let mut max_error = 0.0f64;
         for s in &log.samples {
-            let work = 0.48 * (s.finger().q11_rad - scene.finger().initial.q11_rad);
-            max_error = max_error.max((s.energy.motor_work_j - work).abs());
+            let work = 0.48 * (s.finger(0).q11_rad - scene.finger().initial.q11_rad);
+            max_error = max_error.max((s.energy().motor_work_j - work).abs());
         }
         println!("{:?}: error of the work {max_error:e} J", settings.method);
         assert!(max_error < 1e-13, "{max_error:e}");
@@ -136,36 +136,36 @@ fn logged_energies_match_the_logged_state() {
     let y_offset = |[x, y]: [f64; 2], angle: f64| x * angle.sin() + y * angle.cos();
     let mut gravity_differences = Vec::new();
     for s in &log.samples {
-        let theta3 = s.finger().q11_rad + s.finger().q12_rad;
-        let theta4 = s.finger().q13_rad;
+        let theta3 = s.finger(0).q11_rad + s.finger(0).q12_rad;
+        let theta4 = s.finger(0).q13_rad;
         let y_coordinates = [
-            (b.l11, y_offset(b.l11.com_m, s.finger().q11_rad)),
-            (b.l21, y_offset(b.l21.com_m, s.finger().q21_rad)),
-            (b.l12, l.l11_m * s.finger().q11_rad.sin() + y_offset(b.l12.com_m, theta3)),
-            (b.l22, l.l21_m * s.finger().q21_rad.sin() + y_offset(b.l22.com_m, theta4)),
+            (b.l11, y_offset(b.l11.com_m, s.finger(0).q11_rad)),
+            (b.l21, y_offset(b.l21.com_m, s.finger(0).q21_rad)),
+            (b.l12, l.l11_m * s.finger(0).q11_rad.sin() + y_offset(b.l12.com_m, theta3)),
+            (b.l22, l.l21_m * s.finger(0).q21_rad.sin() + y_offset(b.l22.com_m, theta4)),
         ];
         // Gravity acts along +y.
         let gravity: f64 = y_coordinates.iter().map(|(body, y)| -9.81 * body.mass_kg * y).sum();
-        gravity_differences.push(gravity - s.energy.gravity_j);
+        gravity_differences.push(gravity - s.energy().gravity_j);
         let velocity = |base: [f64; 2], com: [f64; 2], angle: f64, rate: f64| {
             let (sin, cos) = angle.sin_cos();
             [base[0] - rate * (sin * com[0] + cos * com[1]), base[1] + rate * (cos * com[0] - sin * com[1])]
         };
         let joint = |length: f64, angle: f64, rate: f64| [-length * rate * angle.sin(), length * rate * angle.cos()];
         let (rate3, rate4) =
-            (s.finger().qd11_rad_s + s.finger().qd12_rad_s, s.finger().qd21_rad_s + s.finger().qd22_rad_s);
+            (s.finger(0).qd11_rad_s + s.finger(0).qd12_rad_s, s.finger(0).qd21_rad_s + s.finger(0).qd22_rad_s);
         let zero = [0.0; 2];
         let moving_bodies = [
-            (b.l11, velocity(zero, b.l11.com_m, s.finger().q11_rad, s.finger().qd11_rad_s), s.finger().qd11_rad_s),
-            (b.l21, velocity(zero, b.l21.com_m, s.finger().q21_rad, s.finger().qd21_rad_s), s.finger().qd21_rad_s),
+            (b.l11, velocity(zero, b.l11.com_m, s.finger(0).q11_rad, s.finger(0).qd11_rad_s), s.finger(0).qd11_rad_s),
+            (b.l21, velocity(zero, b.l21.com_m, s.finger(0).q21_rad, s.finger(0).qd21_rad_s), s.finger(0).qd21_rad_s),
             (
                 b.l12,
-                velocity(joint(l.l11_m, s.finger().q11_rad, s.finger().qd11_rad_s), b.l12.com_m, theta3, rate3),
+                velocity(joint(l.l11_m, s.finger(0).q11_rad, s.finger(0).qd11_rad_s), b.l12.com_m, theta3, rate3),
                 rate3,
             ),
             (
                 b.l22,
-                velocity(joint(l.l21_m, s.finger().q21_rad, s.finger().qd21_rad_s), b.l22.com_m, theta4, rate4),
+                velocity(joint(l.l21_m, s.finger(0).q21_rad, s.finger(0).qd21_rad_s), b.l22.com_m, theta4, rate4),
                 rate4,
             ),
         ];
@@ -173,10 +173,10 @@ fn logged_energies_match_the_logged_state() {
             .iter()
             .map(|(body, v, w)| 0.5 * (body.mass_kg * (v[0] * v[0] + v[1] * v[1]) + body.inertia_kg_m2 * w * w))
             .sum();
-        assert!((kinetic - s.energy.kinetic_j).abs() < 1e-13 * (1.0 + kinetic), "{kinetic} {}", s.energy.kinetic_j);
+        assert!((kinetic - s.energy().kinetic_j).abs() < 1e-13 * (1.0 + kinetic), "{kinetic} {}", s.energy().kinetic_j);
         // Constant spring torque on q22, with zero energy at the straight configuration.
-        let spring = 0.1326 * (s.finger().q22_rad + l.phi22_rad);
-        assert!((spring - s.energy.spring_j).abs() < 1e-14, "{spring} {}", s.energy.spring_j);
+        let spring = 0.1326 * (s.finger(0).q22_rad + l.phi22_rad);
+        assert!((spring - s.energy().spring_j).abs() < 1e-14, "{spring} {}", s.energy().spring_j);
     }
     let spread = gravity_differences.iter().map(|e| (e - gravity_differences[0]).abs()).fold(0.0, f64::max);
     assert!(spread < 1e-16, "{spread:e}");

@@ -39,8 +39,8 @@ fn assert_reference_values(settings: Integrator, time: f64, angle: f64, force: f
     let last = outcome.last;
     assert_eq!(last.time_s, 20e-3);
     let angle = angle + digits * HALF_LAST_DIGIT_DEG.to_radians();
-    assert_near(last.finger().q11_rad, Q11_DEG.to_radians(), angle, "q11");
-    assert_near(last.finger().q21_rad, Q21_DEG.to_radians(), angle, "q21");
+    assert_near(last.finger(0).q11_rad, Q11_DEG.to_radians(), angle, "q11");
+    assert_near(last.finger(0).q21_rad, Q21_DEG.to_radians(), angle, "q21");
     let force = |f: f64| force * f + digits * HALF_LAST_DIGIT_N;
     assert_near(last.finger_contact(FingerContact::Proximal).normal_n, PROXIMAL_N, force(PROXIMAL_N), "proximal force");
     assert_near(last.finger_contact(FingerContact::Distal).normal_n, DISTAL_N, force(DISTAL_N), "distal force");
@@ -75,8 +75,8 @@ fn both_methods_agree_along_the_trajectory() {
         let t = f64::from(i) * grid_s;
         let (a, b) = (rodas_log.nearest_sample(t), radau_log.nearest_sample(t));
         assert!((a.time_s - t).abs() < 1e-15 && (b.time_s - t).abs() < 1e-15, "no sample at {t}");
-        assert_near(a.finger().q11_rad, b.finger().q11_rad, 1e-9, &format!("q11 at {t}"));
-        assert_near(a.finger().q21_rad, b.finger().q21_rad, 1e-9, &format!("q21 at {t}"));
+        assert_near(a.finger(0).q11_rad, b.finger(0).q11_rad, 1e-9, &format!("q11 at {t}"));
+        assert_near(a.finger(0).q21_rad, b.finger(0).q21_rad, 1e-9, &format!("q21 at {t}"));
     }
     for (a, b) in rodas.contacts.iter().zip(&radau.contacts) {
         assert_near(a.impulse_n_s, b.impulse_n_s, 1e-7 * b.impulse_n_s.abs(), "impulse");
@@ -94,10 +94,10 @@ fn runs_are_deterministic() {
             let key = |s: &phalanx::trace::Sample| {
                 [
                     s.time_s,
-                    s.finger().q11_rad,
-                    s.finger().qd21_rad_s,
+                    s.finger(0).q11_rad,
+                    s.finger(0).qd21_rad_s,
                     s.finger_contact(FingerContact::Proximal).normal_n,
-                    s.energy.balance_j,
+                    s.energy().balance_j,
                 ]
                 .map(f64::to_bits)
             };

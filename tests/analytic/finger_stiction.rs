@@ -50,7 +50,7 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_matches_a_single_finger() {
         assert_eq!((finger_samples.len(), gripper_samples.len()), (601, 601));
         let mut max_error = 0.0f64;
         for (expected, actual) in finger_samples.iter().zip(&gripper_samples) {
-            let expected = expected.finger();
+            let expected = expected.finger(0);
             for finger in &actual.fingers {
                 let errors = [
                     finger.q11_rad - expected.q11_rad,
@@ -63,7 +63,7 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_matches_a_single_finger() {
         assert!(max_error < 1e-8, "{max_error:.1e} rad");
         for (index, contact) in PHALANGES.into_iter().enumerate() {
             let expected = outcome.last.finger_contact(contact).tangential_n;
-            let error = (expected - gripper_samples[600].contacts[index].tangential_n).abs();
+            let error = (expected - gripper_samples[600].contact(index).tangential_n).abs();
             assert!(error < 1e-6 && expected.abs() > 1e-3, "{contact:?}: error {error:.1e} N of {expected}");
         }
         if contacts == all_sticking {
@@ -82,7 +82,7 @@ fn max_difference_from_regularised(samples: &[&Sample]) -> f64 {
     (scene.duration_s, scene.integrator) = (0.06, reference_settings());
     let (_, regularised) = run_to_end(&scene);
     let regularised = samples_on_grid(&regularised.samples, 1e4);
-    let error = |(a, b): (&&Sample, &&Sample)| (a.finger().q11_rad - b.finger().q11_rad).abs();
+    let error = |(a, b): (&&Sample, &&Sample)| (a.finger(0).q11_rad - b.finger(0).q11_rad).abs();
     samples.iter().zip(&regularised).map(error).fold(0.0, f64::max)
 }
 
@@ -157,7 +157,7 @@ fn elastic_energy_includes_bristles() {
             0.5 * stiffness * stretch_m * stretch_m + phalanx::law::elastic_energy(&law.normal, depth)
         })
         .sum();
-    let energy = outcome.last.energy;
+    let energy = outcome.last.energy();
     assert!((energy.elastic_j - stored).abs() < 1e-6 * stored, "{} {stored}", energy.elastic_j);
     assert!(energy.balance_j.abs() < 1e-9 && energy.dissipated_j > 0.1, "{energy:?}");
 }

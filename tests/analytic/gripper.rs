@@ -193,9 +193,9 @@ fn each_finger_on_a_fixed_object_matches_its_single_finger_scene() {
         ))];
         scene.integrator = Integrator::preset(Preset::Reference);
         let single = phalanx::trace::run_analytic(&scene, &mut ()).expect("a run").last;
-        let error = (end.state.q[2 * side] - single.finger().q11_rad)
+        let error = (end.state.q[2 * side] - single.finger(0).q11_rad)
             .abs()
-            .max((end.state.q[2 * side + 1] - single.finger().q21_rad).abs());
+            .max((end.state.q[2 * side + 1] - single.finger(0).q21_rad).abs());
         assert!(error < 1e-10, "finger {side}: {error:.1e} rad");
     }
 }

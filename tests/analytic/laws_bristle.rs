@@ -36,22 +36,22 @@ fn a_block_on_an_incline_sticks_within_the_friction_cone_and_slides_beyond_it() 
     for model in BOTH_MODELS {
         let scene = load("holds");
         let (outcome, _) = run(model, &scene);
-        let [x, _] = outcome.last.bodies[0].centre_m;
+        let [x, _] = outcome.last.body(0).centre_m;
         // The mass deflects a bristle of 1e9 N/m.
         let stretch = 0.1 * scene.system.gravity_m_s2[0] / 1e9;
         let start = scene.system.discs[0].centre_m[0];
         assert!((x - start - stretch).abs() < tolerance(model) * 1e-6, "{}: {x:e} {stretch:e}", model.name());
         assert!(
-            outcome.last.contacts[0].slip_m_s.abs() < 1e-15,
+            outcome.last.contact(0).slip_m_s.abs() < 1e-15,
             "{}: {:e}",
             model.name(),
-            outcome.last.contacts[0].slip_m_s
+            outcome.last.contact(0).slip_m_s
         );
 
         let (outcome, _) = run(model, &load("slides"));
         let [gx, gy] = load("slides").system.gravity_m_s2;
         let expected = 1.0 + 0.1 * (gx + 0.7 * 0.5 * gy);
-        let [speed, _] = outcome.last.bodies[0].velocity_m_s;
+        let [speed, _] = outcome.last.body(0).velocity_m_s;
         assert!((speed - expected).abs() < tolerance(model), "{}: {speed} {expected}", model.name());
     }
 }
@@ -60,15 +60,15 @@ fn a_block_on_an_incline_sticks_within_the_friction_cone_and_slides_beyond_it() 
 fn a_sliding_disc_ends_up_rolling_without_creep() {
     for model in BOTH_MODELS {
         let (outcome, samples) = run(model, &load("rolls"));
-        let wheel = &outcome.last.bodies[0];
+        let wheel = outcome.last.body(0);
         assert!((wheel.velocity_m_s[0] - 2.0 / 3.0).abs() < tolerance(model), "{}", wheel.velocity_m_s[0]);
         assert!((wheel.spin_rad_s + 40.0 / 3.0).abs() < 20.0 * tolerance(model), "{}", wheel.spin_rad_s);
-        assert!(outcome.last.contacts[0].slip_m_s.abs() < 1e-12, "{:e}", outcome.last.contacts[0].slip_m_s);
+        assert!(outcome.last.contact(0).slip_m_s.abs() < 1e-12, "{:e}", outcome.last.contact(0).slip_m_s);
         // Slip decreases linearly until then.
         let sliding_time_s = 1.0 / (3.0 * 0.3 * G);
         for sample in samples.iter().filter(|sample| sample.time_s < sliding_time_s) {
             let expected = 1.0 - 0.3 * G * sample.time_s;
-            assert!((sample.bodies[0].velocity_m_s[0] - expected).abs() < 10.0 * tolerance(model), "{}", sample.time_s);
+            assert!((sample.body(0).velocity_m_s[0] - expected).abs() < 10.0 * tolerance(model), "{}", sample.time_s);
         }
         let stuck_position =
             samples.iter().find(|sample| sample.contacts[0].slip_m_s.abs() < 1e-6).expect("a sticking contact").time_s;
@@ -95,7 +95,7 @@ fn a_wedge_jams_up_to_the_friction_angle() {
     for model in BOTH_MODELS {
         let max_speed = |degrees: f64| {
             let (outcome, _) = run(model, &wedge_at(degrees));
-            outcome.last.bodies.iter().map(|body| body.velocity_m_s[0].hypot(body.velocity_m_s[1])).fold(0.0, f64::max)
+            outcome.last.bodies().map(|body| body.velocity_m_s[0].hypot(body.velocity_m_s[1])).fold(0.0, f64::max)
         };
         let (below_limit, beyond_limit) = (max_speed(limit - 0.01), max_speed(limit + 0.01));
         assert!(below_limit < 1e-9, "{}: {below_limit:e} m/s", model.name());
@@ -106,7 +106,7 @@ fn a_wedge_jams_up_to_the_friction_angle() {
 /// Times at which the block begins to slip, and times at which it sticks again.
 fn slip_and_stick_times(samples: &[Sample]) -> (Vec<f64>, Vec<f64>) {
     let moving =
-        |sample: &Sample| sample.bodies.iter().any(|body| body.velocity_m_s[0] > 2e-3 && body.velocity_m_s[0] != 0.01);
+        |sample: &Sample| sample.bodies().any(|body| body.velocity_m_s[0] > 2e-3 && body.velocity_m_s[0] != 0.01);
     let (mut slips, mut sticks) = (Vec::new(), Vec::new());
     for pair in samples.windows(2) {
         match (moving(&pair[0]), moving(&pair[1])) {
@@ -153,7 +153,7 @@ fn reference_settings_resolve_the_onset_of_slip() {
     let positions = [scene.integrator.atol_rate_rad_s, 1e-13].map(|atol_rate_rad_s| {
         let integrator = Integrator { atol_rate_rad_s, ..scene.integrator };
         let scene = Scene { integrator, ..scene.clone() };
-        checked_run::run(Model::Analytic, &scene, &mut ()).expect("a run").last.bodies[0].centre_m[0]
+        checked_run::run(Model::Analytic, &scene, &mut ()).expect("a run").last.body(0).centre_m[0]
     });
     assert!((positions[0] - positions[1]).abs() < 1e-9, "{positions:?}");
     let checked = check(Model::Analytic, &scene, &|| true);
@@ -178,7 +178,7 @@ fn a_mass_pulled_below_v_static_creeps_without_stick_slip() {
         let (_, samples) = run(model, &scene);
         let late_samples = samples.iter().filter(|sample| sample.time_s > 0.1);
         let fastest =
-            late_samples.flat_map(|sample| &sample.bodies).map(|body| body.velocity_m_s[0]).fold(0.0, f64::max);
+            late_samples.flat_map(|sample| sample.bodies()).map(|body| body.velocity_m_s[0]).fold(0.0, f64::max);
         assert!(fastest < 0.0201, "{}: {fastest}", model.name());
     }
 }
@@ -203,7 +203,7 @@ fn a_pinched_disc_sinks_with_regularised_friction_and_stays_with_stiction() {
         scene.duration_s = duration_s;
         change_contact_law(&mut scene, |law| law.friction = Some(friction));
         let (outcome, _) = run(model, &scene);
-        let (height, slip_m_s) = (outcome.last.bodies[pinched].centre_m[1], outcome.last.contacts[0].slip_m_s.abs());
+        let (height, slip_m_s) = (outcome.last.body(pinched).centre_m[1], outcome.last.contact(0).slip_m_s.abs());
         assert!((height + stretch).abs() < 1e-12, "{}: {height:e} m", model.name());
         assert!(slip_m_s < 1e-15, "{}: {slip_m_s:e} m/s", model.name());
 
@@ -212,7 +212,7 @@ fn a_pinched_disc_sinks_with_regularised_friction_and_stays_with_stiction() {
             law.friction = Some(phalanx::law::FrictionLaw { bristle: None, ..friction })
         });
         let (outcome, _) = run(model, &scene);
-        let sinking_speed = -outcome.last.bodies[pinched].velocity_m_s[1];
+        let sinking_speed = -outcome.last.body(pinched).velocity_m_s[1];
         let expected = weight * friction.v_static_m_s / (1.5 * friction.mu_static * 2.0 * normal);
         assert!(
             (sinking_speed / expected - 1.0).abs() < 5e-3,
@@ -298,7 +298,7 @@ fn separated_contacts_have_no_stiction() {
     let (analytic, _) = run(Model::Analytic, &scene);
     for step_s in [1e-6, 2.5e-7] {
         let (engine, _) = run(Model::Engine, &laws::with_fixed_step(&scene, step_s));
-        for (a, b) in analytic.last.bodies.iter().zip(&engine.last.bodies) {
+        for (a, b) in analytic.last.bodies().zip(engine.last.bodies()) {
             let error = (0..2).map(|i| (a.centre_m[i] - b.centre_m[i]).abs()).fold(0.0, f64::max);
             assert!(error < 1e-9, "{step_s:e} s: {error:.1e} m");
             assert!((b.velocity_m_s[1] - G * 1e-3).abs() < 1e-6, "the discs do not fall freely");

@@ -28,7 +28,7 @@ fn spring_force_is_k_delta_to_the_e() {
             let (outcome, log) = run_to_end(model, &sampled_at_steps(model, driven_contact_scene(spring(k, e))));
             let mut deepest: f64 = 0.0;
             for sample in &log.samples {
-                let contact = &sample.contacts[0];
+                let contact = sample.contact(0);
                 let delta = (sample.time_s - 5e-3).max(0.0);
                 deepest = deepest.max(delta);
                 let expected_n = k * delta.powf(e);
@@ -52,7 +52,7 @@ fn spring_force_is_k_delta_to_the_e() {
             let impulse = k * 0.02f64.powf(e + 1.0) / (e + 1.0);
             assert!((summary.impulse_n_s / impulse - 1.0).abs() < 1e-5, "{} {impulse}", summary.impulse_n_s);
             // At 1 m/s the work of the drive equals the impulse, and the spring stores it.
-            let energy = &outcome.last.energy;
+            let energy = &outcome.last.energy();
             assert!((energy.motor_work_j / impulse - 1.0).abs() < 1e-5, "{energy:?} {impulse}");
             assert!(energy.balance_j.abs() < 1e-12 * impulse, "{energy:?}");
         }
@@ -73,7 +73,7 @@ fn damper_force_is_c_of_delta_times_the_rate() {
             let (outcome, log) = run_to_end(model, &sampled_at_steps(model, scene.clone()));
             let mut samples_in_transition = 0;
             for sample in &log.samples {
-                let contact = &sample.contacts[0];
+                let contact = sample.contact(0);
                 let delta = (sample.time_s - 5e-3).max(0.0);
                 let s = (delta / transition_m).min(1.0);
                 samples_in_transition += u32::from(s > 0.0 && s < 1.0);
@@ -111,7 +111,7 @@ fn friction_force_is_mu_of_v_times_the_normal_force() {
         let (_, log) = run_to_end(model, &sampled_at_steps(model, scene.clone()));
         let (mut lowest, mut highest) = (0.0f64, 0.0f64);
         for sample in &log.samples {
-            let contact = &sample.contacts[0];
+            let contact = sample.contact(0);
             let v = 0.3 - 6.0 * sample.time_s;
             (lowest, highest) = (lowest.min(v), highest.max(v));
             // The law of thesis (2.35) with errata 8, implemented independently.
@@ -145,12 +145,12 @@ fn spin_causes_slip() {
     let scene = with_half_plane(scene(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 10e-3));
     for model in BOTH_MODELS {
         let (outcome, _) = run_to_end(model, &sampled_at_steps(model, scene.clone()));
-        let contact = &outcome.last.contacts[0];
+        let contact = outcome.last.contact(0);
         assert!((contact.slip_m_s + 0.15).abs() < 1e-14, "{}: {}", model.name(), contact.slip_m_s);
         // Friction opposes the slip: it acts along the tangent, which is −x.
         assert!((contact.tangential_n / contact.normal_n - 0.68).abs() < 1e-12);
-        assert!((outcome.last.bodies[0].angle_rad - 0.015).abs() < 1e-13);
+        assert!((outcome.last.body(0).angle_rad - 0.015).abs() < 1e-13);
         let work = contact.tangential_n * 0.15 * 10e-3;
-        assert!((outcome.last.energy.motor_work_j / work - 1.0).abs() < 1e-6, "{}", model.name());
+        assert!((outcome.last.energy().motor_work_j / work - 1.0).abs() < 1e-6, "{}", model.name());
     }
 }

@@ -23,14 +23,14 @@ fn simulated_impact(model: Model, scene: &Scene, speed: f64) -> ImpactResult {
     assert_eq!(summary.touchdowns, 1, "{}", model.name());
     let contact_start_s = log.event_time_s(0, EventKind::TouchDown);
     assert!((contact_start_s - 1e-3).abs() < 1e-12, "{}: {contact_start_s:e}", model.name());
-    let final_velocity = outcome.last.bodies[1].velocity_m_s;
-    assert_eq!((final_velocity[1], outcome.last.bodies[1].spin_rad_s), (0.0, 0.0));
+    let final_velocity = outcome.last.body(1).velocity_m_s;
+    assert_eq!((final_velocity[1], outcome.last.body(1).spin_rad_s), (0.0, 0.0));
     ImpactResult {
         contact_time_s: log.event_time_s(0, EventKind::LiftOff) - contact_start_s,
         restitution: -final_velocity[0] / speed,
         peak_n: summary.peak_normal_n,
         depth_m: summary.max_penetration_m,
-        lost_j: outcome.last.energy.dissipated_j,
+        lost_j: outcome.last.energy().dissipated_j,
     }
 }
 
@@ -91,7 +91,7 @@ fn the_analytic_model_matches_the_closed_form_of_a_damper() {
         let (outcome, log) = run_to_end(Model::Analytic, &impact_scene(law, speed, 20e-3));
         let mut contact_samples = 0;
         for sample in &log.samples {
-            let contact = &sample.contacts[0];
+            let contact = sample.contact(0);
             let (delta, rate) = (-contact.gap_m, -contact.gap_rate_m_s);
             if delta > 0.0 {
                 contact_samples += 1;
@@ -101,8 +101,8 @@ fn the_analytic_model_matches_the_closed_form_of_a_damper() {
         }
         assert!(contact_samples > 20);
         let loss_j = 0.5 * speed * speed;
-        assert!(relative_error(outcome.last.energy.dissipated_j, loss_j) < 1e-9);
-        assert!(outcome.last.energy.balance_j.abs() < 1e-10 * loss_j, "{:?}", outcome.last.energy);
+        assert!(relative_error(outcome.last.energy().dissipated_j, loss_j) < 1e-9);
+        assert!(outcome.last.energy().balance_j.abs() < 1e-10 * loss_j, "{:?}", outcome.last.energy());
     }
 }
 
@@ -240,6 +240,6 @@ fn the_engine_matches_the_closed_form_of_a_damper() {
         println!("{final_speed:.1e} {:.1e}", relative_error(outcome.contacts[0].impulse_n_s, 1.0));
         assert!(final_speed < bound, "{final_speed:e} m/s is the closed-form speed at the final depth");
         assert!(relative_error(outcome.contacts[0].impulse_n_s, 1.0) < bound);
-        assert!(relative_error(outcome.last.energy.dissipated_j, 0.5) < bound, "{:?}", outcome.last.energy);
+        assert!(relative_error(outcome.last.energy().dissipated_j, 0.5) < bound, "{:?}", outcome.last.energy());
     }
 }

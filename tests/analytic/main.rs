@@ -16,6 +16,7 @@ mod gripper_criteria;
 mod gripper_stiction;
 mod invariants;
 mod jacobian;
+mod joint_forces;
 mod laws_bodies;
 mod laws_bristle;
 mod laws_driven;

@@ -136,11 +136,11 @@ fn run_with_preset(model: Model, preset: Preset, scene: &Scene) -> (Outcome, Col
 
 /// Largest difference between two final states: finger angles in rad, positions of discs in radii of the first disc.
 fn max_difference(system: &System, first: &Outcome, second: &Outcome) -> f64 {
-    assert_eq!(first.last.bodies.len(), second.last.bodies.len());
+    assert_eq!(first.last.counts().bodies, second.last.counts().bodies);
     let radius_m = system.discs.first().map_or(1.0, |disc| max_radius(&disc.shape));
-    let fingers = first.last.fingers.iter().zip(&second.last.fingers);
+    let fingers = first.last.fingers().zip(second.last.fingers());
     let angles = fingers.flat_map(|(a, b)| [a.q11_rad - b.q11_rad, a.q21_rad - b.q21_rad]);
-    let bodies = first.last.bodies.iter().zip(&second.last.bodies);
+    let bodies = first.last.bodies().zip(second.last.bodies());
     let positions = bodies.flat_map(|(a, b)| [0, 1].map(|i| (a.centre_m[i] - b.centre_m[i]) / radius_m));
     angles.chain(positions).map(f64::abs).fold(0.0, f64::max)
 }
@@ -177,10 +177,10 @@ fn energy_balances_and_invariants_hold() {
         let energy_magnitude = |energy: &phalanx::trace::Energy| {
             energy.motor_work_j.abs().max(energy.dissipated_j.abs()).max(energy.kinetic_j)
         };
-        let size = log.samples.iter().map(|sample| energy_magnitude(&sample.energy)).fold(0.0, f64::max);
-        let balance = outcome.last.energy.balance_j.abs();
+        let size = log.samples.iter().map(|sample| energy_magnitude(&sample.energy())).fold(0.0, f64::max);
+        let balance = outcome.last.energy().balance_j.abs();
         assert!(balance < 1e-7 * size, "{name}: {balance:.1e} of {size:.1e} J");
-        assert!(outcome.last.energy.dissipated_j > 0.0, "{name}: no dissipation");
+        assert!(outcome.last.energy().dissipated_j > 0.0, "{name}: no dissipation");
         for model in [Model::Analytic, Model::Engine] {
             let scene = sampled_at_steps(model, scene.clone());
             let mut invariants = Invariants::new(model, &scene);
@@ -201,7 +201,7 @@ fn a_distant_disc_has_no_effect() {
         with_distant_disc.system.between_discs = Some(LAW);
         let (single_system, _) = run_with_preset(Model::Analytic, Preset::Reference, &scene);
         let (other, _) = run_with_preset(Model::Analytic, Preset::Reference, &with_distant_disc);
-        for (a, b) in single_system.last.fingers.iter().zip(&other.last.fingers) {
+        for (a, b) in single_system.last.fingers().zip(other.last.fingers()) {
             let error = (a.q11_rad - b.q11_rad).abs().max((a.q21_rad - b.q21_rad).abs());
             assert!(error < 1e-9, "{path}: {error:.1e} rad");
         }
@@ -304,12 +304,12 @@ fn jacobian_matches_central_differences() {
         let sample = sample.expect("samples");
         let model = Kernel::new(&scene.system);
         let mut state: State<COORDINATES, QUADRATURES> = model.start(&scene.system);
-        for (index, finger) in sample.fingers.iter().enumerate() {
+        for (index, finger) in sample.fingers().enumerate() {
             (state.q[2 * index], state.q[2 * index + 1]) = (finger.q11_rad, finger.q21_rad);
             (state.v[2 * index], state.v[2 * index + 1]) = (finger.qd11_rad_s, finger.qd21_rad_s);
         }
-        let mut next = 2 * sample.fingers.len();
-        for (disc, body) in scene.system.discs.iter().zip(&sample.bodies).filter(|(disc, _)| disc.motion.moves()) {
+        let mut next = 2 * sample.counts().fingers;
+        for (disc, body) in scene.system.discs.iter().zip(sample.bodies()).filter(|(disc, _)| disc.motion.moves()) {
             let ([x, y], [vx, vy]) = (body.centre_m, body.velocity_m_s);
             state.q[next..next + 3].copy_from_slice(&[x, y, body.angle_rad]);
             state.v[next..next + 3].copy_from_slice(&[vx, vy, body.spin_rad_s]);
@@ -322,7 +322,7 @@ fn jacobian_matches_central_differences() {
         let mut mode = Mode::<CONTACTS>::FREE;
         let mut active_contacts = 0;
         for index in 0..model.contact_count() {
-            if sample.contacts[index].normal_n > 0.0 {
+            if sample.contact(index).normal_n > 0.0 {
                 mode[index] = ContactState::Active;
                 active_contacts += 1;
             }

@@ -222,8 +222,8 @@ fn closing_cases() -> Vec<Case> {
         finger,
         gamma: assembly_sign(&finger),
         gravity: scene.system.gravity_m_s2,
-        q: [s.finger().q11_rad, s.finger().q21_rad],
-        v: [s.finger().qd11_rad_s, s.finger().qd21_rad_s],
+        q: [s.finger(0).q11_rad, s.finger(0).q21_rad],
+        v: [s.finger(0).qd11_rad_s, s.finger(0).qd21_rad_s],
     };
     log.samples.iter().map(state).collect()
 }

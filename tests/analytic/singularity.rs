@@ -19,18 +19,18 @@ fn all_settings() -> [Integrator; 4] {
 fn logged_numbers(s: &Sample) -> [f64; 14] {
     [
         s.time_s,
-        s.finger().q11_rad,
-        s.finger().q21_rad,
-        s.finger().q12_rad,
-        s.finger().q22_rad,
-        s.finger().q13_rad,
-        s.finger().qd11_rad_s,
-        s.finger().qd21_rad_s,
-        s.finger().qd12_rad_s,
-        s.finger().qd22_rad_s,
+        s.finger(0).q11_rad,
+        s.finger(0).q21_rad,
+        s.finger(0).q12_rad,
+        s.finger(0).q22_rad,
+        s.finger(0).q13_rad,
+        s.finger(0).qd11_rad_s,
+        s.finger(0).qd21_rad_s,
+        s.finger(0).qd12_rad_s,
+        s.finger(0).qd22_rad_s,
         s.finger_contact(FingerContact::Limit).normal_n,
-        s.energy.kinetic_j,
-        s.energy.balance_j,
+        s.energy().kinetic_j,
+        s.energy().balance_j,
         s.finger_contact(FingerContact::Proximal).normal_n
             + s.finger_contact(FingerContact::Distal).normal_n
             + s.finger_contact(FingerContact::Proximal).tangential_n

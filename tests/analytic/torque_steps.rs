@@ -23,8 +23,8 @@ fn torque_jumps_do_not_reduce_accuracy() {
         let (engineering, _) = run(profile, engineering_settings());
         let (reference, _) = run(profile, reference_settings());
         let errors = [
-            engineering.last.finger().q11_rad - reference.last.finger().q11_rad,
-            engineering.last.finger().q21_rad - reference.last.finger().q21_rad,
+            engineering.last.finger(0).q11_rad - reference.last.finger(0).q11_rad,
+            engineering.last.finger(0).q21_rad - reference.last.finger(0).q21_rad,
         ];
         println!("{profile:?}: errors {errors:?} rad, {} and {} steps", engineering.work.steps, reference.work.steps);
         assert!(errors.iter().all(|o| o.abs() < 1e-9), "{profile:?}: {errors:?}");
@@ -40,10 +40,10 @@ fn work_of_a_stepped_torque_is_the_sum_of_torque_times_angle() {
         // Angles at the jumps; each jump coincides with a sample.
         let ends = points.iter().skip(1).map(|p| p.0).chain([4e-3]);
         let angles: Vec<f64> =
-            points.iter().map(|p| p.0).chain([4e-3]).map(|t| log.nearest_sample(t).finger().q11_rad).collect();
+            points.iter().map(|p| p.0).chain([4e-3]).map(|t| log.nearest_sample(t).finger(0).q11_rad).collect();
         assert!(ends.into_iter().all(|t| (log.nearest_sample(t).time_s - t).abs() < 1e-15));
         let work: f64 = points.iter().zip(angles.windows(2)).map(|(p, a)| p.1 * (a[1] - a[0])).sum();
-        let logged_work = outcome.last.energy.motor_work_j;
+        let logged_work = outcome.last.energy().motor_work_j;
         println!("{:?}: error of the work {:e} J", settings.method, logged_work - work);
         assert!((logged_work - work).abs() < 1e-12, "{logged_work} {work}");
     }

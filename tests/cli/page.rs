@@ -98,7 +98,7 @@ fn page_contains_every_sample_bit_for_bit() {
             let is_proximal = contact["name"] == "proximal";
             let of = if is_proximal { FingerContact::Proximal } else { FingerContact::Distal };
             for (key, value) in quantities {
-                let expected = samples.iter().map(|sample| value(sample.contact(of)));
+                let expected = samples.iter().map(|sample| value(&sample.finger_contact(of)));
                 assert_eq!(bits(column(run, &contact[key])), bits(expected), "{key}");
             }
         }
@@ -109,8 +109,8 @@ fn page_contains_every_sample_bit_for_bit() {
         };
         let distal_n = samples.iter().map(|s| s.finger_contact(FingerContact::Distal).normal_n);
         assert_eq!(series("Normal force", "distal"), bits(distal_n));
-        assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger().qd22_rad_s)));
-        assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy.balance_j)));
+        assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger(0).qd22_rad_s)));
+        assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy().balance_j)));
         assert_eq!(
             series("Torque", "limit"),
             bits(samples.iter().map(|s| s.finger_contact(FingerContact::Limit).normal_n))
@@ -216,7 +216,7 @@ fn page_contains_discs_bit_for_bit() {
     let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
     assert_poses(run, &poses);
     let wheel = list(&run["contacts"]).iter().find(|contact| contact["name"] == "wheel-plane").expect("a pair");
-    assert_eq!(bits(column(run, &wheel["normal_n"])), bits(samples.iter().map(|s| s.contacts[0].normal_n)));
+    assert_eq!(bits(column(run, &wheel["normal_n"])), bits(samples.iter().map(|s| s.contact(0).normal_n)));
 }
 
 #[test]

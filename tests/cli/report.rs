@@ -134,13 +134,13 @@ fn keys_come_in_the_documented_order_and_floats_are_not_rounded() {
         let number = |rest: &str| rest.split([',', '\n']).next().and_then(|number| number.parse::<f64>().ok());
         values.map(|rest| number(rest).expect("a number").to_bits()).collect()
     };
-    assert_eq!(numbers("q11_rad"), [last().finger().q11_rad.to_bits()]);
+    assert_eq!(numbers("q11_rad"), [last().finger(0).q11_rad.to_bits()]);
     let forces = [
         last().finger_contact(FingerContact::Proximal).normal_n,
         last().finger_contact(FingerContact::Distal).normal_n,
     ];
     assert_eq!(numbers("final_normal_n"), forces.map(f64::to_bits));
-    assert_eq!(numbers("balance_j"), [last().energy.balance_j.to_bits()]);
+    assert_eq!(numbers("balance_j"), [last().energy().balance_j.to_bits()]);
 }
 
 #[test]

@@ -29,10 +29,10 @@ fn static_grasp(scene: &Scene) -> Grasp {
 fn penetrated_posture(scene: &Scene, last: &Sample) -> FinalPosture {
     let lengths = &scene.finger().linkage.lengths;
     let posture = Posture {
-        q11_rad: last.finger().q11_rad,
-        q21_rad: last.finger().q21_rad,
-        q12_rad: last.finger().q12_rad,
-        q22_rad: last.finger().q22_rad,
+        q11_rad: last.finger(0).q11_rad,
+        q21_rad: last.finger(0).q21_rad,
+        q12_rad: last.finger(0).q12_rad,
+        q22_rad: last.finger(0).q22_rad,
     };
     let joints = joint_positions(lengths, &posture);
     let centre = scene.object().unwrap().centre_m;
@@ -44,7 +44,7 @@ fn penetrated_posture(scene: &Scene, last: &Sample) -> FinalPosture {
         posture,
         l_c21_m: along([0.0; 2], joints.a22_m),
         l_c22_m: along(joints.a22_m, joints.tip_m),
-        phi_c_rad: last.finger().q21_rad + last.finger().q22_rad + lengths.phi22_rad - 0.5 * std::f64::consts::PI,
+        phi_c_rad: last.finger(0).q21_rad + last.finger(0).q22_rad + lengths.phi22_rad - 0.5 * std::f64::consts::PI,
     }
 }
 

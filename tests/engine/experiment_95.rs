@@ -56,8 +56,8 @@ fn default_settings_match_the_reference_values() {
     let (outcome, _) = run_engine(&experiment_95());
     assert_near(outcome.finger_contact(FingerContact::Proximal).first_s.unwrap(), 4.501315e-3, 2e-8, "first contact");
     assert_near(outcome.finger_contact(FingerContact::Distal).first_s.unwrap(), 6.883746e-3, 2e-8, "second contact");
-    assert_near(outcome.last.finger().q11_rad.to_degrees(), 2.088778, 2e-5, "q11");
-    assert_near(outcome.last.finger().q21_rad.to_degrees(), 65.019991, 2e-5, "q21");
+    assert_near(outcome.last.finger(0).q11_rad.to_degrees(), 2.088778, 2e-5, "q11");
+    assert_near(outcome.last.finger(0).q21_rad.to_degrees(), 65.019991, 2e-5, "q21");
 }
 
 /// With steps of 1e-4 s the engine is as accurate as tuned rigid-contact engines: contact times within one step, the
@@ -76,8 +76,8 @@ fn a_step_of_0_1_ms_is_as_accurate_as_rigid_contact() {
             );
             assert_near(actual, expected, 1e-4, "first contact");
         }
-        assert_near(outcome.last.finger().q11_rad, expected_outcome.last.finger().q11_rad, 3e-4, "q11");
-        assert_near(outcome.last.finger().q21_rad, expected_outcome.last.finger().q21_rad, 3e-4, "q21");
+        assert_near(outcome.last.finger(0).q11_rad, expected_outcome.last.finger(0).q11_rad, 3e-4, "q11");
+        assert_near(outcome.last.finger(0).q21_rad, expected_outcome.last.finger(0).q21_rad, 3e-4, "q21");
     }
 }
 
@@ -90,8 +90,8 @@ fn rapier_contact_model_ends_near_the_same_posture() {
     scene.engine.stepping = Stepping::Fixed { step_s: 1e-5 };
     let (expected_outcome, _) = run_dense_reference(&scene);
     let (outcome, _) = run_engine(&scene);
-    assert_near(outcome.last.finger().q11_rad, expected_outcome.last.finger().q11_rad, 5e-4, "q11");
-    assert_near(outcome.last.finger().q21_rad, expected_outcome.last.finger().q21_rad, 5e-4, "q21");
+    assert_near(outcome.last.finger(0).q11_rad, expected_outcome.last.finger(0).q11_rad, 5e-4, "q11");
+    assert_near(outcome.last.finger(0).q21_rad, expected_outcome.last.finger(0).q21_rad, 5e-4, "q21");
     for contact in [FingerContact::Proximal, FingerContact::Distal] {
         let (actual, expected) = (
             outcome.finger_contact(contact).first_s.unwrap(),

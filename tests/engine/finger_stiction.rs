@@ -28,7 +28,7 @@ fn both_models_agree_and_the_difference_falls_with_the_tolerance() {
                 "{name} {contact:?}: {actual:?} {expected:?}"
             );
         }
-        let energies = [&outcome, &expected_outcome].map(|outcome| outcome.last.energy);
+        let energies = [&outcome, &expected_outcome].map(|outcome| outcome.last.energy());
         assert!(energies.iter().all(|energy| energy.balance_j.abs() < 3e-5), "{name}: {energies:?}");
         assert!((energies[0].elastic_j - energies[1].elastic_j).abs() < 5e-7, "{name}: {energies:?}");
         let stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };

@@ -27,11 +27,11 @@ fn max_difference(scene: &Scene, a: &CollectSink, b: &CollectSink) -> f64 {
         let time_s = k as f64 / scene.log.numeric_hz;
         let (a, b) = (a.nearest_sample(time_s), b.nearest_sample(time_s));
         assert!([a, b].iter().all(|sample| (sample.time_s - time_s).abs() < 1e-12), "no sample at {time_s} s");
-        for (a, b) in a.fingers.iter().zip(&b.fingers) {
+        for (a, b) in a.fingers().zip(b.fingers()) {
             let angles = [a.q11_rad - b.q11_rad, a.q21_rad - b.q21_rad, a.q12_rad - b.q12_rad, a.q22_rad - b.q22_rad];
             largest = angles.iter().fold(largest, |largest, angle| largest.max(angle.abs()));
         }
-        let (a, b) = (&a.bodies[0], &b.bodies[0]);
+        let (a, b) = (a.body(0), b.body(0));
         let offsets = [(a.centre_m[0] - b.centre_m[0]) / radius, (a.centre_m[1] - b.centre_m[1]) / radius];
         largest = offsets
             .iter()
@@ -148,7 +148,7 @@ fn momentum_of_the_object_matches_its_contact_forces() {
             }
             most = most.max(impulse[0].hypot(impulse[1]));
         }
-        let v = outcome.last.bodies[0].velocity_m_s;
+        let v = outcome.last.body(0).velocity_m_s;
         let difference = (impulse[0] - mass_kg * v[0]).hypot(impulse[1] - mass_kg * v[1]);
         let total: f64 = outcome.contacts.iter().map(|contact| contact.impulse_n_s).sum();
         assert!(difference < allowed * total, "{}: {difference:.1e} N s of {total:.2}", model.name());
@@ -159,7 +159,7 @@ fn momentum_of_the_object_matches_its_contact_forces() {
 /// Force of all contacts on the object, N.
 fn force_on_object(sample: &Sample) -> [f64; 2] {
     let mut force = [0.0; 2];
-    for contact in &sample.contacts {
+    for contact in sample.contacts() {
         // Samples give the forces on phalanx, palm and table. The normal of a joint limit is zero.
         let (n, t) = (contact.normal, contact.tangent());
         (0..2).for_each(|i| force[i] -= contact.normal_n * n[i] + contact.tangential_n * t[i]);
@@ -173,16 +173,16 @@ fn a_symmetric_grasp_remains_symmetric_in_both_models() {
     let scene = reference_case("a").scene;
     for model in [Model::Analytic, Model::Engine] {
         let last = run_collected(model, &scene).1.last;
-        let [right, left] = Side::BOTH.map(|side| last.fingers[side as usize]);
+        let [right, left] = Side::BOTH.map(|side| last.finger(side as usize));
         assert!((right.q21_rad - left.q21_rad).abs() < 1e-9 && (right.q22_rad - left.q22_rad).abs() < 1e-9);
         assert!((right.motor_torque_n_m - 0.48).abs() < 1e-12 && (left.motor_torque_n_m - 0.48).abs() < 1e-12);
         for index in 0..2 {
-            let (a, b) = (&last.contacts[index], &last.contacts[3 + index]);
+            let (a, b) = (last.contact(index), last.contact(3 + index));
             assert!(a.normal_n > 1.0 && (a.normal_n - b.normal_n).abs() < 1e-4 * a.normal_n, "{}", model.name());
             assert!((a.point_m[0] + b.point_m[0]).abs() < 1e-9 && (a.normal[0] + b.normal[0]).abs() < 1e-7);
             assert!((a.tangential_n + b.tangential_n).abs() < 1e-3 * a.normal_n, "{}: friction", model.name());
         }
-        assert!(last.contacts[7].gap_m.is_infinite(), "case a has no table");
+        assert!(last.contact(7).gap_m.is_infinite(), "case a has no table");
     }
 }
 
@@ -195,7 +195,7 @@ fn a_fixed_object_does_not_move() {
     let difference = max_difference(&scene, &analytic, &engine);
     // The run is twice as long as the finger scenes, whose bound is 2e-5.
     assert!(difference < 5e-5, "{difference:.1e}");
-    assert_eq!(outcome.last.bodies[0].centre_m, scene.system.grasped().centre_m);
+    assert_eq!(outcome.last.body(0).centre_m, scene.system.grasped().centre_m);
     assert!(outcome.contacts[0].impulse_n_s > 0.1 && outcome.contacts[6].impulse_n_s == 0.0);
 }
 
@@ -207,7 +207,7 @@ fn a_translating_palm_agrees_in_both_models() {
         let (analytic, analytic_outcome) = run_collected(Model::Analytic, &reference(&case.scene));
         let (default_run, outcome) = run_collected(Model::Engine, &case.scene);
         let difference = max_difference(&case.scene, &analytic, &default_run);
-        let energies = [&analytic_outcome, &outcome].map(|outcome| outcome.last.energy);
+        let energies = [&analytic_outcome, &outcome].map(|outcome| outcome.last.energy());
         assert!(difference < bound, "{}: {difference:.1e}", case.name);
         assert!(outcome.loop_gap_m < 1e-7, "{}: joints open by {:.1e} m", case.name, outcome.loop_gap_m);
         let fine_difference = max_difference_at_fine_tolerance(&case.scene, &analytic);
@@ -240,7 +240,7 @@ fn a_rotating_palm_agrees_in_both_models() {
         let (analytic, analytic_outcome) = run_collected(Model::Analytic, &reference(&scene));
         let (default_run, outcome) = run_collected(Model::Engine, &scene);
         let difference = max_difference(&scene, &analytic, &default_run);
-        let energies = [&analytic_outcome, &outcome].map(|outcome| outcome.last.energy);
+        let energies = [&analytic_outcome, &outcome].map(|outcome| outcome.last.energy());
         assert!(difference < bound, "{difference:.1e}");
         let fine_difference = max_difference_at_fine_tolerance(&scene, &analytic);
         assert!(
@@ -273,7 +273,7 @@ fn consecutive_moves_do_not_create_a_tiny_step() {
     }
     let (analytic, _) = run_collected(Model::Analytic, &reference(&scene));
     let (default_run, outcome) = run_collected(Model::Engine, &scene);
-    assert!(outcome.last.energy.balance_j.abs() < 3e-5, "{:?}", outcome.last.energy);
+    assert!(outcome.last.energy().balance_j.abs() < 3e-5, "{:?}", outcome.last.energy());
     let difference = max_difference(&scene, &analytic, &default_run);
     assert!(difference < 6e-5, "{difference:.1e}");
 }
@@ -286,7 +286,7 @@ fn stiction_agrees_in_both_models() {
         let (analytic, analytic_outcome) = run_collected(Model::Analytic, &reference(&case.scene));
         let (default_run, outcome) = run_collected(Model::Engine, &case.scene);
         let difference = max_difference(&case.scene, &analytic, &default_run);
-        let energies = [&analytic_outcome, &outcome].map(|outcome| outcome.last.energy);
+        let energies = [&analytic_outcome, &outcome].map(|outcome| outcome.last.energy());
         assert!(difference < bound, "{}: {difference:.1e}", case.name);
         assert!(energies.iter().all(|energy| energy.balance_j.abs() < 3e-5), "{energies:?}");
         assert!((energies[0].elastic_j - energies[1].elastic_j).abs() < 5e-7, "energy of the bristles: {energies:?}");

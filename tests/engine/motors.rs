@@ -13,12 +13,12 @@ fn run(model: Model, text: &str) -> Outcome {
 #[track_caller]
 fn assert_models_agree(text: &str, relative_tolerance: f64) {
     let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| run(model, text));
-    for (actual, expected) in engine.last.fingers.iter().zip(&analytic.last.fingers) {
+    for (actual, expected) in engine.last.fingers().zip(analytic.last.fingers()) {
         let differences =
             [actual.q11_rad - expected.q11_rad, actual.q21_rad - expected.q21_rad, actual.q22_rad - expected.q22_rad];
         assert!(differences.iter().all(|differences| differences.abs() < 2e-5), "{differences:?}\n{text}");
     }
-    let (actual, expected) = (&engine.last.energy, &analytic.last.energy);
+    let (actual, expected) = (&engine.last.energy(), &analytic.last.energy());
     let energies_j =
         [expected.kinetic_j, expected.gravity_j, expected.spring_j, expected.dissipated_j, expected.motor_work_j];
     let allowed_j = relative_tolerance * energies_j.iter().fold(0.0, |most: f64, j| most.max(j.abs()));

@@ -75,7 +75,7 @@ fn samples_at_touchdowns_have_zero_gap_and_no_force() {
         for event in log.events.iter().filter(|event| event.kind == EventKind::TouchDown && event.time_s > 0.0) {
             let Some(sample) = log.samples.iter().find(|sample| sample.time_s == event.time_s) else { continue };
             assert_zero_gap(
-                &sample.contacts[event.contact],
+                &sample.contact(event.contact),
                 event.approach_speed,
                 &format!("{} {event:?}", scene.name),
             );
@@ -86,7 +86,7 @@ fn samples_at_touchdowns_have_zero_gap_and_no_force() {
     let (_, log) = laws::run_to_end(Model::Engine, &impact_scene(laws::THESIS_NORMAL, 1.0, 2e-3));
     let event = log.events[0];
     let sample = log.samples.iter().find(|sample| sample.time_s == event.time_s).expect("a sample at the touch-down");
-    assert_zero_gap(&sample.contacts[0], event.approach_speed, "discs");
+    assert_zero_gap(&sample.contact(0), event.approach_speed, "discs");
 }
 
 /// No sample exceeds the peak force or the penetration of the summary.
@@ -97,7 +97,7 @@ fn samples_of_discs_are_within_the_extremes_of_the_summary() {
     for scene in fine.into_iter().chain([scene, impact_scene(laws::spring(1e8, 1.5), 3.0, 4e-3)]) {
         let (outcome, log) = laws::run_to_end(Model::Engine, &scene);
         let largest = |quantity: fn((f64, f64)) -> f64| {
-            log.samples.iter().map(|s| quantity(s.contacts[0].force_and_penetration())).fold(0.0, f64::max)
+            log.samples.iter().map(|s| quantity(s.contact(0).force_and_penetration())).fold(0.0, f64::max)
         };
         assert!(largest(|(force, _)| force) <= outcome.contacts[0].peak_normal_n, "{:?}", scene.engine.stepping);
         assert!(largest(|(_, depth)| depth) <= outcome.contacts[0].max_penetration_m, "{:?}", scene.engine.stepping);

@@ -25,12 +25,12 @@ fn run(model: Model, scene_text: &str) -> Result<Outcome, RunError> {
 }
 
 fn angles(outcome: &Outcome) -> Vec<f64> {
-    outcome.last.fingers.iter().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]).collect()
+    outcome.last.fingers().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]).collect()
 }
 
 /// Largest magnitude of all energies, J.
 fn largest_energy_j(outcome: &Outcome) -> f64 {
-    let e = &outcome.last.energy;
+    let e = &outcome.last.energy();
     [e.kinetic_j, e.gravity_j, e.spring_j, e.elastic_j, e.dissipated_j, e.motor_work_j]
         .iter()
         .fold(0.0, |a, b| a.max(b.abs()))
@@ -45,7 +45,7 @@ fn assert_models_agree(text: &str) {
         assert!((actual - expected).abs() < 1e-4, "found {actual}, expected {expected}\n{text}");
     }
     for outcome in [&analytic, &engine] {
-        let (balance_j, scale_j) = (outcome.last.energy.balance_j, largest_energy_j(outcome));
+        let (balance_j, scale_j) = (outcome.last.energy().balance_j, largest_energy_j(outcome));
         assert!(balance_j.abs() < 1e-3 * scale_j, "{balance_j:e} of {scale_j:e} J\n{text}");
     }
     // The loop gap is below a thousandth of the shortest link.
@@ -116,7 +116,7 @@ fn completed_runs_are_accurate_over_eight_decades_of_torque() {
                 for result in &results {
                     match result {
                         Ok(outcome) => {
-                            let (balance_j, scale_j) = (outcome.last.energy.balance_j, largest_energy_j(outcome));
+                            let (balance_j, scale_j) = (outcome.last.energy().balance_j, largest_energy_j(outcome));
                             assert!(balance_j.abs() <= 0.5 * scale_j, "{balance_j:e} of {scale_j:e} J\n{text}");
                         }
                         Err(error) => assert!(!error.to_string().is_empty()),

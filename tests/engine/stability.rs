@@ -6,7 +6,7 @@ use phalanx::scene::{Construction, Scene, Stepping};
 use phalanx::trace::{FingerContact, Sample};
 
 fn mechanical_energy_j(sample: &Sample) -> f64 {
-    let e = &sample.energy;
+    let e = &sample.energy();
     e.kinetic_j + e.gravity_j + e.spring_j + e.elastic_j
 }
 
@@ -15,7 +15,7 @@ fn energy_created_j(run: &CollectSink) -> f64 {
     let mut lowest = f64::INFINITY;
     let mut largest_rise: f64 = 0.0;
     for sample in &run.samples {
-        let excess = mechanical_energy_j(sample) - sample.energy.motor_work_j;
+        let excess = mechanical_energy_j(sample) - sample.energy().motor_work_j;
         lowest = lowest.min(excess);
         largest_rise = largest_rise.max(excess - lowest);
     }
@@ -36,10 +36,10 @@ fn is_finite_sample(sample: &Sample) -> bool {
     let contacts = [sample.finger_contact(FingerContact::Proximal), sample.finger_contact(FingerContact::Distal)];
     mechanical_energy_j(sample).is_finite()
         && [
-            sample.finger().q11_rad,
-            sample.finger().q21_rad,
-            sample.finger().q22_rad,
-            sample.finger().qd11_rad_s,
+            sample.finger(0).q11_rad,
+            sample.finger(0).q21_rad,
+            sample.finger(0).q22_rad,
+            sample.finger(0).qd11_rad_s,
             sample.finger_contact(FingerContact::Limit).normal_n,
         ]
         .iter()
@@ -71,7 +71,7 @@ fn assert_stable(scene: &Scene, step_s: f64, energy_tolerance_j: f64, rebound_to
         }
     }
     assert!(
-        outcome.last.finger().qd11_rad_s.abs() < 1e-2 && outcome.last.finger().qd21_rad_s.abs() < 1e-2,
+        outcome.last.finger(0).qd11_rad_s.abs() < 1e-2 && outcome.last.finger(0).qd21_rad_s.abs() < 1e-2,
         "still moving at the end"
     );
 }

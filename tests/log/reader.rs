@@ -193,7 +193,7 @@ fn unknown_channels_are_skipped_and_counted() {
     mcap.write_metadata(&metadata).expect("written");
     // The topic is known, but the schema is not.
     let schema = mcap.add_schema("other.State", "protobuf", b"").expect("added");
-    for (topic, schema) in [("/state", schema), ("/chat", 0)] {
+    for (topic, schema) in [("/joint/q11", schema), ("/chat", 0)] {
         let channel_id = mcap.add_channel(schema, topic, "protobuf", &Default::default()).expect("added");
         let header = mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
         mcap.write_to_known_channel(&header, &[0xff; 20]).expect("written");

@@ -40,9 +40,9 @@ fn free_fingers_touch_nothing_and_reach_their_documented_angles() {
     for (name, q21_deg) in [("free-swing", 119.0), ("other-assembly", 102.0)] {
         let outcome = run(name);
         assert!(
-            (outcome.last.finger().q21_rad.to_degrees() - q21_deg).abs() < 0.6,
+            (outcome.last.finger(0).q21_rad.to_degrees() - q21_deg).abs() < 0.6,
             "{name}: {}",
-            outcome.last.finger().q21_rad.to_degrees()
+            outcome.last.finger(0).q21_rad.to_degrees()
         );
         for phalanx in [FingerContact::Proximal, FingerContact::Distal] {
             assert_eq!(outcome.finger_contact(phalanx).first_s, None, "{name} {phalanx:?}");

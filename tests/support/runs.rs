@@ -62,9 +62,9 @@ pub fn max_angle_error(run: &CollectSink, reference: &CollectSink) -> f64 {
         let after = after.clamp(1, reference.samples.len() - 1);
         let expected = interpolate(&reference.samples[after - 1], &reference.samples[after], sample.time_s);
         let differences = [
-            sample.finger().q11_rad - expected.finger().q11_rad,
-            sample.finger().q21_rad - expected.finger().q21_rad,
-            sample.finger().q22_rad - expected.finger().q22_rad,
+            sample.finger(0).q11_rad - expected.finger(0).q11_rad,
+            sample.finger(0).q21_rad - expected.finger(0).q21_rad,
+            sample.finger(0).q22_rad - expected.finger(0).q22_rad,
         ];
         max_error = differences.iter().fold(max_error, |largest, d| largest.max(d.abs()));
     }
@@ -77,7 +77,7 @@ pub fn impact_impulse(run: &CollectSink, finger_contact: FingerContact, window_s
     let impulse_at = |t: f64| {
         let after = run.samples.partition_point(|s| s.time_s < t).clamp(1, run.samples.len() - 1);
         let sample = interpolate(&run.samples[after - 1], &run.samples[after], t);
-        sample.contact(finger_contact).impulse_n_s
+        sample.finger_contact(finger_contact).impulse_n_s
     };
     impulse_at(contact_s + window_s) - impulse_at(contact_s)
 }

@@ -80,7 +80,7 @@ fn an_untouched_object_is_not_ejected() {
         let scene = scene(SMALL_OBJECT, &[escaping, ("20 ms", "4 ms")]);
         let (criteria, outcome) = run_with_criteria(&scene, model);
         let reach = Reach::from_system(&scene.system).expect("a free object");
-        assert!(reach.is_outside(&outcome.last.bodies[0]), "{model:?}");
+        assert!(reach.is_outside(&outcome.last.body(0)), "{model:?}");
         assert_eq!((criteria.fate, outcome.last.time_s), (Fate::NotGrasped, 4e-3), "{model:?}");
     }
 }
@@ -100,7 +100,7 @@ fn an_object_pulled_onto_the_palm_is_held_for_any_radius() {
             let (criteria, outcome) = run_with_criteria(&scene, model);
             assert_eq!(criteria.fate, Fate::Held, "{radius}, {height}, {model:?}: {criteria:?}");
             assert!(
-                (outcome.last.bodies[0].centre_m[1] - radius_m).abs() < 5e-5,
+                (outcome.last.body(0).centre_m[1] - radius_m).abs() < 5e-5,
                 "{radius}, {height}: it lies on the palm"
             );
             assert!(criteria.tts_s.is_some_and(|tts_s| tts_s > 4e-3 && tts_s < 20e-3), "{:?}", criteria.tts_s);
@@ -117,7 +117,7 @@ fn the_forces_of_a_held_object_balance() {
         &[("radius = \"4 mm\"", "radius = \"8 mm\""), ("height = \"20 mm\"", "height = \"16 mm\""), ("20 ms", "60 ms")],
     );
     let (_, outcome) = run_with_criteria(&scene, Model::Analytic);
-    let forces: Vec<f64> = [0, 3, 1, 4, 6].map(|index: usize| outcome.last.contacts[index].normal_n).to_vec();
+    let forces: Vec<f64> = [0, 3, 1, 4, 6].map(|index: usize| outcome.last.contact(index).normal_n).to_vec();
     for (force, expected) in forces.iter().zip([29.86, 29.86, 6.10, 6.10, 36.90]) {
         assert!((force - expected).abs() < 0.05, "{forces:?}");
     }
@@ -144,7 +144,7 @@ fn a_run_ends_at_the_ejection_for_any_tolerance() {
 fn assert_ends_at_ejection(reach: &Reach, criteria: &GraspCriteria, outcome: &Outcome) -> f64 {
     let end_s = outcome.ejected_s.expect("an ejection");
     assert_eq!((criteria.fate, outcome.last.time_s), (Fate::Ejected { at_s: end_s }, end_s));
-    let (clearance_m, rate_m_s) = reach.clearance(&outcome.last.bodies[0]);
+    let (clearance_m, rate_m_s) = reach.clearance(&outcome.last.body(0));
     assert!(clearance_m.abs() < 1e-9 && rate_m_s > 0.0, "{clearance_m} m from the boundary, at {rate_m_s} m/s");
     end_s
 }

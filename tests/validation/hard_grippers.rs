@@ -193,7 +193,7 @@ fn scenes_have_their_documented_outcomes() {
     let pushed_contacts = run_reference("hard/gripper-one-finger-first").outcome.contacts;
     assert!(pushed_contacts[3].first_s.expect("a touch") - pushed_contacts[0].first_s.expect("a touch") > 2e-3);
     // Only tips and table hold the squeezed disc.
-    let final_contacts = run_reference("hard/gripper-squeezed").outcome.last.contacts;
+    let final_contacts = run_reference("hard/gripper-squeezed").outcome.last.contacts();
     let active_contacts: Vec<usize> = (0..8).filter(|index| final_contacts[*index].normal_n > 0.0).collect();
     assert_eq!(active_contacts, [1, 2, 4, 5, 7]);
 }
@@ -207,7 +207,7 @@ const MAX_MIRROR_FACTOR: f64 = 4.0;
 /// Returns the final pose of the object and the final angles of the fingers, mirrored if `side` is −1.
 fn final_state(model: Model, scene: &Scene, side: f64) -> [f64; 7] {
     let last = record_run(model, scene).outcome.last;
-    let (object, mut fingers) = (&last.bodies[0], [0, 1].map(|i| [last.fingers[i].q11_rad, last.fingers[i].q21_rad]));
+    let (object, mut fingers) = (last.body(0), [0, 1].map(|i| [last.finger(i).q11_rad, last.finger(i).q21_rad]));
     if side < 0.0 {
         fingers.reverse();
     }

@@ -58,7 +58,7 @@ fn fate_closure_and_losses_of_a_gripper_are_compared() {
     assert_eq!(grasp(|criteria| criteria.contacts[4].lost_s += 0.021 * 60e-3), ["lost_time"]);
     // Without active contacts in the last sample the grasp is not form-closed.
     let mut open = runs[1].clone();
-    open.outcome.last.contacts.iter_mut().for_each(|contact| contact.normal_n = 0.0);
+    open.outcome.last.contacts().iter_mut().for_each(|contact| contact.normal_n = 0.0);
     let checks = criteria_checks(&compare_criteria(&scene, &runs[0], &open));
     let failed: Vec<&str> = checks.iter().filter(|check| !check.passed).map(|check| check.bound).collect();
     assert_eq!(failed, ["form_closed"]);

@@ -32,16 +32,16 @@ fn run(shift_rad: f64, touch_s: f64, impulse_n_s: f64, force_n: f64, steps: u32)
             ..ContactSample::default()
         });
         last = sample(time_s);
-        last.fingers[0] = FingerState {
+        last.finger(0) = FingerState {
             q11_rad: (1e3 * time_s).sin() + if time_s >= 5e-3 { shift_rad } else { 0.0 },
             qd11_rad_s: 1e3 * (1e3 * time_s).cos(),
             q21_rad: 1.0,
             q22_rad: -2.0,
             qd21_rad_s: 0.0,
             qd22_rad_s: 0.0,
-            ..last.fingers[0]
+            ..last.finger(0)
         };
-        (last.contacts[0], last.contacts[1]) = (contact.unwrap_or_default(), ContactSample::NONE);
+        (last.contact(0), last.contact(1)) = (contact.unwrap_or_default(), ContactSample::NONE);
         run.sample(&last).expect("never fails");
     }
     let proximal = ContactSummary { first_s: Some(touch_s), touchdowns: 1, ..ContactSummary::default() };

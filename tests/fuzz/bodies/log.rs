@@ -33,8 +33,8 @@ impl LogSink for CheckingSink {
         self.latest_s = sample.time_s;
         self.samples += 1;
         let Schema { fingers, bodies, contacts } = &self.layout;
-        assert_eq!((sample.bodies.len(), sample.contacts.len()), (bodies.len(), contacts.len()));
-        assert_eq!(sample.fingers.len(), fingers.len());
+        assert_eq!((sample.counts().bodies, sample.counts().contacts), (bodies.len(), contacts.len()));
+        assert_eq!(sample.counts().fingers, fingers.len());
         self.summary.sample(sample)?;
         self.tracker.sample(sample)
     }
