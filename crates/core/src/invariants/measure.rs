@@ -5,7 +5,6 @@ use super::{Finding, Invariant, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::numeric::elementary::pow;
 use crate::scene::{ContactId, DiscMotion, Scene, Side, System};
-use crate::trace::schema::State;
 use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
 
 /// Tolerance for limits that hold in exact arithmetic.
