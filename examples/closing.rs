@@ -16,8 +16,8 @@ pub fn closing() -> Result<Outcome, Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     let outcome = closing()?;
     for (contact, last) in [
-        (FingerContact::Proximal, outcome.last.contact(FingerContact::Proximal)),
-        (FingerContact::Distal, outcome.last.contact(FingerContact::Distal)),
+        (FingerContact::Proximal, outcome.last.finger_contact(FingerContact::Proximal)),
+        (FingerContact::Distal, outcome.last.finger_contact(FingerContact::Distal)),
     ] {
         let summary = outcome.finger_contact(contact);
         let Some(first_s) = summary.first_s else {
@@ -32,6 +32,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             last.normal_n,
         );
     }
-    println!("{} steps, energy balance {:.1e} J", outcome.work.steps, outcome.last.energy.balance_j);
+    println!("{} steps, energy balance {:.1e} J", outcome.work.steps, outcome.last.energy().balance_j);
     Ok(())
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use phalanx::log::{self, LogSummary};
 use phalanx::scene::{self, Actuation};
-use phalanx::trace::{Layout, Model, Recording};
+use phalanx::trace::{Model, Recording, Schema};
 
 /// Simulates a closing with another motor and writes its log.
 pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
@@ -25,7 +25,7 @@ pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
 
 /// Returns the summary of a log, and its samples as arrays.
 pub fn read(path: &Path) -> Result<(LogSummary, Recording), Box<dyn Error>> {
-    let mut recording = Recording::new(&Layout::from_kind(SceneKind::Finger));
+    let mut recording = Recording::new(&Schema::from_kind(SceneKind::Finger));
     let summary = log::read_file(path, &mut recording)?;
     Ok((summary, recording))
 }

@@ -20,7 +20,7 @@ pub fn peak(recording: &Recording, name: &str) -> Option<(f64, f64)> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (_, recording) = closing()?;
-    println!("{} samples of {} columns", recording.time().len(), recording.columns().len());
+    println!("{} samples of {} columns", recording.time().len(), recording.channels().len());
     for name in ["proximal_normal_n", "distal_normal_n"] {
         if let Some((time_s, force_n)) = peak(&recording, name) {
             println!("{name} is largest at {:.4} ms: {force_n:.1} N", time_s * 1e3);

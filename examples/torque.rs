@@ -27,8 +27,8 @@ pub fn sweep() -> Result<Vec<Row>, Box<dyn Error>> {
         let outcome = run(Model::Analytic, &scene, &mut ())?;
         let distal = outcome.finger_contact(FingerContact::Distal);
         let last_n = [
-            outcome.last.contact(FingerContact::Proximal).normal_n,
-            outcome.last.contact(FingerContact::Distal).normal_n,
+            outcome.last.finger_contact(FingerContact::Proximal).normal_n,
+            outcome.last.finger_contact(FingerContact::Distal).normal_n,
         ];
         rows.push(Row { torque_n_m, first_s: distal.first_s, peak_n: distal.peak_normal_n, last_n });
     }

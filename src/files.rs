@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use crate::log::{ensure_replaceable, is_same_file, resolve_link};
-use crate::trace::columns::are_sample_columns;
+use crate::trace::schema::are_sample_columns;
 
 /// Number of bytes at the start of a file that contain its mark.
 const HEAD_BYTES: u64 = 4096;

@@ -14,7 +14,7 @@
 //! let distal = outcome.finger_contact(FingerContact::Distal);
 //! assert_eq!(distal.touchdowns, 1);
 //! assert!((distal.first_s.unwrap() - 6.883746e-3).abs() < 1e-8);
-//! assert!((outcome.last.contact(FingerContact::Proximal).normal_n - 23.609).abs() < 1e-3);
+//! assert!((outcome.last.finger_contact(FingerContact::Proximal).normal_n - 23.609).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

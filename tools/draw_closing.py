@@ -13,6 +13,7 @@ import sys
 import tempfile
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib
 
@@ -61,6 +62,18 @@ def read(path: str):
     return topics, geometry
 
 
+def joint_states(topics) -> list:
+    """The coordinates of the finger at each sample, from the messages of its joints."""
+    joints = ["11", "21", "12", "22", "13"]
+    states = []
+    for messages in zip(*(topics[f"/joint/q{index}"] for index in joints)):
+        state = {"timestamp": messages[0].timestamp}
+        state |= {f"q{index}_rad": message.angle_rad for index, message in zip(joints, messages)}
+        state |= {f"qd{index}_rad_s": message.rate_rad_s for index, message in zip(joints, messages)}
+        states.append(SimpleNamespace(**state))
+    return states
+
+
 def column(messages, name: str) -> np.ndarray:
     """Returns one field of all messages."""
     return np.array([getattr(message, name) for message in messages])
@@ -104,7 +117,7 @@ def pose(axis, g, state, title: str):
 
 def main(log: str, out: str):
     topics, g = read(log)
-    states = topics["/state"]
+    states = joint_states(topics)
     time = column(states, "timestamp") * 1e3
     first_contact = {}
     for phalanx in ("proximal", "distal"):

@@ -11,7 +11,7 @@ import sys
 from math import atan2, cos, degrees, log10, sin
 from pathlib import Path
 
-from draw_closing import BACKGROUND, COUPLER, DARK, DISTAL, DRIVER, GREY, OBJECT, PALM, PROXIMAL, RED, TEXT, column, e, read
+from draw_closing import BACKGROUND, COUPLER, DARK, DISTAL, DRIVER, GREY, OBJECT, PALM, PROXIMAL, RED, TEXT, column, e, joint_states, read
 
 # Extent of the picture, mm: the object in the middle, the time axis below.
 WIDTH, TOP, BOTTOM = 116.0, 43.0, 27.0
@@ -141,7 +141,7 @@ def style() -> str:
 
 def main(log: str, out: str):
     topics, g = read(log)
-    states = topics["/state"]
+    states = joint_states(topics)
     time = column(states, "timestamp")
     first_contact, contact_points = {}, {}
     for phalanx in ("proximal", "distal"):

@@ -4,10 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
-use phalanx::format::Report;
-use phalanx::page::{Page, PlaybackRecorder, render_page};
+use phalanx::format::{Report, ToReport};
+use phalanx::page::{Page, render_page};
+use phalanx::report::document::RunReport;
+use phalanx::report::replay::ReplayReport;
 use phalanx::scene::Scene;
-use phalanx::trace::{Event, Layout, Model, Recording};
+use phalanx::trace::{Event, Model, Recording, Schema};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
@@ -20,43 +22,48 @@ use super::{columns, conversion, errors};
 pub struct Result {
     batch: RecordBatch,
     events: Vec<Event>,
-    layout: Layout,
-    /// JSON document of `phalanx run --json`, or of `phalanx replay --json`.
-    document: String,
-    playback: Option<Arc<Playback>>,
+    schema: Schema,
+    report: ResultReport,
     source: Source,
 }
 
-/// The data of the page.
-pub struct Playback {
-    pub scene: Scene,
-    pub label: String,
-    pub recorder: PlaybackRecorder,
-    pub summary: Report,
+/// The report of a result: of `phalanx run`, or of `phalanx replay`.
+pub enum ResultReport {
+    Run(Box<RunReport>),
+    Log(Box<ReplayReport>),
 }
 
-/// Source of a result: the input of a run, or a log.
+impl ResultReport {
+    fn json(&self) -> String {
+        match self {
+            ResultReport::Run(report) => report.json(),
+            ResultReport::Log(report) => report.json(),
+        }
+    }
+
+    fn report(&self) -> Report {
+        match self {
+            ResultReport::Run(report) => report.report(),
+            ResultReport::Log(report) => report.report(),
+        }
+    }
+}
+
+/// Source of a result: the input of a run; or a log, and its scene if the log has all data of a page.
 pub enum Source {
     Run(Arc<RunInput>),
-    Log(PathBuf),
+    Log(PathBuf, Option<Box<Scene>>),
 }
 
 impl Result {
-    pub fn new(
-        layout: Layout,
-        recording: Recording,
-        document: String,
-        playback: Option<Playback>,
-        source: Source,
-    ) -> PyResult<Self> {
+    pub fn new(schema: Schema, recording: Recording, report: ResultReport, source: Source) -> PyResult<Self> {
         let (columns, events) = recording.into_parts();
-        let playback = playback.map(Arc::new);
-        Ok(Result { batch: columns::number_batch(columns)?, events, layout, document, playback, source })
+        Ok(Result { batch: columns::number_batch(columns)?, events, schema, report, source })
     }
 
     /// Returns an entry of the summary, or None.
     fn summary_entry<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        let summary = conversion::parse_json(py, &self.document)?;
+        let summary = conversion::parse_json(py, &self.report.json())?;
         Ok(summary.cast::<PyDict>()?.get_item(key)?.unwrap_or_else(|| py.None().into_bound(py)))
     }
 }
@@ -95,7 +102,7 @@ impl Result {
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let class = py.import("phalanx.events")?.getattr("Event")?;
         let to_python = |event: &Event| {
-            let contact = self.layout.contacts.get(event.contact);
+            let contact = self.schema.contacts.get(event.contact);
             let name = contact.map_or("", |contact| contact.name.as_str());
             class.call1((event.time_s, name, event.kind.name(), event.approach_speed, event.impulse))
         };
@@ -105,7 +112,7 @@ impl Result {
     /// The document of `phalanx run --json` (for a log: `phalanx replay --json`) as a dictionary.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        conversion::parse_json(py, &self.document)
+        conversion::parse_json(py, &self.report.json())
     }
 
     /// Same as `summary`.
@@ -128,7 +135,7 @@ impl Result {
     /// gives the reason.
     #[getter]
     fn criteria<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let gripper = self.layout.fingers.len() > 1;
+        let gripper = self.schema.fingers.len() > 1;
         self.summary_entry(py, if gripper { "grasp" } else { "criteria" })
     }
 
@@ -184,7 +191,7 @@ impl Result {
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         match &self.source {
             Source::Run(input) => simulate::save(py, Arc::clone(input), &path),
-            Source::Log(log) => {
+            Source::Log(log, _) => {
                 let outcome = std::fs::copy(log, &path).map(drop);
                 outcome.map_err(|error| {
                     errors::run(py, format!("cannot copy {} to {}: {error}", log.display(), path.display()), None)
@@ -203,13 +210,21 @@ impl Result {
     }
 
     /// Returns the animated page of `phalanx run --html`. None for a log without a readable scene.
+    ///
+    /// This repeats the run, or reads the log again.
     fn html(&self) -> Option<String> {
-        let playback = self.playback.as_ref()?;
-        let scene = &playback.scene;
+        let (scene, label, recorder) = match &self.source {
+            Source::Run(input) => (&input.scene, input.model.name().to_string(), simulate::playback(input)?),
+            Source::Log(log, scene) => {
+                let ResultReport::Log(report) = &self.report else { return None };
+                let label = report.model.clone().unwrap_or_else(|| "run".to_string());
+                (&**scene.as_ref()?, label, simulate::playback_of_log(log)?)
+            }
+        };
         Some(render_page(&Page {
             title: scene.name.clone(),
             description: scene.description.clone(),
-            runs: vec![playback.recorder.clone().into_playback(&playback.label, scene, playback.summary.clone())],
+            runs: vec![recorder.into_playback(&label, scene, self.report.report())],
             ..Page::default()
         }))
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use phalanx::format::{self, ToReport};
+use phalanx::format;
 use phalanx::log::{self, LogFile, LogSink, RunInfo};
 use phalanx::page::PlaybackRecorder;
 use phalanx::report::document::RunReport;
@@ -11,11 +11,11 @@ use phalanx::report::replay::{LogObserver, scene_in_log};
 use phalanx::report::simulation::{CheckPolicy, SimulationOptions, simulate_and_check};
 use phalanx::scene::{Construction, Preset, Scene};
 use phalanx::trace::overrides::{self, Overrides};
-use phalanx::trace::{Cancellable, Event, Layout, Model, Recording, Sample, Sink, SinkError};
+use phalanx::trace::{Cancellable, Event, Model, Recording, Sample, Schema, Sink, SinkError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-use super::result::{Playback, Result, Source, model};
+use super::result::{Result, ResultReport, Source, model};
 use super::scene::SceneLike;
 use super::{conversion, errors, interruptible};
 
@@ -93,24 +93,18 @@ pub fn run(
         None => CheckPolicy::IfCheap,
     };
     let input = RunInput { scene, model, scene_file: file_name.unwrap_or_else(|| "scene.toml".to_string()) };
-    let layout = Layout::from_system(&input.scene.system);
-    let recorders = Recorders { recording: Recording::new(&layout), playback: PlaybackRecorder::default() };
-    let (report, recorders) =
-        interruptible::run(py, |keep_running| simulate(&input, log.as_deref(), check_policy, recorders, keep_running))?
+    let schema = Schema::from_system(&input.scene.system);
+    let recording = Recording::new(&schema);
+    let (report, recording) =
+        interruptible::run(py, |keep_running| simulate(&input, log.as_deref(), check_policy, recording, keep_running))?
             .map_err(|error| errors::run(py, error, None))?;
-    let playback = Playback {
-        scene: input.scene.clone(),
-        label: model.name().to_string(),
-        recorder: recorders.playback,
-        summary: report.report(),
-    };
-    let document = report.json();
-    let result = Result::new(layout, recorders.recording, document, Some(playback), Source::Run(Arc::new(input)))?;
-    match report.error {
+    let failure = report.error.clone().map(|failure| (failure, report.duration_s));
+    let result = Result::new(schema, recording, ResultReport::Run(Box::new(report)), Source::Run(Arc::new(input)))?;
+    match failure {
         None => Ok(result),
-        Some(failure) => {
+        Some((failure, duration_s)) => {
             let end = format::format_duration(failure.time_s);
-            let duration = format::format_duration(report.duration_s);
+            let duration = format::format_duration(duration_s);
             let message = format!("the simulation stopped at {end} of {duration}: {}", failure.reason);
             Err(errors::run(py, message, Some(Py::new(py, result)?.into_any())))
         }
@@ -126,26 +120,41 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         let scene = scene_in_log(&head).and_then(std::result::Result::ok);
         let scene = scene.filter(|scene| scene.kind() == head.kind());
         let (observer, _) = LogObserver::new(&head);
-        let layout = Layout::from_kind(head.kind());
-        let recorders = Recorders { recording: Recording::new(&layout), playback: PlaybackRecorder::default() };
-        let mut reader = Reader { layout, recorders, observer, keep_running };
+        let schema = Schema::from_kind(head.kind());
+        let mut reader = Reader { recording: Recording::new(&schema), schema, observer, keep_running };
         let reading = log::read_file(&path, &mut reader)?;
-        let Reader { layout, recorders, mut observer, .. } = reader;
+        let Reader { schema, recording, mut observer, .. } = reader;
         // The page needs all data of the samples.
-        let scene = scene.filter(|_| reading.is_drawable());
-        Ok::<_, log::ReadError>((layout, recorders, observer.report(path.display().to_string(), &reading), scene))
+        let scene = scene.filter(|scene| reading.is_drawable() && Schema::from_system(&scene.system) == schema);
+        Ok::<_, log::ReadError>((schema, recording, observer.report(path.display().to_string(), &reading), scene))
     })?;
-    let (layout, recorders, report, scene) = contents.map_err(|error| match &error {
+    let (schema, recording, report, scene) = contents.map_err(|error| match &error {
         log::ReadError::NotFound { .. } | log::ReadError::NotAFile { .. } => errors::run(py, error, None),
         _ => errors::run(py, format!("{}: {error}", path.display()), None),
     })?;
-    let playback = scene.filter(|scene| Layout::from_system(&scene.system) == layout).map(|scene| Playback {
-        scene,
-        label: report.model.clone().unwrap_or_else(|| "run".to_string()),
-        recorder: recorders.playback,
-        summary: report.report(),
-    });
-    Result::new(layout, recorders.recording, report.json(), playback, Source::Log(path))
+    Result::new(schema, recording, ResultReport::Log(Box::new(report)), Source::Log(path, scene.map(Box::new)))
+}
+
+/// Repeats a run to record its page.
+pub fn playback(input: &RunInput) -> Option<PlaybackRecorder> {
+    let run = simulate(input, None, CheckPolicy::Never, PlaybackRecorder::default(), &|| true);
+    run.ok().map(|(_, recorder)| recorder)
+}
+
+/// Reads a log again to record its page.
+pub fn playback_of_log(path: &Path) -> Option<PlaybackRecorder> {
+    struct LogPlayback(PlaybackRecorder);
+    impl LogSink for LogPlayback {
+        fn sample(&mut self, sample: &Sample) -> std::result::Result<(), SinkError> {
+            self.0.sample(sample)
+        }
+
+        fn event(&mut self, event: &Event) -> std::result::Result<(), SinkError> {
+            self.0.event(event)
+        }
+    }
+    let mut playback = LogPlayback(PlaybackRecorder::default());
+    log::read_file(path, &mut playback).ok().map(|_| playback.0)
 }
 
 /// Repeats a run to write its log.
@@ -177,37 +186,19 @@ fn simulate<S: Sink>(
     Ok((report, sink))
 }
 
-/// Records the columns of a run and the data of its page.
-struct Recorders {
-    recording: Recording,
-    playback: PlaybackRecorder,
-}
-
-impl Sink for Recorders {
-    fn sample(&mut self, sample: &Sample) -> std::result::Result<(), SinkError> {
-        Sink::sample(&mut self.recording, sample)?;
-        self.playback.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> std::result::Result<(), SinkError> {
-        Sink::event(&mut self.recording, event)?;
-        self.playback.event(event)
-    }
-}
-
-/// Passes the contents of a log to the recorders and to the observer that builds the report.
+/// Passes the contents of a log to a recording and to the observer that builds the report.
 struct Reader<'a> {
-    layout: Layout,
-    recorders: Recorders,
+    schema: Schema,
+    recording: Recording,
     observer: LogObserver,
     keep_running: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl LogSink for Reader<'_> {
-    fn layout(&mut self, layout: &Layout) -> std::result::Result<(), SinkError> {
-        self.layout = layout.clone();
-        self.recorders.recording = Recording::new(layout);
-        self.observer.layout(layout)
+    fn schema(&mut self, schema: &Schema) -> std::result::Result<(), SinkError> {
+        self.schema = schema.clone();
+        self.recording = Recording::new(schema);
+        self.observer.schema(schema)
     }
 
     fn sample(&mut self, sample: &Sample) -> std::result::Result<(), SinkError> {
@@ -215,12 +206,12 @@ impl LogSink for Reader<'_> {
             let source = std::io::Error::from(std::io::ErrorKind::Interrupted);
             return Err(SinkError { target: "the whole log".to_string(), source });
         }
-        self.recorders.sample(sample)?;
+        Sink::sample(&mut self.recording, sample)?;
         self.observer.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> std::result::Result<(), SinkError> {
-        self.recorders.event(event)?;
+        Sink::event(&mut self.recording, event)?;
         self.observer.event(event)
     }
 }

@@ -12,7 +12,7 @@ use crate::plot;
 use crate::report::replay::{LogComparisonReport, ReplayReport, TrajectoryDifference, compare_summaries};
 use crate::scene::Keyword;
 use crate::scene::keywords::SceneKind;
-use crate::trace::{FingerContact, Layout, Sample};
+use crate::trace::{FingerContact, Sample, Schema};
 use crate::validate::{Angle, Recording, compare};
 
 /// Files in the output directory.
@@ -55,7 +55,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     let reports = logs.each_mut().map(LogReader::report);
     let labels = choose_labels(paths, &reports);
     let compared_to_s = logs.iter().filter_map(|log| log.summary.last_s).min_by(f64::total_cmp).unwrap_or(0.0);
-    let mut runs = logs.each_mut().map(|log| (log.layout.clone(), log.recording.take().unwrap_or_default()));
+    let mut runs = logs.each_mut().map(|log| (log.schema.clone(), log.recording.take().unwrap_or_default()));
     let mut notes = comparison_notes(&logs, &runs, &labels);
     notes.extend(retain_common(&mut runs, &labels));
     let (trajectory_differences, plots) = compute_differences(&runs, &labels, &reports, compared_to_s);
@@ -130,18 +130,18 @@ fn build_title(logs: &[ReplayReport; 2], labels: &[String; 2]) -> String {
 /// Computes the differences of the trajectories and the plots for everything that both logs contain. The run with more
 /// samples is interpolated.
 fn compute_differences(
-    runs: &[(Layout, Recording); 2],
+    runs: &[(Schema, Recording); 2],
     labels: &[String; 2],
     logs: &[ReplayReport; 2],
     until_s: f64,
 ) -> (Vec<TrajectoryDifference>, [String; 2]) {
-    let [(layout, first), (_, second)] = runs;
+    let [(schema, first), (_, second)] = runs;
     let (sparse, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
-    let angles = layout.fingers.iter().flat_map(|finger| {
+    let angles = schema.fingers.iter().flat_map(|finger| {
         let prefix = if finger.is_empty() { String::new() } else { format!("{finger}_") };
         Angle::ALL.map(|angle| format!("{prefix}{}_rad", angle.name()))
     });
-    let quantities = angles.chain(layout.bodies.iter().map(|name| format!("{name}_centre_m")));
+    let quantities = angles.chain(schema.bodies.iter().map(|name| format!("{name}_centre_m")));
     let comparison = compare(sparse, dense, until_s);
     // The difference of a missing topic is infinite.
     let finite = quantities.zip(&comparison.path).filter(|(_, off)| off.max.is_finite());
@@ -156,19 +156,19 @@ fn compute_differences(
     let label_texts = labels.each_ref().map(String::as_str);
     let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
     let title = build_title(logs, labels);
-    let overlay = plot::overlay_runs(&title, label_texts, layout, [first, second], end_s);
-    let [subject, label] = match (layout.fingers.is_empty(), layout.bodies.is_empty()) {
+    let overlay = plot::overlay_runs(&title, label_texts, schema, [first, second], end_s);
+    let [subject, label] = match (schema.fingers.is_empty(), schema.bodies.is_empty()) {
         (false, true) => ["joint angles", "|difference|, rad"],
         (false, false) => ["joint angles and centre", "|difference|, rad or m"],
         (true, _) => ["centres", "distance, m"],
     };
     let title = format!("{title}: differences of {subject}");
-    let difference = plot::plot_differences(&title, label, layout, [sparse, dense, first], None, until_s);
+    let difference = plot::plot_differences(&title, label, schema, [sparse, dense, first], None, until_s);
     (differences, [overlay, difference])
 }
 
 /// Returns notes on different durations, losses and scenes, and on parts that only one of the logs contains.
-fn comparison_notes(logs: &[LogReader<'_>; 2], runs: &[(Layout, Recording); 2], labels: &[String; 2]) -> Vec<String> {
+fn comparison_notes(logs: &[LogReader<'_>; 2], runs: &[(Schema, Recording); 2], labels: &[String; 2]) -> Vec<String> {
     let mut notes = Vec::new();
     let summaries = logs.each_ref().map(|log| &log.summary);
     let scenes = summaries.map(|summary| summary.scene.as_ref().map(|(_, text)| text));
@@ -207,8 +207,8 @@ fn comparison_notes(logs: &[LogReader<'_>; 2], runs: &[(Layout, Recording); 2], 
     }
     if summaries[0].kind() == SceneKind::Finger && summaries.iter().all(|summary| summary.samples > 0) {
         let last = runs.each_ref().map(|(_, recording)| &recording.outcome.last);
-        let objects = last.map(|sample| sample.contact(FingerContact::Proximal).gap_m.is_finite());
-        let limits = last.map(|sample| sample.contact(FingerContact::Limit).gap_m.is_finite());
+        let objects = last.map(|sample| sample.finger_contact(FingerContact::Proximal).gap_m.is_finite());
+        let limits = last.map(|sample| sample.finger_contact(FingerContact::Limit).gap_m.is_finite());
         for (part, is_present) in [("an object", objects), ("a joint limit", limits)] {
             if is_present[0] != is_present[1] {
                 notes.push(format!("only {} has {part}", labels[usize::from(is_present[1])]));
@@ -219,8 +219,8 @@ fn comparison_notes(logs: &[LogReader<'_>; 2], runs: &[(Layout, Recording); 2], 
 }
 
 /// Retains only the discs and pairs that both logs contain, in the same order. Returns notes on the removed ones.
-fn retain_common(runs: &mut [(Layout, Recording); 2], labels: &[String; 2]) -> Vec<String> {
-    let [first, second] = runs.each_ref().map(|(layout, _)| layout.clone());
+fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> Vec<String> {
+    let [first, second] = runs.each_ref().map(|(schema, _)| schema.clone());
     if first == second {
         return Vec::new();
     }
@@ -238,12 +238,11 @@ fn retain_common(runs: &mut [(Layout, Recording); 2], labels: &[String; 2]) -> V
     let mut common = first;
     common.bodies.retain(|name| second.bodies.contains(name));
     common.contacts.retain(|contact| second.contacts.contains(contact));
-    for (layout, recording) in runs {
-        let bodies = indices_of(&common.bodies, &layout.bodies);
-        let contacts = indices_of(&common.contacts, &layout.contacts);
+    for (schema, recording) in runs {
+        let bodies = indices_of(&common.bodies, &schema.bodies);
+        let contacts = indices_of(&common.contacts, &schema.contacts);
         let retain = |sample: &mut Sample| {
-            sample.bodies = bodies.iter().filter_map(|&k| sample.bodies.get(k).copied()).collect();
-            sample.contacts = contacts.iter().filter_map(|&k| sample.contacts.get(k).copied()).collect();
+            *sample = sample.select(&bodies, &contacts);
         };
         recording.samples.iter_mut().for_each(retain);
         let outcome = &mut recording.outcome;
@@ -254,7 +253,7 @@ fn retain_common(runs: &mut [(Layout, Recording); 2], labels: &[String; 2]) -> V
             event.contact = index.unwrap_or(event.contact);
             index.is_some()
         });
-        *layout = common.clone();
+        *schema = common.clone();
     }
     notes
 }

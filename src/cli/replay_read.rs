@@ -16,7 +16,7 @@ use crate::log::{ChannelContent, LogSink, LogSummary, MissingData, ReadError, re
 use crate::page::{Playback, PlaybackRecorder};
 use crate::report::replay::{LogObserver, ReplayReport, scene_in_log};
 use crate::scene::Scene;
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::trace::{Event, Sample, Schema, Sink, SinkError};
 use crate::validate::Recording;
 
 /// Summarise the run in a log, verify it by simulating again, compare it with another log, or export its samples.
@@ -67,7 +67,7 @@ pub(super) struct LogReader<'a> {
     pub path: &'a Path,
     /// The head of the log, and the whole log after it was read.
     pub summary: LogSummary,
-    pub layout: Layout,
+    pub schema: Schema,
     pub recording: Option<Recording>,
     observer: LogObserver,
     page: Option<PageRecorder>,
@@ -82,7 +82,7 @@ pub(super) struct LogReader<'a> {
 struct PageRecorder {
     scene: Scene,
     recorder: Box<PlaybackRecorder>,
-    /// Whether the layout of the samples matches the scene.
+    /// Whether the schema of the samples matches the scene.
     matches_scene: bool,
 }
 
@@ -95,7 +95,7 @@ impl<'a> LogReader<'a> {
         warning.iter().for_each(|warning| print_diagnostic(warning));
         Ok(LogReader {
             path,
-            layout: Layout::from_kind(summary.kind()),
+            schema: Schema::from_kind(summary.kind()),
             summary,
             recording: None,
             observer,
@@ -142,7 +142,7 @@ impl<'a> LogReader<'a> {
             Err(_) if self.value_count > MAX_COMPARED_VALUES => {
                 return Err(Failure::bad_input(format!(
                     "{} is too long to be compared: both logs are loaded into memory, with at most {MAX_COMPARED_VALUES} figures each \
-                     (476,000 samples of a finger); log at a lower rate, or compare the tables that --csv writes",
+                     (320,000 samples of a finger); log at a lower rate, or compare the tables that --csv writes",
                     path.display()
                 )));
             }
@@ -196,13 +196,13 @@ impl<'a> LogReader<'a> {
 }
 
 impl LogSink for LogReader<'_> {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.layout = layout.clone();
-        self.table.iter_mut().for_each(|table| table.set_layout(layout));
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
+        self.schema = schema.clone();
+        self.table.iter_mut().for_each(|table| table.set_schema(schema));
         if let Some(page) = &mut self.page {
-            page.matches_scene = Layout::from_system(&page.scene.system) == *layout;
+            page.matches_scene = Schema::from_system(&page.scene.system) == *schema;
         }
-        self.observer.layout(layout)
+        self.observer.schema(schema)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -211,8 +211,7 @@ impl LogSink for LogReader<'_> {
             return Err(SinkError { target: "a summary of the whole log".to_string(), source });
         }
         self.progress.show_time(sample.time_s, self.duration_s);
-        let Sample { fingers, bodies, contacts, .. } = sample;
-        self.count_values(8 + 10 * fingers.len() + 6 * bodies.len() + 10 * contacts.len())?;
+        self.count_values(1 + sample.values().len())?;
         self.table.sample(sample)?;
         self.recording.sample(sample)?;
         self.observer.sample(sample)?;

@@ -21,7 +21,7 @@ use crate::page::PlaybackRecorder;
 use crate::report::document;
 use crate::scene::{Construction, Preset, Scene};
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
-use crate::trace::{Event, Layout, Model, Sample, Sink, SinkError};
+use crate::trace::{Event, Model, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Polling period of `--watch`, and time for an editor to finish writing.
 const PERIOD: Duration = Duration::from_millis(100);
@@ -200,7 +200,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let log = create_log(args, scene, live.as_ref(), &interrupt)?;
     let table = args.csv.as_deref().map(SampleTable::create).transpose()?;
     let mut outputs = Outputs { recorder: page.as_ref().map(|_| PlaybackRecorder::default()), table };
-    outputs.table.iter_mut().for_each(|table| table.set_layout(&Layout::from_system(&scene.system)));
+    outputs.table.iter_mut().for_each(|table| table.set_schema(&Schema::from_system(&scene.system)));
     let check_policy = match (args.check, args.no_check) {
         (true, _) => CheckPolicy::Always,
         (_, true) => CheckPolicy::Never,
@@ -243,6 +243,10 @@ struct Outputs {
 }
 
 impl Sink for Outputs {
+    fn required_data(&self) -> RequiredData {
+        self.table.required_data()
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.table.sample(sample)?;
         self.recorder.sample(sample)

@@ -16,8 +16,7 @@ pub(super) use crate::report::simulation::{CheckPolicy, SimulatedRun};
 use crate::report::simulation::{SimulationOptions, simulate_and_check};
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
-use crate::trace::columns::{Column, columns};
-use crate::trace::{Event, Layout, Model, Sample, Sink, SinkError};
+use crate::trace::{Channel, Event, Model, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Conditions that end a run early, and whether to check it.
 pub(super) struct RunLimits<'a> {
@@ -67,6 +66,10 @@ struct MonitoredSink<'a, A> {
 }
 
 impl<A: Sink> Sink for MonitoredSink<'_, A> {
+    fn required_data(&self) -> RequiredData {
+        self.other_sink.required_data()
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         self.progress.show_time(sample.time_s, self.duration_s);
@@ -103,7 +106,7 @@ pub(super) fn csv_file(path: Option<&Path>, json: bool) -> Result<Option<&Path>,
 pub(super) struct SampleTable {
     path: PathBuf,
     out: TableOutput,
-    columns: Vec<Column>,
+    channels: Vec<Channel>,
     has_header: bool,
     write_error: Option<io::ErrorKind>,
 }
@@ -120,13 +123,13 @@ impl SampleTable {
             false => NewFile::create(path).map(TableOutput::File),
         };
         let out = out.map_err(|error| write_failure(path, error))?;
-        let (columns, has_header, write_error) = (Vec::new(), false, None);
-        Ok(SampleTable { path: path.to_path_buf(), out, columns, has_header, write_error })
+        let (channels, has_header, write_error) = (Vec::new(), false, None);
+        Ok(SampleTable { path: path.to_path_buf(), out, channels, has_header, write_error })
     }
 
     /// Sets the columns; called before the first sample.
-    pub(super) fn set_layout(&mut self, layout: &Layout) {
-        self.columns = columns(layout);
+    pub(super) fn set_schema(&mut self, schema: &Schema) {
+        self.channels = schema.channels();
     }
 
     /// Whether a line could not be written.
@@ -150,14 +153,18 @@ impl SampleTable {
 }
 
 impl Sink for SampleTable {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let out: &mut dyn Write = match &mut self.out {
             TableOutput::Stdout(out) => out,
             TableOutput::File(file) => file,
         };
-        let header = if self.has_header { Ok(()) } else { csv_head(out, &self.columns) };
+        let header = if self.has_header { Ok(()) } else { csv_head(out, &self.channels) };
         self.has_header = true;
-        header.and_then(|()| csv_sample(out, &self.columns, sample)).map_err(|source| {
+        header.and_then(|()| csv_sample(out, &self.channels, sample)).map_err(|source| {
             self.write_error = Some(source.kind());
             SinkError { target: "the table of samples".to_string(), source }
         })

@@ -235,7 +235,9 @@ fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: 
     let consequence = "shards are written only when complete, so no file was written; run the same command again";
     let part = Interrupt::listen()?.compute([&task, "runs", consequence], |progress, keep_running| {
         progress(0, shard.runs() as usize, "");
-        write_part(study, shard, out, args.threads, args.restart, keep_running, |row| counts.record(row, shard.runs(), progress))
+        write_part(study, shard, out, args.threads, args.restart, keep_running, |row| {
+            counts.record(row, shard.runs(), progress)
+        })
     })?;
     if part.stats.is_none() {
         let note = "of this study; nothing was run. --restart runs it again.";

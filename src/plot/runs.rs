@@ -5,7 +5,7 @@ use super::canvas::{Marker, THIN_LINE};
 use super::chart::{Axis, Panel, PlotPoint, Series, panel_chart, series_chart};
 use super::theme::{AMBER, BLUE, GREEN, INK, ORANGE, PURPLE, SERIES, SOFT};
 use crate::scene::Scene;
-use crate::trace::{ContactSample, EventKind, FingerState, Layout, Sample};
+use crate::trace::{ContactSample, EventKind, FingerState, Sample, Schema};
 use crate::validate::{Angle, Family, LadderRow, Recording, Validation, coordinate_errors, wrap_angle};
 
 /// Maximum number of touch-downs drawn per contact; more would hide the curves.
@@ -15,14 +15,14 @@ const FIRST: Marker = Marker::FaintLine { width: 6.0 };
 
 /// Draws the difference between the two models in a validation of a scene with fingers.
 pub fn difference(scene: &Scene, found: &Validation) -> String {
-    let layout = Layout::from_system(&scene.system);
-    let (quantity, label) = match layout.bodies.is_empty() {
+    let schema = Schema::from_system(&scene.system);
+    let (quantity, label) = match schema.bodies.is_empty() {
         true => ("the joint angles", "|engine − analytic|, rad"),
         false => ("the joint angles and the object", "|engine − analytic|, rad or m"),
     };
     let title = format!("{}: difference of {quantity} over time", scene.name);
     let runs = [&found.engine, &found.reference, &found.reference];
-    plot_differences(&title, label, &layout, runs, Some(found.path_bound), found.until_s)
+    plot_differences(&title, label, &schema, runs, Some(found.path_bound), found.until_s)
 }
 
 /// Draws differences of the angles of fingers and of the centres of bodies between a run and a reference over time, with
@@ -30,16 +30,16 @@ pub fn difference(scene: &Scene, found: &Validation) -> String {
 pub(crate) fn plot_differences(
     title: &str,
     label: &str,
-    layout: &Layout,
+    schema: &Schema,
     [run, reference, with_touchdowns]: [&Recording; 3],
     bound: Option<f64>,
     until_s: f64,
 ) -> String {
-    let angles = layout
+    let angles = schema
         .fingers
         .iter()
         .flat_map(|finger| Angle::ALL.map(|angle| [finger.as_str(), angle.name()].join(" ").trim_start().to_string()));
-    let names = angles.chain(layout.bodies.iter().cloned());
+    let names = angles.chain(schema.bodies.iter().cloned());
     let mut curves: Vec<(String, Vec<PlotPoint>)> = names.map(|name| (name, Vec::new())).collect();
     let mut cursor = 0;
     for sample in run.samples.iter().filter(|sample| sample.time_s <= until_s) {
@@ -52,8 +52,8 @@ pub(crate) fn plot_differences(
     let y = Axis::logarithmic(label, all.chain(bound), 8.0);
     let x = Axis::linear("time, ms", [0.0, until_s * 1e3]);
     let mut series = Vec::new();
-    for (contact, colour) in layout.surfaces().zip([SOFT, INK].into_iter().cycle()) {
-        let name = format!("touch-down {}", layout.contacts[contact].name);
+    for (contact, colour) in schema.surfaces().zip([SOFT, INK].into_iter().cycle()) {
+        let name = format!("touch-down {}", schema.contacts[contact].name);
         let events = with_touchdowns.events.iter();
         let events = events.filter(|event| event.contact == contact && event.kind == EventKind::TouchDown);
         let shown = events.filter(|event| event.time_s <= until_s).take(MAX_TOUCHDOWNS);
@@ -70,7 +70,7 @@ pub(crate) fn plot_differences(
 /// Draws wall time over error of the settings with a finite error: one point per setting, one line per family.
 pub fn speed_error(scene: &str, found: &Validation) -> String {
     let last = &found.reference.outcome.last;
-    let label = match (last.fingers.is_empty(), last.bodies.is_empty()) {
+    let label = match (last.counts().fingers == 0, last.counts().bodies == 0) {
         (false, true) => "largest difference of a joint angle from the reference, rad",
         (false, false) => "largest difference of a joint angle from the reference, rad (of the object in 20 mm)",
         (true, _) => "largest distance of a disc from its position in the reference, m",
@@ -113,19 +113,19 @@ pub fn overlay(scene: &Scene, found: &Validation) -> String {
     let title = format!("{}: analytic model and engine", scene.name);
     let end_s = found.reference.outcome.last.time_s;
     let labels = ["analytic (reference)", "engine"];
-    overlay_runs(&title, labels, &Layout::from_system(&scene.system), [&found.reference, &found.engine], end_s)
+    overlay_runs(&title, labels, &Schema::from_system(&scene.system), [&found.reference, &found.engine], end_s)
 }
 
-/// Draws two runs of this layout. Surfaces without contact are omitted if others have contact.
+/// Draws two runs of this schema. Surfaces without contact are omitted if others have contact.
 pub(crate) fn overlay_runs(
     title: &str,
     labels: [&str; 2],
-    layout: &Layout,
+    schema: &Schema,
     runs: [&Recording; 2],
     end_s: f64,
 ) -> String {
     let x = Axis::linear("time, ms", [0.0, end_s * 1e3]);
-    let mut panels = panels(layout, runs);
+    let mut panels = panels(schema, runs);
     if let Some(first) = panels.first_mut() {
         first.series.splice(..0, [Series::key(FIRST, INK, labels[0]), Series::key(THIN_LINE, INK, labels[1])]);
     }
@@ -140,8 +140,8 @@ fn quantity(name: impl Into<String>, value: impl Fn(&Sample) -> f64 + 'static) -
 }
 
 /// Panels of joints, object, forces, gaps and energies; those that do not apply to the scene are omitted.
-fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
-    let discs = layout.fingers.is_empty();
+fn panels(schema: &Schema, runs: [&Recording; 2]) -> Vec<Panel> {
+    let discs = schema.fingers.is_empty();
     let mut panels = Vec::new();
     // Curves of quantities in both runs, with successive colours.
     let mut add = |label: &str, is_logarithmic: bool, quantities: Vec<Quantity>| {
@@ -163,68 +163,68 @@ fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
             ("q21", |finger| wrap_angle(finger.q21_rad).to_degrees()),
             ("q22", |finger| wrap_angle(finger.q22_rad).to_degrees()),
         ];
-        add("joint angle, deg", false, joints(layout, angles));
+        add("joint angle, deg", false, joints(schema, angles));
     }
-    if layout.fingers.len() == 1 {
+    if schema.fingers.len() == 1 {
         let rates: [JointQuantity; 3] = [
             ("qd11", |finger| finger.qd11_rad_s),
             ("qd21", |finger| finger.qd21_rad_s),
             ("qd22", |finger| finger.qd22_rad_s),
         ];
-        add("joint rate, rad/s", false, joints(layout, rates));
+        add("joint rate, rad/s", false, joints(schema, rates));
     } else if !discs {
-        let centre = |axis: usize| move |sample: &Sample| sample.bodies[0].centre_m[axis] * 1e3;
+        let centre = |axis: usize| move |sample: &Sample| sample.body(0).centre_m[axis] * 1e3;
         add("object, mm", false, vec![quantity("x", centre(0)), quantity("y", centre(1))]);
     }
-    let shown_contacts = shown_contacts(layout, runs);
+    let shown_contacts = shown_contacts(schema, runs);
     let contacts = |value: fn(&ContactSample) -> f64| -> Vec<Quantity> {
         let contact = |&index: &usize| {
-            let name = &layout.contacts[index].name;
+            let name = &schema.contacts[index].name;
             let name = if discs { name.clone() } else { name.replace('_', " ") };
-            quantity(name, move |sample| value(&sample.contacts[index]))
+            quantity(name, move |sample| value(&sample.contact(index)))
         };
         shown_contacts.iter().map(contact).collect()
     };
     if !shown_contacts.is_empty() {
         add("normal force, N", !discs, contacts(|contact| contact.normal_n));
         add("gap, mm", false, contacts(|contact| contact.gap_m * 1e3));
-        let has_friction = |sample: &Sample| sample.contacts.iter().any(|contact| contact.tangential_n != 0.0);
+        let has_friction = |sample: &Sample| sample.contacts().any(|contact| contact.tangential_n != 0.0);
         if discs && runs.iter().any(|run| run.samples.iter().any(has_friction)) {
             add("friction force, N", false, contacts(|contact| contact.tangential_n));
         }
     }
     let mut energies = vec![
-        quantity("kinetic", |sample| sample.energy.kinetic_j * 1e3),
-        quantity(if discs { "drive work" } else { "motor work" }, |sample| sample.energy.motor_work_j * 1e3),
-        quantity("dissipated", |sample| sample.energy.dissipated_j * 1e3),
-        quantity("balance", |sample| sample.energy.balance_j * 1e3),
+        quantity("kinetic", |sample| sample.energy().kinetic_j * 1e3),
+        quantity(if discs { "drive work" } else { "motor work" }, |sample| sample.energy().motor_work_j * 1e3),
+        quantity("dissipated", |sample| sample.energy().dissipated_j * 1e3),
+        quantity("balance", |sample| sample.energy().balance_j * 1e3),
     ];
-    energies.extend(discs.then(|| quantity("contact", |sample| sample.energy.elastic_j * 1e3)));
+    energies.extend(discs.then(|| quantity("contact", |sample| sample.energy().elastic_j * 1e3)));
     add("energy, mJ", false, energies);
     panels
 }
 
 /// Surfaces that have contact in a run, or all surfaces if none has; always all surfaces for a single finger with an
 /// object.
-fn shown_contacts(layout: &Layout, runs: [&Recording; 2]) -> Vec<usize> {
+fn shown_contacts(schema: &Schema, runs: [&Recording; 2]) -> Vec<usize> {
     let any = |of: &dyn Fn(&Recording) -> Option<bool>| runs.into_iter().any(|run| of(run) == Some(true));
-    let exists = |index: &usize| any(&|run| Some(run.outcome.last.contacts.get(*index)?.gap_m.is_finite()));
+    let exists = |index: &usize| any(&|run| Some(run.outcome.last.contacts().nth(*index)?.gap_m.is_finite()));
     let has_contact = |index: &usize| any(&|run| Some(run.outcome.contacts.get(*index)?.first_s.is_some()));
-    let all: Vec<usize> = layout.surfaces().filter(exists).collect();
+    let all: Vec<usize> = schema.surfaces().filter(exists).collect();
     let in_contact: Vec<usize> = all.iter().copied().filter(has_contact).collect();
-    if in_contact.is_empty() || layout.fingers.len() == 1 { all } else { in_contact }
+    if in_contact.is_empty() || schema.fingers.len() == 1 { all } else { in_contact }
 }
 
 /// Name and value of a quantity of a finger's joint.
 type JointQuantity = (&'static str, fn(&FingerState) -> f64);
 
 /// Quantities of the joints of every finger.
-fn joints(layout: &Layout, values: [JointQuantity; 3]) -> Vec<Quantity> {
+fn joints(schema: &Schema, values: [JointQuantity; 3]) -> Vec<Quantity> {
     let of_finger = |(index, finger): (usize, &String)| {
         values.map(|(joint, value)| {
             let name = [finger, joint].join(" ");
-            quantity(name.trim_start(), move |sample| value(&sample.fingers[index]))
+            quantity(name.trim_start(), move |sample| value(&sample.finger(index)))
         })
     };
-    layout.fingers.iter().enumerate().flat_map(of_finger).collect()
+    schema.fingers.iter().enumerate().flat_map(of_finger).collect()
 }

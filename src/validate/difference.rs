@@ -186,13 +186,13 @@ pub struct Comparison<'a> {
 impl<'a> Comparison<'a> {
     /// Creates a comparison of trajectories up to `until_s`.
     pub fn new(reference: &'a Recording, until_s: f64) -> Self {
-        let Sample { fingers, bodies, .. } = &reference.outcome.last;
-        let angles = Angle::ALL.len() * fingers.len();
+        let counts = reference.outcome.last.counts();
+        let angles = Angle::ALL.len() * counts.fingers;
         Self {
             reference,
             until_s,
             cursor: 0,
-            path: vec![RunningDifference::default(); angles + bodies.len()],
+            path: vec![RunningDifference::default(); angles + counts.bodies],
             rates: vec![RunningDifference::default(); angles],
             impacts: Impacts::default(),
             excess_j: 0.0,
@@ -263,7 +263,7 @@ impl<'a> Comparison<'a> {
 
     /// Relative difference of a normal force at the end of the run; `None` if that is beyond the compared time.
     fn final_force(&self, index: usize, last: &Sample) -> Option<f64> {
-        let (contact, expected) = (last.contacts.get(index)?, self.reference.outcome.last.contacts.get(index)?);
+        let (contact, expected) = (last.contacts().nth(index)?, self.reference.outcome.last.contacts().nth(index)?);
         // The gap is infinite without an object.
         let has_object = expected.gap_m.is_finite() || contact.gap_m.is_finite();
         let scale = if expected.normal_n > ZERO_FORCE_N { expected.normal_n } else { 1.0 };
@@ -273,9 +273,9 @@ impl<'a> Comparison<'a> {
     /// Returns the differences after the end of the run.
     pub fn finish(self, outcome: &Outcome) -> Differences {
         let reference = &self.reference.outcome;
-        let has_fingers = !reference.last.fingers.is_empty();
+        let has_fingers = reference.last.counts().fingers > 0;
         let surfaces = || (0..reference.contacts.len()).filter(|&index| !reference.last.is_stop(index));
-        let bodies = outcome.last.bodies.iter().zip(&reference.last.bodies);
+        let bodies = outcome.last.bodies().zip(reference.last.bodies());
         let impulse = |index: usize| match has_fingers {
             true => self.worst_impulse(index),
             false => self.total(index, outcome, |contact| contact.impulse_n_s),
@@ -299,7 +299,7 @@ impl<'a> Comparison<'a> {
 impl Sink for Comparison<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.impacts.sample(sample)?;
-        let energy = &sample.energy;
+        let energy = &sample.energy();
         self.excess_j = self.excess_j.max(energy.balance_j);
         self.motor_work_j = self.motor_work_j.max(energy.motor_work_j.abs());
         self.energy_j = self.energy_j.max(energy.kinetic_j + energy.elastic_j).max(energy.motor_work_j.abs());
@@ -311,8 +311,8 @@ impl Sink for Comparison<'_> {
         for (running, error) in self.path.iter_mut().zip(coordinate_errors(sample, &expected)) {
             running.push(sample.time_s, error);
         }
-        let fingers = sample.fingers.iter().zip(&expected.fingers);
-        let rates = fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| (joint.rate_rad_s)(a) - (joint.rate_rad_s)(b)));
+        let fingers = sample.fingers().zip(expected.fingers());
+        let rates = fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| (joint.rate_rad_s)(&a) - (joint.rate_rad_s)(&b)));
         for (running, error) in self.rates.iter_mut().zip(rates) {
             running.push(sample.time_s, error);
         }
@@ -327,10 +327,10 @@ impl Sink for Comparison<'_> {
 /// Returns the errors of the coordinates of a sample: q11, q21, q22 of every finger modulo a full turn, then the
 /// distances between the centres of all bodies.
 pub(crate) fn coordinate_errors(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
-    let fingers = sample.fingers.iter().zip(&expected.fingers);
+    let fingers = sample.fingers().zip(expected.fingers());
     let angles =
-        fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| wrap_angle((joint.angle_rad)(a) - (joint.angle_rad)(b))));
-    let centres = sample.bodies.iter().zip(&expected.bodies).map(|(a, b)| {
+        fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| wrap_angle((joint.angle_rad)(&a) - (joint.angle_rad)(&b))));
+    let centres = sample.bodies().zip(expected.bodies()).map(|(a, b)| {
         let [x, y] = [0, 1].map(|k| a.centre_m[k] - b.centre_m[k]);
         x.hypot(y)
     });
@@ -360,10 +360,9 @@ mod tests {
     use crate::trace::BodyState;
 
     fn recording(shift_m: f64, pairs: [ContactSummary; 3]) -> Recording {
-        let sample = |time_s: f64| Sample {
-            time_s,
-            bodies: vec![BodyState { centre_m: [shift_m * time_s, 0.0], ..BodyState::default() }],
-            ..Sample::default()
+        let sample = |time_s: f64| {
+            let body = BodyState { centre_m: [shift_m * time_s, 0.0], ..BodyState::default() };
+            Sample::of(time_s, &[], &[body], &[])
         };
         let samples = vec![sample(0.0), sample(1.0)];
         let outcome = Outcome { last: sample(1.0), contacts: pairs.to_vec(), ..Outcome::default() };

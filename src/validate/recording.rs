@@ -147,7 +147,7 @@ impl Impact {
         if self.is_complete || to.time_s <= self.time_s {
             return;
         }
-        let contact = &to.contacts[self.contact];
+        let contact = to.contact(self.contact);
         self.after_n_s = match self.has_sample {
             true => impulse(from, to, self.contact, end_s),
             false => (contact.impulse_n_s - contact.normal_n * (to.time_s - end_s).max(0.0)).max(self.before_n_s),
@@ -191,7 +191,7 @@ impl Sink for Impacts {
         let contact = event.contact;
         let is_stop = self.last.as_ref().is_some_and(|last| last.is_stop(contact));
         if event.kind == EventKind::TouchDown && !is_stop {
-            let before_n_s = self.last.as_ref().map_or(0.0, |last| last.contacts[contact].impulse_n_s);
+            let before_n_s = self.last.as_ref().map_or(0.0, |last| last.contact(contact).impulse_n_s);
             let (after_n_s, time_s, lift_off) = (before_n_s, event.time_s, None);
             self.all.push(Impact {
                 contact,
@@ -217,7 +217,7 @@ impl Sink for Impacts {
 /// Cumulative normal impulse at a time between two samples: cubic Hermite interpolation with the normal forces as
 /// slopes. The slopes are limited to three times the mean slope to keep it monotone (Fritsch and Carlson 1980).
 fn impulse(from: &Sample, to: &Sample, contact: usize, time_s: f64) -> f64 {
-    let (a, b) = (&from.contacts[contact], &to.contacts[contact]);
+    let (a, b) = (from.contact(contact), to.contact(contact));
     let length = to.time_s - from.time_s;
     if length <= 0.0 || time_s >= to.time_s {
         return b.impulse_n_s;
@@ -244,7 +244,7 @@ mod tests {
             velocity_m_s: [3.0, -10.0 * time_s],
             spin_rad_s: 7.0,
         };
-        Sample { time_s, bodies: vec![disc], ..Sample::default() }
+        Sample::of(time_s, &[], &[disc], &[])
     }
 
     #[test]
@@ -253,7 +253,7 @@ mod tests {
         let mut cursor = 0;
         for t in [0.0, 0.2, 0.5, 1.1, 2.0, 0.3] {
             let (found, expected) = (recording.interpolate(t, &mut cursor).expect("samples"), projectile(t));
-            let (found, expected) = (found.bodies[0], expected.bodies[0]);
+            let (found, expected) = (found.body(0), expected.body(0));
             for k in 0..2 {
                 assert!((found.centre_m[k] - expected.centre_m[k]).abs() < 1e-14, "{t}");
                 assert!((found.velocity_m_s[k] - expected.velocity_m_s[k]).abs() < 1e-14, "{t}");

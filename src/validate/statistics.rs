@@ -134,7 +134,7 @@ fn statistics_of_run(model: Model, scene: &Scene, keep_running: KeepRunning) -> 
     let first = sums.first.unwrap_or_else(Sample::with_one_finger);
     let length_s = outcome.last.time_s - first.time_s;
     let [proximal_n_s, distal_n_s] = [FingerContact::Proximal, FingerContact::Distal]
-        .map(|contact| outcome.last.contact(contact).impulse_n_s - first.contact(contact).impulse_n_s);
+        .map(|contact| outcome.last.finger_contact(contact).impulse_n_s - first.finger_contact(contact).impulse_n_s);
     let [proximal, distal] = sums.touchdowns;
     Ok([proximal, distal, proximal_n_s, distal_n_s, sums.q21_rad_s / length_s, sums.kinetic_j_s / length_s])
 }
@@ -160,7 +160,7 @@ impl Sink for StatisticSums {
             return Ok(());
         }
         self.first.get_or_insert_with(|| sample.clone());
-        let now = [sample.time_s, sample.finger().q21_rad, sample.energy.kinetic_j];
+        let now = [sample.time_s, sample.finger(0).q21_rad, sample.energy().kinetic_j];
         let [time_s, q21_rad, kinetic_j] = self.last.replace(now).unwrap_or(now);
         let half = 0.5 * (now[0] - time_s);
         self.q21_rad_s += half * (q21_rad + now[1]);

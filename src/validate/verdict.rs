@@ -8,7 +8,7 @@ use crate::criteria::{Criteria, EPSILON_RAD, Fate, GraspCriteria, Rebound, is_fo
 use crate::invariants::Finding;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Bounds, Scene};
-use crate::trace::Layout;
+use crate::trace::Schema;
 
 /// Largest allowed error of the reference, as a fraction of the largest allowed error of the engine.
 pub(crate) const MAX_REFERENCE_ERROR_SHARE: f64 = 0.1;
@@ -209,8 +209,8 @@ pub fn compare_criteria(scene: &Scene, analytic: &Recording, engine: &Recording)
         (SceneKind::Gripper, .., Some(analytic), Some(engine)) => compare_gripper(scene, runs, [analytic, engine]),
         (SceneKind::Finger | SceneKind::Gripper, ..) => Vec::new(),
         (SceneKind::Bodies, ..) => {
-            let layout = Layout::from_system(&scene.system);
-            let contacts = layout.contacts.into_iter().zip(analytic.rebounds.iter().zip(&engine.rebounds));
+            let schema = Schema::from_system(&scene.system);
+            let contacts = schema.contacts.into_iter().zip(analytic.rebounds.iter().zip(&engine.rebounds));
             let restitutions = contacts.filter_map(|(contact, (analytic, engine))| {
                 let values = [analytic, engine].map(Rebound::restitution);
                 let found = Criterion::from_numbers("restitution", values, scene.bounds.restitution);

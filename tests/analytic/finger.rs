@@ -35,10 +35,10 @@ fn presets_match_the_reference_values() {
         let contacts = [(4.501315e-3, 23.6092), (6.883746e-3, 8.2573)];
         for (contact, (first_s, normal_n)) in PHALANGES.into_iter().zip(contacts) {
             assert_near(log.first_contact_s(contact as usize).expect("a contact"), first_s, time_s, "first contact");
-            assert_near(last.contact(contact).normal_n, normal_n, force * normal_n + digits * 0.5e-4, "force");
+            assert_near(last.finger_contact(contact).normal_n, normal_n, force * normal_n + digits * 0.5e-4, "force");
         }
-        assert_near(last.finger().q11_rad, 2.088778f64.to_radians(), angle_rad, "q11");
-        assert_near(last.finger().q21_rad, 65.019991f64.to_radians(), angle_rad, "q21");
+        assert_near(last.finger(0).q11_rad, 2.088778f64.to_radians(), angle_rad, "q11");
+        assert_near(last.finger(0).q21_rad, 65.019991f64.to_radians(), angle_rad, "q21");
     }
 }
 
@@ -57,8 +57,8 @@ fn both_methods_agree_along_the_trajectory() {
         let t = f64::from(i) * grid_s;
         let (a, b) = (rodas_log.nearest_sample(t), radau_log.nearest_sample(t));
         assert!((a.time_s - t).abs() < 1e-15 && (b.time_s - t).abs() < 1e-15, "no sample at {t}");
-        assert_near(a.finger().q11_rad, b.finger().q11_rad, 1e-9, format!("q11 at {t}"));
-        assert_near(a.finger().q21_rad, b.finger().q21_rad, 1e-9, format!("q21 at {t}"));
+        assert_near(a.finger(0).q11_rad, b.finger(0).q11_rad, 1e-9, format!("q11 at {t}"));
+        assert_near(a.finger(0).q21_rad, b.finger(0).q21_rad, 1e-9, format!("q21 at {t}"));
     }
     for (a, b) in rodas.contacts.iter().zip(&radau.contacts) {
         assert_near(a.impulse_n_s, b.impulse_n_s, 1e-7 * b.impulse_n_s.abs(), "impulse");
@@ -120,12 +120,12 @@ fn energy_balances() {
         for (name, scene) in closings() {
             let (_, log) = run_to_end(&Scene { integrator, ..scene });
             let largest = |f: fn(&Sample) -> f64| log.samples.iter().map(f).fold(0.0, f64::max);
-            let scale_j = largest(|s| s.energy.motor_work_j.abs()).max(largest(|s| s.energy.kinetic_j));
-            assert_below(largest(|s| s.energy.balance_j.abs()), balance * scale_j, &name);
+            let scale_j = largest(|s| s.energy().motor_work_j.abs()).max(largest(|s| s.energy().kinetic_j));
+            assert_below(largest(|s| s.energy().balance_j.abs()), balance * scale_j, &name);
             let mut dissipated_j = 0.0f64;
             for sample in &log.samples {
-                dissipated_j = dissipated_j.max(sample.energy.dissipated_j);
-                assert_below(dissipated_j - sample.energy.dissipated_j, decrease * scale_j, &name);
+                dissipated_j = dissipated_j.max(sample.energy().dissipated_j);
+                assert_below(dissipated_j - sample.energy().dissipated_j, decrease * scale_j, &name);
             }
         }
     }
@@ -136,8 +136,8 @@ fn work_of_a_constant_torque_is_torque_times_angle() {
     let initial_rad = experiment_95().finger().initial.q11_rad;
     for settings in [engineering_settings(), reference_settings()] {
         for sample in run_with_settings(settings).1.samples {
-            let work = 0.48 * (sample.finger().q11_rad - initial_rad);
-            assert_below((sample.energy.motor_work_j - work).abs(), 1e-13, "motor work");
+            let work = 0.48 * (sample.finger(0).q11_rad - initial_rad);
+            assert_below((sample.energy().motor_work_j - work).abs(), 1e-13, "motor work");
         }
     }
 }
@@ -148,8 +148,8 @@ fn logged_energies_match_the_logged_state() {
     let scene = with_reference_settings(&experiment_95());
     let (l, b) = (scene.finger().linkage.lengths, scene.finger().linkage.bodies);
     let mut gravity_differences = Vec::new();
-    for Sample { fingers, energy, .. } in run_to_end(&scene).1.samples {
-        let f = fingers[0];
+    for sample in run_to_end(&scene).1.samples {
+        let (f, energy) = (sample.finger(0), sample.energy());
         let (first, second) = ((f.q11_rad, f.qd11_rad_s), (f.q21_rad, f.qd21_rad_s));
         let third = (f.q11_rad + f.q12_rad, f.qd11_rad_s + f.qd12_rad_s);
         let fourth = (f.q13_rad, f.qd21_rad_s + f.qd22_rad_s);
@@ -191,18 +191,18 @@ fn torque_jumps_do_not_reduce_accuracy() {
                 (scene.integrator, scene.duration_s) = (integrator, 4e-3);
             }))
         });
-        let [engineering, reference] = runs.each_ref().map(|(outcome, _)| outcome.last.finger());
-        assert_below(finger_difference(engineering, reference), 1e-9, format!("{actuation:?}"));
+        let [engineering, reference] = runs.each_ref().map(|(outcome, _)| outcome.last.finger(0));
+        assert_below(finger_difference(&engineering, &reference), 1e-9, format!("{actuation:?}"));
         for (outcome, log) in runs.iter().filter(|_| actuation == table) {
             // Each jump coincides with a sample.
             let q11_at = |t: f64| {
                 let sample = log.nearest_sample(t);
                 assert!((sample.time_s - t).abs() < 1e-15, "no sample at {t}");
-                sample.finger().q11_rad
+                sample.finger(0).q11_rad
             };
             let angles: Vec<f64> = points.iter().map(|point| point.0).chain([4e-3]).map(q11_at).collect();
             let work: f64 = points.iter().zip(angles.windows(2)).map(|(point, a)| point.1 * (a[1] - a[0])).sum();
-            assert_below((outcome.last.energy.motor_work_j - work).abs(), 1e-12, "work");
+            assert_below((outcome.last.energy().motor_work_j - work).abs(), 1e-12, "work");
         }
     }
 }
@@ -273,7 +273,7 @@ fn events_are_located_within_their_tolerances() {
             let transition_m = scene.finger().contact.proximal.normal.transition_m;
             for event in &log.events {
                 let sample = log.samples.iter().find(|sample| sample.time_s == event.time_s);
-                let contact = sample.expect("a sample at the event").contacts[event.contact];
+                let contact = sample.expect("a sample at the event").contact(event.contact);
                 let context = format!("{name}, rtol {rtol:e}: {event:?} at {contact:?}");
                 match (event.finger_contact(), event.kind) {
                     (FingerContact::Limit, _) => {}
@@ -307,7 +307,7 @@ fn no_step_crosses_the_damper_transition() {
                 let depth = |ContactSample { gap_m, normal_n, .. }: &ContactSample| {
                     if *normal_n > 0.0 { -gap_m / law.normal.transition_m } else { f64::NAN }
                 };
-                let depths: Vec<f64> = log.samples.iter().map(|sample| depth(&sample.contacts[index])).collect();
+                let depths: Vec<f64> = log.samples.iter().map(|sample| depth(&sample.contact(index))).collect();
                 for pair in depths.windows(2) {
                     let crosses_transition = pair[0] < 1.006 && pair[1] > 1.014 || pair[0] > 0.994 && pair[1] < 0.986;
                     assert!(!crosses_transition, "{name}, rtol {rtol:e}: a step from {} to {} δ_max", pair[0], pair[1]);
@@ -358,12 +358,12 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_matches_a_single_finger() {
         let [expected, actual] = [&finger_log, &gripper_log].map(|log| samples_on_grid(&log.samples));
         assert_eq!((expected.len(), actual.len()), (601, 601));
         for (expected, actual) in expected.iter().zip(&actual) {
-            let difference = |finger: &FingerState| finger_difference(finger, expected.finger());
-            assert!(actual.fingers.iter().all(|finger| difference(finger) < 1e-8), "at {} s", expected.time_s);
+            let difference = |finger: &FingerState| finger_difference(finger, &expected.finger(0));
+            assert!(actual.fingers().all(|finger| difference(&finger) < 1e-8), "at {} s", expected.time_s);
         }
         for contact in PHALANGES {
-            let expected = expected[600].contact(contact).tangential_n;
-            let error = (expected - actual[600].contacts[contact as usize].tangential_n).abs();
+            let expected = expected[600].finger_contact(contact).tangential_n;
+            let error = (expected - actual[600].contact(contact as usize).tangential_n).abs();
             assert!(error < 1e-6 && expected.abs() > 1e-3, "{contact:?}: error {error:.1e} N of {expected}");
         }
     }
@@ -372,7 +372,7 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_matches_a_single_finger() {
     let logs = [all_sticking, regularised].map(run_finger);
     let [sticking, regularised] = logs.each_ref().map(|log| samples_on_grid(&log.samples));
     let has_effect =
-        sticking.iter().zip(&regularised).any(|(a, b)| (a.finger().q11_rad - b.finger().q11_rad).abs() > 1e-6);
+        sticking.iter().zip(&regularised).any(|(a, b)| (a.finger(0).q11_rad - b.finger(0).q11_rad).abs() > 1e-6);
     assert!(has_effect, "stiction has no effect");
 }
 
@@ -434,7 +434,7 @@ fn sliders_of_sticking_contacts_are_at_rest() {
 #[test]
 fn elastic_energy_includes_bristles() {
     let scene = with_reference_settings(&load_with_stiction("experiment-95"));
-    let energy = run_to_end(&scene).0.last.energy;
+    let energy = run_to_end(&scene).0.last.energy();
     let stored = contacts_at(&scene, scene.duration_s).map(|EndContact { law, bristle, state, reading, .. }| {
         let stretch_m = bristle.relaxation_s * state;
         let stiffness = bristle.damping_n_s_per_m / bristle.relaxation_s;

@@ -171,11 +171,11 @@ fn holding_for_a_minute_takes_few_steps_and_samples() {
         let scene = Scene { duration_s: 60.0, ..reference_case(letter).scene };
         (run(Model::Analytic, &scene, &mut log).unwrap_or_else(|error| panic!("{letter}: {error}")), log.samples.len())
     };
-    let displacement_m = |outcome: &Outcome| (outcome.last.bodies[0].centre_m[1] - 0.02).abs();
+    let displacement_m = |outcome: &Outcome| (outcome.last.body(0).centre_m[1] - 0.02).abs();
     let [(regularised, _), (bristle, samples)] = ["a", "g"].map(run_one_minute);
-    assert!(displacement_m(&regularised) > 0.5e-3, "{:?}", regularised.last.bodies);
-    assert!(displacement_m(&bristle) < 0.1e-3, "{:?}", bristle.last.bodies);
-    assert!(bristle.last.bodies[0].velocity_m_s[1].abs() < 1e-6, "{:?}", bristle.last.bodies);
+    assert!(displacement_m(&regularised) > 0.5e-3, "{:?}", regularised.last.body(0));
+    assert!(displacement_m(&bristle) < 0.1e-3, "{:?}", bristle.last.body(0));
+    assert!(bristle.last.body(0).velocity_m_s[1].abs() < 1e-6, "{:?}", bristle.last.body(0));
     assert!(bristle.work.steps < 1000 && samples < 2000, "{} steps, {samples} samples", bristle.work.steps);
 }
 
@@ -234,7 +234,7 @@ fn each_finger_on_a_fixed_object_matches_its_single_finger_scene() {
             let centre_m = [sign * x - 0.5 * scene.system.palm_width_m, *y];
             single.system.discs = vec![Disc::fixed_object(PlacedShape::disc(max_radius(shape), centre_m))];
         });
-        let finger = *run_to_end(&single).0.last.finger();
+        let finger = run_to_end(&single).0.last.finger(0);
         let error = (q[2 * side] - finger.q11_rad).abs().max((q[2 * side + 1] - finger.q21_rad).abs());
         assert_below(error, 1e-10, format!("finger {side}"));
     }

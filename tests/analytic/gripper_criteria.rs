@@ -63,7 +63,7 @@ fn case_a_is_held_by_four_contacts() {
     assert_eq!(criteria.offset_ratio(), None, "the object starts at the centre");
     // With regularised friction the object creeps; the criteria report its speed and displacement.
     assert!((criteria.end_speed_m_s() - 0.0186).abs() < 1e-4, "{}", criteria.end_speed_m_s());
-    assert!((criteria.travel.displacement_m - (last.bodies[0].centre_m[1] - 0.02)).abs() < 1e-9);
+    assert!((criteria.travel.displacement_m - (last.body(0).centre_m[1] - 0.02)).abs() < 1e-9);
     let slip = criteria.slip.expect("a grasp").displacement_m;
     assert!(slip > 1e-4 && slip < criteria.travel.displacement_m, "{slip}");
 }
@@ -110,7 +110,7 @@ fn lost_objects_are_reported_with_their_fate() {
     let (criteria, _) = run_for(80e-3);
     let Fate::Ejected { at_s } = criteria.fate else { panic!("{:?}", criteria.fate) };
     assert!(criteria.grasped_s.expect("a grasp at first") < 5e-3 && criteria.tts_s.is_none());
-    let [x, y] = run_for(at_s).1.bodies[0].centre_m;
+    let [x, y] = run_for(at_s).1.body(0).centre_m;
     let reach_m = 0.02 + 0.02443242165159721 + 0.012856584748806986 + 0.0025;
     assert!(((x.abs() - 0.0155).hypot(y) - reach_m).abs() < 1e-6, "out of reach at {at_s}: {x}, {y}");
 }

@@ -10,7 +10,9 @@ use crate::support::synthetic;
 use phalanx::invariants::{Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
 use phalanx::scene::{DiscMotion, LogRates, Response, Scene, Stepping};
-use phalanx::trace::{self, BodyState, ContactSample, Energy, FingerContact, Model, Sample, Sink, SinkError};
+use phalanx::trace::{
+    self, BodyState, ContactSample, Energy, FingerContact, FingerState, Model, Sample, Sink, SinkError,
+};
 
 const SPEED_M_S: f64 = 1.0;
 const START: Energy = Energy {
@@ -44,21 +46,30 @@ fn valid_samples() -> Vec<Sample> {
             normal: [1.0, 0.0],
             ..ContactSample::default()
         };
-        Sample {
-            time_s: 1e-3 * f64::from(k),
-            contacts: vec![
-                sliding_contact,
-                ContactSample { gap_m: 1e-3, ..ContactSample::default() },
-                ContactSample { gap_m: 0.1, ..ContactSample::default() },
-            ],
-            energy: Energy { kinetic_j: START.kinetic_j - loss_j, dissipated_j: loss_j, ..START },
-            ..Sample::with_one_finger()
-        }
+        let separated = |gap_m| ContactSample { gap_m, ..ContactSample::default() };
+        let contacts = [sliding_contact, separated(1e-3), separated(0.1)];
+        let mut sample = Sample::of(1e-3 * f64::from(k), &[FingerState::default()], &[], &contacts);
+        sample.set_energy(&Energy { kinetic_j: START.kinetic_j - loss_j, dissipated_j: loss_j, ..START });
+        sample
     };
     (0..5).map(at).collect()
 }
 
 type Change<T> = fn(&mut T);
+
+/// Changes a contact of a sample.
+fn change_contact(sample: &mut Sample, contact: FingerContact, change: impl FnOnce(&mut ContactSample)) {
+    let mut changed = sample.contact(contact as usize);
+    change(&mut changed);
+    sample.set_contact(contact as usize, &changed);
+}
+
+/// Changes the energies of a sample.
+fn change_energy(sample: &mut Sample, change: impl FnOnce(&mut Energy)) {
+    let mut changed = sample.energy();
+    change(&mut changed);
+    sample.set_energy(&changed);
+}
 
 /// The valid samples with a change of the one at 3 ms.
 fn changed(change: impl FnOnce(&mut Sample)) -> Vec<Sample> {
@@ -107,11 +118,11 @@ fn valid_samples_violate_nothing() {
 #[test]
 fn non_finite_numbers_are_violations() {
     let changes: [fn(&mut Sample, f64); 5] = [
-        |sample, value| sample.finger_mut().qd22_rad_s = value,
-        |sample, value| sample.contact_mut(Proximal).normal_n = value,
-        |sample, value| sample.contact_mut(Proximal).point_m[1] = value,
-        |sample, value| sample.contact_mut(Limit).normal_n = value,
-        |sample, value| sample.energy.spring_j = value,
+        |sample, value| sample.set_finger(0, &FingerState { qd22_rad_s: value, ..sample.finger(0) }),
+        |sample, value| change_contact(sample, Proximal, |contact| contact.normal_n = value),
+        |sample, value| change_contact(sample, Proximal, |contact| contact.point_m[1] = value),
+        |sample, value| change_contact(sample, Limit, |contact| contact.normal_n = value),
+        |sample, value| change_energy(sample, |energy| energy.spring_j = value),
     ];
     for change in changes {
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -119,9 +130,13 @@ fn non_finite_numbers_are_violations() {
         }
     }
     // An infinite gap means that there is no other surface and is valid; NaN is not.
-    assert_violates(Invariant::Finite, None, |sample| sample.contact_mut(Limit).gap_m = f64::NAN);
+    assert_violates(Invariant::Finite, None, |sample| {
+        change_contact(sample, Limit, |contact| contact.gap_m = f64::NAN)
+    });
     let mut samples = valid_samples();
-    samples.iter_mut().for_each(|sample| sample.contacts[1..].fill(ContactSample::NONE));
+    for sample in &mut samples {
+        (1..3).for_each(|index| sample.set_contact(index, &ContactSample::NONE));
+    }
     assert_valid(&samples);
 }
 
@@ -143,9 +158,9 @@ fn forces_outside_their_laws_are_violations() {
         (Invariant::Penetration, Proximal, |c| c.gap_m = -0.6e-3),
     ];
     for (invariant, contact, change) in changes {
-        assert_violates(invariant, Some(contact.name()), |sample| change(sample.contact_mut(contact)));
+        assert_violates(invariant, Some(contact.name()), |sample| change_contact(sample, contact, change));
     }
-    assert_valid(&changed(|sample| sample.contact_mut(Proximal).gap_m = -0.5e-3));
+    assert_valid(&changed(|sample| change_contact(sample, Proximal, |contact| contact.gap_m = -0.5e-3)));
     // A frictionless contact has no tangential force.
     let actual = violations(Model::Analytic, &synthetic::scene(), &valid_samples(), 0.0);
     assert!(matches!(&actual[..], [finding] if finding.invariant == Invariant::Friction), "{actual:?}");
@@ -153,8 +168,8 @@ fn forces_outside_their_laws_are_violations() {
 
 #[test]
 fn decreasing_impulse_is_a_violation() {
-    let half_n_s = 0.5 * valid_samples()[2].contact(Proximal).impulse_n_s;
-    let samples = changed(|sample| sample.contact_mut(Proximal).impulse_n_s = half_n_s);
+    let half_n_s = 0.5 * valid_samples()[2].finger_contact(Proximal).impulse_n_s;
+    let samples = changed(|sample| change_contact(sample, Proximal, |contact| contact.impulse_n_s = half_n_s));
     for model in BOTH_MODELS {
         let actual = violations(model, &scene(), &samples, 0.0);
         assert!(
@@ -167,9 +182,9 @@ fn decreasing_impulse_is_a_violation() {
 #[test]
 fn energy_imbalance_and_decreasing_dissipation_are_violations() {
     for energy_j in [1e-4, -1e-4] {
-        assert_violates(Invariant::Energy, None, |sample| sample.energy.balance_j = energy_j);
+        assert_violates(Invariant::Energy, None, |sample| change_energy(sample, |energy| energy.balance_j = energy_j));
     }
-    assert_violates(Invariant::Passivity, None, |sample| sample.energy.dissipated_j = 1e-4);
+    assert_violates(Invariant::Passivity, None, |sample| change_energy(sample, |energy| energy.dissipated_j = 1e-4));
 }
 
 /// If slip reverses within a step of the engine, any force between the limits of friction is valid.
@@ -178,8 +193,9 @@ fn friction_of_the_engine_may_vary_within_a_step() {
     let violation_count = |model, ratio: f64| {
         let mut samples = valid_samples();
         for (index, ratio) in [(3, ratio), (4, THESIS_FRICTION.mu_dynamic)] {
-            let contact = samples[index].contact_mut(Proximal);
-            (contact.slip_m_s, contact.tangential_n) = (-SPEED_M_S, 10.0 * ratio);
+            change_contact(&mut samples[index], Proximal, |contact| {
+                (contact.slip_m_s, contact.tangential_n) = (-SPEED_M_S, 10.0 * ratio);
+            });
         }
         violations(model, &scene(), &samples, 0.0).len()
     };
@@ -194,8 +210,10 @@ fn joint_limit_penetration_beyond_the_available_energy_is_a_violation() {
     let law = scene().finger().limit.expect("a limit");
     let e = law.exponent;
     let deepest = ((e + 1.0) * START.kinetic_j / law.stiffness_n_per_m_e).powf((e + 1.0).recip());
-    assert_violates(Invariant::JointLimit, Some("limit"), |sample| sample.contact_mut(Limit).gap_m = -1.1 * deepest);
-    assert_valid(&changed(|sample| sample.contact_mut(Limit).gap_m = -0.9 * deepest));
+    assert_violates(Invariant::JointLimit, Some("limit"), |sample| {
+        change_contact(sample, Limit, |contact| contact.gap_m = -1.1 * deepest)
+    });
+    assert_valid(&changed(|sample| change_contact(sample, Limit, |contact| contact.gap_m = -0.9 * deepest)));
 }
 
 #[test]
@@ -215,7 +233,7 @@ fn open_joints_are_violations() {
 fn tolerances_depend_on_engine_settings() {
     let mut scene = scene();
     let count = |scene: &Scene, change: Change<ContactSample>| {
-        violations(Model::Engine, scene, &changed(|sample| change(sample.contact_mut(Proximal))), 0.0).len()
+        violations(Model::Engine, scene, &changed(|sample| change_contact(sample, Proximal, change)), 0.0).len()
     };
     let separated: Change<ContactSample> = |c| (c.gap_m, c.gap_rate_m_s) = (0.9e-4, 1.0);
     assert_eq!(count(&scene, separated), 1);
@@ -234,19 +252,35 @@ fn invariants_apply_to_discs() {
     let scene = with_half_plane(laws::scene(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 5e-3));
     let changes: [(Change<Sample>, &[Invariant], Option<&str>); 7] = [
         (|_| {}, &[], None),
-        (|sample| sample.bodies[0].spin_rad_s = f64::NAN, &[Invariant::Finite], None),
-        (|sample| sample.energy.balance_j = 1e-4, &[Invariant::Energy], None),
-        (|sample| sample.energy.dissipated_j = 1e-4, &[Invariant::Passivity], None),
-        (|sample| sample.contacts[0].gap_m = 1e-9, &[Invariant::NoAdhesion], Some("puck-plane")),
-        (|sample| sample.contacts[0].tangential_n *= -1.0, &[Invariant::Friction], Some("puck-plane")),
-        (|sample| sample.contacts[0].gap_m = -1e-3, &[Invariant::Penetration], Some("puck-plane")),
+        (
+            |sample| sample.set_body(0, &BodyState { spin_rad_s: f64::NAN, ..BodyState::default() }),
+            &[Invariant::Finite],
+            None,
+        ),
+        (|sample| change_energy(sample, |energy| energy.balance_j = 1e-4), &[Invariant::Energy], None),
+        (|sample| change_energy(sample, |energy| energy.dissipated_j = 1e-4), &[Invariant::Passivity], None),
+        (
+            |sample| change_contact(sample, Proximal, |contact| contact.gap_m = 1e-9),
+            &[Invariant::NoAdhesion],
+            Some("puck-plane"),
+        ),
+        (
+            |sample| change_contact(sample, Proximal, |contact| contact.tangential_n *= -1.0),
+            &[Invariant::Friction],
+            Some("puck-plane"),
+        ),
+        (
+            |sample| change_contact(sample, Proximal, |contact| contact.gap_m = -1e-3),
+            &[Invariant::Penetration],
+            Some("puck-plane"),
+        ),
     ];
     for (change, expected, contact) in changes {
         let mut samples = valid_samples();
         for sample in &mut samples {
-            sample.fingers.clear();
-            sample.bodies.push(BodyState::default());
-            sample.contacts.truncate(1);
+            let energy = sample.energy();
+            *sample = Sample::of(sample.time_s, &[], &[BodyState::default()], &[sample.contact(0)]);
+            sample.set_energy(&energy);
         }
         change(&mut samples[3]);
         let actual = violations(Model::Analytic, &scene, &samples, 0.0);

@@ -441,16 +441,16 @@ fn mixed_systems_with_active_contacts() {
     for (name, scene) in mixed_systems::cases() {
         let (_, log) = run_to_end(&with_reference_settings(&scene));
         let strong_contacts =
-            |sample: &&phalanx::trace::Sample| sample.contacts.iter().filter(|contact| contact.normal_n > 0.1).count();
+            |sample: &&phalanx::trace::Sample| sample.contacts().filter(|contact| contact.normal_n > 0.1).count();
         let sample = log.samples.iter().max_by_key(strong_contacts).expect("samples");
         let model = Multibody::<MIXED_COORDINATES, MIXED_CONTACTS>::new(&scene.system);
         let State { mut q, mut v, .. }: State<MIXED_COORDINATES, MIXED_QUADRATURES> = model.start(&scene.system);
-        for (index, finger) in sample.fingers.iter().enumerate() {
+        for (index, finger) in sample.fingers().enumerate() {
             q[2 * index..][..2].copy_from_slice(&[finger.q11_rad, finger.q21_rad]);
             v[2 * index..][..2].copy_from_slice(&[finger.qd11_rad_s, finger.qd21_rad_s]);
         }
-        let mut next = 2 * sample.fingers.len();
-        for (_, body) in scene.system.discs.iter().zip(&sample.bodies).filter(|(disc, _)| disc.motion.moves()) {
+        let mut next = 2 * sample.counts().fingers;
+        for (_, body) in scene.system.discs.iter().zip(sample.bodies()).filter(|(disc, _)| disc.motion.moves()) {
             let ([x, y], [vx, vy]) = (body.centre_m, body.velocity_m_s);
             q[next..][..3].copy_from_slice(&[x, y, body.angle_rad]);
             v[next..][..3].copy_from_slice(&[vx, vy, body.spin_rad_s]);
@@ -461,7 +461,7 @@ fn mixed_systems_with_active_contacts() {
             q[next] = t;
         }
         let mut mode = Mode::<MIXED_CONTACTS>::FREE;
-        let active = (0..model.contact_count()).filter(|index| sample.contacts[*index].normal_n > 0.0);
+        let active = (0..model.contact_count()).filter(|index| sample.contact(*index).normal_n > 0.0);
         let active_contacts = active.map(|index| mode[index] = Active).count();
         assert!(active_contacts > usize::from(!name.ends_with("no object")), "{name}: {active_contacts} contacts");
         // The steps of coordinates are a fraction of the penetration.

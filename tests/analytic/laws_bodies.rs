@@ -30,16 +30,16 @@ fn free_discs_conserve_momentum_in_a_collision() {
         assert_eq!(outcome.contacts[0].touchdowns, 1, "{model:?}");
         for sample in &log.samples {
             for (axis, momentum) in [0.5, 0.1].into_iter().enumerate() {
-                let sum: f64 = sample.bodies.iter().map(|disc| disc.velocity_m_s[axis]).sum();
+                let sum: f64 = sample.bodies().map(|disc| disc.velocity_m_s[axis]).sum();
                 assert_below((sum - momentum).abs(), 1e-12, format!("{model:?}: momentum"));
             }
         }
         // The tangential impulse times the radius changes the spin of each disc; it is the same for both.
-        let [a, b] = [&outcome.last.bodies[0], &outcome.last.bodies[1]];
+        let [a, b] = [outcome.last.body(0), outcome.last.body(1)];
         let impulse = |disc: &BodyState, spin: f64, r: f64| 0.5 * r * (disc.spin_rad_s - spin);
-        let impulses = [impulse(a, 8.0, 0.05), impulse(b, -3.0, 0.04)];
+        let impulses = [impulse(&a, 8.0, 0.05), impulse(&b, -3.0, 0.04)];
         assert!(impulses[0].abs() > 1e-2 && (impulses[0] - impulses[1]).abs() < 1e-9, "{model:?}: {impulses:?}");
-        let energy = &outcome.last.energy;
+        let energy = &outcome.last.energy();
         assert!(energy.dissipated_j > 0.05 && energy.balance_j.abs() < bound, "{model:?}: {energy:?}");
     }
 }
@@ -57,12 +57,12 @@ fn a_sliding_disc_ends_up_rolling() {
         scene.system.gravity_m_s2 = [0.0, -weight];
         for (model, bound) in [(Model::Analytic, 1e-9), (Model::Engine, 1e-6)] {
             let last = run_to_end(model, &scene).0.last;
-            let wheel = &last.bodies[0];
+            let wheel = last.body(0);
             assert_below((wheel.velocity_m_s[0] + wheel.spin_rad_s * radius).abs(), bound, "slip");
             assert_below((wheel.velocity_m_s[0] - expected).abs(), bound, "speed");
-            assert_below(relative_error(last.contacts[0].normal_n, weight), 1e-6, "normal force");
+            assert_below(relative_error(last.contact(0).normal_n, weight), 1e-6, "normal force");
             let expected_loss = 0.5 * (1.0 + 0.5 * (spin * radius).powi(2)) - 0.75 * expected * expected;
-            assert_below(relative_error(last.energy.dissipated_j, expected_loss), 1e-4, "dissipated energy");
+            assert_below(relative_error(last.energy().dissipated_j, expected_loss), 1e-4, "dissipated energy");
         }
     }
 }
@@ -78,14 +78,14 @@ fn a_symmetric_collision_remains_symmetric() {
         let (outcome, log) = run_to_end(model, &scene);
         assert_eq!(outcome.contacts[0].touchdowns, 1);
         for sample in &log.samples {
-            let [left, right] = [&sample.bodies[0], &sample.bodies[1]];
+            let [left, right] = [sample.body(0), sample.body(1)];
             assert!((left.centre_m[0] + right.centre_m[0]).abs() < 1e-15, "{model:?}: {sample:?}");
             assert!((left.velocity_m_s[0] + right.velocity_m_s[0]).abs() < 1e-13, "{model:?}: {sample:?}");
             for disc in [left, right] {
                 assert!(disc.centre_m[1].abs() < 1e-15 && disc.spin_rad_s.abs() < 1e-12, "{model:?}: {sample:?}");
             }
         }
-        assert!(outcome.last.bodies[0].velocity_m_s[0] < -0.1);
+        assert!(outcome.last.body(0).velocity_m_s[0] < -0.1);
     }
 }
 
@@ -96,7 +96,7 @@ fn the_engine_is_of_second_order_in_free_motion() {
     let mut scene = scene(discs, THESIS_NORMAL, None, 0.02);
     scene.system.gravity_m_s2 = [0.0, -9.81];
     let errors = [2e-4, 1e-4, 5e-5].map(|step| {
-        let ball = run_to_end(Model::Engine, &with_fixed_step(&scene, step)).0.last.bodies[0];
+        let ball = run_to_end(Model::Engine, &with_fixed_step(&scene, step)).0.last.body(0);
         assert!((ball.centre_m[0] - 0.02).abs() < 1e-14, "{ball:?}");
         assert!((ball.centre_m[1] - (0.04 - 0.5 * 9.81 * 4e-4)).abs() < 1e-14, "{ball:?}");
         (ball.angle_rad - 2.0).abs()
@@ -104,7 +104,7 @@ fn the_engine_is_of_second_order_in_free_motion() {
     for pair in errors.windows(2) {
         assert_below(((pair[0] / pair[1]).log2() - 2.0).abs(), 0.05, format!("order from {errors:?}"));
     }
-    let ball = run_to_end(Model::Analytic, &scene).0.last.bodies[0];
+    let ball = run_to_end(Model::Analytic, &scene).0.last.body(0);
     assert!((ball.angle_rad - 2.0).abs() < 1e-13);
 }
 
@@ -132,11 +132,11 @@ fn a_drive_does_the_work_on_the_disc_it_pushes() {
     let scene = scene(discs, DAMPED_IMPACT, Some(THESIS_FRICTION), 10e-3);
     let final_speeds = [(Model::Analytic, 1e-10), (Model::Engine, 1e-4)].map(|(model, bound)| {
         let last = run_to_end(model, &scene).0.last;
-        let [ball, bat] = [&last.bodies[0], &last.bodies[1]];
+        let [ball, bat] = [last.body(0), last.body(1)];
         // The driven disc follows its prescribed motion.
         assert!((bat.centre_m[0] - (-0.101 + 0.01 + 1e-3)).abs() < 1e-14, "{model:?}: {bat:?}");
         assert!((bat.velocity_m_s[0] - 1.2).abs() < 1e-13 && bat.velocity_m_s[1] == 0.0, "{model:?}: {bat:?}");
-        let energy = &last.energy;
+        let energy = &last.energy();
         assert!(energy.motor_work_j > energy.kinetic_j && energy.kinetic_j > 0.3, "{energy:?}");
         assert!(energy.balance_j.abs() < bound * energy.motor_work_j, "{model:?}: {energy:?}");
         ball.velocity_m_s
@@ -161,18 +161,18 @@ fn rapier_contact_model_works_for_discs() {
             disc("ball", 0.05, [0.05, 0.0], free_translation([0.0; 2])),
         ];
         let outcome = run_rapier(scene(discs, THESIS_NORMAL, None, 5e-3), 0.0, restitution);
-        let speeds = [0, 1].map(|disc: usize| outcome.last.bodies[disc].velocity_m_s[0]);
+        let speeds = [0, 1].map(|disc: usize| outcome.last.body(disc).velocity_m_s[0]);
         assert!((speeds[0] + speeds[1] - 1.0).abs() < 1e-12, "{speeds:?}");
         assert!((speeds[1] - speeds[0] - restitution).abs() < 1e-3, "{restitution}: {speeds:?}");
         assert!((outcome.contacts[0].impulse_n_s - speeds[1]).abs() < 1e-9);
         assert_eq!(outcome.contacts[0].touchdowns, 1);
         let expected_loss = 0.25 * (1.0 - restitution * restitution);
-        assert!((outcome.last.energy.dissipated_j - expected_loss).abs() < 1e-3, "{:?}", outcome.last.energy);
+        assert!((outcome.last.energy().dissipated_j - expected_loss).abs() < 1e-3, "{:?}", outcome.last.energy());
     }
     // Friction reduces the speed by μ g t.
     let puck = disc("puck", 0.05, [0.0, 0.05], free_translation([1.0, 0.0]));
     let mut sliding_scene = with_half_plane(scene(vec![puck], THESIS_NORMAL, None, 0.05));
     sliding_scene.system.gravity_m_s2 = [0.0, -9.81];
-    let speed = run_rapier(sliding_scene, 0.5, 0.0).last.bodies[0].velocity_m_s[0];
+    let speed = run_rapier(sliding_scene, 0.5, 0.0).last.body(0).velocity_m_s[0];
     assert!((speed - (1.0 - 0.5 * 9.81 * 0.05)).abs() < 1e-3, "{speed}");
 }

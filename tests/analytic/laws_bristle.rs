@@ -35,12 +35,12 @@ fn a_block_on_an_incline_sticks_within_the_friction_cone_and_slides_beyond_it() 
         let scene = load("holds");
         let last = run(model, &scene).0.last;
         let stretch = 0.1 * scene.system.gravity_m_s2[0] / 1e9;
-        let shift = last.bodies[0].centre_m[0] - scene.system.discs[0].centre_m[0];
+        let shift = last.body(0).centre_m[0] - scene.system.discs[0].centre_m[0];
         assert_below((shift - stretch).abs(), tolerance * 1e-6, format!("{model:?}: stretch"));
-        assert_below(last.contacts[0].slip_m_s.abs(), 1e-15, format!("{model:?}: slip"));
+        assert_below(last.contact(0).slip_m_s.abs(), 1e-15, format!("{model:?}: slip"));
 
         let [gx, gy] = load("slides").system.gravity_m_s2;
-        let speed = run(model, &load("slides")).0.last.bodies[0].velocity_m_s[0];
+        let speed = run(model, &load("slides")).0.last.body(0).velocity_m_s[0];
         assert_below((speed - (1.0 + 0.1 * (gx + 0.7 * 0.5 * gy))).abs(), tolerance, format!("{model:?}: speed"));
     }
 }
@@ -52,16 +52,16 @@ const SLIDING_TIME_S: f64 = 1.0 / (3.0 * 0.3 * G);
 fn a_sliding_disc_ends_up_rolling_without_creep() {
     for (model, tolerance) in TOLERANCES {
         let (outcome, log) = run(model, &load("rolls"));
-        let wheel = &outcome.last.bodies[0];
+        let wheel = outcome.last.body(0);
         assert_below((wheel.velocity_m_s[0] - 2.0 / 3.0).abs(), tolerance, format!("{model:?}: speed"));
         assert_below((wheel.spin_rad_s + 40.0 / 3.0).abs(), 20.0 * tolerance, format!("{model:?}: spin"));
-        assert_below(outcome.last.contacts[0].slip_m_s.abs(), 1e-12, format!("{model:?}: slip"));
+        assert_below(outcome.last.contact(0).slip_m_s.abs(), 1e-12, format!("{model:?}: slip"));
         // Slip decreases linearly until then.
         for sample in log.samples.iter().filter(|sample| sample.time_s < SLIDING_TIME_S) {
             let expected = 1.0 - 0.3 * G * sample.time_s;
-            assert_below((sample.bodies[0].velocity_m_s[0] - expected).abs(), 10.0 * tolerance, sample.time_s);
+            assert_below((sample.body(0).velocity_m_s[0] - expected).abs(), 10.0 * tolerance, sample.time_s);
         }
-        let sticks = log.samples.iter().find(|sample| sample.contacts[0].slip_m_s.abs() < 1e-6).expect("sticking");
+        let sticks = log.samples.iter().find(|sample| sample.contact(0).slip_m_s.abs() < 1e-6).expect("sticking");
         assert_below((sticks.time_s - SLIDING_TIME_S).abs(), 2e-4, format!("{model:?}: time"));
     }
 }
@@ -85,8 +85,8 @@ fn a_wedge_jams_up_to_the_friction_angle() {
     let limit = 0.4f64.atan().to_degrees();
     for model in BOTH_MODELS {
         let max_speed = |degrees: f64| {
-            let bodies = run(model, &wedge(WEDGE_DISTANCE_M, degrees.to_radians())).0.last.bodies;
-            bodies.iter().map(|body| body.velocity_m_s[0].hypot(body.velocity_m_s[1])).fold(0.0, f64::max)
+            let last = run(model, &wedge(WEDGE_DISTANCE_M, degrees.to_radians())).0.last;
+            last.bodies().map(|body| body.velocity_m_s[0].hypot(body.velocity_m_s[1])).fold(0.0, f64::max)
         };
         assert_below(max_speed(limit - 0.01), 1e-9, format!("{model:?}: speed below the limit"));
         assert!(max_speed(limit + 0.01) > 1e-4, "{model:?}: at rest beyond the limit");
@@ -117,7 +117,7 @@ fn dry_durations() -> [f64; 2] {
 /// Times at which the block begins to slip, and times at which it sticks again.
 fn slip_and_stick_times(samples: &[Sample]) -> (Vec<f64>, Vec<f64>) {
     let moving =
-        |sample: &Sample| sample.bodies.iter().any(|body| body.velocity_m_s[0] > 2e-3 && body.velocity_m_s[0] != 0.01);
+        |sample: &Sample| sample.bodies().any(|body| body.velocity_m_s[0] > 2e-3 && body.velocity_m_s[0] != 0.01);
     let (mut slips, mut sticks) = (Vec::new(), Vec::new());
     for pair in samples.windows(2) {
         match (moving(&pair[0]), moving(&pair[1])) {
@@ -155,7 +155,7 @@ fn reference_settings_resolve_the_onset_of_slip() {
     scene.apply_preset(Preset::Reference);
     let positions = [scene.integrator.atol_rate_rad_s, 1e-13].map(|atol_rate_rad_s| {
         let integrator = Integrator { atol_rate_rad_s, ..scene.integrator };
-        runs::run_to_end(&Scene { integrator, ..scene.clone() }).0.last.bodies[0].centre_m[0]
+        runs::run_to_end(&Scene { integrator, ..scene.clone() }).0.last.body(0).centre_m[0]
     });
     assert!((positions[0] - positions[1]).abs() < 1e-9, "{positions:?}");
     assert_below(check(Model::Analytic, &scene, &|| true).errors.path, 2e-8, "difference from the other method in m");
@@ -171,7 +171,7 @@ fn a_mass_pulled_below_v_static_creeps_without_stick_slip() {
     for model in BOTH_MODELS {
         let (_, log) = run(model, &stick_slip(0.03));
         let late_samples = log.samples.iter().filter(|sample| sample.time_s > 0.1);
-        let speeds = late_samples.flat_map(|sample| &sample.bodies).map(|body| body.velocity_m_s[0]);
+        let speeds = late_samples.flat_map(|sample| sample.bodies()).map(|body| body.velocity_m_s[0]);
         assert_below(speeds.fold(0.0, f64::max), 0.0201, format!("{model:?}"));
     }
 }
@@ -194,9 +194,9 @@ fn a_pinched_disc_sinks_with_regularised_friction_and_stays_with_stiction() {
     for (model, duration_s) in [(Model::Analytic, 60.0), (Model::Engine, 0.2)] {
         scene.duration_s = duration_s;
         let last = run(model, &scene).0.last;
-        assert_below((last.bodies[pinched].centre_m[1] + stretch).abs(), 1e-12, format!("{model:?}: height"));
-        assert_below(last.contacts[0].slip_m_s.abs(), 1e-15, format!("{model:?}: slip"));
-        let speed = -run(model, &regularised).0.last.bodies[pinched].velocity_m_s[1];
+        assert_below((last.body(pinched).centre_m[1] + stretch).abs(), 1e-12, format!("{model:?}: height"));
+        assert_below(last.contact(0).slip_m_s.abs(), 1e-15, format!("{model:?}: slip"));
+        let speed = -run(model, &regularised).0.last.body(pinched).velocity_m_s[1];
         assert_below((speed / sinking_speed - 1.0).abs(), 5e-3, format!("{model:?}: sinking speed"));
     }
 }
@@ -270,7 +270,7 @@ fn separated_contacts_have_no_stiction() {
     let (analytic, _) = run(Model::Analytic, &scene);
     for step_s in [1e-6, 2.5e-7] {
         let (engine, _) = run(Model::Engine, &laws::with_fixed_step(&scene, step_s));
-        for (a, b) in analytic.last.bodies.iter().zip(&engine.last.bodies) {
+        for (a, b) in analytic.last.bodies().zip(engine.last.bodies()) {
             let error = (0..2).map(|i| (a.centre_m[i] - b.centre_m[i]).abs()).fold(0.0, f64::max);
             assert_below(error, 1e-9, format!("steps of {step_s:e} s"));
             assert!((b.velocity_m_s[1] - G * 1e-3).abs() < 1e-6, "the discs do not fall freely");

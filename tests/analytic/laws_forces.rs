@@ -30,7 +30,7 @@ fn spring_force_is_k_delta_to_the_e() {
             let (outcome, log) = run_to_end(model, &sampled_at_steps(model, driven_contact_scene(spring(k, e))));
             let mut deepest: f64 = 0.0;
             for sample in &log.samples {
-                let contact = &sample.contacts[0];
+                let contact = sample.contact(0);
                 let delta = (sample.time_s - 5e-3).max(0.0);
                 deepest = deepest.max(delta);
                 let expected_n = k * delta.powf(e);
@@ -46,7 +46,7 @@ fn spring_force_is_k_delta_to_the_e() {
             assert_relative(summary.peak_normal_n, k * 0.02f64.powf(e), 1e-12, "peak force");
             assert_near(summary.max_penetration_m, 0.02, 1e-14, "penetration");
             // At 1 m/s the work of the drive equals the impulse, and the spring stores it.
-            let (impulse, energy) = (k * 0.02f64.powf(e + 1.0) / (e + 1.0), &outcome.last.energy);
+            let (impulse, energy) = (k * 0.02f64.powf(e + 1.0) / (e + 1.0), &outcome.last.energy());
             assert_relative(summary.impulse_n_s, impulse, 1e-5, "impulse");
             assert_relative(energy.motor_work_j, impulse, 1e-5, "work");
             assert_near(energy.balance_j, 0.0, 1e-12 * impulse, "balance");
@@ -72,7 +72,7 @@ fn damper_force_is_c_of_delta_times_the_rate() {
                 samples_in_transition += u32::from(s > 0.0 && s < 1.0);
                 let expected_n = 1e6 * s * s * (3.0 - 2.0 * s);
                 let rounding = 1e6 * 6.0 * s * POSITION_ROUNDING / transition_m;
-                assert_near(sample.contacts[0].normal_n, expected_n, 1e-12 * expected_n + rounding, model.name());
+                assert_near(sample.contact(0).normal_n, expected_n, 1e-12 * expected_n + rounding, model.name());
             }
             assert!(samples_in_transition > 10, "{model:?}: {samples_in_transition} samples within the transition");
             assert_relative(outcome.contacts[0].peak_normal_n, 1e6, 1e-12, "peak force");
@@ -94,7 +94,7 @@ fn friction_force_is_mu_of_v_times_the_normal_force() {
         let (_, log) = run_to_end(model, &sampled_at_steps(model, scene.clone()));
         let (mut lowest, mut highest) = (0.0f64, 0.0f64);
         for sample in &log.samples {
-            let contact = &sample.contacts[0];
+            let contact = sample.contact(0);
             let v = 0.3 - 6.0 * sample.time_s;
             (lowest, highest) = (lowest.min(v), highest.max(v));
             // The law of thesis (2.35) with errata 8, implemented independently.
@@ -124,11 +124,11 @@ fn spin_causes_slip() {
     let scene = with_half_plane(scene(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 10e-3));
     for model in BOTH_MODELS {
         let last = run_to_end(model, &sampled_at_steps(model, scene.clone())).0.last;
-        let contact = &last.contacts[0];
+        let contact = last.contact(0);
         assert_near(contact.slip_m_s, -0.15, 1e-14, model.name());
         assert_near(contact.tangential_n / contact.normal_n, 0.68, 1e-12, model.name());
-        assert_near(last.bodies[0].angle_rad, 0.015, 1e-13, model.name());
-        assert_relative(last.energy.motor_work_j, contact.tangential_n * 0.15 * 10e-3, 1e-6, model.name());
+        assert_near(last.body(0).angle_rad, 0.015, 1e-13, model.name());
+        assert_relative(last.energy().motor_work_j, contact.tangential_n * 0.15 * 10e-3, 1e-6, model.name());
     }
 }
 
@@ -148,14 +148,14 @@ fn simulated_impact(model: Model, scene: &Scene, speed: f64) -> ImpactResult {
     assert_eq!(summary.touchdowns, 1, "{model:?}");
     let contact_start_s = log.event_time_s(0, EventKind::TouchDown);
     assert_near(contact_start_s, 1e-3, 1e-12, model.name());
-    let final_velocity = outcome.last.bodies[1].velocity_m_s;
-    assert_eq!((final_velocity[1], outcome.last.bodies[1].spin_rad_s), (0.0, 0.0));
+    let final_velocity = outcome.last.body(1).velocity_m_s;
+    assert_eq!((final_velocity[1], outcome.last.body(1).spin_rad_s), (0.0, 0.0));
     ImpactResult {
         contact_time_s: log.event_time_s(0, EventKind::LiftOff) - contact_start_s,
         restitution: -final_velocity[0] / speed,
         peak_n: summary.peak_normal_n,
         depth_m: summary.max_penetration_m,
-        lost_j: outcome.last.energy.dissipated_j,
+        lost_j: outcome.last.energy().dissipated_j,
     }
 }
 
@@ -211,7 +211,7 @@ fn the_analytic_model_matches_the_closed_form_of_a_damper() {
         let (outcome, log) = run_to_end(Model::Analytic, &impact_scene(law, speed, 20e-3));
         let mut contact_samples = 0;
         for sample in &log.samples {
-            let contact = &sample.contacts[0];
+            let contact = sample.contact(0);
             let (delta, rate) = (-contact.gap_m, -contact.gap_rate_m_s);
             if delta > 0.0 {
                 contact_samples += 1;
@@ -220,8 +220,8 @@ fn the_analytic_model_matches_the_closed_form_of_a_damper() {
         }
         assert!(contact_samples > 20);
         let loss_j = 0.5 * speed * speed;
-        assert!(relative_error(outcome.last.energy.dissipated_j, loss_j) < 1e-9);
-        assert!(outcome.last.energy.balance_j.abs() < 1e-10 * loss_j, "{:?}", outcome.last.energy);
+        assert!(relative_error(outcome.last.energy().dissipated_j, loss_j) < 1e-9);
+        assert!(outcome.last.energy().balance_j.abs() < 1e-10 * loss_j, "{:?}", outcome.last.energy());
     }
 }
 
@@ -348,6 +348,6 @@ fn the_engine_matches_the_closed_form_of_a_damper() {
         // The closed-form speed at the final depth.
         assert_below(damped_speed(&law, 1.0, contact.max_penetration_m).abs(), 2e-3, &stepping);
         assert_below(relative_error(contact.impulse_n_s, 1.0), 2e-3, &stepping);
-        assert_below(relative_error(outcome.last.energy.dissipated_j, 0.5), 2e-3, &stepping);
+        assert_below(relative_error(outcome.last.energy().dissipated_j, 0.5), 2e-3, &stepping);
     }
 }

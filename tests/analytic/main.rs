@@ -12,6 +12,7 @@ mod gripper;
 mod gripper_criteria;
 mod invariants;
 mod jacobian;
+mod joint_forces;
 mod laws_bodies;
 mod laws_bristle;
 mod laws_forces;

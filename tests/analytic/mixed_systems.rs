@@ -6,7 +6,7 @@ use phalanx::gripper::FingerContact;
 use phalanx::law::{Bristle, ContactLaw};
 use phalanx::scene::{Axis, Brake, ContactId, DiscMotion, HalfPlane, Move, PalmMotion, Scene, Side, System, load_any};
 use phalanx::shape::{PlacedShape, max_radius};
-use phalanx::trace::{Layout, Model, Outcome, RunError, run};
+use phalanx::trace::{Model, Outcome, RunError, Schema, run};
 
 use crate::support::laws::{self, THESIS_FRICTION, THESIS_NORMAL, disc, sampled_at_steps};
 use crate::support::runs::{
@@ -118,10 +118,10 @@ pub fn cases() -> Vec<(&'static str, Scene)> {
 
 /// Largest difference between two final states: finger angles in rad, positions of discs in radii of the first disc.
 fn max_difference(system: &System, first: &Outcome, second: &Outcome) -> f64 {
-    assert_eq!(first.last.bodies.len(), second.last.bodies.len());
+    assert_eq!(first.last.counts().bodies, second.last.counts().bodies);
     let radius_m = system.discs.first().map_or(1.0, |disc| max_radius(&disc.shape));
-    let fingers = first.last.fingers.iter().zip(&second.last.fingers);
-    let bodies = first.last.bodies.iter().zip(&second.last.bodies);
+    let fingers = first.last.fingers().zip(second.last.fingers());
+    let bodies = first.last.bodies().zip(second.last.bodies());
     let positions = bodies.flat_map(|(a, b)| [0, 1].map(|i| (a.centre_m[i] - b.centre_m[i]).abs() / radius_m));
     let angles = fingers.flat_map(|(a, b)| [a.q11_rad - b.q11_rad, a.q21_rad - b.q21_rad]).map(f64::abs);
     angles.chain(positions).fold(0.0, f64::max)
@@ -142,9 +142,9 @@ fn both_models_agree_and_energy_balances() {
             |outcome: &Outcome| outcome.contacts.iter().map(|contact| contact.first_s.is_some()).collect::<Vec<_>>();
         assert_eq!(has_contact(&reference), has_contact(&engine), "{name}: {:?}", names(&scene));
 
-        let energies = log.samples.iter().map(|sample| &sample.energy);
+        let energies = log.samples.iter().map(|sample| sample.energy());
         let sizes = energies.flat_map(|e| [e.motor_work_j.abs(), e.dissipated_j.abs(), e.kinetic_j]);
-        let energy = reference.last.energy;
+        let energy = reference.last.energy();
         assert_below(energy.balance_j.abs(), 1e-7 * sizes.fold(0.0, f64::max), name);
         assert!(energy.dissipated_j > 0.0, "{name}: no dissipation");
     }
@@ -159,8 +159,8 @@ fn a_distant_disc_has_no_effect() {
         with_distant_disc.system.discs.push(disc("far", 0.01, [0.5, 0.4], motion));
         with_distant_disc.system.between_discs = Some(LAW);
         let [(expected, _), (actual, _)] = [&scene, &with_distant_disc].map(run_to_end);
-        for (a, b) in expected.last.fingers.iter().zip(&actual.last.fingers) {
-            assert_below(finger_difference(a, b), 1e-9, path);
+        for (a, b) in expected.last.fingers().zip(actual.last.fingers()) {
+            assert_below(finger_difference(&a, &b), 1e-9, path);
         }
         for (a, b) in expected.contacts.iter().zip(&actual.contacts) {
             assert_below((a.impulse_n_s - b.impulse_n_s).abs(), 1e-7 * a.impulse_n_s.max(1e-3), path);
@@ -190,7 +190,7 @@ fn brake() -> Brake {
 }
 
 fn names(scene: &Scene) -> Vec<String> {
-    Layout::from_system(&scene.system).contacts.into_iter().map(|contact| contact.name).collect()
+    Schema::from_system(&scene.system).contacts.into_iter().map(|contact| contact.name).collect()
 }
 
 #[test]

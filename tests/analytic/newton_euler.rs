@@ -184,7 +184,7 @@ fn closing_cases() -> Vec<Case> {
     let gamma = if finger.assembly == Assembly::Reference { reference } else { -reference };
     let samples = run_to_end(&scene).1.samples.into_iter();
     let cases: Vec<Case> = samples
-        .map(|sample| sample.fingers[0])
+        .map(|sample| sample.finger(0))
         .map(|f| Case { finger, gamma, gravity, q: [f.q11_rad, f.q21_rad], v: [f.qd11_rad_s, f.qd21_rad_s] })
         .collect();
     assert!(cases.len() > 500, "{}", cases.len());

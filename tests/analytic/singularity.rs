@@ -8,7 +8,7 @@ use phalanx::integrator::{Failure, Reason};
 use phalanx::law::{FrictionLaw, NormalLaw};
 use phalanx::scene::{Actuation, Initial, Integrator, Method, Scene};
 use phalanx::shape::Shape;
-use phalanx::trace::{Channels, RunError, Sample, run_analytic};
+use phalanx::trace::{RunError, Sample, run_analytic};
 
 fn all_settings() -> [Integrator; 4] {
     [
@@ -21,9 +21,7 @@ fn all_settings() -> [Integrator; 4] {
 
 /// All numbers of a sample; contacts that the scene does not have are omitted.
 fn logged_numbers(sample: &Sample) -> Vec<f64> {
-    let contacts = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
-    let contacts = contacts.flat_map(Channels::values);
-    sample.finger().values().into_iter().chain(sample.energy.values()).chain(contacts).collect()
+    sample.values().iter().copied().filter(|value| *value != f64::INFINITY).collect()
 }
 
 #[track_caller]

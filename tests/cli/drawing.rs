@@ -46,7 +46,7 @@ fn joints_and_contact_points_match_the_drawn_bodies() {
     for sample in &recording.samples {
         let poses = drawing::poses(&scene, sample);
         assert_eq!(poses.len(), drawing.bodies.len());
-        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = *sample.finger();
+        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = sample.finger(0);
         let joints = joint_positions(&lengths, &Posture { q11_rad, q21_rad, q12_rad, q22_rad });
         let [coupler, distal] = [poses[3], poses[5]];
         assert!(distance(coupler.position_m, joints.a12_m) < 1e-12);
@@ -54,7 +54,7 @@ fn joints_and_contact_points_match_the_drawn_bodies() {
         // The loop is closed: the ends of the coupler and of the arm are one point.
         assert!(distance(coupler.apply([lengths.l12_m, 0.0]), distal.apply([lengths.l22_m, 0.0])) < 1e-9);
         for (body, contact) in
-            [(4, sample.contact(FingerContact::Proximal)), (5, sample.contact(FingerContact::Distal))]
+            [(4, sample.finger_contact(FingerContact::Proximal)), (5, sample.finger_contact(FingerContact::Distal))]
         {
             let capsule = drawing.bodies[body].shapes.last().unwrap();
             let distance_m = distance_from_surface(capsule, &poses[body], contact.point_m);
@@ -114,11 +114,11 @@ fn disc_poses_match_samples() {
     assert_eq!(drawing.bodies.len(), scene.system.discs.len() + offset);
     for sample in &recording.samples {
         for (index, pose) in drawing::poses(&scene, sample).iter().skip(offset).enumerate() {
-            assert_eq!(pose.position_m, sample.bodies[index].centre_m);
-            assert_eq!(pose.angle_rad, sample.bodies[index].angle_rad);
+            assert_eq!(pose.position_m, sample.body(index).centre_m);
+            assert_eq!(pose.angle_rad, sample.body(index).angle_rad);
         }
         let (ContactId::Discs(disc, _) | ContactId::Palm(disc)) = scene.system.pairs()[0] else { panic!("a pair") };
-        let (index, contact) = (offset + disc, &sample.contacts[0]);
+        let (index, contact) = (offset + disc, sample.contact(0));
         let pose = &drawing::poses(&scene, sample)[index];
         let distance_m = distance_from_surface(&drawing.bodies[index].shapes[0], pose, contact.point_m);
         assert!(distance_m < 1e-12, "{distance_m}");

@@ -98,7 +98,7 @@ fn page_contains_every_sample_bit_for_bit() {
             let is_proximal = contact["name"] == "proximal";
             let of = if is_proximal { FingerContact::Proximal } else { FingerContact::Distal };
             for (key, value) in quantities {
-                let expected = samples.iter().map(|sample| value(sample.contact(of)));
+                let expected = samples.iter().map(|sample| value(&sample.finger_contact(of)));
                 assert_eq!(bits(column(run, &contact[key])), bits(expected), "{key}");
             }
         }
@@ -107,11 +107,14 @@ fn page_contains_every_sample_bit_for_bit() {
             let series = list(&panel["series"]).iter().find(|each| each["name"] == name).expect("a series");
             bits(column(run, &series["values"]))
         };
-        let distal_n = samples.iter().map(|s| s.contact(FingerContact::Distal).normal_n);
+        let distal_n = samples.iter().map(|s| s.finger_contact(FingerContact::Distal).normal_n);
         assert_eq!(series("Normal force", "distal"), bits(distal_n));
-        assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger().qd22_rad_s)));
-        assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy.balance_j)));
-        assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.contact(FingerContact::Limit).normal_n)));
+        assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger(0).qd22_rad_s)));
+        assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy().balance_j)));
+        assert_eq!(
+            series("Torque", "limit"),
+            bits(samples.iter().map(|s| s.finger_contact(FingerContact::Limit).normal_n))
+        );
         let times: Vec<f64> =
             list(&run["events"]).iter().map(|event| event["time_s"].as_f64().expect("a time")).collect();
         assert_eq!(times.len(), recording.events.len());
@@ -200,7 +203,7 @@ fn page_contains_discs_bit_for_bit() {
     let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
     assert_poses(run, &poses);
     let wheel = list(&run["contacts"]).iter().find(|contact| contact["name"] == "wheel-plane").expect("a pair");
-    assert_eq!(bits(column(run, &wheel["normal_n"])), bits(samples.iter().map(|s| s.contacts[0].normal_n)));
+    assert_eq!(bits(column(run, &wheel["normal_n"])), bits(samples.iter().map(|s| s.contact(0).normal_n)));
 }
 
 #[test]
@@ -213,8 +216,8 @@ fn long_run_is_decimated_and_keeps_its_extremes() {
     for sample in &recording.samples {
         recorder.sample(sample).expect("recorded");
         largest = [
-            largest[0].max(sample.contact(FingerContact::Proximal).normal_n),
-            largest[1].max(sample.contact(FingerContact::Distal).normal_n),
+            largest[0].max(sample.finger_contact(FingerContact::Proximal).normal_n),
+            largest[1].max(sample.finger_contact(FingerContact::Distal).normal_n),
         ];
     }
     assert!(recording.samples.len() > 70_000, "{}", recording.samples.len());

@@ -108,11 +108,11 @@ fn keys_come_in_the_documented_order_and_floats_are_not_rounded() {
         let number = |rest: &str| rest.split([',', '\n']).next().and_then(|number| number.parse().ok());
         text.split(&format!("\"{key}\": ")).skip(1).map(|rest| number(rest).expect("a number")).collect()
     };
-    let forces = [FingerContact::Proximal, FingerContact::Distal].map(|site| last().contact(site).normal_n);
+    let forces = [FingerContact::Proximal, FingerContact::Distal].map(|site| last().finger_contact(site).normal_n);
     for (key, expected) in [
-        ("q11_rad", vec![last().finger().q11_rad]),
+        ("q11_rad", vec![last().finger(0).q11_rad]),
         ("final_normal_n", forces.to_vec()),
-        ("balance_j", vec![last().energy.balance_j]),
+        ("balance_j", vec![last().energy().balance_j]),
     ] {
         let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<_>>();
         assert_eq!(bits(numbers(key)), bits(expected), "{key}");

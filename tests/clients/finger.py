@@ -47,7 +47,7 @@ def along(start, length, angle):
 
 
 def frames(finger, state):
-    """Origin and angle of the frame of every link for a message of `/state`."""
+    """Origin and angle of the frame of every link for the coordinates of a finger."""
     origin = (0.0, 0.0)
     return {
         "l11": (origin, state.q11_rad),

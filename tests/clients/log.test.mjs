@@ -121,10 +121,11 @@ for (const [scene, ...options] of [
         assert.equal(topics.get("/energy").at(-1)[key], value, key);
       }
       for (const [key, value] of Object.entries(summary.final ?? {})) {
-        assert.equal(topics.get("/state").at(-1)[key], value, key);
+        const [, rate, index] = key.match(/^q(d?)(\d\d)_/);
+        assert.equal(topics.get(`/joint/q${index}`).at(-1)[rate ? "rate_rad_s" : "angle_rad"], value, key);
       }
       for (const [name, { first_s, touchdowns }] of Object.entries(summary.contacts)) {
-        const touches = (topics.get(`/impact/${name}`) ?? []).filter(({ touch_down }) => touch_down);
+        const touches = topics.get("/event").filter(({ subject, kind }) => subject === name && kind === "touch_down");
         assert.equal(touches.length, touchdowns, name);
         assert.equal(touches[0]?.timestamp ?? null, first_s, name);
       }

@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
@@ -17,6 +18,19 @@ PHALANX = os.environ.get("PHALANX", str(PROJECT / "target/debug/phalanx"))
 
 _directory = tempfile.TemporaryDirectory(prefix="phalanx-clients-")
 DIRECTORY = Path(_directory.name)
+
+
+JOINTS = ["11", "21", "12", "22", "13"]
+JOINT_TOPICS = [f"/joint/q{index}" for index in JOINTS]
+
+
+def state(joints):
+    """The coordinates of a finger from the messages of its joints: angles and rates."""
+    coordinates = {"timestamp": joints[0].timestamp}
+    for index, joint in zip(JOINTS, joints):
+        coordinates[f"q{index}_rad"] = joint.angle_rad
+        coordinates[f"qd{index}_rad_s"] = joint.rate_rad_s
+    return SimpleNamespace(**coordinates)
 
 
 @dataclass(frozen=True)
@@ -43,6 +57,14 @@ class Log:
     def on(self, topic):
         """The bodies of the messages of a topic, in order."""
         return [message.body for message in self.messages if message.topic == topic]
+
+    def states(self):
+        """The coordinates of a finger at each sample, see `state`."""
+        return [state(joints) for joints in zip(*(self.on(topic) for topic in JOINT_TOPICS))]
+
+    def touchdowns(self, contact):
+        """Times of the touch-downs of a contact."""
+        return [event.timestamp for event in self.on("/event") if event.subject == contact and event.kind == "touch_down"]
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,19 @@ function messages(log) {
       (topics[topic] ??= []).push(types.get(schemaId).decode(record.data));
     }
   }
-  return topics;
+  return { ...topics, states: states(topics) };
 }
+
+/** The coordinates of a finger at each sample: angles and rates of its joints. */
+const states = (topics) =>
+  (topics["/joint/q11"] ?? []).map(({ timestamp }, k) => {
+    const joints = ["11", "21", "12", "22", "13"].map((index) => [index, topics[`/joint/q${index}`][k]]);
+    const angles = joints.map(([index, { angle_rad }]) => [`q${index}_rad`, angle_rad]);
+    return Object.fromEntries([["timestamp", timestamp], ...angles, ...joints.map(([index, { rate_rad_s }]) => [`qd${index}_rad_s`, rate_rad_s])]);
+  });
+
+/** The first touch-down of a contact. */
+const touchDown = (log, name) => log["/event"].find(({ subject, kind }) => subject === name && kind === "touch_down");
 
 /** The last message of a topic at an exact time. */
 const at = (topic, time) => topic.findLast((message) => message.timestamp === time);
@@ -79,23 +90,23 @@ describe("the page of a closing in both models", () => {
   it("draws the poses, contacts and arrows of the log, to the bit", async () => {
     const { state, call, close } = await opened(file);
     const [analytic, engine] = logs;
-    const { time: first } = { time: engine["/state"][0].timestamp };
+    const { time: first } = { time: engine.states[0].timestamp };
     assert.equal((await state()).time_s, first);
     // Every 10th sample of the engine, of which the page has all samples; the ends and peaks of the reference, which
     // are retained.
-    const times = engine["/state"].filter((_, index) => index % 10 === 0).map((message) => message.timestamp);
+    const times = engine.states.filter((_, index) => index % 10 === 0).map((message) => message.timestamp);
     const peaks = ["proximal", "distal"].map((name) => {
       const contact = analytic[`/contact/${name}`];
       return contact.reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
     });
-    const ends = [analytic["/state"][0].timestamp, analytic["/state"].at(-1).timestamp];
+    const ends = [analytic.states[0].timestamp, analytic.states.at(-1).timestamp];
     let [arrows, activeContacts] = [0, 0];
     for (const [index, log, when] of [[0, analytic, [...ends, ...peaks]], [1, engine, times]]) {
       const reach = { l12: new Set(), l22: new Set() };
       for (const time of when) {
         await call("seek", time);
         const drawn = (await state()).runs[index];
-        const q = at(log["/state"], time);
+        const q = at(log.states, time);
         const body = Object.fromEntries(drawn.bodies.map((each) => [each.name, each]));
         for (const [name, angle] of [["l11", q.q11_rad], ["l12", q.q11_rad + q.q12_rad], ["l21", q.q21_rad], ["l22", q.q21_rad + q.q22_rad]]) {
           assert.equal(body[name].angle_rad, angle, `${name} at ${time}`);
@@ -129,7 +140,7 @@ describe("the page of a closing in both models", () => {
           ["Joint angle", "q22", q.q22_rad],
           ["Joint rate", "qd11", q.qd11_rad_s],
           ["Energy", "balance", at(log["/energy"], time).balance_j],
-          ["Torque", "limit", at(log["/limit"], time).torque_n_m],
+          ["Torque", "limit", at(log["/contact/limit"], time).torque_n_m],
         ]) assert.equal(drawn.readings[panel][series], value, `${panel}, ${series}`);
       }
       for (const [name, lengths] of Object.entries(reach)) assert.equal(lengths.size, 1, `${name} has a constant distance from its joint`);
@@ -146,7 +157,7 @@ describe("the page of a closing in both models", () => {
     for (const { transforms } of engine["/tf"].filter((_, index) => index % 4 === 0)) {
       const stamp = seconds(transforms[0].timestamp);
       // Stamps are rounded to nanoseconds, so two samples may share one.
-      const [sample, another] = engine["/state"].filter(({ timestamp }) => Math.abs(timestamp - stamp) < 0.6e-9);
+      const [sample, another] = engine.states.filter(({ timestamp }) => Math.abs(timestamp - stamp) < 0.6e-9);
       if (another) continue;
       await call("seek", sample.timestamp);
       const { bodies } = (await state()).runs[1];
@@ -167,7 +178,7 @@ describe("the page of a closing in both models", () => {
     const { page, call, state, close } = await opened(file);
     const engine = logs[1];
     const peakTime = engine["/contact/distal"].reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
-    for (const time of [engine["/state"][100].timestamp, peakTime, engine["/state"].at(-1).timestamp]) {
+    for (const time of [engine.states[100].timestamp, peakTime, engine.states.at(-1).timestamp]) {
       await call("seek", time);
       await state();
       const forces = await readPlotTable(page, "Normal force");
@@ -177,14 +188,14 @@ describe("the page of a closing in both models", () => {
         near(parseQuantity(forces[name][1]), logged.normal_n, 1e-4, `force, ${forces[name]}`);
         near(parseQuantity(gaps[name][1]), logged.gap_m, 1e-4, `gap, ${gaps[name]}`);
       }
-      near(parseQuantity((await readPlotTable(page, "Joint angle")).q21[1]), at(engine["/state"], time).q21_rad, 1e-4, "q21");
+      near(parseQuantity((await readPlotTable(page, "Joint angle")).q21[1]), at(engine.states, time).q21_rad, 1e-4, "q21");
     }
     await close();
   });
 
   it("interpolates with values and rates between two samples", async () => {
     const { call, state, close } = await opened(file);
-    const samples = logs[1]["/state"];
+    const samples = logs[1].states;
     const bendAt = (k) => (samples[k + 1].timestamp - samples[k].timestamp) / 8 * (samples[k].qd11_rad_s - samples[k + 1].qd11_rad_s);
     const swing = samples.filter(({ timestamp }) => timestamp < 4e-3).length - 1;
     const [k, bend] = Array.from({ length: swing }, (_, k) => [k, bendAt(k)]).reduce((most, each) => (Math.abs(each[1]) > Math.abs(most[1]) ? each : most));
@@ -206,7 +217,7 @@ describe("the page of a closing in both models", () => {
 
   it("shows no spurious difference between the models before a touch-down", async () => {
     const { page, call, state, close } = await opened(file, { width: 1400 });
-    const touch = logs[0]["/impact/distal"].find((impact) => impact.touch_down);
+    const touch = touchDown(logs[0], "distal");
     // Gaps from a millimetre down to ten micrometres, between the samples of either model.
     for (let gap = 1e-3; gap > 1e-5; gap /= 1.3) {
       await call("seek", touch.timestamp - gap / touch.approach_speed_m_s);
@@ -292,7 +303,7 @@ describe("the page of a closing in both models", () => {
   });
 
   it("saves samples and pictures, and links to an instant", async () => {
-    const touch = logs[1]["/impact/distal"].find((impact) => impact.touch_down).timestamp;
+    const touch = touchDown(logs[1], "distal").timestamp;
     const { page, call, state, close } = await opened(file, { hash: "#t=4.25ms" });
     near((await state()).time_s, 4.25e-3, 1e-12, "the instant of the link");
     await call("seek", touch);
@@ -305,7 +316,7 @@ describe("the page of a closing in both models", () => {
     const [head, ...lines] = (await saved("csv")).toString().trim().split("\n");
     const names = head.split(",").map((name) => name.slice(1, -1));
     const engine = lines.map((line) => line.split(",")).filter((line) => line[0] === '"engine"');
-    const states = logs[1]["/state"];
+    const states = logs[1].states;
     assert.equal(engine.length, states.length);
     const [time, q22, gap] = ["time_s", "Joint angle: q22 (rad)", "Gap: distal (m)"].map((name) => names.indexOf(name));
     states.forEach((logged, index) => {
@@ -414,7 +425,7 @@ describe("the page of a closing in both models", () => {
   it("slows down at impacts automatically, to 1e-5", async () => {
     const { call, state, close } = await opened(file);
     await call("setAuto", true);
-    const touch = logs[1]["/impact/proximal"].find((impact) => impact.touch_down).timestamp;
+    const touch = touchDown(logs[1], "proximal").timestamp;
     const speedAt = async (time) => {
       await call("seek", time);
       return (await state()).speed;
@@ -433,10 +444,10 @@ describe("the page of a closing in both models", () => {
       await page.keyboard.press(key);
       return state();
     };
-    const both = [...new Set(logs.flatMap((log) => log["/state"].map((each) => each.timestamp)))].sort((a, b) => a - b);
+    const both = [...new Set(logs.flatMap((log) => log.states.map((each) => each.timestamp)))].sort((a, b) => a - b);
     assert.ok(both.includes((await press("ArrowRight")).time_s));
     assert.equal((await press("ArrowLeft")).time_s, start);
-    const events = logs.flatMap((log) => ["proximal", "distal", "limit"].flatMap((name) => log[`/impact/${name}`].map((each) => each.timestamp)));
+    const events = logs.flatMap((log) => log["/event"].map((each) => each.timestamp));
     const after = [...new Set(events)].filter((time) => time > start).sort((a, b) => a - b);
     for (const time of after) assert.equal((await press("n")).time_s, time);
     assert.equal((await press("p")).time_s, after.at(-2));
@@ -496,7 +507,7 @@ describe("the page of a closing in both models", () => {
     await page.mouse.up();
     const dragged = ((await state()).time_s - start) / (end - start);
     assert.ok(dragged > 0.3 && dragged < 0.6, `${dragged}`);
-    const touch = logs[0]["/impact/distal"].find((impact) => impact.touch_down).timestamp;
+    const touch = touchDown(logs[0], "distal").timestamp;
     await page.locator(".event", { hasText: "distal" }).first().click();
     assert.ok(Math.abs((await state()).time_s - touch) < 1e-7);
     await page.locator("#window-event").click();
@@ -673,14 +684,14 @@ describe("the page of discs with a hostile name", () => {
     assert.equal(await page.locator(".description").textContent(), description);
     assert.equal(await page.evaluate(() => window.hacked ?? null), null);
     const log = messages(path.join(out, "engine.mcap"));
-    const discs = Object.keys(log).filter((topic) => topic.startsWith("/disc/"));
+    const discs = Object.keys(log).filter((topic) => topic.startsWith("/body/"));
     assert.equal(discs.length, 2);
     const times = log[discs[0]].map((message) => message.timestamp);
     for (const time of times.filter((_, index) => index % 50 === 0)) {
       await call("seek", time);
       const { bodies } = (await state()).runs[1];
       for (const topic of discs) {
-        const drawn = bodies.find((body) => `/disc/${body.name}` === topic);
+        const drawn = bodies.find((body) => `/body/${body.name}` === topic);
         const logged = at(log[topic], time);
         assert.deepEqual([drawn.x_m, drawn.y_m, drawn.angle_rad], [logged.x_m, logged.y_m, logged.angle_rad]);
       }

@@ -37,8 +37,8 @@ class Frames(unittest.TestCase):
             with self.subTest(run.name):
                 lengths = finger.finger(run.scene)
                 seen = 0
-                for body, (state,) in with_numbers(run.log, "/tf", ["/state"]):
-                    expected = finger.frames(lengths, state)
+                for body, joints in with_numbers(run.log, "/tf", logs.JOINT_TOPICS):
+                    expected = finger.frames(lengths, logs.state(joints))
                     self.assertEqual([frame.child_frame_id for frame in body.transforms], list(expected))
                     for frame in body.transforms:
                         origin, angle = plane(frame)
@@ -82,7 +82,7 @@ class Frames(unittest.TestCase):
             with self.subTest(run.name):
                 fixed = {frame.child_frame_id for body in run.log.on("/tf_static") for frame in body.transforms}
                 names = [name for name in run.json["discs"] if name not in fixed]
-                for body, states in with_numbers(run.log, "/tf", [f"/disc/{name}" for name in names]):
+                for body, states in with_numbers(run.log, "/tf", [f"/body/{name}" for name in names]):
                     at = {frame.child_frame_id: plane(frame) for frame in body.transforms}
                     for name, state in zip(names, states):
                         self.assertAt(at[name][0], state.x_m, state.y_m)

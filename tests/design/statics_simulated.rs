@@ -20,7 +20,7 @@ fn simulate(scene: &Scene) -> Sample {
 }
 
 fn forces(last: &Sample) -> [f64; 2] {
-    [FingerContact::Proximal, FingerContact::Distal].map(|contact| last.contact(contact).normal_n)
+    [FingerContact::Proximal, FingerContact::Distal].map(|contact| last.finger_contact(contact).normal_n)
 }
 
 fn static_grasp(scene: &Scene) -> Grasp {
@@ -30,7 +30,7 @@ fn static_grasp(scene: &Scene) -> Grasp {
 /// Returns the final posture of the simulation, with both phalanges penetrating the object by a few micrometres.
 fn penetrated_posture(scene: &Scene, last: &Sample) -> FinalPosture {
     let lengths = &scene.finger().linkage.lengths;
-    let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = *last.finger();
+    let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = last.finger(0);
     let posture = Posture { q11_rad, q21_rad, q12_rad, q22_rad };
     let joints = joint_positions(lengths, &posture);
     let centre = scene.object().unwrap().centre_m;

@@ -33,7 +33,7 @@ fn runs_of_the_thesis_equal_single_runs() {
     let scene = scene::parse(&study.scene_text(287), "95.toml").expect("a scene");
     assert_eq!(scene.integrator.preset, Preset::Engineering);
     let outcome = run_analytic(&scene, &mut ()).expect("completes");
-    assert_eq!(number("f21_n"), outcome.last.contact(FingerContact::Proximal).normal_n);
+    assert_eq!(number("f21_n"), outcome.last.finger_contact(FingerContact::Proximal).normal_n);
     assert_eq!(number("peak_f22_n"), outcome.finger_contact(FingerContact::Distal).peak_normal_n);
     assert!((number("t22_m") - 12.857e-3).abs() < 5e-7);
     assert_eq!(classes[287 - 1], Some("stable"));

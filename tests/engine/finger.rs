@@ -32,7 +32,8 @@ fn default_settings_agree_with_the_analytic_model_over_the_whole_closing() {
             assert_near(actual.first_s.unwrap(), expected.first_s.unwrap(), 0.5e-6, "first contact");
             let [impulse, expected] = [&run, &reference].map(|run| impact_impulse(run, contact, 20e-6));
             assert_relative(impulse, expected, 5e-3, "impulse of the impact");
-            let [force, expected] = [&outcome, &expected_outcome].map(|outcome| outcome.last.contact(contact).normal_n);
+            let [force, expected] =
+                [&outcome, &expected_outcome].map(|outcome| outcome.last.finger_contact(contact).normal_n);
             assert_relative(force, expected, 1e-4, "final normal force");
         }
         assert!(outcome.loop_gap_m <= 1e-7, "loop gap {:e}", outcome.loop_gap_m);
@@ -46,8 +47,8 @@ fn default_settings_match_the_reference_values() {
     for (contact, first_s) in PHALANGES.into_iter().zip([4.501315e-3, 6.883746e-3]) {
         assert_near(outcome.finger_contact(contact).first_s.unwrap(), first_s, 2e-8, "first contact");
     }
-    assert_near(outcome.last.finger().q11_rad.to_degrees(), 2.088778, 2e-5, "q11");
-    assert_near(outcome.last.finger().q21_rad.to_degrees(), 65.019991, 2e-5, "q21");
+    assert_near(outcome.last.finger(0).q11_rad.to_degrees(), 2.088778, 2e-5, "q11");
+    assert_near(outcome.last.finger(0).q21_rad.to_degrees(), 65.019991, 2e-5, "q21");
 }
 
 /// Asserts that a run ends near the posture of the analytic model, with first contacts at nearly the same times.
@@ -59,8 +60,8 @@ fn assert_ends_near_reference(scene: &Scene, angle_rad: f64, contact_s: f64) -> 
         let [first_s, expected_s] = [&outcome, &expected].map(|run| run.finger_contact(contact).first_s.unwrap());
         assert_near(first_s, expected_s, contact_s, "first contact");
     }
-    assert_near(outcome.last.finger().q11_rad, expected.last.finger().q11_rad, angle_rad, "q11");
-    assert_near(outcome.last.finger().q21_rad, expected.last.finger().q21_rad, angle_rad, "q21");
+    assert_near(outcome.last.finger(0).q11_rad, expected.last.finger(0).q11_rad, angle_rad, "q11");
+    assert_near(outcome.last.finger(0).q21_rad, expected.last.finger(0).q21_rad, angle_rad, "q21");
     outcome
 }
 
@@ -82,7 +83,9 @@ fn rapier_contact_model_ends_near_the_same_posture() {
     scene.engine.iterations = 50;
     let outcome = assert_ends_near_reference(&scene, 5e-4, 2e-5);
     for contact in PHALANGES {
-        assert!(outcome.finger_contact(contact).impulse_n_s > 0.0 && outcome.last.contact(contact).normal_n > 1.0);
+        assert!(
+            outcome.finger_contact(contact).impulse_n_s > 0.0 && outcome.last.finger_contact(contact).normal_n > 1.0
+        );
     }
 }
 
@@ -95,7 +98,7 @@ fn creep_of_the_grasp_matches_the_analytic_model() {
         let [(expected_outcome, reference), (outcome, run)] = [run_dense_reference(&scene), run_engine(&scene)];
         assert_below(max_angle_error(&run, &reference), 1e-5, "angles");
         for contact in PHALANGES {
-            let [actual, expected] = [&outcome, &expected_outcome].map(|outcome| outcome.last.contact(contact));
+            let [actual, expected] = [&outcome, &expected_outcome].map(|outcome| outcome.last.finger_contact(contact));
             assert_relative(actual.normal_n, expected.normal_n, 2e-6, "normal force");
             assert_relative(actual.gap_m, expected.gap_m, 1e-3, "penetration");
         }
@@ -112,12 +115,12 @@ fn stiction_agrees_in_both_models_and_the_difference_falls_with_the_tolerance() 
         let difference = max_angle_error(&run, &reference);
         assert_below(difference, 2e-5, name);
         for contact in PHALANGES {
-            let [actual, expected] = [&outcome, &expected_outcome].map(|outcome| outcome.last.contact(contact));
+            let [actual, expected] = [&outcome, &expected_outcome].map(|outcome| outcome.last.finger_contact(contact));
             let allowed_n = 1e-3 * expected.normal_n.abs().max(1.0);
             assert_near(actual.normal_n, expected.normal_n, allowed_n, format!("{name} {contact:?}"));
             assert_near(actual.tangential_n, expected.tangential_n, allowed_n, format!("{name} {contact:?}"));
         }
-        let energies = [&outcome, &expected_outcome].map(|outcome| outcome.last.energy);
+        let energies = [&outcome, &expected_outcome].map(|outcome| outcome.last.energy());
         assert!(energies.iter().all(|energy| energy.balance_j.abs() < 3e-5), "{name}: {energies:?}");
         assert!((energies[0].elastic_j - energies[1].elastic_j).abs() < 5e-7, "{name}: {energies:?}");
         scene.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
@@ -155,7 +158,7 @@ fn runs_are_stable_at_all_steps() {
         let (outcome, run) = run_engine(&scene);
         // Largest rise of mechanical energy minus motor work above its earlier minimum.
         let mut lowest_j = f64::INFINITY;
-        for Sample { energy: e, .. } in &run.samples {
+        for e in run.samples.iter().map(Sample::energy) {
             let excess_j = e.kinetic_j + e.gravity_j + e.spring_j + e.elastic_j - e.motor_work_j;
             lowest_j = lowest_j.min(excess_j);
             assert_near(excess_j, lowest_j, energy_tolerance_j, format!("energy at steps of {step_s:?} s"));
@@ -163,14 +166,14 @@ fn runs_are_stable_at_all_steps() {
         for contact in PHALANGES {
             let contact_s = run.first_contact_s(contact as usize).expect("a touch-down");
             for sample in &run.samples {
-                let values = sample.contact(contact);
+                let values = sample.finger_contact(contact);
                 // The contact law allows no rebound.
                 let is_closed = sample.time_s <= contact_s || values.gap_m <= rebound_tolerance_m;
                 let is_within_cone = values.tangential_n.abs() <= 0.8 * values.normal_n * (1.0 + 1e-12);
                 assert!(is_closed && is_within_cone, "{contact:?} at steps of {step_s:?} s: {values:?}");
             }
         }
-        let finger = outcome.last.finger();
+        let finger = outcome.last.finger(0);
         assert!(finger.qd11_rad_s.abs() < 1e-2 && finger.qd21_rad_s.abs() < 1e-2, "still moving: {finger:?}");
     }
 }

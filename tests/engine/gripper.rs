@@ -20,11 +20,11 @@ fn max_difference(scene: &Scene, a: &CollectSink, b: &CollectSink) -> f64 {
         let time_s = k as f64 / scene.log.numeric_hz;
         let (a, b) = (a.nearest_sample(time_s), b.nearest_sample(time_s));
         assert!([a, b].iter().all(|sample| (sample.time_s - time_s).abs() < 1e-12), "no sample at {time_s} s");
-        for (a, b) in a.fingers.iter().zip(&b.fingers) {
+        for (a, b) in a.fingers().zip(b.fingers()) {
             differences.extend([a.q11_rad - b.q11_rad, a.q21_rad - b.q21_rad]);
             differences.extend([a.q12_rad - b.q12_rad, a.q22_rad - b.q22_rad]);
         }
-        let (a, b) = (&a.bodies[0], &b.bodies[0]);
+        let (a, b) = (a.body(0), b.body(0));
         differences.extend([0, 1].map(|axis| (a.centre_m[axis] - b.centre_m[axis]) / radius));
         differences.push(a.angle_rad - b.angle_rad);
     }
@@ -47,7 +47,7 @@ impl Comparison {
         let (analytic_outcome, analytic) = run_to_end(&with_reference_settings(&scene));
         let (outcome, engine) = run_engine(&scene);
         let difference = max_difference(&scene, &analytic, &engine);
-        let energies = [&analytic_outcome, &outcome].map(|outcome| outcome.last.energy);
+        let energies = [&analytic_outcome, &outcome].map(|outcome| outcome.last.energy());
         Self { scene, analytic, difference, outcome, energies }
     }
 
@@ -157,7 +157,7 @@ fn momentum_of_the_object_matches_its_contact_forces() {
             }
             most = most.max(impulse[0].hypot(impulse[1]));
         }
-        let v = outcome.last.bodies[0].velocity_m_s;
+        let v = outcome.last.body(0).velocity_m_s;
         let difference = (impulse[0] - mass_kg * v[0]).hypot(impulse[1] - mass_kg * v[1]);
         let total: f64 = outcome.contacts.iter().map(|contact| contact.impulse_n_s).sum();
         assert_below(difference, 2e-3 * total, model.name());
@@ -168,7 +168,7 @@ fn momentum_of_the_object_matches_its_contact_forces() {
 /// Force of all contacts on the object, N.
 fn force_on_object(sample: &Sample) -> [f64; 2] {
     let mut force = [0.0; 2];
-    for contact in &sample.contacts {
+    for contact in sample.contacts() {
         // Samples give the forces on phalanx, palm and table. The normal of a joint limit is zero.
         let (n, t) = (contact.normal, contact.tangent());
         (0..2).for_each(|i| force[i] -= contact.normal_n * n[i] + contact.tangential_n * t[i]);
@@ -182,16 +182,16 @@ fn a_symmetric_grasp_remains_symmetric_in_both_models() {
     let scene = reference_case("a").scene;
     for model in BOTH_MODELS {
         let last = run_model(model, &scene).0.last;
-        let (right, left) = (last.fingers[0], last.fingers[1]);
+        let (right, left) = (last.finger(0), last.finger(1));
         assert!((right.q21_rad - left.q21_rad).abs() < 1e-9 && (right.q22_rad - left.q22_rad).abs() < 1e-9);
         assert!((right.motor_torque_n_m - 0.48).abs() < 1e-12 && (left.motor_torque_n_m - 0.48).abs() < 1e-12);
         for index in 0..2 {
-            let (a, b) = (&last.contacts[index], &last.contacts[3 + index]);
+            let (a, b) = (last.contact(index), last.contact(3 + index));
             assert!(a.normal_n > 1.0 && (a.normal_n - b.normal_n).abs() < 1e-4 * a.normal_n, "{model:?}");
             assert!((a.point_m[0] + b.point_m[0]).abs() < 1e-9 && (a.normal[0] + b.normal[0]).abs() < 1e-7);
             assert!((a.tangential_n + b.tangential_n).abs() < 1e-3 * a.normal_n, "{model:?}: friction");
         }
-        assert!(last.contacts[7].gap_m.is_infinite(), "case a has no table");
+        assert!(last.contact(7).gap_m.is_infinite(), "case a has no table");
     }
 }
 
@@ -202,7 +202,7 @@ fn a_fixed_object_does_not_move() {
     scene.system.grasped_mut().motion = DiscMotion::Fixed;
     let Comparison { scene, difference, outcome, .. } = Comparison::run(scene);
     assert_below(difference, 5e-5, "both models");
-    assert_eq!(outcome.last.bodies[0].centre_m, scene.system.grasped().centre_m);
+    assert_eq!(outcome.last.body(0).centre_m, scene.system.grasped().centre_m);
     assert!(outcome.contacts[0].impulse_n_s > 0.1 && outcome.contacts[6].impulse_n_s == 0.0);
 }
 

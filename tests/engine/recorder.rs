@@ -42,7 +42,7 @@ fn a_loaded_start_at_rest_in_contact_is_a_touchdown_at_time_zero() {
 fn a_start_in_penetration_has_a_force_in_the_first_sample() {
     let scene = load("hard/start-in-penetration");
     let [(_, expected), (outcome, actual)] = [run_to_end(&scene), run_engine(&scene)];
-    let [expected, actual] = [&expected, &actual].map(|log| log.samples[0].contact(FingerContact::Proximal));
+    let [expected, actual] = [&expected, &actual].map(|log| log.samples[0].finger_contact(FingerContact::Proximal));
     assert!(expected.normal_n > 0.02, "{expected:?}");
     assert_relative(actual.normal_n, expected.normal_n, 1e-6, "force at the start");
     assert!(outcome.finger_contact(FingerContact::Proximal).peak_normal_n >= actual.normal_n);
@@ -62,7 +62,7 @@ fn samples_at_touchdowns_have_zero_gap_and_no_force() {
         let mut checked = 0;
         for event in log.events.iter().filter(|event| event.kind == EventKind::TouchDown && event.time_s > 0.0) {
             let Some(sample) = log.samples.iter().find(|sample| sample.time_s == event.time_s) else { continue };
-            let ContactSample { gap_m, gap_rate_m_s, normal_n, .. } = sample.contacts[event.contact];
+            let ContactSample { gap_m, gap_rate_m_s, normal_n, .. } = sample.contact(event.contact);
             let expected = (0.0, -event.approach_speed, 0.0);
             assert_eq!((gap_m, gap_rate_m_s, normal_n), expected, "{} {event:?}", scene.name);
             checked += 1;
@@ -79,7 +79,7 @@ fn samples_of_discs_are_within_the_extremes_of_the_summary() {
     for scene in fine.into_iter().chain([scene, impact_scene(laws::spring(1e8, 1.5), 3.0, 4e-3)]) {
         let (outcome, log) = laws::run_to_end(Model::Engine, &scene);
         let largest = |quantity: fn((f64, f64)) -> f64| {
-            log.samples.iter().map(|s| quantity(s.contacts[0].force_and_penetration())).fold(0.0, f64::max)
+            log.samples.iter().map(|s| quantity(s.contact(0).force_and_penetration())).fold(0.0, f64::max)
         };
         assert!(largest(|(force, _)| force) <= outcome.contacts[0].peak_normal_n, "{:?}", scene.engine.stepping);
         assert!(largest(|(_, depth)| depth) <= outcome.contacts[0].max_penetration_m, "{:?}", scene.engine.stepping);

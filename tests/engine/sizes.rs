@@ -35,14 +35,14 @@ fn run_both(text: &str) -> [Outcome; 2] {
 /// Asserts that both runs end at the same angles.
 #[track_caller]
 fn assert_same_angles([a, b]: [&Outcome; 2], tolerance_rad: f64, text: &str) {
-    for (a, b) in a.last.fingers.iter().zip(&b.last.fingers) {
-        assert_below(finger_difference(a, b), tolerance_rad, text);
+    for (a, b) in a.last.fingers().zip(b.last.fingers()) {
+        assert_below(finger_difference(&a, &b), tolerance_rad, text);
     }
 }
 
 /// Largest magnitude of all energies, J.
 fn largest_energy_j(outcome: &Outcome) -> f64 {
-    let e = &outcome.last.energy;
+    let e = &outcome.last.energy();
     let energies = [e.kinetic_j, e.gravity_j, e.spring_j, e.elastic_j, e.dissipated_j, e.motor_work_j];
     energies.into_iter().map(f64::abs).fold(0.0, f64::max)
 }
@@ -58,7 +58,7 @@ fn assert_models_agree_at_scale(kind: &str, scale: f64, torque_factor: f64) {
     let outcomes = run_both(&text);
     assert_same_angles(outcomes.each_ref(), 1e-4, &text);
     for outcome in &outcomes {
-        assert_below(outcome.last.energy.balance_j.abs(), 1e-3 * largest_energy_j(outcome), &text);
+        assert_below(outcome.last.energy().balance_j.abs(), 1e-3 * largest_energy_j(outcome), &text);
     }
     let link_m = parse_any(&text, "scaled.toml").unwrap().system.fingers[0].linkage.lengths.l22_m;
     assert_below(outcomes[1].loop_gap_m, 1e-3 * link_m, &text);
@@ -100,7 +100,7 @@ fn completed_runs_are_accurate_over_eight_decades_of_torque() {
                 for result in &results {
                     match result {
                         Ok(outcome) => {
-                            let balance_j = outcome.last.energy.balance_j.abs();
+                            let balance_j = outcome.last.energy().balance_j.abs();
                             assert!(balance_j <= 0.5 * largest_energy_j(outcome), "{balance_j:e} J\n{text}");
                         }
                         Err(error) => assert!(!error.to_string().is_empty()),
@@ -132,7 +132,7 @@ fn a_run_that_opens_its_joints_fails_with_a_reason() {
 fn assert_motors_agree(text: &str) {
     let [analytic, engine] = run_both(text);
     assert_same_angles([&analytic, &engine], 2e-5, text);
-    let (actual, expected) = (&engine.last.energy, &analytic.last.energy);
+    let (actual, expected) = (&engine.last.energy(), &analytic.last.energy());
     let energies_j =
         [expected.kinetic_j, expected.gravity_j, expected.spring_j, expected.dissipated_j, expected.motor_work_j];
     let allowed_j = 1e-3 * energies_j.into_iter().map(f64::abs).fold(0.0, f64::max);

@@ -31,12 +31,12 @@ fn info(scene: &Scene) -> RunInfo<'_> {
     RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" }
 }
 
-/// Log times of the readable `/state` messages.
+/// Log times of the readable `/joint/q11` messages.
 fn read_state_times(bytes: &[u8]) -> Vec<u64> {
     match MessageStream::new(bytes) {
         Ok(stream) => stream
             .map_while(Result::ok)
-            .filter(|message| message.channel.topic == "/state")
+            .filter(|message| message.channel.topic == "/joint/q11")
             .map(|message| message.log_time)
             .collect(),
         Err(_) => Vec::new(),
@@ -90,7 +90,7 @@ fn chunks_reach_the_file_before_the_log_is_finished() {
     }
     let on_disk = shared.0.borrow().clone();
     let readable = read_state_times(&on_disk).len();
-    // A sample takes five messages of some 100 bytes.
+    // A sample takes ten messages of some 80 bytes.
     assert!(readable > SAMPLES - CHUNK_BYTES / 300, "{readable} of {SAMPLES}");
     // Dropping finishes the log.
     drop(writer);

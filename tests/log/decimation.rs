@@ -14,7 +14,7 @@ pub fn decimated_run(scene: &scene::Scene, model: Model) -> (phalanx::trace::Out
 /// A sample with a force on the proximal phalanx.
 fn sample_with_force(time_s: f64, normal_n: f64) -> Sample {
     let proximal = ContactSample { gap_m: -1e-9 * normal_n, normal_n, ..ContactSample::default() };
-    Sample { time_s, contacts: vec![proximal], ..Sample::default() }
+    Sample::of(time_s, &[], &[], &[proximal])
 }
 
 /// Keeps the times of the samples.
@@ -86,7 +86,7 @@ fn retained_samples_contain_the_extremes_of_a_run() {
             let (outcome, retained) = decimated_run(&scene, model);
             for (contact, expected) in outcome.contacts.iter().enumerate() {
                 let largest = |value: fn(&ContactSample) -> f64| {
-                    retained.samples.iter().map(|sample| value(&sample.contacts[contact])).fold(0.0, f64::max)
+                    retained.samples.iter().map(|sample| value(&sample.contact(contact))).fold(0.0, f64::max)
                 };
                 let label = format!("{name} {} {contact} {:?}", model.name(), retained.events);
                 assert_eq!(largest(|contact| contact.force_and_penetration().1), expected.max_penetration_m, "{label}");

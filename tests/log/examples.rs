@@ -24,7 +24,7 @@ use crate::support::cli::{directory, path_text, succeed};
 fn closing_example_contacts_both_phalanges() {
     let outcome = closing::closing().expect("a run");
     assert!((outcome.finger_contact(FingerContact::Proximal).first_s.expect("a contact") - 4.501e-3).abs() < 1e-6);
-    assert!((outcome.last.contact(FingerContact::Distal).normal_n - 8.26).abs() < 0.01);
+    assert!((outcome.last.finger_contact(FingerContact::Distal).normal_n - 8.26).abs() < 0.01);
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn verifies_messages_in_any_order() {
         assert_eq!(verification["first_difference"]["quantity"], "balance_j");
         // So is an event at another log time, because the class depends on the order of events and samples.
         let mut messages = shuffle(&contents.messages, 9);
-        let event = messages.iter_mut().find(|message| message.topic.starts_with("/impact/")).expect("an event");
+        let event = messages.iter_mut().find(|message| message.topic == "/event").expect("an event");
         event.log_time_ns += 1000;
         let path = write_bytes(&directory, "displaced.mcap", &contents.log(&messages, options()));
         let verification = &report_of(&path, &["--verify"], 1)["verification"];
@@ -174,12 +174,10 @@ fn remove_messages(pieces: &LogContents, topic: &str, drops: &dyn Fn(usize) -> b
 fn reports_a_missing_topic_and_omits_dependent_results() {
     let directory = directory("order_missing");
     // Topics without which there is no verdict, and others.
-    let finger = ["/state /contact/proximal /contact/distal /impact/proximal /impact/distal /events", "/energy /limit"];
-    let gripper = [
-        "/state/right /state/left /object /contact/palm /contact/left_distal /impact/right_proximal /events",
-        "/energy /slip/right_proximal",
-    ];
-    let discs = ["/disc/hammer /contact/hammer-anvil /impact/hammer-anvil /events", "/energy"];
+    let finger = ["/joint/q11 /joint/q22 /contact/proximal /contact/distal /event /events", "/energy /contact/limit"];
+    let gripper =
+        ["/joint/right_q11 /joint/left_q12 /body/object /contact/palm /contact/left_distal /event /events", "/energy"];
+    let discs = ["/body/hammer /contact/hammer-anvil /event /events", "/energy"];
     let every: &dyn Fn(usize) -> bool = &|_| true;
     let third: &dyn Fn(usize) -> bool = &|count| count % 3 == 1;
     for (scene, model) in RUNS {
@@ -208,7 +206,7 @@ fn reports_a_missing_topic_and_omits_dependent_results() {
                 let has_words = ["stable", "not grasped", "first held"].iter().any(|word| stdout(&text).contains(word));
                 assert!(has_verdict || !has_words, "{label}:\n{}", stdout(&text));
                 // A contact with a missing topic has no results.
-                if let Some(name) = ["/contact/", "/impact/"].iter().find_map(|folder| topic.strip_prefix(folder)) {
+                if let Some(name) = topic.strip_prefix("/contact/") {
                     assert_eq!(document["contacts"][name], Value::Null, "{label}");
                 }
                 if topic == "/energy" && amount == "all" {

@@ -131,8 +131,10 @@ fn arrows_match_forces_and_disappear_without_force() {
             samples.iter().rfind(|sample| (sample.time_s * 1e9).round() as u64 == message.1).expect("a sample");
         let update = update(message);
         assert_eq!(update.entities.iter().map(|entity| entity.id.as_str()).collect::<Vec<_>>(), ["proximal", "distal"]);
-        for (entity, contact) in
-            update.entities.iter().zip([sample.contact(FingerContact::Proximal), sample.contact(FingerContact::Distal)])
+        for (entity, contact) in update
+            .entities
+            .iter()
+            .zip([sample.finger_contact(FingerContact::Proximal), sample.finger_contact(FingerContact::Distal)])
         {
             assert_eq!(entity.frame_id, "world");
             let Some(normal) = entity.arrows.first() else {

@@ -66,8 +66,8 @@ fn absent_contacts_have_an_infinite_gap() {
     let (reading, items_read) = read_log(&bytes);
     assert!(reading.is_complete());
     let Some(LogItem::Sample(sample)) = items_read.0.first() else { panic!("no sample") };
-    assert_eq!(sample.contact(FingerContact::Distal).gap_m, f64::INFINITY);
-    assert_eq!(sample.contact(FingerContact::Limit).gap_m, f64::INFINITY);
+    assert_eq!(sample.finger_contact(FingerContact::Distal).gap_m, f64::INFINITY);
+    assert_eq!(sample.finger_contact(FingerContact::Limit).gap_m, f64::INFINITY);
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn unknown_channels_are_skipped_and_counted() {
     mcap.write_metadata(&metadata).expect("written");
     // The topic is known, but the schema is not.
     let schema = mcap.add_schema("other.State", "protobuf", b"").expect("added");
-    for (topic, schema) in [("/state", schema), ("/chat", 0)] {
+    for (topic, schema) in [("/joint/q11", schema), ("/chat", 0)] {
         let channel_id = mcap.add_channel(schema, topic, "protobuf", &Default::default()).expect("added");
         let header = mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
         mcap.write_to_known_channel(&header, &[0xff; 20]).expect("written");

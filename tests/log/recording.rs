@@ -5,7 +5,7 @@ use std::fs;
 
 use phalanx::log::{read_file, run_to};
 use phalanx::scene::{Scene, load, load_any};
-use phalanx::trace::{Event, EventKind, FingerContact, Layout, Model, Recording, record, run};
+use phalanx::trace::{Event, EventKind, FingerContact, Model, Recording, Schema, record, run};
 
 use crate::support::cli::{directory, path_text, succeed};
 use crate::support::replay::{DISC_SCENE, FINGER_SCENE};
@@ -27,7 +27,7 @@ fn read_csv_table(log: &std::path::Path) -> (Vec<String>, Vec<Vec<f64>>) {
 }
 
 fn assert_same_columns(recording: &Recording, (names, columns): &(Vec<String>, Vec<Vec<f64>>)) {
-    assert!(recording.columns().iter().map(|column| &column.name).eq(names));
+    assert!(recording.channels().iter().map(|channel| &channel.name).eq(names));
     assert_eq!(recording.time(), columns[0]);
     for (name, column) in names.iter().zip(columns) {
         let values = recording.column(name).expect("a column");
@@ -52,7 +52,7 @@ fn recording_matches_the_csv_table() {
         let table = read_csv_table(&path);
         assert_same_columns(&recording, &table);
         // Reading the log gives the same arrays.
-        let mut read = Recording::new(&layout(&scene));
+        let mut read = Recording::new(&schema(&scene));
         read_file(&path, &mut read).expect("a log");
         assert_same_columns(&read, &table);
         assert_eq!(read.events(), recording.events());
@@ -64,9 +64,9 @@ fn recording_matches_the_csv_table() {
     }
 }
 
-/// Layout of the arrays into which a log is read.
-fn layout(scene: &Scene) -> Layout {
-    if scene.kind() == SceneKind::Finger { Layout::from_kind(SceneKind::Finger) } else { Layout::default() }
+/// Schema of the arrays into which a log is read.
+fn schema(scene: &Scene) -> Schema {
+    if scene.kind() == SceneKind::Finger { Schema::from_kind(SceneKind::Finger) } else { Schema::default() }
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn maximum_of_a_column_is_the_peak_of_the_run() {
     let scene = load(FINGER_SCENE).expect("a scene");
     let (outcome, recording) = record(Model::Analytic, &scene).expect("a run");
     // A second recording is not decimated.
-    let mut all_steps = Recording::new(&Layout::from_kind(SceneKind::Finger));
+    let mut all_steps = Recording::new(&Schema::from_kind(SceneKind::Finger));
     run(Model::Analytic, &scene, &mut all_steps).expect("a run");
     assert!(all_steps.time().len() >= recording.time().len());
     assert!(all_steps.time().is_sorted() && recording.time().is_sorted());
@@ -97,7 +97,7 @@ fn absent_contacts_are_nan_and_unknown_columns_are_none() {
     assert!(forces.len() > 10 && forces.iter().all(|force| force.is_nan()));
     assert!(recording.column("q21_rad").expect("a column").iter().all(|angle| angle.is_finite()));
     assert_eq!(recording.column("q21"), None);
-    assert_eq!(recording.columns().len(), 42);
+    assert_eq!(recording.channels().len(), 55);
 }
 
 /// Log and recording have the same slip events for every kind of scene with bristles, and a new run reproduces them.
@@ -119,7 +119,7 @@ fn slip_events_are_read_back_from_a_log() {
             let mut contacts = outcome.contacts.iter().enumerate();
             assert!(contacts.all(|(contact, summary)| summary.slips == slips(contact)), "{scene}");
             run_to(&loaded, model, &path).expect("a run");
-            let mut read = Recording::new(&layout(&loaded));
+            let mut read = Recording::new(&schema(&loaded));
             assert!(read_file(&path, &mut read).expect("a log").is_complete());
             assert_eq!(read.events(), recording.events(), "{scene}, {}", model.name());
             succeed(&["replay", path_text(&path), "--verify", "--json"]);

@@ -8,7 +8,7 @@ use mcap::{MessageStream, Summary};
 use phalanx::log::{RunInfo, Severity, Writer, metadata};
 use phalanx::scene::Scene;
 use phalanx::scene::keywords::SceneKind;
-use phalanx::trace::{Event, FingerContact, Layout, Recording, Sample, Sink};
+use phalanx::trace::{Event, FingerContact, Recording, Sample, Schema, Sink};
 use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
 
 enum Record {
@@ -60,7 +60,6 @@ impl Decoded {
     fn number(&self, field: &str) -> f64 {
         match self.message.get_field_by_name(field).expect(field).as_ref() {
             Value::F64(value) => *value,
-            Value::Bool(value) => f64::from(*value),
             other => panic!("{field}: {other:?}"),
         }
     }
@@ -101,7 +100,7 @@ fn read(bytes: &[u8]) -> Vec<Decoded> {
 fn every_value_is_read_back_unchanged() {
     let records = test_records();
     let messages = read(&write(&scene(), &records));
-    let mut recording = Recording::new(&Layout::from_kind(SceneKind::Finger));
+    let mut recording = Recording::new(&Schema::from_kind(SceneKind::Finger));
     for record in &records {
         if let Record::Sample(sample) = record {
             recording.sample(sample).expect("recorded");
@@ -109,10 +108,12 @@ fn every_value_is_read_back_unchanged() {
     }
     // Fields are columns of the table of samples, without the name of the contact.
     for (topic, prefix, count) in [
-        ("/state", "", 11),
-        ("/contact/proximal", "proximal_", 11),
-        ("/contact/distal", "distal_", 11),
-        ("/limit", "limit_", 5),
+        ("/joint/q11", "q11_", 5),
+        ("/joint/q13", "q13_", 5),
+        ("/actuator/motor", "motor_", 2),
+        ("/contact/proximal", "proximal_", 12),
+        ("/contact/distal", "distal_", 12),
+        ("/contact/limit", "limit_", 5),
         ("/energy", "", 8),
     ] {
         let on_topic: Vec<_> = messages.iter().filter(|message| message.topic == topic).collect();
@@ -121,7 +122,13 @@ fn every_value_is_read_back_unchanged() {
             let numbers = message.numbers();
             assert_eq!((numbers.len(), numbers[0].0.as_str()), (count, "timestamp"), "{topic}");
             for (name, value) in numbers {
-                let column = if name == "timestamp" { "time_s".to_string() } else { format!("{prefix}{name}") };
+                let column = match name.as_str() {
+                    "timestamp" => "time_s".to_string(),
+                    // Angle and rate of a joint are its coordinate.
+                    "angle_rad" => format!("{prefix}rad"),
+                    "rate_rad_s" => format!("{}rad_s", prefix.replace('q', "qd")),
+                    _ => format!("{prefix}{name}"),
+                };
                 let expected = recording.column(&column).unwrap_or_else(|| panic!("no {column}"))[index];
                 assert_eq!(value.to_bits(), expected.to_bits(), "{topic} {name}");
             }
@@ -145,7 +152,8 @@ fn log_times_start_at_zero_and_never_decrease() {
     }
     assert_eq!(last, 20_000_000);
     // Steps of 0.3 ns share log times but differ in `timestamp`.
-    let timestamps: Vec<f64> = messages.iter().filter(|m| m.topic == "/state").map(|m| m.number("timestamp")).collect();
+    let timestamps: Vec<f64> =
+        messages.iter().filter(|m| m.topic == "/joint/q11").map(|m| m.number("timestamp")).collect();
     assert!(timestamps.windows(2).all(|pair| pair[0] < pair[1]));
 }
 
@@ -153,15 +161,21 @@ fn log_times_start_at_zero_and_never_decrease() {
 fn events_are_written_as_text_and_as_messages() {
     let messages = read(&write(&scene(), &test_records()));
     let on_topic = |topic: &'static str| messages.iter().filter(move |m| m.topic == topic);
-    let impacts: Vec<_> = on_topic("/impact/proximal").map(Decoded::numbers).collect();
-    let names = ["timestamp", "pressed", "touch_down", "approach_speed_m_s", "impulse_n_s"].map(String::from);
-    let with_names = |values: [f64; 5]| names.iter().cloned().zip(values).collect::<Vec<_>>();
-    let expected = [[5.00001e-3, 1.0, 1.0, 1.25, 0.0], [5.00002e-3, 0.0, 0.0, 0.0, 3.5e-3]];
-    assert_eq!(impacts, expected.map(with_names));
-    let limit: Vec<_> = on_topic("/impact/limit").collect();
-    assert_eq!(limit[0].number("approach_speed_rad_s"), 12.5);
-    assert_eq!((limit[1].number("pressed"), limit[1].number("touch_down")), (1.0, 0.0));
-    assert_eq!(on_topic("/impact/distal").count(), 1);
+    let numbers = ["approach_speed_m_s", "impulse_n_s", "approach_speed_rad_s", "impulse_n_m_s"];
+    let expected = [
+        (5.00001e-3, ["proximal", "contact", "touch_down"], [1.25, 0.0, 0.0, 0.0]),
+        (5.00002e-3, ["proximal", "contact", "lift_off"], [0.0, 3.5e-3, 0.0, 0.0]),
+        (5.00003e-3, ["limit", "limit", "touch_down"], [0.0, 0.0, 12.5, 0.0]),
+        (5.00003e-3, ["limit", "limit", "reload"], [0.0; 4]),
+        (5.00004e-3, ["distal", "contact", "touch_down"], [0.75, 0.0, 0.0, 0.0]),
+    ];
+    let messages_of_events: Vec<_> = on_topic("/event").collect();
+    assert_eq!(messages_of_events.len(), expected.len());
+    for (message, (time_s, texts, values)) in messages_of_events.into_iter().zip(expected) {
+        assert_eq!(message.number("timestamp"), time_s);
+        assert_eq!(["subject", "subject_kind", "kind"].map(|field| message.text(field)), texts);
+        assert_eq!(numbers.map(|field| message.number(field)), values);
+    }
 
     let events: Vec<_> = on_topic("/events").collect();
     assert_eq!(events.len(), 6);
@@ -211,13 +225,14 @@ fn log_contains_only_topics_of_the_scene() {
         declared
     };
     let set = |names: &str| names.split(' ').map(String::from).collect::<BTreeSet<_>>();
-    let contacts = "/contact/distal /contact/proximal /forces /impact/distal /impact/limit /impact/proximal /limit";
-    let drawn = "/energy /events /scene /state /tf /tf_static";
+    let contacts = "/contact/distal /contact/proximal /contact/limit /forces";
+    let joints = "/actuator/motor /joint/q11 /joint/q12 /joint/q13 /joint/q21 /joint/q22";
+    let drawn = "/energy /event /events /scene /tf /tf_static";
     assert_eq!(topics(&scene()), set(&format!("{contacts} {drawn}")));
     let mut swing = scene();
     swing.system.discs.clear();
     swing.finger_mut().limit = None;
     assert_eq!(topics(&swing), set(drawn));
     swing.log.picture_hz = 0.0;
-    assert_eq!(topics(&swing), set("/energy /events /state"));
+    assert_eq!(topics(&swing), set(&format!("{joints} /energy /event /events")));
 }

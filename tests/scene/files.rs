@@ -155,7 +155,7 @@ fn grasps_match_their_documented_times_and_forces() {
     ] {
         let outcome = run(Model::Analytic, &load(name), &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"));
         for (i, phalanx) in [FingerContact::Proximal, FingerContact::Distal].into_iter().enumerate() {
-            let (summary, last) = (outcome.finger_contact(phalanx), outcome.last.contact(phalanx));
+            let (summary, last) = (outcome.finger_contact(phalanx), outcome.last.finger_contact(phalanx));
             let first = summary.first_s.unwrap_or(f64::NAN) * 1e3;
             assert!((first - first_ms[i]).abs() < 0.006, "{name} {phalanx:?}: {first} ms");
             assert!((last.normal_n - normal_n[i]).abs() < 0.06, "{name} {phalanx:?}: {} N", last.normal_n);
@@ -168,7 +168,7 @@ fn grasps_match_their_documented_times_and_forces() {
 fn free_fingers_touch_nothing_and_reach_their_documented_angles() {
     for (name, expected_deg) in [("free-swing", 119.0), ("other-assembly", 102.0)] {
         let outcome = run(Model::Analytic, &load(name), &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let q21_deg = outcome.last.finger().q21_rad.to_degrees();
+        let q21_deg = outcome.last.finger(0).q21_rad.to_degrees();
         assert!((q21_deg - expected_deg).abs() < 0.6, "{name}: {q21_deg}");
         for phalanx in [FingerContact::Proximal, FingerContact::Distal] {
             assert_eq!(outcome.finger_contact(phalanx).first_s, None, "{name} {phalanx:?}");

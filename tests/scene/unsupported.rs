@@ -79,7 +79,7 @@ fn discs_start_at_their_angle() {
     }
     for model in [Model::Analytic, Model::Engine] {
         let last = run(model, &scene, &mut ()).expect("a run").last;
-        for (disc, body) in scene.system.discs.iter().zip(&last.bodies) {
+        for (disc, body) in scene.system.discs.iter().zip(last.bodies()) {
             assert!((body.angle_rad - disc.angle_rad).abs() < 1e-6, "{}: {}: {body:?}", model.name(), disc.name);
         }
     }

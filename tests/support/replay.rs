@@ -145,6 +145,8 @@ pub fn one_ulp_up(payload: &[u8], field: u8) -> Vec<u8> {
             }
             1 => offset += 8,
             0 => offset += 1,
+            // A text of less than 128 bytes.
+            2 => offset += 1 + usize::from(bytes[offset]),
             other => panic!("wire type {other}"),
         }
     }

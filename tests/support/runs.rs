@@ -155,7 +155,7 @@ pub fn max_angle_error(run: &CollectSink, reference: &CollectSink) -> f64 {
         let after = reference.samples.partition_point(|s| s.time_s < sample.time_s);
         let after = after.clamp(1, reference.samples.len() - 1);
         let expected = interpolate(&reference.samples[after - 1], &reference.samples[after], sample.time_s);
-        finger_difference(sample.finger(), expected.finger())
+        finger_difference(&sample.finger(0), &expected.finger(0))
     };
     run.samples.iter().map(error).fold(0.0, f64::max)
 }
@@ -166,7 +166,7 @@ pub fn impact_impulse(run: &CollectSink, finger_contact: FingerContact, window_s
     let impulse_at = |t: f64| {
         let after = run.samples.partition_point(|s| s.time_s < t).clamp(1, run.samples.len() - 1);
         let sample = interpolate(&run.samples[after - 1], &run.samples[after], t);
-        sample.contact(finger_contact).impulse_n_s
+        sample.finger_contact(finger_contact).impulse_n_s
     };
     impulse_at(contact_s + window_s) - impulse_at(contact_s)
 }

@@ -80,42 +80,36 @@ pub fn sample(time_s: f64) -> Sample {
         point_m: [1e-2 * f(k + 5), 1e-2 * f(k + 6)],
         normal: [f(k + 7), f(k + 8)],
     };
-    Sample {
-        time_s,
-        fingers: vec![FingerState {
-            q11_rad: f(0),
-            q21_rad: f(1),
-            q12_rad: f(2),
-            q22_rad: f(3),
-            q13_rad: f(4),
-            qd11_rad_s: f(5),
-            qd21_rad_s: f(6),
-            qd12_rad_s: f(7),
-            qd22_rad_s: f(8),
-            motor_torque_n_m: 0.48,
-        }],
-        bodies: Vec::new(),
-        contacts: vec![
-            contact(10),
-            contact(20),
-            ContactSample {
-                gap_m: f(30),
-                gap_rate_m_s: f(31),
-                normal_n: f(32),
-                impulse_n_s: f(33),
-                ..ContactSample::default()
-            },
-        ],
-        energy: Energy {
-            kinetic_j: f(40),
-            gravity_j: f(41),
-            spring_j: f(42),
-            elastic_j: f(43),
-            dissipated_j: f(44),
-            motor_work_j: f(45),
-            balance_j: 1e-12 * f(46),
-        },
-    }
+    let finger = FingerState {
+        q11_rad: f(0),
+        q21_rad: f(1),
+        q12_rad: f(2),
+        q22_rad: f(3),
+        q13_rad: f(4),
+        qd11_rad_s: f(5),
+        qd21_rad_s: f(6),
+        qd12_rad_s: f(7),
+        qd22_rad_s: f(8),
+        motor_torque_n_m: 0.48,
+    };
+    let limit = ContactSample {
+        gap_m: f(30),
+        gap_rate_m_s: f(31),
+        normal_n: f(32),
+        impulse_n_s: f(33),
+        ..ContactSample::default()
+    };
+    let mut sample = Sample::of(time_s, &[finger], &[], &[contact(10), contact(20), limit]);
+    sample.set_energy(&Energy {
+        kinetic_j: f(40),
+        gravity_j: f(41),
+        spring_j: f(42),
+        elastic_j: f(43),
+        dissipated_j: f(44),
+        motor_work_j: f(45),
+        balance_j: 1e-12 * f(46),
+    });
+    sample
 }
 
 /// A sample of a finger at the given angles and rates, with the given normal forces.
@@ -130,8 +124,8 @@ pub fn posture(
         ContactSample { gap_m, normal_n, normal: [1.0, 0.0], ..ContactSample::default() }
     };
     let mut sample = sample(time_s);
-    sample.fingers[0] = FingerState { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s, ..sample.fingers[0] };
-    (sample.contacts[0], sample.contacts[1]) = (contact(forces_n[0]), contact(forces_n[1]));
+    sample.set_finger(0, &FingerState { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s, ..sample.finger(0) });
+    forces_n.iter().enumerate().for_each(|(index, force_n)| sample.set_contact(index, &contact(*force_n)));
     sample
 }
 

@@ -175,7 +175,7 @@ fn created_energy_makes_a_run_uncertain_and_is_a_warning() {
     let reason = result.reason.expect("a reason");
     assert!(reason.contains("contacts created energy"), "{reason}");
     let (run, _) = run_into(&heavy, Model::Engine, Vec::new()).expect("a run");
-    assert!(run.outcome.last.energy.dissipated_j < -1.0, "{:?}", run.outcome.last.energy);
+    assert!(run.outcome.last.energy().dissipated_j < -1.0, "{:?}", run.outcome.last.energy());
     let [warning] = &run.warnings[..] else { panic!("{:?}", run.warnings) };
     assert!(warning.starts_with("contacts created energy"), "{warning}");
     // With the contact laws of the scene the energy balance holds.

@@ -72,7 +72,7 @@ fn an_untouched_object_is_not_ejected() {
         for model in BOTH_MODELS {
             let (criteria, outcome) = run_with_criteria(&scene, model);
             assert_eq!((criteria.fate, outcome.last.time_s), (Fate::NotGrasped, scene.duration_s), "{model:?}");
-            assert_eq!((outcome.ejected_s, reach.is_outside(&outcome.last.bodies[0])), (None, escapes), "{model:?}");
+            assert_eq!((outcome.ejected_s, reach.is_outside(&outcome.last.body(0))), (None, escapes), "{model:?}");
         }
     }
 }
@@ -92,7 +92,7 @@ fn an_object_pulled_onto_the_palm_is_held_for_any_radius() {
         for model in BOTH_MODELS {
             let (criteria, outcome) = run_with_criteria(&scene, model);
             assert_eq!(criteria.fate, Fate::Held, "{radius}, {height}, {model:?}: {criteria:?}");
-            let height_m = outcome.last.bodies[0].centre_m[1];
+            let height_m = outcome.last.body(0).centre_m[1];
             assert!((height_m - radius_m).abs() < 5e-5, "{radius}, {height}: it lies on the palm");
             assert!(criteria.tts_s.is_some_and(|tts_s| tts_s > 4e-3 && tts_s < 20e-3), "{:?}", criteria.tts_s);
         }
@@ -104,7 +104,7 @@ fn an_object_pulled_onto_the_palm_is_held_for_any_radius() {
 #[test]
 fn the_forces_of_a_held_object_balance() {
     let (_, outcome) = run_with_criteria(&small_object("8 mm", "16 mm", "60 ms", ""), Model::Analytic);
-    let forces = [0, 3, 1, 4, 6].map(|index: usize| outcome.last.contacts[index].normal_n);
+    let forces = [0, 3, 1, 4, 6].map(|index: usize| outcome.last.contact(index).normal_n);
     for (force, expected) in forces.iter().zip([29.86, 29.86, 6.10, 6.10, 36.90]) {
         assert!((force - expected).abs() < 0.05, "{forces:?}");
     }
@@ -119,7 +119,7 @@ fn a_run_ends_at_the_ejection_for_any_tolerance() {
         let (criteria, outcome) = run_with_criteria(scene, model);
         let end_s = outcome.ejected_s.expect("an ejection");
         assert_eq!((criteria.fate, outcome.last.time_s), (Fate::Ejected { at_s: end_s }, end_s));
-        let (clearance_m, rate_m_s) = reach.clearance(&outcome.last.bodies[0]);
+        let (clearance_m, rate_m_s) = reach.clearance(&outcome.last.body(0));
         assert!(clearance_m.abs() < 1e-9 && rate_m_s > 0.0, "{clearance_m} m from the boundary, at {rate_m_s} m/s");
         end_s
     };

@@ -92,8 +92,8 @@ fn scenes_have_their_documented_outcomes() {
     let first_s = first_touches("hard/gripper-one-finger-first");
     assert!(first_s[3].expect("a touch") - first_s[0].expect("a touch") > 2e-3);
     // Only tips and table hold the squeezed disc.
-    let contacts = outcome("hard/gripper-squeezed").last.contacts;
-    let active: Vec<usize> = (0..8).filter(|index| contacts[*index].normal_n > 0.0).collect();
+    let last = outcome("hard/gripper-squeezed").last;
+    let active: Vec<usize> = (0..8).filter(|index| last.contact(*index).normal_n > 0.0).collect();
     assert_eq!(active, [1, 2, 4, 5, 7]);
 }
 
@@ -106,7 +106,7 @@ const MAX_MIRROR_FACTOR: f64 = 4.0;
 /// Returns the final pose of the object and the final angles of the fingers, mirrored if `side` is −1.
 fn final_state(model: Model, scene: &Scene, side: f64) -> [f64; 7] {
     let last = record_run(model, scene).outcome.last;
-    let (object, mut fingers) = (&last.bodies[0], [0, 1].map(|i| [last.fingers[i].q11_rad, last.fingers[i].q21_rad]));
+    let (object, mut fingers) = (last.body(0), [0, 1].map(|i| [last.finger(i).q11_rad, last.finger(i).q21_rad]));
     if side < 0.0 {
         fingers.reverse();
     }

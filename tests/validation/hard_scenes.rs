@@ -125,12 +125,12 @@ fn chaotic_rebounds_have_the_same_statistics() {
     let (scene, runs) = assert_models_agree("hard/chaos");
     // Nothing dissipates: the remaining energy error is that of the integrators.
     for run in &runs {
-        let energy = run.outcome.last.energy;
+        let energy = run.outcome.last.energy();
         assert!(energy.dissipated_j.abs() < 1e-3 * energy.motor_work_j.abs(), "{energy:?}");
     }
     // The run is chaotic: the default preset, accurate to 1e-9 rad for a closing, has a large final error here.
     let default_end = record_run(Model::Analytic, &scene).outcome.last;
-    assert!((default_end.finger().q11_rad - runs[0].outcome.last.finger().q11_rad).abs() > 1e-5);
+    assert!((default_end.finger(0).q11_rad - runs[0].outcome.last.finger(0).q11_rad).abs() > 1e-5);
     let statistics = compare_statistics(&scene, &|| true).expect("runs");
     assert!(statistics.runs >= 16, "{} runs", statistics.runs);
     assert!(statistics.worst() < MAX_STANDARD_ERRORS, "{statistics:?}");
@@ -147,13 +147,14 @@ fn assert_every_sample(name: &str, property: impl Fn(&Sample) -> bool) -> [Recor
 #[test]
 fn frictionless_contacts_have_no_tangential_force() {
     assert_every_sample("hard/friction-none", |sample| {
-        [Proximal, Distal].map(|contact| sample.contact(contact).tangential_n) == [0.0; 2]
+        [Proximal, Distal].map(|contact| sample.finger_contact(contact).tangential_n) == [0.0; 2]
     });
 }
 
 #[test]
 fn an_object_out_of_reach_is_never_touched() {
-    let is_apart = |sample: &Sample| [Proximal, Distal].into_iter().all(|contact| sample.contact(contact).gap_m > 0.0);
+    let is_apart =
+        |sample: &Sample| [Proximal, Distal].into_iter().all(|contact| sample.finger_contact(contact).gap_m > 0.0);
     for run in assert_every_sample("hard/misses", is_apart) {
         assert_eq!([Proximal, Distal].map(|contact| run.outcome.finger_contact(contact).touchdowns), [0, 0]);
     }
@@ -171,7 +172,7 @@ fn a_start_in_contact_is_a_touch_down_at_time_zero() {
 #[test]
 fn friction_ends_in_the_correct_potential_well() {
     for run in assert_models_agree("hard/friction-well").1 {
-        assert!((run.outcome.last.finger().q21_rad - 0.98887).abs() < 1e-4, "{}", run.outcome.last.finger().q21_rad);
+        assert!((run.outcome.last.finger(0).q21_rad - 0.98887).abs() < 1e-4, "{}", run.outcome.last.finger(0).q21_rad);
     }
 }
 
@@ -200,7 +201,7 @@ fn reloads_within_a_step_are_detected() {
 #[test]
 fn the_tip_slides_out_and_back() {
     for run in assert_models_agree("hard/slip-reversal").1 {
-        let late = run.samples.iter().filter(|sample| sample.time_s > 9e-3).map(|sample| sample.contact(Distal));
+        let late = run.samples.iter().filter(|sample| sample.time_s > 9e-3).map(|sample| sample.finger_contact(Distal));
         let slips: Vec<f64> = late.filter(|tip| tip.normal_n > 0.0).map(|tip| tip.slip_m_s).collect();
         let (forth, back) = (slips.iter().copied().fold(0.0, f64::max), slips.iter().copied().fold(0.0, f64::min));
         assert!(forth > 1.2 && back < -1.2, "{forth} {back}");
@@ -225,7 +226,7 @@ fn a_fold_stops_only_the_analytic_model() {
 #[test]
 fn a_reversed_torque_opens_the_grasp_for_good() {
     for Recording { outcome, .. } in assert_models_agree("hard/torque-reversal").1 {
-        assert_eq!([Proximal, Distal].map(|contact| outcome.last.contact(contact).normal_n), [0.0, 0.0]);
-        assert!(outcome.last.contact(Proximal).gap_m > 1e-3 && outcome.last.energy.kinetic_j > 1.0);
+        assert_eq!([Proximal, Distal].map(|contact| outcome.last.finger_contact(contact).normal_n), [0.0, 0.0]);
+        assert!(outcome.last.finger_contact(Proximal).gap_m > 1e-3 && outcome.last.energy().kinetic_j > 1.0);
     }
 }

@@ -5,7 +5,7 @@ use crate::support::checked_run::record_run;
 use phalanx::check;
 use phalanx::criteria::{Class, Fate, RunCriteria};
 use phalanx::scene::Scene;
-use phalanx::trace::Model;
+use phalanx::trace::{ContactSample, Model};
 use phalanx::validate::{
     Check, Criterion, Recording, Value, compare_criteria, criteria_checks, reason_not_judged, sampled_scene, validate,
 };
@@ -62,7 +62,10 @@ fn fate_closure_and_losses_of_a_gripper_are_compared() {
     assert_eq!(grasp(|criteria| criteria.contacts[4].lost_s += 0.021 * 60e-3), ["lost_time"]);
     // Without active contacts in the last sample the grasp is not form-closed.
     let open = |run: &mut Recording| {
-        run.outcome.last.contacts.iter_mut().for_each(|contact| contact.normal_n = 0.0);
+        for index in 0..run.outcome.last.counts().contacts {
+            let contact = run.outcome.last.contact(index);
+            run.outcome.last.set_contact(index, &ContactSample { normal_n: 0.0, ..contact });
+        }
     };
     assert_eq!(failed_bounds(&scene, &runs, open), ["form_closed"]);
 }

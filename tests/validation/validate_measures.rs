@@ -31,17 +31,18 @@ fn run(shift_rad: f64, touch_s: f64, impulse_n_s: f64, force_n: f64, steps: u32)
             ..ContactSample::default()
         };
         let mut sample = sample(time_s);
-        sample.fingers[0] = FingerState {
+        let finger = FingerState {
             q11_rad: (1e3 * time_s).sin() + if time_s >= 5e-3 { shift_rad } else { 0.0 },
             qd11_rad_s: 1e3 * (1e3 * time_s).cos(),
             q21_rad: 1.0,
             q22_rad: -2.0,
             qd21_rad_s: 0.0,
             qd22_rad_s: 0.0,
-            ..sample.fingers[0]
+            ..sample.finger(0)
         };
-        sample.contacts[0] = if touched { contact } else { ContactSample::default() };
-        sample.contacts[1] = ContactSample::NONE;
+        sample.set_finger(0, &finger);
+        sample.set_contact(0, &if touched { contact } else { ContactSample::default() });
+        sample.set_contact(1, &ContactSample::NONE);
         run.sample(&sample).expect("never fails");
     }
     run.outcome.last = run.samples.last().expect("samples").clone();
@@ -71,7 +72,10 @@ fn a_run_does_not_differ_from_itself() {
     assert!(is_within_default_bounds(&comparison));
     // A whole turn is no difference.
     let mut rotated = base_run(1000);
-    rotated.samples.iter_mut().for_each(|sample| sample.finger_mut().q22_rad += std::f64::consts::TAU);
+    for sample in &mut rotated.samples {
+        let finger = sample.finger(0);
+        sample.set_finger(0, &FingerState { q22_rad: finger.q22_rad + std::f64::consts::TAU, ..finger });
+    }
     assert!(compare(&rotated, &run, END_S).path_max() < 1e-15);
 }
 
@@ -123,8 +127,11 @@ fn missing_touch_downs_and_nan_violate_their_bounds() {
     assert_eq!((comparison.contact_time_s[0], comparison.impulse[0]), (None, None));
 
     let mut with_nan = base_run(1000);
-    with_nan.samples[500].finger_mut().q21_rad = f64::NAN;
-    with_nan.outcome.last.contact_mut(FingerContact::Proximal).normal_n = f64::NAN;
+    let finger = with_nan.samples[500].finger(0);
+    with_nan.samples[500].set_finger(0, &FingerState { q21_rad: f64::NAN, ..finger });
+    let contact = with_nan.outcome.last.finger_contact(FingerContact::Proximal);
+    let index = FingerContact::Proximal as usize;
+    with_nan.outcome.last.set_contact(index, &ContactSample { normal_n: f64::NAN, ..contact });
     let comparison = compare(&with_nan, &base_run(1000), END_S);
     assert_eq!((Some(comparison.path_max()), comparison.final_force[0]), (infinite, infinite));
     assert!(!is_within_default_bounds(&comparison));
@@ -141,10 +148,10 @@ fn impulses_of_small_rebounds_are_not_compared() {
     let with_rebound = |rebound_n_s: f64| {
         let mut run = bouncing.clone();
         run.event(&touch_down(rebound_s, FingerContact::Proximal, 1e-3)).expect("never fails");
-        let impulse_n_s = run.outcome.last.contact(FingerContact::Proximal).impulse_n_s + rebound_n_s;
+        let impulse_n_s = run.outcome.last.finger_contact(FingerContact::Proximal).impulse_n_s + rebound_n_s;
         for time_s in [rebound_s + 1e-6, rebound_s + 1e-4] {
             let contacts = vec![ContactSample { impulse_n_s, ..ContactSample::default() }];
-            run.impacts.sample(&Sample { time_s, contacts, ..Sample::default() }).expect("never fails");
+            run.impacts.sample(&Sample::of(time_s, &[], &[], &contacts)).expect("never fails");
         }
         run
     };

@@ -81,12 +81,12 @@ impl Sink for PathRecorder {
     fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
         // Passive angles jump by full turns.
         let previous_point = self.path.last().cloned();
-        let angles = s.fingers.iter().enumerate().flat_map(|(index, finger)| {
+        let angles = s.fingers().enumerate().flat_map(|(index, finger)| {
             let previous =
                 previous_point.as_ref().and_then(|point| point.get(3 * index + 2)).copied().unwrap_or(finger.q22_rad);
             [finger.q11_rad, finger.q21_rad, previous + wrap_angle(finger.q22_rad - previous)]
         });
-        let centres = s.bodies.iter().flat_map(|disc| disc.centre_m);
+        let centres = s.bodies().flat_map(|disc| disc.centre_m);
         let units = self.units.clone();
         self.record_point(s.time_s, || angles.chain(centres).zip(units).map(|(value, unit)| value / unit).collect());
         Ok(())

@@ -130,11 +130,12 @@ def send_events(topic, messages):
 
 def plots(topics):
     """Returns the plots with content: (name, entities)."""
-    contacts = [topic for topic in topics if topic.startswith("/contact/")]
-    discs = [topic for topic in topics if topic.startswith("/disc/")]
+    contacts = [topic for topic in topics if topic.startswith("/contact/") and not topic.endswith("limit")]
+    bodies = [topic for topic in topics if topic.startswith("/body/")]
+    joints = [topic for topic in topics if topic.startswith("/joint/") and not topic.endswith(("q12", "q13"))]
     all_plots = [
-        ("angles (rad)", [f"/state/{name}_rad" for name in ("q11", "q21", "q22")] if "/state" in topics else []),
-        ("positions (m)", [f"{disc}/{axis}_m" for disc in discs for axis in "xy"]),
+        ("angles (rad)", [f"{joint}/angle_rad" for joint in joints]),
+        ("positions (m)", [f"{body}/{axis}_m" for body in bodies for axis in "xy"]),
         ("gaps (m)", [f"{contact}/gap_m" for contact in contacts]),
         ("normal forces (N)", [f"{contact}/normal_n" for contact in contacts]),
         ("tangential forces (N)", [f"{contact}/tangential_n" for contact in contacts]),

@@ -152,13 +152,13 @@ impl Drawing {
 
 /// Poses of the bodies of a scene's [`Drawing`], in their order.
 pub fn poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
-    let pose = |body: &BodyState| Pose { position_m: body.centre_m, angle_rad: body.angle_rad };
-    let posture = |finger: &FingerState| {
-        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = *finger;
+    let pose = |body: BodyState| Pose { position_m: body.centre_m, angle_rad: body.angle_rad };
+    let posture = |finger: FingerState| {
+        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = finger;
         Posture { q11_rad, q21_rad, q12_rad, q22_rad }
     };
-    let postures: Vec<Posture> = sample.fingers.iter().map(posture).collect();
-    poses_at(&scene.system, sample.time_s, sample.bodies.iter().map(pose), &postures)
+    let postures: Vec<Posture> = sample.fingers().map(posture).collect();
+    poses_at(&scene.system, sample.time_s, sample.bodies().map(pose), &postures)
 }
 
 /// Poses of the bodies with the fingers in these postures and everything else at its start.
@@ -187,13 +187,12 @@ pub fn velocities(scene: &Scene, sample: &Sample) -> Vec<Pose> {
     let mut velocities: Vec<Pose> = plane_poses(system, sample.time_s).map(|(_, motion)| motion).collect();
     velocities.extend(unreported_discs(system).map(|_| Pose::default()));
     velocities.extend(
-        sample.bodies.iter().map(|BodyState { velocity_m_s, spin_rad_s, .. }| Pose {
-            position_m: *velocity_m_s,
-            angle_rad: *spin_rad_s,
-        }),
+        sample
+            .bodies()
+            .map(|BodyState { velocity_m_s, spin_rad_s, .. }| Pose { position_m: velocity_m_s, angle_rad: spin_rad_s }),
     );
-    for ((side, finger), state) in system.fingers_by_side().zip(&sample.fingers) {
-        velocities.extend(link_velocities(&finger.linkage.lengths, state).map(|motion| {
+    for ((side, finger), state) in system.fingers_by_side().zip(sample.fingers()) {
+        velocities.extend(link_velocities(&finger.linkage.lengths, &state).map(|motion| {
             let [x, y] = motion.position_m;
             Pose { position_m: [side.mirror() * x, y], angle_rad: side.mirror() * motion.angle_rad }
         }));

@@ -1,32 +1,20 @@
 //! Logs: one MCAP file per run, with protobuf channels and embedded descriptors. [`run_to`] writes one.
 //!
-//! Schemas of phalanx' own messages are in the package `phalanx` (`phalanx.State`).
+//! Topics and fields of phalanx' own messages are the subjects and quantities of [`Schema`](phalanx_core::trace::Schema).
 //!
 //! | topic | schema | content |
 //! |---|---|---|
-//! | `/state` | `phalanx.State` | joint angles, rates, motor torque |
-//! | `/contact/proximal`, `/contact/distal` | `phalanx.Contact` | gap, slip, forces, contact point; only with an object |
-//! | `/limit` | `phalanx.Limit` | the joint limit; only when the scene has one |
-//! | `/energy` | `phalanx.Energy` | energies, works and their balance |
-//! | `/impact/proximal`, `/impact/distal` | `phalanx.Impact` | touch-downs, lift-offs and reloads as figures |
-//! | `/impact/limit` | `phalanx.LimitImpact` | the same for the joint limit |
-//! | `/slip/proximal`, `/slip/distal` | `phalanx.Slip` | friction begins to slip, or sticks again; only with stiction, at most 1000 |
+//! | `/joint/NAME` | `phalanx.Joint` | angle, rate, and force of a joint: `q11`, for grippers `right_q11` |
+//! | `/actuator/NAME` | `phalanx.Actuator` | torque: `motor`, `right_motor` |
+//! | `/body/NAME` | `phalanx.Body` | position, angle and rates of the object or of a disc |
+//! | `/contact/NAME` | `phalanx.Contact` | gap, slip, forces, contact point, sliding power; `hammer-anvil` for discs |
+//! | `/contact/limit`, `/contact/right_limit` | `phalanx.Limit` | the joint limit; only when the scene has one |
+//! | `/energy` | `phalanx.Energy` | energies, works and their balance; motor work includes the work on driven discs |
+//! | `/event` | `phalanx.Event` | touch-downs, lift-offs, reloads; friction that slips or sticks, at most 1000 per contact |
 //! | `/events` | `foxglove.Log` | the same events as text, when both phalanges hold the object, and how the run ended |
 //! | `/tf_static`, `/tf` | `foxglove.FrameTransforms` | poses of fixed bodies, once, and of moving bodies |
 //! | `/scene` | `foxglove.SceneUpdate` | the shapes of all bodies in their frames, once |
-//! | `/forces` | `foxglove.SceneUpdate` | contact points and force arrows; only with an object |
-//!
-//! The log of a scene of discs has other topics:
-//!
-//! | topic | schema | content |
-//! |---|---|---|
-//! | `/disc/NAME` | `phalanx.Disc` | position, angle and rates of a disc |
-//! | `/contact/PAIR` | `phalanx.Contact` | gap, slip, forces; PAIR is `hammer-anvil` or `hammer-plane` |
-//! | `/energy` | `phalanx.Energy` | energies, works and their balance; motor work is the work on driven discs |
-//! | `/impact/PAIR` | `phalanx.Impact` | touch-downs, lift-offs and reloads as figures |
-//! | `/slip/PAIR` | `phalanx.Slip` | friction begins to slip, or sticks again; only with stiction, at most 1000 |
-//! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
-//! | `/tf_static`, `/tf`, `/scene`, `/forces` | | pictures, as above |
+//! | `/forces` | `foxglove.SceneUpdate` | contact points and force arrows; only with contacts |
 //!
 //! **Sampling.** Numeric samples are written on a uniform time grid (`numeric_rate`), within an impact at every
 //! integrator step (defined by [`Decimated`](phalanx_core::trace::Decimated)), and at the maximum penetration and

@@ -10,9 +10,10 @@ use mcap::records::MessageHeader;
 use mcap::write::{Metadata, NoSeek};
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 
-use super::messages::{encode, stamp_ns};
+use super::messages::{encode, encode_event, stamp_ns};
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, metadata, scene_text};
-use phalanx_core::trace::SinkError;
+use phalanx_core::trace::schema::SubjectKind;
+use phalanx_core::trace::{Event, SinkError};
 
 /// Maximum uncompressed chunk size. A chunk of this size is closed, written and flushed, so a killed run loses at most
 /// this much.
@@ -151,17 +152,30 @@ impl<W: Write> McapFile<W> {
         self.write_buffer(channel, log_time)
     }
 
-    /// Writes a message of phalanx.
+    /// Writes the numbers of a subject.
     pub(crate) fn write_numbers(
         &mut self,
         channel: ChannelId,
         time_s: f64,
-        flags: &[bool],
-        numbers: &[f64],
+        numbers: impl Iterator<Item = f64>,
     ) -> Result<(), SinkError> {
         self.buffer.clear();
-        encode(time_s, flags, numbers, &mut self.buffer);
+        encode(time_s, numbers, &mut self.buffer);
         let log_time = self.log_time_ns(time_s);
+        self.write_buffer(channel, log_time)
+    }
+
+    /// Writes an event of a subject.
+    pub(crate) fn write_event(
+        &mut self,
+        channel: ChannelId,
+        event: &Event,
+        subject: &str,
+        kind: SubjectKind,
+    ) -> Result<(), SinkError> {
+        self.buffer.clear();
+        encode_event(event, subject, kind, &mut self.buffer);
+        let log_time = self.log_time_ns(event.time_s);
         self.write_buffer(channel, log_time)
     }
 

@@ -10,6 +10,9 @@ use phalanx_core::scene::{Keyword, Scene, parse_any, show};
 /// Name of the metadata record.
 pub(crate) const METADATA_NAME: &str = "phalanx";
 
+/// Version of topics and messages. Logs of phalanx 0.1 do not have it.
+pub(crate) const LOG_VERSION: (&str, &str) = ("log_version", "2");
+
 /// Media type of the scene attachment.
 pub(crate) const ATTACHMENT_MEDIA_TYPE: &str = "application/toml";
 
@@ -74,6 +77,7 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
     let (scene, rates) = (run.scene, &run.scene.log);
     let general = [
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
+        (LOG_VERSION.0, LOG_VERSION.1.to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
         ("libm_version", LIBM_VERSION.to_string()),
         ("model", run.model.to_string()),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::metadata::LOG_VERSION;
 use phalanx_core::scene::schema::{SettingsSection, restore};
 use phalanx_core::scene::{Engine, Integrator, LogRates, Scene};
 use phalanx_core::trace::Model;
@@ -39,8 +40,8 @@ pub enum SettingsError {
 }
 
 /// Entries that identify the writer and the scene; they are not settings.
-const INFORMATIONAL_KEYS: [&str; 6] =
-    ["phalanx_version", "mcap_version", "libm_version", "rapier_version", "kind", "scene"];
+const INFORMATIONAL_KEYS: [&str; 7] =
+    ["phalanx_version", LOG_VERSION.0, "mcap_version", "libm_version", "rapier_version", "kind", "scene"];
 
 impl Settings {
     pub fn model(&self) -> Model {

@@ -17,7 +17,7 @@ use phalanx_core::criteria::{
 use phalanx_core::integrator::Reason;
 use phalanx_core::invariants::EnergyAudit;
 use phalanx_core::scene::Scene;
-use phalanx_core::trace::{Decimated, Event, Model, Outcome, RunError, Sample, Sink, SinkError, run};
+use phalanx_core::trace::{Decimated, Event, Model, Outcome, RequiredData, RunError, Sample, Sink, SinkError, run};
 
 /// Whether a completed run is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,6 +128,10 @@ struct RunSinks<'a, W: Write + Send + 'static, A> {
 }
 
 impl<W: Write + Send + 'static, A: Sink> Sink for RunSinks<'_, W, A> {
+    fn required_data(&self) -> RequiredData {
+        self.log.required_data().or(self.extra_sink.required_data())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         self.criteria_tracker.sample(sample)?;

@@ -12,8 +12,7 @@ use serde::Serialize;
 use super::messages::stamp_ns;
 use super::metadata::{RunInfo, metadata};
 use super::reader::{Assembler, LogSink, Messages, ReadError, scan};
-use phalanx_core::trace::columns::{Column, columns};
-use phalanx_core::trace::{Event, Layout, Sample, Sink, SinkError};
+use phalanx_core::trace::{Channel, Event, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Metadata entries that identify the program that wrote a log; they may differ.
 const VERSIONS: [&str; 4] = ["phalanx_version", "mcap_version", "libm_version", "rapier_version"];
@@ -118,8 +117,8 @@ pub struct LogComparison<R> {
     new_events: Vec<StampedEvent>,
     /// Log time that the new run has reached, ns.
     clock_ns: u64,
-    /// Columns of the log that the new run has too: in the log and in the new run.
-    columns: Vec<[Column; 2]>,
+    /// Channels of the log that the new run has too: in the log and in the new run.
+    channels: Vec<[Channel; 2]>,
     /// For each contact of the new run, its index in the log.
     contacts: Vec<Option<usize>>,
     tallies: Vec<Option<QuantityTally>>,
@@ -167,19 +166,19 @@ impl<R: Read + Seek> LogComparison<R> {
         };
         let differing = keys.into_iter().map(entry).filter(|entry| entry.log != entry.new_run).collect();
         let assembler = Assembler::new(&mut scan);
-        let (layout, new_layout) = (assembler.layout(), Layout::from_system(&new_run.scene.system));
-        let new_columns = columns(&new_layout);
-        let pair = |column: Column| {
-            let other = new_columns.iter().find(|other| other.name == column.name)?.clone();
-            Some([column, other])
+        let (schema, new_schema) = (assembler.schema(), Schema::from_system(&new_run.scene.system));
+        let new_channels = new_schema.channels();
+        let pair = |channel: Channel| {
+            let other = new_channels.iter().find(|other| other.name == channel.name)?.clone();
+            Some([channel, other])
         };
-        let columns: Vec<[Column; 2]> = columns(layout).into_iter().filter_map(pair).collect();
-        let index_in_log = |name: &str| layout.contacts.iter().position(|contact| contact.name == name);
+        let channels: Vec<[Channel; 2]> = schema.channels().into_iter().filter_map(pair).collect();
+        let index_in_log = |name: &str| schema.contacts.iter().position(|contact| contact.name == name);
         Ok(LogComparison {
             messages: Messages::new(source, &scan)?,
-            contacts: new_layout.contacts.iter().map(|contact| index_in_log(&contact.name)).collect(),
-            tallies: vec![None; columns.len()],
-            columns,
+            contacts: new_schema.contacts.iter().map(|contact| index_in_log(&contact.name)).collect(),
+            tallies: vec![None; channels.len()],
+            channels,
             assembler,
             options,
             log: Contents::default(),
@@ -254,13 +253,13 @@ impl<R: Read + Seek> LogComparison<R> {
         self.result.samples_compared += 1;
         self.result.compared_to_s = Some(log.time_s);
         let mut differs = false;
-        for ([column, new_column], tally) in self.columns.iter().zip(&mut self.tallies) {
-            let (a, b) = (column.value(log), new_column.value(new_run));
+        for ([channel, new_channel], tally) in self.channels.iter().zip(&mut self.tallies) {
+            let (a, b) = (channel.value(log), new_channel.value(new_run));
             if a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan() {
                 continue;
             }
             differs = true;
-            let difference = Difference::new(log.time_s, &column.name, Some(a), Some(b));
+            let difference = Difference::new(log.time_s, &channel.name, Some(a), Some(b));
             let tally = tally.get_or_insert_with(|| QuantityTally { samples: 0, largest: difference.clone() });
             tally.samples += 1;
             if difference.absolute > tally.largest.absolute {
@@ -273,7 +272,7 @@ impl<R: Read + Seek> LogComparison<R> {
 
     /// Compares the events of one contact. A log without the end of its run may lack events at its end.
     fn compare_events(&mut self, contact: usize, log: &[StampedEvent], new_run: &[StampedEvent]) {
-        let name = &self.assembler.layout().contacts[contact].name;
+        let name = &self.assembler.schema().contacts[contact].name;
         let has_run_end = self.has_run_end();
         let result = &mut self.result;
         for index in 0..log.len().max(new_run.len()) {
@@ -308,6 +307,10 @@ impl<R: Read + Seek> LogComparison<R> {
 }
 
 impl<R: Read + Seek> Sink for LogComparison<R> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.clock_ns = self.clock_ns.max(stamp_ns(sample.time_s));
         if !self.is_compared(sample.time_s) {

@@ -6,15 +6,16 @@ use std::io::Write;
 use foxglove::Encode;
 use foxglove::messages::{Log, log::Level};
 
-use super::channels::{ChannelContent, channel_list, contacts_of};
+use super::channels::{EVENT_TOPIC, subject_channels};
 use super::lines::{GraspState, describe_event};
 use super::mcap_file::{ChannelId, McapFile, MessageFeed};
-use super::messages::{MessageType, contact_numbers, disc_numbers, event_flags, limit_numbers, state_numbers};
+use super::messages::{event_schema, subject_schema};
 use super::metadata::RunInfo;
 use super::pictures::Pictures;
 use phalanx_core::drawing::{self, Drawing};
 use phalanx_core::scene::{self, Scene};
-use phalanx_core::trace::{BodyState, Channels as _, Event, FingerState, Layout, Sample, Sink, SinkError};
+use phalanx_core::trace::schema::Subject;
+use phalanx_core::trace::{BodyState, Event, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Streams one run to an MCAP file. Memory use is one chunk plus about 400 bytes of index per written chunk. The writer
 /// never seeks, so `W` can be a pipe.
@@ -25,8 +26,10 @@ use phalanx_core::trace::{BodyState, Channels as _, Event, FingerState, Layout, 
 /// Dropping a writer also finishes the log but discards errors; [`Writer::finish`] returns them.
 pub struct Writer<W: Write> {
     file: McapFile<W>,
-    channels: Vec<(ChannelId, ChannelContent)>,
-    layout: Layout,
+    /// Channels of the subjects that the scene has, each with the indices of its numbers in a sample.
+    channels: Vec<(ChannelId, Vec<usize>)>,
+    events: ChannelId,
+    schema: Schema,
     /// Contacts drawn in pictures.
     drawn_contacts: Vec<usize>,
     pictures: Option<Pictures>,
@@ -54,23 +57,26 @@ impl<W: Write> Writer<W> {
         let mut file = McapFile::start(out, name, run, feed)?;
         let scene = run.scene.clone();
         let system = &scene.system;
-        let (layout, contacts) = (Layout::from_system(system), contacts_of(system));
+        let schema = Schema::from_system(system);
         let mut channels = Vec::new();
-        for (topic, content) in channel_list(&layout, &contacts) {
-            let schema = content.message_type().map(MessageType::schema);
-            channels.push((file.register(&topic, schema)?, content));
+        for (Subject { kind, first, .. }, (topic, _, exists)) in schema.subjects().iter().zip(subject_channels(&schema))
+        {
+            if exists {
+                let indices = kind.quantities().map(|(index, _)| first + index).collect();
+                channels.push((file.register(&topic, Some(subject_schema(*kind)))?, indices));
+            }
         }
-        let start = Sample {
-            fingers: vec![FingerState::default(); system.fingers.len()],
-            bodies: system.reported_discs().iter().map(initial_state).collect(),
-            ..Sample::default()
-        };
+        let events = file.register(EVENT_TOPIC, Some(event_schema()))?;
+        let mut start = Sample::new(0.0, schema.counts());
+        for (index, disc) in system.reported_discs().iter().enumerate() {
+            start.set_body(index, &initial_state(disc));
+        }
         let (drawing, poses) = (Drawing::from_scene(&scene), drawing::poses(&scene, &start));
         let pictures = Pictures::register(&mut file, &drawing, &poses, scene.log.picture_hz)?;
         let lines = file.register("/events", Log::get_schema())?;
-        let drawn_contacts = layout.surfaces().filter(|&contact| contacts[contact].is_some()).collect();
+        let drawn_contacts = schema.surfaces().filter(|&contact| schema.contacts[contact].exists).collect();
         let grasp = (system.fingers.len() == 1).then(GraspState::default);
-        Ok(Writer { file, channels, layout, drawn_contacts, pictures, grasp, lines, scene })
+        Ok(Writer { file, channels, events, schema, drawn_contacts, pictures, grasp, lines, scene })
     }
 
     /// Writes a line to `/events`, for example how the run ended; `source` names its subject.
@@ -90,23 +96,19 @@ impl<W: Write> Writer<W> {
 }
 
 impl<W: Write> Sink for Writer<W> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let Sample { time_s, fingers, bodies, contacts, energy } = sample;
-        for (channel, content) in &self.channels {
-            let numbers: &[f64] = match *content {
-                ChannelContent::Finger(index) => &state_numbers(&fingers[index]),
-                ChannelContent::Body(index) => &disc_numbers(&bodies[index]),
-                ChannelContent::Contact(index) => &contact_numbers(&contacts[index]),
-                ChannelContent::Limit(index) => &limit_numbers(&contacts[index]),
-                ChannelContent::Energy => &energy.values(),
-                _ => continue,
-            };
-            self.file.write_numbers(*channel, *time_s, &[], numbers)?;
+        let (time_s, values) = (sample.time_s, sample.values());
+        for (channel, indices) in &self.channels {
+            self.file.write_numbers(*channel, time_s, indices.iter().map(|&index| values[index]))?;
         }
         if let Some(pictures) = &mut self.pictures {
             let poses = || drawing::poses(&self.scene, sample);
-            let drawn = self.drawn_contacts.iter().map(|&contact| &contacts[contact]);
-            pictures.sample(&mut self.file, *time_s, poses, drawn)?;
+            let drawn = self.drawn_contacts.iter().map(|&contact| sample.contact(contact));
+            pictures.sample(&mut self.file, time_s, poses, drawn)?;
         }
         self.file.close_full_chunk()
     }
@@ -118,20 +120,9 @@ impl<W: Write> Sink for Writer<W> {
     /// Writes an event as a message and as text.
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         let file = &mut self.file;
-        let about_contact = || self.channels.iter().filter(|(_, content)| content.contact() == Some(event.contact));
-        if about_contact().next().is_some() {
-            let is_friction = event.kind.is_friction_event();
-            for (channel, content) in about_contact() {
-                let numbers: &[f64] = match content {
-                    ChannelContent::Slip(_) if is_friction => &[],
-                    ChannelContent::Impact(_) | ChannelContent::LimitImpact(_) if !is_friction => {
-                        &[event.approach_speed, event.impulse]
-                    }
-                    _ => continue,
-                };
-                file.write_numbers(*channel, event.time_s, event_flags(event.kind), numbers)?;
-            }
-            let contact = &self.layout.contacts[event.contact];
+        let contact = &self.schema.contacts[event.contact];
+        if contact.exists {
+            file.write_event(self.events, event, &contact.name, contact.kind())?;
             let display_name = match event.contact < self.scene.system.gripper_contacts().len() {
                 true => display_name(&contact.name),
                 false => contact.name.clone(),

@@ -119,7 +119,7 @@ struct Impact {
 
 impl Sink for Impact {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let contact = &sample.contacts[self.pair];
+        let contact = sample.contact(self.pair);
         self.points.push((sample.time_s, contact.normal_n));
         self.rate_after_m_s = contact.gap_rate_m_s;
         Ok(())

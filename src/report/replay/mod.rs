@@ -24,7 +24,9 @@ use crate::criteria::{Criteria, Fate, RunCriteria};
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, or_dash, row};
 use crate::format::report::{Report, ToReport, table};
-use crate::log::{Difference, EntryDifference, LogSummary, QuantityTally, Solver, Verification, settings};
+use crate::log::{
+    ChannelContent, Difference, EntryDifference, LogSummary, QuantityTally, Solver, Verification, settings,
+};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Engine, Integrator, Keyword};
 use crate::trace::Energy;
@@ -114,7 +116,7 @@ impl ReplayReport {
         found: Option<RunCriteria>,
         warnings: Vec<String>,
     ) -> Self {
-        let (layout, outcome, scene) = (&observer.layout, observer.outcome(), observer.bodies_scene());
+        let (schema, outcome, scene) = (&observer.schema, observer.outcome(), observer.bodies_scene());
         let (criteria, grasp) = found.map_or((None, None), |found| (found.criteria, found.grasp));
         let entry = |key: &str| reading.metadata.get(key).cloned();
         let number = |key: &str| entry(key).and_then(|text| text.parse().ok());
@@ -125,17 +127,20 @@ impl ReplayReport {
         };
         let ended = reading.run_end.as_ref();
         let states = outcome.map(|outcome| {
-            let mut states = States::new(layout, Some(outcome), scene);
+            let mut states = States::new(schema, Some(outcome), scene);
             states.fingers.0.retain(|(_, finger)| !finger.q11_rad.is_nan());
-            states.bodies.0.retain(|(_, body)| !body.x_m.is_nan());
+            states.bodies.0.retain(|(_, body)| !body.state.centre_m[0].is_nan());
             states
         });
         let contacts = outcome.map(|outcome| {
-            let mut contacts = Contacts::new(layout, outcome, observer.rebounds());
-            let incomplete =
-                reading.missing.iter().filter_map(|missing| layout.contacts.get(missing.content.contact()?));
-            for contact in incomplete {
-                contacts.all.0.retain(|(name, _)| *name != contact.name);
+            let mut contacts = Contacts::new(schema, outcome, observer.rebounds());
+            for missing in &reading.missing {
+                let incomplete = missing.content.contact().and_then(|index| schema.contacts.get(index));
+                let lacks_events = missing.content == ChannelContent::Events;
+                contacts
+                    .all
+                    .0
+                    .retain(|(name, _)| !lacks_events && incomplete.is_none_or(|contact| contact.name != *name));
             }
             contacts
         });
@@ -158,7 +163,7 @@ impl ReplayReport {
             contacts,
             criteria,
             grasp: grasp.zip(outcome).map(|(criteria, outcome)| GraspReport::new(&criteria, scene, &outcome.last)),
-            energy: outcome.map(|outcome| outcome.last.energy).filter(|energy| !energy.kinetic_j.is_nan()),
+            energy: outcome.map(|outcome| outcome.last.energy()).filter(|energy| !energy.kinetic_j.is_nan()),
             warnings,
             is_inconsistent: false,
             verification: None,

@@ -7,12 +7,12 @@ use crate::limits::MAX_SCENE_BYTES;
 use crate::log::{LogSink, LogSummary, settings};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Scene, SceneError};
-use crate::trace::{ContactSummary, Event, EventKind, Layout, Outcome, Sample, Sink, SinkError};
+use crate::trace::{ContactSummary, Event, EventKind, Outcome, Sample, Schema, Sink, SinkError};
 
 /// A sink for the contents of a log that collects the data of its report.
 #[derive(Debug, Default)]
 pub struct LogObserver {
-    pub(super) layout: Layout,
+    pub(super) schema: Schema,
     outcome: Outcome,
     /// Rebounds of the pairs of bodies.
     rebounds: Option<Rebounds>,
@@ -99,30 +99,30 @@ pub fn scene_in_log(head: &LogSummary) -> Option<Result<Scene, SceneError>> {
 }
 
 impl LogSink for LogObserver {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        let count = layout.contacts.len();
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
+        let count = schema.contacts.len();
         // The scene provides the masses for the rebounds.
         let of_scene = self.bodies_scene().map(|scene| Rebounds::for_system(&scene.system));
         let of_scene = of_scene.filter(|found| found.pairs().len() == count);
-        self.rebounds = layout.fingers.is_empty().then(|| of_scene.unwrap_or_else(|| Rebounds::new(count)));
-        self.layout = layout.clone();
+        self.rebounds = schema.fingers.is_empty().then(|| of_scene.unwrap_or_else(|| Rebounds::new(count)));
+        self.schema = schema.clone();
         self.outcome = Outcome { contacts: vec![ContactSummary::default(); count], ..Outcome::default() };
         // The kind of the scene can differ from the kind of the log.
         let finger_count = self.scene.as_ref().map_or(0, |scene| scene.system.fingers.len());
-        self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == finger_count);
+        self.tracker = self.tracker.take().filter(|_| schema.fingers.len() == finger_count);
         Ok(())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.has_sample = true;
         self.outcome.last.clone_from(sample);
-        for (summary, contact) in self.outcome.contacts.iter_mut().zip(&sample.contacts) {
+        for (summary, contact) in self.outcome.contacts.iter_mut().zip(sample.contacts()) {
             summary.update(contact.force_and_penetration());
             summary.impulse_n_s = contact.impulse_n_s;
         }
         self.rebounds.sample(sample)?;
         // Samples have no energies if the energy topic is missing.
-        self.audit = self.audit.filter(|_| !sample.energy.kinetic_j.is_nan());
+        self.audit = self.audit.filter(|_| !sample.energy().kinetic_j.is_nan());
         self.audit.sample(sample)?;
         self.tracker.sample(sample)
     }

@@ -19,8 +19,7 @@ use crate::format::report::{Report, table};
 use crate::invariants::Finding;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Keyword, Scene};
-use crate::trace::columns::{Column, columns};
-use crate::trace::{Energy, Layout, Model, Sample};
+use crate::trace::{Channel, Energy, Model, Sample, Schema};
 use crate::validate::{
     Angle, Differences, IMPACT_S, Impact, LadderOptions, LadderRow, MEMBER_PERTURBATION, Recording,
     SolverConfiguration, Validation, configuration_name, ensemble_size, largest, reference_configuration,
@@ -31,7 +30,7 @@ use crate::validate::{
 #[derive(Clone, Debug)]
 pub struct ValidationReport<'a> {
     scene: &'a Scene,
-    layout: Layout,
+    schema: Schema,
     validation: &'a Validation,
     /// Options of the ladder, if it was run.
     ladder: Option<LadderOptions>,
@@ -42,12 +41,12 @@ pub struct ValidationReport<'a> {
 impl<'a> ValidationReport<'a> {
     /// Creates the report. `ladder` are the options of the ladder of `validation`, if it was run.
     pub fn new(scene: &'a Scene, validation: &'a Validation, ladder: Option<LadderOptions>) -> Self {
-        let layout = Layout::from_system(&scene.system);
-        ValidationReport { scene, layout, validation, ladder, files: None }
+        let schema = Schema::from_system(&scene.system);
+        ValidationReport { scene, schema, validation, ladder, files: None }
     }
 
     fn differences(&self) -> NamedDifferences<'_> {
-        NamedDifferences { layout: &self.layout, found: &self.validation.differences }
+        NamedDifferences { schema: &self.schema, found: &self.validation.differences }
     }
 
     /// The analytic model at its reference preset, or the engine at the scene's settings.
@@ -67,9 +66,9 @@ impl<'a> ValidationReport<'a> {
             setting: configuration_name(&self.configuration(model)),
             steps: outcome.work.steps,
             wall_s: timed.and_then(|row| row.cost.wall_s),
-            states: States::new(&self.layout, Some(outcome), Some(self.scene)),
-            contacts: Contacts::new(&self.layout, outcome, &[]),
-            energy: outcome.last.energy,
+            states: States::new(&self.schema, Some(outcome), Some(self.scene)),
+            contacts: Contacts::new(&self.schema, outcome, &[]),
+            energy: outcome.last.energy(),
             loop_gap_m: (self.scene.kind() != SceneKind::Bodies).then_some(outcome.loop_gap_m),
             invariants: if is_analytic { &found.reference_invariants } else { &found.engine_invariants },
         }
@@ -78,12 +77,12 @@ impl<'a> ValidationReport<'a> {
     /// The errors of a configuration are null for the reference and without results. A single finger has only the
     /// largest error of the angles, and all differences instead.
     fn setting<'r>(&'r self, row: &'r LadderRow) -> SettingDocument<'r> {
-        let is_single_finger = self.layout.fingers.len() == 1;
+        let is_single_finger = self.schema.fingers.len() == 1;
         let shown = if is_single_finger { 1 } else { TOTAL.len() };
-        let named = |found| NamedDifferences { layout: &self.layout, found };
+        let named = |found| NamedDifferences { schema: &self.schema, found };
         SettingDocument {
             row,
-            errors: by_key(figures(&TOTAL, &self.layout, row.differences.as_ref(), 0).take(shown)),
+            errors: by_key(figures(&TOTAL, &self.schema, row.differences.as_ref(), 0).take(shown)),
             differences: is_single_finger.then(|| row.differences.as_ref().map(named)),
         }
     }
@@ -97,7 +96,7 @@ impl<'a> ValidationReport<'a> {
             (0..analytic.len().max(engine.len())).map(move |index| {
                 let (analytic, engine) = (analytic.get(index), engine.get(index));
                 ImpactPair {
-                    site: self.layout.contacts[contact].name.clone(),
+                    site: self.schema.contacts[contact].name.clone(),
                     analytic_s: analytic.map(|impact| impact.time_s),
                     engine_s: engine.map(|impact| impact.time_s),
                     window_s: analytic.or(engine).map_or(IMPACT_S, |impact| impact.end_s() - impact.time_s),
@@ -106,7 +105,7 @@ impl<'a> ValidationReport<'a> {
                 }
             })
         };
-        self.layout.surfaces().flat_map(at_contact).collect()
+        self.schema.surfaces().flat_map(at_contact).collect()
     }
 }
 
@@ -114,7 +113,7 @@ impl<'a> ValidationReport<'a> {
 impl Serialize for ValidationReport<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (scene, validation) = (self.scene, self.validation);
-        let has_fingers = !self.layout.fingers.is_empty();
+        let has_fingers = !self.schema.fingers.is_empty();
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("scene", &scene.name)?;
         map.serialize_entry("kind", scene.kind().keyword())?;
@@ -236,12 +235,12 @@ const TOTAL: [Figure; 8] = [
 ];
 
 impl Figure {
-    /// Whether scenes of this layout have the figure: final forces only with fingers, peak forces only without.
-    fn applies_to(&self, layout: &Layout) -> bool {
+    /// Whether scenes of this schema have the figure: final forces only with fingers, peak forces only without.
+    fn applies_to(&self, schema: &Schema) -> bool {
         match self.0 {
-            "angle_max_rad" | "final_force" | "loop_gap_m" => !layout.fingers.is_empty(),
-            "position_max_m" => !layout.bodies.is_empty(),
-            "peak_force" => layout.fingers.is_empty(),
+            "angle_max_rad" | "final_force" | "loop_gap_m" => !schema.fingers.is_empty(),
+            "position_max_m" => !schema.bodies.is_empty(),
+            "peak_force" => schema.fingers.is_empty(),
             _ => true,
         }
     }
@@ -252,14 +251,14 @@ impl Figure {
     }
 }
 
-/// Returns the figures that scenes of this layout have, with their values; none has a value without differences.
+/// Returns the figures that scenes of this schema have, with their values; none has a value without differences.
 fn figures<'a>(
     all: &'a [Figure],
-    layout: &'a Layout,
+    schema: &'a Schema,
     found: Option<&'a Differences>,
     index: usize,
 ) -> impl Iterator<Item = (&'a Figure, Option<f64>)> {
-    let figures = all.iter().filter(|figure| figure.applies_to(layout));
+    let figures = all.iter().filter(|figure| figure.applies_to(schema));
     figures.map(move |figure| (figure, found.and_then(|found| (figure.4)(found, index))))
 }
 
@@ -271,7 +270,7 @@ fn by_key<'a>(figures: impl Iterator<Item = (&'a Figure, Option<f64>)>) -> Named
 /// All differences of a setting, with the names of the components.
 #[derive(Clone, Copy, Debug)]
 struct NamedDifferences<'a> {
-    layout: &'a Layout,
+    schema: &'a Schema,
     found: &'a Differences,
 }
 
@@ -279,36 +278,36 @@ impl NamedDifferences<'_> {
     /// Names of components with their indices, sorted by name in scenes without fingers.
     fn sorted(&self, names: impl Iterator<Item = String>, first: usize) -> Vec<(String, usize)> {
         let mut names: Vec<_> = names.zip(first..).collect();
-        if self.layout.fingers.is_empty() {
+        if self.schema.fingers.is_empty() {
             names.sort();
         }
         names
     }
 
     fn bodies(&self) -> Vec<(String, usize)> {
-        self.sorted(self.layout.bodies.iter().cloned(), Angle::ALL.len() * self.layout.fingers.len())
+        self.sorted(self.schema.bodies.iter().cloned(), Angle::ALL.len() * self.schema.fingers.len())
     }
 
     fn contacts(&self) -> Vec<(String, usize)> {
-        self.sorted(self.layout.surfaces().map(|index| self.layout.contacts[index].name.clone()), 0)
+        self.sorted(self.schema.surfaces().map(|index| self.schema.contacts[index].name.clone()), 0)
     }
 
     /// Returns the figures of named components as a document.
     fn document(&self, all: &[Figure], names: Vec<(String, usize)>) -> Named<Named<Option<f64>>> {
-        let figures = |index| by_key(figures(all, self.layout, Some(self.found), index));
+        let figures = |index| by_key(figures(all, self.schema, Some(self.found), index));
         names.into_iter().map(|(name, index)| (name, figures(index))).collect()
     }
 
     /// Returns a table for joints, bodies and contacts.
     fn tables(&self) -> Report {
         let joints =
-            self.layout.fingers.iter().flat_map(|finger| {
+            self.schema.fingers.iter().flat_map(|finger| {
                 Angle::ALL.map(|angle| format!("{finger} {}", angle.name()).trim_start().to_string())
             });
         let joints = joints.zip(0..).collect();
         let tables = [(&JOINT[..], joints), (&BODY, self.bodies()), (&CONTACT, self.contacts())];
         Report::join(tables.into_iter().filter(|(_, names)| !names.is_empty()).map(|(all, names)| {
-            let figures = |index| figures(all, self.layout, Some(self.found), index);
+            let figures = |index| figures(all, self.schema, Some(self.found), index);
             let row = |(name, index): &(String, usize)| -> Vec<String> {
                 std::iter::once(name.clone()).chain(figures(*index).map(|(figure, value)| figure.cell(value))).collect()
             };
@@ -328,7 +327,7 @@ impl Serialize for NamedDifferences<'_> {
             self.document(&JOINT, names.zip(Angle::ALL.len() * finger..).collect())
         };
         let [bodies, contacts] = [self.document(&BODY, self.bodies()), self.document(&CONTACT, self.contacts())];
-        match self.layout.fingers.as_slice() {
+        match self.schema.fingers.as_slice() {
             [] => {
                 map.serialize_entry("discs", &bodies)?;
                 map.serialize_entry("pairs", &contacts)?;
@@ -344,7 +343,7 @@ impl Serialize for NamedDifferences<'_> {
                 map.serialize_entry("contacts", &contacts)?;
             }
         }
-        if !self.layout.fingers.is_empty() {
+        if !self.schema.fingers.is_empty() {
             map.serialize_entry("loop_gap_m", &self.found.loop_gap_m)?;
         }
         map.serialize_entry("energy_created_j", &self.found.energy_created_j)?;
@@ -372,11 +371,11 @@ const OMITTED_FOR_DISCS: &str =
 pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
     let is_finger = scene.kind() == SceneKind::Finger;
     // The first column is the time.
-    let all = columns(&Layout::from_system(&scene.system)).into_iter().skip(1);
-    let all: Vec<Column> = match scene.kind() {
+    let all = Schema::from_system(&scene.system).channels().into_iter().skip(1);
+    let all: Vec<Channel> = match scene.kind() {
         SceneKind::Finger => {
-            let position = |column: &Column| FINGER_COLUMNS.split(' ').position(|name| name == column.name);
-            let mut shown: Vec<Column> = all.filter(|column| position(column).is_some()).collect();
+            let position = |column: &Channel| FINGER_COLUMNS.split(' ').position(|name| name == column.name);
+            let mut shown: Vec<Channel> = all.filter(|column| position(column).is_some()).collect();
             shown.sort_by_key(position);
             shown
         }
@@ -385,13 +384,13 @@ pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engin
         }
         SceneKind::Gripper => all.collect(),
     };
-    let value = |column: &Column, sample: &Sample| match column.value(sample) {
+    let value = |column: &Channel, sample: &Sample| match column.value(sample) {
         angle_rad if is_finger && column.name.starts_with('q') && column.name.ends_with("_rad") => {
             wrap_angle(angle_rad)
         }
         value => value,
     };
-    let headers = all.iter().map(|Column { name, .. }| format!(",{name}_analytic,{name}_engine"));
+    let headers = all.iter().map(|Channel { name, .. }| format!(",{name}_analytic,{name}_engine"));
     writeln!(out, "time_s{}", headers.collect::<String>())?;
     let (numeric_hz, end_s) = (scene.log.numeric_hz, analytic.outcome.last.time_s);
     let mut cursors = [0, 0];

@@ -6,7 +6,7 @@ use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution}
 use crate::format::report::{Report, Table, ToReport, table, table_of};
 use crate::invariants::Finding;
 use crate::scene::DiscMotion;
-use crate::trace::columns::columns;
+
 use crate::trace::{ContactSummary, Model};
 use crate::units::Dimension;
 use crate::validate::{
@@ -51,7 +51,7 @@ impl ValidationReport<'_> {
     }
 
     fn finger_count(&self) -> usize {
-        self.layout.fingers.len()
+        self.schema.fingers.len()
     }
 }
 
@@ -180,31 +180,31 @@ const CONTACTS: [ContactRow; 5] = [
 /// Returns a table of the final state, the contacts and the energies of both models, with their differences. A single
 /// finger shows all contacts, other scenes those that occurred.
 fn side_by_side(report: &ValidationReport) -> Report {
-    let ValidationReport { scene, layout, validation, .. } = report;
-    let columns = columns(layout);
+    let ValidationReport { scene, schema, validation, .. } = report;
+    let channels = schema.channels();
     let runs = [&validation.reference.outcome, &validation.engine.outcome];
     let end_s = if report.finger_count() == 0 { validation.until_s } else { scene.duration_s };
     let mut rows = vec![row([&format!("at {}", format_duration(end_s)), "analytic", "engine", "difference"])];
     let states = |component: &str, shown: &[StateRow]| -> Vec<Vec<String>> {
         let prefix = if component.is_empty() { String::new() } else { format!("{component}_") };
         let state = |&(name, label, scale, digits): &StateRow| {
-            let column = columns.iter().find(|column| column.name == format!("{prefix}{name}"))?;
-            let [analytic, engine] = runs.map(|run| zero_below_resolution(column.value(&run.last), Dimension::Length));
+            let channel = channels.iter().find(|channel| channel.name == format!("{prefix}{name}"))?;
+            let [analytic, engine] = runs.map(|run| zero_below_resolution(channel.value(&run.last), Dimension::Length));
             let difference = if scale == DEGREES { wrap_angle(engine - analytic) } else { engine - analytic };
             let analytic = if scale == DEGREES { wrap_angle(analytic) } else { analytic };
             Some(line(component, label, [analytic, difference].map(|value| value * scale), digits))
         };
         shown.iter().filter_map(state).collect()
     };
-    layout.fingers.iter().for_each(|finger| rows.extend(states(finger, &STATES)));
+    schema.fingers.iter().for_each(|finger| rows.extend(states(finger, &STATES)));
     let is_fixed =
         |name: &str| scene.system.discs.iter().any(|disc| disc.name == name && disc.motion == DiscMotion::Fixed);
     let is_moving = |name: &&String| !is_fixed(name);
-    layout.bodies.iter().filter(is_moving).for_each(|body| rows.extend(states(body, &STATES)));
-    for index in layout.surfaces() {
+    schema.bodies.iter().filter(is_moving).for_each(|body| rows.extend(states(body, &STATES)));
+    for index in schema.surfaces() {
         let [Some(analytic), Some(engine)] = runs.map(|run| run.contacts.get(index)) else { continue };
         if report.finger_count() == 1 || analytic.touchdowns + engine.touchdowns > 0 {
-            let name = &layout.contacts[index].name;
+            let name = &schema.contacts[index].name;
             rows.extend(states(name, &STATES));
             rows.extend(CONTACTS.iter().filter_map(|(label, scale, digits, value)| {
                 let [analytic, engine] = [value(analytic)?, value(engine)?].map(|value| value * scale);
@@ -270,12 +270,12 @@ fn statistics(found: &Statistics) -> Report {
 }
 
 fn settings(report: &ValidationReport, options: LadderOptions) -> Report {
-    let (layout, ladder) = (&report.layout, &report.validation.ladder);
+    let (schema, ladder) = (&report.schema, &report.validation.ladder);
     let mut rows = vec![
         row(["speed against error", "runs", "steps", "wall, ms", "× real", "× everyday"]),
         row(["", "", "", "", "time", "analytic"]),
     ];
-    for (figure, _) in figures(&TOTAL, layout, None, 0) {
+    for (figure, _) in figures(&TOTAL, schema, None, 0) {
         for (line, part) in rows.iter_mut().zip(figure.1.split_inclusive(' ')) {
             line.push(part.trim_end().to_string());
         }
@@ -294,7 +294,7 @@ fn settings(report: &ValidationReport, options: LadderOptions) -> Report {
             Some(steps) => {
                 let runs = if setting.is_reference { "–".to_string() } else { setting.ensemble_runs.to_string() };
                 let cost = [wall_s.map(|wall_s| wall_s * 1e3), real_time_factor, analytic_factor];
-                let errors = figures(&TOTAL, layout, setting.differences.as_ref(), 0);
+                let errors = figures(&TOTAL, schema, setting.differences.as_ref(), 0);
                 let cells = [name, runs, steps.to_string()].into_iter().chain(cost.map(|value| number(value, 3)));
                 cells.chain(errors.map(|(figure, value)| figure.cell(value))).collect()
             }

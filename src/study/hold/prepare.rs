@@ -99,7 +99,7 @@ struct RestDetector {
 
 impl Sink for RestDetector {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let [x, y] = sample.bodies[0].velocity_m_s;
+        let [x, y] = sample.body(0).velocity_m_s;
         let is_at_rest = hypot(x, y) < REST_SPEED_M_S;
         self.rest_start_s = is_at_rest.then(|| self.rest_start_s.unwrap_or(sample.time_s));
         self.tracker.sample(sample)

@@ -192,7 +192,7 @@ fn set_closing(cells: &mut Cells, tracker: &Tracker, grasp: &StaticGrasp, outcom
     cells.set("class", criteria.class.name());
     cells.set("class_reason", criteria.class_reason.to_string());
     let contacts = [FingerContact::Proximal, FingerContact::Distal];
-    let forces_n = contacts.map(|contact| outcome.last.contact(contact).normal_n);
+    let forces_n = contacts.map(|contact| outcome.last.finger_contact(contact).normal_n);
     let peaks_n = contacts.map(|contact| outcome.finger_contact(contact).peak_normal_n);
     cells.set_all([("f21_n", forces_n[0]), ("f22_n", forces_n[1])]);
     cells.set("pfp_n", palm_force_with_mu(&grasp.end, forces_n, grasp.mu_static));
@@ -225,7 +225,7 @@ struct GripperSink {
 
 impl Sink for GripperSink {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, passive: true, peaks: true }
+        RequiredData { energies: false, joint_forces: false, passive: true, peaks: true }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -273,7 +273,7 @@ fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &GraspCriteria, outcome
     cells.set("slip_rad", criteria.slip.map(|slip| slip.rotation_rad));
     cells.set("contacts_lost", criteria.contacts.iter().map(|contact| i64::from(contact.times_lost)).sum::<i64>());
     cells.set("form_closed", is_form_closed(scene, last).filter(|_| criteria.fate == Fate::Held));
-    for ((contact, summary), last) in GripperContact::ALL.into_iter().zip(&outcome.contacts).zip(&last.contacts) {
+    for ((contact, summary), last) in GripperContact::ALL.into_iter().zip(&outcome.contacts).zip(last.contacts()) {
         if contact.is_stop() || !last.gap_m.is_finite() {
             continue;
         }

@@ -5,12 +5,12 @@ use std::io::Cursor;
 use phalanx::criteria::{FinalAngles, Tracker};
 use phalanx::log::{self, LogSink};
 use phalanx::report::replay::LogObserver;
-use phalanx::trace::{Event, Layout, Sample, Sink, SinkError};
+use phalanx::trace::{Event, Sample, Schema, Sink, SinkError};
 
 /// The consumer of `phalanx replay`, with checks of its input.
 #[derive(Default)]
 struct CheckingSink {
-    layout: Layout,
+    schema: Schema,
     observer: LogObserver,
     /// Criteria of a single finger.
     tracker: Option<Tracker>,
@@ -20,11 +20,11 @@ struct CheckingSink {
 }
 
 impl LogSink for CheckingSink {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.layout = layout.clone();
-        self.observer.layout(layout)?;
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
+        self.schema = schema.clone();
+        self.observer.schema(schema)?;
         let angles = FinalAngles { q11_rad: 0.03, q21_rad: 1.13 };
-        self.tracker = (layout.fingers.len() == 1).then(|| Tracker::new(angles));
+        self.tracker = (schema.fingers.len() == 1).then(|| Tracker::new(angles));
         Ok(())
     }
 
@@ -32,15 +32,13 @@ impl LogSink for CheckingSink {
         assert!(sample.time_s >= self.latest_s);
         self.latest_s = sample.time_s;
         self.samples += 1;
-        let Layout { fingers, bodies, contacts } = &self.layout;
-        assert_eq!((sample.bodies.len(), sample.contacts.len()), (bodies.len(), contacts.len()));
-        assert_eq!(sample.fingers.len(), fingers.len());
+        assert_eq!(sample.counts(), self.schema.counts());
         self.observer.sample(sample)?;
         self.tracker.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        assert!(event.time_s.is_finite() && event.contact < self.layout.contacts.len());
+        assert!(event.time_s.is_finite() && event.contact < self.schema.contacts.len());
         self.events += 1;
         self.observer.event(event)?;
         self.tracker.event(event)

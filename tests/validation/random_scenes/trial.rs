@@ -145,13 +145,13 @@ fn check_last_states(bytes: &[u8], scene: &Scene, last: &Sample) -> Result<(), S
         let message = message.map_err(|error| error.to_string())?;
         latest.insert(message.channel.topic.clone(), message);
     }
-    for (disc, state) in scene.system.discs.iter().zip(&last.bodies) {
+    for (disc, state) in scene.system.discs.iter().zip(last.bodies()) {
         let message = latest.get(&format!("/disc/{}", disc.name)).ok_or("a disc without a message")?;
         let schema = message.channel.schema.as_ref().ok_or("a channel without a schema")?;
         let pool = DescriptorPool::decode(&schema.data[..]).map_err(|error| error.to_string())?;
         let descriptor = pool.get_message_by_name(&schema.name).ok_or("a schema without its message")?;
         let decoded = DynamicMessage::decode(descriptor, &message.data[..]).map_err(|error| error.to_string())?;
-        let BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s } = *state;
+        let BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s } = state;
         let expected = [last.time_s, x, y, angle_rad, vx, vy, spin_rad_s];
         let fields = ["timestamp", "x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "spin_rad_s"];
         for (field, expected) in fields.into_iter().zip(expected) {

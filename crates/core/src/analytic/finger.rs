@@ -1,15 +1,16 @@
 //! The mechanics of one finger in its own frame: links, spring and laws. The motion of the object is prescribed by the
 //! caller.
 
-use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
+use crate::fivebar::dynamics::{AccelerationField, Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
+use crate::fivebar::joint_forces::{LinkLoads, LinkMotion, joint_forces};
 use crate::fivebar::kinematics::{
-    Capsule, ClosestPoints, Directions, PassiveRates, SpringModel, closest_points, directions, passive_rates,
-    reference_gamma,
+    Capsule, ClosestPoints, Directions, PassiveBias, PassiveRates, SpringModel, closest_points, directions,
+    passive_bias, passive_rates, reference_gamma,
 };
-use crate::gripper::{Assembly, FingerContact};
+use crate::gripper::{Assembly, Finger, FingerContact};
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, angle_between, dot, opening_angle, perp, rotate, scale_by, sub};
+use crate::numeric::plane::{Vector, add, angle_between, cross, dot, opening_angle, perp, rotate, scale_by, sub};
 use crate::numeric::{Dual, Real, map_array};
 use crate::scene::{DrivenFinger, FingerContactLaws};
 use crate::shape::{PlacedShape, Support};
@@ -25,6 +26,8 @@ pub(crate) struct FingerModel {
     pub(super) limit: Option<NormalLaw>,
     pub(super) contacts: FingerContactLaws,
     distal: DistalShape,
+    links: Finger,
+    gravity_m_s2: [f64; 2],
 }
 
 impl FingerModel {
@@ -45,6 +48,8 @@ impl FingerModel {
             limit: *limit,
             contacts: *contact,
             distal: DistalShape { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
+            links: *linkage,
+            gravity_m_s2,
         }
     }
 
@@ -133,6 +138,42 @@ impl FingerModel {
     /// Gravity and spring energy in a pose, J.
     pub(super) fn potential_energies(&self, pose: &Directions<f64>) -> [f64; 2] {
         [gravity_energy(&self.dynamics, pose), self.spring.as_ref().map_or(0.0, |spring| spring.energy(pose))]
+    }
+
+    /// Forces in the joints, in the order of [`joint_forces`], at the accelerations of q11 and q21. `contact_forces` are
+    /// the forces on both phalanges with their contact points; `field` is added to gravity.
+    pub(crate) fn joint_forces(
+        &self,
+        (q, v, accelerations): ([f64; 2], [f64; 2], [f64; 2]),
+        (ground_m, field): ([f64; 2], AccelerationField),
+        contact_forces: impl Iterator<Item = (FingerContact, [[f64; 2]; 2])>,
+    ) -> [[f64; 2]; 5] {
+        let (pose, passive) = self.kinematics(q);
+        let rates = absolute_rates(&passive, v);
+        let PassiveBias { b3, b4 } = passive_bias(&self.dynamics.lengths, &pose, &passive);
+        let squares = rates.map(|rate| rate * rate);
+        let bias = |row: [f64; 4]| row.iter().zip(squares).map(|(factor, square)| factor * square).sum::<f64>();
+        let [first, second] = accelerations;
+        let absolute =
+            [first, second, dot(passive.a3, accelerations) + bias(b3), dot(passive.a4, accelerations) + bias(b4)];
+        let mut loads = LinkLoads {
+            field: AccelerationField { uniform: add(self.gravity_m_s2, field.uniform), ..field },
+            torques_n_m: self.spring.map_or([0.0; 2], |spring| spring.link_torques(&pose)),
+            ..LinkLoads::default()
+        };
+        let distal_joint = add(ground_m, scale_by(pose.e2, self.dynamics.lengths.l21_m));
+        for (contact, [force, point]) in contact_forces {
+            match contact {
+                FingerContact::Proximal => loads.proximal_n = add(loads.proximal_n, force),
+                FingerContact::Distal => {
+                    loads.distal_n = add(loads.distal_n, force);
+                    loads.distal_moment_n_m += cross(sub(point, distal_joint), force);
+                }
+                // The torque of the joint limit.
+                FingerContact::Limit => loads.torques_n_m[1] += force[0],
+            }
+        }
+        joint_forces(&self.links, ground_m, &pose, &LinkMotion { rates, accelerations: absolute }, &loads)
     }
 
     /// Angles and rates of the passive joints (2.2), (2.8).

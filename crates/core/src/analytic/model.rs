@@ -5,7 +5,7 @@
 
 use super::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
 use super::mode::ContactState;
-use crate::fivebar::dynamics::{Terms, kinetic_energy, solve_mass, terms};
+use crate::fivebar::dynamics::{AccelerationField, Terms, kinetic_energy, solve_mass, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
@@ -264,6 +264,20 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         let [gravity, spring] = self.finger.potential_energies(pose);
         let kinetic = kinetic_energy(&terms(&self.finger.dynamics, *pose).mass, finger_coordinates(&v));
         Energies { kinetic, gravity, spring, elastic }
+    }
+
+    /// Forces in the joints, in the order of [`joint_forces`](crate::fivebar::joint_forces::joint_forces).
+    /// `contact_forces` are those of this state, with their points.
+    pub(crate) fn joint_forces(
+        &self,
+        t: f64,
+        state: &State<N, QUADRATURES>,
+        mode: &FingerMode,
+        contact_forces: impl Iterator<Item = (FingerContact, [[f64; 2]; 2])>,
+    ) -> [[f64; 2]; 5] {
+        let accelerations = finger_coordinates(&self.rates(t, &state.q, &state.v, mode).a);
+        let motion = (finger_coordinates(&state.q), finger_coordinates(&state.v), accelerations);
+        self.finger.joint_forces(motion, ([0.0; 2], AccelerationField::default()), contact_forces)
     }
 
     /// Motor torque at time `t`, in N·m.

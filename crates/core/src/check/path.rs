@@ -9,8 +9,9 @@ use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Disc, DiscMotion, Integrator, Keyword, Method, Scene, Stepping, System, scaled};
 use crate::shape::max_radius;
+use crate::trace::schema::State;
 use crate::trace::{
-    self, BodyState, Channels, Energy, Event, Layout, Model, Outcome, RequiredData, RunError, Sample, Sink, SinkError,
+    self, BodyState, Energy, Event, Model, Outcome, RequiredData, RunError, Sample, Schema, Sink, SinkError,
 };
 
 /// Number of grid intervals. Errors can appear and vanish within a hundredth of a run.
@@ -65,9 +66,9 @@ struct PathRecorder<'a> {
 /// Returns the compared coordinates: angles of fingers and centres of bodies. Passive angles can jump by a turn; each
 /// angle is shifted by turns to the value nearest to the previous point's angle.
 fn coordinates(sample: &Sample, previous: Option<&Vec<f64>>) -> Vec<f64> {
-    let angles = sample.fingers.iter().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
+    let angles = sample.fingers().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
     let unwrap = |(index, angle)| previous.map_or(angle, |previous| nearest_equivalent_angle(angle, previous[index]));
-    let centres = sample.bodies.iter().flat_map(|body| body.centre_m);
+    let centres = sample.bodies().flat_map(|body| body.centre_m);
     angles.enumerate().map(unwrap).chain(centres).collect()
 }
 
@@ -78,11 +79,11 @@ impl Sink for PathRecorder<'_> {
         let is_on_grid = (sample.time_s - next).abs() <= 1e-9 * self.interval_s;
         if is_on_grid && points.len() <= GRID_INTERVALS as usize {
             points.push(coordinates(sample, points.last()));
-            energies.extend(audit.map(|_| sample.energy));
+            energies.extend(audit.map(|_| sample.energy()));
         }
-        let speeds = sample.bodies.iter().map(|BodyState { velocity_m_s: [x, y], .. }| hypot(*x, *y));
+        let speeds = sample.bodies().map(|BodyState { velocity_m_s: [x, y], .. }| hypot(x, y));
         *speed_m_s = speeds.fold(*speed_m_s, f64::max);
-        audit.iter_mut().for_each(|audit| audit.record(sample.time_s, &sample.energy));
+        audit.iter_mut().for_each(|audit| audit.record(sample.time_s, &sample.energy()));
         self.rebounds.sample(sample)?;
         self.sink.sample(sample)
     }
@@ -94,7 +95,7 @@ impl Sink for PathRecorder<'_> {
 
     /// Requires passive angles because grid points contain them.
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: self.path.audit.is_some(), passive: true, peaks: false }
+        RequiredData { energies: self.path.audit.is_some(), joint_forces: false, passive: true, peaks: false }
     }
 
     fn should_continue(&self) -> bool {
@@ -315,12 +316,12 @@ pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn
         // The recorder never fails. If the other sink fails, its caller handles the error.
         Err(RunError::Sink(_)) => (Outcome::default(), None),
     };
-    let surfaces: Vec<usize> = Layout::from_system(&scene.system).surfaces().collect();
+    let surfaces: Vec<usize> = Schema::from_system(&scene.system).surfaces().collect();
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
-    let forces = surfaces.iter().filter_map(|index| outcome.last.contacts.get(*index));
+    let forces = surfaces.iter().filter_map(|index| outcome.last.contacts().nth(*index));
     Path {
         last: coordinates(&outcome.last, recorder.path.points.last()),
-        energy: outcome.last.energy,
+        energy: outcome.last.energy(),
         rebounds: recorder.rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
         loop_gap_m: outcome.loop_gap_m,
         ejected: outcome.ejected_s.is_some(),

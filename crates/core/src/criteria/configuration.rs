@@ -14,15 +14,15 @@ use crate::trace::{ContactSample, FingerState, Sample};
 
 /// Returns the configuration of fingers and object in a sample.
 pub fn grasp_configuration<'a>(scene: &'a Scene, sample: &Sample) -> GraspConfiguration<'a> {
-    let angles = |FingerState { q11_rad, q21_rad, .. }: &FingerState| [*q11_rad, *q21_rad];
+    let angles = |FingerState { q11_rad, q21_rad, .. }: FingerState| [q11_rad, q21_rad];
     GraspConfiguration {
         fingers: Side::BOTH.map(|side| &scene.system.finger(side).linkage),
-        angles_rad: Side::BOTH.map(|side| angles(&sample.fingers[side as usize])),
+        angles_rad: Side::BOTH.map(|side| angles(sample.finger(side as usize))),
         palm_width_m: scene.system.palm_width_m,
         object: PlacedShape {
             shape: scene.system.grasped().shape,
-            centre_m: sample.bodies[0].centre_m,
-            angle_rad: sample.bodies[0].angle_rad,
+            centre_m: sample.body(0).centre_m,
+            angle_rad: sample.body(0).angle_rad,
         },
     }
 }
@@ -30,7 +30,7 @@ pub fn grasp_configuration<'a>(scene: &'a Scene, sample: &Sample) -> GraspConfig
 /// Returns the normal forces of phalanges and palm in a sample, N.
 pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
     let force = |required: GripperContact| {
-        let all = GripperContact::ALL.into_iter().zip(&sample.contacts);
+        let all = GripperContact::ALL.into_iter().zip(sample.contacts());
         all.filter(|(contact_id, _)| *contact_id == required).map(|(_, contact)| contact.normal_n).sum()
     };
     let phalanges = |side| {
@@ -68,7 +68,7 @@ pub(super) fn selected_force_closure(
     sample: &Sample,
     is_selected: impl Fn(usize, &ContactSample) -> bool,
 ) -> ForceClosure {
-    let friction_contact = |(index, (contact_id, contact)): (usize, (GripperContact, &ContactSample))| {
+    let friction_contact = |(index, (contact_id, contact)): (usize, (GripperContact, ContactSample))| {
         let mu = match contact_id {
             GripperContact::Finger(side, FingerContact::Proximal) => friction.phalanges[side as usize][0],
             GripperContact::Finger(side, FingerContact::Distal) => friction.phalanges[side as usize][1],
@@ -77,11 +77,11 @@ pub(super) fn selected_force_closure(
         };
         // Normals of a sample point away from the object.
         let push = contact.normal.map(|component| -component);
-        is_selected(index, contact).then_some(FrictionContact { point_m: contact.point_m, push, mu })
+        is_selected(index, &contact).then_some(FrictionContact { point_m: contact.point_m, push, mu })
     };
-    let all = GripperContact::ALL.into_iter().zip(&sample.contacts).enumerate();
+    let all = GripperContact::ALL.into_iter().zip(sample.contacts()).enumerate();
     let contacts: Vec<FrictionContact> = all.filter_map(friction_contact).collect();
-    force_closure(&contacts, sample.bodies[0].centre_m, object_m)
+    force_closure(&contacts, sample.body(0).centre_m, object_m)
 }
 
 /// Whether drives resist being driven back while the palm is accelerated.
@@ -111,7 +111,7 @@ pub struct GraspState<'a> {
 }
 
 pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
-    let is_at_limit = |side| sample.contacts[GripperContact::Finger(side, FingerContact::Limit).index()].normal_n > 0.0;
+    let is_at_limit = |side| sample.contact(GripperContact::Finger(side, FingerContact::Limit).index()).normal_n > 0.0;
     GraspState {
         configuration: grasp_configuration(scene, sample),
         active: normal_forces(sample).map(|normal_n| normal_n > 0.0),

@@ -241,7 +241,7 @@ impl TrackerState {
         }
         for (side, brake_slip) in self.history.brake_slip.iter_mut().enumerate() {
             if self.setup.cycle.blocked_s[side].is_some_and(|start| segment.to_s >= start) {
-                let angle = segment.next.fingers.get(side).map_or(0.0, |finger| finger.q11_rad);
+                let angle = segment.next.fingers().nth(side).map_or(0.0, |finger| finger.q11_rad);
                 let (first, largest) = brake_slip.get_or_insert((angle, 0.0));
                 *largest = largest.max((angle - *first).abs());
             }
@@ -251,7 +251,7 @@ impl TrackerState {
     /// Returns whether active phalanges are on both sides, by their normals at the end of a segment.
     fn has_contacts_on_both_sides(&self, next: &Sample) -> bool {
         let has_contact_from = |sign: f64| {
-            let mut contacts = GripperContact::ALL.iter().zip(&self.history.contacts).zip(&next.contacts);
+            let mut contacts = GripperContact::ALL.iter().zip(&self.history.contacts).zip(next.contacts());
             contacts.any(|((id, history), contact)| {
                 is_phalanx(*id) && history.active_since.is_some() && sign * contact.normal[0] > 0.0
             })
@@ -315,7 +315,7 @@ impl TrackerState {
         let is_surface = |contact: &GripperContact| !matches!(contact, GripperContact::Finger(_, FingerContact::Limit));
         let has_touched =
             GripperContact::ALL.iter().zip(segment.has_touched).any(|(id, has_touched)| has_touched && is_surface(id));
-        let is_in_reach = !reach.is_outside(&segment.next.bodies[0]);
+        let is_in_reach = !reach.is_outside(&segment.next.body(0));
         if self.history.is_in_reach && !is_in_reach && has_touched {
             self.history.ejected_s.get_or_insert(segment.to_s);
         }
@@ -352,14 +352,14 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
     type Interpolant = [Hermite; 3];
 
     fn begin(&mut self, first: &Sample) {
-        let object = first.bodies[0];
+        let object = first.body(0);
         let pose = Pose { position_m: object.centre_m, angle_rad: object.angle_rad };
         self.history.start = Some((object, TravelSince::new(first.time_s, pose)));
         self.history.is_in_reach = self.setup.reach.is_some_and(|reach| !reach.is_outside(&object));
     }
 
     fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 3] {
-        let ([from, to], [t0, t1]) = ([&last.bodies[0], &next.bodies[0]], [last.time_s, next.time_s]);
+        let ([from, to], [t0, t1]) = ([last.body(0), next.body(0)], [last.time_s, next.time_s]);
         let within = |time: &f64| *time > t0 && *time < t1;
         cuts_s
             .extend([self.setup.cycle.motion_start_s, self.setup.cycle.release_s].into_iter().flatten().filter(within));
@@ -521,7 +521,7 @@ impl GraspTracker {
             held_since_s: history.held_since_s,
             fate: state.fate(),
             start: *start,
-            end: end.bodies[0],
+            end: end.body(0),
             travel: since_start.travel,
             slip: stable.map(|since| since.travel),
             cycle: CycleCriteria {
@@ -537,7 +537,7 @@ impl GraspTracker {
 
 impl Sink for GraspTracker {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, passive: false, peaks: true }
+        RequiredData { energies: false, joint_forces: false, passive: false, peaks: true }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -607,7 +607,7 @@ mod tests {
                 ContactSample { gap_m: 1e-3 * (1.0 - normal_n), normal_n, normal, point_m, ..ContactSample::NONE }
             };
             let contacts = GripperContact::ALL.map(contact).to_vec();
-            Sample { time_s, bodies: vec![(self.object)(time_s)], contacts, ..Sample::default() }
+            Sample::of(time_s, &[], &[(self.object)(time_s)], &contacts)
         }
 
         fn evaluate(&self) -> GraspCriteria {

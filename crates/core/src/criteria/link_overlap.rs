@@ -103,8 +103,8 @@ impl LinkOverlaps {
     }
 
     fn check_sample(&mut self, sample: &Sample) {
-        let [Some(right), Some(left)] = [0, 1].map(|side| sample.fingers.get(side)) else { return };
-        let axes = [self.axes(Side::Right, right), self.axes(Side::Left, left)];
+        let [Some(right), Some(left)] = [0, 1].map(|side| sample.fingers().nth(side)) else { return };
+        let axes = [self.axes(Side::Right, &right), self.axes(Side::Left, &left)];
         let pose = self.palm_motion.as_ref().map(|motion| motion.pose(sample.time_s).position).unwrap_or_default();
         for (side, axes) in Side::BOTH.into_iter().zip(&axes) {
             let half_width_m = self.lengths[side as usize].half_width_m;

@@ -138,7 +138,7 @@ impl Tracker {
     pub fn criteria(&self, static_forces_n: Option<[f64; 2]>) -> Option<Criteria> {
         let TrackerState { t_geo_s, stable_since_s, lost_s, deviation_rad, .. } = self.state;
         let (last, evaluated_rad) = (self.segments.last()?, deviation_rad?);
-        let deviation_rad = self.state.deviation_rad(last.finger().q11_rad, last.finger().q21_rad);
+        let deviation_rad = self.state.deviation_rad(last.finger(0).q11_rad, last.finger(0).q21_rad);
         // A crossing of the limit at the end must not contradict the evaluation of the last segment.
         let deviation_rad =
             [0, 1].map(|joint| match is_in_position(deviation_rad[joint]) == is_in_position(evaluated_rad[joint]) {
@@ -203,7 +203,7 @@ impl SegmentObserver<2> for TrackerState {
     type Interpolant = [Hermite; 2];
 
     fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 2] {
-        let ([from, to], [t0, t1]) = ([last.finger(), next.finger()], [last.time_s, next.time_s]);
+        let ([from, to], [t0, t1]) = ([last.finger(0), next.finger(0)], [last.time_s, next.time_s]);
         let q11 = Hermite::new((t0, from.q11_rad, from.qd11_rad_s), (t1, to.q11_rad, to.qd11_rad_s));
         let q21 = Hermite::new((t0, from.q21_rad, from.qd21_rad_s), (t1, to.q21_rad, to.qd21_rad_s));
         for (angle, target) in [(&q11, self.target.q11_rad), (&q21, self.target.q21_rad)] {
@@ -246,7 +246,7 @@ impl SegmentObserver<2> for TrackerState {
 
 impl Sink for Tracker {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, passive: false, peaks: true }
+        RequiredData { energies: false, joint_forces: false, passive: false, peaks: true }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -96,12 +96,12 @@ impl Rebounds {
 impl Sink for Rebounds {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.time_s = sample.time_s;
-        let speeds = sample.bodies.iter().map(|body| hypot(body.velocity_m_s[0], body.velocity_m_s[1]));
+        let speeds = sample.bodies().map(|body| hypot(body.velocity_m_s[0], body.velocity_m_s[1]));
         let fastest_m_s = speeds.fold(0.0, f64::max);
         for pair in &mut self.pairs {
             pair.fastest_m_s = pair.fastest_m_s.max(fastest_m_s);
         }
-        for ((pair, rate), contact) in self.pairs.iter_mut().zip(&mut self.rates_m_s).zip(&sample.contacts) {
+        for ((pair, rate), contact) in self.pairs.iter_mut().zip(&mut self.rates_m_s).zip(sample.contacts()) {
             *rate = contact.gap_rate_m_s;
             if std::mem::take(&mut pair.awaits_separation) {
                 pair.separation_m_s = Some(contact.gap_rate_m_s);
@@ -143,7 +143,7 @@ mod tests {
 
     fn sample(time_s: f64, gap_rate_m_s: f64) -> Sample {
         let contacts = vec![ContactSample { gap_rate_m_s, ..ContactSample::NONE }];
-        Sample { time_s, contacts, ..Sample::default() }
+        Sample::of(time_s, &[], &[], &contacts)
     }
 
     fn event(time_s: f64, kind: EventKind, approach_speed: f64) -> Event {

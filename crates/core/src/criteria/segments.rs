@@ -66,9 +66,9 @@ impl<const K: usize> SegmentSplitter<K> {
     fn is_active(&self, contact: usize, last: &Sample, next: &Sample, time_s: f64, lifts_off: bool) -> bool {
         let threshold_n = self.threshold_n.filter(|_| self.events.iter().all(|event| event.contact != contact));
         let Some(threshold_n) = threshold_n else {
-            return self.contacts[contact].is_active_until(&next.contacts[contact], lifts_off);
+            return self.contacts[contact].is_active_until(&next.contact(contact), lifts_off);
         };
-        let [from_n, to_n] = [last, next].map(|sample| sample.contacts[contact].normal_n);
+        let [from_n, to_n] = [last, next].map(|sample| sample.contact(contact).normal_n);
         let fraction = if from_n > 0.0 { (time_s - last.time_s) / (next.time_s - last.time_s) } else { 1.0 };
         from_n + fraction * (to_n - from_n) > threshold_n
     }
@@ -87,7 +87,7 @@ impl<const K: usize> SegmentSplitter<K> {
     /// Adds a sample and passes the segments up to it to the observer.
     pub fn sample(&mut self, sample: &Sample, observer: &mut impl SegmentObserver<K>) {
         let Some(mut last) = self.last.take() else {
-            for (state, contact) in self.contacts.iter_mut().zip(&sample.contacts) {
+            for (state, contact) in self.contacts.iter_mut().zip(sample.contacts()) {
                 if contact.gap_m < 0.0 {
                     state.touch_down();
                 }
@@ -111,7 +111,7 @@ impl<const K: usize> SegmentSplitter<K> {
     }
 
     fn update(&mut self, sample: &Sample) {
-        self.contacts.iter_mut().zip(&sample.contacts).for_each(|(state, contact)| state.update(contact));
+        self.contacts.iter_mut().zip(sample.contacts()).for_each(|(state, contact)| state.update(&contact));
     }
 
     fn step(&mut self, last: &Sample, next: &Sample, observer: &mut impl SegmentObserver<K>) {
@@ -120,7 +120,7 @@ impl<const K: usize> SegmentSplitter<K> {
         let interpolant = observer.interpolate(last, next, &mut cuts_s);
         cuts_s.extend(self.events.iter().map(|event| event.time_s.clamp(last.time_s, next.time_s)));
         if let Some(threshold_n) = self.threshold_n {
-            let forces = last.contacts.iter().zip(&next.contacts).take(K);
+            let forces = last.contacts().zip(next.contacts()).take(K);
             let fractions = forces.filter_map(|(from, to)| threshold_crossing(threshold_n, from.normal_n, to.normal_n));
             cuts_s.extend(fractions.map(|fraction| last.time_s + fraction * (next.time_s - last.time_s)));
         }

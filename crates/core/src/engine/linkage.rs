@@ -265,6 +265,11 @@ impl Linkage {
         self.accelerate(forces, driven, out);
     }
 
+    /// Returns the forces of the pins on their second bodies, after a call of [`Linkage::accelerations`].
+    pub(crate) fn pin_forces(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.multipliers.chunks_exact(2).take(self.pins).map(|pair| [pair[0], pair[1]])
+    }
+
     /// Computes the accelerations that rapier produces from the same forces in a step of `dt` from rest, given the pin
     /// openings it starts with: J a = −2 open/dt², so that half a step closes them.
     pub(crate) fn accelerations_closing(

@@ -94,6 +94,8 @@ pub struct Motion<'a> {
     /// Pin openings with the anchor correction, and the corrections.
     open: Vec<[f64; 2]>,
     overshoot: Vec<[f64; 2]>,
+    /// Forces of the pins on their second bodies at the node, N; see [`Motion::update_pin_forces`].
+    pub pin_forces: Vec<[f64; 2]>,
     /// Largest opening acceleration of a pin at the node, see `Linkage::max_opening_acceleration`.
     pub opening_acceleration: f64,
     /// Largest pin opening that a step may leave because its mean velocities differ from the predicted ones, m.
@@ -136,6 +138,7 @@ impl<'a> Motion<'a> {
             bristle_states: vec![0.0; plan.first_motor() + plan.motors.len()],
             open: Vec::new(),
             overshoot: Vec::new(),
+            pin_forces: Vec::new(),
             opening_acceleration: 0.0,
             tolerance_m: f64::INFINITY,
             rate_correction: RateCorrection::default(),
@@ -405,6 +408,24 @@ impl<'a> Motion<'a> {
             .map(|(now, before)| hypot(now[0] - before[0], now[1] - before[1]));
         self.acceleration_change = changes.fold(0.0, f64::max);
         self.opening_acceleration = self.linkage.max_opening_acceleration(&self.velocities);
+    }
+
+    /// Computes the forces of the pins at the node, with all contacts, brakes and motors at the end of the last step.
+    pub fn update_pin_forces(&mut self) {
+        let now = self.clock.now();
+        self.impulse.copy_from_slice(&self.forces);
+        forces::add_speed_dependent_motors(self.plan, &self.velocities, now, &mut self.impulse);
+        let mut loads = std::mem::take(&mut self.impulse);
+        for candidate in self.candidates.iter().filter(|candidate| !matches!(candidate.source, Source::Motor(_))) {
+            let (normal, tangential) = self.forces(candidate.index);
+            candidate.normal_row.add_to(&mut loads, normal);
+            candidate.slip_row.add_to(&mut loads, tangential);
+        }
+        self.impulse = loads;
+        forces::driven_accelerations(self.plan, now, &mut self.driven);
+        let Self { linkage, impulse, velocities, driven, predicted_mean_velocities: unused, .. } = self;
+        linkage.accelerations(impulse, velocities, driven, unused);
+        refill(&mut self.pin_forces, self.linkage.pin_forces());
     }
 
     /// Shifts the joint anchors of rapier. It closes a joint along the tangent at the start of the step, so that the

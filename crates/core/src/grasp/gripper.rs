@@ -245,7 +245,7 @@ fn rest_sample(scene: &Scene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> 
     }
     let bodies = vec![BodyState { centre_m, angle_rad: scene.system.grasped().angle_rad, ..BodyState::default() }];
     let contacts = vec![trace::ContactSample::NONE; GripperContact::ALL.len()];
-    Ok(Sample { time_s: scene.duration_s, fingers, bodies, contacts, ..Sample::default() })
+    Ok(Sample::of(scene.duration_s, &fingers, &bodies, &contacts))
 }
 
 /// Returns which phalanges, and whether the palm, have a gap of at most `within_m` to the object.
@@ -258,7 +258,7 @@ fn contacts_within(scene: &Scene, points: &PerContact<ContactPoint>, within_m: f
 fn limits_reached(scene: &Scene, sample: &Sample) -> [bool; 2] {
     Side::BOTH.map(|side| {
         let finger = scene.system.finger(side);
-        let angle_from_straight_rad = sample.fingers[side as usize].q22_rad + finger.linkage.lengths.phi22_rad;
+        let angle_from_straight_rad = sample.finger(side as usize).q22_rad + finger.linkage.lengths.phi22_rad;
         finger.limit.is_some() && angle_from_straight_rad <= STRAIGHT_TOLERANCE_RAD
     })
 }
@@ -311,7 +311,7 @@ fn object_contacts(
     let mu = friction_coefficients(scene);
     let active = hand_contacts(scene).filter(|id| contact_value(&state.active, *id));
     let contacts = active.map(|id| {
-        let contact = &sample.contacts[id.index()];
+        let contact = sample.contact(id.index());
         // The tangent is mirrored on the left, but not in samples.
         let sign = if matches!(id, GripperContact::Finger(Side::Left, _)) { -1.0 } else { 1.0 };
         let forces_n = has_forces.then_some([contact.normal_n, sign * contact.tangential_n]);

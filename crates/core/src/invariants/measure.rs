@@ -4,7 +4,7 @@ use super::{Finding, Invariant, Tolerances, update_max};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::numeric::elementary::{hypot, pow};
 use crate::scene::{ContactId, DiscMotion, Scene, System};
-use crate::trace::{Channels, ContactSample, Energy, Model, Sample, Sink, SinkError};
+use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
 
 /// Tolerance for limits that hold in exact arithmetic; relative rounding error of the exchanged momentum.
 const ROUNDING: f64 = 1e-9;
@@ -235,7 +235,7 @@ fn max_depth(law: &NormalLaw, energy_j: f64) -> f64 {
 
 impl Sink for Invariants {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let (time_s, energy, non_finite) = (sample.time_s, &sample.energy, non_finite(sample));
+        let (time_s, energy, non_finite) = (sample.time_s, &sample.energy(), non_finite(sample));
         self.samples += 1;
         self.last_s = time_s;
         self.update(Invariant::Finite, None, time_s, non_finite as f64, 0.0);
@@ -249,10 +249,10 @@ impl Sink for Invariants {
         let available_j =
             (1.0 + ENERGY_SUM_TOLERANCE) * (supplied_j + released_j) + self.tolerances.energy * self.throughput_j;
         // An infinite gap belongs to a contact that the scene does not have.
-        let existing = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
+        let existing = sample.contacts().filter(|contact| contact.gap_m != f64::INFINITY);
         for (index, values) in existing.enumerate() {
-            self.contact(index, values, time_s, available_j);
-            self.friction(index, values, time_s);
+            self.contact(index, &values, time_s, available_j);
+            self.friction(index, &values, time_s);
         }
         self.momentum_balance.iter_mut().for_each(|balance| balance.record(sample));
         Ok(())
@@ -295,14 +295,9 @@ fn object(system: &System) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
 
 /// Number of values that are not finite. An infinite gap belongs to a missing contact and does not count.
 fn non_finite(sample: &Sample) -> usize {
-    let fingers = sample.fingers.iter().flat_map(Channels::values);
-    let bodies = sample.bodies.iter().flat_map(Channels::values);
-    let contacts = sample.contacts.iter().flat_map(|contact| {
-        let gap_m = if contact.gap_m == f64::INFINITY { 0.0 } else { contact.gap_m };
-        ContactSample { gap_m, ..*contact }.values()
-    });
-    let all = fingers.chain(bodies).chain(contacts).chain(sample.energy.values()).chain([sample.time_s]);
-    all.filter(|number| !number.is_finite()).count()
+    let missing_gaps = sample.contacts().filter(|contact| contact.gap_m == f64::INFINITY).count();
+    let all = sample.values().iter().chain([&sample.time_s]);
+    all.filter(|number| !number.is_finite()).count() - missing_gaps
 }
 
 /// A body that only contacts and gravity accelerate.
@@ -378,8 +373,8 @@ impl MomentumBalance {
     pub fn record(&mut self, sample: &Sample) {
         if let Some(last) = self.last.take() {
             self.add_weight(&last, sample);
-            for index in (0..sample.contacts.len()).filter(|index| !sample.is_stop(*index)) {
-                let ends = [(&last, &last.contacts[index]), (sample, &sample.contacts[index])];
+            for index in (0..sample.counts().contacts).filter(|index| !sample.is_stop(*index)) {
+                let ends = [(&last, &last.contact(index)), (sample, &sample.contact(index))];
                 self.add_contact(ends, self.friction_laws[index]);
             }
             self.subtract_momentum_change(&last, sample);
@@ -399,7 +394,7 @@ impl MomentumBalance {
     }
 
     fn subtract_momentum_change(&mut self, last: &Sample, sample: &Sample) {
-        let (before, after) = (&last.bodies[0], &sample.bodies[0]);
+        let (before, after) = (last.body(0), sample.body(0));
         for axis in 0..2 {
             self.unbalanced[axis] -= self.body.mass_kg * (after.velocity_m_s[axis] - before.velocity_m_s[axis]);
         }
@@ -415,7 +410,7 @@ impl MomentumBalance {
         let [from, to] = ends.map(|(sample, contact)| {
             let (normal, tangent, mu) = (contact.normal, contact.tangent(), friction_ratio(contact, friction));
             let force = [0, 1].map(|axis| -normal[axis] - mu * tangent[axis]);
-            let centre = sample.bodies[0].centre_m;
+            let centre = sample.body(0).centre_m;
             let lever = [0, 1].map(|axis| contact.point_m[axis] - centre[axis]);
             [force[0], force[1], lever[0] * force[1] - lever[1] * force[0]]
         });
@@ -423,7 +418,7 @@ impl MomentumBalance {
         for axis in 0..3 {
             self.unbalanced[axis] += impulse * 0.5 * (from[axis] + to[axis]);
         }
-        let (centre, point) = (ends[1].0.bodies[0].centre_m, ends[1].1.point_m);
+        let (centre, point) = (ends[1].0.body(0).centre_m, ends[1].1.point_m);
         let radius = hypot(point[0] - centre[0], point[1] - centre[1]);
         self.linear.uncertainty += impulse.abs() * hypot(change[0], change[1]);
         self.linear.exchanged += impulse.abs();

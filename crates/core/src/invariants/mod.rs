@@ -313,7 +313,7 @@ impl fmt::Display for EnergyViolation {
 
 impl Sink for EnergyAudit {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.record(sample.time_s, &sample.energy);
+        self.record(sample.time_s, &sample.energy());
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! Plausibility check of engine steps: open joints or unexplained energy end a run.
 
-use super::{Channels, Energy};
+use super::Energy;
+use super::schema::State;
 use crate::scene::{Stepping, System};
 
 /// Limits for adaptive steps: joint opening relative to the shortest link, and created energy relative to the supplied

@@ -135,7 +135,7 @@ impl ContactTracker {
 
 /// Updates the maxima of all contacts with a sample: by rounding, it can exceed the extrema found within steps.
 pub(super) fn update_summaries(trackers: &mut [ContactTracker], sample: &Sample) {
-    for (tracker, contact) in trackers.iter_mut().zip(&sample.contacts) {
+    for (tracker, contact) in trackers.iter_mut().zip(sample.contacts()) {
         tracker.summary.update(contact.force_and_penetration());
     }
 }

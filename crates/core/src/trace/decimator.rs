@@ -5,7 +5,7 @@
 //! the run itself.
 
 use super::grid::is_point;
-use super::{Event, Sample, Sink, SinkError};
+use super::{Event, RequiredData, Sample, Sink, SinkError};
 
 /// Smallest change of a contact force during an impact, per grid interval, as a fraction of the force.
 const MIN_FORCE_CHANGE: f64 = 0.1;
@@ -51,7 +51,7 @@ impl<S: Sink> Decimated<S> {
         let Some(latest) = self.latest.as_ref().filter(|_| !self.is_emitted) else {
             return Ok(());
         };
-        for (contact, emitted) in latest.contacts.iter().zip(&mut self.emitted_peaks) {
+        for (contact, emitted) in latest.contacts().zip(&mut self.emitted_peaks) {
             let (force, depth) = contact.force_and_penetration();
             *emitted = (emitted.0.max(force), emitted.1.max(depth));
         }
@@ -61,10 +61,15 @@ impl<S: Sink> Decimated<S> {
 }
 
 impl<S: Sink> Sink for Decimated<S> {
+    fn required_data(&self) -> RequiredData {
+        // Decimation uses the peaks of contact forces.
+        RequiredData { peaks: true, ..self.sink.required_data() }
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let is_first = self.latest.is_none();
         if is_first {
-            self.emitted_peaks = vec![(0.0, 0.0); sample.contacts.len()];
+            self.emitted_peaks = vec![(0.0, 0.0); sample.counts().contacts];
         }
         let now_s = sample.time_s;
         // An extremum at the end of a step is repeated before an event at the same time.
@@ -74,7 +79,7 @@ impl<S: Sink> Sink for Decimated<S> {
         let (mut in_impact, mut past_peak) = (false, false);
         if let Some(before) = &self.latest {
             for ((contact_before, contact_now), emitted) in
-                before.contacts.iter().zip(&sample.contacts).zip(&self.emitted_peaks)
+                before.contacts().zip(sample.contacts()).zip(&self.emitted_peaks)
             {
                 let ((f0, d0), (f1, d1)) =
                     (contact_before.force_and_penetration(), contact_now.force_and_penetration());

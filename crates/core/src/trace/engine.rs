@@ -55,6 +55,7 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
 /// Simulates a scene from its initial motion.
 fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let span = Span::from_scene(scene);
+    motion.update_pin_forces();
     let mut recorder = EngineRecorder::new(scene, &motion, span, sink);
     recorder.begin(&motion)?;
     let failure_reason = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
@@ -98,6 +99,9 @@ fn step_through(
         }
         steps += 1;
         substeps += u64::from(motion.contact.substeps);
+        if recorder.requires_joint_forces {
+            motion.update_pin_forces();
+        }
         recorder.step(motion)?;
         if let Some(reason) = &recorder.failure {
             return Ok(Some(Reason::Obstacle(reason.to_string())));

@@ -12,27 +12,36 @@ use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{angle_between, nearest_equivalent_angle, opening_angle, rotate};
 use crate::scene::{ContactId, Disc, Side, System};
 
+/// Number of pins of a finger.
+const FINGER_PINS: usize = 5;
+/// Pins of the joints of a finger, in the order of its samples.
+const PINS_OF_JOINTS: [usize; FINGER_PINS] = [0, 2, 1, 3, 4];
+
 /// Reads fingers and bodies of a system at a node of its motion.
 pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) {
     let frame = PalmFrame::at(motion.plan, motion.clock.now());
-    sample.fingers.clear();
-    sample.fingers.extend(system.fingers_by_side().map(|(side, finger)| {
+    for (index, (side, finger)) in system.fingers_by_side().enumerate() {
         let rate = |body: usize| motion.velocities[body][2];
         let torque = motion.plan.motor_torque(first_link(side) + L11, motion.clock.now(), rate);
         let brakes = driven_link_brake_torque(motion.plan, side, |brake| motion.brake_torque(brake));
         let phi22_rad = finger.linkage.lengths.phi22_rad;
-        Links::new(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes)
-    }));
-    sample.bodies.clear();
-    sample.bodies.extend(reported_discs(system).map(|(disc, body)| match body {
-        Some(body) => {
-            let (pose, v) = (&motion.linkage.poses[body], &motion.velocities[body]);
-            let ([vx, vy, spin_rad_s], centre_m) = (frame.twist(pose.com, v), frame.point(pose.com));
-            let angle_rad = pose.angle - frame.angular_motion()[0];
-            BodyState { centre_m, angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
-        }
-        None => BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() },
-    }));
+        let state = Links::new(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes);
+        sample.set_finger(index, &state);
+        let force_n = |pin: usize| frame.direction(motion.pin_forces[FINGER_PINS * index + pin]);
+        sample.set_joint_forces(index, &PINS_OF_JOINTS.map(force_n));
+    }
+    for (index, (disc, body)) in reported_discs(system).enumerate() {
+        let state = match body {
+            Some(body) => {
+                let (pose, v) = (&motion.linkage.poses[body], &motion.velocities[body]);
+                let ([vx, vy, spin_rad_s], centre_m) = (frame.twist(pose.com, v), frame.point(pose.com));
+                let angle_rad = pose.angle - frame.angular_motion()[0];
+                BodyState { centre_m, angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
+            }
+            None => BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() },
+        };
+        sample.set_body(index, &state);
+    }
 }
 
 /// Sets coordinates and rates of `sample` by extrapolating freely from `from` with the accelerations of all bodies in
@@ -41,13 +50,15 @@ pub(super) fn extrapolate(system: &System, sample: &mut Sample, from: &Sample, m
     let accelerations = &motion.step_accelerations;
     let time_s = sample.time_s - from.time_s;
     let frame = PalmFrame::at(motion.plan, motion.clock.now());
-    for (side, (finger, from)) in Side::BOTH.into_iter().zip(sample.fingers.iter_mut().zip(&from.fingers)) {
-        Links::new(side, &frame).extrapolate(finger, from, time_s, accelerations);
+    for (index, side) in Side::BOTH.into_iter().enumerate().take(sample.counts().fingers) {
+        let finger = Links::new(side, &frame).extrapolate(&from.finger(index), time_s, accelerations);
+        sample.set_finger(index, &FingerState { motor_torque_n_m: sample.finger(index).motor_torque_n_m, ..finger });
     }
-    for ((body, from), (_, moving)) in sample.bodies.iter_mut().zip(&from.bodies).zip(reported_discs(system)) {
+    for (body, (_, moving)) in reported_discs(system).enumerate() {
         if let Some(index) = moving {
             let (pose, v) = (&motion.linkage.poses[index], &motion.velocities[index]);
-            *body = from.extrapolate(time_s, &frame.acceleration(pose.com, v, &accelerations[index]));
+            let acceleration = frame.acceleration(pose.com, v, &accelerations[index]);
+            sample.set_body(body, &from.body(body).extrapolate(time_s, &acceleration));
         }
     }
 }
@@ -166,19 +177,24 @@ impl Links {
         }
     }
 
-    /// Sets angles and rates by extrapolation over a time at constant accelerations of all bodies.
-    fn extrapolate(self, finger: &mut FingerState, from: &FingerState, time_s: f64, accelerations: &[Twist]) {
+    /// Extrapolates angles and rates over a time at constant accelerations of all bodies.
+    fn extrapolate(self, from: &FingerState, time_s: f64, accelerations: &[Twist]) -> FingerState {
         let [a11, a12, a21, a22] = [L11, L12, L21, L22]
             .map(|link| self.mirror * (accelerations[self.first + link][2] - self.base_rotation[2]));
         let angle = |q: f64, rate: f64, a: f64| q + time_s * (rate + 0.5 * time_s * a);
-        finger.q11_rad = angle(from.q11_rad, from.qd11_rad_s, a11);
-        finger.q21_rad = angle(from.q21_rad, from.qd21_rad_s, a21);
-        finger.q12_rad = angle(from.q12_rad, from.qd12_rad_s, a12 - a11);
-        finger.q22_rad = angle(from.q22_rad, from.qd22_rad_s, a22 - a21);
-        finger.q13_rad = finger.q21_rad + finger.q22_rad;
-        finger.qd11_rad_s = from.qd11_rad_s + time_s * a11;
-        finger.qd21_rad_s = from.qd21_rad_s + time_s * a21;
-        finger.qd12_rad_s = from.qd12_rad_s + time_s * (a12 - a11);
-        finger.qd22_rad_s = from.qd22_rad_s + time_s * (a22 - a21);
+        let q21_rad = angle(from.q21_rad, from.qd21_rad_s, a21);
+        let q22_rad = angle(from.q22_rad, from.qd22_rad_s, a22 - a21);
+        FingerState {
+            q11_rad: angle(from.q11_rad, from.qd11_rad_s, a11),
+            q21_rad,
+            q12_rad: angle(from.q12_rad, from.qd12_rad_s, a12 - a11),
+            q22_rad,
+            q13_rad: q21_rad + q22_rad,
+            qd11_rad_s: from.qd11_rad_s + time_s * a11,
+            qd21_rad_s: from.qd21_rad_s + time_s * a21,
+            qd12_rad_s: from.qd12_rad_s + time_s * (a12 - a11),
+            qd22_rad_s: from.qd22_rad_s + time_s * (a22 - a21),
+            motor_torque_n_m: from.motor_torque_n_m,
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::engine_reading::{self as reading, sample_contact, stored_energy};
 use super::extrema::StepExtrema;
 use super::grid::{Grid, Span};
 use super::sample::OVERLAP_ROUNDING;
-use super::{ContactSample, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
+use super::{ContactSample, Counts, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
 use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, ZERO_RATE};
 use crate::scene::{Scene, System};
 
@@ -20,6 +20,7 @@ pub(super) struct EngineRecorder<'a> {
     reach: Option<Reach>,
     /// Time at which the object left the region.
     ejected_s: Option<f64>,
+    pub requires_joint_forces: bool,
     start_energy: Energy,
     trackers: Vec<ContactTracker>,
     /// Contacts whose sampled normal is opposite to that of the plan.
@@ -51,6 +52,7 @@ impl<'a> EngineRecorder<'a> {
         read_node(system, motion, start_energy.relative_to(&start_energy, 0.0, 0.0), (&trackers, &flipped), &mut last);
         Self {
             system,
+            requires_joint_forces: sink.required_data().joint_forces,
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
@@ -76,13 +78,13 @@ impl<'a> EngineRecorder<'a> {
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
         for candidate in motion.candidates.iter().filter(|candidate| candidate.gap < 0.0 && candidate.has_gap()) {
             let Some(channel) = motion.plan.contact_channel(candidate.index) else { continue };
-            let contact = self.last.contacts[channel];
+            let contact = self.last.contact(channel);
             // The overlap of surfaces that just touch and recede is rounding error.
             if contact.gap_m >= -OVERLAP_ROUNDING && contact.gap_rate_m_s > ZERO_RATE {
                 continue;
             }
             self.process_change(channel, ChangeKind::Closes, 0.0, contact.approach_at_start(), 0.0)?;
-            self.trackers[channel].summary.update(self.last.contacts[channel].force_and_penetration());
+            self.trackers[channel].summary.update(self.last.contact(channel).force_and_penetration());
         }
         self.sink.sample(&self.last)
     }
@@ -163,9 +165,14 @@ impl<'a> EngineRecorder<'a> {
             let time_s = now.time_s - dt + extremum.after_s;
             let sample = &mut self.within;
             sample.interpolate_from(&self.last, now, time_s);
-            sample.contacts[channel].set_extremum(&extremum, self.trackers[channel].engine.impulse);
+            let mut set_extremum = |channel: usize, extremum: &ContactExtremum| {
+                let mut contact = sample.contact(channel);
+                contact.set_extremum(extremum, self.trackers[channel].engine.impulse);
+                sample.set_contact(channel, &contact);
+            };
+            set_extremum(channel, &extremum);
             while let Some((other, simultaneous)) = self.step_extrema.next_at(extremum.after_s) {
-                sample.contacts[other].set_extremum(&simultaneous, self.trackers[other].engine.impulse);
+                set_extremum(other, &simultaneous);
             }
             if time_s > self.emitted_s && time_s < now.time_s {
                 self.emit_grid(now, time_s)?;
@@ -192,10 +199,14 @@ impl<'a> EngineRecorder<'a> {
         let mut sample = std::mem::take(&mut self.within);
         sample.interpolate_from(&self.last, now, time_s);
         reading::extrapolate(self.system, &mut sample, &self.last, motion);
-        for (contact, before) in sample.contacts.iter_mut().zip(&self.last.contacts) {
-            contact.set_before_touch_down_elsewhere(before);
+        for index in 0..sample.counts().contacts {
+            let (mut contact, before) = (sample.contact(index), self.last.contact(index));
+            contact.set_before_touch_down_elsewhere(&before);
+            if index == channel {
+                contact.set_touch_down(&before, closing);
+            }
+            sample.set_contact(index, &contact);
         }
-        sample.contacts[channel].set_touch_down(&self.last.contacts[channel], closing);
         self.emit_grid(&sample, time_s)?;
         self.emitted_s = time_s;
         update_summaries(&mut self.trackers, &sample);
@@ -296,8 +307,8 @@ impl<'a> EngineRecorder<'a> {
 
     /// Upper bound of the next step, s, so that it ends where the object leaves the reach of the fingers.
     pub(crate) fn time_to_exit_s(&self) -> f64 {
-        let object = self.last.bodies.first().filter(|_| has_surface_touched(&self.trackers, &self.last));
-        self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(object))
+        let object = self.last.bodies().next().filter(|_| has_surface_touched(&self.trackers, &self.last));
+        self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(&object))
     }
 
     /// Whether the run may continue; called after every step and after every contact sub-step.
@@ -330,19 +341,18 @@ fn read_node(
     (trackers, flipped): (&[ContactTracker], &[bool]),
     sample: &mut Sample,
 ) {
-    sample.time_s = motion.clock.now();
+    let counts =
+        Counts { fingers: system.fingers.len(), bodies: system.reported_discs().len(), contacts: trackers.len() };
+    sample.prepare(motion.clock.now(), counts);
     reading::read_state(system, motion, sample);
-    sample.contacts.clear();
-    sample.contacts.extend(trackers.iter().zip(flipped).enumerate().map(|(channel, (tracker, flipped))| {
+    for (channel, (tracker, flipped)) in trackers.iter().zip(flipped).enumerate() {
         let index = motion.plan.element_index(channel);
         // There is no step impulse before the first step.
         let stepped_index = index.filter(|_| motion.last_dt_s > 0.0);
         let impulse = tracker.engine.impulse + stepped_index.map_or(0.0, |index| motion.normal_impulse(index));
         let contact = sample_contact(motion, index, impulse);
-        ContactSample {
-            normal: if *flipped { contact.normal.map(|component| -component) } else { contact.normal },
-            ..contact
-        }
-    }));
-    sample.energy = energy;
+        let normal = if *flipped { contact.normal.map(|component| -component) } else { contact.normal };
+        sample.set_contact(channel, &ContactSample { normal, ..contact });
+    }
+    sample.set_energy(&energy);
 }

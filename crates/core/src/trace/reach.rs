@@ -56,8 +56,8 @@ impl Reach {
 
     /// Whether the object leaves the region between two samples.
     pub fn leaves(&self, before: &Sample, after: &Sample) -> bool {
-        match (before.bodies.first(), after.bodies.first()) {
-            (Some(before), Some(after)) => self.is_outside(after) && !self.is_outside(before),
+        match (before.bodies().next(), after.bodies().next()) {
+            (Some(before), Some(after)) => self.is_outside(&after) && !self.is_outside(&before),
             _ => false,
         }
     }
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn object_leaves_only_from_inside() {
-        let sample = |y: f64| Sample { bodies: vec![body([0.0, y], [0.0; 2])], ..Sample::default() };
+        let sample = |y: f64| Sample::of(0.0, &[], &[body([0.0, y], [0.0; 2])], &[]);
         assert!(REACH.leaves(&sample(0.02), &sample(0.1)));
         assert!(!REACH.leaves(&sample(0.1), &sample(0.2)) && !REACH.leaves(&sample(0.1), &sample(0.02)));
         assert!(!REACH.leaves(&Sample::default(), &sample(0.2)));

@@ -3,13 +3,13 @@
 
 use std::ops::Index;
 
-use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, RequiredData, Sample};
+use super::{BodyState, ContactSample, Counts, Energy, FingerContact, FingerState, RequiredData, Sample};
 use crate::analytic::multibody::Multibody;
 use crate::analytic::{
     ContactReading, ContactState, Energies, FingerMode, FingerMotion, Mode, PassiveJoints, QUADRATURES,
 };
 use crate::integrator::State;
-use crate::scene::System;
+use crate::scene::{ContactId, System};
 
 /// Converts the states of a model to samples.
 pub(super) trait Reader<const N: usize, const Z: usize> {
@@ -34,12 +34,6 @@ pub(super) trait Reader<const N: usize, const Z: usize> {
 
     /// Reads one contact of a state.
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
-}
-
-/// Replaces the elements of a vector, reusing its allocation.
-fn refill<T>(items: &mut Vec<T>, new: impl Iterator<Item = T>) {
-    items.clear();
-    items.extend(new);
 }
 
 /// Converts the energies of a state to those of a sample.
@@ -96,14 +90,26 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
             qd22_rad_s: passive.qd22,
             motor_torque_n_m: if required_data.passive { self.motor_torque(t) } else { 0.0 },
         };
-        sample.time_s = t;
-        refill(&mut sample.fingers, std::iter::once(finger));
-        refill(&mut sample.contacts, FingerContact::ALL.into_iter().map(sample_contact));
-        sample.energy = if required_data.energies {
-            stored_energy(energies).relative_to(start, contact_work, motor_work)
-        } else {
-            Energy::default()
-        };
+        sample.prepare(t, Counts { fingers: 1, bodies: 0, contacts: FingerContact::ALL.len() });
+        sample.set_finger(0, &finger);
+        FingerContact::ALL
+            .into_iter()
+            .for_each(|contact| sample.set_contact(contact as usize, &sample_contact(contact)));
+        if required_data.joint_forces {
+            let forces = FingerContact::ALL.into_iter().map(|contact| {
+                let sample = sample.finger_contact(contact);
+                match contact {
+                    FingerContact::Limit => (contact, [[sample.normal_n, 0.0]; 2]),
+                    _ => (contact, [sample.force_n(), sample.point_m]),
+                }
+            });
+            let forces_n = self.joint_forces(t, state, mode, forces);
+            sample.set_joint_forces(0, &forces_n);
+        }
+        sample.set_energy(&match required_data.energies {
+            true => stored_energy(energies).relative_to(start, contact_work, motor_work),
+            false => Energy::default(),
+        });
     }
 
     fn is_slipping(&self, index: usize, mode: &FingerMode) -> Option<bool> {
@@ -119,6 +125,7 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
 pub(super) struct SystemReader<'a, const N: usize, const C: usize> {
     pub model: &'a Multibody<N, C>,
     pub system: &'a System,
+    pub contact_ids: Vec<ContactId>,
 }
 
 impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemReader<'_, N, C> {
@@ -156,15 +163,34 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
             let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.disc_pose(disc, q), model.disc_rates(disc, v));
             BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
         };
-        sample.time_s = t;
-        refill(&mut sample.fingers, (0..self.system.fingers.len()).map(finger));
-        refill(&mut sample.bodies, (0..self.system.reported_discs().len()).map(disc));
-        refill(&mut sample.contacts, (0..model.contact_count()).map(|contact| self.contact(state, contact, mode)));
-        sample.energy = if required_data.energies {
-            stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1])
-        } else {
-            Energy::default()
+        let counts = Counts {
+            fingers: self.system.fingers.len(),
+            bodies: self.system.reported_discs().len(),
+            contacts: model.contact_count(),
         };
+        sample.prepare(t, counts);
+        (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
+        (0..counts.bodies).for_each(|k| sample.set_body(k, &disc(k)));
+        (0..counts.contacts).for_each(|k| sample.set_contact(k, &self.contact(state, k, mode)));
+        if required_data.joint_forces && counts.fingers > 0 {
+            let contact_forces = self.contact_ids.iter().enumerate().map(|(index, &id)| {
+                let contact = sample.contact(index);
+                match id {
+                    ContactId::Stop(_) => (id, [[contact.normal_n, 0.0]; 2]),
+                    _ => (id, [contact.force_n(), contact.point_m]),
+                }
+            });
+            let forces_n = model.joint_forces(t, state, mode, contact_forces);
+            forces_n
+                .iter()
+                .enumerate()
+                .take(counts.fingers)
+                .for_each(|(k, forces_n)| sample.set_joint_forces(k, forces_n));
+        }
+        sample.set_energy(&match required_data.energies {
+            true => stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1]),
+            false => Energy::default(),
+        });
     }
 
     fn is_slipping(&self, index: usize, mode: &Mode<C>) -> Option<bool> {

@@ -75,7 +75,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     ) -> Self {
         let mut last = Sample::default();
         reader.read(0.0, start, &mode, &Energy::default(), RequiredData::ALL, &mut last);
-        let start_energy = last.energy;
+        let start_energy = last.energy();
         reader.read(0.0, start, &mode, &start_energy, RequiredData::ALL, &mut last);
         Self {
             reader,
@@ -87,7 +87,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             ejected_s: None,
             mode,
             start_energy,
-            trackers: vec![ContactTracker::default(); last.contacts.len()],
+            trackers: vec![ContactTracker::default(); last.counts().contacts],
             last,
             last_state: *start,
             last_mode: mode,
@@ -106,7 +106,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             if self.mode[index] == ContactState::Free {
                 continue;
             }
-            let contact = &self.last.contacts[index];
+            let contact = self.last.contact(index);
             let event = tracker.touch_down(0.0, contact.approach_at_start(), 0.0);
             if self.mode[index] == ContactState::Released {
                 tracker.summary.update(contact.force_and_penetration());
@@ -114,7 +114,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             self.sink.event(&event.at(0.0, index))?;
         }
         // A start outside the workspace of a loop has no passive angles; the run then ends before its first step.
-        if self.last.energy.kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.last) }
+        if self.last.energy().kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.last) }
     }
 
     /// Emits the last sample if the run ended between grid points, and returns the summary.
@@ -214,7 +214,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
             self.read_within(interior.time_s(middle), &interior.tools.resolve(middle), interior.mode);
-            if reach.is_outside(&self.within.bodies[0]) { outside = middle } else { inside = middle }
+            if reach.is_outside(&self.within.body(0)) { outside = middle } else { inside = middle }
         }
         if outside < 1.0 {
             (self.last_state, self.last_mode) = (interior.resolve(outside), *interior.mode);
@@ -237,7 +237,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             if !is_active && mode[index] != ContactState::Released {
                 continue;
             }
-            let (start, end) = (&self.last.contacts[index], &self.end.contacts[index]);
+            let (start, end) = (self.last.contact(index), self.end.contact(index));
             let read = |state: &State<N, Z>| self.reader.contact(state, index, mode);
             let summary = &mut tracker.summary;
             summary.update_max_penetration(-start.gap_m);
@@ -293,8 +293,7 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
     }
 
     fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &R::Mode) {
-        let was_separated =
-            self.last.contacts[index].gap_m > 0.0 || !matches!(self.mode[index], ContactState::Released);
+        let was_separated = self.last.contact(index).gap_m > 0.0 || !matches!(self.mode[index], ContactState::Released);
         let kind = match mode[index] {
             ContactState::Active if was_separated => EventKind::TouchDown,
             ContactState::Active => EventKind::Reload,

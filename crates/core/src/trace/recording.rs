@@ -1,7 +1,6 @@
 //! A run as arrays, one per column of the table written by `replay --csv`.
 
-use super::columns::{Column, columns};
-use super::{Decimated, Event, Layout, Model, Outcome, RunError, Sample, Sink, SinkError, run};
+use super::{Channel, Decimated, Event, Model, Outcome, RequiredData, RunError, Sample, Schema, Sink, SinkError, run};
 use crate::scene::Scene;
 
 /// A sink that stores samples in columns, and events.
@@ -12,7 +11,7 @@ use crate::scene::Scene;
 /// Columns of contacts that do not exist (no object, no joint limit) contain NaN.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    columns: Vec<Column>,
+    channels: Vec<Channel>,
     values: Vec<Vec<f64>>,
     events: Vec<Event>,
 }
@@ -20,38 +19,36 @@ pub struct Recording {
 /// Two recordings are equal if columns, values and events are equal.
 impl PartialEq for Recording {
     fn eq(&self, other: &Self) -> bool {
-        let names =
-            |recording: &'_ Self| recording.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
-        names(self) == names(other) && self.values == other.values && self.events == other.events
+        self.channels == other.channels && self.values == other.values && self.events == other.events
     }
 }
 
 impl Recording {
-    /// Creates an empty recording for samples of this layout.
-    pub fn new(layout: &Layout) -> Self {
-        let columns = columns(layout);
-        Recording { values: vec![Vec::new(); columns.len()], columns, events: Vec::new() }
+    /// Creates an empty recording for samples of this schema.
+    pub fn new(schema: &Schema) -> Self {
+        let channels = schema.channels();
+        Recording { values: vec![Vec::new(); channels.len()], channels, events: Vec::new() }
     }
 
     /// Creates an empty recording for the samples of a scene.
     pub fn for_scene(scene: &Scene) -> Self {
-        Recording::new(&Layout::from_system(&scene.system))
+        Recording::new(&Schema::from_system(&scene.system))
     }
 
-    /// Returns all columns: `time_s` first, the energies last.
-    pub fn columns(&self) -> &[Column] {
-        &self.columns
+    /// Returns the channels of the columns: `time_s` first, the energies last.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
     }
 
     /// Returns a column by its name, such as `q21_rad` or `distal_normal_n`.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        let index = self.columns.iter().position(|column| column.name == name)?;
+        let index = self.channels.iter().position(|channel| channel.name == name)?;
         Some(&self.values[index])
     }
 
     /// Returns all columns with their names, and the events, without copying.
     pub fn into_parts(self) -> (Vec<(String, Vec<f64>)>, Vec<Event>) {
-        let names = self.columns.into_iter().map(|column| column.name);
+        let names = self.channels.into_iter().map(|channel| channel.name);
         (names.zip(self.values).collect(), self.events)
     }
 
@@ -67,9 +64,13 @@ impl Recording {
 }
 
 impl Sink for Recording {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        for (column, values) in self.columns.iter().zip(&mut self.values) {
-            values.push(column.value(sample));
+        for (channel, values) in self.channels.iter().zip(&mut self.values) {
+            values.push(channel.value(sample));
         }
         Ok(())
     }

@@ -1,44 +1,12 @@
 //! State of a run at one instant, and events between instants.
 
-use serde::Serialize;
-
+use super::schema::{
+    ActuatorState, BodyState, ContactSample, Counts, Energy, FINGER_JOINTS, FingerState, Interpolation, JointState,
+    State,
+};
 pub use crate::gripper::FingerContact;
-
-/// A part of a sample as a list of numbers: columns, interpolation and checks are derived from it.
-pub trait Channels<const K: usize>: Sized {
-    /// Names of the numbers with their units.
-    const NAMES: [&'static str; K];
-
-    /// Returns all numbers, in the order of [`Channels::NAMES`].
-    fn values(&self) -> [f64; K];
-
-    fn from_values(values: [f64; K]) -> Self;
-}
-
-/// One contact: a phalanx against the object, a disc against another, or the joint limit. For a contact that does not
-/// exist, every field is zero and `gap_m` is infinite.
-///
-/// The gap of the joint limit is an angle, δ = −φ22 − q22, and its force is a torque on q22: read rad for m and N·m for
-/// N. It has no slip, friction, contact point or normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ContactSample {
-    /// Distance between the surfaces, negative in penetration (−δ).
-    pub gap_m: f64,
-    /// Rate of the gap (−δ̇).
-    pub gap_rate_m_s: f64,
-    /// Tangential velocity of the phalanx surface relative to the object (errata 5).
-    pub slip_m_s: f64,
-    /// Normal force on the phalanx (palm, table) along `normal`; never negative.
-    pub normal_n: f64,
-    /// Friction force on the phalanx along [`ContactSample::tangent`]; it opposes `slip_m_s`.
-    pub tangential_n: f64,
-    /// Normal impulse since the start of the run.
-    pub impulse_n_s: f64,
-    /// Contact point on the surface of the phalanx.
-    pub point_m: [f64; 2],
-    /// Unit normal, from the object to the phalanx (palm, table).
-    pub normal: [f64; 2],
-}
+use crate::numeric::array_from;
+use crate::numeric::plane::nearest_equivalent_angle;
 
 /// Largest overlap that counts as rounding error in the positions of two surfaces that just touch, m (limit: rad).
 pub(super) const OVERLAP_ROUNDING: f64 = 1e-12;
@@ -48,6 +16,12 @@ impl ContactSample {
     /// closes counter-clockwise it points along the phalanx to its end.
     pub fn tangent(&self) -> [f64; 2] {
         [-self.normal[1], self.normal[0]]
+    }
+
+    /// Returns the force on the phalanx (palm, table), N.
+    pub fn force_n(&self) -> [f64; 2] {
+        let (normal, tangent) = (self.normal, self.tangent());
+        [0, 1].map(|k| self.normal_n * normal[k] + self.tangential_n * tangent[k])
     }
 
     /// Returns the normal force (N; limit: N·m) and the penetration (m; limit: rad).
@@ -82,33 +56,6 @@ impl ContactSample {
     }
 }
 
-impl Channels<10> for ContactSample {
-    const NAMES: [&'static str; 10] = [
-        "gap_m",
-        "gap_rate_m_s",
-        "slip_m_s",
-        "normal_n",
-        "tangential_n",
-        "impulse_n_s",
-        "point_x_m",
-        "point_y_m",
-        "normal_x",
-        "normal_y",
-    ];
-
-    fn values(&self) -> [f64; 10] {
-        let Self { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, point_m, normal } = *self;
-        let ([px, py], [nx, ny]) = (point_m, normal);
-        [gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, px, py, nx, ny]
-    }
-
-    fn from_values(values: [f64; 10]) -> Self {
-        let [gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, px, py, nx, ny] = values;
-        let (point_m, normal) = ([px, py], [nx, ny]);
-        Self { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, point_m, normal }
-    }
-}
-
 impl ContactSample {
     /// A contact that does not exist.
     pub const NONE: Self = Self {
@@ -123,23 +70,6 @@ impl ContactSample {
     };
 }
 
-/// Energies, and work since the start of the run, in joules.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Energy {
-    pub kinetic_j: f64,
-    pub gravity_j: f64,
-    pub spring_j: f64,
-    /// Energy stored in the Hertz springs of contacts and joint limit.
-    pub elastic_j: f64,
-    /// Energy dissipated in dampers, in the clamp and in friction.
-    pub dissipated_j: f64,
-    /// Work of the motor.
-    pub motor_work_j: f64,
-    /// kinetic + gravity + spring + elastic + dissipated − motor work − (the same at the start): zero if energy is
-    /// conserved.
-    pub balance_j: f64,
-}
-
 impl Energy {
     /// Returns these stored energies with work, dissipation and balance since the start of the run.
     pub(super) fn relative_to(self, start: &Energy, contact_work_j: f64, motor_work_j: f64) -> Self {
@@ -151,93 +81,6 @@ impl Energy {
             balance_j: gained_j - contact_work_j - motor_work_j,
             ..self
         }
-    }
-}
-
-impl Channels<7> for Energy {
-    const NAMES: [&'static str; 7] =
-        ["kinetic_j", "gravity_j", "spring_j", "elastic_j", "dissipated_j", "motor_work_j", "balance_j"];
-
-    fn values(&self) -> [f64; 7] {
-        let Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j } = *self;
-        [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j]
-    }
-
-    fn from_values(values: [f64; 7]) -> Self {
-        let [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = values;
-        Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j }
-    }
-}
-
-/// State of a finger at one instant. Its serialised form contains the angles, and the rates of the independent
-/// coordinates.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct FingerState {
-    pub q11_rad: f64,
-    pub q21_rad: f64,
-    pub q22_rad: f64,
-    pub qd11_rad_s: f64,
-    pub qd21_rad_s: f64,
-    /// q12 and q22 are passive angles, each relative to the preceding link; q13 is the absolute orientation of l22.
-    pub q12_rad: f64,
-    pub q13_rad: f64,
-    #[serde(skip)]
-    pub qd12_rad_s: f64,
-    #[serde(skip)]
-    pub qd22_rad_s: f64,
-    #[serde(skip)]
-    pub motor_torque_n_m: f64,
-}
-
-impl Channels<10> for FingerState {
-    const NAMES: [&'static str; 10] = [
-        "q11_rad",
-        "q21_rad",
-        "q12_rad",
-        "q22_rad",
-        "q13_rad",
-        "qd11_rad_s",
-        "qd21_rad_s",
-        "qd12_rad_s",
-        "qd22_rad_s",
-        "motor_torque_n_m",
-    ];
-
-    fn values(&self) -> [f64; 10] {
-        let Self { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, .. } = *self;
-        let Self { qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, motor_torque_n_m, .. } = *self;
-        let [q, qd] = [[q11_rad, q21_rad, q12_rad, q22_rad], [qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s]];
-        [q[0], q[1], q[2], q[3], q13_rad, qd[0], qd[1], qd[2], qd[3], motor_torque_n_m]
-    }
-
-    fn from_values(values: [f64; 10]) -> Self {
-        let [q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, rates @ .., motor_torque_n_m] = values;
-        let [qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s] = rates;
-        let angles = Self { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, motor_torque_n_m, ..Self::default() };
-        Self { qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, ..angles }
-    }
-}
-
-/// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise and not reduced by whole
-/// turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BodyState {
-    pub centre_m: [f64; 2],
-    pub angle_rad: f64,
-    pub velocity_m_s: [f64; 2],
-    pub spin_rad_s: f64,
-}
-
-impl Channels<6> for BodyState {
-    const NAMES: [&'static str; 6] = ["x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "spin_rad_s"];
-
-    fn values(&self) -> [f64; 6] {
-        let Self { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s } = *self;
-        [x, y, angle_rad, vx, vy, spin_rad_s]
-    }
-
-    fn from_values([x, y, angle_rad, vx, vy, spin_rad_s]: [f64; 6]) -> Self {
-        Self { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
     }
 }
 
@@ -259,113 +102,302 @@ impl BodyState {
     }
 }
 
-/// State of a run at one instant. The number of fingers, bodies and contacts is constant during a run; a
-/// [`Layout`](super::Layout) names them.
+/// State of a run at one instant: a time and one number per channel of the run's [`Schema`](super::Schema). The numbers of
+/// subjects are constant during a run.
 #[derive(Debug, Default, PartialEq)]
 pub struct Sample {
     pub time_s: f64,
-    pub fingers: Vec<FingerState>,
-    /// Bodies that are not part of a finger; in a scene of discs all discs, including fixed ones.
-    pub bodies: Vec<BodyState>,
-    /// Contacts of every finger in the order of [`FingerContact::ALL`], with the limit in rad, rad/s, N·m and N·m·s;
-    /// then one contact for each pair of discs ([`System::pairs`](crate::scene::System::pairs)): forces on the first
-    /// disc of the pair, normal from the other disc to it.
-    pub contacts: Vec<ContactSample>,
-    /// With driven discs, `motor_work_j` is the work of their drives; their kinetic energy is not included.
-    pub energy: Energy,
+    counts: Counts,
+    values: Vec<f64>,
 }
 
-/// Samples are reused so that steps do not allocate: unlike a derived one, this `clone_from` keeps existing
-/// allocations.
+/// Samples are reused so that steps do not allocate: unlike a derived one, this `clone_from` keeps the existing
+/// allocation.
 impl Clone for Sample {
     fn clone(&self) -> Self {
-        let Sample { time_s, fingers, bodies, contacts, energy } = self;
-        Sample {
-            time_s: *time_s,
-            fingers: fingers.clone(),
-            bodies: bodies.clone(),
-            contacts: contacts.clone(),
-            energy: *energy,
-        }
+        Sample { time_s: self.time_s, counts: self.counts, values: self.values.clone() }
     }
 
     fn clone_from(&mut self, other: &Self) {
-        let Sample { time_s, fingers, bodies, contacts, energy } = other;
-        self.fingers.clone_from(fingers);
-        self.bodies.clone_from(bodies);
-        self.contacts.clone_from(contacts);
-        (self.time_s, self.energy) = (*time_s, *energy);
+        (self.time_s, self.counts) = (other.time_s, other.counts);
+        self.values.clone_from(&other.values);
     }
 }
 
 impl Sample {
+    /// Returns a sample with all numbers zero.
+    pub fn new(time_s: f64, counts: Counts) -> Self {
+        Sample { time_s, counts, values: vec![0.0; counts.values()] }
+    }
+
+    /// Returns a sample of these states.
+    pub fn of(time_s: f64, fingers: &[FingerState], bodies: &[BodyState], contacts: &[ContactSample]) -> Self {
+        let counts = Counts { fingers: fingers.len(), bodies: bodies.len(), contacts: contacts.len() };
+        let mut sample = Sample::new(time_s, counts);
+        fingers.iter().enumerate().for_each(|(k, state)| sample.set_finger(k, state));
+        bodies.iter().enumerate().for_each(|(k, state)| sample.set_body(k, state));
+        contacts.iter().enumerate().for_each(|(k, state)| sample.set_contact(k, state));
+        sample
+    }
+
     /// Returns a sample of one finger and its contacts, with all values zero.
     pub fn with_one_finger() -> Self {
-        Sample {
-            fingers: vec![FingerState::default()],
-            contacts: vec![ContactSample::default(); FingerContact::ALL.len()],
-            ..Sample::default()
+        Sample::new(0.0, Counts { fingers: 1, bodies: 0, contacts: FingerContact::ALL.len() })
+    }
+
+    /// Prepares the sample for a time and these numbers of subjects; reuses its allocation. Numbers are not cleared.
+    pub(super) fn prepare(&mut self, time_s: f64, counts: Counts) {
+        (self.time_s, self.counts) = (time_s, counts);
+        self.values.resize(counts.values(), 0.0);
+    }
+
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Returns all numbers, in the order of the schema.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Returns all numbers for modification.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    fn state<const K: usize, T: State<K>>(&self, first: usize) -> T {
+        T::from_values(array_from(|k| self.values[first..first + K][k]))
+    }
+
+    fn set_state<const K: usize, T: State<K>>(&mut self, first: usize, state: &T) {
+        self.values[first..first + K].copy_from_slice(&state.values());
+    }
+
+    /// Returns a finger.
+    ///
+    /// # Panics
+    /// Panics if there is no such finger.
+    pub fn finger(&self, index: usize) -> FingerState {
+        assert!(index < self.counts.fingers, "a sample of {} fingers has no finger {index}", self.counts.fingers);
+        let [q11, q21, q12, q22, q13] = array_from(|k| self.joint(index, k));
+        let ActuatorState { torque_n_m } = self.state(self.counts.actuator(index));
+        FingerState {
+            q11_rad: q11.angle_rad,
+            q21_rad: q21.angle_rad,
+            q22_rad: q22.angle_rad,
+            qd11_rad_s: q11.rate_rad_s,
+            qd21_rad_s: q21.rate_rad_s,
+            q12_rad: q12.angle_rad,
+            q13_rad: q13.angle_rad,
+            qd12_rad_s: q12.rate_rad_s,
+            qd22_rad_s: q22.rate_rad_s,
+            motor_torque_n_m: torque_n_m,
         }
     }
 
-    /// Returns the first finger.
-    ///
-    /// # Panics
-    /// Panics if there is no finger.
-    pub fn finger(&self) -> &FingerState {
-        &self.fingers[0]
+    /// Returns a joint of a finger, numbered as in [`FINGER_JOINTS`](super::FINGER_JOINTS).
+    pub fn joint(&self, finger: usize, joint: usize) -> JointState {
+        self.state(self.counts.joint(FINGER_JOINTS.len() * finger + joint))
     }
 
-    /// Returns the first finger for modification.
-    ///
-    /// # Panics
-    /// Panics if there is no finger.
-    pub fn finger_mut(&mut self) -> &mut FingerState {
-        &mut self.fingers[0]
+    /// Sets angles, rates and torque of a finger. The forces of its joints stay.
+    pub fn set_finger(&mut self, index: usize, finger: &FingerState) {
+        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, qd11_rad_s, qd21_rad_s, .. } = *finger;
+        let FingerState { qd12_rad_s, qd22_rad_s, motor_torque_n_m, .. } = *finger;
+        let joints = [
+            (q11_rad, qd11_rad_s),
+            (q21_rad, qd21_rad_s),
+            (q12_rad, qd12_rad_s),
+            (q22_rad, qd22_rad_s),
+            (q13_rad, qd21_rad_s + qd22_rad_s),
+        ];
+        for (k, (angle_rad, rate_rad_s)) in joints.into_iter().enumerate() {
+            let first = self.counts.joint(FINGER_JOINTS.len() * index + k);
+            self.values[first..first + 2].copy_from_slice(&[angle_rad, rate_rad_s]);
+        }
+        self.set_state(self.counts.actuator(index), &ActuatorState { torque_n_m: motor_torque_n_m });
+    }
+
+    /// Sets the forces of the joints of a finger, in the order of [`FINGER_JOINTS`](super::FINGER_JOINTS).
+    pub(super) fn set_joint_forces(&mut self, finger: usize, forces_n: &[[f64; 2]; 5]) {
+        for (k, force_n) in forces_n.iter().enumerate() {
+            let first = self.counts.joint(FINGER_JOINTS.len() * finger + k) + 2;
+            self.values[first..first + 2].copy_from_slice(force_n);
+        }
+    }
+
+    pub fn fingers(&self) -> impl ExactSizeIterator<Item = FingerState> + DoubleEndedIterator + '_ {
+        (0..self.counts.fingers).map(|index| self.finger(index))
+    }
+
+    /// Returns a body that is not part of a finger; in a scene of discs all discs, including fixed ones.
+    pub fn body(&self, index: usize) -> BodyState {
+        self.state(self.counts.body(index))
+    }
+
+    pub fn set_body(&mut self, index: usize, body: &BodyState) {
+        self.set_state(self.counts.body(index), body);
+    }
+
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyState> + DoubleEndedIterator + '_ {
+        (0..self.counts.bodies).map(|index| self.body(index))
+    }
+
+    /// Returns a contact. Contacts of every finger come first, in the order of [`FingerContact::ALL`], with the limit in
+    /// rad, rad/s, N·m and N·m·s; then one contact for each pair of discs
+    /// ([`System::pairs`](crate::scene::System::pairs)): forces on the first disc of the pair, normal from the other disc
+    /// to it.
+    pub fn contact(&self, index: usize) -> ContactSample {
+        self.state(self.counts.contact(index))
+    }
+
+    pub fn set_contact(&mut self, index: usize, contact: &ContactSample) {
+        self.set_state(self.counts.contact(index), contact);
+    }
+
+    pub fn contacts(&self) -> impl ExactSizeIterator<Item = ContactSample> + DoubleEndedIterator + '_ {
+        (0..self.counts.contacts).map(|index| self.contact(index))
     }
 
     /// Returns a contact of the first finger.
     ///
     /// # Panics
     /// Panics if there is no finger.
-    pub fn contact(&self, site: FingerContact) -> &ContactSample {
-        &self.contacts[site as usize]
+    pub fn finger_contact(&self, contact: FingerContact) -> ContactSample {
+        assert!(self.counts.fingers > 0, "a sample without a finger has no contact of a finger");
+        self.contact(contact as usize)
     }
 
-    /// Returns a contact of the first finger for modification.
-    ///
-    /// # Panics
-    /// Panics if there is no finger.
-    pub fn contact_mut(&mut self, site: FingerContact) -> &mut ContactSample {
-        &mut self.contacts[site as usize]
+    /// Returns the energies; all are zero in a sample without subjects. With driven discs, `motor_work_j` is the work of
+    /// their drives; their kinetic energy is not included.
+    pub fn energy(&self) -> Energy {
+        if self.values.is_empty() { Energy::default() } else { self.state(self.counts.energy()) }
+    }
+
+    pub fn set_energy(&mut self, energy: &Energy) {
+        self.prepare(self.time_s, self.counts);
+        self.set_state(self.counts.energy(), energy);
     }
 
     /// Whether a contact is a joint limit, whose gap is an angle.
     pub fn is_stop(&self, contact: usize) -> bool {
-        contact / FingerContact::ALL.len() < self.fingers.len()
+        contact / FingerContact::ALL.len() < self.counts.fingers
             && contact % FingerContact::ALL.len() == FingerContact::Limit as usize
     }
 
     /// Contacts between surfaces, that is all except joint limits.
-    pub fn surfaces(&self) -> impl Iterator<Item = &ContactSample> {
-        self.contacts.iter().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
+    pub fn surfaces(&self) -> impl Iterator<Item = ContactSample> + '_ {
+        self.contacts().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
+    }
+
+    /// Returns a sample of the same fingers, and of the bodies and contacts with these indices.
+    #[must_use]
+    pub fn select(&self, bodies: &[usize], contacts: &[usize]) -> Sample {
+        let counts = Counts { bodies: bodies.len(), contacts: contacts.len(), ..self.counts };
+        let mut selected = Sample::new(self.time_s, counts);
+        let of_fingers = ..self.counts.body(0);
+        selected.values[of_fingers].copy_from_slice(&self.values[of_fingers]);
+        bodies.iter().enumerate().for_each(|(k, &index)| selected.set_body(k, &self.body(index)));
+        contacts.iter().enumerate().for_each(|(k, &index)| selected.set_contact(k, &self.contact(index)));
+        selected.set_energy(&self.energy());
+        selected
     }
 
     /// Copies the rates of another sample of the same run.
     #[cfg(feature = "engine")]
     pub(super) fn copy_rates(&mut self, source: &Self) {
-        for (finger, from) in self.fingers.iter_mut().zip(&source.fingers) {
-            *finger = FingerState {
-                qd11_rad_s: from.qd11_rad_s,
-                qd21_rad_s: from.qd21_rad_s,
-                qd12_rad_s: from.qd12_rad_s,
-                qd22_rad_s: from.qd22_rad_s,
-                ..*finger
-            };
+        for index in 0..self.counts.fingers {
+            let (finger, from) = (self.finger(index), source.finger(index));
+            self.set_finger(
+                index,
+                &FingerState {
+                    qd11_rad_s: from.qd11_rad_s,
+                    qd21_rad_s: from.qd21_rad_s,
+                    qd12_rad_s: from.qd12_rad_s,
+                    qd22_rad_s: from.qd22_rad_s,
+                    ..finger
+                },
+            );
         }
-        for (body, from) in self.bodies.iter_mut().zip(&source.bodies) {
-            (body.velocity_m_s, body.spin_rad_s) = (from.velocity_m_s, from.spin_rad_s);
+        for index in 0..self.counts.bodies {
+            let from = source.body(index);
+            let body = self.body(index);
+            self.set_body(index, &BodyState { velocity_m_s: from.velocity_m_s, spin_rad_s: from.spin_rad_s, ..body });
         }
+    }
+
+    /// Sets this sample to the one at time `t` between `a` and `b`, reusing its allocation.
+    pub(super) fn interpolate_from(&mut self, a: &Sample, b: &Sample, t: f64) {
+        let h = b.time_s - a.time_s;
+        if h <= 0.0 {
+            self.clone_from(b);
+            return;
+        }
+        let (instant, counts) = (Instant { h, x: ((t - a.time_s) / h).clamp(0.0, 1.0) }, a.counts);
+        self.prepare(t, counts);
+        let mut subjects = Subjects { instant, a: &a.values, b: &b.values, out: &mut self.values };
+        subjects.interpolate::<4, JointState>(counts.joint(0), counts.actuator(0));
+        subjects.interpolate::<1, ActuatorState>(counts.actuator(0), counts.body(0));
+        subjects.interpolate::<6, BodyState>(counts.body(0), counts.contact(0));
+        subjects.interpolate::<11, ContactSample>(counts.contact(0), counts.energy());
+        subjects.interpolate::<7, Energy>(counts.energy(), counts.values());
+    }
+}
+
+/// Returns the sample at time `t` between `a` and `b`, see [`Interpolation`].
+pub fn interpolate(a: &Sample, b: &Sample, t: f64) -> Sample {
+    let mut sample = Sample::default();
+    sample.interpolate_from(a, b, t);
+    sample
+}
+
+/// Numbers of two samples, and those between them.
+struct Subjects<'a> {
+    instant: Instant,
+    a: &'a [f64],
+    b: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl Subjects<'_> {
+    /// Interpolates the subjects of one kind, whose numbers are `first..end`.
+    fn interpolate<const K: usize, T: State<K>>(&mut self, first: usize, end: usize) {
+        let Self { instant, a, b, out } = self;
+        for start in (first..end).step_by(K) {
+            let (a, b) = (&a[start..start + K], &b[start..start + K]);
+            for (k, (out, quantity)) in out[start..start + K].iter_mut().zip(T::QUANTITIES).enumerate() {
+                *out = match quantity.interpolation {
+                    Interpolation::Linear => instant.linear(a[k], b[k]),
+                    Interpolation::Cubic { rate } => instant.cubic(a[k], a[rate], b[k], b[rate]),
+                    Interpolation::Angle { rate } => {
+                        instant.cubic(a[k], a[rate], nearest_equivalent_angle(b[k], a[k]), b[rate])
+                    }
+                };
+            }
+        }
+    }
+}
+
+/// An instant between two samples.
+#[derive(Clone, Copy, Debug)]
+struct Instant {
+    /// Time between the samples, s.
+    h: f64,
+    /// Elapsed fraction of the interval.
+    x: f64,
+}
+
+impl Instant {
+    /// Linear interpolation from `p` to `q`.
+    fn linear(&self, p: f64, q: f64) -> f64 {
+        if p.is_finite() && q.is_finite() { p + self.x * (q - p) } else { q }
+    }
+
+    /// Cubic Hermite interpolation from `p` to `q` with the rates `v` and `w`.
+    fn cubic(&self, p: f64, v: f64, q: f64, w: f64) -> f64 {
+        let Self { h, x } = *self;
+        let (x2, x3) = (x * x, x * x * x);
+        p + (q - p) * (3.0 * x2 - 2.0 * x3) + h * (v * (x3 - 2.0 * x2 + x) + w * (x3 - x2))
     }
 }
 
@@ -385,6 +417,20 @@ pub enum EventKind {
 }
 
 impl EventKind {
+    pub const ALL: [Self; 5] =
+        [EventKind::TouchDown, EventKind::LiftOff, EventKind::Reload, EventKind::Slips, EventKind::Sticks];
+
+    /// Key in logs.
+    pub fn key(self) -> &'static str {
+        match self {
+            EventKind::TouchDown => "touch_down",
+            EventKind::LiftOff => "lift_off",
+            EventKind::Reload => "reload",
+            EventKind::Slips => "slips",
+            EventKind::Sticks => "sticks",
+        }
+    }
+
     /// Name in tables and on pages.
     pub fn name(self) -> &'static str {
         match self {

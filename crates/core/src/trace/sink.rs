@@ -13,11 +13,13 @@ pub struct SinkError {
 }
 
 /// Data that a sink uses. The analytic model skips unused data: in a sweep of 384 simulations this saves a tenth of the
-/// time. The last sample of an outcome is always complete, and the engine skips nothing.
+/// time. The last sample of its outcomes is always complete. The engine skips only the forces in joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RequiredData {
     /// Whether samples need energies, which are 0 otherwise.
     pub energies: bool,
+    /// Whether samples need the forces in joints, which are 0 otherwise.
+    pub joint_forces: bool,
     /// Whether samples need passive joint angles and motor torques, which are 0 otherwise.
     pub passive: bool,
     /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps;
@@ -26,7 +28,22 @@ pub struct RequiredData {
 }
 
 impl RequiredData {
-    pub const ALL: Self = Self { energies: true, passive: true, peaks: true };
+    pub const ALL: Self = Self { energies: true, joint_forces: true, passive: true, peaks: true };
+    /// Everything that evaluations of a run use: all but the forces in joints.
+    pub const EVALUATION: Self = Self { joint_forces: false, ..Self::ALL };
+}
+
+impl RequiredData {
+    /// Returns the data that one of two sinks uses.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            energies: self.energies || other.energies,
+            joint_forces: self.joint_forces || other.joint_forces,
+            passive: self.passive || other.passive,
+            peaks: self.peaks || other.peaks,
+        }
+    }
 }
 
 /// Receives the samples and events of a run in order of time.
@@ -46,9 +63,9 @@ pub trait Sink {
         Ok(())
     }
 
-    /// Returns the data that the sink uses; called once before a run.
+    /// Returns the data that the sink uses, by default [`RequiredData::EVALUATION`]; called once before a run.
     fn required_data(&self) -> RequiredData {
-        RequiredData::ALL
+        RequiredData::EVALUATION
     }
 
     /// Whether the run may continue; called at least once per step of either model, because samples can be far apart.
@@ -80,7 +97,7 @@ impl<T: Sink> Sink for Option<T> {
     }
 
     fn required_data(&self) -> RequiredData {
-        self.as_ref().map_or(RequiredData::ALL, Sink::required_data)
+        self.as_ref().map_or(RequiredData::EVALUATION, Sink::required_data)
     }
 
     fn should_continue(&self) -> bool {

@@ -54,9 +54,9 @@ impl Arrows {
     }
 
     /// Largest change of an arrow since it was drawn, relative to the longest arrow.
-    pub(crate) fn largest_change<'a>(&self, contacts: impl Iterator<Item = &'a ContactSample>) -> f64 {
-        let change = |(contact, drawn): (&ContactSample, &[f64; 2])| {
-            let [normal, tangential] = self.lengths(contact);
+    pub(crate) fn largest_change(&self, contacts: impl Iterator<Item = ContactSample>) -> f64 {
+        let change = |(contact, drawn): (ContactSample, &[f64; 2])| {
+            let [normal, tangential] = self.lengths(&contact);
             (normal - drawn[0]).abs().max((tangential - drawn[1]).abs())
         };
         contacts.zip(&self.lengths_m).map(change).fold(0.0, f64::max) / self.drawing.longest_arrow_m
@@ -68,10 +68,10 @@ impl Arrows {
 
     /// Draws the forces on the phalanges (on the first disc of a pair) from the contact point along the normal and the
     /// tangent. A contact without force gets an empty entity, which removes its earlier arrows.
-    pub fn draw<'a>(&mut self, contacts: impl Iterator<Item = &'a ContactSample>, stamp: Timestamp) -> &SceneUpdate {
+    pub fn draw(&mut self, contacts: impl Iterator<Item = ContactSample>, stamp: Timestamp) -> &SceneUpdate {
         let longest_m = self.drawing.longest_arrow_m;
         for (index, contact) in contacts.enumerate() {
-            let [normal, tangential] = self.lengths(contact);
+            let [normal, tangential] = self.lengths(&contact);
             self.lengths_m[index] = [normal, tangential];
             let entity = &mut self.update.entities[index];
             entity.timestamp = Some(stamp);

@@ -81,12 +81,12 @@ impl Pictures {
     }
 
     /// Draws a sample if a picture is due; `contacts` are in the order of the drawing.
-    pub fn sample<'a, W: Write>(
+    pub fn sample<W: Write>(
         &mut self,
         out: &mut McapFile<W>,
         time_s: f64,
         poses: impl FnOnce() -> Vec<Pose>,
-        contacts: impl Iterator<Item = &'a ContactSample> + Clone,
+        contacts: impl Iterator<Item = ContactSample> + Clone,
     ) -> Result<(), SinkError> {
         let is_due = time_s >= self.next_s;
         if !is_due && self.arrows.largest_change(contacts.clone()) <= MIN_ARROW_CHANGE {

@@ -14,24 +14,26 @@ use super::messages::Message;
 use super::missing::{KnownChannel, MissingTracker, has_duplicates};
 use super::scan::{MAX_RECORD_BYTES, Scan};
 use super::summary::{Defect, LogSink, LogSummary, Loss, RunEnd};
-use crate::channels::{ChannelContent, channel_list, contacts_of};
+use crate::channels::{ChannelContent, EVENT_TOPIC, subject_channels};
 use crate::lines::is_friction_line;
-use crate::messages::{contact, decode, decode_impact, decode_slip, disc, energy, limit, state};
+use crate::messages::{decode, decode_event};
 use phalanx_core::scene::keywords::SceneKind;
 use phalanx_core::scene::parse_any;
-use phalanx_core::trace::{ContactChannel, ContactSample, Event, EventKind, Layout, Sample, SinkError};
+use phalanx_core::trace::schema::{State as _, Subject, SubjectKind};
+use phalanx_core::trace::{ContactName, ContactSample, Event, EventKind, Sample, Schema, SinkError};
 
 /// Assembles messages, which arrive grouped by log time.
 pub(crate) struct Assembler {
-    layout: Layout,
+    schema: Schema,
+    subjects: Vec<Subject>,
     /// Known channels, by id.
     channels: BTreeMap<u16, KnownChannel>,
     /// Topics that the log of such a run should have.
     expected: Vec<(String, ChannelContent)>,
     is_engine: bool,
     has_duplicates: bool,
-    /// Components of a sample that the log has, in write order.
-    components: Vec<usize>,
+    /// Subjects that the log has, in write order.
+    present: Vec<usize>,
     /// A sample without any message: all required values are NaN.
     missing_sample: Sample,
     sample: Sample,
@@ -43,8 +45,8 @@ pub(crate) struct Assembler {
 struct Part<'a> {
     sequence: u32,
     time_s: f64,
-    /// Component of the sample and payload, or the event.
-    content: Result<(usize, ChannelContent, &'a [u8]), Event>,
+    /// Subject and payload, or the event.
+    content: Result<(usize, &'a [u8]), Event>,
 }
 
 /// Indices of the messages of a sample, or the index of an event.
@@ -59,41 +61,41 @@ impl Assembler {
         let scene = scene.and_then(|(name, text)| parse_any(text, name).ok()).filter(|scene| scene.kind() == kind);
         let mut found: Vec<_> = scan.index.channels.values().collect();
         found.sort_by_key(|channel| channel.id);
-        let mut layout = Layout::from_kind(kind);
-        let mut contacts = scene.as_ref().map(|scene| contacts_of(&scene.system)).unwrap_or_default();
-        if kind == SceneKind::Bodies {
-            // Contacts that the scene does not have are omitted.
-            if let Some(scene) = &scene {
-                layout = Layout::from_system(&scene.system);
-                let mut present = contacts.iter();
-                layout.contacts.retain(|_| present.next().is_some_and(Option::is_some));
-                contacts.retain(Option::is_some);
+        let mut schema = Schema::from_kind(kind);
+        if let Some(scene) = &scene {
+            schema = Schema::from_system(&scene.system);
+            if kind == SceneKind::Bodies {
+                // Contacts that the scene does not have are omitted.
+                schema.contacts.retain(|contact| contact.exists);
             }
         }
-        let mut expected = match scene {
-            Some(_) => channel_list(&layout, &contacts),
-            None => {
-                let of_kind = channel_list(&layout, &vec![None; layout.contacts.len()]);
-                of_kind.into_iter().filter(|(_, content)| content.component(&layout).is_some()).collect()
-            }
-        };
+        let existing = subject_channels(&schema).into_iter().filter(|(.., exists)| *exists);
+        let mut expected: Vec<(String, ChannelContent)> =
+            existing.map(|(topic, content, _)| (topic, content)).collect();
+        if scene.is_some() {
+            expected.push((EVENT_TOPIC.to_string(), ChannelContent::Events));
+        }
         expected.push(("/events".to_string(), ChannelContent::Lines));
         if kind == SceneKind::Bodies {
-            found.iter().for_each(|channel| add_disc_topic(&mut layout, &channel.topic));
+            found.iter().for_each(|channel| add_disc_topic(&mut schema, &channel.topic));
         }
+        let all = subject_channels(&schema);
+        // Added discs and pairs change the indices of subjects.
+        for (topic, content) in &mut expected {
+            *content = all.iter().find(|(other, ..)| other == topic).map_or(*content, |(_, content, _)| *content);
+        }
+        let events = (EVENT_TOPIC.to_string(), ChannelContent::Events);
         let known: BTreeMap<String, ChannelContent> =
-            channel_list(&layout, &vec![Some(true); layout.contacts.len()]).into_iter().collect();
+            all.into_iter().map(|(topic, content, _)| (topic, content)).chain([events]).collect();
         let mut channels = BTreeMap::new();
         for channel in found {
-            let schema = channel.schema.as_ref().filter(|schema| schema.encoding == "protobuf");
-            let name = schema.filter(|_| channel.message_encoding == "protobuf").map_or("", |schema| &schema.name);
+            let message_schema = channel.schema.as_ref().filter(|schema| schema.encoding == "protobuf");
+            let is_protobuf = channel.message_encoding == "protobuf";
+            let name = message_schema.filter(|_| is_protobuf).map_or("", |schema| &schema.name);
             let content = match name {
                 "foxglove.FrameTransforms" | "foxglove.SceneUpdate" => Some(ChannelContent::Picture),
                 "foxglove.Log" if channel.topic == "/events" => Some(ChannelContent::Lines),
-                name => known
-                    .get(&channel.topic)
-                    .copied()
-                    .filter(|content| content.message_type().is_some_and(|message_type| message_type.has_name(name))),
+                name => known.get(&channel.topic).copied().filter(|content| content.message_name() == Some(name)),
             };
             match content {
                 None => summary.unknown_channels += 1,
@@ -104,51 +106,51 @@ impl Assembler {
             }
         }
         let with_messages = channels.values().filter(|channel| scan.sequences.contains_key(&channel.id));
-        let mut components: Vec<usize> =
-            with_messages.filter_map(|channel| channel.content.component(&layout)).collect();
-        components.sort_unstable();
-        components.dedup();
+        let mut present: Vec<usize> = with_messages.filter_map(|channel| channel.content.subject()).collect();
+        present.sort_unstable();
+        present.dedup();
         let required: HashSet<usize> =
-            expected.iter().filter_map(|(_, content)| content.component(&layout)).chain(components.clone()).collect();
-        let first_contact = layout.fingers.len() + layout.bodies.len();
-        let missing_contact = |index| match required.contains(&(first_contact + index)) {
-            true => contact([f64::NAN; 10]),
-            false => ContactSample::NONE,
-        };
-        let missing_sample = Sample {
-            time_s: f64::NAN,
-            fingers: vec![state([f64::NAN; 10]); layout.fingers.len()],
-            bodies: vec![disc([f64::NAN; 6]); layout.bodies.len()],
-            contacts: (0..layout.contacts.len()).map(missing_contact).collect(),
-            energy: energy([f64::NAN; 7]),
-        };
+            expected.iter().filter_map(|(_, content)| content.subject()).chain(present.clone()).collect();
+        let subjects = schema.subjects();
+        let mut missing_sample = Sample::new(f64::NAN, schema.counts());
+        for (index, Subject { kind, first, .. }) in subjects.iter().enumerate() {
+            let is_required = required.contains(&index);
+            match kind {
+                SubjectKind::Contact | SubjectKind::Limit if !is_required => {
+                    let contact = index + 1 + schema.contacts.len() - subjects.len();
+                    missing_sample.set_contact(contact, &ContactSample::NONE);
+                }
+                _ => kind.quantities().for_each(|(k, _)| missing_sample.values_mut()[first + k] = f64::NAN),
+            }
+        }
         Assembler {
             is_engine: summary.metadata.get("model").is_some_and(|model| model == "engine"),
             has_duplicates: has_duplicates(&scan.sequences),
-            tracker: MissingTracker::new(first_contact + layout.contacts.len() + 1, layout.contacts.len()),
+            tracker: MissingTracker::new(subjects.len(), schema.contacts.len()),
             sample: missing_sample.clone(),
-            layout,
+            schema,
+            subjects,
             channels,
             expected,
-            components,
+            present,
             missing_sample,
             summary,
         }
     }
 
-    /// Layout of the samples.
-    pub fn layout(&self) -> &Layout {
-        &self.layout
+    /// Schema of the samples.
+    pub fn schema(&self) -> &Schema {
+        &self.schema
     }
 
     /// Returns the summary, including lost and missing data, after the last message.
     pub fn finish(self, scan: &Scan) -> LogSummary {
-        let Assembler { mut summary, tracker, expected, layout, channels, .. } = self;
+        let Assembler { mut summary, tracker, expected, schema, channels, .. } = self;
         if let Some((at_byte, defect)) = &scan.damage {
             summary.losses.push(Loss::new(*at_byte, summary.bytes, defect, summary.last_s));
         }
         let channels: Vec<KnownChannel> = channels.into_values().collect();
-        summary.missing = tracker.missing(&summary, &expected, &layout, &channels, &scan.sequences);
+        summary.missing = tracker.missing(&summary, &expected, &schema, &channels, &scan.sequences);
         summary
     }
 
@@ -159,7 +161,7 @@ impl Assembler {
             Err(defect) => return Ok(Err(defect)),
         };
         let is_at_start = self.summary.samples == 0;
-        let items = items_in_write_order(&parts, &self.components)
+        let items = items_in_write_order(&parts, &self.present)
             .unwrap_or_else(|| reconstruct_order(&parts, self.is_engine, is_at_start));
         for item in items {
             match item.first().map(|&first| &parts[first]) {
@@ -211,18 +213,29 @@ impl Assembler {
                         .map_err(|_| Defect::damaged("a line of the log is not protobuf"))?;
                     if line.name == "run" {
                         self.summary.run_end = Some(RunEnd::new(header.log_time as f64 * 1e-9, line.message));
-                    } else if let Some(contact) = self.layout.contacts.iter().position(|c| c.name == line.name) {
+                    } else if let Some(contact) = self.schema.contacts.iter().position(|c| c.name == line.name) {
                         self.tracker.count_line(contact, is_friction_line(&line.message));
                     }
                     continue;
                 }
-                ChannelContent::Impact(contact) | ChannelContent::LimitImpact(contact) => {
-                    decode_impact(contact, data).map(|event| (event.time_s, Err(event)))
-                }
-                ChannelContent::Slip(contact) => decode_slip(contact, data).map(|event| (event.time_s, Err(event))),
+                ChannelContent::Events => match decode_event(data) {
+                    Ok(None) => {
+                        self.summary.unknown_messages += 1;
+                        continue;
+                    }
+                    Ok(Some((event, subject))) => {
+                        let contact = self.schema.contacts.iter().position(|contact| contact.name == subject);
+                        let Some(contact) = contact else {
+                            self.summary.unknown_messages += 1;
+                            continue;
+                        };
+                        Ok((event.time_s, Err(Event { contact, ..event })))
+                    }
+                    Err(error) => Err(error),
+                },
                 content => {
-                    let component = content.component(&self.layout).unwrap_or(usize::MAX);
-                    decode(data).map(|[time_s]| (time_s, Ok((component, content, data.as_slice()))))
+                    let subject = content.subject().unwrap_or(usize::MAX);
+                    decode(data, &mut []).map(|time_s| (time_s, Ok((subject, data.as_slice()))))
                 }
             };
             let (time_s, content) = part.map_err(|error| Defect::damaged(describe(&error)))?;
@@ -238,73 +251,69 @@ impl Assembler {
         self.sample.clone_from(&self.missing_sample);
         self.sample.time_s = time_s;
         self.tracker.start_sample(time_s);
+        let mut numbers = [0.0; MAX_QUANTITIES];
         for part in parts {
-            let Ok((component, content, data)) = part.content else { continue };
-            self.tracker.count_component(component);
-            let Sample { fingers, bodies, contacts, energy: energies, .. } = &mut self.sample;
-            match content {
-                ChannelContent::Finger(index) => fingers[index] = state(decode_numbers(data)?),
-                ChannelContent::Body(index) => bodies[index] = disc(decode_numbers(data)?),
-                ChannelContent::Contact(index) => contacts[index] = contact(decode_numbers(data)?),
-                ChannelContent::Limit(index) => contacts[index] = limit(decode_numbers(data)?),
-                _ => *energies = energy(decode_numbers(data)?),
+            let Ok((index, data)) = part.content else { continue };
+            self.tracker.count_component(index);
+            let Subject { kind, first, .. } = self.subjects[index];
+            decode(data, &mut numbers)?;
+            let values = &mut self.sample.values_mut()[first..];
+            if kind == SubjectKind::Limit {
+                // It has no slip, friction, contact point or normal.
+                values[..ContactSample::QUANTITIES.len()].fill(0.0);
             }
+            kind.quantities().zip(numbers).for_each(|((k, _), number)| values[k] = number);
         }
         Ok(())
     }
 }
 
-/// Decodes the numbers after the timestamp of a message without flags.
-fn decode_numbers<const N: usize>(data: &[u8]) -> Result<[f64; N], DecodeError> {
-    // No message has more than ten numbers.
-    let fields: [f64; 11] = decode(data)?;
-    Ok(std::array::from_fn(|k| fields[k + 1]))
-}
+/// No subject has more numbers.
+const MAX_QUANTITIES: usize = 16;
 
 fn describe(error: &DecodeError) -> String {
     format!("a message is not protobuf ({error})")
 }
 
-/// Adds the disc or the pair of discs of a topic to the layout. Names that could not become a column are ignored.
-fn add_disc_topic(layout: &mut Layout, topic: &str) {
+/// Adds the disc or the pair of discs of a topic to the schema. Names that could not become a column are ignored.
+fn add_disc_topic(schema: &mut Schema, topic: &str) {
     let is_valid = |name: &str| {
         name.starts_with(|first: char| first.is_ascii_alphabetic())
             && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
     };
-    let is_new_disc = |name: &&str| is_valid(name) && !layout.bodies.iter().any(|known| known == name);
-    if let Some(name) = topic.strip_prefix("/disc/").filter(is_new_disc) {
-        layout.bodies.push(name.to_string());
+    let is_new_disc = |name: &&str| is_valid(name) && !schema.bodies.iter().any(|known| known == name);
+    if let Some(name) = topic.strip_prefix("/body/").filter(is_new_disc) {
+        schema.bodies.push(name.to_string());
     }
     let is_new_pair = |name: &&str| {
         let is_pair = name.split_once('-').is_some_and(|(disc, partner)| is_valid(disc) && is_valid(partner));
-        is_pair && !layout.contacts.iter().any(|known| known.name == *name)
+        is_pair && !schema.contacts.iter().any(|known| known.name == *name)
     };
-    let prefixes = ["/contact/", "/impact/", "/slip/"];
-    if let Some(name) = prefixes.into_iter().find_map(|prefix| topic.strip_prefix(prefix)).filter(is_new_pair) {
-        layout.contacts.push(ContactChannel { name: name.to_string(), is_angular: false });
+    if let Some(name) = topic.strip_prefix("/contact/").filter(is_new_pair) {
+        schema.contacts.push(ContactName { name: name.to_string(), is_angular: false, exists: true });
     }
 }
 
-/// Returns the samples and events of messages in write order; `None` in any other order. `components` are the
-/// components of a sample of this log, in order.
-fn items_in_write_order(parts: &[Part<'_>], components: &[usize]) -> Option<Vec<Item>> {
+/// Returns the samples and events of messages in write order; `None` in any other order. `subjects` are those
+/// of a sample of this log, in order.
+fn items_in_write_order(parts: &[Part<'_>], subjects: &[usize]) -> Option<Vec<Item>> {
     let mut items: Vec<Item> = Vec::new();
     let (mut next, mut latest_s) = (0, f64::NEG_INFINITY);
     for (index, part) in parts.iter().enumerate() {
         match part.content {
-            Ok((component, ..)) => {
+            Ok((subject, _)) => {
                 if next == 0 {
-                    items.push(Vec::with_capacity(components.len()));
+                    items.push(Vec::with_capacity(subjects.len()));
                     if part.time_s < latest_s {
                         return None;
                     }
                     latest_s = part.time_s;
                 }
-                if components.get(next) != Some(&component) || part.time_s != latest_s {
+                if subjects.get(next) != Some(&subject) || part.time_s != latest_s {
                     return None;
                 }
                 items.last_mut()?.push(index);
-                next = (next + 1) % components.len();
+                next = (next + 1) % subjects.len();
             }
             Err(_) if next > 0 => return None,
             Err(_) => items.push(vec![index]),
@@ -323,9 +332,9 @@ fn reconstruct_order(parts: &[Part<'_>], is_engine: bool, is_at_start: bool) -> 
     let mut events: Vec<(usize, &Event)> = Vec::new();
     for index in by_sequence {
         match &parts[index].content {
-            Ok((component, ..)) => {
+            Ok((subject, _)) => {
                 let time_bits = parts[index].time_s.to_bits();
-                let count = counts.entry((*component, time_bits)).or_default();
+                let count = counts.entry((*subject, time_bits)).or_default();
                 samples.entry((time_bits, *count)).or_default().push(index);
                 *count += 1;
             }

@@ -1,15 +1,16 @@
 //! Finds data missing in a log.
 //!
 //! A log with filtered topics is a valid MCAP file. Its expected contents follow from the attached scene and from the
-//! log itself: every sample has a message on each of its topics, sequence numbers are contiguous, every event is on the
-//! topic of its contact and is a line on `/events`, and the last line tells how the run ended.
+//! log itself: every sample has a message on each of its topics, sequence numbers are contiguous, every event is on `/event`
+//! and is a line on `/events`, and the last line tells how the run ended.
 
 use std::collections::BTreeMap;
 
 use super::scan::SequenceStats;
 use super::summary::{LogSummary, MissingData};
 use crate::channels::ChannelContent;
-use phalanx_core::trace::Layout;
+use phalanx_core::trace::Schema;
+use phalanx_core::trace::schema::SubjectKind;
 
 /// A channel of the log that phalanx knows.
 #[derive(Clone, Debug)]
@@ -81,7 +82,7 @@ impl MissingTracker {
         mut self,
         summary: &LogSummary,
         expected: &[(String, ChannelContent)],
-        layout: &Layout,
+        schema: &Schema,
         channels: &[KnownChannel],
         sequences: &BTreeMap<u16, SequenceStats>,
     ) -> Vec<MissingData> {
@@ -103,11 +104,8 @@ impl MissingTracker {
             let defect = match content {
                 ChannelContent::Picture => continue,
                 ChannelContent::Lines => self.missing_lines(summary, is_empty),
-                ChannelContent::Impact(contact) | ChannelContent::LimitImpact(contact) => {
-                    self.missing_events(contact, false)
-                }
-                ChannelContent::Slip(contact) => self.missing_events(contact, true),
-                _ => self.missing_components(summary, content.component(layout), is_empty),
+                ChannelContent::Events => self.missing_events(),
+                ChannelContent::Subject { index, .. } => self.missing_components(summary, index, is_empty),
             };
             let defect = defect.or_else(|| {
                 on_topic().filter(|_| are_numbered).find_map(|id| {
@@ -115,7 +113,7 @@ impl MissingTracker {
                     sequence_gaps(sequences.get(&id)?, self.duplicates.get(&id).copied().unwrap_or(0))
                 })
             });
-            let is_required_for_verdict = is_required_for_verdict(layout, content);
+            let is_required_for_verdict = is_required_for_verdict(schema, content);
             found.extend(defect.map(|defect| MissingData { topic, defect, content, is_required_for_verdict }));
         }
         found.extend(time_gaps(summary).into_iter().map(|defect| MissingData {
@@ -128,21 +126,22 @@ impl MissingTracker {
     }
 
     /// Describes messages missing on a topic that has one per sample.
-    fn missing_components(&self, summary: &LogSummary, component: Option<usize>, is_empty: bool) -> Option<String> {
+    fn missing_components(&self, summary: &LogSummary, subject: usize, is_empty: bool) -> Option<String> {
         // A run that stopped before its first sample has no samples; a truncated log may have none.
         let stopped = summary.run_end.as_ref().is_some_and(|run_end| run_end.stopped.is_some());
         if is_empty && (summary.samples > 0 || !stopped && summary.is_complete()) {
             return Some("has no message".to_string());
         }
-        let (received, first_s) = self.received[component?];
+        let (received, first_s) = self.received[subject];
         let (missing, samples, first_ms) = (self.samples - received.min(self.samples), self.samples, first_s? * 1e3);
         (missing > 0).then(|| format!("lacks {missing} of {samples} messages, the first at {first_ms:.6} ms"))
     }
 
     /// Describes events that have a line but no message.
-    fn missing_events(&self, contact: usize, is_friction: bool) -> Option<String> {
-        let [lines, events] = [&self.lines, &self.events].map(|all| all[contact][usize::from(is_friction)]);
-        let missing = lines.saturating_sub(events);
+    fn missing_events(&self) -> Option<String> {
+        let pairs = self.lines.iter().flatten().zip(self.events.iter().flatten());
+        let missing: u64 = pairs.map(|(lines, events)| lines.saturating_sub(*events)).sum();
+        let lines: u64 = self.lines.iter().flatten().sum();
         (missing > 0).then(|| format!("lacks {missing} of {lines} events that are on /events"))
     }
 
@@ -161,12 +160,12 @@ impl MissingTracker {
     }
 }
 
-/// Whether class and fate depend on a channel. They do not depend on energies or slip events, nor for a single finger
-/// on the joint limit.
-fn is_required_for_verdict(layout: &Layout, content: ChannelContent) -> bool {
+/// Whether class and fate depend on a channel. They do not depend on energies, nor for a single finger on the joint
+/// limit.
+fn is_required_for_verdict(schema: &Schema, content: ChannelContent) -> bool {
     match content {
-        ChannelContent::Energy | ChannelContent::Slip(_) | ChannelContent::Picture => false,
-        ChannelContent::Limit(_) | ChannelContent::LimitImpact(_) => layout.fingers.len() != 1,
+        ChannelContent::Subject { kind: SubjectKind::Energy, .. } | ChannelContent::Picture => false,
+        ChannelContent::Subject { kind: SubjectKind::Limit, .. } => schema.fingers.len() != 1,
         _ => true,
     }
 }

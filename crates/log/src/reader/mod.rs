@@ -37,6 +37,7 @@ use self::scan::Scan;
 use self::summary::Defect;
 pub use self::summary::{LogSink, LogSummary, Loss, LossKind, MissingData, ReadError, RunEnd};
 use super::file::partial_name;
+use super::metadata::LOG_VERSION;
 
 /// Reads a log file into a sink.
 ///
@@ -82,11 +83,11 @@ pub fn read(mut source: impl Read + Seek, sink: &mut impl LogSink) -> Result<Log
     let mut scan = scan(&mut source, false)?;
     let mut assembler = Assembler::new(&mut scan);
     let mut messages = Messages::new(source, &scan)?;
-    let mut is_layout_sent = false;
+    let mut is_schema_sent = false;
     while messages.next_time_ns().is_some() {
         let group = messages.next_group()?;
-        if !std::mem::replace(&mut is_layout_sent, true) {
-            sink.layout(assembler.layout())?;
+        if !std::mem::replace(&mut is_schema_sent, true) {
+            sink.schema(assembler.schema())?;
         }
         if let Err(defect) = assembler.group(&group, sink)? {
             scan.damage = Some((messages.chunk_offset, defect));
@@ -107,7 +108,12 @@ pub(super) fn scan(source: &mut (impl Read + Seek), head_only: bool) -> Result<S
     }
     source.rewind()?;
     let scan = Scan::new(source, bytes, head_only)?;
+    let metadata = &scan.summary.metadata;
     match &scan.damage {
+        _ if scan.is_phalanx_log && metadata.get(LOG_VERSION.0).is_none_or(|version| version != LOG_VERSION.1) => {
+            let version = metadata.get("phalanx_version").map_or("unknown", String::as_str);
+            Err(ReadError::OtherVersion { version: version.to_string() })
+        }
         _ if scan.is_phalanx_log => Ok(scan),
         Some((_, Defect { kind: LossKind::Truncated, .. })) => Err(ReadError::Empty { bytes }),
         _ => Err(ReadError::NotPhalanx),

@@ -11,12 +11,12 @@ use crate::METADATA_NAME;
 use crate::channels::ChannelContent;
 use phalanx_core::scene::Keyword;
 use phalanx_core::scene::keywords::SceneKind;
-use phalanx_core::trace::{Event, Layout, Recording, Sample, Sink, SinkError};
+use phalanx_core::trace::{Event, Recording, Sample, Schema, Sink, SinkError};
 
 /// Receiver of the contents of a log of any kind of scene, in order of time.
 pub trait LogSink {
-    /// Receives the layout of the samples; called once, before the first sample or event.
-    fn layout(&mut self, _: &Layout) -> Result<(), SinkError> {
+    /// Receives the schema of the samples; called once, before the first sample or event.
+    fn schema(&mut self, _: &Schema) -> Result<(), SinkError> {
         Ok(())
     }
 
@@ -24,7 +24,7 @@ pub trait LogSink {
         Ok(())
     }
 
-    /// Receives an event; its contact is an index into the layout.
+    /// Receives an event; its contact is an index into the contacts of the schema.
     fn event(&mut self, _: &Event) -> Result<(), SinkError> {
         Ok(())
     }
@@ -34,8 +34,8 @@ impl LogSink for () {}
 
 /// Replaces the recording by the contents of the log.
 impl LogSink for Recording {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        *self = Recording::new(layout);
+    fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
+        *self = Recording::new(schema);
         Ok(())
     }
 
@@ -239,6 +239,12 @@ pub enum ReadError {
     NotMcap,
     #[error("an MCAP file, but not a log of phalanx: it has no metadata record `{METADATA_NAME}`")]
     NotPhalanx,
+    #[error(
+        "a log of phalanx {version}, whose topics differ from those of this version ({}); read it with phalanx {version}, or \
+         simulate its scene again",
+        env!("CARGO_PKG_VERSION")
+    )]
+    OtherVersion { version: String },
     #[error("the log is truncated before its metadata: it has only {bytes} bytes")]
     Empty { bytes: u64 },
     #[error("sorting its messages by time needs more than {limit_mib} MiB of memory; sort the log first: `mcap sort`")]

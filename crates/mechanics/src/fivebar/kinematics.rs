@@ -265,6 +265,23 @@ impl SpringModel {
         }
     }
 
+    /// Torques on l12 and l22, N·m.
+    pub fn link_torques(&self, pose: &Directions<f64>) -> [f64; 2] {
+        let torque = -self.closing_sign
+            * match self.kind {
+                SpringKind::Constant { torque_n_m } => torque_n_m,
+                SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
+                    (self.extension(pose) + preload_rad) * stiffness_n_m_per_rad
+                }
+            };
+        match self.placement {
+            Placement::GroundLinks => [0.0; 2],
+            Placement::DrivenCoupler => [torque, 0.0],
+            Placement::Phalanges => [0.0, torque],
+            Placement::CouplerDistal => [torque, -torque],
+        }
+    }
+
     /// Stored energy in J, zero in the straight configuration.
     pub fn energy(&self, pose: &Directions<f64>) -> f64 {
         let extension = self.extension(pose);

@@ -4,4 +4,5 @@
 //! use it.
 
 pub mod dynamics;
+pub mod joint_forces;
 pub mod kinematics;

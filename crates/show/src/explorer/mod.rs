@@ -30,8 +30,9 @@ use crate::report::samples::{csv_head, csv_sample};
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
-use crate::trace::columns::{Column, columns};
-use crate::trace::{Decimated, Event, Layout, Model, RunError, Sample, Sink, SinkError, run_analytic};
+use crate::trace::{
+    Channel, Decimated, Event, Model, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
+};
 use figures::{figures, leaves, verdict};
 
 /// Number of directions of acceleration in the picture of a gripper's grasp at rest.
@@ -291,8 +292,8 @@ fn criteria(request: &Request, numbers: &mut Vec<f64>) -> Value {
 
 /// Returns the samples in the format of `phalanx replay --csv`.
 fn samples(scene: &Scene) -> Result<Value, Value> {
-    let mut lines = CsvSink { columns: columns(&Layout::from_system(&scene.system)), text: Vec::new() };
-    csv_head(&mut lines.text, &lines.columns).expect("writing to memory cannot fail");
+    let mut lines = CsvSink { channels: Schema::from_system(&scene.system).channels(), text: Vec::new() };
+    csv_head(&mut lines.text, &lines.channels).expect("writing to memory cannot fail");
     let mut decimated = Decimated::new(scene.log.numeric_hz, lines);
     // A run that fails early has the samples up to its failure.
     let result = run_analytic(scene, &mut decimated);
@@ -304,13 +305,17 @@ fn samples(scene: &Scene) -> Result<Value, Value> {
 }
 
 struct CsvSink {
-    columns: Vec<Column>,
+    channels: Vec<Channel>,
     text: Vec<u8>,
 }
 
 impl Sink for CsvSink {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::ALL
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        csv_sample(&mut self.text, &self.columns, sample).expect("writing to memory cannot fail");
+        csv_sample(&mut self.text, &self.channels, sample).expect("writing to memory cannot fail");
         Ok(())
     }
 }

@@ -5,12 +5,13 @@ use std::collections::HashMap;
 use serde::Serialize;
 
 use super::decimate::{MAX_SAMPLES, select_samples};
-use super::panels::{PanelPlan, Scale, panels};
+use super::panels::{Item, PanelPlan, Scale, panels};
 use crate::drawing::{self, Drawing, Pose};
 use crate::format::Report;
 use crate::format::object::Named;
 use crate::scene::Scene;
-use crate::trace::{ContactSample, Event, EventKind, Layout, Sample};
+use crate::trace::schema::Quantity;
+use crate::trace::{Channel, Event, EventKind, Sample, Schema};
 
 /// Index of a column of numbers in [`Playback::columns`].
 pub type Column = usize;
@@ -55,7 +56,7 @@ pub struct Body {
     pub columns: Named<Column>,
 }
 
-/// The columns of a contact, by the names of the quantities of a [`ContactSample`].
+/// The columns of a contact, by the keys of its quantities.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactSeries {
     pub name: String,
@@ -103,27 +104,16 @@ pub struct EventMarker {
 /// Maximum number of pairs of discs shown if no pair has contact.
 const MAX_IDLE_PAIRS: usize = 6;
 
-/// Key of a quantity, and the function that extracts it.
-type Quantity<T> = (&'static str, fn(&T) -> f64);
+/// Key of a coordinate of a pose, and the function that extracts it.
+type Coordinate = (&'static str, fn(&Pose) -> f64);
 
-const POSITIONS: [Quantity<Pose>; 3] =
+const POSITIONS: [Coordinate; 3] =
     [("x_m", |pose| pose.position_m[0]), ("y_m", |pose| pose.position_m[1]), ("angle_rad", |pose| pose.angle_rad)];
-const RATES: [Quantity<Pose>; 3] = [
+const RATES: [Coordinate; 3] = [
     ("vx_m_s", |rate| rate.position_m[0]),
     ("vy_m_s", |rate| rate.position_m[1]),
     ("spin_rad_s", |rate| rate.angle_rad),
 ];
-const CONTACT_QUANTITIES: [Quantity<ContactSample>; 8] = [
-    ("gap_m", |contact| contact.gap_m),
-    ("gap_rate_m_s", |contact| contact.gap_rate_m_s),
-    ("normal_n", |contact| contact.normal_n),
-    ("tangential_n", |contact| contact.tangential_n),
-    ("point_x_m", |contact| contact.point_m[0]),
-    ("point_y_m", |contact| contact.point_m[1]),
-    ("normal_x", |contact| contact.normal[0]),
-    ("normal_y", |contact| contact.normal[1]),
-];
-
 /// The distinct columns of a run.
 #[derive(Default)]
 struct ColumnTable {
@@ -156,8 +146,8 @@ pub fn build_playback(
     events: &[Event],
     summary: impl Into<Report>,
 ) -> Playback {
-    let (system, layout) = (&scene.system, Layout::from_system(&scene.system));
-    let surfaces: Vec<usize> = layout.surfaces().collect();
+    let (system, schema) = (&scene.system, Schema::from_system(&scene.system));
+    let surfaces: Vec<usize> = schema.surfaces().collect();
     let shown = match system.fingers.len() {
         1 if system.object().is_some() => surfaces,
         1 => Vec::new(),
@@ -165,11 +155,13 @@ pub fn build_playback(
     };
     // Keys become words; names given by the user are unchanged.
     let display_name = |index: usize| match system.fingers.is_empty() {
-        true => layout.contacts[index].name.clone(),
-        false => layout.contacts[index].name.replace('_', " "),
+        true => schema.contacts[index].name.clone(),
+        false => schema.contacts[index].name.replace('_', " "),
     };
     let contacts: Vec<(usize, String)> = shown.into_iter().map(|index| (index, display_name(index))).collect();
-    let panels = panels(system, &contacts);
+    let items: Vec<Item> =
+        contacts.iter().map(|(index, name)| (schema.contacts[*index].name.clone(), name.clone())).collect();
+    let panels = panels(system, &schema, &items);
     let selected = selected_samples(samples, events, &contacts, &panels);
 
     let mut table = ColumnTable::default();
@@ -180,17 +172,20 @@ pub fn build_playback(
     let body = |(index, body): (usize, drawing::Body)| {
         let quantities =
             POSITIONS.iter().map(|quantity| (quantity, &poses)).chain(RATES.iter().map(|rate| (rate, &rates)));
-        let column = |((key, value), all): (&Quantity<Pose>, &Vec<Vec<Pose>>)| {
+        let column = |((key, value), all): (&Coordinate, &Vec<Vec<Pose>>)| {
             (key.to_string(), table.push(all.iter().map(|poses| value(&poses[index]))))
         };
         Body { body, columns: quantities.map(column).collect() }
     };
     let bodies = drawing.bodies.into_iter().enumerate().map(body).collect();
+    let subjects = schema.subjects();
+    let first_contact = subjects.len() - 1 - schema.contacts.len();
     let contact = |(index, name): &(usize, String)| {
-        let column = |(key, value): &Quantity<ContactSample>| {
-            (key.to_string(), table.push(selected.iter().map(|sample| value(&sample.contacts[*index]))))
+        let column = |(quantity, channel): (&'static Quantity, Channel)| {
+            (quantity.key.to_string(), table.push(selected.iter().map(|sample| channel.value(sample))))
         };
-        ContactSeries { name: name.clone(), columns: CONTACT_QUANTITIES.iter().map(column).collect() }
+        let subject = &subjects[first_contact + index];
+        ContactSeries { name: name.clone(), columns: subject.channels().map(column).collect() }
     };
     let contacts = contacts.iter().map(contact).collect();
     let panel = |PanelPlan { title, unit, scale, curves }: PanelPlan| {
@@ -212,7 +207,7 @@ pub fn build_playback(
         panels: panels.into_iter().map(panel).collect(),
         event_markers: events
             .iter()
-            .map(|event| event_marker(event, display_name(event.contact), layout.contacts[event.contact].is_angular))
+            .map(|event| event_marker(event, display_name(event.contact), schema.contacts[event.contact].is_angular))
             .collect(),
         arrow_m_per_n: drawing.arrow_m_per_n,
         longest_arrow_m: drawing.longest_arrow_m,
@@ -223,7 +218,7 @@ pub fn build_playback(
 
 /// Indices of the pairs that have contact, or of the first few if none has.
 fn pairs_in_contact(mut pairs: Vec<usize>, samples: &[Sample], events: &[Event]) -> Vec<usize> {
-    let has_force = |pair: usize| samples.iter().any(|sample| sample.contacts[pair].normal_n > 0.0);
+    let has_force = |pair: usize| samples.iter().any(|sample| sample.contact(pair).normal_n > 0.0);
     let has_contact = |pair: &usize| events.iter().any(|event| event.contact == *pair) || has_force(*pair);
     let found: Vec<usize> = pairs.iter().copied().filter(has_contact).collect();
     pairs.truncate(MAX_IDLE_PAIRS);
@@ -241,7 +236,7 @@ fn selected_samples<'a>(
     }
     let curves = panels.iter().flat_map(|plan| &plan.curves);
     let values: Vec<Vec<f64>> = curves.map(|curve| samples.iter().map(&curve.value).collect()).collect();
-    let force = |sample: &Sample| contacts.iter().map(|(index, _)| sample.contacts[*index].normal_n).sum();
+    let force = |sample: &Sample| contacts.iter().map(|(index, _)| sample.contact(*index).normal_n).sum();
     let weight: Vec<f64> = samples.iter().map(force).collect();
     let times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
     let events: Vec<f64> = events.iter().map(|event| event.time_s).collect();

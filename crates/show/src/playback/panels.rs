@@ -3,8 +3,9 @@
 use serde::{Serialize, Serializer};
 
 use crate::numeric::plane::wrap_angle;
-use crate::scene::{GripperContact, Side, System};
-use crate::trace::{BodyState, ContactSample, Energy, FingerContact, FingerState, Sample};
+use crate::scene::{GripperContact, System};
+use crate::trace::schema::SubjectKind;
+use crate::trace::{Sample, Schema};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
@@ -39,59 +40,56 @@ pub(super) struct PanelPlan {
     pub curves: Vec<Curve>,
 }
 
-/// Name of a quantity, and functions for its value and, optionally, its rate.
-type Quantity<T> = (&'static str, fn(&T) -> f64, Option<fn(&T) -> f64>);
-/// Index of a contact, body or finger in a sample, and its name, which may be empty.
-type Item = (usize, String);
+/// Label of a quantity, its key, and the key of its rate, if samples have it.
+type Quantity = (&'static str, &'static str, Option<&'static str>);
+/// Name of a subject, and its label, which may be empty.
+pub(super) type Item = (String, String);
 
-/// Curves of the same quantities for several items.
-fn curves<T: 'static>(items: &[Item], quantities: &[Quantity<T>], states: fn(&Sample) -> &[T]) -> Vec<Curve> {
-    let curve = |(index, item): &Item, &(quantity, value, rate): &Quantity<T>| {
-        let index = *index;
-        let of_item =
-            move |quantity: fn(&T) -> f64| -> Value { Box::new(move |sample| quantity(&states(sample)[index])) };
-        let name = format!("{item} {quantity}").trim().to_string();
-        Curve { name, value: of_item(value), rate: rate.map(of_item) }
+/// Curves of the same quantities for several subjects. Angles of joints are wrapped to −π to π.
+fn curves(schema: &Schema, kind: SubjectKind, items: &[Item], quantities: &[Quantity]) -> Vec<Curve> {
+    let curve = |(subject, label): &Item, &(quantity, key, rate): &Quantity| {
+        let value = |key: &str| -> Value {
+            let channel = schema.channel(kind, subject, key);
+            match (kind, key) {
+                (SubjectKind::Joint, "angle_rad") => Box::new(move |sample| wrap_angle(channel.value(sample))),
+                _ => Box::new(move |sample| channel.value(sample)),
+            }
+        };
+        let name = format!("{label} {quantity}").trim().to_string();
+        Curve { name, value: value(key), rate: rate.map(value) }
     };
     items.iter().flat_map(|item| quantities.iter().map(move |quantity| curve(item, quantity))).collect()
 }
 
 /// Returns the panels of a scene; `contacts` are the contacts that are shown.
-pub(super) fn panels(system: &System, contacts: &[Item]) -> Vec<PanelPlan> {
+pub(super) fn panels(system: &System, schema: &Schema, contacts: &[Item]) -> Vec<PanelPlan> {
     let has_fingers = !system.fingers.is_empty();
-    let contact = |title, unit, quantity: Quantity<ContactSample>| PanelPlan {
+    let contact = |title, unit, quantity: Quantity| PanelPlan {
         scale: if has_fingers { Scale::Logarithmic } else { Scale::Linear },
-        ..panel(title, unit, curves(contacts, &[quantity], |sample| &sample.contacts))
+        ..panel(title, unit, curves(schema, SubjectKind::Contact, contacts, &[quantity]))
     };
     let bodies = moving_bodies(system);
-    let body = |title, unit, quantities: &[Quantity<BodyState>]| {
-        panel(title, unit, curves(&bodies, quantities, |sample| &sample.bodies))
+    let body = |title, unit, quantities: &[Quantity]| {
+        panel(title, unit, curves(schema, SubjectKind::Body, &bodies, quantities))
     };
     let [position, velocity] = if has_fingers { ["Object", "Object velocity"] } else { ["Position", "Velocity"] };
     let mut panels = vec![
-        contact("Normal force", "N", ("", |contact| contact.normal_n, None)),
-        contact("Friction force", "N", ("", |contact| contact.tangential_n, None)),
-        contact("Gap", "m", ("", |contact| contact.gap_m, Some(|contact| contact.gap_rate_m_s))),
-        body(
-            position,
-            "m",
-            &[
-                ("x", |body| body.centre_m[0], Some(|body| body.velocity_m_s[0])),
-                ("y", |body| body.centre_m[1], Some(|body| body.velocity_m_s[1])),
-            ],
-        ),
-        body(velocity, "m/s", &[("vx", |body| body.velocity_m_s[0], None), ("vy", |body| body.velocity_m_s[1], None)]),
+        contact("Normal force", "N", ("", "normal_n", None)),
+        contact("Friction force", "N", ("", "tangential_n", None)),
+        contact("Gap", "m", ("", "gap_m", Some("gap_rate_m_s"))),
+        body(position, "m", &[("x", "x_m", Some("vx_m_s")), ("y", "y_m", Some("vy_m_s"))]),
+        body(velocity, "m/s", &[("vx", "vx_m_s", None), ("vy", "vy_m_s", None)]),
         match has_fingers {
-            true => body("Object angle", "rad", &[("angle", |body| body.angle_rad, Some(|body| body.spin_rad_s))]),
-            false => body("Spin", "rad/s", &[("spin", |body| body.spin_rad_s, None)]),
+            true => body("Object angle", "rad", &[("angle", "angle_rad", Some("spin_rad_s"))]),
+            false => body("Spin", "rad/s", &[("spin", "spin_rad_s", None)]),
         },
-        energy_panel(has_fingers),
+        energy_panel(schema, has_fingers),
     ];
     if !has_friction(system) {
         panels.remove(1);
     }
     if has_fingers {
-        let [angles, rates, torques] = finger_panels(system);
+        let [angles, rates, torques] = finger_panels(system, schema);
         let energy = panels.pop();
         panels.extend([angles, rates].into_iter().chain(energy).chain([torques]));
     }
@@ -103,13 +101,13 @@ fn panel(title: &'static str, unit: &'static str, curves: Vec<Curve>) -> PanelPl
     PanelPlan { title, unit, scale: Scale::Linear, curves }
 }
 
-/// The moving discs, or the moving object of fingers, which has no name.
+/// The moving discs, or the moving object of fingers, which has no label.
 fn moving_bodies(system: &System) -> Vec<Item> {
     if !system.fingers.is_empty() {
-        return system.moving_object().iter().map(|_| (0, String::new())).collect();
+        return system.moving_object().iter().map(|object| (object.name.clone(), String::new())).collect();
     }
-    let moving = system.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
-    moving.map(|(index, disc)| (index, disc.name.clone())).collect()
+    let moving = system.discs.iter().filter(|disc| disc.motion.moves());
+    moving.map(|disc| (disc.name.clone(), disc.name.clone())).collect()
 }
 
 fn has_friction(system: &System) -> bool {
@@ -120,45 +118,48 @@ fn has_friction(system: &System) -> bool {
     }
 }
 
-fn energy_panel(has_fingers: bool) -> PanelPlan {
-    let mut quantities: Vec<Quantity<Energy>> = vec![
-        ("kinetic", |energy| energy.kinetic_j, None),
-        (if has_fingers { "motor work" } else { "drive work" }, |energy| energy.motor_work_j, None),
-        ("dissipated", |energy| energy.dissipated_j, None),
-        ("spring", |energy| energy.spring_j, None),
-        ("contact", |energy| energy.elastic_j, None),
-        ("gravity", |energy| energy.gravity_j, None),
-        ("balance", |energy| energy.balance_j, None),
+fn energy_panel(schema: &Schema, has_fingers: bool) -> PanelPlan {
+    let mut quantities: Vec<Quantity> = vec![
+        ("kinetic", "kinetic_j", None),
+        (if has_fingers { "motor work" } else { "drive work" }, "motor_work_j", None),
+        ("dissipated", "dissipated_j", None),
+        ("spring", "spring_j", None),
+        ("contact", "elastic_j", None),
+        ("gravity", "gravity_j", None),
+        ("balance", "balance_j", None),
     ];
     quantities.retain(|(name, ..)| has_fingers || *name != "spring");
-    let curves = curves(&[(0, String::new())], &quantities, |sample| std::slice::from_ref(&sample.energy));
-    panel("Energy", "J", curves)
+    let system = [("energy".to_string(), String::new())];
+    panel("Energy", "J", curves(schema, SubjectKind::Energy, &system, &quantities))
 }
 
-/// Panels of joint angles, joint rates and torques. A single finger has no name.
-fn finger_panels(system: &System) -> [PanelPlan; 3] {
+/// Joints whose angles and rates are shown.
+const JOINTS: [&str; 3] = ["q11", "q21", "q22"];
+
+/// Panels of joint angles, joint rates and torques. A single finger has no label.
+fn finger_panels(system: &System, schema: &Schema) -> [PanelPlan; 3] {
     let is_single = system.fingers.len() == 1;
-    let name = |side: Side| if is_single { String::new() } else { side.name().to_string() };
-    let fingers: Vec<Item> = system.fingers_by_side().map(|(side, _)| (side as usize, name(side))).collect();
-    let joints = |quantities: &[Quantity<FingerState>]| curves(&fingers, quantities, |sample| &sample.fingers);
-    let mut angles = joints(&[
-        ("q11", |finger| wrap_angle(finger.q11_rad), Some(|finger| finger.qd11_rad_s)),
-        ("q21", |finger| wrap_angle(finger.q21_rad), Some(|finger| finger.qd21_rad_s)),
-        ("q22", |finger| wrap_angle(finger.q22_rad), Some(|finger| finger.qd22_rad_s)),
-    ]);
-    let rates = joints(&[
-        ("qd11", |finger| finger.qd11_rad_s, None),
-        ("qd21", |finger| finger.qd21_rad_s, None),
-        ("qd22", |finger| finger.qd22_rad_s, None),
-    ]);
-    let mut torques = joints(&[("motor", |finger| finger.motor_torque_n_m, None)]);
-    let limited = system.fingers_by_side().filter(|(_, finger)| finger.limit.is_some());
-    let limits: Vec<Item> =
-        limited.map(|(side, _)| (GripperContact::Finger(side, FingerContact::Limit).index(), name(side))).collect();
-    let limit = |quantity: Quantity<ContactSample>| curves(&limits, &[quantity], |sample| &sample.contacts);
+    let named = |finger: &str, part: &str| if is_single { part.to_string() } else { format!("{finger}_{part}") };
+    // Curves of all three joints of a finger, then of the next finger.
+    let of_joints = |labels: [&'static str; 3], key: &'static str, rate: Option<&'static str>| -> Vec<Curve> {
+        let of_finger = |finger: &String| {
+            let joint = |(joint, label): (&str, &'static str)| {
+                curves(schema, SubjectKind::Joint, &[(named(finger, joint), finger.clone())], &[(label, key, rate)])
+            };
+            JOINTS.into_iter().zip(labels).flat_map(joint).collect::<Vec<_>>()
+        };
+        schema.fingers.iter().flat_map(of_finger).collect()
+    };
+    let mut angles = of_joints(JOINTS, "angle_rad", Some("rate_rad_s"));
+    let rates = of_joints(["qd11", "qd21", "qd22"], "rate_rad_s", None);
+    let motors: Vec<Item> = schema.fingers.iter().map(|finger| (named(finger, "motor"), finger.clone())).collect();
+    let mut torques = curves(schema, SubjectKind::Actuator, &motors, &[("motor", "torque_n_m", None)]);
+    let limited = system.fingers_by_side().zip(&schema.fingers).filter(|((_, finger), _)| finger.limit.is_some());
+    let limits: Vec<Item> = limited.map(|(_, finger)| (named(finger, "limit"), finger.clone())).collect();
+    let limit = |quantity: Quantity| curves(schema, SubjectKind::Limit, &limits, &[quantity]);
     if is_single {
-        angles.extend(limit(("to limit", |contact| contact.gap_m, Some(|contact| contact.gap_rate_m_s))));
+        angles.extend(limit(("to limit", "gap_rad", Some("gap_rate_rad_s"))));
     }
-    torques.extend(limit(("limit", |contact| contact.normal_n, None)));
+    torques.extend(limit(("limit", "torque_n_m", None)));
     [panel("Joint angle", "rad", angles), panel("Joint rate", "rad/s", rates), panel("Torque", "N·m", torques)]
 }

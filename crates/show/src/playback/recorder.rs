@@ -150,7 +150,7 @@ mod tests {
             if event_at == Some(k) {
                 recorder.event(&slip).expect("recorded");
             }
-            recorder.push_sample(Sample { time_s: k as f64, ..Sample::default() }, vec![force_n(k)]);
+            recorder.push_sample(Sample::of(k as f64, &[], &[], &[]), vec![force_n(k)]);
         }
         assert_eq!(recorder.recorded, count);
         let (samples, events) = recorder.into_parts();

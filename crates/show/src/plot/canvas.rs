@@ -13,7 +13,7 @@ const LINE_HEIGHT: f64 = 24.0;
 /// Minimum size of text. Text that is too wide is reduced to this size, then truncated.
 const MIN_TEXT_SIZE: f64 = 11.0;
 
-/// Layout of a picture: standalone with title and a legend on the right, or for a narrow column of a page, without the
+/// Schema of a picture: standalone with title and a legend on the right, or for a narrow column of a page, without the
 /// title.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {

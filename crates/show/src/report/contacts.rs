@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::named::Named;
 use crate::criteria::Rebound;
-use crate::trace::{Layout, Outcome};
+use crate::trace::{Outcome, Schema};
 
 /// The contacts of a run by name, such as `distal` for one finger, `right_distal` for two fingers, or `hammer-anvil`
 /// for discs, in the order of their names.
@@ -70,12 +70,12 @@ pub struct LimitReport {
 }
 
 impl Contacts {
-    /// Builds the report of the contacts of this layout; for discs with the available rebounds.
-    pub fn new(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) -> Self {
-        let is_discs_only = layout.fingers.is_empty();
+    /// Builds the report of the contacts of this schema; for discs with the available rebounds.
+    pub fn new(schema: &Schema, outcome: &Outcome, rebounds: &[Rebound]) -> Self {
+        let is_discs_only = schema.fingers.is_empty();
         let report = |index: usize| {
-            let (summary, last) = (&outcome.contacts[index], &outcome.last.contacts[index]);
-            if layout.contacts[index].is_angular {
+            let (summary, last) = (&outcome.contacts[index], outcome.last.contact(index));
+            if schema.contacts[index].is_angular {
                 return ContactReport::Limit(LimitReport {
                     first_s: summary.first_s,
                     touchdowns: summary.touchdowns,
@@ -104,9 +104,9 @@ impl Contacts {
             })
         };
         // Omit contacts that a gripper does not have, such as that of the object with a table.
-        let is_present = |index: &usize| layout.fingers.len() < 2 || outcome.last.contacts[*index].gap_m.is_finite();
-        let count = layout.contacts.len().min(outcome.contacts.len()).min(outcome.last.contacts.len());
-        let name = |index: usize| layout.contacts[index].name.clone();
+        let is_present = |index: &usize| schema.fingers.len() < 2 || outcome.last.contact(*index).gap_m.is_finite();
+        let count = schema.contacts.len().min(outcome.contacts.len()).min(outcome.last.counts().contacts);
+        let name = |index: usize| schema.contacts[index].name.clone();
         let mut all: Named<_> = (0..count).filter(is_present).map(|index| (name(index), report(index))).collect();
         if is_discs_only {
             all.0.sort_by(|a, b| a.0.cmp(&b.0));

@@ -15,7 +15,7 @@ use crate::format::{Report, ToReport, format_duration};
 use crate::scene::keywords::SceneKind;
 use crate::scene::schema::{SettingsSection, columns};
 use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping};
-use crate::trace::{Energy, Layout, Model, Outcome, Work};
+use crate::trace::{Energy, Model, Outcome, Schema, Work};
 
 /// One run. All results are null if the simulation failed without a partial outcome. Keys that do not apply to the kind
 /// of scene are omitted.
@@ -123,7 +123,7 @@ impl RunReport {
     /// Builds the report of a completed run, or of a run up to its failure `error`.
     pub fn new(scene: &Scene, model: Model, data: &RunData<'_>, error: Option<Failure>) -> Self {
         let (engine, outcome) = (model == Model::Engine, data.outcome);
-        let (kind, layout) = (scene.kind(), Layout::from_system(&scene.system));
+        let (kind, schema) = (scene.kind(), Schema::from_system(&scene.system));
         let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
         let palm = scene.system.palm_motion.as_ref();
         let criteria = data.criteria.filter(|_| error.is_none());
@@ -134,8 +134,8 @@ impl RunReport {
             duration_s: scene.duration_s,
             steps: outcome.map(|outcome| outcome.work.steps),
             wall_s: data.wall_s,
-            states: States::new(&layout, outcome, Some(scene)),
-            contacts: outcome.map(|outcome| Contacts::new(&layout, outcome, data.rebounds)),
+            states: States::new(&schema, outcome, Some(scene)),
+            contacts: outcome.map(|outcome| Contacts::new(&schema, outcome, data.rebounds)),
             criteria: finger.then_some(criteria),
             no_criteria: finger.then(|| no_criteria(scene, error.is_none()).filter(|_| criteria.is_none())),
             grasp: gripper.then(|| {
@@ -146,7 +146,7 @@ impl RunReport {
             palm_peak_acceleration_m_s2: gripper
                 .then(|| palm.map(|motion| motion.peak_acceleration_m_s2([0.0; 2], scene.duration_s))),
             error,
-            energy: outcome.map(|outcome| outcome.last.energy),
+            energy: outcome.map(|outcome| outcome.last.energy()),
             warnings: data.warnings.to_vec(),
             work: outcome.map(|outcome| outcome.work),
             integrator: (!engine).then_some(scene.integrator),

@@ -3,8 +3,7 @@
 
 use std::io::{self, Write};
 
-use crate::trace::Sample;
-use crate::trace::columns::Column;
+use crate::trace::{Channel, Sample};
 
 /// Formats a number; a number that is not finite (the gap to a missing object) is an empty cell.
 pub fn cell(value: f64) -> String {
@@ -12,13 +11,13 @@ pub fn cell(value: f64) -> String {
 }
 
 /// Writes the names of the columns.
-pub fn csv_head(out: &mut dyn Write, columns: &[Column]) -> io::Result<()> {
-    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+pub fn csv_head(out: &mut dyn Write, channels: &[Channel]) -> io::Result<()> {
+    let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
     writeln!(out, "{}", names.join(","))
 }
 
 /// Writes a sample. The cells of contacts with a missing body are empty.
-pub fn csv_sample(out: &mut dyn Write, columns: &[Column], sample: &Sample) -> io::Result<()> {
-    let cells: Vec<String> = columns.iter().map(|column| cell(column.value(sample))).collect();
+pub fn csv_sample(out: &mut dyn Write, channels: &[Channel], sample: &Sample) -> io::Result<()> {
+    let cells: Vec<String> = channels.iter().map(|channel| cell(channel.value(sample))).collect();
     writeln!(out, "{}", cells.join(","))
 }

@@ -1,23 +1,32 @@
 //! Final states of fingers and bodies in the JSON document. A single finger has the key `final`; two fingers have the
 //! key `fingers`, and their object the key `object`; without fingers, bodies have the key `discs`.
 
+use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::named::Named;
 use crate::scene::{DiscMotion, Scene};
-use crate::trace::{BodyState, FingerState, Layout, Outcome};
+use crate::trace::schema::State as _;
+use crate::trace::{BodyState, FingerState, Outcome, Schema};
 
 /// A body at the end of the run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyReport {
     /// `free`, `driven` or `fixed`; `unknown` without a scene that has it.
     pub motion: &'static str,
-    pub x_m: f64,
-    pub y_m: f64,
-    pub angle_rad: f64,
-    pub vx_m_s: f64,
-    pub vy_m_s: f64,
-    pub spin_rad_s: f64,
+    pub state: BodyState,
+}
+
+/// Serialised as the motion and the quantities of a body.
+impl Serialize for BodyReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("motion", self.motion)?;
+        for (quantity, value) in BodyState::QUANTITIES.iter().zip(self.state.values()) {
+            map.serialize_entry(quantity.key, &value)?;
+        }
+        map.end()
+    }
 }
 
 /// Fingers and bodies by their names.
@@ -43,9 +52,9 @@ pub enum State<'a> {
 
 impl States {
     /// Builds the report of the final states; all are null without an outcome.
-    pub fn new(layout: &Layout, outcome: Option<&Outcome>, scene: Option<&Scene>) -> Self {
-        let fingers = outcome.into_iter().flat_map(|outcome| layout.fingers.iter().zip(&outcome.last.fingers));
-        let bodies = outcome.into_iter().flat_map(|outcome| layout.bodies.iter().zip(&outcome.last.bodies));
+    pub fn new(schema: &Schema, outcome: Option<&Outcome>, scene: Option<&Scene>) -> Self {
+        let fingers = outcome.into_iter().flat_map(|outcome| schema.fingers.iter().zip(outcome.last.fingers()));
+        let bodies = outcome.into_iter().flat_map(|outcome| schema.bodies.iter().zip(outcome.last.bodies()));
         let discs = scene.map_or(&[][..], |scene| &scene.system.discs);
         let motion = |name: &str| match discs.iter().find(|disc| disc.name == name).map(|disc| &disc.motion) {
             Some(DiscMotion::Fixed) => "fixed",
@@ -53,19 +62,15 @@ impl States {
             Some(DiscMotion::Free { .. }) => "free",
             None => "unknown",
         };
-        let body = |(name, state): (&String, &BodyState)| {
-            let BodyState { centre_m: [x_m, y_m], angle_rad, velocity_m_s: [vx_m_s, vy_m_s], spin_rad_s } = *state;
-            let motion = motion(name);
-            (name.clone(), BodyReport { motion, x_m, y_m, angle_rad, vx_m_s, vy_m_s, spin_rad_s })
-        };
+        let body = |(name, state): (&String, BodyState)| (name.clone(), BodyReport { motion: motion(name), state });
         let mut bodies: Named<_> = bodies.map(body).collect();
-        if layout.fingers.is_empty() {
+        if schema.fingers.is_empty() {
             bodies.0.sort_by(|a, b| a.0.cmp(&b.0));
         }
         States {
-            fingers: fingers.map(|(name, state)| (name.clone(), *state)).collect(),
+            fingers: fingers.map(|(name, state)| (name.clone(), state)).collect(),
             bodies,
-            finger_count: layout.fingers.len(),
+            finger_count: schema.fingers.len(),
             has_outcome: outcome.is_some(),
         }
     }

@@ -64,12 +64,12 @@ fn bodies<'a>(bodies: impl IntoIterator<Item = (&'a str, &'a BodyReport)>, headi
         &[
             (heading, &|(name, _)| name.to_string()),
             ("", &|(_, body)| body.motion.to_string()),
-            ("x, mm", &|(_, body)| resolved(body.x_m, Dimension::Length, 1e3, 7)),
-            ("y, mm", &|(_, body)| resolved(body.y_m, Dimension::Length, 1e3, 7)),
-            ("angle, deg", &|(_, body)| resolved(body.angle_rad, Dimension::Angle, DEGREES, 6)),
-            ("vx, m/s", &|(_, body)| resolved(body.vx_m_s, Dimension::Speed, 1.0, 6)),
-            ("vy, m/s", &|(_, body)| resolved(body.vy_m_s, Dimension::Speed, 1.0, 6)),
-            ("spin, rad/s", &|(_, body)| resolved(body.spin_rad_s, Dimension::AngularRate, 1.0, 6)),
+            ("x, mm", &|(_, body)| resolved(body.state.centre_m[0], Dimension::Length, 1e3, 7)),
+            ("y, mm", &|(_, body)| resolved(body.state.centre_m[1], Dimension::Length, 1e3, 7)),
+            ("angle, deg", &|(_, body)| resolved(body.state.angle_rad, Dimension::Angle, DEGREES, 6)),
+            ("vx, m/s", &|(_, body)| resolved(body.state.velocity_m_s[0], Dimension::Speed, 1.0, 6)),
+            ("vy, m/s", &|(_, body)| resolved(body.state.velocity_m_s[1], Dimension::Speed, 1.0, 6)),
+            ("spin, rad/s", &|(_, body)| resolved(body.state.spin_rad_s, Dimension::AngularRate, 1.0, 6)),
         ],
     )
 }

@@ -234,7 +234,7 @@ pub fn closing(name: &'static str, scene: &Scene) -> Result<Closing, StudyError>
     let mut recorder = ClosingRecorder { tracker: Tracker::new(rest.final_angles()), points: Vec::new() };
     let outcome = trace::run_analytic(scene, &mut recorder).map_err(step_error(name))?;
     let [f21_n, f22_n] =
-        [FingerContact::Proximal, FingerContact::Distal].map(|contact| outcome.last.contact(contact).normal_n);
+        [FingerContact::Proximal, FingerContact::Distal].map(|contact| outcome.last.finger_contact(contact).normal_n);
     let criteria = recorder.tracker.criteria(rest.static_forces_n());
     Ok(Closing {
         name,
@@ -254,7 +254,7 @@ struct ClosingRecorder {
 
 impl Sink for ClosingRecorder {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.points.push((sample.time_s, *sample.finger()));
+        self.points.push((sample.time_s, sample.finger(0)));
         self.tracker.sample(sample)
     }
 

@@ -199,7 +199,7 @@ pub fn computed_values(found: &Reproduction) -> BTreeMap<String, f64> {
     let Some(Finger { lengths, bodies, .. }) = simulations.chosen().map(|run| run.scene.finger().linkage) else {
         return BTreeMap::new();
     };
-    let final_force_n = |contact| chosen.outcome.last.contact(contact).normal_n;
+    let final_force_n = |contact| chosen.outcome.last.finger_contact(contact).normal_n;
     let palm_stable = |run: &Run| run.is_stable() && run.pfp_n.is_some_and(|pfp_n| pfp_n >= 0.0);
     let values = [
         ("sizing.motor_rigid_n_m", sizing.rigid.motor_n_m),

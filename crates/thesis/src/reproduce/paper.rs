@@ -222,7 +222,7 @@ fn closings(found: &Reproduction) -> Report {
         cells([name.to_string(), text(both[0]), text(both[1])])
     };
     let first_ms = |closing: &Closing, contact| closing.outcome.finger_contact(contact).first_s.map(|s| s * 1e3);
-    let final_n = |closing: &Closing, contact| Some(closing.outcome.last.contact(contact).normal_n);
+    let final_n = |closing: &Closing, contact| Some(closing.outcome.last.finger_contact(contact).normal_n);
     section
         .with_table(
             "Both closings.",

@@ -297,7 +297,7 @@ impl<'a> Observer<'a> {
         let next = reference.partition_point(|reference| reference.time_s <= sample.time_s);
         let (from, to) = (&reference[next.saturating_sub(1)], &reference[next.max(1).min(last)]);
         let angles = |sample: &Sample| {
-            let FingerState { q11_rad, q21_rad, q22_rad, .. } = *sample.finger();
+            let FingerState { q11_rad, q21_rad, q22_rad, .. } = sample.finger(0);
             [q11_rad, q21_rad, q22_rad]
         };
         let expected = angles(&interpolate(from, to, sample.time_s.min(to.time_s)));

@@ -12,9 +12,9 @@ use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::{Mode, StateRef};
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
-use crate::integrator::{Linearised, Rates, System};
+use crate::integrator::{Linearised, Rates, State, System};
 use crate::numeric::Real;
-use crate::scene::GripperContact;
+use crate::scene::{ContactId, GripperContact};
 use crate::shape::PlacedShape;
 
 /// Sums of all loads and quadrature rates, plain ([`Loads`]) or with derivatives, which [`Assembly`] fills.
@@ -373,6 +373,34 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);
         self.prescribe_disc_accelerations(&mut a);
         Rates { a, g: sums.g }
+    }
+
+    /// Forces in the joints of both fingers, in the order of [`joint_forces`](crate::fivebar::joint_forces::joint_forces)
+    /// and in the frame of the palm. `contact_forces` are those of this state, with their points.
+    pub(crate) fn joint_forces<const Z: usize>(
+        &self,
+        t: f64,
+        state: &State<N, Z>,
+        mode: &Mode<C>,
+        contact_forces: impl Iterator<Item = (ContactId, [[f64; 2]; 2])> + Clone,
+    ) -> [[[f64; 2]; 5]; FINGERS] {
+        let Rates::<N, Z> { a, .. } = self.rates_noinline(t, (&state.q, &state.v), mode);
+        let field = self.inertial_field(t).field;
+        let mut forces_n = [[[0.0; 2]; 5]; FINGERS];
+        for (index, component) in self.fingers.iter().enumerate() {
+            let (mirror, half_palm_width) = (component.side.mirror(), self.half_palm_width());
+            let mirrored = |[[fx, fy], [x, y]]: [[f64; 2]; 2]| [[mirror * fx, fy], [mirror * x, y]];
+            let of_finger = contact_forces.clone().filter_map(|(id, force)| match id {
+                ContactId::Phalanx(side, phalanx, _) if side == component.side => Some((phalanx, mirrored(force))),
+                ContactId::Stop(side) if side == component.side => Some((FingerContact::Limit, force)),
+                _ => None,
+            });
+            let motion = [&state.q, &state.v, &a].map(|all| Multibody::<N, C>::finger_coordinates(index, all));
+            let frame = ([half_palm_width, 0.0], field.mirrored(mirror));
+            let forces = component.model.joint_forces(motion.into(), frame, of_finger);
+            forces_n[index] = forces.map(|[x, y]| [mirror * x, y]);
+        }
+        forces_n
     }
 
     /// Sets the accelerations of driven discs.

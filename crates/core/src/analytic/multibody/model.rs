@@ -333,6 +333,11 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         self.placed_disc(disc, q).in_finger_frame(side.mirror(), self.half_palm_width)
     }
 
+    /// Half the distance between the ground joints, m.
+    pub(super) fn half_palm_width(&self) -> f64 {
+        self.half_palm_width
+    }
+
     /// Transforms a point of a finger's frame to the palm's frame.
     pub(super) fn point_in_palm_frame(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
         [side.mirror() * (x + self.half_palm_width), y]

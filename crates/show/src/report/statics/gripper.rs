@@ -78,13 +78,13 @@ impl<'a> Serialize for GripperStaticsReport<'a> {
             PostureSource::Geometric => ("geometric", None, None),
             PostureSource::Explicit => ("given", None, None),
         };
-        let [x_m, y_m] = grasp.sample.bodies[0].centre_m;
+        let [x_m, y_m] = grasp.sample.body(0).centre_m;
         let posture = Object::default()
             .with("source", source)
             .with("time_s", time_s)
             .with("fate", fate)
-            .with("right", finger(&grasp.sample.fingers[0]))
-            .with("left", finger(&grasp.sample.fingers[1]))
+            .with("right", finger(&grasp.sample.finger(0)))
+            .with("left", finger(&grasp.sample.finger(1)))
             .with("x_m", x_m)
             .with("y_m", y_m)
             .with("mass_kg", grasp.mass_kg)
@@ -267,12 +267,12 @@ fn posture(grasp: &GripperGrasp) -> Report {
         PostureSource::Explicit => "posture as given\n".to_string(),
     };
     let mut rows = vec![row(["finger", "q11, °", "q21, °", "q12, °", "q22, °"])];
-    for (name, finger) in ["right", "left"].into_iter().zip(&grasp.sample.fingers) {
+    for (name, finger) in ["right", "left"].into_iter().zip(grasp.sample.fingers()) {
         let [q11, q21, q12, q22] = [finger.q11_rad, finger.q21_rad, finger.q12_rad, finger.q22_rad]
             .map(|angle_rad| format!("{:.4}", angle_rad.to_degrees()));
         rows.push(row([name, &q11, &q21, &q12, &q22]));
     }
-    let ([x, y], [gx, gy]) = (grasp.sample.bodies[0].centre_m.map(millimetres), grasp.gravity_m_s2.map(number));
+    let ([x, y], [gx, gy]) = (grasp.sample.body(0).centre_m.map(millimetres), grasp.gravity_m_s2.map(number));
     let mass = number(grasp.mass_kg * 1e3);
     let object = format!("object of {mass} g at ({x}, {y}) mm, gravity ({gx}, {gy}) m/s² in the palm's frame\n");
     Report::from(head).with(table(&rows)).with(object)

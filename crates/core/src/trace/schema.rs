@@ -1,0 +1,544 @@
+//! What a run records. Subjects (joints, actuators, bodies, contacts, and the system with its energies) have the
+//! quantities of their kind; each quantity of a subject is a channel. A [`Sample`] is a time and one number per channel
+//! in the order of the schema.
+//!
+//! Everything that stores or shows samples derives its columns from the schema. A new quantity is added here, to the
+//! state of its subject, and where a model reads that state.
+
+use serde::Serialize;
+
+use super::Sample;
+use crate::scene::keywords::SceneKind;
+use crate::scene::{Disc, GripperContact, Side, System};
+
+/// Rule for values between two samples. Rates are quantities of the same subject, at this index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    Linear,
+    /// Cubic Hermite interpolation.
+    Cubic {
+        rate: usize,
+    },
+    /// Cubic Hermite interpolation of an angle that may return as another equivalent angle (leave at π, return at −π).
+    Angle {
+        rate: usize,
+    },
+}
+
+/// A quantity of a kind of subject.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// Key with its unit, such as `gap_rate_m_s`: field of log messages and end of column names.
+    pub key: &'static str,
+    /// SI unit, such as `m/s`; empty for a pure number.
+    pub unit: &'static str,
+    pub interpolation: Interpolation,
+}
+
+const fn linear(key: &'static str, unit: &'static str) -> Quantity {
+    Quantity { key, unit, interpolation: Interpolation::Linear }
+}
+
+const fn cubic(key: &'static str, unit: &'static str, rate: usize) -> Quantity {
+    Quantity { key, unit, interpolation: Interpolation::Cubic { rate } }
+}
+
+/// Kind of a subject.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SubjectKind {
+    Joint,
+    Actuator,
+    Body,
+    Contact,
+    /// A contact of a joint with its limit: its gap is an angle, its force a torque.
+    Limit,
+    Energy,
+}
+
+impl SubjectKind {
+    /// Returns the quantities, each with its index among the numbers of the subject.
+    pub fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
+        let (all, indices): (&[Quantity], &[usize]) = match self {
+            SubjectKind::Joint => (&JointState::QUANTITIES, &[]),
+            SubjectKind::Actuator => (&ActuatorState::QUANTITIES, &[]),
+            SubjectKind::Body => (&BodyState::QUANTITIES, &[]),
+            SubjectKind::Contact => (&ContactSample::QUANTITIES, &[]),
+            SubjectKind::Limit => (&LIMIT_QUANTITIES, &LIMIT_INDICES),
+            SubjectKind::Energy => (&Energy::QUANTITIES, &[]),
+        };
+        all.iter().enumerate().map(|(k, quantity)| (indices.get(k).copied().unwrap_or(k), quantity))
+    }
+
+    /// Name in topics and events.
+    pub fn name(self) -> &'static str {
+        match self {
+            SubjectKind::Joint => "joint",
+            SubjectKind::Actuator => "actuator",
+            SubjectKind::Body => "body",
+            SubjectKind::Contact => "contact",
+            SubjectKind::Limit => "limit",
+            SubjectKind::Energy => "energy",
+        }
+    }
+
+    /// Whether gap and force of the contact are an angle and a torque.
+    pub fn is_angular(self) -> bool {
+        self == SubjectKind::Limit
+    }
+}
+
+/// State of a subject as a list of its quantities.
+pub trait State<const K: usize>: Sized {
+    const QUANTITIES: [Quantity; K];
+
+    /// Returns all numbers, in the order of [`State::QUANTITIES`].
+    fn values(&self) -> [f64; K];
+
+    fn from_values(values: [f64; K]) -> Self;
+}
+
+/// State of a revolute joint: its angle, and the force that the pin exerts on the link named after the joint (for the
+/// pin that closes a loop: on the last link), in the frame of the palm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointState {
+    pub angle_rad: f64,
+    pub rate_rad_s: f64,
+    pub force_n: [f64; 2],
+}
+
+impl State<4> for JointState {
+    const QUANTITIES: [Quantity; 4] = [
+        Quantity { key: "angle_rad", unit: "rad", interpolation: Interpolation::Angle { rate: 1 } },
+        linear("rate_rad_s", "rad/s"),
+        linear("force_x_n", "N"),
+        linear("force_y_n", "N"),
+    ];
+
+    fn values(&self) -> [f64; 4] {
+        [self.angle_rad, self.rate_rad_s, self.force_n[0], self.force_n[1]]
+    }
+
+    fn from_values([angle_rad, rate_rad_s, force_x, force_y]: [f64; 4]) -> Self {
+        Self { angle_rad, rate_rad_s, force_n: [force_x, force_y] }
+    }
+}
+
+/// State of the actuator of a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ActuatorState {
+    pub torque_n_m: f64,
+}
+
+impl State<1> for ActuatorState {
+    const QUANTITIES: [Quantity; 1] = [linear("torque_n_m", "N·m")];
+
+    fn values(&self) -> [f64; 1] {
+        [self.torque_n_m]
+    }
+
+    fn from_values([torque_n_m]: [f64; 1]) -> Self {
+        Self { torque_n_m }
+    }
+}
+
+/// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise and not reduced by whole
+/// turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyState {
+    pub centre_m: [f64; 2],
+    pub angle_rad: f64,
+    pub velocity_m_s: [f64; 2],
+    pub spin_rad_s: f64,
+}
+
+impl State<6> for BodyState {
+    const QUANTITIES: [Quantity; 6] = [
+        cubic("x_m", "m", 3),
+        cubic("y_m", "m", 4),
+        cubic("angle_rad", "rad", 5),
+        linear("vx_m_s", "m/s"),
+        linear("vy_m_s", "m/s"),
+        linear("spin_rad_s", "rad/s"),
+    ];
+
+    fn values(&self) -> [f64; 6] {
+        let Self { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s } = *self;
+        [x, y, angle_rad, vx, vy, spin_rad_s]
+    }
+
+    fn from_values([x, y, angle_rad, vx, vy, spin_rad_s]: [f64; 6]) -> Self {
+        Self { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
+    }
+}
+
+/// One contact: a phalanx against the object, a disc against another, or the joint limit. For a contact that does not
+/// exist, every field is zero and `gap_m` is infinite.
+///
+/// The gap of the joint limit is an angle, δ = −φ22 − q22, and its force is a torque on q22: read rad for m and N·m for
+/// N. It has no slip, friction, contact point or normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactSample {
+    /// Distance between the surfaces, negative in penetration (−δ).
+    pub gap_m: f64,
+    /// Rate of the gap (−δ̇).
+    pub gap_rate_m_s: f64,
+    /// Tangential velocity of the phalanx surface relative to the object (errata 5).
+    pub slip_m_s: f64,
+    /// Normal force on the phalanx (palm, table) along `normal`; never negative.
+    pub normal_n: f64,
+    /// Friction force on the phalanx along [`ContactSample::tangent`]; it opposes `slip_m_s`.
+    pub tangential_n: f64,
+    /// Normal impulse since the start of the run.
+    pub impulse_n_s: f64,
+    /// Contact point on the surface of the phalanx.
+    pub point_m: [f64; 2],
+    /// Unit normal, from the object to the phalanx (palm, table).
+    pub normal: [f64; 2],
+}
+
+impl State<11> for ContactSample {
+    const QUANTITIES: [Quantity; 11] = [
+        linear("gap_m", "m"),
+        linear("gap_rate_m_s", "m/s"),
+        linear("slip_m_s", "m/s"),
+        linear("normal_n", "N"),
+        linear("tangential_n", "N"),
+        linear("impulse_n_s", "N·s"),
+        linear("point_x_m", "m"),
+        linear("point_y_m", "m"),
+        linear("normal_x", ""),
+        linear("normal_y", ""),
+        linear("sliding_power_w", "W"),
+    ];
+
+    fn values(&self) -> [f64; 11] {
+        let Self { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, point_m, normal } = *self;
+        let ([px, py], [nx, ny]) = (point_m, normal);
+        // The difference from zero has no negative zero.
+        let sliding_power_w = 0.0 - tangential_n * slip_m_s;
+        [gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, px, py, nx, ny, sliding_power_w]
+    }
+
+    fn from_values(values: [f64; 11]) -> Self {
+        let [gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, px, py, nx, ny, _] = values;
+        let (point_m, normal) = ([px, py], [nx, ny]);
+        Self { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, point_m, normal }
+    }
+}
+
+/// Quantities of a joint limit, and their indices among those of a contact.
+const LIMIT_QUANTITIES: [Quantity; 4] = [
+    linear("gap_rad", "rad"),
+    linear("gap_rate_rad_s", "rad/s"),
+    linear("torque_n_m", "N·m"),
+    linear("impulse_n_m_s", "N·m·s"),
+];
+const LIMIT_INDICES: [usize; 4] = [0, 1, 3, 5];
+
+/// Energies, and work since the start of the run, in joules.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Energy {
+    pub kinetic_j: f64,
+    pub gravity_j: f64,
+    pub spring_j: f64,
+    /// Energy stored in the Hertz springs of contacts and joint limit.
+    pub elastic_j: f64,
+    /// Energy dissipated in dampers, in the clamp and in friction.
+    pub dissipated_j: f64,
+    /// Work of the motor.
+    pub motor_work_j: f64,
+    /// kinetic + gravity + spring + elastic + dissipated − motor work − (the same at the start): zero if energy is
+    /// conserved.
+    pub balance_j: f64,
+}
+
+impl State<7> for Energy {
+    const QUANTITIES: [Quantity; 7] = [
+        linear("kinetic_j", "J"),
+        linear("gravity_j", "J"),
+        linear("spring_j", "J"),
+        linear("elastic_j", "J"),
+        linear("dissipated_j", "J"),
+        linear("motor_work_j", "J"),
+        linear("balance_j", "J"),
+    ];
+
+    fn values(&self) -> [f64; 7] {
+        let Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j } = *self;
+        [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j]
+    }
+
+    fn from_values(values: [f64; 7]) -> Self {
+        let [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = values;
+        Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j }
+    }
+}
+
+/// Joints of a finger in the order of its samples. q11 and q21 are the ground joints, q12 and q22 the passive joints,
+/// each relative to the preceding link. q13 closes the loop; its angle is the absolute orientation of l22.
+pub const FINGER_JOINTS: [&str; 5] = ["q11", "q21", "q12", "q22", "q13"];
+
+/// State of a finger: a view of its joints and its motor. Its serialised form contains the angles, and the rates of the
+/// independent coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FingerState {
+    pub q11_rad: f64,
+    pub q21_rad: f64,
+    pub q22_rad: f64,
+    pub qd11_rad_s: f64,
+    pub qd21_rad_s: f64,
+    pub q12_rad: f64,
+    pub q13_rad: f64,
+    #[serde(skip)]
+    pub qd12_rad_s: f64,
+    #[serde(skip)]
+    pub qd22_rad_s: f64,
+    #[serde(skip)]
+    pub motor_torque_n_m: f64,
+}
+
+/// A subject: what channels are about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subject {
+    pub kind: SubjectKind,
+    /// Name, such as `q11`, `right_distal` or `hammer-anvil`; `energy` for the energies.
+    pub name: String,
+    /// Index of its first number in a sample.
+    pub first: usize,
+    /// Whether the scene has it. Grippers without an object or a table have all contacts of a gripper in their samples;
+    /// the gap of those that do not exist is infinite.
+    pub exists: bool,
+}
+
+impl Subject {
+    /// Returns the quantities with their channels.
+    pub fn channels(&self) -> impl Iterator<Item = (&'static Quantity, Channel)> + '_ {
+        let Self { kind, name, first, .. } = self;
+        kind.quantities().map(move |(k, quantity)| {
+            let source = match kind {
+                SubjectKind::Contact | SubjectKind::Limit => Source::Contact(first + k, *first),
+                _ => Source::Value(first + k),
+            };
+            (quantity, Channel { name: column_name(*kind, name, quantity.key), unit: quantity.unit, source })
+        })
+    }
+}
+
+/// One number of a sample.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Channel {
+    /// Name with unit, such as `distal_normal_n`.
+    pub name: String,
+    /// SI unit, such as `m/s`.
+    pub unit: &'static str,
+    source: Source,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Source {
+    Time,
+    Value(usize),
+    /// A number of a contact, and the index of its gap.
+    Contact(usize, usize),
+}
+
+impl Channel {
+    /// Returns the number in a sample; NaN for contacts that do not exist, whose gap is infinite.
+    pub fn value(&self, sample: &Sample) -> f64 {
+        match self.source {
+            Source::Time => sample.time_s,
+            Source::Value(index) => sample.values()[index],
+            Source::Contact(_, gap) if !sample.values()[gap].is_finite() => f64::NAN,
+            Source::Contact(index, _) => sample.values()[index],
+        }
+    }
+}
+
+/// Names of the fingers, bodies and contacts of a scene's samples, in their order, and the channels they imply.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Schema {
+    /// Names of the fingers; the name of a single finger is empty.
+    pub fingers: Vec<String>,
+    pub bodies: Vec<String>,
+    pub contacts: Vec<ContactName>,
+}
+
+/// Name of a contact of a sample. Names are equal whether the scene has the contact or not.
+#[derive(Clone, Debug, Eq)]
+pub struct ContactName {
+    pub name: String,
+    /// Whether the gap is an angle, as for a joint limit: read rad for m and N·m for N.
+    pub is_angular: bool,
+    /// Whether the scene has this contact, see [`Subject::exists`].
+    pub exists: bool,
+}
+
+impl PartialEq for ContactName {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && self.is_angular == other.is_angular
+    }
+}
+
+impl ContactName {
+    /// Kind of the subject.
+    pub fn kind(&self) -> SubjectKind {
+        if self.is_angular { SubjectKind::Limit } else { SubjectKind::Contact }
+    }
+}
+
+/// Name of the column of times.
+const TIME: &str = "time_s";
+
+impl Schema {
+    /// Returns the schema of a system; contacts are in the order of [`System::contact_ids`].
+    pub fn from_system(system: &System) -> Self {
+        let gripper_contacts = system.gripper_contacts();
+        let contact = |(index, id)| ContactName {
+            name: system.contact_name(id),
+            is_angular: id.is_stop(),
+            exists: match gripper_contacts.get(index) {
+                Some(&id) => system.has_contact(id),
+                None => system.contact_laws(id).is_some(),
+            },
+        };
+        Self {
+            bodies: system.reported_discs().iter().map(|disc| disc.name.clone()).collect(),
+            contacts: system.contact_ids().into_iter().enumerate().map(contact).collect(),
+            ..Self::from_finger_count(system.fingers.len())
+        }
+    }
+
+    /// Returns the schema implied by a kind of scene alone; discs, whose names come from the scene, are missing.
+    pub fn from_kind(kind: SceneKind) -> Self {
+        match kind {
+            SceneKind::Bodies => Self::default(),
+            SceneKind::Finger => Self::from_finger_count(1),
+            SceneKind::Gripper => Self { bodies: vec![Disc::OBJECT.to_string()], ..Self::from_finger_count(2) },
+        }
+    }
+
+    fn from_finger_count(count: usize) -> Self {
+        let contact = |contact: &GripperContact| ContactName {
+            name: contact.name_for(count),
+            is_angular: contact.is_stop(),
+            exists: false,
+        };
+        let sides = Side::BOTH.iter().take(count);
+        Schema {
+            fingers: sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect(),
+            bodies: Vec::new(),
+            contacts: GripperContact::for_fingers(count).iter().map(contact).collect(),
+        }
+    }
+
+    /// Indices of the contacts between surfaces, that is all except joint limits.
+    pub fn surfaces(&self) -> impl Iterator<Item = usize> + '_ {
+        self.contacts.iter().enumerate().filter(|(_, contact)| !contact.is_angular).map(|(index, _)| index)
+    }
+
+    /// Returns the numbers of subjects of each kind.
+    pub fn counts(&self) -> Counts {
+        Counts { fingers: self.fingers.len(), bodies: self.bodies.len(), contacts: self.contacts.len() }
+    }
+
+    /// Returns the subjects in the order of the numbers of a sample: the joints of all fingers, their motors, bodies,
+    /// contacts, energies.
+    pub fn subjects(&self) -> Vec<Subject> {
+        let counts = self.counts();
+        let of_finger =
+            |finger: &str, part: &str| if finger.is_empty() { part.to_string() } else { format!("{finger}_{part}") };
+        let present = |kind, name, first| Subject { kind, name, first, exists: true };
+        let joints = self.fingers.iter().flat_map(|finger| FINGER_JOINTS.map(|joint| of_finger(finger, joint)));
+        let mut subjects: Vec<Subject> =
+            joints.enumerate().map(|(k, name)| present(SubjectKind::Joint, name, counts.joint(k))).collect();
+        subjects.extend(
+            self.fingers
+                .iter()
+                .enumerate()
+                .map(|(k, finger)| present(SubjectKind::Actuator, of_finger(finger, "motor"), counts.actuator(k))),
+        );
+        let bodies = self.bodies.iter().enumerate();
+        subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name.clone(), counts.body(k))));
+        subjects.extend(self.contacts.iter().enumerate().map(|(k, contact)| Subject {
+            kind: contact.kind(),
+            name: contact.name.clone(),
+            first: counts.contact(k),
+            exists: contact.exists,
+        }));
+        subjects.push(present(SubjectKind::Energy, "energy".to_string(), counts.energy()));
+        subjects
+    }
+
+    /// Returns the channel of a quantity of a subject, such as `gap_m` of the contact `distal`.
+    ///
+    /// # Panics
+    /// Panics if there is no such channel.
+    pub fn channel(&self, kind: SubjectKind, subject: &str, key: &str) -> Channel {
+        let found = self.subjects().into_iter().find(|found| found.kind == kind && found.name == subject);
+        let channel = found.and_then(|subject| subject.channels().find(|(quantity, _)| quantity.key == key));
+        channel.unwrap_or_else(|| panic!("no quantity `{key}` of the {} `{subject}`", kind.name())).1
+    }
+
+    /// Returns all channels, the time first and the energies last.
+    pub fn channels(&self) -> Vec<Channel> {
+        let mut channels = vec![Channel { name: TIME.to_string(), unit: "s", source: Source::Time }];
+        for subject in self.subjects() {
+            channels.extend(subject.channels().map(|(_, channel)| channel));
+        }
+        channels
+    }
+}
+
+/// Name of the column of a quantity. Those of a joint are its coordinate: `q11_rad`, `qd11_rad_s`.
+fn column_name(kind: SubjectKind, subject: &str, key: &str) -> String {
+    match (kind, key) {
+        (SubjectKind::Energy, _) => key.to_string(),
+        (SubjectKind::Joint, "angle_rad") => format!("{subject}_rad"),
+        (SubjectKind::Joint, "rate_rad_s") => match subject.rsplit_once('q') {
+            Some((finger, index)) => format!("{finger}qd{index}_rad_s"),
+            None => format!("{subject}_rate_rad_s"),
+        },
+        _ => format!("{subject}_{key}"),
+    }
+}
+
+/// Whether these are names of channels of a run: time first and the energies last.
+pub fn are_sample_columns(columns: &[&str]) -> bool {
+    let energies = Energy::QUANTITIES.map(|quantity| quantity.key);
+    columns.len() > energies.len() && columns[0] == TIME && columns.ends_with(&energies)
+}
+
+/// Numbers of subjects in a sample; they determine where the numbers of a subject are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    pub fingers: usize,
+    pub bodies: usize,
+    pub contacts: usize,
+}
+
+impl Counts {
+    pub(super) fn joint(self, index: usize) -> usize {
+        JointState::QUANTITIES.len() * index
+    }
+
+    pub(super) fn actuator(self, index: usize) -> usize {
+        self.joint(FINGER_JOINTS.len() * self.fingers) + ActuatorState::QUANTITIES.len() * index
+    }
+
+    pub(super) fn body(self, index: usize) -> usize {
+        self.actuator(self.fingers) + BodyState::QUANTITIES.len() * index
+    }
+
+    pub(super) fn contact(self, index: usize) -> usize {
+        self.body(self.bodies) + ContactSample::QUANTITIES.len() * index
+    }
+
+    pub(super) fn energy(self) -> usize {
+        self.contact(self.contacts)
+    }
+
+    /// Returns the number of numbers in a sample.
+    pub(super) fn values(self) -> usize {
+        self.energy() + Energy::QUANTITIES.len()
+    }
+}

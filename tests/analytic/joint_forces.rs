@@ -1,0 +1,200 @@
+//! Forces in joints: against the Newton–Euler equations of free bodies, and against the engine model, whose joint forces
+//! are the multipliers of its constraints.
+
+use crate::support::runs::Random;
+use nalgebra::{SMatrix, SVector};
+use phalanx::fivebar::dynamics::{AccelerationField, absolute_rates};
+use phalanx::fivebar::joint_forces::{LinkLoads, LinkMotion, joint_forces};
+use phalanx::fivebar::kinematics::{directions, passive_bias, passive_rates};
+use phalanx::gripper::{Body, Finger};
+use phalanx::scene;
+use phalanx::trace::{Model, record};
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn turned([x, y]: [f64; 2], [c, s]: [f64; 2]) -> [f64; 2] {
+    [c * x - s * y, s * x + c * y]
+}
+
+/// A body with its acceleration, its loads, and its joints: index, sign of the joint force, position.
+struct FreeBody {
+    body: Body,
+    com_m: [f64; 2],
+    acceleration: [f64; 2],
+    angular_acceleration: f64,
+    force_n: ([f64; 2], [f64; 2]),
+    torque_n_m: f64,
+    joints: Vec<(usize, f64, [f64; 2])>,
+}
+
+/// Solves the twelve equations of four free bodies for the forces in five joints and the torques on l11 and l21.
+fn free_body_forces(bodies: &[FreeBody; 4], gravity: [f64; 2]) -> [[f64; 2]; 5] {
+    let (mut a, mut b) = (SMatrix::<f64, 12, 12>::zeros(), SVector::<f64, 12>::zeros());
+    for (index, free) in bodies.iter().enumerate() {
+        let row = 3 * index;
+        let (force, point) = free.force_n;
+        let arm_to = |point: [f64; 2]| [point[0] - free.com_m[0], point[1] - free.com_m[1]];
+        for axis in 0..2 {
+            b[row + axis] = free.body.mass_kg * (free.acceleration[axis] - gravity[axis]) - force[axis];
+        }
+        b[row + 2] =
+            free.body.inertia_kg_m2 * free.angular_acceleration - free.torque_n_m - cross(arm_to(point), force);
+        for (joint, sign, point) in &free.joints {
+            let arm = arm_to(*point);
+            a[(row, 2 * joint)] += sign;
+            a[(row + 1, 2 * joint + 1)] += sign;
+            a[(row + 2, 2 * joint)] -= sign * arm[1];
+            a[(row + 2, 2 * joint + 1)] += sign * arm[0];
+        }
+        if index < 2 {
+            a[(row + 2, 10 + index)] = 1.0;
+        }
+    }
+    let x = a.full_piv_lu().solve(&b).expect("a regular system");
+    std::array::from_fn(|joint| [x[2 * joint], x[2 * joint + 1]])
+}
+
+#[test]
+fn random_fingers_agree_with_free_bodies() {
+    let mut random = Random(5);
+    let (mut compared, mut worst) = (0, 0.0f64);
+    while compared < 1000 {
+        let finger: Finger = random.finger();
+        let gamma = if random.within(0.0, 1.0) < 0.5 { 1.0 } else { -1.0 };
+        let q = [random.within(-3.0, 3.0), random.within(-3.0, 3.0)];
+        let pose = directions(&finger.lengths, gamma, q);
+        let sine = cross(pose.e3, pose.e4);
+        if sine.is_nan() || sine.abs() < 0.2 {
+            continue;
+        }
+        compared += 1;
+        let (v, qdd) = ([0, 1].map(|_| random.within(-400.0, 400.0)), [0, 1].map(|_| random.within(-1e5, 1e5)));
+        let gravity = [0, 1].map(|_| random.within(-10.0, 10.0));
+        let passive = passive_rates(&finger.lengths, &pose);
+        let rates = absolute_rates(&passive, v);
+        let bias = passive_bias(&finger.lengths, &pose, &passive);
+        let second = |row: [f64; 2], curvature: [f64; 4]| {
+            row[0] * qdd[0] + row[1] * qdd[1] + (0..4).map(|k| curvature[k] * rates[k] * rates[k]).sum::<f64>()
+        };
+        let accelerations = [qdd[0], qdd[1], second(passive.a3, bias.b3), second(passive.a4, bias.b4)];
+        let lengths = &finger.lengths;
+        let along = |direction: [f64; 2], length: f64| direction.map(|x| length * x);
+        let (a12, a22) = (along(pose.e1, lengths.l11_m), along(pose.e2, lengths.l21_m));
+        let coupler = along(pose.e3, lengths.l12_m);
+        let a13 = [a12[0] + coupler[0], a12[1] + coupler[1]];
+        // Acceleration of a point at `arm` from a point with acceleration `of`.
+        let moved = |of: [f64; 2], arm: [f64; 2], k: usize| {
+            [
+                of[0] - accelerations[k] * arm[1] - rates[k] * rates[k] * arm[0],
+                of[1] + accelerations[k] * arm[0] - rates[k] * rates[k] * arm[1],
+            ]
+        };
+        let contacts = [(); 2].map(|()| [0, 1].map(|_| random.within(-50.0, 50.0)));
+        let points = [(); 2].map(|()| [0, 1].map(|_| random.within(-0.05, 0.05)));
+        let torques = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
+        let none = ([0.0; 2], [0.0; 2]);
+        let free = |k: usize, body: Body, joint: [f64; 2], of: [f64; 2], direction, force_n, torque_n_m, joints| {
+            let arm = turned(body.com_m, direction);
+            FreeBody {
+                body,
+                com_m: [joint[0] + arm[0], joint[1] + arm[1]],
+                acceleration: moved(of, arm, k),
+                angular_acceleration: accelerations[k],
+                force_n,
+                torque_n_m,
+                joints,
+            }
+        };
+        let (ground, still) = ([0.0; 2], [0.0; 2]);
+        let (at12, at22) = (moved(still, a12, 0), moved(still, a22, 1));
+        let loaded = |k: usize| (contacts[k], points[k]);
+        let links = &finger.bodies;
+        let bodies = [
+            free(0, links.l11, ground, still, pose.e1, none, 0.0, vec![(0, 1.0, ground), (2, -1.0, a12)]),
+            free(1, links.l21, ground, still, pose.e2, loaded(0), 0.0, vec![(1, 1.0, ground), (3, -1.0, a22)]),
+            free(2, links.l12, a12, at12, pose.e3, none, torques[0], vec![(2, 1.0, a12), (4, -1.0, a13)]),
+            free(3, links.l22, a22, at22, pose.e4, loaded(1), torques[1], vec![(3, 1.0, a22), (4, 1.0, a13)]),
+        ];
+        let expected = free_body_forces(&bodies, gravity);
+        let arm = [points[1][0] - a22[0], points[1][1] - a22[1]];
+        let loads = LinkLoads {
+            field: AccelerationField { uniform: gravity, ..AccelerationField::default() },
+            proximal_n: contacts[0],
+            distal_n: contacts[1],
+            distal_moment_n_m: cross(arm, contacts[1]),
+            torques_n_m: torques,
+        };
+        let found = joint_forces(&finger, ground, &pose, &LinkMotion { rates, accelerations }, &loads);
+        let scale = expected.iter().flatten().fold(0.0f64, |largest, force| largest.max(force.abs()));
+        for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+            worst = worst.max((a - b).abs() / scale);
+        }
+    }
+    println!("largest relative difference: {worst:e}");
+    assert!(worst < 1e-10, "{worst:e}");
+}
+
+/// The models compute joint forces in different ways. They differ most within impacts, whose forces change within
+/// microseconds.
+#[test]
+fn both_models_agree_on_the_forces_in_joints() {
+    for (file, median_bound, end_bound) in [
+        ("scenes/experiment-95.toml", 1e-4, 1e-3),
+        ("scenes/experiment-95-cad.toml", 1e-4, 1e-3),
+        ("scenes/experiment-95-bristle.toml", 1e-4, 1e-3),
+        ("scenes/torsional-spring.toml", 1e-4, 1e-3),
+        ("scenes/long-fingers.toml", 1e-4, 1e-3),
+        ("scenes/other-assembly.toml", 1e-4, 1e-3),
+        ("scenes/gripper/design-95.toml", 5e-4, 1e-3),
+        ("scenes/gripper/offset.toml", 5e-4, 1e-3),
+        ("scenes/gripper/cycle-shaken.toml", 5e-4, 1e-3),
+    ] {
+        let scene = scene::load_any(file).unwrap_or_else(|error| panic!("{error}"));
+        let [analytic, engine] = [Model::Analytic, Model::Engine]
+            .map(|model| record(model, &scene).unwrap_or_else(|error| panic!("{file}: {error}")).1);
+        let forces: Vec<&str> = analytic
+            .channels()
+            .iter()
+            .map(|channel| channel.name.as_str())
+            .filter(|name| name.contains("_force_"))
+            .collect();
+        assert_eq!(forces.len(), 10 * scene.system.fingers.len());
+        let value =
+            |recording: &phalanx::trace::Recording, name: &str, index: usize| recording.column(name).unwrap()[index];
+        // Instants that both models sample.
+        let common: Vec<(usize, usize)> = analytic
+            .time()
+            .iter()
+            .enumerate()
+            .filter_map(|(index, time)| {
+                let other = engine.time().partition_point(|other| other < time);
+                (engine.time().get(other) == Some(time)).then_some((index, other))
+            })
+            .collect();
+        assert!(common.len() > 100, "{file}: {}", common.len());
+        let scale = forces
+            .iter()
+            .flat_map(|name| common.iter().map(|&(index, _)| value(&analytic, name, index).abs()))
+            .fold(0.0, f64::max);
+        let difference = |&(index, other): &(usize, usize)| {
+            forces.iter().fold(0.0f64, |largest, name| {
+                largest.max((value(&analytic, name, index) - value(&engine, name, other)).abs())
+            }) / scale
+        };
+        let mut all: Vec<f64> = common.iter().map(difference).collect();
+        let at_end = all[all.len() - 1];
+        all.sort_by(f64::total_cmp);
+        let median = all[all.len() / 2];
+        println!(
+            "{file}: {} instants, scale {scale:.3} N, median {median:.1e}, end {at_end:.1e}, worst {:.1e}",
+            all.len(),
+            all[all.len() - 1]
+        );
+        assert!(
+            scale > 0.0 && median < median_bound && at_end < end_bound,
+            "{file}: median {median:e}, end {at_end:e}"
+        );
+    }
+}
