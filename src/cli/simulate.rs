@@ -153,10 +153,6 @@ impl SampleTable {
 }
 
 impl Sink for SampleTable {
-    fn required_data(&self) -> RequiredData {
-        RequiredData::ALL
-    }
-
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let out: &mut dyn Write = match &mut self.out {
             TableOutput::Stdout(out) => out,

@@ -2,7 +2,7 @@
 
 use super::{Impact, Impacts, Recording, wrap_angle};
 use crate::check::REFERENCE_LENGTH_M;
-use crate::trace::{ContactSummary, Event, FingerState, Outcome, Sample, Sink, SinkError};
+use crate::trace::{ContactSummary, Event, FingerState, Outcome, RequiredData, Sample, Sink, SinkError};
 
 /// Impacts of a finger with less than this fraction of the largest impulse, and pairs of bodies with less than this
 /// fraction of the largest impulse or force of all pairs, are not compared.
@@ -297,6 +297,10 @@ impl<'a> Comparison<'a> {
 }
 
 impl Sink for Comparison<'_> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.impacts.sample(sample)?;
         let energy = &sample.energy();

@@ -5,7 +5,7 @@ use crate::law::spring_force;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{ContactId, Scene, System};
 use crate::trace::{Cancellable, ContactSummary, Event, EventKind, KeepRunning, Model, Outcome, RunError, Sample};
-use crate::trace::{Sink, SinkError, interpolate, run};
+use crate::trace::{RequiredData, Sink, SinkError, interpolate, run};
 
 /// All samples, events and results of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +22,10 @@ pub struct Recording {
 }
 
 impl Sink for Recording {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.impacts.sample(sample)?;
         self.samples.push(sample.clone());
@@ -90,6 +94,10 @@ fn peak_spring_n(system: &System, contact_id: ContactId, contact: &ContactSummar
 struct JudgedRecording(Recording, RunCriteriaTracker);
 
 impl Sink for JudgedRecording {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.1.sample(sample)?;
         self.0.sample(sample)
@@ -174,6 +182,10 @@ impl Impacts {
 }
 
 impl Sink for Impacts {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let from = self.last.as_ref().unwrap_or(sample);
         self.all[self.first_open..].iter_mut().for_each(|impact| impact.update(from, sample));

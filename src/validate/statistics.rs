@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::check::perturbed;
 use crate::scene::{LogRates, Scene};
 use crate::trace::{Cancellable, KeepRunning};
-use crate::trace::{Event, EventKind, FingerContact, Model, RunError, Sample, Sink, SinkError, run};
+use crate::trace::{Event, EventKind, FingerContact, Model, RequiredData, RunError, Sample, Sink, SinkError, run};
 
 /// Number of runs of each model.
 pub(crate) const STATISTICS_RUNS: usize = 24;
@@ -155,6 +155,10 @@ struct StatisticSums {
 }
 
 impl Sink for StatisticSums {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         if sample.time_s < self.from_s {
             return Ok(());

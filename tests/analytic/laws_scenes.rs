@@ -302,12 +302,11 @@ fn logs_contain_discs_pairs_events_and_scene() {
     }
     assert_eq!(
         counts.keys().map(String::as_str).collect::<Vec<_>>().join(" "),
-        "/contact/striker-struck /disc/striker /disc/struck /energy /events /forces /impact/striker-struck /scene /tf \
-         /tf_static"
+        "/body/striker /body/struck /contact/striker-struck /energy /event /events /forces /scene /tf /tf_static"
     );
     // Touch-down, lift-off, and the end of the run.
-    assert_eq!((counts["/impact/striker-struck"], counts["/events"]), (2, 3));
-    assert!(counts["/disc/striker"] > 150 && counts["/disc/striker"] == counts["/energy"]);
+    assert_eq!((counts["/event"], counts["/events"]), (2, 3));
+    assert!(counts["/body/striker"] > 150 && counts["/body/striker"] == counts["/energy"]);
     let summary = Summary::read(&log).expect("readable").expect("indexed");
     assert_eq!(summary.attachment_indexes[0].name, "two-free.toml");
     let record = mcap::read::metadata(&log, &summary.metadata_indexes[0]).expect("readable");

@@ -143,7 +143,7 @@ fn incomplete_run_reports_time_and_reason_and_keeps_its_log() {
     let bytes = fs::read(log).expect("a log");
     let messages: Vec<_> =
         MessageStream::new(&bytes).expect("readable").collect::<Result<_, _>>().expect("readable to the end");
-    assert!(messages.iter().filter(|message| message.channel.topic == "/state").count() > 1);
+    assert!(messages.iter().filter(|message| message.channel.topic == "/joint/q11").count() > 1);
     let last = messages.last().expect("not empty");
     assert_eq!(last.channel.topic, "/events");
     let text = String::from_utf8_lossy(&last.data);

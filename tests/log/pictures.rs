@@ -202,7 +202,7 @@ fn draws_discs() {
     let last = messages_on_topic(&messages, "/tf").last().expect("pictures");
     for (frame, disc) in decode_transforms(last).transforms.iter().zip(&scene.system.discs) {
         assert_eq!(frame.child_frame_id, disc.name);
-        let topic = format!("/disc/{}", disc.name);
+        let topic = format!("/body/{}", disc.name);
         let state = messages.iter().rfind(|message| message.0 == topic && message.1 == last.1).expect("a sample");
         // Flat messages of doubles, each after a key of one byte.
         let number = |field: usize| f64::from_le_bytes(state.2[9 * field + 1..][..8].try_into().expect("a double"));

@@ -128,7 +128,7 @@ fn counts_missing_and_differing_data_and_compares_the_rest() {
     let verification = edited(&|topic, number, data| match (topic, number) {
         ("/energy", 40) => MessageEdit::Drop,
         ("/contact/limit", 90) => MessageEdit::Change(one_ulp_up(data, 2)),
-        ("/event", 0) => MessageEdit::Change(one_ulp_up(data, 5)),
+        ("/event", 0) => MessageEdit::Change(one_ulp_up(data, 1)),
         _ => MessageEdit::Keep,
     });
     let counts = ["samples_differing", "events_differing", "samples_only_in_log", "samples_only_in_new_run"];

@@ -15,7 +15,7 @@ use foxglove::messages::log::Level;
 use super::mcap_file::MessageFeed;
 use super::metadata::RunInfo;
 use super::writer::Writer;
-use phalanx_core::trace::{Event, RequiredData, Sample, Sink, SinkError};
+use phalanx_core::trace::{Event, Sample, Sink, SinkError};
 
 /// A batch is sent when it has this many entries.
 const MAX_BATCH_ENTRIES: usize = 64;
@@ -179,10 +179,6 @@ impl<W: Write + Send + 'static> Drop for ThreadedWriter<W> {
 }
 
 impl<W: Write + Send + 'static> Sink for ThreadedWriter<W> {
-    fn required_data(&self) -> RequiredData {
-        RequiredData::ALL
-    }
-
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.batch.push_sample(sample);
         self.send_full_batch()

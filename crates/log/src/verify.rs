@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::messages::stamp_ns;
 use super::metadata::{RunInfo, metadata};
 use super::reader::{Assembler, LogSink, Messages, ReadError, scan};
-use phalanx_core::trace::{Channel, Event, RequiredData, Sample, Schema, Sink, SinkError};
+use phalanx_core::trace::{Channel, Event, Sample, Schema, Sink, SinkError};
 
 /// Metadata entries that identify the program that wrote a log; they may differ.
 const VERSIONS: [&str; 4] = ["phalanx_version", "mcap_version", "libm_version", "rapier_version"];
@@ -307,10 +307,6 @@ impl<R: Read + Seek> LogComparison<R> {
 }
 
 impl<R: Read + Seek> Sink for LogComparison<R> {
-    fn required_data(&self) -> RequiredData {
-        RequiredData::ALL
-    }
-
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.clock_ns = self.clock_ns.max(stamp_ns(sample.time_s));
         if !self.is_compared(sample.time_s) {

@@ -15,7 +15,7 @@ use super::pictures::Pictures;
 use phalanx_core::drawing::{self, Drawing};
 use phalanx_core::scene::{self, Scene};
 use phalanx_core::trace::schema::Subject;
-use phalanx_core::trace::{BodyState, Event, RequiredData, Sample, Schema, Sink, SinkError};
+use phalanx_core::trace::{BodyState, Event, Sample, Schema, Sink, SinkError};
 
 /// Streams one run to an MCAP file. Memory use is one chunk plus about 400 bytes of index per written chunk. The writer
 /// never seeks, so `W` can be a pipe.
@@ -96,10 +96,6 @@ impl<W: Write> Writer<W> {
 }
 
 impl<W: Write> Sink for Writer<W> {
-    fn required_data(&self) -> RequiredData {
-        RequiredData::ALL
-    }
-
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let (time_s, values) = (sample.time_s, sample.values());
         for (channel, indices) in &self.channels {

@@ -29,7 +29,7 @@ use crate::log::{
 };
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Engine, Integrator, Keyword};
-use crate::trace::Energy;
+use crate::trace::{Energy, FingerState};
 
 /// Maximum number of rows of the table of a verification; the JSON document contains all.
 const MAX_ROWS: usize = 15;
@@ -128,7 +128,12 @@ impl ReplayReport {
         let ended = reading.run_end.as_ref();
         let states = outcome.map(|outcome| {
             let mut states = States::new(schema, Some(outcome), scene);
-            states.fingers.0.retain(|(_, finger)| !finger.q11_rad.is_nan());
+            // A topic of a joint may be missing.
+            let is_known = |finger: &FingerState| {
+                let rates = finger.qd11_rad_s + finger.qd21_rad_s;
+                !(finger.q11_rad + finger.q21_rad + finger.q12_rad + finger.q22_rad + finger.q13_rad + rates).is_nan()
+            };
+            states.fingers.0.retain(|(_, finger)| is_known(finger));
             states.bodies.0.retain(|(_, body)| !body.state.centre_m[0].is_nan());
             states
         });

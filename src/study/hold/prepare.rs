@@ -10,7 +10,7 @@ use crate::scene::{Actuation, Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, 
 use crate::shape::support;
 use crate::statics::{AccelerationLimit, balanced_acceleration};
 use crate::study::{KeepRunning, bisect};
-use crate::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
+use crate::trace::{Event, Model, Outcome, RequiredData, Sample, Sink, SinkError};
 
 /// Speed below which an object counts as at rest in the hand, m/s: in a pulse of 40 ms it would creep by 40 µm.
 const REST_SPEED_M_S: f64 = 1e-3;
@@ -98,6 +98,10 @@ struct RestDetector {
 }
 
 impl Sink for RestDetector {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let [x, y] = sample.body(0).velocity_m_s;
         let is_at_rest = hypot(x, y) < REST_SPEED_M_S;

@@ -55,7 +55,10 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
 /// Simulates a scene from its initial motion.
 fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let span = Span::from_scene(scene);
-    motion.update_pin_forces();
+    match sink.required_data().joint_forces {
+        true => motion.update_pin_forces(),
+        false => motion.pin_forces = vec![[0.0; 2]; motion.plan.pins.len()],
+    }
     let mut recorder = EngineRecorder::new(scene, &motion, span, sink);
     recorder.begin(&motion)?;
     let failure_reason = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;

@@ -1,6 +1,6 @@
 //! A run as arrays, one per column of the table written by `replay --csv`.
 
-use super::{Channel, Decimated, Event, Model, Outcome, RequiredData, RunError, Sample, Schema, Sink, SinkError, run};
+use super::{Channel, Decimated, Event, Model, Outcome, RunError, Sample, Schema, Sink, SinkError, run};
 use crate::scene::Scene;
 
 /// A sink that stores samples in columns, and events.
@@ -64,10 +64,6 @@ impl Recording {
 }
 
 impl Sink for Recording {
-    fn required_data(&self) -> RequiredData {
-        RequiredData::ALL
-    }
-
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         for (channel, values) in self.channels.iter().zip(&mut self.values) {
             values.push(channel.value(sample));

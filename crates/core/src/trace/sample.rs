@@ -1,8 +1,8 @@
 //! State of a run at one instant, and events between instants.
 
 use super::schema::{
-    ActuatorState, BodyState, ContactSample, Counts, Energy, FINGER_JOINTS, FingerState, Interpolation, JointState,
-    State,
+    ActuatorState, BodyState, Channel, ContactSample, Counts, Energy, FINGER_JOINTS, FingerState, Interpolation,
+    JointState, Source, State,
 };
 pub use crate::gripper::FingerContact;
 use crate::numeric::array_from;
@@ -341,6 +341,18 @@ impl Sample {
         subjects.interpolate::<6, BodyState>(counts.body(0), counts.contact(0));
         subjects.interpolate::<11, ContactSample>(counts.contact(0), counts.energy());
         subjects.interpolate::<7, Energy>(counts.energy(), counts.values());
+    }
+}
+
+impl Channel {
+    /// Returns the number in a sample; NaN for contacts that do not exist, whose gap is infinite.
+    pub fn value(&self, sample: &Sample) -> f64 {
+        match self.source {
+            Source::Time => sample.time_s,
+            Source::Value(index) => sample.values()[index],
+            Source::Contact(_, gap) if !sample.values()[gap].is_finite() => f64::NAN,
+            Source::Contact(index, _) => sample.values()[index],
+        }
     }
 }
 

@@ -1,5 +1,5 @@
 //! What a run records. Subjects (joints, actuators, bodies, contacts, and the system with its energies) have the
-//! quantities of their kind; each quantity of a subject is a channel. A [`Sample`] is a time and one number per channel
+//! quantities of their kind; each quantity of a subject is a channel. A [`Sample`](super::Sample) is a time and one number per channel
 //! in the order of the schema.
 //!
 //! Everything that stores or shows samples derives its columns from the schema. A new quantity is added here, to the
@@ -7,7 +7,6 @@
 
 use serde::Serialize;
 
-use super::Sample;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Disc, GripperContact, Side, System};
 
@@ -331,27 +330,16 @@ pub struct Channel {
     pub name: String,
     /// SI unit, such as `m/s`.
     pub unit: &'static str,
-    source: Source,
+    pub(super) source: Source,
 }
 
+/// Where the number of a channel is in a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Source {
+pub(super) enum Source {
     Time,
     Value(usize),
     /// A number of a contact, and the index of its gap.
     Contact(usize, usize),
-}
-
-impl Channel {
-    /// Returns the number in a sample; NaN for contacts that do not exist, whose gap is infinite.
-    pub fn value(&self, sample: &Sample) -> f64 {
-        match self.source {
-            Source::Time => sample.time_s,
-            Source::Value(index) => sample.values()[index],
-            Source::Contact(_, gap) if !sample.values()[gap].is_finite() => f64::NAN,
-            Source::Contact(index, _) => sample.values()[index],
-        }
-    }
 }
 
 /// Names of the fingers, bodies and contacts of a scene's samples, in their order, and the channels they imply.

@@ -63,9 +63,10 @@ pub trait Sink {
         Ok(())
     }
 
-    /// Returns the data that the sink uses, by default [`RequiredData::EVALUATION`]; called once before a run.
+    /// Returns the data that the sink uses, by default everything; called once before a run. A sink that passes samples
+    /// on must also pass on this request.
     fn required_data(&self) -> RequiredData {
-        RequiredData::EVALUATION
+        RequiredData::ALL
     }
 
     /// Whether the run may continue; called at least once per step of either model, because samples can be far apart.
@@ -77,6 +78,10 @@ pub trait Sink {
 
 /// A sink that discards everything.
 impl Sink for () {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
         Ok(())
     }

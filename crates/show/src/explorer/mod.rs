@@ -30,9 +30,7 @@ use crate::report::samples::{csv_head, csv_sample};
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
-use crate::trace::{
-    Channel, Decimated, Event, Model, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
-};
+use crate::trace::{Channel, Decimated, Event, Model, RunError, Sample, Schema, Sink, SinkError, run_analytic};
 use figures::{figures, leaves, verdict};
 
 /// Number of directions of acceleration in the picture of a gripper's grasp at rest.
@@ -310,10 +308,6 @@ struct CsvSink {
 }
 
 impl Sink for CsvSink {
-    fn required_data(&self) -> RequiredData {
-        RequiredData::ALL
-    }
-
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         csv_sample(&mut self.text, &self.channels, sample).expect("writing to memory cannot fail");
         Ok(())

@@ -101,6 +101,9 @@ pub struct EventMarker {
     pub unit: &'static str,
 }
 
+/// Quantities of contacts that a page does not show.
+const NOT_SHOWN: [&str; 3] = ["slip_m_s", "impulse_n_s", "sliding_power_w"];
+
 /// Maximum number of pairs of discs shown if no pair has contact.
 const MAX_IDLE_PAIRS: usize = 6;
 
@@ -185,7 +188,8 @@ pub fn build_playback(
             (quantity.key.to_string(), table.push(selected.iter().map(|sample| channel.value(sample))))
         };
         let subject = &subjects[first_contact + index];
-        ContactSeries { name: name.clone(), columns: subject.channels().map(column).collect() }
+        let shown = subject.channels().filter(|(quantity, _)| !NOT_SHOWN.contains(&quantity.key));
+        ContactSeries { name: name.clone(), columns: shown.map(column).collect() }
     };
     let contacts = contacts.iter().map(contact).collect();
     let panel = |PanelPlan { title, unit, scale, curves }: PanelPlan| {

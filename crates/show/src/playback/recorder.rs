@@ -3,7 +3,7 @@
 use super::{Playback, build_playback};
 use crate::format::Report;
 use crate::scene::Scene;
-use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::trace::{Event, RequiredData, Sample, Sink, SinkError};
 
 /// Maximum number of retained samples; about 500 bytes each for a finger.
 const MAX_RETAINED: usize = 60_000;
@@ -117,6 +117,10 @@ impl PlaybackRecorder {
 }
 
 impl Sink for PlaybackRecorder {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.push_sample(sample.clone(), sample.surfaces().map(|contact| contact.normal_n).collect());
         Ok(())
