@@ -139,10 +139,10 @@ fn every_sample_is_a_line_of_the_table() {
         ("scenes/free-swing.toml", 55, [("q21_rad", "/final/q21_rad"), ("kinetic_j", "/energy/kinetic_j")]),
         (
             "scenes/laws/impact.toml",
-            30,
+            31,
             [("hammer_x_m", "/discs/hammer/x_m"), ("hammer-anvil_impulse_n_s", "/contacts/hammer-anvil/impulse_n_s")],
         ),
-        (GRIPPER, 102, [("left_q11_rad", "/fingers/left/q11_rad"), ("object_x_m", "/object/x_m")]),
+        (GRIPPER, 130, [("left_q11_rad", "/fingers/left/q11_rad"), ("object_x_m", "/object/x_m")]),
     ] {
         let (log, csv) = (directory.join("run.mcap"), directory.join("run.csv"));
         let names = [&log, &csv].map(|path| path.to_str().expect("UTF-8 path"));

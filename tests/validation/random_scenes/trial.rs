@@ -146,7 +146,7 @@ fn check_last_states(bytes: &[u8], scene: &Scene, last: &Sample) -> Result<(), S
         latest.insert(message.channel.topic.clone(), message);
     }
     for (disc, state) in scene.system.discs.iter().zip(last.bodies()) {
-        let message = latest.get(&format!("/disc/{}", disc.name)).ok_or("a disc without a message")?;
+        let message = latest.get(&format!("/body/{}", disc.name)).ok_or("a disc without a message")?;
         let schema = message.channel.schema.as_ref().ok_or("a channel without a schema")?;
         let pool = DescriptorPool::decode(&schema.data[..]).map_err(|error| error.to_string())?;
         let descriptor = pool.get_message_by_name(&schema.name).ok_or("a schema without its message")?;
