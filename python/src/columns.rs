@@ -1,5 +1,6 @@
 //! Columns as numpy arrays, Arrow streams and data frames, without copies unless values are missing.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
@@ -8,6 +9,7 @@ use arrow_array::{
     Array, ArrayRef, ArrowPrimitiveType, BooleanArray, PrimitiveArray, RecordBatch, RecordBatchIterator,
 };
 use arrow_schema::{DataType, Field, Schema};
+use phalanx::trace::Channel;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
@@ -99,9 +101,13 @@ fn array_from_list<'py, T: IntoPyObject<'py>>(
     py.import("numpy")?.call_method("array", (values,), Some(&options))
 }
 
-/// Builds a batch from named columns of numbers.
-pub fn number_batch(columns: Vec<(String, Vec<f64>)>) -> PyResult<RecordBatch> {
-    let fields: Vec<Field> = columns.iter().map(|(name, _)| Field::new(name, DataType::Float64, false)).collect();
+/// Builds a batch from the numbers of channels. The metadata of each field has the unit.
+pub fn number_batch(columns: Vec<(Channel, Vec<f64>)>) -> PyResult<RecordBatch> {
+    let field = |channel: &Channel| {
+        let unit = HashMap::from([("unit".to_string(), channel.unit.to_string())]);
+        Field::new(&channel.name, DataType::Float64, false).with_metadata(unit)
+    };
+    let fields: Vec<Field> = columns.iter().map(|(channel, _)| field(channel)).collect();
     let arrays =
         columns.into_iter().map(|(_, values)| Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef);
     build_batch(fields, arrays.collect())

@@ -46,10 +46,9 @@ impl Recording {
         Some(&self.values[index])
     }
 
-    /// Returns all columns with their names, and the events, without copying.
-    pub fn into_parts(self) -> (Vec<(String, Vec<f64>)>, Vec<Event>) {
-        let names = self.channels.into_iter().map(|channel| channel.name);
-        (names.zip(self.values).collect(), self.events)
+    /// Returns all channels with their numbers, and the events, without copying.
+    pub fn into_parts(self) -> (Vec<(Channel, Vec<f64>)>, Vec<Event>) {
+        (self.channels.into_iter().zip(self.values).collect(), self.events)
     }
 
     /// Returns the times of the samples, in s; two samples can share a time, before and after an event.
