@@ -211,8 +211,8 @@ const RIGID_CONTACT_TOLERANCE: f64 = 1e-2;
 
 /// A sink that measures the energy exchanged in a run, and detects missing and created energy.
 ///
-/// It uses the limits of [`Invariant::Energy`](super::Invariant::Energy) and
-/// [`Invariant::Passivity`](super::Invariant::Passivity) for changes since the start, so that the origin of the
+/// It uses the limits of [`Invariant::Energy`] and
+/// [`Invariant::Passivity`] for changes since the start, so that the origin of the
 /// coordinates does not matter.
 #[derive(Clone, Copy, Debug)]
 pub struct EnergyAudit {

@@ -195,7 +195,7 @@ impl Sample {
         }
     }
 
-    /// Returns a joint of a finger, numbered as in [`FINGER_JOINTS`](super::FINGER_JOINTS).
+    /// Returns a joint of a finger, numbered as in [`FINGER_JOINTS`].
     pub fn joint(&self, finger: usize, joint: usize) -> JointState {
         self.state(self.counts.joint(FINGER_JOINTS.len() * finger + joint))
     }
@@ -218,7 +218,7 @@ impl Sample {
         self.set_state(self.counts.actuator(index), &ActuatorState { torque_n_m: motor_torque_n_m });
     }
 
-    /// Sets the forces of the joints of a finger, in the order of [`FINGER_JOINTS`](super::FINGER_JOINTS).
+    /// Sets the forces of the joints of a finger, in the order of [`FINGER_JOINTS`].
     pub(super) fn set_joint_forces(&mut self, finger: usize, forces_n: &[[f64; 2]; 5]) {
         for (k, force_n) in forces_n.iter().enumerate() {
             let first = self.counts.joint(FINGER_JOINTS.len() * finger + k) + 2;

@@ -14,7 +14,7 @@
 //! | `x-required` | the remedy if the key is missing |
 //! | `x-key` | name in a file, if that is not the name of the field without its unit |
 //!
-//! Each file has the keys of its sections, resolves them (the functions that read a [`SectionInput`]), and gives the
+//! Each file has the keys of its sections, resolves them (the functions that read a `SectionInput`), and gives the
 //! settings of what is resolved (the functions with the suffix `_settings`).
 //!
 //! | file | sections |
@@ -26,8 +26,9 @@
 //! | `law` | contact, limit |
 //! | `motion` | moves, vibrations, path |
 //! | `run` | integrator, engine, validate, criteria, log |
-//!
-//! [`SectionInput`]: super::section_input::SectionInput
+
+// Names of sections in brackets, such as [motor], are not links.
+#![allow(rustdoc::private_intra_doc_links)]
 
 // Descriptions name sections in brackets, as in a file: [design].
 #![allow(rustdoc::broken_intra_doc_links)]
