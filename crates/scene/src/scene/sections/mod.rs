@@ -29,7 +29,6 @@
 
 // Names of sections in brackets, such as [motor], are not links.
 #![allow(rustdoc::private_intra_doc_links)]
-
 // Descriptions name sections in brackets, as in a file: [design].
 #![allow(rustdoc::broken_intra_doc_links)]
 
