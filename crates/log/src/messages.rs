@@ -115,8 +115,8 @@ pub(crate) fn encode_event(event: &Event, subject: &str, subject_kind: SubjectKi
     }
 }
 
-/// Decodes an event: returns it without its contact, and the name of its subject. An unknown kind is `None`.
-pub(crate) fn decode_event(mut message: &[u8]) -> Result<Option<(Event, String)>, DecodeError> {
+/// Decodes an event: returns it without its contact, and name and kind of its subject. An unknown kind of event is `None`.
+pub(crate) fn decode_event(mut message: &[u8]) -> Result<Option<(Event, [String; 2])>, DecodeError> {
     let (mut texts, mut numbers) = ([const { String::new() }; EVENT_TEXTS.len()], [0.0; 1 + EVENT_NUMBERS.len()]);
     while message.has_remaining() {
         let (field, wire_type) = decode_key(&mut message)?;
@@ -132,7 +132,7 @@ pub(crate) fn decode_event(mut message: &[u8]) -> Result<Option<(Event, String)>
             _ => skip_field(wire_type, field, &mut message, context)?,
         }
     }
-    let [subject, _, kind] = texts;
+    let [subject, subject_kind, kind] = texts;
     let [time_s, speed, impulse, angular_speed, angular_impulse] = numbers;
     let kind = EventKind::ALL.into_iter().find(|known| known.key() == kind);
     let event = |kind| Event {
@@ -142,7 +142,7 @@ pub(crate) fn decode_event(mut message: &[u8]) -> Result<Option<(Event, String)>
         approach_speed: speed + angular_speed,
         impulse: impulse + angular_impulse,
     };
-    Ok(kind.map(|kind| (event(kind), subject)))
+    Ok(kind.map(|kind| (event(kind), [subject, subject_kind])))
 }
 
 /// Returns the log time of a sample: nanoseconds since the start, rounded to the nearest.
@@ -186,7 +186,10 @@ mod tests {
             let event = Event { time_s: 0.125, contact: usize::MAX, kind, approach_speed, impulse };
             let mut message = Vec::new();
             encode_event(&event, "hammer-anvil", subject_kind, &mut message);
-            assert_eq!(decode_event(&message), Ok(Some((event, "hammer-anvil".to_string()))));
+            assert_eq!(
+                decode_event(&message),
+                Ok(Some((event, ["hammer-anvil", subject_kind.name()].map(String::from))))
+            );
             assert!(decode_event(&message[..message.len() - 1]).is_err());
         }
     }

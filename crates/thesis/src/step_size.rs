@@ -19,7 +19,7 @@ use crate::plot::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::text::csv;
-use crate::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError};
+use crate::trace::{Event, EventKind, Model, Outcome, RequiredData, Sample, Sink, SinkError};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
 const STEP_FRACTIONS: [f64; 7] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
@@ -118,6 +118,10 @@ struct Impact {
 }
 
 impl Sink for Impact {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let contact = sample.contact(self.pair);
         self.points.push((sample.time_s, contact.normal_n));

@@ -265,7 +265,8 @@ impl Linkage {
         self.accelerate(forces, driven, out);
     }
 
-    /// Returns the forces of the pins on their second bodies, after a call of [`Linkage::accelerations`].
+    /// Returns the forces of the pins on their second bodies, after a call of [`Linkage::accelerations`] or
+    /// [`Linkage::respond`].
     pub(crate) fn pin_forces(&self) -> impl Iterator<Item = [f64; 2]> {
         self.multipliers.chunks_exact(2).take(self.pins).map(|pair| [pair[0], pair[1]])
     }

@@ -20,7 +20,7 @@ pub use contact_space::{ActiveContact, ContactSpace};
 pub(crate) use forces::potential_energies;
 pub use forces::{PalmFrame, kinetic_energy};
 pub use linkage::{BodyPose, Inertia, Linkage, SingularConstraints, Twist};
-pub use motion::{Motion, RapierContact, StepError};
+pub use motion::{Motion, PinForces, RapierContact, StepError};
 pub use plan::{
     Capsule, ContactPartner, ContactPointConvention, L21, L22, Plan, PlannedBody, PlannedBrake, PlannedContact,
     PlannedDrive, PlannedFixedSurface, PlannedGear, PlannedMotor, PlannedPin, PlannedRotor, PlannedSpring, PlannedStop,

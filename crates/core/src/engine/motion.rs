@@ -54,6 +54,25 @@ pub struct RapierContact {
     pub closing_rate: f64,
 }
 
+/// Forces of the pins on their second bodies at a node, N, in the world frame. They are linear in the contact forces.
+#[derive(Clone, Debug, Default)]
+pub struct PinForces {
+    /// Forces without contacts.
+    pub free: Vec<[f64; 2]>,
+    /// Channels of the contacts near the node.
+    pub channels: Vec<usize>,
+    /// For each of these contacts, forces of all pins per unit of its normal force, then of its tangential force.
+    responses: Vec<[f64; 2]>,
+}
+
+impl PinForces {
+    /// Forces of a pin per unit of the normal and of the tangential force of a contact, by its index in `channels`.
+    pub fn response(&self, contact: usize, pin: usize) -> [[f64; 2]; 2] {
+        let (pins, first) = (self.free.len(), 2 * contact * self.free.len());
+        [self.responses[first + pin], self.responses[first + pins + pin]]
+    }
+}
+
 /// State of the engine at the end of its last step, called a node.
 pub struct Motion<'a> {
     pub plan: &'a Plan,
@@ -94,8 +113,6 @@ pub struct Motion<'a> {
     /// Pin openings with the anchor correction, and the corrections.
     open: Vec<[f64; 2]>,
     overshoot: Vec<[f64; 2]>,
-    /// Forces of the pins on their second bodies at the node, N; see [`Motion::update_pin_forces`].
-    pub pin_forces: Vec<[f64; 2]>,
     /// Largest opening acceleration of a pin at the node, see `Linkage::max_opening_acceleration`.
     pub opening_acceleration: f64,
     /// Largest pin opening that a step may leave because its mean velocities differ from the predicted ones, m.
@@ -138,7 +155,6 @@ impl<'a> Motion<'a> {
             bristle_states: vec![0.0; plan.first_motor() + plan.motors.len()],
             open: Vec::new(),
             overshoot: Vec::new(),
-            pin_forces: Vec::new(),
             opening_acceleration: 0.0,
             tolerance_m: f64::INFINITY,
             rate_correction: RateCorrection::default(),
@@ -410,22 +426,35 @@ impl<'a> Motion<'a> {
         self.opening_acceleration = self.linkage.max_opening_acceleration(&self.velocities);
     }
 
-    /// Computes the forces of the pins at the node, with all contacts, brakes and motors at the end of the last step.
-    pub fn update_pin_forces(&mut self) {
+    /// Reads the forces of the pins at the node.
+    pub fn read_pin_forces(&mut self, out: &mut PinForces) {
         let now = self.clock.now();
         self.impulse.copy_from_slice(&self.forces);
         forces::add_speed_dependent_motors(self.plan, &self.velocities, now, &mut self.impulse);
+        forces::driven_accelerations(self.plan, now, &mut self.driven);
         let mut loads = std::mem::take(&mut self.impulse);
-        for candidate in self.candidates.iter().filter(|candidate| !matches!(candidate.source, Source::Motor(_))) {
-            let (normal, tangential) = self.forces(candidate.index);
-            candidate.normal_row.add_to(&mut loads, normal);
-            candidate.slip_row.add_to(&mut loads, tangential);
+        for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.source, Source::Brake(_))) {
+            candidate.slip_row.add_to(&mut loads, self.forces(candidate.index).1);
         }
         self.impulse = loads;
-        forces::driven_accelerations(self.plan, now, &mut self.driven);
-        let Self { linkage, impulse, velocities, driven, predicted_mean_velocities: unused, .. } = self;
-        linkage.accelerations(impulse, velocities, driven, unused);
-        refill(&mut self.pin_forces, self.linkage.pin_forces());
+        let Self { plan, linkage, impulse, velocities, driven, candidates, space, .. } = self;
+        linkage.accelerations(impulse, velocities, driven, &mut self.predicted_mean_velocities);
+        refill(&mut out.free, linkage.pin_forces());
+        out.channels.clear();
+        out.responses.clear();
+        let is_near = |candidate: &&ContactCandidate| {
+            candidate.has_gap() && (candidate.gap <= 0.0 || space.find(candidate.index).is_some())
+        };
+        for candidate in candidates.iter().filter(is_near) {
+            let Some(channel) = plan.contact_channel(candidate.index) else { continue };
+            out.channels.push(channel);
+            for row in [&candidate.normal_row, &candidate.slip_row] {
+                impulse.fill([0.0; 3]);
+                row.add_to(impulse, 1.0);
+                linkage.respond(impulse);
+                out.responses.extend(linkage.pin_forces());
+            }
+        }
     }
 
     /// Shifts the joint anchors of rapier. It closes a joint along the tangent at the start of the step, so that the

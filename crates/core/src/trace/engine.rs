@@ -55,11 +55,7 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
 /// Simulates a scene from its initial motion.
 fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let span = Span::from_scene(scene);
-    match sink.required_data().joint_forces {
-        true => motion.update_pin_forces(),
-        false => motion.pin_forces = vec![[0.0; 2]; motion.plan.pins.len()],
-    }
-    let mut recorder = EngineRecorder::new(scene, &motion, span, sink);
+    let mut recorder = EngineRecorder::new(scene, &mut motion, span, sink);
     recorder.begin(&motion)?;
     let failure_reason = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
     let time_s = motion.clock.now();
@@ -102,9 +98,7 @@ fn step_through(
         }
         steps += 1;
         substeps += u64::from(motion.contact.substeps);
-        if recorder.requires_joint_forces {
-            motion.update_pin_forces();
-        }
+        recorder.joint_forces.update(motion);
         recorder.step(motion)?;
         if let Some(reason) = &recorder.failure {
             return Ok(Some(Reason::Obstacle(reason.to_string())));

@@ -4,18 +4,13 @@ use std::f64::consts::PI;
 
 use super::{BodyState, ContactSample, Energy, FingerState, Sample};
 use crate::engine::{
-    ContactCandidate, L11, L12, L21, L22, LINKS, Motion, PalmFrame, Twist, driven_link_brake_torque, first_link,
-    kinetic_energy, potential_energies,
+    ContactCandidate, L11, L12, L21, L22, LINKS, Motion, PalmFrame, PinForces, Twist, driven_link_brake_torque,
+    first_link, kinetic_energy, potential_energies,
 };
 use crate::law::{elastic_energy, normal_force};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{angle_between, nearest_equivalent_angle, opening_angle, rotate};
 use crate::scene::{ContactId, Disc, Side, System};
-
-/// Number of pins of a finger.
-const FINGER_PINS: usize = 5;
-/// Pins of the joints of a finger, in the order of its samples.
-const PINS_OF_JOINTS: [usize; FINGER_PINS] = [0, 2, 1, 3, 4];
 
 /// Reads fingers and bodies of a system at a node of its motion.
 pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) {
@@ -27,8 +22,6 @@ pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) 
         let phi22_rad = finger.linkage.lengths.phi22_rad;
         let state = Links::new(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes);
         sample.set_finger(index, &state);
-        let force_n = |pin: usize| frame.direction(motion.pin_forces[FINGER_PINS * index + pin]);
-        sample.set_joint_forces(index, &PINS_OF_JOINTS.map(force_n));
     }
     for (index, (disc, body)) in reported_discs(system).enumerate() {
         let state = match body {
@@ -126,6 +119,66 @@ fn contact_forces(motion: &Motion, candidate: &ContactCandidate) -> (f64, f64) {
     let [rate, slip] = [&candidate.normal_row, &candidate.slip_row].map(|row| row.rate(&motion.velocities));
     let normal = normal_force(&candidate.law, -candidate.gap, -rate).force;
     (normal, -candidate.friction_at_step_end([slip, 0.0, normal], 0.0).force)
+}
+
+/// Number of pins of a finger.
+const FINGER_PINS: usize = 5;
+/// Pins of the joints of a finger, in the order of its samples.
+const PINS_OF_JOINTS: [usize; FINGER_PINS] = [0, 2, 1, 3, 4];
+
+/// Forces in the joints during the last step. Without contacts they change linearly between the nodes; those of contacts
+/// follow from the contact forces of a sample, so that joint and contact forces of a sample belong together.
+#[derive(Default)]
+pub(super) struct JointForces {
+    is_required: bool,
+    /// Forces without contacts at the start of the step.
+    start: Vec<[f64; 2]>,
+    pins: PinForces,
+}
+
+impl JointForces {
+    pub(super) fn new(is_required: bool, motion: &mut Motion) -> Self {
+        let mut forces = Self { is_required, ..Self::default() };
+        forces.update(motion);
+        forces.start.clone_from(&forces.pins.free);
+        forces
+    }
+
+    /// Reads the forces after a step.
+    pub(super) fn update(&mut self, motion: &mut Motion) {
+        if self.is_required {
+            self.start.clone_from(&self.pins.free);
+            motion.read_pin_forces(&mut self.pins);
+        }
+    }
+
+    /// Sets the joint forces of a sample within the last step, or at its end; they stay 0 if they are not required.
+    pub(super) fn set(&self, motion: &Motion, sample: &mut Sample) {
+        if !self.is_required {
+            return;
+        }
+        let fraction = match motion.last_dt_s {
+            dt if dt > 0.0 => 1.0 - (motion.clock.now() - sample.time_s) / dt,
+            _ => 1.0,
+        };
+        let frame = PalmFrame::at(motion.plan, sample.time_s);
+        for finger in 0..sample.counts().fingers {
+            let force_n = |pin: usize| {
+                let pin = FINGER_PINS * finger + pin;
+                let (start, end) = (self.start[pin], self.pins.free[pin]);
+                let mut force = [0, 1].map(|k| start[k] + fraction * (end[k] - start[k]));
+                for (index, channel) in self.pins.channels.iter().enumerate() {
+                    let (contact, [normal, tangent]) = (sample.contact(*channel), self.pins.response(index, pin));
+                    for k in 0..2 {
+                        force[k] += contact.normal_n * normal[k] + contact.tangential_n * tangent[k];
+                    }
+                }
+                frame.direction(force)
+            };
+            let forces_n = PINS_OF_JOINTS.map(force_n);
+            sample.set_joint_forces(finger, &forces_n);
+        }
+    }
 }
 
 /// Links of a finger in the plan: index of the first link, and −1 for a mirrored finger.

@@ -2,7 +2,7 @@
 
 use super::consistency::ConsistencyCheck;
 use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
-use super::engine_reading::{self as reading, sample_contact, stored_energy};
+use super::engine_reading::{self as reading, JointForces, sample_contact, stored_energy};
 use super::extrema::StepExtrema;
 use super::grid::{Grid, Span};
 use super::sample::OVERLAP_ROUNDING;
@@ -20,7 +20,7 @@ pub(super) struct EngineRecorder<'a> {
     reach: Option<Reach>,
     /// Time at which the object left the region.
     ejected_s: Option<f64>,
-    pub requires_joint_forces: bool,
+    pub joint_forces: JointForces,
     start_energy: Energy,
     trackers: Vec<ContactTracker>,
     /// Contacts whose sampled normal is opposite to that of the plan.
@@ -43,16 +43,18 @@ pub(super) struct EngineRecorder<'a> {
 
 impl<'a> EngineRecorder<'a> {
     /// Creates a recorder for a motion of a scene at its start.
-    pub fn new(scene: &'a Scene, motion: &Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
+    pub fn new(scene: &'a Scene, motion: &mut Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
         let system = &scene.system;
         let start_energy = stored_energy(motion);
         let flipped = reading::flipped_normals(system);
         let trackers = vec![ContactTracker::default(); flipped.len()];
         let mut last = Sample::default();
         read_node(system, motion, start_energy.relative_to(&start_energy, 0.0, 0.0), (&trackers, &flipped), &mut last);
+        let joint_forces = JointForces::new(sink.required_data().joint_forces, motion);
+        joint_forces.set(motion, &mut last);
         Self {
             system,
-            requires_joint_forces: sink.required_data().joint_forces,
+            joint_forces,
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
@@ -102,6 +104,7 @@ impl<'a> EngineRecorder<'a> {
         let energy = stored_energy(motion).relative_to(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
         self.failure = self.consistency.check(&energy, gap_m, dt);
         read_node(self.system, motion, energy, (&self.trackers, &self.flipped), &mut node);
+        self.joint_forces.set(motion, &mut node);
         self.record_touch_downs_between_steps(motion, end_s - dt)?;
         self.find_extrema(motion);
         for index in 0..motion.contact.changes.len() {
@@ -111,13 +114,13 @@ impl<'a> EngineRecorder<'a> {
                 continue;
             };
             let time_s = end_s - dt + after_s;
-            self.emit_extrema_before(&node, dt, after_s)?;
+            self.emit_extrema_before(motion, &node, after_s)?;
             if kind == ChangeKind::Closes && !self.trackers[channel].engine.is_touching {
                 self.emit_touch_down(motion, &node, channel, time_s, closing)?;
             }
             self.process_change(channel, kind, time_s, closing, impulse)?;
         }
-        self.emit_extrema_before(&node, dt, dt)?;
+        self.emit_extrema_before(motion, &node, dt)?;
         for channel in 0..self.trackers.len() {
             self.finish_step(motion, channel, end_s)?;
         }
@@ -130,7 +133,7 @@ impl<'a> EngineRecorder<'a> {
             self.ejected_s = Some(end_s);
         }
         self.node = node;
-        self.emit_step(dt)
+        self.emit_step(motion)
     }
 
     /// Records touch-downs of surfaces that the last step left separated in its frozen geometry, or that the run starts
@@ -160,7 +163,8 @@ impl<'a> EngineRecorder<'a> {
     }
 
     /// Emits samples at the extrema of a step of length `dt` that lie before `after_s`.
-    fn emit_extrema_before(&mut self, now: &Sample, dt: f64, after_s: f64) -> Result<(), SinkError> {
+    fn emit_extrema_before(&mut self, motion: &Motion, now: &Sample, after_s: f64) -> Result<(), SinkError> {
+        let dt = motion.last_dt_s;
         while let Some((_, (channel, extremum))) = self.step_extrema.next_before(after_s) {
             let time_s = now.time_s - dt + extremum.after_s;
             let sample = &mut self.within;
@@ -175,7 +179,8 @@ impl<'a> EngineRecorder<'a> {
                 set_extremum(other, &simultaneous);
             }
             if time_s > self.emitted_s && time_s < now.time_s {
-                self.emit_grid(now, time_s)?;
+                self.emit_grid(motion, now, time_s)?;
+                self.joint_forces.set(motion, &mut self.within);
                 update_summaries(&mut self.trackers, &self.within);
                 self.sink.extreme(&self.within)?;
             }
@@ -207,7 +212,8 @@ impl<'a> EngineRecorder<'a> {
             }
             sample.set_contact(index, &contact);
         }
-        self.emit_grid(&sample, time_s)?;
+        self.joint_forces.set(motion, &mut sample);
+        self.emit_grid(motion, &sample, time_s)?;
         self.emitted_s = time_s;
         update_summaries(&mut self.trackers, &sample);
         self.sink.sample(&sample)?;
@@ -271,10 +277,11 @@ impl<'a> EngineRecorder<'a> {
 
     /// Emits the samples of one step, or of the rest of it: the grid points inside it, and its end if the step is
     /// short, an extremum lies there, or the run is over.
-    fn emit_step(&mut self, dt: f64) -> Result<(), SinkError> {
+    fn emit_step(&mut self, motion: &Motion) -> Result<(), SinkError> {
+        let dt = motion.last_dt_s;
         let now = std::mem::take(&mut self.node);
         let time_s = now.time_s;
-        self.emit_grid(&now, time_s)?;
+        self.emit_grid(motion, &now, time_s)?;
         self.node = std::mem::replace(&mut self.last, now);
         if self.grid.includes_end(time_s, dt) || time_s >= self.end_s {
             self.emitted_s = time_s;
@@ -289,7 +296,7 @@ impl<'a> EngineRecorder<'a> {
     }
 
     /// Emits the grid points before `until_s`, between the last sample and `end`.
-    fn emit_grid(&mut self, end: &Sample, until_s: f64) -> Result<(), SinkError> {
+    fn emit_grid(&mut self, motion: &Motion, end: &Sample, until_s: f64) -> Result<(), SinkError> {
         while let Some(t) = self.grid.next_before(until_s) {
             // A fine grid can have millions of points within one step.
             if !self.sink.should_continue() {
@@ -298,6 +305,7 @@ impl<'a> EngineRecorder<'a> {
             if t > self.last.time_s {
                 self.emitted_s = t;
                 self.point.interpolate_from(&self.last, end, t);
+                self.joint_forces.set(motion, &mut self.point);
                 update_summaries(&mut self.trackers, &self.point);
                 self.sink.sample(&self.point)?;
             }

@@ -105,6 +105,8 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
             });
             let forces_n = self.joint_forces(t, state, mode, forces);
             sample.set_joint_forces(0, &forces_n);
+        } else {
+            sample.set_joint_forces(0, &[[0.0; 2]; 5]);
         }
         sample.set_energy(&match required_data.energies {
             true => stored_energy(energies).relative_to(start, contact_work, motor_work),
@@ -186,6 +188,8 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
                 .enumerate()
                 .take(counts.fingers)
                 .for_each(|(k, forces_n)| sample.set_joint_forces(k, forces_n));
+        } else {
+            (0..counts.fingers).for_each(|k| sample.set_joint_forces(k, &[[0.0; 2]; 5]));
         }
         sample.set_energy(&match required_data.energies {
             true => stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1]),

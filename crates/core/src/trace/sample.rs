@@ -377,15 +377,15 @@ impl Subjects<'_> {
         let Self { instant, a, b, out } = self;
         for start in (first..end).step_by(K) {
             let (a, b) = (&a[start..start + K], &b[start..start + K]);
-            for (k, (out, quantity)) in out[start..start + K].iter_mut().zip(T::QUANTITIES).enumerate() {
-                *out = match quantity.interpolation {
-                    Interpolation::Linear => instant.linear(a[k], b[k]),
-                    Interpolation::Cubic { rate } => instant.cubic(a[k], a[rate], b[k], b[rate]),
-                    Interpolation::Angle { rate } => {
-                        instant.cubic(a[k], a[rate], nearest_equivalent_angle(b[k], a[k]), b[rate])
-                    }
-                };
-            }
+            let values = array_from(|k| match T::QUANTITIES[k].interpolation {
+                Interpolation::Linear => instant.linear(a[k], b[k]),
+                Interpolation::Cubic { rate } => instant.cubic(a[k], a[rate], b[k], b[rate]),
+                Interpolation::Angle { rate } => {
+                    instant.cubic(a[k], a[rate], nearest_equivalent_angle(b[k], a[k]), b[rate])
+                }
+            });
+            // Quantities that follow from others, such as a power, are computed from these.
+            out[start..start + K].copy_from_slice(&T::from_values(values).values());
         }
     }
 }

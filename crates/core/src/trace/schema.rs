@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Disc, GripperContact, Side, System};
 
-/// Rule for values between two samples. Rates are quantities of the same subject, at this index.
+/// Rule for values between two samples. `rate` is the index of the rate among the quantities of the subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     Linear,

@@ -13,7 +13,8 @@ pub struct SinkError {
 }
 
 /// Data that a sink uses. The analytic model skips unused data: in a sweep of 384 simulations this saves a tenth of the
-/// time. The last sample of its outcomes is always complete. The engine skips only the forces in joints.
+/// time. The last sample of its outcomes is always complete. The engine skips only the forces in joints,
+/// which are then 0 in its outcomes too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RequiredData {
     /// Whether samples need energies, which are 0 otherwise.

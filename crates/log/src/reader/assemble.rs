@@ -72,9 +72,7 @@ impl Assembler {
         let existing = subject_channels(&schema).into_iter().filter(|(.., exists)| *exists);
         let mut expected: Vec<(String, ChannelContent)> =
             existing.map(|(topic, content, _)| (topic, content)).collect();
-        if scene.is_some() {
-            expected.push((EVENT_TOPIC.to_string(), ChannelContent::Events));
-        }
+        expected.push((EVENT_TOPIC.to_string(), ChannelContent::Events));
         expected.push(("/events".to_string(), ChannelContent::Lines));
         if kind == SceneKind::Bodies {
             found.iter().for_each(|channel| add_disc_topic(&mut schema, &channel.topic));
@@ -223,9 +221,10 @@ impl Assembler {
                         self.summary.unknown_messages += 1;
                         continue;
                     }
-                    Ok(Some((event, subject))) => {
-                        let contact = self.schema.contacts.iter().position(|contact| contact.name == subject);
-                        let Some(contact) = contact else {
+                    Ok(Some((event, [subject, subject_kind]))) => {
+                        let is_subject =
+                            |contact: &ContactName| contact.name == subject && contact.kind().name() == subject_kind;
+                        let Some(contact) = self.schema.contacts.iter().position(is_subject) else {
                             self.summary.unknown_messages += 1;
                             continue;
                         };
@@ -241,6 +240,9 @@ impl Assembler {
             let (time_s, content) = part.map_err(|error| Defect::damaged(describe(&error)))?;
             if !time_s.is_finite() {
                 return Err(Defect::damaged("the time of a message is not a number"));
+            }
+            if (time_s - header.log_time as f64 * 1e-9).abs() > MAX_TIME_DIFFERENCE_S {
+                return Err(Defect::damaged("the time of a message differs from its log time"));
             }
             parts.push(Part { sequence: header.sequence, time_s, content });
         }
@@ -267,6 +269,10 @@ impl Assembler {
         Ok(())
     }
 }
+
+/// Largest difference between the time of a message and its log time, which is a whole number of nanoseconds and never
+/// decreases.
+const MAX_TIME_DIFFERENCE_S: f64 = 1e-3;
 
 /// No subject has more numbers.
 const MAX_QUANTITIES: usize = 16;

@@ -97,6 +97,8 @@ impl MissingTracker {
         let known = || channels.iter().filter_map(|channel| sequences.get(&channel.id));
         let are_numbered =
             known().filter(|stats| stats.min_sequence == 0).count() > 1 && known().any(|stats| stats.max_sequence > 0);
+        let is_lines = |channel: &&KnownChannel| channel.content == ChannelContent::Lines;
+        let has_lines = channels.iter().filter(is_lines).any(|channel| sequences.contains_key(&channel.id));
         let mut found = Vec::new();
         for (topic, content) in topics {
             let on_topic = || channels.iter().filter(|channel| channel.topic == topic).map(|channel| channel.id);
@@ -104,7 +106,7 @@ impl MissingTracker {
             let defect = match content {
                 ChannelContent::Picture => continue,
                 ChannelContent::Lines => self.missing_lines(summary, is_empty),
-                ChannelContent::Events => self.missing_events(),
+                ChannelContent::Events => self.missing_events(on_topic().next().is_none() && !has_lines),
                 ChannelContent::Subject { index, .. } => self.missing_components(summary, index, is_empty),
             };
             let defect = defect.or_else(|| {
@@ -138,7 +140,10 @@ impl MissingTracker {
     }
 
     /// Describes events that have a line but no message.
-    fn missing_events(&self) -> Option<String> {
+    fn missing_events(&self, is_unknown: bool) -> Option<String> {
+        if is_unknown {
+            return Some("has no message, and /events does not tell whether there were events".to_string());
+        }
         let pairs = self.lines.iter().flatten().zip(self.events.iter().flatten());
         let missing: u64 = pairs.map(|(lines, events)| lines.saturating_sub(*events)).sum();
         let lines: u64 = self.lines.iter().flatten().sum();

@@ -27,8 +27,8 @@ pub struct LinkLoads {
     pub torques_n_m: [f64; 2],
 }
 
-/// Returns the forces in the joints q11, q21, q12, q22, and in q13, which closes the loop: on l11, l21, l12, l22, and
-/// again on l22, N. `ground_m` is the position of the ground joint. Not finite where l12 and l22 are in line.
+/// Returns the forces of five pins, N: of q11 on l11, q21 on l21, q12 on l12, q22 on l22, and of q13, which closes the
+/// loop, on l22. `ground_m` is the position of the ground joint. Not finite where l12 and l22 are in line.
 ///
 /// The moments of l12 about its joint with l11, and of l22 about its joint with l21, determine the force in q13.
 pub fn joint_forces(

@@ -30,7 +30,9 @@ use crate::report::samples::{csv_head, csv_sample};
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
-use crate::trace::{Channel, Decimated, Event, Model, RunError, Sample, Schema, Sink, SinkError, run_analytic};
+use crate::trace::{
+    Channel, Decimated, Event, Model, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
+};
 use figures::{figures, leaves, verdict};
 
 /// Number of directions of acceleration in the picture of a gripper's grasp at rest.
@@ -220,6 +222,10 @@ struct Listeners<'a, A> {
 }
 
 impl<A: Sink> Sink for Listeners<'_, A> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION.or(self.sink.required_data())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.criteria_tracker.sample(sample)?;
         self.audit.sample(sample)?;

@@ -16,7 +16,7 @@ use crate::plot::theme::{BLUE, Colour, GREEN, ORANGE};
 use crate::scene::{self, Scene, SpringKind, Template};
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing, Task, profile};
 use crate::statics::{NecessaryCount, drive_loads, equilibrium, form_closure, palm_force};
-use crate::trace::{self, Event, FingerContact, FingerState, Outcome, Sample, Sink, SinkError};
+use crate::trace::{self, Event, FingerContact, FingerState, Outcome, RequiredData, Sample, Sink, SinkError};
 use crate::volume::{Axes, Axis, BASES_M, ClosedFinger, close_finger, close_linkage, design_at};
 
 /// Motor torque that the thesis prints for design 95 (§4.3); it has no other source.
@@ -253,6 +253,10 @@ struct ClosingRecorder {
 }
 
 impl Sink for ClosingRecorder {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.points.push((sample.time_s, sample.finger(0)));
         self.tracker.sample(sample)

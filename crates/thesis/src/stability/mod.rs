@@ -32,7 +32,7 @@ use crate::monitor::{Monitor, StudyError, map, require};
 use crate::numeric::plane::wrap_angle;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Engine, Preset, Response, Scene, Stepping};
-use crate::trace::{FingerState, Model, RunError, Sample, Sink, SinkError, interpolate};
+use crate::trace::{FingerState, Model, RequiredData, RunError, Sample, Sink, SinkError, interpolate};
 
 /// Spurious energy relative to the reference's throughput above which a run counts as failed.
 pub(crate) const ENERGY_TOLERANCE: f64 = 0.1;
@@ -309,6 +309,10 @@ impl<'a> Observer<'a> {
 }
 
 impl Sink for Observer<'_> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::EVALUATION
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         match self.reference {
             Some(reference) => self.compare(sample, reference),
