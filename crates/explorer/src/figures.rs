@@ -14,9 +14,8 @@ const MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
 fn final_values(scene: &str, model: Model) -> Vec<f64> {
     let scene = parse_any(scene, "scene.toml").expect("a scene");
     let outcome = run(model, &scene, &mut ()).expect("the run ends");
-    let fingers = &outcome.last.fingers;
-    let angles = fingers.iter().flat_map(|f| [f.q11_rad, f.q21_rad, f.q22_rad, f.qd11_rad_s, f.qd21_rad_s]);
-    let bodies = outcome.last.bodies.iter().flat_map(|body| {
+    let angles = outcome.last.fingers().flat_map(|f| [f.q11_rad, f.q21_rad, f.q22_rad, f.qd11_rad_s, f.qd21_rad_s]);
+    let bodies = outcome.last.bodies().flat_map(|body| {
         let ([x, y], [vx, vy]) = (body.centre_m, body.velocity_m_s);
         [x, y, body.angle_rad, vx, vy, body.spin_rad_s]
     });
