@@ -89,7 +89,7 @@ pub struct PlannedMotor {
     pub no_load_speed_rad_s: Option<f64>,
 }
 
-/// A gear: two constraints, each of which keeps the sum of ratios times wheel angles, measured from the start, at zero.
+/// A gear: two constraints. Each keeps the sum of ratios times wheel angles, measured from the start, at zero.
 #[derive(Clone, Debug)]
 pub struct PlannedGear {
     pub wheels: Vec<(usize, [f64; 2])>,

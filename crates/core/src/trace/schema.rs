@@ -1,6 +1,6 @@
 //! What a run records. Subjects (joints, actuators, bodies, contacts, and the system with its energies) have the
-//! quantities of their kind; each quantity of a subject is a channel. A [`Sample`](super::Sample) is a time and one number per channel
-//! in the order of the schema.
+//! quantities of their kind; each quantity of a subject is a channel. A [`Sample`](super::Sample) is a time and one
+//! number per channel in the order of the schema.
 //!
 //! Everything that stores or shows samples derives its columns from the schema. A new quantity is added here, to the
 //! state of its subject, and where a model reads that state.

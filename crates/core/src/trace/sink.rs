@@ -13,8 +13,8 @@ pub struct SinkError {
 }
 
 /// Data that a sink uses. The analytic model skips unused data: in a sweep of 384 simulations this saves a tenth of the
-/// time. The last sample of its outcomes is always complete. The engine skips only the forces in joints,
-/// which are then 0 in its outcomes too.
+/// time. The last sample of its outcomes is always complete. The engine skips only the forces in joints, which are then
+/// 0 in its outcomes too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RequiredData {
     /// Whether samples need energies, which are 0 otherwise.
@@ -32,9 +32,7 @@ impl RequiredData {
     pub const ALL: Self = Self { energies: true, joint_forces: true, passive: true, peaks: true };
     /// Everything that evaluations of a run use: all but the forces in joints.
     pub const EVALUATION: Self = Self { joint_forces: false, ..Self::ALL };
-}
 
-impl RequiredData {
     /// Returns the data that one of two sinks uses.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
