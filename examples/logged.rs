@@ -8,14 +8,14 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use phalanx::log::{self, LogSummary};
-use phalanx::scene::{self, Actuation};
+use phalanx::scene::{self, Profile};
 use phalanx::trace::{Model, Recording, Schema};
 
 /// Simulates a closing with another motor and writes its log.
 pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
     let mut scene = scene::load("scenes/experiment-95.toml")?;
     scene.name = "stronger motor".to_string();
-    scene.finger_mut().motor.actuation = Actuation::Ramp { torque_n_m: 0.8, rise_s: 2e-3 };
+    scene.finger_mut().motor.actuation = Profile::Ramp { value: 0.8, rise_s: 2e-3 };
     let run = log::run_to(&scene, Model::Analytic, path)?;
     if let Some(criteria) = run.criteria {
         println!("{}: {}", scene.name, criteria.class.name());

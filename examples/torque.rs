@@ -6,7 +6,7 @@
 use std::error::Error;
 
 use phalanx::prelude::*;
-use phalanx::scene::Actuation;
+use phalanx::scene::Profile;
 
 /// Result of one closing.
 pub struct Row {
@@ -23,7 +23,7 @@ pub fn sweep() -> Result<Vec<Row>, Box<dyn Error>> {
     let mut scene = scene::load("scenes/experiment-95.toml")?;
     let mut rows = Vec::new();
     for torque_n_m in [0.4, 0.5, 0.6, 0.7, 0.8] {
-        scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m };
+        scene.finger_mut().motor.actuation = Profile::Constant { value: torque_n_m };
         let outcome = run(Model::Analytic, &scene, &mut ())?;
         let distal = outcome.finger_contact(FingerContact::Distal);
         let last_n = [

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::constant_spring;
 use crate::gripper::contact_angle_proximal;
 use crate::scene::keywords::SceneKind;
-use crate::scene::{Actuation, Scene, SpringKind, WrongKind};
+use crate::scene::{self, Scene, SpringKind, WrongKind};
 use crate::sizing::{CLOSING_S, Profile, Rule, SizingError, Task, profile};
 
 const SAMPLES: usize = 400;
@@ -77,7 +77,7 @@ pub fn size_finger(scene: &Scene, options: SizingOptions) -> Result<FingerSizing
         preload_rad,
         profile: profile(&scene.finger().linkage, &task, preload_rad, SAMPLES)?,
         given_motor_n_m: match scene.finger().motor.actuation {
-            Actuation::Constant { torque_n_m } => Some(torque_n_m),
+            scene::Profile::Constant { value: torque_n_m } => Some(torque_n_m),
             _ => None,
         },
         given_spring_n_m: constant_spring(scene.finger()),

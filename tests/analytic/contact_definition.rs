@@ -22,7 +22,7 @@ fn bodies(discs: Vec<Disc>, normal: NormalLaw, duration_s: f64) -> Scene {
 
 /// A disc that starts 1 mm inside the plane and is pulled out, so fast that the clamped normal force is zero.
 fn disc_pulled_out(speed: f64) -> Scene {
-    let normal = NormalLaw { stiffness_n_per_m_e: 1e5, exponent: 1.0, damping_max_n_s_per_m: 1e3, transition_m: 1e-4 };
+    let normal = NormalLaw::step(1e5, 1.0, 1e3, 1e-4);
     let hammer = disc("hammer", 0.01, [0.0, 9e-3], driven([0.0, speed], [0.0; 2]));
     with_half_plane(bodies(vec![hammer], normal, 1e-3))
 }

@@ -12,7 +12,7 @@ use phalanx::gripper::FingerContact;
 use phalanx::integrator::{self, Radau5, RadauOrRodas, Rodas5p, State, integrate};
 use phalanx::law::{Bristle, ContactLaw, bristle_force, elastic_energy};
 use phalanx::scene::{
-    self, Actuation, FingerContactLaws, Integrator, Interpolation, Method, Placement, Scene, Spring, SpringKind,
+    self, FingerContactLaws, Integrator, Interpolation, Method, Placement, Profile, Scene, Spring, SpringKind,
 };
 use phalanx::trace::{self, ContactSample, EventKind, FingerState, Outcome, Sample};
 
@@ -89,14 +89,14 @@ fn closings() -> Vec<(String, Scene)> {
         scene.duration_s = 8e-3;
     });
     add("gravity only", &|scene| {
-        scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m: 0.0 };
+        scene.finger_mut().motor.actuation = Profile::Constant { value: 0.0 };
         scene.finger_mut().spring = None;
         scene.system.gravity_m_s2 = [-9.81, 0.0];
         scene.duration_s = 60e-3;
     });
     add("torque table", &|scene| {
         let (points, interpolation) = (vec![(0.0, 0.1), (2e-3, 0.5), (9e-3, 0.2)], Interpolation::Linear);
-        scene.finger_mut().motor.actuation = Actuation::Table { points, interpolation };
+        scene.finger_mut().motor.actuation = Profile::Table { points, interpolation };
     });
     let torsional = SpringKind::Torsional { stiffness_n_m_per_rad: 0.06, preload_rad: 1.92 };
     for placement in Placement::ALL {
@@ -183,8 +183,8 @@ fn logged_energies_match_the_logged_state() {
 #[test]
 fn torque_jumps_do_not_reduce_accuracy() {
     let points = vec![(0.0, 0.48), (1.1e-3, 0.1), (2e-3, 0.3), (3e-3, 0.5)];
-    let table = Actuation::Table { points: points.clone(), interpolation: Interpolation::Step };
-    for actuation in [Actuation::Reversal { torque_n_m: 0.48, at_s: 3e-3 }, table.clone()] {
+    let table = Profile::Table { points: points.clone(), interpolation: Interpolation::Step };
+    for actuation in [Profile::Reversal { value: 0.48, at_s: 3e-3 }, table.clone()] {
         let runs = [engineering_settings(), reference_settings()].map(|integrator| {
             run_to_end(&experiment_95_with(|scene| {
                 scene.finger_mut().motor.actuation = actuation.clone();
@@ -270,7 +270,7 @@ fn events_are_located_within_their_tolerances() {
     {
         for rtol in [1e-2, 1e-3, 1e-5] {
             let (scene, log) = run_with_rtol(name, rtol);
-            let transition_m = scene.finger().contact.proximal.normal.transition_m;
+            let transition_m = scene.finger().contact.proximal.normal.depth_scale_m();
             for event in &log.events {
                 let sample = log.samples.iter().find(|sample| sample.time_s == event.time_s);
                 let contact = sample.expect("a sample at the event").contact(event.contact);
@@ -305,7 +305,7 @@ fn no_step_crosses_the_damper_transition() {
             for (index, law) in [laws.proximal, laws.distal].into_iter().enumerate() {
                 // Penetrations in δ_max; NaN for contacts without a force.
                 let depth = |ContactSample { gap_m, normal_n, .. }: &ContactSample| {
-                    if *normal_n > 0.0 { -gap_m / law.normal.transition_m } else { f64::NAN }
+                    if *normal_n > 0.0 { -gap_m / law.normal.depth_scale_m() } else { f64::NAN }
                 };
                 let depths: Vec<f64> = log.samples.iter().map(|sample| depth(&sample.contact(index))).collect();
                 for pair in depths.windows(2) {

@@ -6,7 +6,7 @@ use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, 
 use phalanx::gripper::{self, FingerContact};
 use phalanx::integrator::{Linearised, Rates, State, System};
 use phalanx::law::unclamped_normal_force;
-use phalanx::scene::{Actuation, Axis, DiscMotion, Interpolation, Move, Placement, Scene, Spring, SpringKind};
+use phalanx::scene::{Axis, DiscMotion, Interpolation, Move, Placement, Profile, Scene, Spring, SpringKind};
 
 use super::gripper::{CONTACTS, GripperModel, QUADRATURES as GRIPPER_QUADRATURES};
 use super::mixed_systems;
@@ -298,14 +298,14 @@ fn contact_at_the_end_of_the_distal_phalanx() {
 
 #[test]
 fn time_dependent_torque_profiles() {
-    let table = |interpolation| Actuation::Table { points: vec![(0.0, 0.1), (2e-3, 0.5), (9e-3, -0.2)], interpolation };
+    let table = |interpolation| Profile::Table { points: vec![(0.0, 0.1), (2e-3, 0.5), (9e-3, -0.2)], interpolation };
     for profile in [
-        Actuation::Constant { torque_n_m: 0.48 },
+        Profile::Constant { value: 0.48 },
         table(Interpolation::Linear),
         table(Interpolation::Step),
-        Actuation::Ramp { torque_n_m: 0.48, rise_s: 5e-3 },
-        Actuation::HalfSine { torque_n_m: 0.48, length_s: 5e-3 },
-        Actuation::Reversal { torque_n_m: 0.48, at_s: 4e-3 },
+        Profile::Ramp { value: 0.48, rise_s: 5e-3 },
+        Profile::HalfSine { value: 0.48, length_s: 5e-3 },
+        Profile::Reversal { value: 0.48, at_s: 4e-3 },
     ] {
         let case = free_swing(experiment_95_with(|scene| scene.finger_mut().motor.actuation = profile));
         for t in [1e-3, 3e-3, 8e-3] {

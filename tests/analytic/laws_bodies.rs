@@ -14,8 +14,7 @@ fn homogeneous(radius: f64, velocity_m_s: [f64; 2], spin_rad_s: f64) -> DiscMoti
     DiscMotion::Free { mass_kg: 1.0, inertia_kg_m2: Some(0.5 * radius * radius), velocity_m_s, spin_rad_s }
 }
 
-const DAMPED_IMPACT: NormalLaw =
-    NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 200.0, transition_m: 1e-4 };
+const DAMPED_IMPACT: NormalLaw = NormalLaw::step(1e8, 2.2, 200.0, 1e-4);
 
 /// An oblique collision of two free discs with friction and spin conserves momentum and balances energy.
 #[test]

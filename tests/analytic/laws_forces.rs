@@ -58,7 +58,7 @@ fn spring_force_is_k_delta_to_the_e() {
 #[test]
 fn damper_force_is_c_of_delta_times_the_rate() {
     for transition_m in [1e-3, 1e-5] {
-        let normal = NormalLaw { stiffness_n_per_m_e: 0.0, transition_m, ..THESIS_NORMAL };
+        let normal = NormalLaw::step(0.0, THESIS_NORMAL.exponent, THESIS_NORMAL.damping_max(), transition_m);
         // Both models take 20 steps within the transition.
         let step_s = transition_m / 20.0;
         let mut scene = with_fixed_step(&driven_contact_scene(normal), step_s);
@@ -197,7 +197,7 @@ const ELASTIC_CASES: [(f64, f64, f64); 3] = [(1e8, 2.2, 1.0), (2e7, 1.5, 0.5), (
 /// Speed at a depth for k = 0: v(δ) = v₀ − (c_max/m)(δ³/δ_max² − δ⁴/(2 δ_max³)) up to δ_max; beyond, c_max/m (δ −
 /// δ_max) less.
 fn damped_speed(law: &NormalLaw, speed: f64, delta: f64) -> f64 {
-    let (c, transition_end) = (law.damping_max_n_s_per_m, law.transition_m);
+    let (c, transition_end) = (law.damping_max(), law.depth_scale_m());
     let velocity_loss =
         |delta: f64| c * (delta.powi(3) / transition_end.powi(2) - delta.powi(4) / (2.0 * transition_end.powi(3)));
     speed - velocity_loss(delta.min(transition_end)) - c * (delta - transition_end).max(0.0)
@@ -207,7 +207,7 @@ fn damped_speed(law: &NormalLaw, speed: f64, delta: f64) -> f64 {
 fn the_analytic_model_matches_the_closed_form_of_a_damper() {
     // The disc stops within the transition, and far beyond it.
     for (c, speed) in [(1e6, 1.0), (1e3, 1.0)] {
-        let law = NormalLaw { stiffness_n_per_m_e: 0.0, exponent: 2.2, damping_max_n_s_per_m: c, transition_m: 1e-5 };
+        let law = NormalLaw::step(0.0, 2.2, c, 1e-5);
         let (outcome, log) = run_to_end(Model::Analytic, &impact_scene(law, speed, 20e-3));
         let mut contact_samples = 0;
         for sample in &log.samples {
@@ -225,13 +225,12 @@ fn the_analytic_model_matches_the_closed_form_of_a_damper() {
     }
 }
 
-const SPRING_AND_DAMPER: NormalLaw =
-    NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 200.0, transition_m: 1e-4 };
+const SPRING_AND_DAMPER: NormalLaw = NormalLaw::step(1e8, 2.2, 200.0, 1e-4);
 
 /// Impact of 1 kg on spring and damper by the classical Runge–Kutta method with fixed step. Bisection locates the end
 /// of the transition and the lift-off. The laws are implemented independently of the library.
 fn impact_by_runge_kutta(law: &NormalLaw, speed: f64, h: f64) -> ImpactResult {
-    let &NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m } = law;
+    let (k, e, c, transition_m) = (law.stiffness_n_per_m_e, law.exponent, law.damping_max(), law.depth_scale_m());
     let force = |[delta, rate]: [f64; 2]| {
         let s = (delta / transition_m).min(1.0);
         k * delta.max(0.0).powf(e) + c * s * s * (3.0 - 2.0 * s) * rate
@@ -308,7 +307,7 @@ fn both_models_match_the_expected_impacts() {
     let elastic_impacts =
         ELASTIC_CASES.map(|(k, e, speed)| (spring(k, e), speed, elastic_impact(&spring(k, e), speed)));
     for (law, speed, expected) in elastic_impacts.into_iter().chain([0.5, 1.0, 2.0].map(damped_impact)) {
-        let context = format!("e = {}, c = {}, {speed} m/s", law.exponent, law.damping_max_n_s_per_m);
+        let context = format!("e = {}, c = {}, {speed} m/s", law.exponent, law.damping_max());
         let lost_error_j = |actual: &ImpactResult| (actual.lost_j - expected.lost_j).abs();
         let scene = impact_scene(law, speed, 30e-3);
         let analytic = simulated_impact(Model::Analytic, &scene, speed);
@@ -340,7 +339,7 @@ fn both_models_match_the_expected_impacts() {
 /// A stiff damper stops the disc in microseconds, much less than a step.
 #[test]
 fn the_engine_matches_the_closed_form_of_a_damper() {
-    let law = NormalLaw { stiffness_n_per_m_e: 0.0, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    let law = NormalLaw::step(0.0, 2.2, 1e6, 1e-5);
     let scene = impact_scene(law, 1.0, 20e-3);
     for scene in [scene.clone(), with_fixed_step(&scene, 1e-5), with_fixed_step(&scene, 1e-7)] {
         let (outcome, _) = run_to_end(Model::Engine, &scene);

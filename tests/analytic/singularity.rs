@@ -6,7 +6,7 @@ use crate::support::runs::{
 use phalanx::gripper::Assembly;
 use phalanx::integrator::{Failure, Reason};
 use phalanx::law::{FrictionLaw, NormalLaw};
-use phalanx::scene::{Actuation, Initial, Integrator, Method, Scene};
+use phalanx::scene::{Initial, Integrator, Method, Profile, Scene};
 use phalanx::shape::Shape;
 use phalanx::trace::{RunError, Sample, run_analytic};
 
@@ -58,7 +58,7 @@ fn loop_without_object(assembly: Assembly, q: [f64; 2], v: [f64; 2], torque_n_m:
         let finger = scene.finger_mut();
         (finger.limit, finger.spring, finger.linkage.assembly) = (None, None, assembly);
         finger.initial = Initial { q11_rad: q[0], q21_rad: q[1], qd11_rad_s: v[0], qd21_rad_s: v[1] };
-        finger.motor.actuation = Actuation::Constant { torque_n_m };
+        finger.motor.actuation = Profile::Constant { value: torque_n_m };
     })
 }
 
@@ -151,7 +151,7 @@ fn extreme_scenes_do_not_panic() {
         scenes.push(scene);
     };
     for torque_n_m in [0.0, -0.48, 1e-9, 48.0, -48.0, 1e6, 1e30, f64::MAX] {
-        let actuation = Actuation::Constant { torque_n_m };
+        let actuation = Profile::Constant { value: torque_n_m };
         add(&format!("torque {torque_n_m:e}"), &|s| s.finger_mut().motor.actuation = actuation.clone());
     }
     add("fast start", &|s| s.finger_mut().initial.qd11_rad_s = 1e6);
@@ -165,9 +165,9 @@ fn extreme_scenes_do_not_panic() {
             }
         }
     };
-    add("soft object", &with_laws(|n, _| (n.stiffness_n_per_m_e, n.damping_max_n_s_per_m) = (1.0, 1e-3)));
-    add("elastic object", &with_laws(|normal, _| normal.damping_max_n_s_per_m = 0.0));
-    add("diamond object", &with_laws(|n, _| (n.stiffness_n_per_m_e, n.damping_max_n_s_per_m) = (1e14, 1e12)));
+    add("soft object", &with_laws(|n, _| *n = NormalLaw { stiffness_n_per_m_e: 1.0, ..n.with_damping_max(1e-3) }));
+    add("elastic object", &with_laws(|normal, _| *normal = normal.with_damping_max(0.0)));
+    add("diamond object", &with_laws(|n, _| *n = NormalLaw { stiffness_n_per_m_e: 1e14, ..n.with_damping_max(1e12) }));
     add("huge friction", &with_laws(|_, friction| (friction.mu_static, friction.mu_dynamic) = (100.0, 70.0)));
     add("start out of reach", &|s| s.finger_mut().initial.q21_rad = 1.3);
     add("start inside the object", &|s| {

@@ -7,7 +7,7 @@ use crate::support::statics::{Grasp, grasp};
 use phalanx::fivebar::dynamics::{Dynamics, inverse_dynamics};
 use phalanx::fivebar::kinematics::{directions, passive_rates, reference_gamma};
 use phalanx::gripper::{Assembly, Design, Finger, Placement, Spring, SpringKind};
-use phalanx::scene::{self, Actuation, Scene};
+use phalanx::scene::{self, Profile, Scene};
 use phalanx::sizing::{INTERVALS, Rule, SizingError, Task, closing, profile, size, size_with};
 
 /// Returns the finger and the task of a design of the thesis.
@@ -146,7 +146,7 @@ fn scene_sizing_equals_finger_sizing() {
     for (keyword, rule) in [("rigid", Rule::Rigid), ("whole", Rule::Whole)] {
         let scene = scene(&format!("sizing = \"{keyword}\""), "");
         let sizing = size(&scene.finger().linkage, &task, rule).unwrap();
-        assert_eq!(scene.finger().motor.actuation, Actuation::Constant { torque_n_m: sizing.motor_n_m });
+        assert_eq!(scene.finger().motor.actuation, Profile::Constant { value: sizing.motor_n_m });
         let kind = SpringKind::Constant { torque_n_m: sizing.spring_n_m };
         assert_eq!(scene.finger().spring, Some(Spring { kind, placement: Placement::Phalanges }));
         // A completed scene contains the torques instead of the sizing rule.
@@ -164,7 +164,9 @@ fn scene_sizing_uses_the_scene_parameters() {
     let (_, task) = finger_and_task(&design_95());
     let expected_sizing = size(&scene("", "").finger().linkage, &task, Rule::Rigid).unwrap();
     let torques = |scene: &Scene| match (&scene.finger().motor.actuation, scene.finger().spring.unwrap().kind) {
-        (Actuation::Constant { torque_n_m } | Actuation::Ramp { torque_n_m, .. }, kind) => (*torque_n_m, kind),
+        (Profile::Constant { value: torque_n_m } | Profile::Ramp { value: torque_n_m, .. }, kind) => {
+            (*torque_n_m, kind)
+        }
         other => panic!("{other:?}"),
     };
     // Half the closing time requires about four times the torque.

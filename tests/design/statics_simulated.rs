@@ -51,7 +51,7 @@ fn balance(scene: &Scene, end: &FinalPosture) -> Equilibrium {
     let finger = scene.finger();
     let dynamics = Dynamics::new(&finger.linkage, reference_gamma(&finger.linkage.lengths), scene.system.gravity_m_s2);
     let weight = inverse_dynamics(&dynamics, [end.posture.q11_rad, end.posture.q21_rad], [0.0; 2], [0.0; 2]);
-    let motor_n_m = scene::torque(&finger.motor.actuation, scene.duration_s).0;
+    let motor_n_m = finger.motor.actuation.at(scene.duration_s).0;
     let drive = drive_loads(&finger.linkage, end, motor_n_m, finger.spring.as_ref()).unwrap();
     equilibrium(&finger.linkage, end, sub(drive, weight), 0.0).unwrap()
 }
@@ -116,7 +116,7 @@ fn stiffer_contacts_reduce_the_difference() {
     let mut stiffer = soft.clone();
     for law in stiffer.finger_mut().contact.both_mut().map(|law| &mut law.normal) {
         law.stiffness_n_per_m_e *= 10.0;
-        law.damping_max_n_s_per_m *= 10.0;
+        *law = law.with_damping_max(law.damping_max() * 10.0);
     }
     let static_forces = static_grasp(&soft).forces[0].equilibrium;
     let deviation = |scene: &Scene| {

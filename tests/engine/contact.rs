@@ -127,7 +127,7 @@ fn a_damper_stops_a_mass_at_the_closed_form_depth() {
 /// Without a damper a mass rebounds at its approach speed, from the closed-form depth (m v²/2 = k δᵉ⁺¹/(e + 1)).
 #[test]
 fn a_spring_returns_all_energy() {
-    let normal = NormalLaw { damping_max_n_s_per_m: 0.0, ..THESIS_NORMAL };
+    let normal = THESIS_NORMAL.with_damping_max(0.0);
     let (mass, speed) = (0.005, 2.0);
     let space = single_contact_space(ContactLaw { normal, friction: None }, mass, 1e-5, -speed, 0.0);
     let contact = solve(&space, 2e-3);
@@ -177,12 +177,12 @@ fn contact_closes_if_the_gap_closes_or_is_about_to_close() {
 fn random_laws_are_solved_at_random_step_sizes() {
     let mut random = Random(7);
     for case in 0..2000 {
-        let normal = NormalLaw {
-            stiffness_n_per_m_e: 10f64.powf(random.within(6.0, 12.0)),
-            exponent: random.within(1.0, 3.0),
-            damping_max_n_s_per_m: 10f64.powf(random.within(0.0, 8.0)),
-            transition_m: 10f64.powf(random.within(-7.0, -3.0)),
-        };
+        let normal = NormalLaw::step(
+            10f64.powf(random.within(6.0, 12.0)),
+            random.within(1.0, 3.0),
+            10f64.powf(random.within(0.0, 8.0)),
+            10f64.powf(random.within(-7.0, -3.0)),
+        );
         let friction = (case % 2 == 0).then(|| FrictionLaw {
             mu_static: random.within(0.0, 2.0),
             mu_dynamic: 0.0,
@@ -221,7 +221,7 @@ fn adaptive_steps_satisfy_their_criteria() {
         assert!(joint_opening <= tolerance_m * (1.0 + 1e-12), "a joint opens by {joint_opening:e} m");
         for candidate in &motion.candidates {
             let rate = candidate.normal_row.rate(&motion.velocities);
-            let is_slow = -rate * dt <= 0.05 * candidate.law.transition_m * (1.0 + 1e-12);
+            let is_slow = -rate * dt <= 0.05 * candidate.law.depth_scale_m() * (1.0 + 1e-12);
             assert!(candidate.gap > 0.0 || is_slow, "an impact is crossed too fast");
         }
         motion.advance(dt, &|| true).unwrap();

@@ -43,12 +43,7 @@ impl Row {
             let motion = free(self.mass_kg, Some(inertia_kg_m2), [speed * cos, speed * sin]);
             disc(&format!("d{index}"), self.radius_m, centre_m, motion)
         });
-        let normal = NormalLaw {
-            stiffness_n_per_m_e: self.stiffness,
-            exponent: self.exponent,
-            damping_max_n_s_per_m: self.damping,
-            transition_m: 1e-5,
-        };
+        let normal = NormalLaw::step(self.stiffness, self.exponent, self.damping, 1e-5);
         let scene = scene(row.collect(), normal, None, 0.5e-3);
         run_to_end(Model::Engine, &if self.with_half_plane { with_half_plane(scene) } else { scene }).0
     }

@@ -8,14 +8,14 @@ use crate::support::runs::{
     impact_impulse, load, load_with_stiction, max_angle_error, run_dense_reference, run_engine,
 };
 use phalanx::log::{self, RunInfo};
-use phalanx::scene::{Actuation, Construction, Response, Scene, Stepping};
+use phalanx::scene::{Construction, Profile, Response, Scene, Stepping};
 use phalanx::trace::{Model, Sample};
 
 /// Experiment 95 with perturbations of its torque in the ninth digit, which show the scatter of the errors.
 fn perturbed_scenes() -> [Scene; 5] {
     [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| {
         let torque_n_m = 0.480 * (1.0 + 1e-9 * i);
-        experiment_95_with(|scene| scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m })
+        experiment_95_with(|scene| scene.finger_mut().motor.actuation = Profile::Constant { value: torque_n_m })
     })
 }
 

@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use phalanx::log::{RunInfo, Writer, read, scene_text};
-use phalanx::scene::{Actuation, Preset, Scene, load, load_any, parse, parse_any};
+use phalanx::scene::{Preset, Profile, Scene, load, load_any, parse, parse_any};
 use phalanx::shape::{Shape, max_radius};
 use phalanx::trace::{Model, run};
 
@@ -35,7 +35,7 @@ fn unmodified_scene_is_logged_verbatim() {
 fn modified_scene_is_logged_as_simulated() {
     let scene = anchor();
     let changes: [fn(&mut Scene); 4] = [
-        |scene| scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m: 0.5 },
+        |scene| scene.finger_mut().motor.actuation = Profile::Constant { value: 0.5 },
         |scene| scene.system.gravity_m_s2 = [1.0, -2.0],
         |scene| scene.finger_mut().contact.distal.normal.exponent = 1.5,
         |scene| scene.source = String::new(),

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use phalanx::log::{LoggedRunError, read_file, run_into, run_to};
-use phalanx::scene::{Actuation, Scene, load, load_any};
+use phalanx::scene::{Profile, Scene, load, load_any};
 use phalanx::shape::{Shape, max_radius};
 use phalanx::trace::{FingerContact, Model, RunError};
 
@@ -60,7 +60,7 @@ fn logs_of_modified_scenes_verify() {
     let directory = directory("run_to_changed");
     let path = directory.join("changed.mcap");
     let changes: [fn(&mut Scene); 4] = [
-        |scene| scene.finger_mut().motor.actuation = Actuation::Ramp { torque_n_m: 0.7, rise_s: 1.3e-3 },
+        |scene| scene.finger_mut().motor.actuation = Profile::Ramp { value: 0.7, rise_s: 1.3e-3 },
         |scene| scene.finger_mut().contact.distal.normal.exponent = 1.5,
         |scene| (scene.system.gravity_m_s2, scene.duration_s) = ([1.0 / 3.0, -9.0], 7.1e-3),
         |scene| scene.system.discs.clear(),

@@ -32,7 +32,7 @@ fn a_short_scene_has_the_defaults() {
     let DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = ball.motion else { panic!("{ball:?}") };
     assert_eq!((mass_kg, velocity_m_s, spin_rad_s), (0.05, [0.0; 2], 0.0));
     assert!((inertia_kg_m2.expect("it rotates") - 1e-5).abs() < 1e-19);
-    let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    let normal = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
     assert_eq!((law(&scene).normal, law(&scene).friction), (normal, None));
     assert_eq!((scene.integrator, scene.engine), (Integrator::preset(Preset::Engineering), Engine::DEFAULT));
     assert_eq!((scene.bounds, scene.log.numeric_hz), (Bounds::defaults_for_run(SceneKind::Bodies, 0.02), 1e4));
@@ -74,7 +74,7 @@ fn every_key_is_applied() {
     assert_eq!(motions[1], driven);
     assert_eq!(motions[2], DiscMotion::Fixed);
     assert_eq!(motions[3], free(1e-3, None, [0.0; 2], 0.0));
-    let normal = NormalLaw { stiffness_n_per_m_e: 5.0, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1e-3 };
+    let normal = NormalLaw::step(5.0, 1.0, 0.0, 1e-3);
     let friction =
         FrictionLaw { mu_static: 0.5, mu_dynamic: 0.35, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
     assert_eq!((law(&scene).normal, law(&scene).friction), (normal, Some(friction)));
@@ -106,7 +106,7 @@ fn initial_overlaps_and_laws_without_spring_or_damper_are_accepted() {
     let post = "[discs.post]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"55 mm\"]\nmotion = \"fixed\"\n";
     scene_with(&format!("{post}[half_plane]\nlevel = \"10 mm\"\n"));
     assert_eq!(law(&scene_with("[contact]\nstiffness_si = 0\n")).normal.stiffness_n_per_m_e, 0.0);
-    assert_eq!(law(&scene_with("[contact]\ndamping = \"0 N*s/m\"\n")).normal.damping_max_n_s_per_m, 0.0);
+    assert_eq!(law(&scene_with("[contact]\ndamping = \"0 N*s/m\"\n")).normal.damping_max(), 0.0);
 }
 
 #[test]

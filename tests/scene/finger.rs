@@ -4,8 +4,8 @@ use phalanx::gripper::{self, Design, ProximalLength};
 use phalanx::law::{Bristle, FrictionLaw, NormalLaw};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
-    self, Actuation, Bounds, Construction, Engine, Integrator, Interpolation, Method, Placement, Preset, Response,
-    Scene, SpringKind, Stepping,
+    self, Bounds, Construction, Engine, Integrator, Interpolation, Method, Placement, Preset, Profile, Response, Scene,
+    SpringKind, Stepping,
 };
 use phalanx::shape::max_radius;
 
@@ -24,14 +24,14 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     assert_eq!(gripper::bodies(&finger.linkage.lengths, 1070.0, 0.04), Ok(finger.linkage.bodies));
     assert_eq!((max_radius(&object.shape), object.centre_m), (0.02, [-0.0155, 0.02]));
     assert!(scene.system.palm.is_some());
-    let limit = NormalLaw { stiffness_n_per_m_e: 1e11, exponent: 2.2, damping_max_n_s_per_m: 1e9, transition_m: 1e-5 };
+    let limit = NormalLaw::step(1e11, 2.2, 1e9, 1e-5);
     assert_eq!(finger.limit, Some(limit));
-    let contact = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    let contact = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
     for law in [finger.contact.proximal, finger.contact.distal] {
         assert_eq!((law.normal, law.friction), (contact, None));
     }
     assert_eq!((scene.system.gravity_m_s2, scene.duration_s), ([0.0, 9.81], 0.02));
-    assert_eq!(finger.motor.actuation, Actuation::Constant { torque_n_m: 0.48 });
+    assert_eq!(finger.motor.actuation, Profile::Constant { value: 0.48 });
     let spring = finger.spring.expect("spring");
     assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
     assert_eq!(scene.integrator, Integrator::preset(Preset::Engineering));
@@ -90,8 +90,8 @@ fn friction_of_one_contact_overrides_the_common_one() {
     let common = FrictionLaw { mu_static: 0.8, mu_dynamic: 0.7, v_static_m_s: 0.1, v_dynamic_m_s: 0.3, bristle: None };
     assert_eq!(proximal.friction, Some(common));
     assert_eq!(distal.friction, Some(FrictionLaw { mu_static: 0.4, mu_dynamic: 0.28, ..common }));
-    assert_eq!(proximal.normal.damping_max_n_s_per_m, 1e6);
-    assert_eq!((distal.normal.damping_max_n_s_per_m, distal.normal.stiffness_n_per_m_e), (5.0, 1e8));
+    assert_eq!(proximal.normal.damping_max(), 1e6);
+    assert_eq!((distal.normal.damping_max(), distal.normal.stiffness_n_per_m_e), (5.0, 1e8));
     // Only one contact is frictionless; the other has the exact default of `mu_dynamic`.
     let scene = finger_with("[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0\n");
     assert_eq!(scene.finger().contact.proximal.friction.map(|f| f.mu_dynamic), Some(0.56));
@@ -179,16 +179,19 @@ fn motor_profiles_are_resolved() {
     for (keys, expected) in [
         (
             "profile = \"table\"\ntimes = [\"0 ms\", \"5 ms\"]\ntorques = [\"0 N*mm\", \"480 N*mm\"]",
-            Actuation::Table { points, interpolation: Interpolation::Linear },
+            Profile::Table { points, interpolation: Interpolation::Linear },
         ),
-        ("profile = \"ramp\"\ntorque = \"480 N*mm\"\nrise = \"2 ms\"", Actuation::Ramp { torque_n_m, rise_s: 0.002 }),
+        (
+            "profile = \"ramp\"\ntorque = \"480 N*mm\"\nrise = \"2 ms\"",
+            Profile::Ramp { value: torque_n_m, rise_s: 0.002 },
+        ),
         (
             "profile = \"half-sine\"\ntorque = \"480 N*mm\"\npulse = \"8 ms\"",
-            Actuation::HalfSine { torque_n_m, length_s: 0.008 },
+            Profile::HalfSine { value: torque_n_m, length_s: 0.008 },
         ),
         (
             "profile = \"reversal\"\ntorque = \"480 N*mm\"\nreverse_at = \"10 ms\"",
-            Actuation::Reversal { torque_n_m, at_s: 0.01 },
+            Profile::Reversal { value: torque_n_m, at_s: 0.01 },
         ),
     ] {
         let scene = parse(&format!("{DESIGN}[spring]\ntype = \"none\"\n[motor]\n{keys}\n"));

@@ -2,7 +2,7 @@
 
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
-    self, Actuation, Bounds, DiscMotion, GripperContact, Integrator, Motor, Placement, Preset, Scene, Side, SpringKind,
+    self, Bounds, DiscMotion, GripperContact, Integrator, Motor, Placement, Preset, Profile, Scene, Side, SpringKind,
     Thresholds, show,
 };
 use phalanx::shape::PlacedShape;
@@ -122,7 +122,7 @@ fn motors_and_springs_are_sized_for_the_whole_positioning_error() {
         let SpringKind::Constant { torque_n_m } = driven_finger.spring.expect("a spring").kind else {
             panic!("{driven_finger:?}")
         };
-        [scene::torque(&driven_finger.motor.actuation, 0.0).0, torque_n_m]
+        [driven_finger.motor.actuation.at(0.0).0, torque_n_m]
     };
     let assert_equal = |drive_torques: [f64; 2], expected: [f64; 2]| {
         assert!(
@@ -149,7 +149,7 @@ fn motors_and_springs_are_sized_for_the_whole_positioning_error() {
     let seesaw = sized_scene(SHORT, "[differential]\n");
     let input = &seesaw.system.differential.as_ref().expect("it is given").motor;
     let single_torque_n_m = drive_torques(&sized_scene(SHORT, ""))[0];
-    assert_eq!(scene::torque(&input.actuation, 0.0).0, 2.0 * single_torque_n_m);
+    assert_eq!(input.actuation.at(0.0).0, 2.0 * single_torque_n_m);
     assert_eq!(seesaw.system.fingers.iter().map(|finger| &finger.motor).collect::<Vec<_>>(), [&Motor::NONE; 2]);
     assert_round_trip(&seesaw);
 }
@@ -165,14 +165,14 @@ fn each_finger_can_override_common_keys() {
     );
     let [right, left] = scene.system.fingers.as_slice() else { panic!("two fingers") };
     assert_eq!((right.linkage.lengths.half_width_m, left.linkage.lengths.half_width_m), (0.003, 0.002));
-    assert_eq!(right.motor.actuation, Actuation::Ramp { torque_n_m: 0.5, rise_s: 1e-3 });
+    assert_eq!(right.motor.actuation, Profile::Ramp { value: 0.5, rise_s: 1e-3 });
     assert_eq!((right.motor.inertia_kg_m2, left.motor.inertia_kg_m2), (1e-6, 0.0));
-    assert_eq!(left.motor.actuation, Actuation::Constant { torque_n_m: 0.48 });
+    assert_eq!(left.motor.actuation, Profile::Constant { value: 0.48 });
     assert_eq!((left.linkage.lengths.l21_m, right.linkage.lengths.l22_m), (0.023, 0.0075));
     assert!(matches!(left.spring.expect("it is given").kind, SpringKind::Torsional { .. }));
     assert!(matches!(right.spring.expect("it is given").kind, SpringKind::Constant { .. }));
     assert_eq!((right.contact.mu_static(), left.contact.mu_static()), ([0.8; 2], [0.3; 2]));
-    assert_eq!(left.contact.distal.normal.damping_max_n_s_per_m, 2e5);
+    assert_eq!(left.contact.distal.normal.damping_max(), 2e5);
     assert_eq!(scene.system.law(GripperContact::Palm).and_then(|law| law.friction).map(|law| law.mu_static), Some(0.1));
     assert_round_trip(&scene);
 }

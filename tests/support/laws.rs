@@ -12,15 +12,14 @@ use phalanx::trace::{Model, Outcome};
 pub const BOTH_MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
 
 /// Spring k = 1e8 N/m^2.2 and damper of the thesis (Table 3.2).
-pub const THESIS_NORMAL: NormalLaw =
-    NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+pub const THESIS_NORMAL: NormalLaw = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
 
 /// Friction law of the thesis (Table 3.2, μ_d = 0.7 μ_s).
 pub const THESIS_FRICTION: FrictionLaw =
     FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
 
 pub fn spring(stiffness_n_per_m_e: f64, exponent: f64) -> NormalLaw {
-    NormalLaw { stiffness_n_per_m_e, exponent, damping_max_n_s_per_m: 0.0, transition_m: 1e-5 }
+    NormalLaw::step(stiffness_n_per_m_e, exponent, 0.0, 1e-5)
 }
 
 pub fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -> Disc {

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
 use phalanx::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Actuation, Axis, Brake, Differential, Disc, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Initial,
-    Integrator, LogRates, Motor, Move, PalmMotion, Preset, Ramp, Scene, System, Thresholds, Vibration,
+    Axis, Brake, Differential, Disc, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Initial, Integrator,
+    LogRates, Motor, Move, PalmMotion, Preset, Profile, Ramp, Scene, System, Thresholds, Vibration,
 };
 use serde_json::Value;
 
@@ -83,7 +83,7 @@ fn numbers<const N: usize>(value: &Value) -> [f64; N] {
 }
 
 fn normal([k, e, c, d]: [f64; 4]) -> NormalLaw {
-    NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m: d }
+    NormalLaw::step(k, e, c, d)
 }
 
 fn law(value: &Value) -> ContactLaw {
@@ -96,7 +96,7 @@ fn law(value: &Value) -> ContactLaw {
 
 fn motor(torque: &Value, inertia: &Value, no_load_speed: &Value) -> Motor {
     Motor {
-        actuation: Actuation::Constant { torque_n_m: number(torque) },
+        actuation: Profile::Constant { value: number(torque) },
         inertia_kg_m2: inertia.as_f64().unwrap_or(0.0),
         no_load_speed_rad_s: no_load_speed.as_f64().filter(|speed| *speed > 0.0),
         brake: None,

@@ -35,7 +35,7 @@ pub fn experiment_95_with(change: impl FnOnce(&mut Scene)) -> Scene {
 pub fn load_with_stiction(name: &str) -> Scene {
     let mut scene = load(name);
     for law in scene.finger_mut().contact.both_mut() {
-        let damping_n_s_per_m = law.normal.damping_max_n_s_per_m;
+        let damping_n_s_per_m = law.normal.damping_max();
         let friction = law.friction.as_mut().expect("friction");
         friction.bristle = Some(Bristle { damping_n_s_per_m, relaxation_s: 1e-3 });
     }

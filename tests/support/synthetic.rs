@@ -3,7 +3,7 @@
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
 use phalanx::scene::{
-    Actuation, Disc, DrivenFinger, FingerContactLaws, HalfPlane, Initial, Integrator, Method, Motor, Placement, Preset,
+    Disc, DrivenFinger, FingerContactLaws, HalfPlane, Initial, Integrator, Method, Motor, Placement, Preset, Profile,
     Scene, Spring, SpringKind, System, show,
 };
 use phalanx::shape::PlacedShape;
@@ -38,7 +38,7 @@ fn resolved() -> Scene {
 
 fn finger() -> DrivenFinger {
     let body = Body { mass_kg: 5e-3, com_m: [1e-2, 0.0], inertia_kg_m2: 1e-7 };
-    let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    let normal = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
     let contact = ContactLaw { normal, friction: None };
     DrivenFinger {
         linkage: Finger {
@@ -54,7 +54,7 @@ fn finger() -> DrivenFinger {
             bodies: Bodies { l11: body, l12: body, l21: body, l22: body },
             assembly: Assembly::Reference,
         },
-        motor: Motor::from_actuation(Actuation::Constant { torque_n_m: 0.48 }),
+        motor: Motor::from_actuation(Profile::Constant { value: 0.48 }),
         spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: 0.1326 }, placement: Placement::Phalanges }),
         limit: Some(normal),
         contact: FingerContactLaws { proximal: contact, distal: contact },

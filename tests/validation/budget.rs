@@ -28,7 +28,7 @@ fn an_exhausted_step_budget_is_reported_and_the_log_is_complete() {
 fn contact_substeps_count_against_the_budget() {
     let mut scene = load("experiment-95");
     for law in scene.finger_mut().contact.both_mut() {
-        law.normal.damping_max_n_s_per_m = 1e-3;
+        law.normal = law.normal.with_damping_max(1e-3);
     }
     scene.engine.stepping = Stepping::Fixed { step_s: 1e-3 };
     let unlimited_work = match run(Model::Engine, &scene, &mut ()) {

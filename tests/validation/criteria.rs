@@ -382,7 +382,7 @@ fn design_95_is_stable_from_tip_contact_on() {
 fn verdicts_give_the_unmet_condition_and_the_limit() {
     let with_damping = |mut scene: Scene, damping_n_s_per_m: f64| {
         let laws = scene.finger_mut().contact.both_mut();
-        laws.into_iter().for_each(|law| law.normal.damping_max_n_s_per_m = damping_n_s_per_m);
+        laws.into_iter().for_each(|law| law.normal = law.normal.with_damping_max(damping_n_s_per_m));
         scene
     };
     let anchor = load("experiment-95");

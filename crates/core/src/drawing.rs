@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, tip_outline};
 use crate::law::ContactLaw;
 use crate::numeric::elementary::{cos, hypot, pow, sin, sin_cos};
-use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, PalmMotion, Scene, Side, System, largest_torque};
+use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, PalmMotion, Scene, Side, System};
 use crate::shape::{self, circle_radius, max_radius};
 use crate::trace::{BodyState, FingerState, Sample};
 
@@ -342,8 +342,8 @@ fn arrow_scale(system: &System) -> (f64, f64) {
         (if typical_n.is_finite() { typical_n } else { 0.0 }, 0.5 * smallest_m, 2.0 * smallest_m)
     } else {
         // The largest torque on a driven link.
-        let motors = system.fingers.iter().map(|finger| largest_torque(&finger.motor.actuation));
-        let input = system.differential.as_ref().map(|input| 0.5 * largest_torque(&input.motor.actuation));
+        let motors = system.fingers.iter().map(|finger| finger.motor.actuation.largest());
+        let input = system.differential.as_ref().map(|input| 0.5 * input.motor.actuation.largest());
         let torque_n_m = motors.chain(input).fold(0.0, f64::max);
         let lengths = &system.finger(Side::Right).linkage.lengths;
         (torque_n_m / lengths.l11_m, 0.5 * lengths.l21_m, lengths.l21_m)

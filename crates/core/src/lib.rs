@@ -18,4 +18,6 @@ pub mod invariants;
 pub mod trace;
 
 pub use phalanx_integrator as integrator;
-pub use phalanx_scene::{fivebar, gripper, law, limits, numeric, scene, shape, sizing, statics, units};
+pub use phalanx_scene::{
+    drive, fivebar, gripper, law, limits, mechanism, numeric, scene, shape, sizing, statics, units,
+};

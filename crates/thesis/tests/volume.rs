@@ -151,7 +151,7 @@ fn scene_provides_the_values_that_are_not_varied() {
     let finger = scene.finger();
     assert_eq!(sized.lengths, finger.linkage.lengths);
     assert_eq!((sized.mass_kg, finger.linkage.bodies.l22.mass_kg), (total_mass(&finger.linkage.bodies), 0.009));
-    assert_eq!(finger.motor.actuation, scene::Actuation::Constant { torque_n_m: sized.sizing.motor_n_m });
+    assert_eq!(finger.motor.actuation, scene::Profile::Constant { value: sized.sizing.motor_n_m });
     assert_eq!(finger.spring.unwrap().kind, SpringKind::Constant { torque_n_m: sized.sizing.spring_n_m });
 }
 

@@ -6,7 +6,7 @@ use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
 use crate::grasp::run;
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::keywords::SceneKind;
-use crate::scene::{Actuation, Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Scene, torque};
+use crate::scene::{Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Profile, Scene};
 use crate::shape::support;
 use crate::statics::{AccelerationLimit, balanced_acceleration};
 use crate::study::{KeepRunning, bisect};
@@ -185,14 +185,14 @@ fn with_fixed_drives(scene: &Scene, time_s: f64) -> Scene {
 }
 
 /// Returns the actuation with the torque constant from a time on.
-fn fixed_actuation(actuation: &Actuation, time_s: f64) -> Actuation {
-    let now = torque(actuation, time_s).0;
+fn fixed_actuation(actuation: &Profile, time_s: f64) -> Profile {
+    let now = actuation.at(time_s).0;
     match actuation {
-        Actuation::Table { points, interpolation } => {
+        Profile::Table { points, interpolation } => {
             let before = points.iter().copied().filter(|point| point.0 < time_s);
-            Actuation::Table { points: before.chain([(time_s, now)]).collect(), interpolation: *interpolation }
+            Profile::Table { points: before.chain([(time_s, now)]).collect(), interpolation: *interpolation }
         }
-        Actuation::Reversal { at_s, torque_n_m } if *at_s > time_s => Actuation::Constant { torque_n_m: *torque_n_m },
+        Profile::Reversal { at_s, value: torque_n_m } if *at_s > time_s => Profile::Constant { value: *torque_n_m },
         // A ramp ends at its constant torque anyway.
         other => other.clone(),
     }
@@ -272,19 +272,19 @@ mod tests {
     fn torques_are_constant_from_the_start_of_the_loads() {
         let points = vec![(0.0, 0.48), (0.35, -0.24), (0.36, 0.0)];
         for actuation in [
-            Actuation::Constant { torque_n_m: 0.48 },
-            Actuation::Ramp { torque_n_m: 0.48, rise_s: 5e-3 },
-            Actuation::Table { points: points.clone(), interpolation: Interpolation::Step },
-            Actuation::Table { points, interpolation: Interpolation::Linear },
-            Actuation::Reversal { torque_n_m: 0.48, at_s: 0.35 },
+            Profile::Constant { value: 0.48 },
+            Profile::Ramp { value: 0.48, rise_s: 5e-3 },
+            Profile::Table { points: points.clone(), interpolation: Interpolation::Step },
+            Profile::Table { points, interpolation: Interpolation::Linear },
+            Profile::Reversal { value: 0.48, at_s: 0.35 },
         ] {
             let fixed = fixed_actuation(&actuation, 0.1);
             for time_s in [0.0, 0.01, 0.05, 0.0999] {
-                let (found, expected) = (torque(&fixed, time_s).0, torque(&actuation, time_s).0);
+                let (found, expected) = (fixed.at(time_s).0, actuation.at(time_s).0);
                 assert!((found - expected).abs() < 1e-15, "{actuation:?} at {time_s}: {found}");
             }
             for time_s in [0.1, 0.2, 0.4, 10.0] {
-                let (found, expected) = (torque(&fixed, time_s).0, torque(&actuation, 0.1).0);
+                let (found, expected) = (fixed.at(time_s).0, actuation.at(0.1).0);
                 assert!((found - expected).abs() < 1e-15, "{actuation:?} at {time_s}: {found}");
             }
         }

@@ -160,7 +160,7 @@ fn set_finger(cells: &mut Cells, scene: &Scene, statics: &Statics) {
     cells.set_all([("l22_m", lengths.l22_m), ("t22_m", lengths.t22_m)]);
     cells.set("mass_kg", total_mass(&finger.linkage.bodies));
     // Like the static analysis, this uses the torque at the end of the run.
-    cells.set("motor_n_m", scene::torque(&finger.motor.actuation, scene.duration_s).0);
+    cells.set("motor_n_m", finger.motor.actuation.at(scene.duration_s).0);
     cells.set("spring_n_m", constant_spring(finger));
     if let Ok(grasp) = &statics.grasp {
         cells.set("trajectory_rad", grasp.end.posture.q11_rad - finger.initial.q11_rad);
@@ -242,7 +242,7 @@ fn run_gripper(study: &Study, scene: &Scene, mut cells: Cells, keep_running: Kee
     cells.set("palm_width_m", scene.system.palm_width_m);
     cells.set("x_start_m", scene.system.grasped().centre_m[0]);
     // Time-dependent torques are reported at the end of the run.
-    let torque_n_m = |actuation| scene::torque(actuation, scene.duration_s).0;
+    let torque_n_m = |actuation: &scene::Profile| actuation.at(scene.duration_s).0;
     let input_n_m = scene.system.differential.as_ref().map_or(0.0, |input| torque_n_m(&input.motor.actuation));
     for side in Side::BOTH {
         let finger = scene.system.finger(side);

@@ -11,7 +11,6 @@ use crate::law::{NormalLaw, damping};
 use crate::numeric::array_from;
 use crate::numeric::elementary::{cbrt, pow, powi};
 use crate::numeric::plane::{cross, dot};
-use crate::scene::next_discontinuity;
 
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-5, force: 1e-6 };
@@ -119,7 +118,7 @@ const DIFFERENCE_STEP_S: f64 = 1e-7;
 
 impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for FingerMotion<N, W> {
     fn next_discontinuity(&self, t: f64) -> f64 {
-        next_discontinuity(&self.actuation, t)
+        self.actuation.next_discontinuity(t)
     }
 
     #[inline(always)]
@@ -255,8 +254,8 @@ const MIN_IMPACT_SPEED: f64 = 1e-6;
 /// Depths at which damper and spring, each alone, would stop an impact.
 fn stopping_depths(law: &NormalLaw, speed: f64, mass: f64) -> [f64; 2] {
     let speed = speed.max(MIN_IMPACT_SPEED);
-    let damper_depth = if law.damping_max_n_s_per_m > 0.0 {
-        cbrt(mass * speed * powi(law.transition_m, 2) / law.damping_max_n_s_per_m)
+    let damper_depth = if law.damping_max() > 0.0 {
+        cbrt(mass * speed * powi(law.depth_scale_m(), 2) / law.damping_max())
     } else {
         f64::INFINITY
     };

@@ -4,8 +4,8 @@ use std::ops::{Index, IndexMut};
 
 use crate::integrator::{ErrorWeight, EventFunction, RootSearch};
 use crate::law::{
-    Bristle, FrictionLaw, FrictionRange, NormalLaw, damping, friction_cone, friction_range, is_damped, spring_force,
-    unclamped_normal_force,
+    Bristle, Damping, FrictionLaw, FrictionRange, NormalLaw, damping, friction_cone, friction_range, is_damped,
+    spring_force, unclamped_normal_force,
 };
 
 /// Branch of the normal law of one contact.
@@ -55,10 +55,12 @@ pub struct Mode<const C: usize> {
 impl DamperRange {
     #[inline(always)]
     pub(crate) fn at_depth(law: &NormalLaw, delta: f64) -> Self {
-        match is_damped(law) {
-            false => DamperRange::Any,
-            true if delta < law.transition_m => DamperRange::Engaging,
-            true => DamperRange::Engaged,
+        match law.damping {
+            Damping::Step { max_n_s_per_m, transition_m } if max_n_s_per_m > 0.0 => match delta < transition_m {
+                true => DamperRange::Engaging,
+                false => DamperRange::Engaged,
+            },
+            Damping::Step { .. } | Damping::HuntCrossley { .. } => DamperRange::Any,
         }
     }
 }
@@ -263,7 +265,7 @@ impl<const C: usize> Mode<C> {
             let ContactVariables { law, delta, rate, normal_row, .. } = contact;
             mode.damper_ranges[index] = DamperRange::at_depth(law, delta);
             mode.friction_ranges[index] = contact.friction_range(contact.force().total());
-            if delta.abs() <= event_tolerances.depth_fraction * law.transition_m {
+            if delta.abs() <= event_tolerances.depth_fraction * law.depth_scale_m() {
                 *zero_depth = Some((normal_row, rate));
             } else if delta > 0.0 {
                 let force = unclamped_normal_force(law, delta, rate).force;
@@ -423,10 +425,10 @@ impl<const C: usize> Mode<C> {
         let [margin, margin_rate] = match self.damper_ranges[index] {
             _ if self.contacts[index] != ContactState::Active => return EventFunction::INACTIVE,
             DamperRange::Any => return EventFunction::INACTIVE,
-            DamperRange::Engaging => [law.transition_m - delta, -rate],
-            DamperRange::Engaged => [delta - law.transition_m, rate],
+            DamperRange::Engaging => [law.depth_scale_m() - delta, -rate],
+            DamperRange::Engaged => [delta - law.depth_scale_m(), rate],
         };
-        let (value, root_search) = (margin + RANGE_MARGIN * law.transition_m, RootSearch::Gap);
+        let (value, root_search) = (margin + RANGE_MARGIN * law.depth_scale_m(), RootSearch::Gap);
         EventFunction { value, rate: margin_rate, root_search, is_separated: false, ..EventFunction::INACTIVE }
     }
 
@@ -439,7 +441,7 @@ impl<const C: usize> Mode<C> {
         event_tolerances: &EventTolerances,
     ) -> f64 {
         if event >= 2 * C {
-            return RANGE_TOLERANCE * RANGE_MARGIN * law.transition_m;
+            return RANGE_TOLERANCE * RANGE_MARGIN * law.depth_scale_m();
         }
         if event >= C {
             return friction.map_or(0.0, |law| RANGE_TOLERANCE * RANGE_MARGIN * law.min_slip_scale_m_s());
@@ -447,7 +449,7 @@ impl<const C: usize> Mode<C> {
         match self.contacts[event] {
             ContactState::Active if is_damped(law) => event_tolerances.force_tolerance(law),
             ContactState::Released | ContactState::Clamped => event_tolerances.force_tolerance(law),
-            ContactState::Free | ContactState::Active => event_tolerances.depth_fraction * law.transition_m,
+            ContactState::Free | ContactState::Active => event_tolerances.depth_fraction * law.depth_scale_m(),
         }
     }
 

@@ -16,7 +16,7 @@ use crate::law::{
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array};
 use crate::scene;
-use crate::scene::{Actuation, Initial, Side, torque};
+use crate::scene::{Initial, Profile, Side};
 use crate::shape::{PlacedShape, Support};
 
 /// Number of quadratures: normal impulses of the three contacts, work of all contact forces, work of the motor.
@@ -39,7 +39,7 @@ const BRISTLES: usize = 2;
 #[derive(Clone, Debug)]
 pub struct FingerMotion<const N: usize, const W: usize> {
     pub(super) finger: FingerModel,
-    pub(super) actuation: Actuation,
+    pub(super) actuation: Profile,
     pub(super) object: Option<PlacedShape>,
 }
 
@@ -282,7 +282,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
 
     /// Motor torque at time `t`, in N·m.
     pub fn motor_torque(&self, t: f64) -> f64 {
-        torque(&self.actuation, t).0
+        self.actuation.at(t).0
     }
 }
 
@@ -315,7 +315,7 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
     #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Rates<N, QUADRATURES> {
         let terms = self.finger.terms(finger_coordinates(q));
-        let torque = torque(&self.actuation, t).0;
+        let torque = self.actuation.at(t).0;
         let geometry = |contact| self.geometry(&terms.pose, &terms.rates, contact);
         let (a, g) = self.accelerations(torque, &terms, geometry, mode, *v);
         Rates { a, g }
@@ -327,7 +327,7 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
         let finger_terms = self.finger.terms([Dual::<FINGER_COORDINATES>::variable(q[0], 0), Dual::variable(q[1], 1)]);
         let widened_terms = finger_terms.map(Dual::widen);
         let rate = array_from(|i| Dual::<W>::variable(v[i], FINGER_COORDINATES + i));
-        let (torque, slope) = torque(&self.actuation, t);
+        let (torque, slope) = self.actuation.at(t);
         let geometry = |contact| self.geometry(&finger_terms.pose, &finger_terms.rates, contact).map(Geometry::widen);
         let (a, g) = self.accelerations(Dual::constant(torque), &widened_terms, geometry, mode, rate);
         let mass = map_array(finger_terms.mass, |m| m.value);

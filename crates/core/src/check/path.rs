@@ -7,7 +7,7 @@ use crate::invariants::EnergyAudit;
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::keywords::SceneKind;
-use crate::scene::{Disc, DiscMotion, Integrator, Keyword, Method, Scene, Stepping, System, scaled};
+use crate::scene::{Disc, DiscMotion, Integrator, Keyword, Method, Scene, Stepping, System};
 use crate::shape::max_radius;
 use crate::trace::schema::State;
 use crate::trace::{
@@ -234,10 +234,10 @@ pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
     let mut scene = scene.clone();
     let System { fingers, differential, discs, gravity_m_s2, .. } = &mut scene.system;
     for (finger, part) in fingers.iter_mut().zip([relative_change, 0.5 * relative_change]) {
-        finger.motor.actuation = scaled(&finger.motor.actuation, 1.0 + part);
+        finger.motor.actuation = finger.motor.actuation.scaled(1.0 + part);
     }
     if let Some(differential) = differential {
-        differential.motor.actuation = scaled(&differential.motor.actuation, 1.0 + relative_change);
+        differential.motor.actuation = differential.motor.actuation.scaled(1.0 + relative_change);
         for object in &mut *discs {
             object.centre_m[0] += relative_change * max_radius(&object.shape);
         }

@@ -4,7 +4,7 @@
 use crate::gripper::{FinalPosture, FingerContact, GraspError, final_posture};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::rotate;
-use crate::scene::{self, Disc, DiscMotion, GripperContact, Motor, Scene, Side, torque};
+use crate::scene::{Disc, DiscMotion, GripperContact, Motor, Scene, Side};
 use crate::shape::{PlacedShape, max_radius};
 use crate::statics::{
     Blocked, Drive, Equilibrium, ForceClosure, FrictionContact, GraspConfiguration, HandAtRest, PerContact,
@@ -126,7 +126,7 @@ pub(crate) fn hand_at_rest<'a>(scene: &'a Scene, grasp: &GraspState<'a>, mode: D
     let GraspState { configuration, active, at_limit, time_s } = *grasp;
     let drive = |motor: &Motor, weights: [f64; 2]| Drive {
         weights,
-        torque_n_m: torque(&motor.actuation, time_s).0,
+        torque_n_m: motor.actuation.at(time_s).0,
         brake_n_m: match (mode, motor.brake) {
             (DriveMode::AtTorque, _) => [0.0; 2],
             (DriveMode::Blocked, None) => [f64::NEG_INFINITY, f64::INFINITY],
@@ -204,7 +204,7 @@ pub fn static_grasp(scene: &Scene, object: &Disc) -> Result<StaticGrasp, GraspEr
     let finger = scene.finger();
     let end = final_posture(&finger.linkage.lengths, finger.linkage.assembly, object.placed())?;
     let mu_static = finger.contact.mu_static();
-    let motor_n_m = scene::torque(&finger.motor.actuation, scene.duration_s).0;
+    let motor_n_m = finger.motor.actuation.at(scene.duration_s).0;
     let forces = drive_loads(&finger.linkage, &end, motor_n_m, finger.spring.as_ref())
         .and_then(|loads| equilibrium_with_mu(&finger.linkage, &end, loads, mu_static));
     Ok(StaticGrasp { end, forces, mu_static })

@@ -180,7 +180,7 @@ impl ContactCandidate {
 
     /// Whether the gap exceeds rounding.
     pub fn is_separated(&self) -> bool {
-        self.gap > GAP_ROUNDING * self.law.transition_m
+        self.gap > GAP_ROUNDING * self.law.depth_scale_m()
     }
 
     /// Whether the candidate is a pair of surfaces, whose normal rotates with the bodies; a stop's gap is an angle.

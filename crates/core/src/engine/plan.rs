@@ -8,8 +8,8 @@ use crate::law::{ContactLaw, NormalLaw};
 use crate::numeric::elementary::{cos, sin, sin_cos};
 use crate::numeric::plane::opening_angle;
 use crate::scene::{
-    Actuation, Brake, ContactId, Differential, Disc, DiscMotion, DrivenFinger, Motor, PalmMotion, Placement, Side,
-    SpringKind, System, next_discontinuity, torque,
+    Brake, ContactId, Differential, Disc, DiscMotion, DrivenFinger, Motor, PalmMotion, Placement, Profile, Side,
+    SpringKind, System,
 };
 use crate::shape;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -84,7 +84,7 @@ pub struct PlannedPin {
 pub struct PlannedMotor {
     /// Driven bodies with their torque ratios; the shaft angle is the sum of the body angles times these ratios.
     pub on: Vec<(usize, f64)>,
-    pub actuation: Actuation,
+    pub actuation: Profile,
     /// Shaft rate at which the torque is zero.
     pub no_load_speed_rad_s: Option<f64>,
 }
@@ -211,7 +211,7 @@ impl Plan {
 
     /// Returns the next time after `t` at which a motor torque, a brake or the palm motion has a discontinuity.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
-        let motors = self.motors.iter().map(|motor| next_discontinuity(&motor.actuation, t));
+        let motors = self.motors.iter().map(|motor| motor.actuation.next_discontinuity(t));
         let brakes = self.brakes.iter().map(|brake| brake.brake.next_discontinuity(t));
         let palm = self.palm().map(|(_, motion)| motion.next_discontinuity(t));
         motors.chain(brakes).chain(palm).fold(f64::INFINITY, f64::min)
@@ -249,13 +249,13 @@ impl Plan {
 impl PlannedMotor {
     /// Returns the stall torque at time `t`, N·m, and the torque lost per shaft rate, N·m·s/rad.
     pub(crate) fn characteristic(&self, t: f64) -> (f64, f64) {
-        let stall_torque = torque(&self.actuation, t).0;
+        let stall_torque = self.actuation.at(t).0;
         (stall_torque, self.no_load_speed_rad_s.map_or(0.0, |speed| stall_torque.abs() / speed))
     }
 
     /// Returns the shaft torque at time `t`, N·m: τ − |τ| ω/ω₀ at the shaft rate ω of its bodies.
     pub fn torque(&self, t: f64, rate: impl Fn(usize) -> f64) -> f64 {
-        let stall_torque = torque(&self.actuation, t).0;
+        let stall_torque = self.actuation.at(t).0;
         self.no_load_speed_rad_s
             .map_or(stall_torque, |speed| stall_torque - stall_torque.abs() * self.shaft(rate) / speed)
     }

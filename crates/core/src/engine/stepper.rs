@@ -97,7 +97,7 @@ fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
             }
             // The effective mass is unknown: an impact may stop the whole rate in one step.
             None => {
-                let crossing = FIRST_CROSSING_FRACTION * candidate.law.transition_m / rate.abs();
+                let crossing = FIRST_CROSSING_FRACTION * candidate.law.depth_scale_m() / rate.abs();
                 let rotation_limit = 12.0 * DRIFT_PER_S * tolerance_m / (rate.abs() * candidate.normal_rotation_rate);
                 (crossing.min(rotation_limit), 0.0)
             }

@@ -328,7 +328,7 @@ impl ContactSolver {
     /// Records touch-downs at the end of a free flight: contacts whose gap is zero within rounding.
     fn record_touch_downs(&mut self, space: &ContactSpace, now: f64) {
         for (index, contact) in space.active_contacts.iter().enumerate() {
-            let scale = contact.candidate.gap.abs().max(contact.candidate.law.transition_m * 1e-9);
+            let scale = contact.candidate.gap.abs().max(contact.candidate.law.depth_scale_m() * 1e-9);
             if !self.buffers.is_touching[index] && self.gap[index] <= 1e-9 * scale && self.rate[contact.normal] < 0.0 {
                 self.gap[index] = self.gap[index].min(0.0);
                 self.push_change(space, index, now, ChangeKind::Closes);
@@ -343,7 +343,7 @@ impl ContactSolver {
         for (index, contact) in space.active_contacts.iter().enumerate() {
             let closing = -self.rate[contact.normal];
             if self.buffers.is_touching[index] && closing > 0.0 {
-                shortest = shortest.min(FIRST_CROSSING * contact.candidate.law.transition_m / closing);
+                shortest = shortest.min(FIRST_CROSSING * contact.candidate.law.depth_scale_m() / closing);
             }
         }
         shortest
@@ -472,7 +472,7 @@ impl ContactSolver {
         let mut has_closed = false;
         for (index, contact) in space.active_contacts.iter().enumerate() {
             let (is_touching, is_loaded) = (self.gap[index] <= 0.0, self.force[contact.normal] > 0.0);
-            let rounding = GAP_ROUNDING * contact.candidate.law.transition_m;
+            let rounding = GAP_ROUNDING * contact.candidate.law.depth_scale_m();
             if !self.buffers.is_touching[index] && self.gap[index] <= rounding && self.rate[contact.normal] < 0.0 {
                 self.push_change(space, index, now, ChangeKind::Closes);
                 (self.buffers.is_touching[index], has_closed) = (true, true);

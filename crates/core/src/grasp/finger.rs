@@ -6,7 +6,7 @@ use crate::fivebar::kinematics::gradient;
 use crate::gripper::{FinalPosture, Finger, GraspError, Spring, final_posture};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::keywords::SceneKind;
-use crate::scene::{Scene, WrongKind, torque};
+use crate::scene::{Scene, WrongKind};
 use crate::shape::PlacedShape;
 use crate::statics::{
     Birglen, Equilibrium, FormClosure, Hand, StaticKinematics, StaticsError, birglen, decide_form_closure, drive_loads,
@@ -150,7 +150,7 @@ fn solve_grasp(
     overrides: &GraspOverrides,
 ) -> Result<Grasp, StaticsError> {
     let finger = scene.finger().linkage;
-    let motor_n_m = overrides.motor_n_m.unwrap_or_else(|| torque(&scene.finger().motor.actuation, scene.duration_s).0);
+    let motor_n_m = overrides.motor_n_m.unwrap_or_else(|| scene.finger().motor.actuation.at(scene.duration_s).0);
     let drive = drive(&finger, &end, motor_n_m, scene.finger().spring.as_ref())?;
     let scene_mu_static = scene.finger().contact.mu_static();
     let mu_static: Vec<[f64; 2]> = match &overrides.mu_static[..] {

@@ -7,7 +7,7 @@ use crate::wall::{
 use phalanx_integrator::{Options, Tolerances};
 use phalanx_mechanics::law::{NormalLaw, elastic_energy};
 
-const ELASTIC: NormalLaw = NormalLaw { damping_max_n_s_per_m: 0.0, ..OBJECT };
+const ELASTIC: NormalLaw = OBJECT.with_damping_max(0.0);
 
 /// Loose tolerances: event location must not depend on small steps.
 fn loose() -> Options {
@@ -103,8 +103,7 @@ fn grazing_contact_does_not_disturb_a_mass() {
 fn two_contacts_may_begin_simultaneously() {
     let doubled_law = NormalLaw {
         stiffness_n_per_m_e: 2.0 * OBJECT.stiffness_n_per_m_e,
-        damping_max_n_s_per_m: 2.0 * OBJECT.damping_max_n_s_per_m,
-        ..OBJECT
+        ..OBJECT.with_damping_max(2.0 * OBJECT.damping_max())
     };
     let single_wall = PointMass::new(free_fall, [plate(0.0, 1.0, doubled_law, 1e-10)]);
     let double_wall = PointMass::new(free_fall, [plate(0.0, 1.0, OBJECT, 1e-10); 2]);
@@ -156,8 +155,7 @@ fn steps_end_exactly_on_discontinuities() {
 
 /// A spring and damper with a linear force.
 fn linear_law(transition_m: f64) -> NormalLaw {
-    let (stiffness_n_per_m_e, damping_max_n_s_per_m) = (returning_force::STIFFNESS, returning_force::DAMPING);
-    NormalLaw { stiffness_n_per_m_e, exponent: 1.0, damping_max_n_s_per_m, transition_m }
+    NormalLaw::step(returning_force::STIFFNESS, 1.0, returning_force::DAMPING, transition_m)
 }
 
 /// A soft contact whose free motion is a cubic in time: with κ = k/c and the time τ relative to the force maximum, δ =
@@ -268,9 +266,9 @@ fn a_damper_alone_decelerates_a_mass_along_the_closed_form() {
         let system = PointMass { mass, ..PointMass::new(free_flight, [plate(0.0, 1.0, law, 1e-10)]) };
         for (name, end, log) in run_from(&system, tight(), [1e-3, -v0], 1e-3 / v0 + 1e-3) {
             for (_, x, v) in &log.steps {
-                let s = (-x).max(0.0) / law.transition_m;
+                let s = (-x).max(0.0) / law.depth_scale_m();
                 assert!(s < 1.0);
-                let expected = v0 - law.damping_max_n_s_per_m / mass * law.transition_m * (s.powi(3) - 0.5 * s.powi(4));
+                let expected = v0 - law.damping_max() / mass * law.depth_scale_m() * (s.powi(3) - 0.5 * s.powi(4));
                 assert!((-v - expected).abs() < 1e-9 * v0, "{name}: {v:e} at {x:e}");
             }
             // The impulse equals the momentum lost, and the work equals the energy lost.

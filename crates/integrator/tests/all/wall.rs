@@ -7,8 +7,7 @@ use phalanx_integrator::{
 use phalanx_mechanics::law::{NormalLaw, damping, spring_force, unclamped_normal_force};
 
 /// Law with the numbers of the object's contact (thesis Table 3.2).
-pub const OBJECT: NormalLaw =
-    NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+pub const OBJECT: NormalLaw = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
 
 /// Geometry of an obstacle.
 #[derive(Clone, Copy, Debug)]
@@ -152,7 +151,7 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2, S> for Point
                 Clamped => inactive,
                 Free => EventFunction { value: gap, rate: -rate, root_search: RootSearch::Gap, ..inactive },
                 Active if delta <= 0.0 && rate >= 0.0 => active,
-                Active if law.damping_max_n_s_per_m == 0.0 => {
+                Active if law.damping_max() == 0.0 => {
                     let (value, root_search) = (separated_depth, RootSearch::Gap);
                     EventFunction { value, rate, root_search, error_weight, ..active }
                 }
@@ -171,7 +170,7 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2, S> for Point
 
     fn event_tolerance(&self, wall_index: usize, mode: &[Branch; S]) -> f64 {
         match mode[wall_index] {
-            Active if self.walls[wall_index].law.damping_max_n_s_per_m > 0.0 => FORCE_TOLERANCE,
+            Active if self.walls[wall_index].law.damping_max() > 0.0 => FORCE_TOLERANCE,
             Released | Clamped => FORCE_TOLERANCE,
             Free | Active => self.walls[wall_index].location_tolerance_m,
         }

@@ -157,8 +157,7 @@ mod tests {
         }
     }
 
-    const NORMAL: NormalLaw =
-        NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    const NORMAL: NormalLaw = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
     fn contact_forces<T: Real>(gap: T, rate: T, slip: T) -> [T; 2] {
         let normal = normal_over_gap(|delta, rate| normal_force(&NORMAL, delta, rate), gap, rate);
         [normal, friction_force(&LAW, slip, normal)]

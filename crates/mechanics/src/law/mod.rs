@@ -4,32 +4,80 @@
 
 mod bristle;
 mod friction;
+mod hunt_crossley;
+mod step;
 
 use crate::numeric::Real;
-use crate::numeric::elementary::{cbrt, pow, powi};
+use crate::numeric::elementary::{pow, powi};
 
 pub use bristle::{Bristle, BristleStep, bristle_force, friction_cone, friction_with_state, implicit_bristle_step};
 pub use friction::{FrictionRange, friction_coefficient, friction_force, friction_range};
+pub use step::smoothstep;
 
-/// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).
+/// Normal law F = max(0, k δᵉ + c(δ) δ̇) (thesis (2.38)): a Hertz spring with a damper.
 ///
-/// For the joint limit the same law gives a torque in N·m from an angle in rad.
+/// For a joint limit the same law gives a torque in N·m from an angle in rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalLaw {
     /// k, in N/mᵉ (limit: N·m/radᵉ).
     pub stiffness_n_per_m_e: f64,
     /// Exponent e, at least 1.
     pub exponent: f64,
-    /// c_max, in N·s/m (limit: N·m·s/rad).
-    pub damping_max_n_s_per_m: f64,
-    /// δ_max, in m (limit: rad): penetration at which the damper is fully engaged.
-    pub transition_m: f64,
+    pub damping: Damping,
+}
+
+/// Law of the damper, c(δ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Damping {
+    /// The damper of the thesis engages over the first δ_max of penetration.
+    Step {
+        /// c_max, in N·s/m (limit: N·m·s/rad).
+        max_n_s_per_m: f64,
+        /// δ_max, in m (limit: rad): penetration at which the damper is fully engaged.
+        transition_m: f64,
+    },
+    /// c = (3/2) a k δᵉ (Hunt and Crossley 1975).
+    HuntCrossley {
+        /// a, in s/m (limit: s/rad). For slow impacts, the coefficient of restitution is 1 − a v.
+        factor_s_per_m: f64,
+    },
 }
 
 impl NormalLaw {
     /// Returns a law with a constant normal force, evaluated at a depth of 1; used for brakes.
     pub const fn constant_force(force: f64) -> Self {
-        Self { stiffness_n_per_m_e: force, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1.0 }
+        Self::step(force, 1.0, 0.0, 1.0)
+    }
+
+    /// Creates a law with the damper of the thesis: k in N/mᵉ, e, c_max in N·s/m, δ_max in m.
+    pub const fn step(k: f64, e: f64, c_max: f64, delta_max: f64) -> Self {
+        let damping = Damping::Step { max_n_s_per_m: c_max, transition_m: delta_max };
+        Self { stiffness_n_per_m_e: k, exponent: e, damping }
+    }
+
+    /// c_max of the STEP damper, N·s/m (limit: N·m·s/rad); 0 for another damper.
+    pub const fn damping_max(&self) -> f64 {
+        match self.damping {
+            Damping::Step { max_n_s_per_m, .. } => max_n_s_per_m,
+            Damping::HuntCrossley { .. } => 0.0,
+        }
+    }
+
+    /// Returns the law with this STEP damper, engaged over the same depth; another damper stays as it is.
+    pub const fn with_damping_max(mut self, c_max: f64) -> Self {
+        if let Damping::Step { max_n_s_per_m, .. } = &mut self.damping {
+            *max_n_s_per_m = c_max;
+        }
+        self
+    }
+
+    /// Depth over which the law changes its character, m (limit: rad): δ_max of the STEP damper.
+    #[inline(always)]
+    pub const fn depth_scale_m(&self) -> f64 {
+        match self.damping {
+            Damping::Step { transition_m, .. } => transition_m,
+            Damping::HuntCrossley { .. } => hunt_crossley::DEPTH_SCALE_M,
+        }
     }
 }
 
@@ -60,18 +108,6 @@ impl ContactLaw {
     }
 }
 
-/// σ(s) = 3 s² − 2 s³ and dσ/ds, for s in 0…1; 0 below, 1 above (thesis (2.39), errata 7).
-#[inline(always)]
-pub fn smoothstep(s: f64) -> (f64, f64) {
-    if s <= 0.0 {
-        (0.0, 0.0)
-    } else if s >= 1.0 {
-        (1.0, 0.0)
-    } else {
-        (s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s))
-    }
-}
-
 /// A force with its derivatives with respect to penetration and penetration rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NormalForce {
@@ -83,17 +119,22 @@ pub struct NormalForce {
     pub d_rate: f64,
 }
 
-/// c(δ) = c_max σ(δ/δ_max) and dc/dδ: the damper engages over the first δ_max of penetration.
+/// c(δ) and dc/dδ, for δ > 0.
 #[inline(always)]
 pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
-    let (sigma, slope) = smoothstep(delta / law.transition_m);
-    (law.damping_max_n_s_per_m * sigma, law.damping_max_n_s_per_m * slope / law.transition_m)
+    match law.damping {
+        Damping::Step { max_n_s_per_m, transition_m } => step::damping(max_n_s_per_m, transition_m, delta),
+        Damping::HuntCrossley { factor_s_per_m } => hunt_crossley::damping(law, factor_s_per_m, delta),
+    }
 }
 
 /// Whether the force depends on the rate, so that a contact may release before the surfaces separate.
 #[inline(always)]
 pub fn is_damped(law: &NormalLaw) -> bool {
-    law.damping_max_n_s_per_m > 0.0
+    match law.damping {
+        Damping::Step { max_n_s_per_m, .. } => max_n_s_per_m > 0.0,
+        Damping::HuntCrossley { factor_s_per_m } => factor_s_per_m > 0.0,
+    }
 }
 
 /// Force of the spring k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
@@ -142,18 +183,25 @@ pub fn elastic_energy(law: &NormalLaw, delta: f64) -> f64 {
     law.stiffness_n_per_m_e * pow(delta, law.exponent + 1.0) / (law.exponent + 1.0)
 }
 
-/// Approximate penetration of an impact at `speed` without external force: the smaller of the depths at which the
-/// spring alone or the damper alone stops the mass.
+/// Approximate penetration of an impact at `speed` without external force.
 pub fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
-    let NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m } = *law;
-    let spring = pow((e + 1.0) * speed * speed / (2.0 * k * inverse_mass), (e + 1.0).recip());
-    // v(δ) = v₀ − (c/m)(δ³/δ_max² − …), linear beyond the transition.
-    let excess_depth = speed / (c * inverse_mass) - 0.5 * transition_m;
-    let damper = match excess_depth > 0.0 {
-        true => transition_m + excess_depth,
-        false => cbrt(speed * transition_m * transition_m / (c * inverse_mass)),
+    // Depth at which the spring alone takes up an energy, per mass.
+    let spring_depth = |energy: f64| {
+        let e = law.exponent;
+        pow((e + 1.0) * energy / (law.stiffness_n_per_m_e * inverse_mass), (e + 1.0).recip())
     };
-    spring.min(damper)
+    match law.damping {
+        // The smaller of the depths at which the spring alone or the damper alone stops the mass.
+        Damping::Step { max_n_s_per_m, transition_m } => spring_depth(0.5 * speed * speed).min(step::stopping_depth(
+            max_n_s_per_m,
+            transition_m,
+            speed,
+            inverse_mass,
+        )),
+        Damping::HuntCrossley { factor_s_per_m } => {
+            spring_depth(hunt_crossley::energy_at_greatest_depth(factor_s_per_m, speed))
+        }
+    }
 }
 
 /// Elastic constants of one body.
@@ -177,8 +225,7 @@ pub fn hertz_stiffness(materials: [Material; 2], radii_m: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    const OBJECT: NormalLaw =
-        NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    const OBJECT: NormalLaw = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
 
     #[test]
     fn errata_07_damper_reaches_c_max_at_delta_max() {
@@ -205,9 +252,11 @@ mod tests {
 
     #[test]
     fn derivatives_match_central_differences() {
-        for (delta, rate) in [(1e-7, 2.0), (3e-6, 0.5), (9.0e-6, -1e-3), (2e-5, 1e-4)] {
-            let f = |d, r| unclamped_normal_force(&OBJECT, d, r).force;
-            let law_at = unclamped_normal_force(&OBJECT, delta, rate);
+        let hunt_crossley = NormalLaw { damping: Damping::HuntCrossley { factor_s_per_m: 0.3 }, ..OBJECT };
+        let states = [(1e-7, 2.0), (3e-6, 0.5), (9.0e-6, -1e-3), (2e-5, 1e-4)];
+        for ((delta, rate), law) in states.into_iter().flat_map(|state| [(state, OBJECT), (state, hunt_crossley)]) {
+            let f = |d, r| unclamped_normal_force(&law, d, r).force;
+            let law_at = unclamped_normal_force(&law, delta, rate);
             let (hd, hr) = (1e-5 * delta, 1e-5);
             let d_delta = (f(delta + hd, rate) - f(delta - hd, rate)) / (2.0 * hd);
             let d_rate = (f(delta, rate + hr) - f(delta, rate - hr)) / (2.0 * hr);

@@ -15,7 +15,7 @@
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
 //! | `system` | [`System`], the description of the simulated system that both models read, and its possible contacts |
-//! | `torque`, `palm_motion` | motor torque over time, brakes; motion of a gripper's palm |
+//! | `palm_motion` | motion of a gripper's palm |
 
 pub mod check;
 mod compose;
@@ -34,9 +34,9 @@ mod show;
 mod system;
 mod template;
 pub mod toml_value;
-mod torque;
 pub mod value;
 
+pub use crate::drive::{Brake, Interpolation, Profile};
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
 pub use keys::closest_match;
@@ -55,7 +55,6 @@ pub use system::{
     Motor, Side, System,
 };
 pub use template::Template;
-pub use torque::{Actuation, Brake, Interpolation, largest_torque, next_discontinuity, scaled, torque};
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
 
@@ -177,7 +176,7 @@ impl Scene {
             motors.iter().any(|motor| {
                 let is_braked =
                     motor.brake.is_some_and(|brake| t >= brake.start_s && brake.release_s.is_none_or(|end| t < end));
-                is_braked || torque(&motor.actuation, t).0 > 0.0
+                is_braked || motor.actuation.at(t).0 > 0.0
             })
         };
         let candidates = motors.iter().flat_map(|motor| {
@@ -193,12 +192,12 @@ impl Scene {
 }
 
 /// Times at which a motor torque may stop closing the finger.
-fn closing_end_candidates(actuation: &Actuation) -> Vec<f64> {
+fn closing_end_candidates(actuation: &Profile) -> Vec<f64> {
     match actuation {
-        Actuation::Constant { .. } | Actuation::Ramp { .. } => Vec::new(),
-        Actuation::HalfSine { length_s, .. } => vec![*length_s],
-        Actuation::Reversal { at_s, .. } => vec![*at_s],
-        Actuation::Table { points, .. } => {
+        Profile::Constant { .. } | Profile::Ramp { .. } => Vec::new(),
+        Profile::HalfSine { length_s, .. } => vec![*length_s],
+        Profile::Reversal { at_s, .. } => vec![*at_s],
+        Profile::Table { points, .. } => {
             // The zeros of linear interpolation, and all points.
             let crossings = points.windows(2).filter(|pair| pair[0].1 > 0.0 && pair[1].1 < 0.0).map(|pair| {
                 let ((t0, a), (t1, b)) = (pair[0], pair[1]);

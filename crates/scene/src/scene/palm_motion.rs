@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::torque::first_after;
+use crate::drive::first_after;
 use crate::numeric::elementary::{hypot, powi, sin_cos};
 
 /// Pose (X, Y, Φ) of the palm over time: the sum of moves, vibrations and path; initially at rest at the origin.

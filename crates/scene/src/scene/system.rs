@@ -3,7 +3,7 @@
 
 use super::keywords::SceneKind;
 use super::palm_motion::PalmMotion;
-use super::torque::{Actuation, Brake, largest_torque};
+use crate::drive::{Brake, Profile};
 use crate::gripper::{Finger, FingerContact, Spring};
 use crate::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use crate::shape::{PlacedShape, Shape};
@@ -140,8 +140,8 @@ impl System {
     pub(crate) fn motor_force_n(&self) -> f64 {
         let input = self.differential.as_ref().map(|differential| &differential.motor);
         let force = |finger: &DrivenFinger| {
-            let motor_torque = largest_torque(&finger.motor.actuation);
-            let half = input.map_or(0.0, |motor| 0.5 * largest_torque(&motor.actuation));
+            let motor_torque = finger.motor.actuation.largest();
+            let half = input.map_or(0.0, |motor| 0.5 * motor.actuation.largest());
             motor_torque.max(half) / finger.linkage.lengths.l21_m
         };
         self.fingers.iter().map(force).fold(0.0, f64::max)
@@ -288,7 +288,7 @@ pub struct DrivenFinger {
 /// A motor with gear and brake.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motor {
-    pub actuation: Actuation,
+    pub actuation: Profile,
     /// Inertia of rotor and gear, reflected to the driven link.
     pub inertia_kg_m2: f64,
     /// Rate at which the torque has fallen to 0; `None` if the torque does not depend on the rate.
@@ -349,14 +349,14 @@ impl DrivenFinger {
 impl Motor {
     /// No motor: for fingers driven by a differential.
     pub const NONE: Self = Motor {
-        actuation: Actuation::Constant { torque_n_m: 0.0 },
+        actuation: Profile::Constant { value: 0.0 },
         inertia_kg_m2: 0.0,
         no_load_speed_rad_s: None,
         brake: None,
     };
 
     /// Creates an ideal torque source without inertia, speed limit or brake.
-    pub fn from_actuation(actuation: Actuation) -> Self {
+    pub fn from_actuation(actuation: Profile) -> Self {
         Self { actuation, ..Self::NONE }
     }
 }

@@ -186,7 +186,7 @@ pub fn stability(scene: &Scene, grid: &Grid, accuracy_rad: f64, monitor: &Monito
         duration_s: scene.duration_s,
         until_s: scene.bounds.until_s,
         stiffness_si: laws.map(|law| law.stiffness_n_per_m_e),
-        damping_max_n_s_per_m: laws.map(|law| law.damping_max_n_s_per_m),
+        damping_max_n_s_per_m: laws.map(|law| law.damping_max()),
         grid: grid.clone(),
         references,
         cells: cells.into_iter().flatten().collect(),
@@ -229,7 +229,7 @@ fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
     for (stiffness, damping) in grid.columns() {
         let contact = scaled(scene, stiffness, damping).finger().contact;
         for law in [contact.proximal.normal, contact.distal.normal] {
-            let (k, c) = (law.stiffness_n_per_m_e, law.damping_max_n_s_per_m);
+            let (k, c) = (law.stiffness_n_per_m_e, law.damping_max());
             require(k.is_finite() && c.is_finite() && k.max(c) > 0.0, || {
                 format!(
                     "the stiffness factor {stiffness:e} and the damping factor {damping:e} give a contact with k = {k:e} and c_max = \
@@ -246,7 +246,7 @@ fn scaled(scene: &Scene, stiffness: f64, damping: f64) -> Scene {
     let mut scene = scene.clone();
     for contact in scene.finger_mut().contact.both_mut() {
         contact.normal.stiffness_n_per_m_e *= stiffness;
-        contact.normal.damping_max_n_s_per_m *= damping;
+        contact.normal = contact.normal.with_damping_max(contact.normal.damping_max() * damping);
     }
     scene
 }

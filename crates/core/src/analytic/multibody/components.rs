@@ -5,7 +5,7 @@ use crate::analytic::finger::FingerModel;
 use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
-use crate::scene::{Actuation, Brake, Disc, DiscMotion, Motor, Side, System, next_discontinuity, torque};
+use crate::scene::{Brake, Disc, DiscMotion, Motor, Profile, Side, System};
 use crate::shape::Shape;
 
 /// Constant data of a finger, and indices of its contacts.
@@ -183,7 +183,7 @@ pub fn scatter<const N: usize>(row: &mut [f64; N], indices: &[SignedIndex], deri
 /// A motor with its brake. `weights` are the parts of its torque that act on the driven links (right, left).
 #[derive(Clone, Debug)]
 pub struct Drive {
-    actuation: Actuation,
+    actuation: Profile,
     pub weights: [f64; 2],
     no_load_speed: Option<f64>,
     brake: Option<Brake>,
@@ -248,7 +248,7 @@ impl Drive {
     #[inline(always)]
     pub fn motor_torque(&self, t: f64, driven_rates: [f64; 2]) -> ShaftTorque {
         let rate = self.rate(driven_rates);
-        let (full, slope) = torque(&self.actuation, t);
+        let (full, slope) = self.actuation.at(t);
         let Some(speed) = self.no_load_speed else {
             return ShaftTorque { rate, torque: full, by_rate: 0.0, by_time: slope };
         };
@@ -264,7 +264,7 @@ impl Drive {
     /// Next time at which the torque of the motor, or a property of the brake, is discontinuous.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         let brake = self.brake.as_ref().map_or(f64::INFINITY, |brake| brake.next_discontinuity(t));
-        next_discontinuity(&self.actuation, t).min(brake)
+        self.actuation.next_discontinuity(t).min(brake)
     }
 }
 

@@ -120,7 +120,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
                 continue;
             }
             let Some(contact) = self.variables_at(q, v, *index) else { continue };
-            max_dt = max_dt.min(DRIVEN_FRACTION * contact.delta.max(contact.law.transition_m) / contact.rate.abs());
+            max_dt = max_dt.min(DRIVEN_FRACTION * contact.delta.max(contact.law.depth_scale_m()) / contact.rate.abs());
             if let Some(friction) = contact.friction {
                 let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
                 max_dt = max_dt.min(DRIVEN_FRACTION * friction.v_static_m_s / row_dot(&contact.tangent_row, &a).abs());

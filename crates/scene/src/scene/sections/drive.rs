@@ -15,20 +15,20 @@ use crate::scene::quantity::{
     Torque, Word,
 };
 use crate::scene::section_input::SectionInput;
-use crate::scene::{Actuation, Brake, Interpolation, Motor, Placement, Problem, Spring, SpringKind};
+use crate::scene::{Brake, Interpolation, Motor, Placement, Problem, Profile, Spring, SpringKind};
 use crate::shape::PlacedShape;
 use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 
 /// A value that other keys give.
 const UNSET: f64 = f64::NAN;
 
-impl Keyword for Actuation {
+impl Keyword for Profile {
     const KEYWORDS: &'static [(&'static str, Self)] = &[
-        ("constant", Actuation::Constant { torque_n_m: UNSET }),
-        ("ramp", Actuation::Ramp { torque_n_m: UNSET, rise_s: UNSET }),
-        ("half-sine", Actuation::HalfSine { torque_n_m: UNSET, length_s: UNSET }),
-        ("reversal", Actuation::Reversal { torque_n_m: UNSET, at_s: UNSET }),
-        ("table", Actuation::Table { points: Vec::new(), interpolation: Interpolation::Linear }),
+        ("constant", Profile::Constant { value: UNSET }),
+        ("ramp", Profile::Ramp { value: UNSET, rise_s: UNSET }),
+        ("half-sine", Profile::HalfSine { value: UNSET, length_s: UNSET }),
+        ("reversal", Profile::Reversal { value: UNSET, at_s: UNSET }),
+        ("table", Profile::Table { points: Vec::new(), interpolation: Interpolation::Linear }),
     ];
 }
 
@@ -43,7 +43,7 @@ pub struct MotorSettings {
     /// Torque over time: "constant"; "ramp": rises smoothly during `rise`; "half-sine": one pulse; "reversal": changes
     /// sign at `reverse_at`; "table": `times` and `torques`.
     #[schemars(extend("default" = "constant"))]
-    pub profile: Word<Actuation>,
+    pub profile: Word<Profile>,
     /// Full torque. Required, except with profile = "table" or `sizing`.
     #[schemars(extend("x-with" = "profile = constant|ramp|half-sine|reversal"))]
     pub torque: Option<Quantity<Torque>>,
@@ -114,15 +114,17 @@ pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Table {
         ("brake", BrakeKind::None.keyword().into()),
     ]);
     settings.extend(match &motor.actuation {
-        Actuation::Constant { torque_n_m } => table([("torque", (*torque_n_m).into())]),
-        Actuation::Ramp { torque_n_m, rise_s } => table([("torque", (*torque_n_m).into()), ("rise", (*rise_s).into())]),
-        Actuation::HalfSine { torque_n_m, length_s } => {
+        Profile::Constant { value: torque_n_m } => table([("torque", (*torque_n_m).into())]),
+        Profile::Ramp { value: torque_n_m, rise_s } => {
+            table([("torque", (*torque_n_m).into()), ("rise", (*rise_s).into())])
+        }
+        Profile::HalfSine { value: torque_n_m, length_s } => {
             table([("torque", (*torque_n_m).into()), ("pulse", (*length_s).into())])
         }
-        Actuation::Reversal { torque_n_m, at_s } => {
+        Profile::Reversal { value: torque_n_m, at_s } => {
             table([("torque", (*torque_n_m).into()), ("reverse_at", (*at_s).into())])
         }
-        Actuation::Table { points, interpolation } => table([
+        Profile::Table { points, interpolation } => table([
             ("times", list(points.iter().map(|point| point.0))),
             ("torques", list(points.iter().map(|point| point.1))),
             ("interpolation", interpolation.keyword().into()),
@@ -250,17 +252,17 @@ pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
     input.is_valid("profile").then_some(())?;
     let torque_n_m = sized.flatten().map_or(*settings.torque.unwrap_or_default(), |sizing| sizing.motor_n_m);
     let actuation = match &settings.profile.0 {
-        Actuation::Table { .. } => {
-            Actuation::Table { points: table_points(input, &settings)?, interpolation: settings.interpolation.0 }
+        Profile::Table { .. } => {
+            Profile::Table { points: table_points(input, &settings)?, interpolation: settings.interpolation.0 }
         }
         _ if matches!(sized, Some(None)) && !input.has("torque") => {
             input.report_missing("torque", "add the motor's torque on l11: [motor] torque = \"480 N*mm\"");
             return None;
         }
-        Actuation::Constant { .. } => Actuation::Constant { torque_n_m },
-        Actuation::Ramp { .. } => Actuation::Ramp { torque_n_m, rise_s: *settings.rise? },
-        Actuation::HalfSine { .. } => Actuation::HalfSine { torque_n_m, length_s: *settings.pulse? },
-        Actuation::Reversal { .. } => Actuation::Reversal { torque_n_m, at_s: *settings.reverse_at? },
+        Profile::Constant { .. } => Profile::Constant { value: torque_n_m },
+        Profile::Ramp { .. } => Profile::Ramp { value: torque_n_m, rise_s: *settings.rise? },
+        Profile::HalfSine { .. } => Profile::HalfSine { value: torque_n_m, length_s: *settings.pulse? },
+        Profile::Reversal { .. } => Profile::Reversal { value: torque_n_m, at_s: *settings.reverse_at? },
     };
     let brake = match settings.brake {
         None | Some(Word(BrakeKind::None)) => None,
@@ -426,7 +428,7 @@ fn reject_given(input: &SectionInput<'_>) {
             section.report(key, message, "conflicts with `sizing`", "remove this key, or remove `sizing`");
         }
     }
-    if motor.is_valid("profile") && matches!(motor.read::<MotorSettings>().profile.0, Actuation::Table { .. }) {
+    if motor.is_valid("profile") && matches!(motor.read::<MotorSettings>().profile.0, Profile::Table { .. }) {
         let message = "`sizing` determines the motor torque, but profile = \"table\" gives all torques";
         let help = "remove `sizing` and give [spring] torque, or choose another profile";
         motor.report("profile", message, "has its own torques", help);

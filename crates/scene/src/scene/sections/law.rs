@@ -49,8 +49,8 @@ fn normal_settings(law: NormalLaw) -> Table {
     table([
         ("stiffness_si", law.stiffness_n_per_m_e.into()),
         ("exponent", law.exponent.into()),
-        ("damping", law.damping_max_n_s_per_m.into()),
-        ("transition", law.transition_m.into()),
+        ("damping", law.damping_max().into()),
+        ("transition", law.depth_scale_m().into()),
     ])
 }
 
@@ -216,13 +216,8 @@ impl<'a> Level<'a> {
 fn law(levels: &[&Level<'_>]) -> Option<ContactLaw> {
     let last = levels.last()?;
     let LawSettings { stiffness_si, exponent, damping, transition } = &last.normal;
-    let normal = NormalLaw {
-        stiffness_n_per_m_e: **stiffness_si,
-        exponent: **exponent,
-        damping_max_n_s_per_m: **damping,
-        transition_m: **transition,
-    };
-    if normal.stiffness_n_per_m_e == 0.0 && normal.damping_max_n_s_per_m == 0.0 {
+    let normal = NormalLaw::step(**stiffness_si, **exponent, **damping, **transition);
+    if normal.stiffness_n_per_m_e == 0.0 && normal.damping_max() == 0.0 {
         let is_given = |level: &&&Level<'_>| level.input.has("stiffness_si") || level.input.has("damping");
         let input = &levels.iter().rev().find(is_given).unwrap_or(&levels[0]).input;
         let key = if input.has("stiffness_si") { "stiffness_si" } else { "damping" };
@@ -336,10 +331,5 @@ fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
 pub fn limit(input: &SectionInput<'_>) -> Option<NormalLaw> {
     check_exponent(input);
     let law: LimitSettings = input.read();
-    law.enabled.then(|| NormalLaw {
-        stiffness_n_per_m_e: *law.stiffness_si,
-        exponent: *law.exponent,
-        damping_max_n_s_per_m: *law.damping,
-        transition_m: *law.transition,
-    })
+    law.enabled.then(|| NormalLaw::step(*law.stiffness_si, *law.exponent, *law.damping, *law.transition))
 }

@@ -1,34 +1,34 @@
-//! Motor torque over time, and brakes that block a drive.
+//! Values over time, such as the torque of a motor, and brakes that block a drive.
 
 use std::f64::consts::PI;
 
 use crate::law::{Bristle, smoothstep};
 use crate::numeric::elementary::sin_cos;
 
-/// Motor torque τ11 on l11.
+/// A value over time: the torque of a motor, or the set point of a controller, in SI units.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Actuation {
+pub enum Profile {
     Constant {
-        torque_n_m: f64,
+        value: f64,
     },
-    /// Torque over time; constant before the first time and after the last.
+    /// Values at times; constant before the first time and after the last.
     Table {
         points: Vec<(f64, f64)>,
         interpolation: Interpolation,
     },
-    /// Smooth rise 0 → torque over `rise_s` (cubic smoothstep), then constant.
+    /// Smooth rise from 0 to the value over `rise_s` (cubic smoothstep), then constant.
     Ramp {
-        torque_n_m: f64,
+        value: f64,
         rise_s: f64,
     },
     /// A half sine of the given length, then zero.
     HalfSine {
-        torque_n_m: f64,
+        value: f64,
         length_s: f64,
     },
-    /// Constant torque that changes sign at `at_s` (closing, then opening).
+    /// Constant value that changes sign at `at_s` (closing, then opening).
     Reversal {
-        torque_n_m: f64,
+        value: f64,
         at_s: f64,
     },
 }
@@ -40,41 +40,73 @@ pub enum Interpolation {
     Step,
 }
 
-/// τ11 and dτ11/dt at time t, in N·m and N·m/s. At a jump the value is that after it (t in [tᵢ, tᵢ₊₁)).
-#[inline(always)]
-pub fn torque(actuation: &Actuation, t: f64) -> (f64, f64) {
-    match actuation {
-        Actuation::Constant { torque_n_m } => (*torque_n_m, 0.0),
-        Actuation::Table { points, interpolation } => table_torque(points, *interpolation, t),
-        Actuation::Ramp { torque_n_m, rise_s } => {
-            let (sigma, slope) = smoothstep(t / rise_s);
-            (torque_n_m * sigma, torque_n_m * slope / rise_s)
-        }
-        Actuation::HalfSine { torque_n_m, length_s } => {
-            if t >= *length_s {
-                return (0.0, 0.0);
+impl Profile {
+    /// Returns the value and its rate at time `t`. At a jump the value is that after it (t in [tᵢ, tᵢ₊₁)).
+    #[inline(always)]
+    pub fn at(&self, t: f64) -> (f64, f64) {
+        match self {
+            Profile::Constant { value } => (*value, 0.0),
+            Profile::Table { points, interpolation } => table_value(points, *interpolation, t),
+            Profile::Ramp { value, rise_s } => {
+                let (sigma, slope) = smoothstep(t / rise_s);
+                (value * sigma, value * slope / rise_s)
             }
-            let omega = PI / length_s;
-            let (sin, cos) = sin_cos(omega * t);
-            (torque_n_m * sin, torque_n_m * omega * cos)
+            Profile::HalfSine { value, length_s } => {
+                if t >= *length_s {
+                    return (0.0, 0.0);
+                }
+                let omega = PI / length_s;
+                let (sin, cos) = sin_cos(omega * t);
+                (value * sin, value * omega * cos)
+            }
+            Profile::Reversal { value, at_s } => (if t < *at_s { *value } else { -value }, 0.0),
         }
-        Actuation::Reversal { torque_n_m, at_s } => (if t < *at_s { *torque_n_m } else { -torque_n_m }, 0.0),
     }
-}
 
-/// Largest magnitude of the torque over all times, N·m.
-pub fn largest_torque(actuation: &Actuation) -> f64 {
-    match actuation {
-        Actuation::Constant { torque_n_m }
-        | Actuation::Ramp { torque_n_m, .. }
-        | Actuation::HalfSine { torque_n_m, .. }
-        | Actuation::Reversal { torque_n_m, .. } => torque_n_m.abs(),
-        Actuation::Table { points, .. } => points.iter().map(|(_, torque_n_m)| torque_n_m.abs()).fold(0.0, f64::max),
+    /// Largest magnitude over all times.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Profile::Constant { value }
+            | Profile::Ramp { value, .. }
+            | Profile::HalfSine { value, .. }
+            | Profile::Reversal { value, .. } => value.abs(),
+            Profile::Table { points, .. } => points.iter().map(|(_, value)| value.abs()).fold(0.0, f64::max),
+        }
+    }
+
+    /// Returns the next time after `t` at which the value or its slope jumps; infinite if there is none.
+    ///
+    /// The integrator ends a step there, so that no step contains a discontinuity.
+    #[inline]
+    pub fn next_discontinuity(&self, t: f64) -> f64 {
+        let if_later = |corner: f64| if corner > t { corner } else { f64::INFINITY };
+        match self {
+            Profile::Constant { .. } => f64::INFINITY,
+            Profile::Table { points, .. } => {
+                points.get(points.partition_point(|p| p.0 <= t)).map_or(f64::INFINITY, |p| p.0)
+            }
+            Profile::Ramp { rise_s, .. } => if_later(*rise_s),
+            Profile::HalfSine { length_s, .. } => if_later(*length_s),
+            Profile::Reversal { at_s, .. } => if_later(*at_s),
+        }
+    }
+
+    /// Returns the profile multiplied by `factor`.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        match &mut scaled {
+            Profile::Constant { value }
+            | Profile::Ramp { value, .. }
+            | Profile::HalfSine { value, .. }
+            | Profile::Reversal { value, .. } => *value *= factor,
+            Profile::Table { points, .. } => points.iter_mut().for_each(|(_, value)| *value *= factor),
+        }
+        scaled
     }
 }
 
 #[inline]
-fn table_torque(points: &[(f64, f64)], interpolation: Interpolation, t: f64) -> (f64, f64) {
+fn table_value(points: &[(f64, f64)], interpolation: Interpolation, t: f64) -> (f64, f64) {
     let after = points.partition_point(|p| p.0 <= t);
     let Some(&(t0, y0)) = after.checked_sub(1).and_then(|i| points.get(i)) else {
         return (points.first().map_or(0.0, |p| p.1), 0.0);
@@ -86,36 +118,6 @@ fn table_torque(points: &[(f64, f64)], interpolation: Interpolation, t: f64) -> 
         }
         _ => (y0, 0.0),
     }
-}
-
-/// Returns the next time after `t` at which the torque or its slope jumps; infinite if there is none.
-///
-/// The integrator ends a step there, so that no step contains a discontinuity.
-#[inline]
-pub fn next_discontinuity(actuation: &Actuation, t: f64) -> f64 {
-    let if_later = |corner: f64| if corner > t { corner } else { f64::INFINITY };
-    match actuation {
-        Actuation::Constant { .. } => f64::INFINITY,
-        Actuation::Table { points, .. } => {
-            points.get(points.partition_point(|p| p.0 <= t)).map_or(f64::INFINITY, |p| p.0)
-        }
-        Actuation::Ramp { rise_s, .. } => if_later(*rise_s),
-        Actuation::HalfSine { length_s, .. } => if_later(*length_s),
-        Actuation::Reversal { at_s, .. } => if_later(*at_s),
-    }
-}
-
-/// Returns the actuation with its torque multiplied by `factor`.
-pub fn scaled(actuation: &Actuation, factor: f64) -> Actuation {
-    let mut scaled = actuation.clone();
-    match &mut scaled {
-        Actuation::Constant { torque_n_m }
-        | Actuation::Ramp { torque_n_m, .. }
-        | Actuation::HalfSine { torque_n_m, .. }
-        | Actuation::Reversal { torque_n_m, .. } => *torque_n_m *= factor,
-        Actuation::Table { points, .. } => points.iter_mut().for_each(|(_, torque_n_m)| *torque_n_m *= factor),
-    }
-    scaled
 }
 
 /// An electromagnetic brake of a drive: torque −T s(t) β(q̇).
@@ -193,7 +195,7 @@ impl Brake {
 
 /// First of these times after `t`; infinite if there is none.
 #[inline]
-pub(crate) fn first_after(t: f64, times: impl Iterator<Item = f64>) -> f64 {
+pub fn first_after(t: f64, times: impl Iterator<Item = f64>) -> f64 {
     times.filter(|time| *time > t).fold(f64::INFINITY, f64::min)
 }
 
@@ -204,50 +206,47 @@ mod tests {
     #[test]
     fn tables_interpolate_and_report_their_corners() {
         let points = vec![(0.0, 1.0), (1.0, 3.0), (2.0, -1.0)];
-        let linear = Actuation::Table { points: points.clone(), interpolation: Interpolation::Linear };
-        let step = Actuation::Table { points, interpolation: Interpolation::Step };
-        assert_eq!(torque(&linear, -1.0), (1.0, 0.0));
-        assert_eq!(torque(&linear, 0.25), (1.5, 2.0));
-        assert_eq!(torque(&linear, 1.5), (1.0, -4.0));
-        assert_eq!(torque(&linear, 9.0), (-1.0, 0.0));
-        assert_eq!(torque(&step, 0.999), (1.0, 0.0));
-        assert_eq!(torque(&step, 1.0), (3.0, 0.0));
-        assert_eq!(next_discontinuity(&step, 0.0), 1.0);
-        assert_eq!(next_discontinuity(&step, 1.0), 2.0);
-        assert_eq!(next_discontinuity(&step, 2.0), f64::INFINITY);
+        let linear = Profile::Table { points: points.clone(), interpolation: Interpolation::Linear };
+        let step = Profile::Table { points, interpolation: Interpolation::Step };
+        assert_eq!(linear.at(-1.0), (1.0, 0.0));
+        assert_eq!(linear.at(0.25), (1.5, 2.0));
+        assert_eq!(linear.at(1.5), (1.0, -4.0));
+        assert_eq!(linear.at(9.0), (-1.0, 0.0));
+        assert_eq!(step.at(0.999), (1.0, 0.0));
+        assert_eq!(step.at(1.0), (3.0, 0.0));
+        assert_eq!(step.next_discontinuity(0.0), 1.0);
+        assert_eq!(step.next_discontinuity(1.0), 2.0);
+        assert_eq!(step.next_discontinuity(2.0), f64::INFINITY);
     }
 
     #[test]
     fn profile_derivatives_match_finite_differences() {
-        let profiles = [
-            Actuation::Ramp { torque_n_m: 0.4, rise_s: 2e-3 },
-            Actuation::HalfSine { torque_n_m: 0.4, length_s: 5e-3 },
-        ];
+        let profiles = [Profile::Ramp { value: 0.4, rise_s: 2e-3 }, Profile::HalfSine { value: 0.4, length_s: 5e-3 }];
         for profile in &profiles {
             for t in [3e-4, 1.7e-3, 4.9e-3, 6e-3] {
                 let h = 1e-8;
-                let slope = (torque(profile, t + h).0 - torque(profile, t - h).0) / (2.0 * h);
-                assert!((torque(profile, t).1 - slope).abs() < 1e-5 * (1.0 + slope.abs()));
+                let slope = (profile.at(t + h).0 - profile.at(t - h).0) / (2.0 * h);
+                assert!((profile.at(t).1 - slope).abs() < 1e-5 * (1.0 + slope.abs()));
             }
         }
-        let reversal = Actuation::Reversal { torque_n_m: 0.4, at_s: 1e-3 };
-        assert_eq!((torque(&reversal, 9e-4).0, torque(&reversal, 1e-3).0), (0.4, -0.4));
+        let reversal = Profile::Reversal { value: 0.4, at_s: 1e-3 };
+        assert_eq!((reversal.at(9e-4).0, reversal.at(1e-3).0), (0.4, -0.4));
     }
 
     #[test]
     fn scaling_applies_to_every_profile() {
         let points = vec![(0.0, 0.1), (1e-3, 0.4), (5e-3, -0.2)];
         for actuation in [
-            Actuation::Constant { torque_n_m: 0.48 },
-            Actuation::Ramp { torque_n_m: 0.48, rise_s: 2e-3 },
-            Actuation::HalfSine { torque_n_m: 0.48, length_s: 8e-3 },
-            Actuation::Reversal { torque_n_m: 0.48, at_s: 3e-3 },
-            Actuation::Table { points: points.clone(), interpolation: Interpolation::Linear },
-            Actuation::Table { points, interpolation: Interpolation::Step },
+            Profile::Constant { value: 0.48 },
+            Profile::Ramp { value: 0.48, rise_s: 2e-3 },
+            Profile::HalfSine { value: 0.48, length_s: 8e-3 },
+            Profile::Reversal { value: 0.48, at_s: 3e-3 },
+            Profile::Table { points: points.clone(), interpolation: Interpolation::Linear },
+            Profile::Table { points, interpolation: Interpolation::Step },
         ] {
-            let doubled = scaled(&actuation, 2.0);
+            let doubled = actuation.scaled(2.0);
             for t in [0.0, 0.7e-3, 2.1e-3, 6e-3] {
-                assert_eq!(torque(&doubled, t).0, 2.0 * torque(&actuation, t).0, "{actuation:?} at {t}");
+                assert_eq!(doubled.at(t).0, 2.0 * actuation.at(t).0, "{actuation:?} at {t}");
             }
         }
     }

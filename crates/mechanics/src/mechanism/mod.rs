@@ -1,0 +1,276 @@
+//! A planar mechanism: rigid bodies, joints, springs, couplings, actuators and contacts as plain lists with names.
+//!
+//! Both models read this description, and nothing in it knows of fingers. Units are SI, angles are in radians and
+//! counter-clockwise. A body has a frame with origin (x, y) and angle θ; a point p of the frame is at (x, y) + R(θ) p in
+//! the world. The ground is `None` and has the frame of the world.
+
+use crate::drive::Profile;
+use crate::law::{ContactLaw, NormalLaw};
+use crate::numeric::plane::Vector;
+
+/// Pose (x, y, θ) of a frame, in m and rad, or its rate.
+pub type Pose = [f64; 3];
+
+/// A mechanism. Indices of bodies and joints refer to its lists; a body `None` is the ground.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mechanism {
+    pub gravity_m_s2: [f64; 2],
+    pub bodies: Vec<Body>,
+    /// Outlines fixed to the ground, in the frame of the world.
+    pub ground_outlines: Vec<Outline>,
+    pub joints: Vec<Joint>,
+    pub couplings: Vec<Coupling>,
+    pub springs: Vec<Spring>,
+    pub actuators: Vec<Actuator>,
+    pub contacts: Vec<ContactPair>,
+}
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    pub name: String,
+    pub mass_kg: f64,
+    /// Moment of inertia about the centre of mass.
+    pub inertia_kg_m2: f64,
+    /// Centre of mass in the frame of the body.
+    pub com_m: [f64; 2],
+    /// Pose at the start. For a body with joints it is a guess, which selects the assembly mode.
+    pub pose: Pose,
+    /// Rate of the pose at the start; ignored for a body whose rates follow from its joints.
+    pub rate: Pose,
+    pub outlines: Vec<Outline>,
+}
+
+/// A named outline in the frame of its body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    pub name: String,
+    pub shape: OutlineShape,
+}
+
+/// Shape of an outline: a convex core, enlarged by a radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OutlineShape {
+    Disc {
+        center_m: [f64; 2],
+        radius_m: f64,
+    },
+    Capsule {
+        from_m: [f64; 2],
+        to_m: [f64; 2],
+        radius_m: f64,
+    },
+    /// The solid half plane through a point; `normal` is its outward unit normal.
+    HalfPlane {
+        point_m: [f64; 2],
+        normal: [f64; 2],
+    },
+}
+
+/// A joint between bodies A and B at a point of each, in their frames. Its coordinate is q, its generalised force Q: a
+/// torque on B, or a force on B along the axis, with the reaction on A.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    pub name: String,
+    pub kind: JointKind,
+    pub bodies: [Option<usize>; 2],
+    pub points_m: [[f64; 2]; 2],
+    /// Revolute: q = θ_B − θ_A − offset. Prismatic: θ_B − θ_A = offset.
+    pub offset_rad: f64,
+    /// Coordinate at the start, rad or m; `None` if it follows from other joints.
+    pub start: Option<f64>,
+    pub start_rate: f64,
+    /// Q = −damping q̇, in N·m·s/rad or N·s/m.
+    pub damping: f64,
+    /// Inertia of rotor and gear: ½ armature q̇² of kinetic energy, kg·m² or kg.
+    pub armature: f64,
+    pub lower: Option<f64>,
+    pub upper: Option<f64>,
+    /// Law of both limits; `None` for a joint without limits.
+    pub limit: Option<NormalLaw>,
+}
+
+/// Kind of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JointKind {
+    Revolute,
+    /// B slides along u = e(θ_A + axis): q = u·(P_B − P_A).
+    Prismatic {
+        axis_rad: f64,
+    },
+}
+
+/// Σ cᵢ qᵢ = value over joints i: gears, synchronised jaws, a differential.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coupling {
+    pub name: String,
+    pub terms: Vec<(usize, f64)>,
+    pub value: f64,
+}
+
+/// A spring with a linear damper.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spring {
+    pub name: String,
+    pub kind: SpringKind,
+    /// k, in N·m/rad or N/m.
+    pub stiffness: f64,
+    /// c, in N·m·s/rad or N·s/m.
+    pub damping: f64,
+    /// Coordinate (with the joint's units) or length, m, without elastic force.
+    pub rest: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpringKind {
+    /// Q = −k (q − rest) − c q̇ + preload on a joint.
+    Torsional { joint: usize, preload: f64 },
+    /// Tension k (ℓ − rest) + c ℓ̇ between a point of each body.
+    Linear { bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2] },
+}
+
+/// A motor on a joint: a command, then a limit, then the fall of the torque with the speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Actuator {
+    pub name: String,
+    pub joint: usize,
+    pub command: Command,
+    /// |Q| is at most this, N·m or N.
+    pub limit: Option<f64>,
+    /// Rate at which the torque has fallen to zero: Q = u − |u| q̇/ω₀.
+    pub no_load_speed: Option<f64>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Torque or force over time.
+    Effort(Profile),
+    /// kp (target − q) + kd (d target/dt − q̇).
+    Servo { kp: f64, kd: f64, target: Profile },
+}
+
+/// An outline of a body (`None` is the ground), by its indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutlineId {
+    pub body: Option<usize>,
+    pub outline: usize,
+}
+
+/// Two outlines that may touch: the points of one touch the face of the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPair {
+    pub points: OutlineId,
+    pub face: OutlineId,
+    pub law: ContactLaw,
+    pub force_point: ForcePoint,
+}
+
+/// Where a contact force acts on both bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ForcePoint {
+    /// On the surface of the face.
+    #[default]
+    Face,
+    /// On the surface of the points.
+    Points,
+    /// In the middle of the overlap.
+    Middle,
+}
+
+/// A point of an outline against a face: one contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointContact {
+    /// `ball.rim/ground.floor`; with several points `box.skin[2]/ground.floor`.
+    pub name: String,
+    /// Index of its pair in [`Mechanism::contacts`].
+    pub pair: usize,
+    pub body: Option<usize>,
+    /// The point in the frame of its body, and the radius about it.
+    pub point_m: [f64; 2],
+    pub radius_m: f64,
+}
+
+/// A limit of a joint: the penetration is δ = side (q − value), and the force on the joint −side F.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    pub joint: usize,
+    /// +1 for the upper limit, −1 for the lower one.
+    pub side: f64,
+    pub value: f64,
+    pub law: NormalLaw,
+}
+
+impl OutlineShape {
+    /// Points of the core with their radius; none for a face only.
+    pub fn points(&self) -> (Vec<Vector<f64>>, f64) {
+        match *self {
+            OutlineShape::Disc { center_m, radius_m } => (vec![center_m], radius_m),
+            OutlineShape::Capsule { from_m, to_m, radius_m } => (vec![from_m, to_m], radius_m),
+            OutlineShape::HalfPlane { .. } => (Vec::new(), 0.0),
+        }
+    }
+
+    /// Radius about the core.
+    pub fn radius_m(&self) -> f64 {
+        match *self {
+            OutlineShape::Disc { radius_m, .. } | OutlineShape::Capsule { radius_m, .. } => radius_m,
+            OutlineShape::HalfPlane { .. } => 0.0,
+        }
+    }
+}
+
+impl Mechanism {
+    /// Returns an outline by its indices.
+    pub fn outline(&self, id: OutlineId) -> &Outline {
+        let outlines = id.body.map_or(&self.ground_outlines, |body| &self.bodies[body].outlines);
+        &outlines[id.outline]
+    }
+
+    /// Name of a body; `ground` for `None`.
+    pub fn body_name(&self, body: Option<usize>) -> &str {
+        body.map_or("ground", |body| &self.bodies[body].name)
+    }
+
+    /// Name of an outline with its body, such as `follower.pad`.
+    pub fn outline_name(&self, id: OutlineId) -> String {
+        format!("{}.{}", self.body_name(id.body), self.outline(id).name)
+    }
+
+    /// All contacts in the order of the models: every point of every pair.
+    pub fn point_contacts(&self) -> Vec<PointContact> {
+        let mut all = Vec::new();
+        for (pair, contact) in self.contacts.iter().enumerate() {
+            let (points, radius_m) = self.outline(contact.points).shape.points();
+            let (points_name, face_name) = (self.outline_name(contact.points), self.outline_name(contact.face));
+            for (index, point_m) in points.iter().enumerate() {
+                let index = if points.len() > 1 { format!("[{index}]") } else { String::new() };
+                let name = format!("{points_name}{index}/{face_name}");
+                all.push(PointContact { name, pair, body: contact.points.body, point_m: *point_m, radius_m });
+            }
+        }
+        all
+    }
+
+    /// All limits in the order of the models: by joint, the lower one first.
+    pub fn limits(&self) -> Vec<Limit> {
+        let limits_of = |(joint, of): (usize, &Joint)| {
+            let ends = [(-1.0, of.lower), (1.0, of.upper)];
+            let limit = |(side, value): (f64, Option<f64>)| {
+                value.zip(of.limit).map(|(value, law)| Limit { joint, side, value, law })
+            };
+            ends.map(limit)
+        };
+        self.joints.iter().enumerate().flat_map(limits_of).flatten().collect()
+    }
+
+    /// Name of a limit, such as `coupler_upper`.
+    pub fn limit_name(&self, limit: &Limit) -> String {
+        let side = if limit.side > 0.0 { "upper" } else { "lower" };
+        format!("{}_{side}", self.joints[limit.joint].name)
+    }
+
+    /// Number of scalar constraints of the joints and couplings.
+    pub fn constraint_count(&self) -> usize {
+        2 * self.joints.len() + self.couplings.len()
+    }
+}
