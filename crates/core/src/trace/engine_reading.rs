@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{BodyState, ContactSample, Energy, FingerState, Sample};
 use crate::engine::{
-    ContactCandidate, L11, L12, L21, L22, LINKS, Motion, PalmFrame, PinForces, Twist, driven_link_brake_torque,
+    ContactCandidate, L11, L12, L21, L22, LINKS, Motion, PalmFrame, JointReactions, Twist, driven_link_brake_torque,
     first_link, kinetic_energy, potential_energies,
 };
 use crate::law::{elastic_energy, normal_force};
@@ -16,8 +16,8 @@ use crate::scene::{ContactId, Disc, Side, System};
 pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) {
     let frame = PalmFrame::at(motion.plan, motion.clock.now());
     for (index, (side, finger)) in system.fingers_by_side().enumerate() {
-        let rate = |body: usize| motion.velocities[body][2];
-        let torque = motion.plan.motor_torque(first_link(side) + L11, motion.clock.now(), rate);
+        let state = (&motion.linkage.poses[..], &motion.velocities[..]);
+        let torque = motion.plan.motor_torque(first_link(side) + L11, motion.clock.now(), state);
         let brakes = driven_link_brake_torque(motion.plan, side, |brake| motion.brake_torque(brake));
         let phi22_rad = finger.linkage.lengths.phi22_rad;
         let state = Links::new(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes);
@@ -132,23 +132,23 @@ const PINS_OF_JOINTS: [usize; FINGER_PINS] = [0, 2, 1, 3, 4];
 pub(super) struct JointForces {
     is_required: bool,
     /// Forces without contacts at the start of the step.
-    start: Vec<[f64; 2]>,
-    pins: PinForces,
+    start: Vec<Twist>,
+    joints: JointReactions,
 }
 
 impl JointForces {
     pub(super) fn new(is_required: bool, motion: &mut Motion) -> Self {
         let mut forces = Self { is_required, ..Self::default() };
         forces.update(motion);
-        forces.start.clone_from(&forces.pins.free);
+        forces.start.clone_from(&forces.joints.free);
         forces
     }
 
     /// Reads the forces after a step.
     pub(super) fn update(&mut self, motion: &mut Motion) {
         if self.is_required {
-            self.start.clone_from(&self.pins.free);
-            motion.read_pin_forces(&mut self.pins);
+            self.start.clone_from(&self.joints.free);
+            motion.read_joint_forces(&mut self.joints);
         }
     }
 
@@ -165,10 +165,10 @@ impl JointForces {
         for finger in 0..sample.counts().fingers {
             let force_n = |pin: usize| {
                 let pin = FINGER_PINS * finger + pin;
-                let (start, end) = (self.start[pin], self.pins.free[pin]);
+                let (start, end) = (self.start[pin], self.joints.free[pin]);
                 let mut force = [0, 1].map(|k| start[k] + fraction * (end[k] - start[k]));
-                for (index, channel) in self.pins.channels.iter().enumerate() {
-                    let (contact, [normal, tangent]) = (sample.contact(*channel), self.pins.response(index, pin));
+                for (index, channel) in self.joints.channels.iter().enumerate() {
+                    let (contact, [normal, tangent]) = (sample.contact(*channel), self.joints.response(index, pin));
                     for k in 0..2 {
                         force[k] += contact.normal_n * normal[k] + contact.tangential_n * tangent[k];
                     }

@@ -70,7 +70,7 @@ impl<'a> EngineRecorder<'a> {
             emitted_s: 0.0,
             step_extrema: StepExtrema::default(),
             work: Work::default(),
-            loop_gap_m: motion.linkage.max_pin_opening(),
+            loop_gap_m: motion.linkage.max_joint_opening(),
             consistency: ConsistencyCheck::new(system, scene.engine.stepping, start_energy),
             failure: None,
         }
@@ -98,7 +98,7 @@ impl<'a> EngineRecorder<'a> {
         self.work.contact_substeps += u64::from(motion.contact.substeps);
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
-        let gap_m = motion.linkage.max_pin_opening();
+        let gap_m = motion.linkage.max_joint_opening();
         self.loop_gap_m = self.loop_gap_m.max(gap_m);
         let mut node = std::mem::take(&mut self.node);
         let energy = stored_energy(motion).relative_to(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
