@@ -12,7 +12,8 @@ use super::plan::{
 };
 use super::world::{World, surface_pose_in_frame};
 use crate::law::{
-    Bristle, BristleStep, FrictionLaw, NormalForce, NormalLaw, friction_coefficient, implicit_bristle_step, normal_force,
+    Bristle, BristleStep, FrictionLaw, NormalForce, NormalLaw, friction_coefficient, implicit_bristle_step,
+    normal_force,
 };
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{add, cross, perp, rotate, scale, sub};
@@ -289,13 +290,7 @@ fn shaft_candidate(index: usize, source: Source, slip_row: Row) -> ContactCandid
 
 /// Sets the forces of brakes and motors for a step, a parabola through the values at its start, middle and end; and the
 /// motion of the targets of servos, also a parabola.
-pub(crate) fn set_shaft_torques(
-    plan: &Plan,
-    poses: &[BodyPose],
-    t: f64,
-    dt: f64,
-    candidates: &mut [ContactCandidate],
-) {
+pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64, candidates: &mut [ContactCandidate]) {
     // Discontinuities at both ends belong to adjacent steps.
     let times = [1e-9, 0.5, 1.0 - 1e-9].map(|fraction| t + fraction * dt);
     for candidate in candidates {
@@ -381,8 +376,7 @@ fn contact_row(plan: &Plan, index: usize, poses: &[BodyPose], points: &ClosestPo
 /// Returns the rounding error of a gap between two surfaces.
 fn gap_rounding(plan: &Plan, contact: &PlannedContact, poses: &[BodyPose]) -> f64 {
     let size = |[x, y]: [f64; 2]| x.abs().max(y.abs());
-    let other =
-        contact.against.body.map_or_else(|| plan.surface(contact.against).origin_m, |body| poses[body].com);
+    let other = contact.against.body.map_or_else(|| plan.surface(contact.against).origin_m, |body| poses[body].com);
     f64::EPSILON * (size(poses[contact.body].com) + size(other))
 }
 

@@ -6,9 +6,9 @@
 //! contacts keep their rates, and the scheme its order.
 
 use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_slip_row_at};
+use super::coordinate::{BodyPose, Row, Twist};
 use super::dense;
 use super::dense::{refill, reset};
-use super::coordinate::{BodyPose, Row, Twist};
 use super::linkage::Linkage;
 use super::plan::Plan;
 use super::world::World;

@@ -213,9 +213,7 @@ impl Points {
 
 /// Row of a unit force along an axis on the second body, at an arm, with its reaction on the first body.
 fn point_row(points: &[BodyPoint; 2], axis: [f64; 2], arms: [[f64; 2]; 2]) -> Row {
-    let side = |k: usize, axis: [f64; 2]| {
-        points[k].body.map(|body| (body, [axis[0], axis[1], cross(arms[k], axis)]))
-    };
+    let side = |k: usize, axis: [f64; 2]| points[k].body.map(|body| (body, [axis[0], axis[1], cross(arms[k], axis)]));
     let [first, second] = [side(0, scale(axis, -1.0)), side(1, axis)];
     let on = second.or(first).unwrap_or((0, [0.0; 3]));
     Row { on, against: second.and(first) }

@@ -7,8 +7,8 @@
 use rapier2d_f64::prelude::{RigidBodyHandle, RigidBodySet, Vector};
 
 use super::contact_space::ContactSpace;
-use super::dense::refill;
 use super::coordinate::{BodyPose, Twist};
+use super::dense::refill;
 use super::linkage::{Inertia, Linkage};
 use super::plan::{Plan, PlannedDrive, PlannedRotor, PlannedSpring, PrescribedMotion};
 use super::substeps::ContactSolver;

@@ -9,8 +9,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::dense;
 use super::coordinate::{BodyPose, Coordinate, Twist};
+use super::dense;
 use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
 use super::world::World;
 use crate::mechanism::JointKind;
@@ -112,14 +112,8 @@ impl Linkage {
         let pairs: Vec<Pair> = plan.joints.iter().map(joint_pair).chain(plan.gears.iter().map(gear_pair)).collect();
         let (mut sides, mut unused_rows) = (Vec::new(), Vec::new());
         for (pair, of) in pairs.iter().enumerate() {
-            let side = |body: usize| Side {
-                pair,
-                body,
-                rows: [[0.0; 3]; 2],
-                sign: 0.0,
-                local: [0.0; 2],
-                arm: [0.0; 2],
-            };
+            let side =
+                |body: usize| Side { pair, body, rows: [[0.0; 3]; 2], sign: 0.0, local: [0.0; 2], arm: [0.0; 2] };
             match of {
                 Pair::Pin { .. } => {
                     let joint = &plan.joints[pair];

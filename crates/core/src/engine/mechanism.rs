@@ -7,22 +7,24 @@ use super::plan::{
 };
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
-use crate::mechanism::{Actuator, Command, ForcePoint, Mechanism, OutlineShape, PointContact, Pose, SpringKind};
+use crate::mechanism::{Actuator, Command, ForcePoint, Mechanism, OutlineShape, PointContact, SpringKind, Start};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{add, perp, scale, sub};
 use crate::shape;
 
-/// Builds the plan of a mechanism from the poses and rates of its bodies at the start.
+/// Builds the plan of a mechanism from its assembled start.
 ///
 /// Bodies and joints have the indices of the mechanism; bodies for the inertias of joints follow. Contact channels are
 /// those of [`Mechanism::point_contacts`], then of [`Mechanism::limits`].
-pub fn build_mechanism_plan(mechanism: &Mechanism, poses: &[Pose], rates: &[Pose]) -> Plan {
-    let bodies = mechanism.bodies.iter().zip(poses.iter().zip(rates)).map(|(body, (pose, rate))| PlannedBody {
+pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Plan {
+    let states = start.poses.iter().zip(&start.rates);
+    let bodies = mechanism.bodies.iter().zip(states).map(|(body, (pose, rate))| PlannedBody {
         body: Body { mass_kg: body.mass_kg, com_m: body.com_m, inertia_kg_m2: body.inertia_kg_m2 },
         origin_m: [pose[0], pose[1]],
         angle_rad: pose[2],
         velocity_m_s: [rate[0], rate[1]],
         rate_rad_s: rate[2],
+        gyration_m: (body.inertia_kg_m2 / body.mass_kg).sqrt(),
         surfaces: Vec::new(),
     });
     let joints = mechanism.joints.iter().map(|joint| PlannedJoint {

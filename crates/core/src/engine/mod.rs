@@ -16,8 +16,8 @@ mod stepper;
 mod substeps;
 mod world;
 
-pub(crate) use candidates::ZERO_RATE;
 pub use candidates::ContactCandidate;
+pub(crate) use candidates::ZERO_RATE;
 pub use contact_space::{ActiveContact, ContactSpace};
 pub use coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Row, Twist};
 pub use forces::{PalmFrame, kinetic_energy, potential_energies};

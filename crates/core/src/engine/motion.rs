@@ -10,9 +10,9 @@ use rapier2d_f64::prelude::*;
 
 use super::candidates::{self, ContactCandidate, Source};
 use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrection};
+use super::coordinate::{Row, Twist};
 use super::dense::refill;
 use super::forces;
-use super::coordinate::{Row, Twist};
 use super::linkage::{Linkage, SingularConstraints};
 use super::plan::{Plan, PlannedDrive};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
@@ -431,19 +431,14 @@ impl<'a> Motion<'a> {
         self.predicted_mean_velocities.copy_from_slice(&self.accelerations);
         forces::driven_accelerations(self.plan, now, &mut self.driven);
         self.impulse.copy_from_slice(&self.forces);
-        forces::add_speed_dependent_forces(
-            self.plan,
-            &self.linkage.poses,
-            &self.velocities,
-            now,
-            &mut self.impulse,
-        );
+        forces::add_speed_dependent_forces(self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
         self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
-        let changes = self
-            .accelerations
-            .iter()
-            .zip(&self.predicted_mean_velocities)
-            .map(|(now, before)| hypot(now[0] - before[0], now[1] - before[1]));
+        let changes = self.accelerations.iter().zip(&self.predicted_mean_velocities).zip(&self.plan.bodies).map(
+            |((now, before), body)| {
+                let angular = body.gyration_m * (now[2] - before[2]).abs();
+                hypot(now[0] - before[0], now[1] - before[1]).max(angular)
+            },
+        );
         self.acceleration_change = changes.fold(0.0, f64::max);
         self.opening_acceleration = self.linkage.max_opening_acceleration(&self.velocities);
     }
@@ -452,13 +447,7 @@ impl<'a> Motion<'a> {
     pub fn read_joint_forces(&mut self, out: &mut JointReactions) {
         let now = self.clock.now();
         self.impulse.copy_from_slice(&self.forces);
-        forces::add_speed_dependent_forces(
-            self.plan,
-            &self.linkage.poses,
-            &self.velocities,
-            now,
-            &mut self.impulse,
-        );
+        forces::add_speed_dependent_forces(self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
         forces::driven_accelerations(self.plan, now, &mut self.driven);
         let mut loads = std::mem::take(&mut self.impulse);
         for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.source, Source::Brake(_))) {

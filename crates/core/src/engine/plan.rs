@@ -26,6 +26,8 @@ pub struct PlannedBody {
     /// Velocity of the origin, unless a joint determines it.
     pub velocity_m_s: [f64; 2],
     pub rate_rad_s: f64,
+    /// Arm at which step sizes take an angular acceleration into account; 0 if only that of the centre of mass counts.
+    pub gyration_m: f64,
     /// Surfaces in the frame of the body.
     pub surfaces: Vec<PlannedSurface>,
 }
@@ -46,6 +48,7 @@ impl PlannedBody {
             angle_rad: 0.0,
             velocity_m_s: [0.0; 2],
             rate_rad_s: 0.0,
+            gyration_m: 0.0,
             surfaces: Vec::new(),
         }
     }
@@ -354,7 +357,6 @@ pub(crate) fn relative_angle(joint: &PlannedJoint) -> Coordinate {
     Coordinate { measure: Measure::Angle { on, against: second.and(first) }, offset: joint.offset_rad }
 }
 
-
 impl PlannedMotor {
     fn stall_torque(&self, t: f64) -> f64 {
         self.actuation.at(t).0.clamp(-self.limit, self.limit)
@@ -492,6 +494,7 @@ fn add_disc(plan: &mut Plan, disc: &Disc) {
         angle_rad: disc.angle_rad,
         velocity_m_s,
         rate_rad_s,
+        gyration_m: 0.0,
         surfaces: vec![PlannedSurface::at_origin(Shape::Disc(disc.shape))],
     });
 }
@@ -588,11 +591,9 @@ fn add_finger(plan: &mut Plan, driven: &DrivenFinger, targets: ContactTargets<'_
         angle_rad: if mirror > 0.0 { angles[i] } else { PI - angles[i] },
         velocity_m_s: [0.0; 2],
         rate_rad_s: mirror * rates[i],
-        surfaces: capsules[i]
-            .filter(|_| !targets.discs.is_empty())
-            .into_iter()
-            .map(PlannedSurface::at_origin)
-            .collect(),
+        gyration_m: 0.0,
+        surfaces:
+            capsules[i].filter(|_| !targets.discs.is_empty()).into_iter().map(PlannedSurface::at_origin).collect(),
     }));
     let pin = |first: Option<usize>, second: usize, length: f64| PlannedJoint {
         kind: JointKind::Revolute,
@@ -669,7 +670,12 @@ fn plan_spring(spring: Option<Spring>, lengths: &Lengths, mirror: f64, base: usi
 }
 
 fn plan_motor(motor: &Motor, shaft: Coordinate) -> PlannedMotor {
-    PlannedMotor { shaft, actuation: motor.actuation.clone(), limit: f64::INFINITY, no_load_speed_rad_s: motor.no_load_speed_rad_s }
+    PlannedMotor {
+        shaft,
+        actuation: motor.actuation.clone(),
+        limit: f64::INFINITY,
+        no_load_speed_rad_s: motor.no_load_speed_rad_s,
+    }
 }
 
 fn add_rotor(plan: &mut Plan, body: usize, inertia_kg_m2: f64) {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{BodyState, ContactSample, Energy, FingerState, Sample};
 use crate::engine::{
-    ContactCandidate, L11, L12, L21, L22, LINKS, Motion, PalmFrame, JointReactions, Twist, driven_link_brake_torque,
+    ContactCandidate, JointReactions, L11, L12, L21, L22, LINKS, Motion, PalmFrame, Twist, driven_link_brake_torque,
     first_link, kinetic_energy, potential_energies,
 };
 use crate::law::{elastic_energy, normal_force};
