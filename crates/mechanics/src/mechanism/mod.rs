@@ -3,6 +3,12 @@
 //! Both models read this description, and nothing in it knows of fingers. Units are SI, angles are in radians and
 //! counter-clockwise. A body has a frame with origin (x, y) and angle θ; a point p of the frame is at (x, y) + R(θ) p in
 //! the world. The ground is `None` and has the frame of the world.
+//!
+//! | file | job |
+//! |---|---|
+//! | `structure` | the order in which bodies are placed: joints with coordinates, and dyads that close loops |
+
+pub mod structure;
 
 use crate::drive::Profile;
 use crate::law::{ContactLaw, NormalLaw};
@@ -198,6 +204,16 @@ pub struct Limit {
     pub side: f64,
     pub value: f64,
     pub law: NormalLaw,
+}
+
+impl SpringKind {
+    /// The joint of a torsional spring.
+    pub fn joint(&self) -> Option<usize> {
+        match self {
+            SpringKind::Torsional { joint, .. } => Some(*joint),
+            SpringKind::Linear { .. } => None,
+        }
+    }
 }
 
 impl OutlineShape {
