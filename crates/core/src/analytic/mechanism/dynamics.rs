@@ -6,7 +6,7 @@
 //! twice the derivative of the rates by the coordinates.
 
 use super::actuator::{Effort, effort};
-use super::kinematics::{JointMotion, Motions, PlacedGroup};
+use super::kinematics::{JointMotion, Motions, PlacedGroup, pair};
 use super::model::{Contact, MechanismMode, MechanismModel, Surfaces};
 use super::pairs::{self, Frame, POSES};
 use crate::analytic::model::normal_force_on_branch;
@@ -125,12 +125,12 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Rates of the poses of two bodies.
     #[inline(always)]
     fn pair_rates(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [f64; POSES] {
-        let [a, b] = bodies.map(|body| motions.body(body).rate);
+        let [a, b] = pair(|side| motions.body(bodies[side]).rate);
         [a[0], a[1], a[2], b[0], b[1], b[2]]
     }
 
     fn frames(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [Frame<f64>; 2] {
-        bodies.map(|body| Frame::new(&motions.body(body)))
+        pair(|side| Frame::new(motions.body(bodies[side])))
     }
 
     /// Spreads a row over the poses of two bodies to a row over all coordinates.
@@ -138,7 +138,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let mut spread = [0.0; N];
         for (side, body) in bodies.into_iter().enumerate() {
             let Some(body) = body else { continue };
-            let (group, jacobian) = (&self.groups[self.group_of[body]], &motions.bodies[body].jacobian);
+            let (group, jacobian) = (&self.groups[self.group_of[body]], &motions.body(Some(body)).jacobian);
             for i in 0..group.size() {
                 for axis in 0..3 {
                     spread[group.first + i] += row[3 * side + axis] * jacobian[axis][i];
@@ -153,7 +153,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let mut mass = [[0.0; K]; K];
         let size = group.size();
         for &index in &group.group.bodies {
-            let (body, motion) = (&self.mechanism.bodies[index], &motions.bodies[index]);
+            let (body, motion) = (&self.mechanism.bodies[index], motions.body(Some(index)));
             let [x, y] = motion.point(body.com_m).jacobian;
             let turn = &motion.jacobian[2];
             for i in 0..size {
@@ -194,7 +194,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let gravity = self.mechanism.gravity_m_s2;
         for group in &self.groups {
             for &index in &group.group.bodies {
-                let (body, motion) = (&self.mechanism.bodies[index], &motions.bodies[index]);
+                let (body, motion) = (&self.mechanism.bodies[index], motions.body(Some(index)));
                 let center = motion.point(body.com_m);
                 let force = [0, 1].map(|axis| body.mass_kg * (gravity[axis] - center.bias[axis]));
                 let torque = -body.inertia_kg_m2 * motion.bias[2];
@@ -278,7 +278,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let acceleration =
             |row: &[Dual<K>; K], bias: Dual<K>| (0..size).fold(bias, |sum, k| sum + row[k] * accelerations[k]);
         for &index in &group.group.bodies {
-            let (body, motion) = (&self.mechanism.bodies[index], &motions.bodies[index]);
+            let (body, motion) = (&self.mechanism.bodies[index], motions.body(Some(index)));
             let center = motion.point(body.com_m);
             for axis in 0..2 {
                 let row = &center.jacobian[axis];
@@ -342,7 +342,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let (mut by_q, mut by_v) = ([0.0; N], [0.0; N]);
             for (side, body) in bodies.into_iter().enumerate() {
                 let Some(body) = body else { continue };
-                let (group, motion) = (&self.groups[self.group_of[body]], &motions.bodies[body]);
+                let (group, motion) = (&self.groups[self.group_of[body]], motions.body(Some(body)));
                 for axis in 0..3 {
                     let (d_pose, d_rate) = (number.by_q[3 * side + axis], number.by_v[3 * side + axis]);
                     let (jacobian, rate) = (&motion.jacobian[axis], &motion.rate[axis]);
@@ -359,7 +359,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         };
         for (side, body) in bodies.into_iter().enumerate() {
             let Some(body) = body else { continue };
-            let (group, motion) = (&self.groups[self.group_of[body]], &motions.bodies[body]);
+            let (group, motion) = (&self.groups[self.group_of[body]], motions.body(Some(body)));
             for axis in 0..3 {
                 let load = &loads[3 * side + axis];
                 let (by_q, by_v) = chain(load);
@@ -401,11 +401,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         sums: &mut Sums<N, Z>,
     ) {
         let frames = |bodies: [Option<usize>; 2]| {
-            [0, 1].map(|side| Frame::variable(&motions.body(bodies[side]), side, bodies[side].is_none()))
+            pair(|side| Frame::variable(motions.body(bodies[side]), side, bodies[side].is_none()))
         };
         let rates = |bodies: [Option<usize>; 2]| {
-            let [a, b] = bodies.map(|body| motions.body(body).rate.map(Dual::value));
-            [a[0], a[1], a[2], b[0], b[1], b[2]]
+            let [a, b] = pair(|side| &motions.body(bodies[side]).rate);
+            [a[0].value, a[1].value, a[2].value, b[0].value, b[1].value, b[2].value]
         };
         for (index, bodies, points_m) in self.linear_springs() {
             let (spring, state) = (&self.mechanism.springs[index], pairs::spring(points_m, &frames(bodies)));

@@ -81,12 +81,12 @@ impl<T: Real, const K: usize> BodyMotion<T, K> {
 
     fn value(&self) -> BodyMotion<f64, K> {
         BodyMotion {
-            origin: self.origin.map(T::value),
-            direction: self.direction.map(T::value),
+            origin: pair(|k| self.origin[k].value()),
+            direction: pair(|k| self.direction[k].value()),
             angle: self.angle.value(),
-            jacobian: self.jacobian.map(|row| row.map(T::value)),
-            rate: self.rate.map(T::value),
-            bias: self.bias.map(T::value),
+            jacobian: triple(|axis| array_from(|k| self.jacobian[axis][k].value())),
+            rate: triple(|axis| self.rate[axis].value()),
+            bias: triple(|axis| self.bias[axis].value()),
         }
     }
 
@@ -107,13 +107,13 @@ impl<T: Real, const K: usize> BodyMotion<T, K> {
     #[inline(always)]
     fn rate_at(&self, arm: Vector<T>) -> Vector<T> {
         let across = perp(arm);
-        array_from2(|axis| self.rate[axis] + across[axis] * self.rate[2])
+        pair(|axis| self.rate[axis] + across[axis] * self.rate[2])
     }
 
     #[inline(always)]
     fn bias_at(&self, arm: Vector<T>) -> Vector<T> {
         let (across, squared) = (perp(arm), self.rate[2].squared());
-        array_from2(|axis| self.bias[axis] + across[axis] * self.bias[2] - arm[axis] * squared)
+        pair(|axis| self.bias[axis] + across[axis] * self.bias[2] - arm[axis] * squared)
     }
 
     /// Motion of a point of the body frame.
@@ -123,16 +123,23 @@ impl<T: Real, const K: usize> BodyMotion<T, K> {
         let across = perp(arm);
         PointMotion {
             position: add(self.origin, arm),
-            jacobian: array_from2(|axis| array_from(|k| self.jacobian[axis][k] + across[axis] * self.jacobian[2][k])),
+            jacobian: pair(|axis| array_from(|k| self.jacobian[axis][k] + across[axis] * self.jacobian[2][k])),
             rate: self.rate_at(arm),
             bias: self.bias_at(arm),
         }
     }
 }
 
+/// Both results of a function of 0 and 1. Unlike `map` of an array, it is always inlined.
 #[inline(always)]
-fn array_from2<T>(f: impl Fn(usize) -> T) -> [T; 2] {
+pub(super) fn pair<T>(f: impl Fn(usize) -> T) -> [T; 2] {
     [f(0), f(1)]
+}
+
+/// Results of a function of 0, 1 and 2.
+#[inline(always)]
+fn triple<T>(f: impl Fn(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
 }
 
 impl<T: Real, const K: usize> JointMotion<T, K> {
@@ -145,22 +152,28 @@ impl<T: Real, const K: usize> JointMotion<T, K> {
 /// Poses and motions of all bodies and joints of a mechanism in one state.
 #[derive(Clone, Debug)]
 pub(super) struct Motions<T, const K: usize> {
-    pub bodies: Vec<BodyMotion<T, K>>,
+    /// Bodies of the mechanism, then the ground.
+    bodies: Vec<BodyMotion<T, K>>,
     pub joints: Vec<JointMotion<T, K>>,
 }
 
 impl<T: Real, const K: usize> Motions<T, K> {
     pub fn new(mechanism: &Mechanism) -> Self {
         Self {
-            bodies: vec![BodyMotion::ground(); mechanism.bodies.len()],
+            bodies: vec![BodyMotion::ground(); mechanism.bodies.len() + 1],
             joints: vec![JointMotion::at(T::zero()); mechanism.joints.len()],
         }
     }
 
+    /// Motions of all bodies.
+    pub fn all_bodies(&self) -> &[BodyMotion<T, K>] {
+        &self.bodies[..self.bodies.len() - 1]
+    }
+
     /// Motion of a body; `None` is the ground.
     #[inline(always)]
-    pub fn body(&self, body: Option<usize>) -> BodyMotion<T, K> {
-        body.map_or_else(BodyMotion::ground, |body| self.bodies[body])
+    pub fn body(&self, body: Option<usize>) -> &BodyMotion<T, K> {
+        &self.bodies[body.unwrap_or(self.bodies.len() - 1)]
     }
 }
 
@@ -200,16 +213,16 @@ impl PlacedGroup {
         let mode = |placement: &Placement| {
             let Placement::Dyad { outer, inner } = placement else { return None };
             let joints = [outer[0].joint, outer[1].joint, *inner].map(|joint| &mechanism.joints[joint]);
-            let coordinates = joints.map(|joint| joint_coordinate(joint, |body| motions.body(body)));
-            let bases = outer.map(|at| motions.body(at.base));
+            let coordinates = joints.map(|joint| joint_coordinate(joint, |body| *motions.body(body)));
+            let bases = pair(|k| motions.body(outer[k].base));
             let distance = |sign: f64| {
-                let found = solve_dyad(mechanism, (outer, *inner), &bases, &AssemblyMode { sign, coordinates });
+                let found = solve_dyad(mechanism, (outer, *inner), bases, &AssemblyMode { sign, coordinates });
                 let error = |k: usize| {
                     let error = (found[k] - coordinates[k]).abs();
                     if joints[k].kind == JointKind::Revolute {
                         error
                     } else {
-                        error / bases_length(&bases, &motions, outer)
+                        error / bases_length(bases, &motions, outer)
                     }
                 };
                 error(0) + error(1)
@@ -238,7 +251,7 @@ impl PlacedGroup {
             unit[index] = 1.0;
             JointMotion {
                 coordinate: T::with_gradient(q[index], &unit),
-                row: unit.map(T::constant),
+                row: array_from(|k| T::constant(unit[k])),
                 rate: T::constant(v[index]),
                 bias: T::zero(),
             }
@@ -246,7 +259,7 @@ impl PlacedGroup {
         for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
             match placement {
                 Placement::Free { body, first } => {
-                    let parts = [0, 1, 2].map(|axis| coordinate(first + axis));
+                    let parts = triple(|axis| coordinate(first + axis));
                     motions.bodies[*body] = free_body(&parts);
                 }
                 Placement::Joint { at, coordinate: source } => {
@@ -255,12 +268,12 @@ impl PlacedGroup {
                         Source::Coupling(index) => coupled_joint(mechanism, *index, at.joint, &motions.joints),
                     };
                     motions.joints[at.joint] = joint;
-                    motions.bodies[at.body] = place(&mechanism.joints[at.joint], at, &motions.body(at.base), &joint);
+                    motions.bodies[at.body] = place(&mechanism.joints[at.joint], at, motions.body(at.base), &joint);
                 }
                 Placement::Dyad { outer, inner } => {
                     let Some(mode) = mode else { continue };
-                    let bases = outer.map(|at| motions.body(at.base));
-                    let (bodies, joints) = close_dyad(mechanism, (outer, *inner), &bases, mode, v);
+                    let bases = pair(|k| motions.body(outer[k].base));
+                    let (bodies, joints) = close_dyad(mechanism, (outer, *inner), bases, mode, v);
                     for (k, at) in outer.iter().enumerate() {
                         motions.bodies[at.body] = bodies[k];
                         motions.joints[at.joint] = joints[k];
@@ -329,7 +342,7 @@ impl PlacedGroup {
 }
 
 fn bases_length<const K: usize>(
-    bases: &[BodyMotion<f64, K>; 2],
+    bases: [&BodyMotion<f64, K>; 2],
     motions: &Motions<f64, K>,
     outer: &[Attachment; 2],
 ) -> f64 {
@@ -477,9 +490,9 @@ impl<T: Real> Closure<T> {
     #[inline(always)]
     fn new<const K: usize>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T, K>; 2]) -> Self {
         let (zero, one) = (T::zero(), T::constant(1.0));
-        let [first, second] = of.map(|index| &bodies[index]);
+        let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
         let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
-        let [across_a, across_b] = arms.map(perp);
+        let [across_a, across_b] = [perp(arms[0]), perp(arms[1])];
         let squared = [first.rate[2].squared(), second.rate[2].squared()];
         let mut by_motion = [[[zero; 3]; 2]; 2];
         let quadratic;
@@ -490,7 +503,7 @@ impl<T: Real> Closure<T> {
                 by_motion[1][of[0]] = [zero, one, across_a[1]];
                 by_motion[0][of[1]] = [-one, zero, -across_b[0]];
                 by_motion[1][of[1]] = [zero, -one, -across_b[1]];
-                quadratic = array_from2(|axis| arms[1][axis] * squared[1] - arms[0][axis] * squared[0]);
+                quadratic = pair(|axis| arms[1][axis] * squared[1] - arms[0][axis] * squared[0]);
             }
             JointKind::Prismatic { axis_rad } => {
                 // n·(P_B − P_A) = 0 and θ_B − θ_A = offset.
@@ -522,31 +535,31 @@ impl<T: Real> Closure<T> {
 fn close_dyad<T: GroupNumber<K>, const K: usize>(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
-    bases: &[BodyMotion<T, K>; 2],
+    bases: [&BodyMotion<T, K>; 2],
     mode: &AssemblyMode,
     v: &[f64],
 ) -> ([BodyMotion<T, K>; 2], [JointMotion<T, K>; 2]) {
-    let joints = outer.map(|at| &mechanism.joints[at.joint]);
+    let joints = pair(|k| &mechanism.joints[outer[k].joint]);
     let inner = (&mechanism.joints[inner], inner_bodies(&mechanism.joints[inner], outer));
-    let values = bases.map(|base| base.value());
-    let coordinates = solve_dyad_joints(joints, inner, outer, &values, mode);
+    let values = pair(|k| bases[k].value());
+    let coordinates = solve_dyad_joints(joints, inner, outer, [&values[0], &values[1]], mode);
     // The derivatives of the outer coordinates are the rows of their rates in plain numbers.
     let rows = match T::HAS_GRADIENT {
-        true => outer_rows(joints, inner, outer, &values, &coordinates.map(JointMotion::at)),
+        true => outer_rows(joints, inner, outer, [&values[0], &values[1]], &pair(|k| JointMotion::at(coordinates[k]))),
         false => [[0.0; K]; 2],
     };
-    let lifted = [0, 1].map(|k| JointMotion::at(T::with_gradient(coordinates[k], &rows[k])));
+    let lifted = pair(|k| JointMotion::at(T::with_gradient(coordinates[k], &rows[k])));
     let mut motions = lifted;
     let rows = outer_rows(joints, inner, outer, bases, &lifted);
     for k in 0..2 {
         motions[k].row = rows[k];
         motions[k].rate = v.iter().enumerate().fold(T::zero(), |sum, (i, rate)| sum + rows[k][i] * *rate);
     }
-    let placed = |motions: &[JointMotion<T, K>; 2]| [0, 1].map(|k| place(joints[k], &outer[k], &bases[k], &motions[k]));
+    let placed = |motions: &[JointMotion<T, K>; 2]| pair(|k| place(joints[k], &outer[k], bases[k], &motions[k]));
     let mut bodies = placed(&motions);
     let closure = Closure::new(inner.0, inner.1, &bodies);
-    let columns = [0, 1].map(|k| column(joints[k], &outer[k], [&bases[k], &bodies[k]]));
-    let residual = array_from2(|equation| {
+    let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
+    let residual = pair(|equation| {
         closure.applied(equation, 0, bodies[0].bias)
             + closure.applied(equation, 1, bodies[1].bias)
             + closure.quadratic[equation]
@@ -566,18 +579,18 @@ fn outer_rows<T: Real, const K: usize>(
     joints: [&Joint; 2],
     (inner, of): (&Joint, [usize; 2]),
     outer: &[Attachment; 2],
-    bases: &[BodyMotion<T, K>; 2],
+    bases: [&BodyMotion<T, K>; 2],
     coordinates: &[JointMotion<T, K>; 2],
 ) -> [[T; K]; 2] {
-    let bodies = [0, 1].map(|k| place(joints[k], &outer[k], &bases[k], &coordinates[k]));
+    let bodies = pair(|k| place(joints[k], &outer[k], bases[k], &coordinates[k]));
     let closure = Closure::new(inner, of, &bodies);
-    let columns = [0, 1].map(|k| column(joints[k], &outer[k], [&bases[k], &bodies[k]]));
+    let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
     let inverse = inverse_closure(&closure, &columns);
     let mut rows = [[T::zero(); K]; 2];
     for i in 0..K {
-        let motion = |k: usize| [0, 1, 2].map(|axis| bodies[k].jacobian[axis][i]);
+        let motion = |k: usize| triple(|axis| bodies[k].jacobian[axis][i]);
         let residual =
-            array_from2(|equation| closure.applied(equation, 0, motion(0)) + closure.applied(equation, 1, motion(1)));
+            pair(|equation| closure.applied(equation, 0, motion(0)) + closure.applied(equation, 1, motion(1)));
         for (k, row) in rows.iter_mut().enumerate() {
             row[i] = -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]);
         }
@@ -588,7 +601,7 @@ fn outer_rows<T: Real, const K: usize>(
 /// Inverse of the 2 × 2 matrix of the closure by the rates of the outer joints.
 #[inline(always)]
 fn inverse_closure<T: Real>(closure: &Closure<T>, columns: &[[T; 3]; 2]) -> [[T; 2]; 2] {
-    let matrix = array_from2(|equation| array_from2(|k| closure.applied(equation, k, columns[k])));
+    let matrix = pair(|equation| pair(|k| closure.applied(equation, k, columns[k])));
     let inverse_det = (matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]).recip();
     [
         [matrix[1][1] * inverse_det, -(matrix[0][1] * inverse_det)],
@@ -609,7 +622,8 @@ fn inner_motion<T: Real, const K: usize>(
     outer: &[Attachment; 2],
     bodies: &[BodyMotion<T, K>; 2],
 ) -> JointMotion<T, K> {
-    let [first, second] = inner_bodies(inner, outer).map(|index| &bodies[index]);
+    let of = inner_bodies(inner, outer);
+    let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
     match inner.kind {
         JointKind::Revolute => JointMotion {
             coordinate: second.angle - first.angle - inner.offset_rad,
@@ -624,7 +638,7 @@ fn inner_motion<T: Real, const K: usize>(
             JointMotion {
                 coordinate,
                 row: array_from(|k| {
-                    array_from2(|axis| u[axis] * (b.jacobian[axis][k] - a.jacobian[axis][k]))
+                    pair(|axis| u[axis] * (b.jacobian[axis][k] - a.jacobian[axis][k]))
                         .into_iter()
                         .fold(T::zero(), |sum, part| sum + part)
                 }),
@@ -664,10 +678,10 @@ fn joint_rate<const K: usize>(joint: &Joint, motion: impl Fn(Option<usize>) -> B
 fn solve_dyad<const K: usize>(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
-    bases: &[BodyMotion<f64, K>; 2],
+    bases: [&BodyMotion<f64, K>; 2],
     mode: &AssemblyMode,
 ) -> [f64; 2] {
-    let joints = outer.map(|at| &mechanism.joints[at.joint]);
+    let joints = pair(|k| &mechanism.joints[outer[k].joint]);
     let inner = &mechanism.joints[inner];
     solve_dyad_joints(joints, (inner, inner_bodies(inner, outer)), outer, bases, mode)
 }
@@ -727,20 +741,20 @@ fn solve_dyad_joints<const K: usize>(
     joints: [&Joint; 2],
     (inner, of): (&Joint, [usize; 2]),
     outer: &[Attachment; 2],
-    bases: &[BodyMotion<f64, K>; 2],
+    bases: [&BodyMotion<f64, K>; 2],
     mode: &AssemblyMode,
 ) -> [f64; 2] {
     // Points of the inner joint, in the order of the bodies of the dyad.
     let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
-    let loci = [0, 1].map(|k| Locus::new(joints[k], &outer[k], &bases[k], points[k]));
+    let loci = pair(|k| Locus::new(joints[k], &outer[k], bases[k], points[k]));
     let raw = match inner.kind {
         JointKind::Revolute => {
             let position = intersection(&loci, mode.sign);
-            [0, 1].map(|k| loci[k].coordinate(joints[k], &outer[k], &bases[k], position))
+            pair(|k| loci[k].coordinate(joints[k], &outer[k], bases[k], position))
         }
         JointKind::Prismatic { axis_rad } => slide(joints, (inner, of, axis_rad), outer, bases, (&loci, mode.sign)),
     };
-    array_from2(|k| match joints[k].kind {
+    pair(|k| match joints[k].kind {
         JointKind::Revolute => nearest_equivalent_angle(raw[k], mode.coordinates[k]),
         JointKind::Prismatic { .. } => raw[k],
     })
@@ -775,7 +789,7 @@ fn slide<const K: usize>(
     joints: [&Joint; 2],
     (inner, of, axis_rad): (&Joint, [usize; 2], f64),
     outer: &[Attachment; 2],
-    bases: &[BodyMotion<f64, K>; 2],
+    bases: [&BodyMotion<f64, K>; 2],
     (loci, sign): (&[Locus; 2], f64),
 ) -> [f64; 2] {
     let [a, b] = of;
@@ -809,7 +823,7 @@ fn slide<const K: usize>(
         Locus::Line { point, .. } => point,
     };
     let gap = dot(normal, sub(position(b), position(a)));
-    array_from2(|k| match loci[k] {
+    pair(|k| match loci[k] {
         Locus::Circle { .. } => {
             let turn = if outer[k].is_second { 1.0 } else { -1.0 };
             turn * (angles[k] - bases[k].angle) - joints[k].offset_rad
@@ -850,7 +864,7 @@ fn transmission<const K: usize>(
         JointKind::Prismatic { axis_rad } => {
             let a = &motions.bodies[outer[of[0]].body];
             let slide = (axis(axis_rad, a), a.rate[2]);
-            let is_circle = [0, 1].map(|k| mechanism.joints[outer[k].joint].kind == JointKind::Revolute);
+            let is_circle = pair(|k| mechanism.joints[outer[k].joint].kind == JointKind::Revolute);
             match is_circle {
                 [true, true] => {
                     let pivot = |k: usize| {

@@ -1,6 +1,6 @@
 //! Forces between two bodies, on the poses (x, y, θ) of both: contacts of a point with a face, and linear springs.
 
-use super::kinematics::BodyMotion;
+use super::kinematics::{BodyMotion, pair};
 use super::model::PointOnFace;
 use crate::analytic::multibody::contact_kinematics::{ContactKinematics, WithDerivatives};
 use crate::mechanism::{ForcePoint, OutlineShape, Spring};
@@ -41,14 +41,14 @@ impl Frame<Dual<POSES>> {
     pub fn variable<const K: usize>(body: &BodyMotion<Dual<K>, K>, index: usize, is_ground: bool) -> Self {
         let constant = |value: f64| Dual::constant(value);
         let mut frame = Self {
-            origin: body.origin.map(|x| constant(x.value)),
-            direction: body.direction.map(|x| constant(x.value)),
+            origin: pair(|k| constant(body.origin[k].value)),
+            direction: pair(|k| constant(body.direction[k].value)),
         };
         if !is_ground {
             let first = 3 * index;
             frame.origin[0].grad[first] = 1.0;
             frame.origin[1].grad[first + 1] = 1.0;
-            let [cos, sin] = frame.direction.map(Dual::value);
+            let [cos, sin] = pair(|k| frame.direction[k].value);
             (frame.direction[0].grad[first + 2], frame.direction[1].grad[first + 2]) = (-sin, cos);
         }
         frame

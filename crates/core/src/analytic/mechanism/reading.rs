@@ -1,6 +1,7 @@
 //! Readings of a state: poses, joints, actuators, contacts and energies.
 
 use super::actuator::effort;
+use super::kinematics::pair;
 use super::model::{MechanismMode, MechanismModel, Surfaces};
 use super::pairs::Frame;
 use crate::analytic::ContactState;
@@ -18,7 +19,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Pose of a body and its rate.
     pub fn body(&self, state: (&[f64; N], &[f64; N]), body: usize) -> (Pose, Pose) {
         self.with_motions(state, |motions| {
-            let motion = &motions.bodies[body];
+            let motion = &motions.body(Some(body));
             ([motion.origin[0], motion.origin[1], motion.angle], motion.rate)
         })
     }
@@ -65,7 +66,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub fn energies(&self, state: (&[f64; N], &[f64; N])) -> Energies {
         let mut energies = Energies::default();
         self.with_motions(state, |motions| {
-            for (body, motion) in self.mechanism.bodies.iter().zip(&motions.bodies) {
+            for (body, motion) in self.mechanism.bodies.iter().zip(motions.all_bodies()) {
                 let center = motion.point(body.com_m);
                 let spin = motion.rate[2];
                 energies.kinetic +=
@@ -79,7 +80,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 let (coordinate, preload) = match spring.kind {
                     SpringKind::Torsional { joint, preload } => (motions.joints[joint].coordinate, preload),
                     SpringKind::Linear { bodies, points_m } => {
-                        let frames = bodies.map(|body| Frame::new(&motions.body(body)));
+                        let frames = pair(|side| Frame::new(motions.body(bodies[side])));
                         (pairs::spring(points_m, &frames).length, 0.0)
                     }
                 };
