@@ -4,9 +4,13 @@
 //! counter-clockwise. A body has a frame with origin (x, y) and angle θ; a point p of the frame is at (x, y) + R(θ) p in
 //! the world. The ground is `None` and has the frame of the world.
 
+mod assembly;
+
 use crate::drive::Profile;
 use crate::law::{ContactLaw, NormalLaw};
 use crate::numeric::plane::Vector;
+
+pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
 
 /// Pose (x, y, θ) of a frame, in m and rad, or its rate.
 pub type Pose = [f64; 3];
