@@ -2,7 +2,7 @@
 
 use phalanx::gripper::{Assembly, Design, Finger, ProximalLength, bodies, disc, lengths, start_posture};
 use phalanx::law::FrictionLaw;
-use phalanx::scene::{Actuation, Disc, DrivenFinger, Initial, Motor, Placement, Scene, Spring, SpringKind};
+use phalanx::scene::{Disc, DrivenFinger, Initial, Motor, Placement, Profile, Scene, Spring, SpringKind};
 use phalanx::sizing::{OPENING_RAD, Rule, Sizing, Task, size};
 
 const DENSITY_KG_M3: f64 = 1070.0;
@@ -74,7 +74,7 @@ pub fn random_design(rng: &mut Rng, template: &Scene, drive: Drive) -> Option<Sc
     *scene.finger_mut() = DrivenFinger {
         linkage: finger,
         contact,
-        motor: Motor::from_actuation(Actuation::Constant { torque_n_m: motor_n_m }),
+        motor: Motor::from_actuation(Profile::Constant { value: motor_n_m }),
         spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: spring_n_m }, placement: Placement::Phalanges }),
         initial: Initial { q11_rad: start.q11_rad, q21_rad: start.q21_rad, qd11_rad_s: 0.0, qd21_rad_s: 0.0 },
         limit: template.finger().limit,

@@ -2,7 +2,7 @@
 
 use phalanx::analytic::{Model, QUADRATURES};
 use phalanx::integrator::State;
-use phalanx::scene::{Actuation, Scene, parse};
+use phalanx::scene::{Profile, Scene, parse};
 
 /// Size of the ensemble.
 pub const MEMBERS: usize = 15;
@@ -33,8 +33,8 @@ impl Problem {
     /// Returns the closing with its constant motor torque multiplied by `factor`.
     pub fn with_torque(&self, factor: f64) -> Self {
         let mut scene = self.scene.clone();
-        if let Actuation::Constant { torque_n_m } = &mut scene.finger_mut().motor.actuation {
-            *torque_n_m *= factor;
+        if let Profile::Constant { value } = &mut scene.finger_mut().motor.actuation {
+            *value *= factor;
         }
         Self::new(scene)
     }

@@ -5,6 +5,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod assembly;
 mod form_closure;
 mod gripper_balance;
 mod gripper_design;

@@ -6,6 +6,7 @@ pub mod cli;
 pub mod designs;
 pub mod faults;
 pub mod laws;
+pub mod mechanism_cases;
 pub mod random;
 pub mod reference_cases;
 pub mod replay;

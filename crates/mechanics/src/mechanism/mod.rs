@@ -10,9 +10,13 @@
 
 pub mod structure;
 
+mod assembly;
+
 use crate::drive::Profile;
 use crate::law::{ContactLaw, NormalLaw};
 use crate::numeric::plane::Vector;
+
+pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
 
 /// Pose (x, y, θ) of a frame, in m and rad, or its rate.
 pub type Pose = [f64; 3];

@@ -1,0 +1,494 @@
+//! Assembly of a mechanism: poses and rates that satisfy all joints, couplings and given start coordinates.
+//!
+//! The poses of the description are guesses. A damped Newton method with steps of least norm (Levenberg and Marquardt)
+//! closes all loops; lengths are scaled, so that they compare with angles. Rows that follow from earlier ones are found by
+//! orthogonalising the rows in order, which also names the rows that they follow from.
+
+use super::{Joint, JointKind, Mechanism, Pose};
+use crate::numeric::elementary::sin_cos;
+use crate::numeric::plane::{Vector, add, dot, perp, rotate, sub};
+
+/// Assembled state of all bodies, in the order of the mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    pub poses: Vec<Pose>,
+    pub rates: Vec<Pose>,
+}
+
+/// Origin of a condition on the poses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    Joint(usize),
+    Coupling(usize),
+    /// Start coordinate of a joint.
+    Start(usize),
+}
+
+/// A number with the unit in which messages show it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    Length(f64),
+    Angle(f64),
+}
+
+impl std::fmt::Display for Measure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (value, unit) = match self {
+            Measure::Length(value) => (value * 1e3, "mm"),
+            Measure::Angle(value) => (value.to_degrees(), "deg"),
+        };
+        // Four significant digits for small numbers, four decimals for others.
+        let shown = if value == 0.0 || value.abs() >= 1e-2 { format!("{value:.4}") } else { format!("{value:.3e}") };
+        let shown =
+            if shown.contains('e') { shown } else { shown.trim_end_matches('0').trim_end_matches('.').to_owned() };
+        write!(f, "{shown} {unit}")
+    }
+}
+
+/// Reason why a mechanism cannot be assembled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AssemblyError {
+    #[error(
+        "{name} misses by {miss} when all others fit: check the lengths and points of the loop, or give guesses closer to \
+         the intended posture"
+    )]
+    Open { condition: Condition, name: String, miss: Measure },
+    #[error("{name} is redundant: in this posture {}; remove it, or change the loop", follows(.from))]
+    Redundant { condition: Condition, name: String, from: Vec<String> },
+    #[error(
+        "{name} is {given}, but in this posture {} ({found}): remove one of these values",
+        follows(.from)
+    )]
+    RedundantStart { condition: Condition, name: String, given: Measure, found: Measure, from: Vec<String> },
+    #[error(
+        "{name} is {given}, but the mechanism reaches only {found}: give a value within its range, or guesses closer to the \
+         intended posture"
+    )]
+    OutOfReach { condition: Condition, name: String, given: Measure, found: Measure },
+}
+
+impl AssemblyError {
+    /// Condition that the message names first.
+    pub fn condition(&self) -> Condition {
+        match self {
+            AssemblyError::Open { condition, .. }
+            | AssemblyError::Redundant { condition, .. }
+            | AssemblyError::RedundantStart { condition, .. }
+            | AssemblyError::OutOfReach { condition, .. } => *condition,
+        }
+    }
+}
+
+fn follows(from: &[String]) -> String {
+    if from.is_empty() { "it restricts nothing".to_owned() } else { format!("it follows from {}", from.join(", ")) }
+}
+
+/// Largest scaled residual of an assembled mechanism.
+const CLOSED: f64 = 1e-11;
+/// A row is dependent if orthogonalisation leaves less than this part of it.
+const DEPENDENT: f64 = 1e-7;
+/// Weight of a condition that is to take up the misfit of all others.
+const YIELDING: f64 = 1e-4;
+
+/// Assembles a mechanism from its guessed poses. Degrees of freedom without a start coordinate stay closest to the guess;
+/// bodies without joints keep their pose and rate.
+pub fn assemble(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
+    let solver = Solver::new(mechanism);
+    let guess: Vec<Pose> = mechanism.bodies.iter().map(|body| body.pose).collect();
+    let mut poses = guess.clone();
+    solver.close(&mut poses, &|_| 1.0);
+    let rows = solver.rows(&poses);
+    if largest(&rows) > CLOSED {
+        return Err(solver.misfit(guess, &poses));
+    }
+    let basis = match Basis::of(&rows, 0.0) {
+        Ok(basis) => basis,
+        Err(dependent) => return Err(solver.redundant(&rows, dependent, &poses)),
+    };
+    let mut rates: Vec<Pose> = mechanism.bodies.iter().map(|body| body.rate).collect();
+    // The second pass removes the rounding errors of the first.
+    for _ in 0..2 {
+        let scaled = solver.scaled(&rates);
+        let missing = |row: &Row| solver.given_rate(row.condition) - inner(&row.gradient, &scaled);
+        solver.add(&mut rates, &basis.least_norm(&rows.iter().map(missing).collect::<Vec<_>>()));
+    }
+    Ok(Start { poses, rates })
+}
+
+/// One scaled equation: its residual and gradient by all scaled poses.
+struct Row {
+    condition: Condition,
+    residual: f64,
+    gradient: Vec<f64>,
+}
+
+struct Solver<'a> {
+    mechanism: &'a Mechanism,
+    /// Length that counts as much as one radian.
+    scale_m: f64,
+}
+
+impl<'a> Solver<'a> {
+    fn new(mechanism: &'a Mechanism) -> Self {
+        let points = mechanism.joints.iter().flat_map(|joint| joint.points_m);
+        let reach = points.chain(mechanism.bodies.iter().map(|body| body.com_m)).map(|p| dot(p, p)).fold(0.0, f64::max);
+        Self { mechanism, scale_m: if reach > 0.0 { reach.sqrt() } else { 1.0 } }
+    }
+
+    /// All equations in order: joints, couplings, start coordinates.
+    fn rows(&self, poses: &[Pose]) -> Vec<Row> {
+        let mut rows = Vec::new();
+        let joints = &self.mechanism.joints;
+        for (index, joint) in joints.iter().enumerate() {
+            for (residual, terms) in joint_conditions(joint, poses) {
+                // Conditions in metres are divided by the length scale.
+                let scale = if matches!(terms, Terms::Angle) { 1.0 } else { 1.0 / self.scale_m };
+                let gradient = self.gradient(joint, terms, scale, poses.len());
+                rows.push(Row { condition: Condition::Joint(index), residual: residual * scale, gradient });
+            }
+        }
+        for (index, coupling) in self.mechanism.couplings.iter().enumerate() {
+            let unit = |(joint, factor): &(usize, f64)| factor.abs() * self.coordinate_scale(&joints[*joint]).recip();
+            let scale = coupling.terms.iter().map(unit).fold(0.0, f64::max).recip();
+            let scale = if scale.is_finite() { scale } else { 1.0 };
+            let mut row = Row {
+                condition: Condition::Coupling(index),
+                residual: -coupling.value * scale,
+                gradient: vec![0.0; 3 * poses.len()],
+            };
+            for (joint, factor) in &coupling.terms {
+                let (q, terms) = coordinate(&joints[*joint], poses);
+                row.residual += factor * scale * q;
+                let gradient = self.gradient(&joints[*joint], terms, factor * scale, poses.len());
+                row.gradient.iter_mut().zip(gradient).for_each(|(sum, part)| *sum += part);
+            }
+            rows.push(row);
+        }
+        for (index, joint) in joints.iter().enumerate() {
+            let Some(start) = joint.start else { continue };
+            let ((q, terms), scale) = (coordinate(joint, poses), self.coordinate_scale(joint));
+            let gradient = self.gradient(joint, terms, scale, poses.len());
+            rows.push(Row { condition: Condition::Start(index), residual: (q - start) * scale, gradient });
+        }
+        rows
+    }
+
+    fn coordinate_scale(&self, joint: &Joint) -> f64 {
+        match joint.kind {
+            JointKind::Revolute => 1.0,
+            JointKind::Prismatic { .. } => 1.0 / self.scale_m,
+        }
+    }
+
+    /// Gradient by the scaled poses of all bodies.
+    fn gradient(&self, joint: &Joint, terms: Terms, scale: f64, bodies: usize) -> Vec<f64> {
+        let mut gradient = vec![0.0; 3 * bodies];
+        let by_pose = match terms {
+            Terms::Angle => [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]],
+            Terms::Point(by_pose) => by_pose,
+        };
+        for (body, [x, y, angle]) in joint.bodies.into_iter().zip(by_pose) {
+            let Some(body) = body else { continue };
+            for (sum, part) in gradient[3 * body..].iter_mut().zip([x * self.scale_m, y * self.scale_m, angle]) {
+                *sum += scale * part;
+            }
+        }
+        gradient
+    }
+
+    fn scaled(&self, poses: &[Pose]) -> Vec<f64> {
+        poses.iter().flat_map(|[x, y, angle]| [x / self.scale_m, y / self.scale_m, *angle]).collect()
+    }
+
+    fn add(&self, poses: &mut [Pose], step: &[f64]) {
+        for (pose, step) in poses.iter_mut().zip(step.chunks(3)) {
+            *pose = [pose[0] + step[0] * self.scale_m, pose[1] + step[1] * self.scale_m, pose[2] + step[2]];
+        }
+    }
+
+    fn given_rate(&self, condition: Condition) -> f64 {
+        match condition {
+            Condition::Start(joint) => {
+                let joint = &self.mechanism.joints[joint];
+                joint.start_rate * self.coordinate_scale(joint)
+            }
+            Condition::Joint(_) | Condition::Coupling(_) => 0.0,
+        }
+    }
+
+    /// Moves the poses to the nearest minimum of the weighted residuals; a condition of weight 0 is left out.
+    fn close(&self, poses: &mut Vec<Pose>, weight: &dyn Fn(Condition) -> f64) {
+        let rows_at = |poses: &[Pose]| {
+            let mut rows = self.rows(poses);
+            rows.retain(|row| weight(row.condition) > 0.0);
+            for row in &mut rows {
+                let weight = weight(row.condition);
+                row.residual *= weight;
+                row.gradient.iter_mut().for_each(|part| *part *= weight);
+            }
+            rows
+        };
+        let norm = |rows: &[Row]| rows.iter().map(|row| row.residual * row.residual).sum::<f64>();
+        let mut rows = rows_at(poses);
+        let mut damping = 1.0;
+        // Convergence is quadratic at a closed mechanism, and linear at one that does not close.
+        for _ in 0..1000 {
+            let before = norm(&rows);
+            // The damping vanishes with the residual, so that the last steps are Newton's.
+            let Ok(basis) = Basis::of(&rows, (damping * before).sqrt().max(1e-150)) else { return };
+            let step = basis.least_norm(&rows.iter().map(|row| -row.residual).collect::<Vec<_>>());
+            let mut next = poses.clone();
+            self.add(&mut next, &step);
+            let next_rows = rows_at(&next);
+            let after = norm(&next_rows);
+            if after < before {
+                (*poses, rows) = (next, next_rows);
+                damping *= 0.25;
+                if after > (1.0 - 1e-12) * before {
+                    return;
+                }
+            } else {
+                damping *= 4.0;
+                if step.iter().all(|part| part.abs() < 1e-15) {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Explains why the conditions do not fit.
+    fn misfit(&self, guess: Vec<Pose>, closest: &[Pose]) -> AssemblyError {
+        let is_start = |condition| matches!(condition, Condition::Start(_));
+        let mut poses = guess;
+        self.close(&mut poses, &|condition| if is_start(condition) { 0.0 } else { 1.0 });
+        let mut rows = self.rows(&poses);
+        rows.retain(|row| !is_start(row.condition));
+        if largest(&rows) > CLOSED {
+            let condition = self.worst(closest);
+            self.close(&mut poses, &|other| if other == condition { YIELDING } else { f64::from(!is_start(other)) });
+            let (name, miss) = (self.name(condition), self.miss(condition, &poses));
+            return AssemblyError::Open { condition, name, miss };
+        }
+        // The loops close without the start coordinates. One of these follows from others, or is out of reach.
+        let rows = self.rows(&poses);
+        if let Err(dependent) = Basis::of(&rows, 0.0) {
+            let condition = rows[dependent.row].condition;
+            self.close(&mut poses, &|other| f64::from(other != condition));
+            return self.redundant(&rows, dependent, &poses);
+        }
+        self.close(&mut poses, &|condition| if is_start(condition) { YIELDING } else { 1.0 });
+        let rows = self.rows(&poses).into_iter().filter(|row| is_start(row.condition));
+        let worst = rows.max_by(|a, b| a.residual.abs().total_cmp(&b.residual.abs()));
+        let condition = worst.map_or(Condition::Start(0), |row| row.condition);
+        let (given, found) = self.coordinates(condition, &poses);
+        AssemblyError::OutOfReach { condition, name: self.name(condition), given, found }
+    }
+
+    /// Describes a row that follows from earlier ones.
+    fn redundant(&self, rows: &[Row], dependent: Dependent, poses: &[Pose]) -> AssemblyError {
+        let condition = rows[dependent.row].condition;
+        let mut from: Vec<String> = Vec::new();
+        for row in dependent.from {
+            let name = self.name(rows[row].condition);
+            if rows[row].condition != condition && !from.contains(&name) {
+                from.push(name);
+            }
+        }
+        let name = self.name(condition);
+        if matches!(condition, Condition::Start(_)) {
+            // Other start coordinates say more than the joints between them.
+            if from.iter().any(|name| name.starts_with("the start")) {
+                from.retain(|name| name.starts_with("the start"));
+            }
+            let (given, found) = self.coordinates(condition, poses);
+            return AssemblyError::RedundantStart { condition, name, given, found, from };
+        }
+        AssemblyError::Redundant { condition, name, from }
+    }
+
+    fn name(&self, condition: Condition) -> String {
+        match condition {
+            Condition::Joint(joint) => format!("joint `{}`", self.mechanism.joints[joint].name),
+            Condition::Coupling(coupling) => format!("coupling `{}`", self.mechanism.couplings[coupling].name),
+            Condition::Start(joint) => format!("the start of joint `{}`", self.mechanism.joints[joint].name),
+        }
+    }
+
+    /// Joint or coupling with the largest residual; the last one of about equal ones.
+    fn worst(&self, poses: &[Pose]) -> Condition {
+        let mut worst = (Condition::Joint(0), 0.0);
+        for row in self.rows(poses).iter().filter(|row| !matches!(row.condition, Condition::Start(_))) {
+            if row.residual.abs() > 0.99 * worst.1 {
+                worst = (row.condition, row.residual.abs());
+            }
+        }
+        worst.0
+    }
+
+    /// Distance or angle by which a joint or coupling misses.
+    fn miss(&self, condition: Condition, poses: &[Pose]) -> Measure {
+        match condition {
+            Condition::Joint(joint) | Condition::Start(joint) => {
+                let joint = &self.mechanism.joints[joint];
+                let [(first, _), (second, terms)] = joint_conditions(joint, poses);
+                match terms {
+                    Terms::Angle if second.abs() > first.abs() / self.scale_m => Measure::Angle(second.abs()),
+                    Terms::Angle => Measure::Length(first.abs()),
+                    Terms::Point(_) => Measure::Length(dot([first, second], [first, second]).sqrt()),
+                }
+            }
+            Condition::Coupling(coupling) => {
+                let coupling = &self.mechanism.couplings[coupling];
+                let joints = &self.mechanism.joints;
+                let sum: f64 = coupling.terms.iter().map(|(joint, c)| c * coordinate(&joints[*joint], poses).0).sum();
+                let first = coupling.terms.first().map_or(JointKind::Revolute, |(joint, _)| joints[*joint].kind);
+                measure(first, (sum - coupling.value).abs())
+            }
+        }
+    }
+
+    /// Given and present coordinate of a joint.
+    fn coordinates(&self, condition: Condition, poses: &[Pose]) -> (Measure, Measure) {
+        let (Condition::Joint(joint) | Condition::Coupling(joint) | Condition::Start(joint)) = condition;
+        let joint = &self.mechanism.joints[joint];
+        (measure(joint.kind, joint.start.unwrap_or(0.0)), measure(joint.kind, coordinate(joint, poses).0))
+    }
+}
+
+fn measure(kind: JointKind, value: f64) -> Measure {
+    match kind {
+        JointKind::Revolute => Measure::Angle(value),
+        JointKind::Prismatic { .. } => Measure::Length(value),
+    }
+}
+
+fn largest(rows: &[Row]) -> f64 {
+    rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max)
+}
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Gradient of a scalar by the poses of a joint's two bodies.
+enum Terms {
+    /// θ_B − θ_A.
+    Angle,
+    Point([[f64; 3]; 2]),
+}
+
+/// Lever arm of a joint's point in the world, and the point.
+fn point(joint: &Joint, side: usize, poses: &[Pose]) -> (Vector<f64>, Vector<f64>) {
+    let [x, y, angle] = joint.bodies[side].map_or([0.0; 3], |body| poses[body]);
+    let (sin, cos) = sin_cos(angle);
+    let arm = rotate(joint.points_m[side], [cos, sin]);
+    (arm, add([x, y], arm))
+}
+
+fn angle(joint: &Joint, poses: &[Pose]) -> f64 {
+    let [a, b] = joint.bodies.map(|body| body.map_or(0.0, |body| poses[body][2]));
+    b - a - joint.offset_rad
+}
+
+/// Unit vector of a prismatic joint's axis.
+fn axis(joint: &Joint, axis_rad: f64, poses: &[Pose]) -> Vector<f64> {
+    let (sin, cos) = sin_cos(axis_rad + joint.bodies[0].map_or(0.0, |body| poses[body][2]));
+    [cos, sin]
+}
+
+/// n·(P_B − P_A) for a direction n that turns with A (`turns`) or is fixed, with its gradient.
+fn along(joint: &Joint, n: Vector<f64>, turns: bool, poses: &[Pose]) -> (f64, Terms) {
+    let [(arm_a, a), (arm_b, b)] = [0, 1].map(|side| point(joint, side, poses));
+    let between = sub(b, a);
+    let by_turning = if turns { dot(perp(n), between) } else { 0.0 };
+    let by_a = [-n[0], -n[1], by_turning - dot(n, perp(arm_a))];
+    (dot(n, between), Terms::Point([by_a, [n[0], n[1], dot(n, perp(arm_b))]]))
+}
+
+/// Both constraints of a joint.
+fn joint_conditions(joint: &Joint, poses: &[Pose]) -> [(f64, Terms); 2] {
+    match joint.kind {
+        JointKind::Revolute => [[1.0, 0.0], [0.0, 1.0]].map(|n| along(joint, n, false, poses)),
+        JointKind::Prismatic { axis_rad } => {
+            [along(joint, perp(axis(joint, axis_rad, poses)), true, poses), (angle(joint, poses), Terms::Angle)]
+        }
+    }
+}
+
+/// Coordinate of a joint.
+fn coordinate(joint: &Joint, poses: &[Pose]) -> (f64, Terms) {
+    match joint.kind {
+        JointKind::Revolute => (angle(joint, poses), Terms::Angle),
+        JointKind::Prismatic { axis_rad } => along(joint, axis(joint, axis_rad, poses), true, poses),
+    }
+}
+
+/// Orthonormal basis Q of rows A = L Q, from Gram and Schmidt with reorthogonalisation.
+struct Basis {
+    /// Number of columns of A; Q has one more for each row if the rows are damped.
+    columns: usize,
+    q: Vec<Vec<f64>>,
+    lower: Vec<Vec<f64>>,
+}
+
+/// A row that is a combination of earlier ones.
+struct Dependent {
+    row: usize,
+    from: Vec<usize>,
+}
+
+impl Basis {
+    /// With damping d, the rows are those of (A, d I): the least-norm solution then is that of Levenberg and Marquardt.
+    fn of(rows: &[Row], damping: f64) -> Result<Self, Dependent> {
+        let columns = rows.first().map_or(0, |row| row.gradient.len());
+        let mut basis = Self { columns, q: Vec::new(), lower: Vec::new() };
+        for (index, row) in rows.iter().enumerate() {
+            let mut rest = row.gradient.clone();
+            if damping > 0.0 {
+                rest.extend((0..rows.len()).map(|other| if other == index { damping } else { 0.0 }));
+            }
+            let norm = inner(&rest, &rest).sqrt();
+            let mut lower = vec![0.0; index];
+            for _ in 0..2 {
+                for (q, factor) in basis.q.iter().zip(&mut lower) {
+                    let part = inner(&rest, q);
+                    *factor += part;
+                    rest.iter_mut().zip(q).for_each(|(rest, q)| *rest -= part * q);
+                }
+            }
+            let left = inner(&rest, &rest).sqrt();
+            if left <= if damping > 0.0 { 0.0 } else { DEPENDENT * norm } {
+                return Err(Dependent { row: index, from: basis.combination(&lower) });
+            }
+            rest.iter_mut().for_each(|part| *part /= left);
+            lower.push(left);
+            basis.q.push(rest);
+            basis.lower.push(lower);
+        }
+        Ok(basis)
+    }
+
+    /// Rows whose combination has these factors in the basis.
+    fn combination(&self, factors: &[f64]) -> Vec<usize> {
+        let mut left = factors.to_vec();
+        for row in (0..left.len()).rev() {
+            left[row] /= self.lower[row][row];
+            let (before, share) = (row, left[row]);
+            left[..before].iter_mut().zip(&self.lower[row]).for_each(|(factor, part)| *factor -= share * part);
+        }
+        let largest = left.iter().map(|share| share.abs()).fold(0.0, f64::max);
+        (0..left.len()).filter(|row| left[*row].abs() > 1e-6 * largest).collect()
+    }
+
+    /// Shortest x with A x = b.
+    fn least_norm(&self, b: &[f64]) -> Vec<f64> {
+        let mut x = vec![0.0; self.columns];
+        let mut factors: Vec<f64> = Vec::new();
+        for ((lower, q), b) in self.lower.iter().zip(&self.q).zip(b) {
+            let factor = (b - inner(lower, &factors)) / lower[factors.len()];
+            x.iter_mut().zip(q).for_each(|(x, q)| *x += factor * q);
+            factors.push(factor);
+        }
+        x
+    }
+}

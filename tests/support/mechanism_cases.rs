@@ -1,0 +1,289 @@
+//! Reference solutions for mechanisms (tests/anchors/mechanism.json), computed by an independent program: absolute
+//! coordinates, its own Radau IIA of order 9 that lands on events. Runs at tolerances 1e-10 and 1e-12 agree to 11 digits
+//! or more.
+
+use std::collections::BTreeMap;
+
+use phalanx::drive::{Interpolation, Profile};
+use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
+use phalanx::mechanism::{
+    Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointKind, Mechanism, Outline, OutlineId,
+    OutlineShape, Pose, Spring, SpringKind, Start,
+};
+use serde_json::Value;
+
+/// A mechanism and its reference solution. Lists follow the order of the mechanism.
+pub struct MechanismCase {
+    pub name: String,
+    pub mechanism: Mechanism,
+    pub duration_s: f64,
+    pub start: Start,
+    pub samples: Vec<MechanismSample>,
+    /// Time, name (such as `ground.disc/link.face touch`) and whether the function rises.
+    pub events: Vec<(f64, String, bool)>,
+}
+
+pub struct MechanismSample {
+    pub time_s: f64,
+    pub poses: Vec<Pose>,
+    pub rates: Vec<Pose>,
+    /// Coordinates and rates of the joints.
+    pub joints: Vec<[f64; 2]>,
+    /// Torques or forces of the actuators.
+    pub actuators: Vec<f64>,
+    /// Contacts whose gap is below 2 mm.
+    pub contacts: BTreeMap<String, ContactValues>,
+    pub energies: BTreeMap<String, f64>,
+}
+
+pub struct ContactValues {
+    pub gap_m: f64,
+    pub gap_rate_m_s: f64,
+    pub slip_m_s: f64,
+    pub normal_force_n: f64,
+    pub friction_force_n: f64,
+}
+
+/// All cases, ordered by name.
+pub fn all_cases() -> Vec<MechanismCase> {
+    let text = std::fs::read_to_string("tests/anchors/mechanism.json").expect("the reference solutions");
+    let cases: BTreeMap<String, Value> = serde_json::from_str(&text).expect("JSON");
+    cases.iter().map(|(name, case)| parse_case(name, case)).collect()
+}
+
+/// Returns the case with this name, such as `b_four_bar`.
+pub fn mechanism_case(name: &str) -> MechanismCase {
+    all_cases().into_iter().find(|case| case.name == name).expect("a case of that name")
+}
+
+fn parse_case(name: &str, case: &Value) -> MechanismCase {
+    let mechanism = mechanism(&case["scene"]);
+    let poses =
+        |value: &Value| -> Vec<Pose> { mechanism.bodies.iter().map(|body| numbers(&value[&body.name])).collect() };
+    let sample = |value: &Value| MechanismSample {
+        time_s: number(&value["t"]),
+        poses: poses(&value["poses"]),
+        rates: poses(&value["rates"]),
+        joints: mechanism.joints.iter().map(|joint| numbers(&value["joints"][&joint.name])).collect(),
+        actuators: mechanism.actuators.iter().map(|actuator| number(&value["actuators"][&actuator.name])).collect(),
+        contacts: object(&value["contacts"]).map(|(name, value)| (name.clone(), contact_values(value))).collect(),
+        energies: object(&value["energies"]).map(|(name, value)| (name.clone(), number(value))).collect(),
+    };
+    let event = |event: &Value| (number(&event[0]), text(&event[1]), event[2] == "up");
+    MechanismCase {
+        name: name.to_owned(),
+        duration_s: number(&case["duration"]),
+        start: Start { poses: poses(&case["start"]["poses"]), rates: poses(&case["start"]["rates"]) },
+        samples: list(&case["samples"]).map(sample).collect(),
+        events: list(&case["events"]).map(event).collect(),
+        mechanism,
+    }
+}
+
+fn contact_values(value: &Value) -> ContactValues {
+    ContactValues {
+        gap_m: number(&value["gap"]),
+        gap_rate_m_s: number(&value["gap_rate"]),
+        slip_m_s: number(&value["slip"]),
+        normal_force_n: number(&value["normal_force"]),
+        friction_force_n: number(&value["friction_force"]),
+    }
+}
+
+/// Converts a scene of the reference program.
+fn mechanism(scene: &Value) -> Mechanism {
+    let mut mechanism = Mechanism {
+        gravity_m_s2: numbers(&scene["gravity"]),
+        ground_outlines: list(&scene["ground"]["outline"]).map(outline).collect(),
+        bodies: list(&scene["body"]).map(body).collect(),
+        ..Mechanism::default()
+    };
+    mechanism.joints = list(&scene["joint"]).map(|value| joint(value, &mechanism)).collect();
+    mechanism.couplings = list(&scene["coupling"]).map(|value| coupling(value, &mechanism)).collect();
+    mechanism.springs = list(&scene["spring"]).map(|value| spring(value, &mechanism)).collect();
+    mechanism.actuators = list(&scene["actuator"]).map(|value| actuator(value, &mechanism)).collect();
+    mechanism.contacts = list(&scene["contact"]).map(|value| contact(value, &mechanism)).collect();
+    mechanism
+}
+
+fn body(value: &Value) -> Body {
+    Body {
+        name: text(&value["name"]),
+        mass_kg: number(&value["mass"]),
+        inertia_kg_m2: number(&value["inertia"]),
+        com_m: numbers_or_zero(&value["com"]),
+        pose: numbers(&value["start"]),
+        rate: numbers_or_zero(&value["rate"]),
+        outlines: list(&value["outline"]).map(outline).collect(),
+    }
+}
+
+fn outline(value: &Value) -> Outline {
+    let radius_m = or(&value["radius"], 0.0);
+    let shape = match value["type"].as_str() {
+        Some("disc") => OutlineShape::Disc { center_m: numbers(&value["center"]), radius_m },
+        Some("capsule") => {
+            OutlineShape::Capsule { from_m: numbers(&value["from"]), to_m: numbers(&value["to"]), radius_m }
+        }
+        Some("half_plane") => {
+            OutlineShape::HalfPlane { point_m: numbers(&value["point"]), normal: numbers(&value["normal"]) }
+        }
+        other => panic!("outline {other:?}"),
+    };
+    Outline { name: text(&value["name"]), shape }
+}
+
+fn joint(value: &Value, mechanism: &Mechanism) -> Joint {
+    let kind = match value["type"].as_str() {
+        Some("revolute") => JointKind::Revolute,
+        Some("prismatic") => JointKind::Prismatic { axis_rad: number(&value["axis"]) },
+        other => panic!("joint {other:?}"),
+    };
+    Joint {
+        name: text(&value["name"]),
+        kind,
+        bodies: bodies(&value["bodies"], mechanism),
+        points_m: [0, 1].map(|side| numbers(&value["points"][side])),
+        offset_rad: or(&value["offset"], 0.0),
+        start: value["start"].as_f64(),
+        start_rate: or(&value["start_rate"], 0.0),
+        damping: or(&value["damping"], 0.0),
+        armature: or(&value["armature"], 0.0),
+        lower: value["lower"].as_f64(),
+        upper: value["upper"].as_f64(),
+        limit: value["limit"].is_object().then(|| normal_law(&value["limit"])),
+    }
+}
+
+fn coupling(value: &Value, mechanism: &Mechanism) -> Coupling {
+    let terms = object(&value["terms"]).map(|(joint, factor)| (joint_index(joint, mechanism), number(factor)));
+    Coupling { name: text(&value["name"]), terms: terms.collect(), value: or(&value["value"], 0.0) }
+}
+
+fn spring(value: &Value, mechanism: &Mechanism) -> Spring {
+    let kind = match value["type"].as_str() {
+        Some("torsional") => SpringKind::Torsional {
+            joint: joint_index(&text(&value["joint"]), mechanism),
+            preload: or(&value["torque"], 0.0),
+        },
+        Some("linear") => SpringKind::Linear {
+            bodies: bodies(&value["bodies"], mechanism),
+            points_m: [0, 1].map(|side| numbers(&value["points"][side])),
+        },
+        other => panic!("spring {other:?}"),
+    };
+    Spring {
+        name: text(&value["name"]),
+        kind,
+        stiffness: number(&value["stiffness"]),
+        damping: or(&value["damping"], 0.0),
+        rest: or(&value["rest"], 0.0),
+    }
+}
+
+fn actuator(value: &Value, mechanism: &Mechanism) -> Actuator {
+    let command = match value["kp"].as_f64() {
+        Some(kp) => Command::Servo { kp, kd: or(&value["kd"], 0.0), target: profile(&value["target"]) },
+        None => Command::Effort(profile(&value["torque"])),
+    };
+    Actuator {
+        name: text(&value["name"]),
+        joint: joint_index(&text(&value["joint"]), mechanism),
+        command,
+        // The reference program writes 1e300 for no limit.
+        limit: value["limit"].as_f64().filter(|limit| *limit < 1e300),
+        no_load_speed: value["no_load_speed"].as_f64(),
+    }
+}
+
+fn contact(value: &Value, mechanism: &Mechanism) -> ContactPair {
+    let friction = &value["friction"];
+    let friction = friction.is_object().then(|| FrictionLaw {
+        mu_static: number(&friction["mu_s"]),
+        mu_dynamic: number(&friction["mu_d"]),
+        v_static_m_s: number(&friction["v_s"]),
+        v_dynamic_m_s: number(&friction["v_d"]),
+        bristle: None,
+    });
+    let force_point = match value["at"].as_str() {
+        None | Some("face") => ForcePoint::Face,
+        Some("points") => ForcePoint::Points,
+        Some("middle") => ForcePoint::Middle,
+        other => panic!("force point {other:?}"),
+    };
+    ContactPair {
+        points: outline_id(&value["points"], mechanism),
+        face: outline_id(&value["face"], mechanism),
+        law: ContactLaw { normal: normal_law(value), friction },
+        force_point,
+    }
+}
+
+fn normal_law(value: &Value) -> NormalLaw {
+    let damping = match value["law"].as_str() {
+        Some("hunt_crossley") => Damping::HuntCrossley { factor_s_per_m: number(&value["damping"]) },
+        Some("step") => {
+            Damping::Step { max_n_s_per_m: number(&value["damping"]), transition_m: number(&value["depth"]) }
+        }
+        other => panic!("law {other:?}"),
+    };
+    NormalLaw { stiffness_n_per_m_e: number(&value["stiffness"]), exponent: number(&value["exponent"]), damping }
+}
+
+fn profile(value: &Value) -> Profile {
+    match value.as_f64() {
+        Some(value) => Profile::Constant { value },
+        None => Profile::Table {
+            points: list(value).map(|point| (number(&point[0]), number(&point[1]))).collect(),
+            interpolation: Interpolation::Linear,
+        },
+    }
+}
+
+fn body_index(name: &str, mechanism: &Mechanism) -> Option<usize> {
+    (name != "ground").then(|| mechanism.bodies.iter().position(|body| body.name == name).expect("a body"))
+}
+
+fn bodies(value: &Value, mechanism: &Mechanism) -> [Option<usize>; 2] {
+    [0, 1].map(|side| body_index(&text(&value[side]), mechanism))
+}
+
+fn joint_index(name: &str, mechanism: &Mechanism) -> usize {
+    mechanism.joints.iter().position(|joint| joint.name == name).expect("a joint")
+}
+
+fn outline_id(value: &Value, mechanism: &Mechanism) -> OutlineId {
+    let name = text(value);
+    let (body, outline) = name.split_once('.').expect("body.outline");
+    let body = body_index(body, mechanism);
+    let outlines = body.map_or(&mechanism.ground_outlines, |body| &mechanism.bodies[body].outlines);
+    OutlineId { body, outline: outlines.iter().position(|other| other.name == outline).expect("an outline") }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+fn or(value: &Value, default: f64) -> f64 {
+    value.as_f64().unwrap_or(default)
+}
+
+fn numbers<const N: usize>(value: &Value) -> [f64; N] {
+    std::array::from_fn(|i| number(&value[i]))
+}
+
+fn numbers_or_zero<const N: usize>(value: &Value) -> [f64; N] {
+    if value.is_null() { [0.0; N] } else { numbers(value) }
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().expect("text").to_owned()
+}
+
+fn list(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_array().into_iter().flatten()
+}
+
+fn object(value: &Value) -> impl Iterator<Item = (&String, &Value)> {
+    value.as_object().into_iter().flatten()
+}
