@@ -12,7 +12,7 @@ use super::pairs::{self, Frame, POSES};
 use crate::analytic::model::normal_force_on_branch;
 use crate::analytic::multibody::components::ContactLaws;
 use crate::analytic::multibody::contact_kinematics::{
-    WithDerivatives, contact_forces, contact_forces_with_derivatives,
+    ContactKinematics, WithDerivatives, contact_forces, contact_forces_with_derivatives,
 };
 use crate::integrator::{Linearised, Rates, System};
 use crate::mechanism::SpringKind;
@@ -59,7 +59,7 @@ impl<const K: usize> Factor<K> {
 }
 
 /// Passive torque or force on a joint: damping and torsional springs, with derivatives; and its damping.
-fn passive_effort<const N: usize, const K: usize, const C: usize>(
+pub(super) fn passive_effort<const N: usize, const K: usize, const C: usize>(
     model: &MechanismModel<N, K, C>,
     joint: usize,
     coordinate: f64,
@@ -453,8 +453,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub(super) fn point_kinematics(
         &self,
         motions: &Motions<f64, K>,
-        pair: &super::model::PointOnFace,
-    ) -> (crate::analytic::multibody::contact_kinematics::ContactKinematics<f64, POSES>, [f64; POSES]) {
+        pair: &pairs::PointOnFace,
+    ) -> (ContactKinematics<f64, POSES>, [f64; POSES]) {
         (pairs::contact(pair, &Self::frames(motions, pair.bodies)), Self::pair_rates(motions, pair.bodies))
     }
 }

@@ -5,10 +5,12 @@
 mod actuator;
 mod dynamics;
 mod events;
+mod joint_forces;
 mod kinematics;
 mod model;
 mod pairs;
 mod reading;
 
 pub use events::event_function_count;
+pub use joint_forces::JointForce;
 pub use model::{MechanismMode, MechanismModel, MechanismSize};

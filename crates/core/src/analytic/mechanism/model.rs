@@ -5,12 +5,13 @@ use std::cell::RefCell;
 use super::actuator::{MAX_ACTUATORS, Ranges};
 use super::dynamics::Factor;
 use super::kinematics::{Motions, PlacedGroup};
+use super::pairs::PointOnFace;
 use crate::analytic::ContactState;
 use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::mechanism::structure::{StructureError, find_groups};
-use crate::mechanism::{Actuator, Command, ForcePoint, Limit, Mechanism, OutlineShape, Pose, SpringKind};
+use crate::mechanism::{Actuator, Command, Limit, Mechanism, Pose, SpringKind};
 use crate::numeric::Dual;
 use std::ops::Index;
 
@@ -22,16 +23,6 @@ const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7
 pub(super) enum Surfaces {
     Point(PointOnFace),
     Limit(Limit),
-}
-
-/// A point of body A with a radius about it, against an outline of body B.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PointOnFace {
-    pub bodies: [Option<usize>; 2],
-    pub point_m: [f64; 2],
-    pub radius_m: f64,
-    pub face: OutlineShape,
-    pub force_point: ForcePoint,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -234,11 +225,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     #[inline(always)]
     pub(super) fn coordinates_in_use(&self) -> usize {
         self.coordinate_count
-    }
-
-    /// Index of the first bristle state.
-    pub(super) fn first_bristle(&self) -> usize {
-        self.coordinate_count - self.bristles.len()
     }
 
     /// Whether the friction of a contact has a bristle, so that it can stick.

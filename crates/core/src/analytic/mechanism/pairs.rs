@@ -1,11 +1,20 @@
 //! Forces between two bodies, on the poses (x, y, θ) of both: contacts of a point with a face, and linear springs.
 
 use super::kinematics::{BodyMotion, pair};
-use super::model::PointOnFace;
 use crate::analytic::multibody::contact_kinematics::{ContactKinematics, WithDerivatives};
 use crate::mechanism::{ForcePoint, OutlineShape, Spring};
 use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, scale_by, sub};
 use crate::numeric::{Dual, Real, array_from};
+
+/// A point of body A with a radius about it, against an outline of body B.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PointOnFace {
+    pub bodies: [Option<usize>; 2],
+    pub point_m: [f64; 2],
+    pub radius_m: f64,
+    pub face: OutlineShape,
+    pub force_point: ForcePoint,
+}
 
 /// Number of pose components of two bodies.
 pub(super) const POSES: usize = 6;
@@ -86,17 +95,6 @@ fn distance<T: Real>(face: &OutlineShape, frame: &Frame<T>, point: Vector<T>) ->
             }
         }
     }
-}
-
-/// Signed distance of a point from the change between the nearest features of a capsule (its side and its ends), along
-/// its axis, with its range: 0 before the side, 1 beside it, 2 after it. `None` for another outline.
-pub(super) fn feature(face: &OutlineShape, frame: &Frame<f64>, point: [f64; 2]) -> Option<[f64; 2]> {
-    let OutlineShape::Capsule { from_m, to_m, .. } = *face else { return None };
-    let axis = sub(to_m, from_m);
-    let length = dot(axis, axis).sqrt();
-    let direction = frame.rotated(scale_by(axis, 1.0 / length));
-    let along = dot(direction, sub(point, frame.position(from_m)));
-    Some([along, length - along])
 }
 
 /// Kinematics of a contact of two bodies with these frames: the rows are over the poses of both.
