@@ -349,8 +349,7 @@ fn read_node(
     (trackers, flipped): (&[ContactTracker], &[bool]),
     sample: &mut Sample,
 ) {
-    let counts =
-        Counts { fingers: system.fingers.len(), bodies: system.reported_discs().len(), contacts: trackers.len() };
+    let counts = Counts::of_fingers(system.fingers.len(), system.reported_discs().len(), trackers.len());
     sample.prepare(motion.clock.now(), counts);
     reading::read_state(system, motion, sample);
     for (channel, (tracker, flipped)) in trackers.iter().zip(flipped).enumerate() {
