@@ -37,7 +37,7 @@ pub(super) trait Reader<const N: usize, const Z: usize> {
 }
 
 /// Converts the energies of a state to those of a sample.
-fn stored_energy(energies: &Energies) -> Energy {
+pub(super) fn stored_energy(energies: &Energies) -> Energy {
     Energy {
         kinetic_j: energies.kinetic,
         gravity_j: energies.gravity,
@@ -48,7 +48,7 @@ fn stored_energy(energies: &Energies) -> Energy {
 }
 
 /// Converts a contact reading to a sample; `None` is a contact that does not exist.
-fn contact_sample(reading: Option<ContactReading>, impulse_n_s: f64) -> ContactSample {
+pub(super) fn contact_sample(reading: Option<ContactReading>, impulse_n_s: f64) -> ContactSample {
     reading.map_or(ContactSample::NONE, |r| ContactSample {
         gap_m: -r.delta,
         gap_rate_m_s: -r.delta_rate,

@@ -228,7 +228,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Whether the friction of a contact has a bristle, so that it can stick.
-    pub(crate) fn has_stiction(&self, contact: usize) -> bool {
+    pub fn has_stiction(&self, contact: usize) -> bool {
         self.contacts[contact].bristle.is_some()
     }
 
