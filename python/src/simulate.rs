@@ -93,7 +93,7 @@ pub fn run(
         None => CheckPolicy::IfCheap,
     };
     let input = RunInput { scene, model, scene_file: file_name.unwrap_or_else(|| "scene.toml".to_string()) };
-    let schema = Schema::from_system(&input.scene.system);
+    let schema = Schema::from_scene(&input.scene);
     let recording = Recording::new(&schema);
     let (report, recording) =
         interruptible::run(py, |keep_running| simulate(&input, log.as_deref(), check_policy, recording, keep_running))?
@@ -125,7 +125,7 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         let reading = log::read_file(&path, &mut reader)?;
         let Reader { schema, recording, mut observer, .. } = reader;
         // The page needs all data of the samples.
-        let scene = scene.filter(|scene| reading.is_drawable() && Schema::from_system(&scene.system) == schema);
+        let scene = scene.filter(|scene| reading.is_drawable() && Schema::from_scene(scene) == schema);
         Ok::<_, log::ReadError>((schema, recording, observer.report(path.display().to_string(), &reading), scene))
     })?;
     let (schema, recording, report, scene) = contents.map_err(|error| match &error {

@@ -200,7 +200,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let log = create_log(args, scene, live.as_ref(), &interrupt)?;
     let table = args.csv.as_deref().map(SampleTable::create).transpose()?;
     let mut outputs = Outputs { recorder: page.as_ref().map(|_| PlaybackRecorder::default()), table };
-    outputs.table.iter_mut().for_each(|table| table.set_schema(&Schema::from_system(&scene.system)));
+    outputs.table.iter_mut().for_each(|table| table.set_schema(&Schema::from_scene(scene)));
     let check_policy = match (args.check, args.no_check) {
         (true, _) => CheckPolicy::Always,
         (_, true) => CheckPolicy::Never,

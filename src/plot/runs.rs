@@ -15,7 +15,7 @@ const FIRST: Marker = Marker::FaintLine { width: 6.0 };
 
 /// Draws the difference between the two models in a validation of a scene with fingers.
 pub fn difference(scene: &Scene, found: &Validation) -> String {
-    let schema = Schema::from_system(&scene.system);
+    let schema = Schema::from_scene(scene);
     let (quantity, label) = match schema.bodies.is_empty() {
         true => ("the joint angles", "|engine − analytic|, rad"),
         false => ("the joint angles and the object", "|engine − analytic|, rad or m"),
@@ -113,7 +113,7 @@ pub fn overlay(scene: &Scene, found: &Validation) -> String {
     let title = format!("{}: analytic model and engine", scene.name);
     let end_s = found.reference.outcome.last.time_s;
     let labels = ["analytic (reference)", "engine"];
-    overlay_runs(&title, labels, &Schema::from_system(&scene.system), [&found.reference, &found.engine], end_s)
+    overlay_runs(&title, labels, &Schema::from_scene(scene), [&found.reference, &found.engine], end_s)
 }
 
 /// Draws two runs of this schema. Surfaces without contact are omitted if others have contact.

@@ -209,7 +209,7 @@ pub fn compare_criteria(scene: &Scene, analytic: &Recording, engine: &Recording)
         (SceneKind::Gripper, .., Some(analytic), Some(engine)) => compare_gripper(scene, runs, [analytic, engine]),
         (SceneKind::Finger | SceneKind::Gripper, ..) => Vec::new(),
         (SceneKind::Bodies, ..) => {
-            let schema = Schema::from_system(&scene.system);
+            let schema = Schema::from_scene(scene);
             let contacts = schema.contacts.into_iter().zip(analytic.rebounds.iter().zip(&engine.rebounds));
             let restitutions = contacts.filter_map(|(contact, (analytic, engine))| {
                 let values = [analytic, engine].map(Rebound::restitution);

@@ -20,7 +20,7 @@ use ContactState::{Active, Clamped, Free, Released};
 
 /// Variable by which the equations of motion are differentiated.
 #[derive(Clone, Copy, Debug)]
-enum Variable {
+pub(super) enum Variable {
     Time,
     Coordinate(usize),
     Rate(usize),
@@ -28,7 +28,7 @@ enum Variable {
 
 impl Variable {
     /// Index of time, coordinates or rates.
-    fn kind(self) -> usize {
+    pub fn kind(self) -> usize {
         match self {
             Variable::Time => 0,
             Variable::Coordinate(_) => 1,
@@ -38,26 +38,26 @@ impl Variable {
 }
 
 /// Entry of a Jacobian: an output of the equations of motion differentiated by a variable.
-struct Entry {
-    exact: f64,
+pub(super) struct Entry {
+    pub exact: f64,
     /// Value of the output.
-    value: f64,
+    pub value: f64,
     /// Kind of the variable.
-    kind: usize,
+    pub kind: usize,
     /// Largest derivatives of the output by time, coordinates and rates, and by variables of the same kind.
-    largest: [f64; 3],
-    row_size: f64,
+    pub largest: [f64; 3],
+    pub row_size: f64,
     /// Largest step of the differences.
-    h: f64,
+    pub h: f64,
 }
 
 /// Equations of motion in one state.
-struct Equations<'a, S: System<N, Z>, const N: usize, const Z: usize> {
-    system: &'a S,
-    mode: S::Mode,
-    t: f64,
-    q: [f64; N],
-    v: [f64; N],
+pub(super) struct Equations<'a, S: System<N, Z>, const N: usize, const Z: usize> {
+    pub system: &'a S,
+    pub mode: S::Mode,
+    pub t: f64,
+    pub q: [f64; N],
+    pub v: [f64; N],
 }
 
 impl<S: System<N, Z>, const N: usize, const Z: usize> Equations<'_, S, N, Z> {
@@ -97,7 +97,7 @@ impl<S: System<N, Z>, const N: usize, const Z: usize> Equations<'_, S, N, Z> {
 
     /// Compares every entry with differences of a step `h` that depends on the variable; a variable with a step of 0 is
     /// not compared.
-    fn check(&self, name: &str, levels: u32, h: impl Fn(Variable) -> f64, allowed: impl Fn(&Entry) -> f64) {
+    pub fn check(&self, name: &str, levels: u32, h: impl Fn(Variable) -> f64, allowed: impl Fn(&Entry) -> f64) {
         let exact = self.linearise();
         let values = self.outputs(Variable::Time, 0.0);
         let variables = (0..N).flat_map(|i| [Variable::Coordinate(i), Variable::Rate(i)]).chain([Variable::Time]);

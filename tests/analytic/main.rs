@@ -17,6 +17,7 @@ mod laws_bodies;
 mod laws_bristle;
 mod laws_forces;
 mod laws_scenes;
+mod mechanism;
 mod mixed_systems;
 mod newton_euler;
 mod singularity;

@@ -190,7 +190,7 @@ fn brake() -> Brake {
 }
 
 fn names(scene: &Scene) -> Vec<String> {
-    Schema::from_system(&scene.system).contacts.into_iter().map(|contact| contact.name).collect()
+    Schema::from_scene(scene).contacts.into_iter().map(|contact| contact.name).collect()
 }
 
 #[test]

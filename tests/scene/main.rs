@@ -12,6 +12,7 @@ mod files;
 mod finger;
 mod fuzz_corpus;
 mod gripper;
+mod mechanism;
 mod settings;
 mod unsupported;
 

@@ -48,6 +48,7 @@ pub fn scene_of(system: System, duration_s: f64) -> Scene {
         source: String::new(),
         bounds: Bounds::defaults_for_run(system.kind(), duration_s),
         system,
+        mechanism: None,
         duration_s,
         integrator: Integrator::preset(Preset::Reference),
         engine: Engine::DEFAULT,

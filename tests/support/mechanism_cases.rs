@@ -10,7 +10,10 @@ use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointKind, Mechanism, Outline, OutlineId,
     OutlineShape, Pose, Spring, SpringKind, Start,
 };
+use phalanx::scene::Scene;
 use serde_json::Value;
+
+use super::laws::{EMPTY, scene_of};
 
 /// A mechanism and its reference solution. Lists follow the order of the mechanism.
 pub struct MechanismCase {
@@ -42,6 +45,13 @@ pub struct ContactValues {
     pub slip_m_s: f64,
     pub normal_force_n: f64,
     pub friction_force_n: f64,
+}
+
+impl MechanismCase {
+    /// Returns the scene of the case.
+    pub fn scene(&self) -> Scene {
+        Scene { mechanism: Some(self.mechanism.clone()), ..scene_of(EMPTY, self.duration_s) }
+    }
 }
 
 /// All cases, ordered by name.

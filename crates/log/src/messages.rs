@@ -25,7 +25,9 @@ const EVENT_NUMBERS: [&str; 4] = ["approach_speed_m_s", "impulse_n_s", "approach
 pub(crate) fn message_name(kind: SubjectKind) -> &'static str {
     match kind {
         SubjectKind::Joint => "phalanx.Joint",
+        SubjectKind::Slider => "phalanx.Slider",
         SubjectKind::Actuator => "phalanx.Actuator",
+        SubjectKind::LinearActuator => "phalanx.LinearActuator",
         SubjectKind::Body => "phalanx.Body",
         SubjectKind::Contact => "phalanx.Contact",
         SubjectKind::Limit => "phalanx.Limit",

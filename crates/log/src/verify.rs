@@ -166,7 +166,7 @@ impl<R: Read + Seek> LogComparison<R> {
         };
         let differing = keys.into_iter().map(entry).filter(|entry| entry.log != entry.new_run).collect();
         let assembler = Assembler::new(&mut scan);
-        let (schema, new_schema) = (assembler.schema(), Schema::from_system(&new_run.scene.system));
+        let (schema, new_schema) = (assembler.schema(), Schema::from_scene(&new_run.scene));
         let new_channels = new_schema.channels();
         let pair = |channel: Channel| {
             let other = new_channels.iter().find(|other| other.name == channel.name)?.clone();

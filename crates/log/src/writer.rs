@@ -57,7 +57,7 @@ impl<W: Write> Writer<W> {
         let mut file = McapFile::start(out, name, run, feed)?;
         let scene = run.scene.clone();
         let system = &scene.system;
-        let schema = Schema::from_system(system);
+        let schema = Schema::from_scene(&scene);
         let mut channels = Vec::new();
         for (Subject { kind, first, .. }, (topic, _, exists)) in schema.subjects().iter().zip(subject_channels(&schema))
         {

@@ -41,7 +41,7 @@ pub struct ValidationReport<'a> {
 impl<'a> ValidationReport<'a> {
     /// Creates the report. `ladder` are the options of the ladder of `validation`, if it was run.
     pub fn new(scene: &'a Scene, validation: &'a Validation, ladder: Option<LadderOptions>) -> Self {
-        let schema = Schema::from_system(&scene.system);
+        let schema = Schema::from_scene(scene);
         ValidationReport { scene, schema, validation, ladder, files: None }
     }
 
@@ -371,7 +371,7 @@ const OMITTED_FOR_DISCS: &str =
 pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
     let is_finger = scene.kind() == SceneKind::Finger;
     // The first column is the time.
-    let all = Schema::from_system(&scene.system).channels().into_iter().skip(1);
+    let all = Schema::from_scene(scene).channels().into_iter().skip(1);
     let all: Vec<Channel> = match scene.kind() {
         SceneKind::Finger => {
             let position = |column: &Channel| FINGER_COLUMNS.split(' ').position(|name| name == column.name);

@@ -8,6 +8,7 @@
 
 mod finger;
 mod finger_events;
+pub mod mechanism;
 mod mode;
 mod model;
 pub mod multibody;

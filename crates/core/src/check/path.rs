@@ -316,7 +316,7 @@ pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn
         // The recorder never fails. If the other sink fails, its caller handles the error.
         Err(RunError::Sink(_)) => (Outcome::default(), None),
     };
-    let surfaces: Vec<usize> = Schema::from_system(&scene.system).surfaces().collect();
+    let surfaces: Vec<usize> = Schema::from_scene(scene).surfaces().collect();
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
     let forces = surfaces.iter().filter_map(|index| outcome.last.contacts().nth(*index));
     Path {

@@ -180,7 +180,7 @@ impl Coordinate {
     }
 
     /// Returns the second time derivative of the coordinate at these velocities without accelerations.
-    pub(crate) fn second_rate(&self, poses: &[BodyPose], velocities: &[Twist]) -> f64 {
+    pub fn second_rate(&self, poses: &[BodyPose], velocities: &[Twist]) -> f64 {
         let (Measure::Slide { points, .. } | Measure::Distance { points }) = &self.measure else { return 0.0 };
         let at = Points::new(points, |body| poses[body]);
         let [first, second] = [0, 1].map(|k: usize| points[k].body.map_or([0.0; 3], |body| velocities[body]));

@@ -2,8 +2,8 @@
 
 use super::coordinate::{BodyPose, Coordinate, Measure, Twist};
 use super::plan::{
-    Capsule, ContactPointConvention, Plan, PlannedBody, PlannedContact, PlannedGear, PlannedJoint, PlannedMotor,
-    PlannedServo, PlannedSpring, PlannedStop, PlannedSurface, ServoLaw, Shape, SurfaceId,
+    Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedContact, PlannedGear, PlannedJoint,
+    PlannedMotor, PlannedServo, PlannedSpring, PlannedStop, PlannedSurface, ServoLaw, Shape, SurfaceId,
 };
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
@@ -85,21 +85,21 @@ fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: 
         add_damper(plan, *coordinate, joint.damping);
     }
     for spring in &mechanism.springs {
-        let (extension, preload) = match spring.kind {
-            SpringKind::Torsional { joint, preload } => (coordinates[joint].less(spring.rest), preload),
+        let extension = match spring.kind {
+            SpringKind::Torsional { joint, preload } => {
+                if preload != 0.0 {
+                    let kind = gripper::SpringKind::Constant { torque_n_m: -preload };
+                    plan.springs.push(PlannedSpring { extension: coordinates[joint], kind });
+                }
+                coordinates[joint].less(spring.rest)
+            }
             SpringKind::Linear { bodies, points_m } => {
                 let points = [0, 1].map(|k: usize| plan.body_point(bodies[k], points_m[k]));
-                (Coordinate { measure: Measure::Distance { points }, offset: spring.rest }, 0.0)
+                Coordinate { measure: Measure::Distance { points }, offset: spring.rest }
             }
         };
         if spring.stiffness != 0.0 {
-            let kind = gripper::SpringKind::Torsional {
-                stiffness_n_m_per_rad: spring.stiffness,
-                preload_rad: -preload / spring.stiffness,
-            };
-            plan.springs.push(PlannedSpring { extension, kind });
-        } else if preload != 0.0 {
-            let kind = gripper::SpringKind::Constant { torque_n_m: -preload };
+            let kind = gripper::SpringKind::Torsional { stiffness_n_m_per_rad: spring.stiffness, preload_rad: 0.0 };
             plan.springs.push(PlannedSpring { extension, kind });
         }
         add_damper(plan, extension, spring.damping);
@@ -117,15 +117,19 @@ fn add_damper(plan: &mut Plan, coordinate: Coordinate, damping: f64) {
 fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
     let limit = actuator.limit.unwrap_or(f64::INFINITY);
     match &actuator.command {
-        Command::Effort(profile) => plan.motors.push(PlannedMotor {
-            shaft: coordinate,
-            actuation: profile.clone(),
-            limit,
-            no_load_speed_rad_s: actuator.no_load_speed,
-        }),
+        Command::Effort(profile) => {
+            plan.actuators.push(PlannedActuator::Motor(plan.motors.len()));
+            plan.motors.push(PlannedMotor {
+                shaft: coordinate,
+                actuation: profile.clone(),
+                limit,
+                no_load_speed_rad_s: actuator.no_load_speed,
+            });
+        }
         Command::Servo { kp, kd, target } => {
             let slope = actuator.no_load_speed.map_or(0.0, f64::recip);
             let law = ServoLaw { kp: *kp, kd: *kd, limit, slope, target_rate: 0.0 };
+            plan.actuators.push(PlannedActuator::Servo(plan.servos.len()));
             plan.servos.push(PlannedServo { coordinate, target: target.clone(), law, is_motor: true });
         }
     }

@@ -121,6 +121,13 @@ pub struct PlannedServo {
     pub is_motor: bool,
 }
 
+/// An actuator by its index among the motors or the servos.
+#[derive(Clone, Copy, Debug)]
+pub enum PlannedActuator {
+    Motor(usize),
+    Servo(usize),
+}
+
 /// u = kp δ + kd δ̇ with the error δ of the coordinate, |u| ≤ limit; the force is u − |u| q̇/ω₀ at the rate q̇.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLaw {
@@ -259,6 +266,8 @@ pub struct Plan {
     pub gears: Vec<PlannedGear>,
     pub motors: Vec<PlannedMotor>,
     pub servos: Vec<PlannedServo>,
+    /// Actuators of a mechanism, in its order.
+    pub actuators: Vec<PlannedActuator>,
     pub brakes: Vec<PlannedBrake>,
     pub rotors: Vec<PlannedRotor>,
     pub drives: Vec<PlannedDrive>,
@@ -280,6 +289,17 @@ impl Plan {
             Some(ratio * motor.torque(t, motor.shaft.row(poses).rate(velocities)))
         };
         self.motors.iter().filter_map(torque).sum()
+    }
+
+    /// Returns the torque or force of an actuator at time `t`, at these poses and velocities.
+    pub fn effort(&self, actuator: PlannedActuator, t: f64, (poses, velocities): (&[BodyPose], &[Twist])) -> f64 {
+        match actuator {
+            PlannedActuator::Motor(index) => {
+                let motor = &self.motors[index];
+                motor.torque(t, motor.shaft.row(poses).rate(velocities))
+            }
+            PlannedActuator::Servo(index) => self.servos[index].force(t, poses, velocities),
+        }
     }
 
     /// Returns the next time after `t` at which a motor torque, a brake or the palm motion has a discontinuity.

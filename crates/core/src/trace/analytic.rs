@@ -1,6 +1,8 @@
 //! Runs the analytic model of a scene and reports the run to a sink.
 
 use super::grid::Span;
+#[cfg(feature = "lists")]
+use super::mechanism::run_mechanism;
 use super::reading::{Reader, SystemReader};
 use super::recorder::Recorder;
 use super::{Outcome, Reach, RunError, Sink, Work};
@@ -9,6 +11,8 @@ use crate::analytic::multibody::{MAX_SIZES, TooLarge, count_moving_discs};
 use crate::analytic::multibody::{Multibody, Size};
 use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
 use crate::integrator::{self, Counters, Hybrid, Options, RadauOrRodas, State, Tolerances, integrate_by};
+#[cfg(not(feature = "lists"))]
+use crate::mechanism::Mechanism;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Method, Motor, Scene, Side, System};
 
@@ -22,6 +26,9 @@ use crate::scene::{Integrator, Method, Motor, Scene, Side, System};
 /// Returns an error if the scene has more discs or pairs than the model supports or is unsupported
 /// ([`System::unsupported`](crate::scene::System::unsupported)), the sink fails, or the simulation does not complete.
 pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    if let Some(mechanism) = &scene.mechanism {
+        return run_mechanism(scene, mechanism, sink);
+    }
     let system = &scene.system;
     if let Some(reason) = system.unsupported() {
         return Err(RunError::rejected(reason.to_string(), Outcome::default()));
@@ -85,6 +92,11 @@ fn too_large(error: &TooLarge) -> RunError {
 }
 
 #[cfg(not(feature = "lists"))]
+fn run_mechanism(scene: &Scene, _: &Mechanism, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    run_general(scene, sink)
+}
+
+#[cfg(not(feature = "lists"))]
 fn run_discs(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     run_general(scene, sink)
 }
@@ -136,7 +148,7 @@ fn run_multibody<const N: usize, const C: usize, const Z: usize, const G: usize>
 
 /// Integrates a model from `start` to the end of the scene, or to where the object leaves the reach of the fingers, and
 /// records the samples that `reader` produces.
-fn simulate<M, R, const N: usize, const Z: usize, const G: usize>(
+pub(super) fn simulate<M, R, const N: usize, const Z: usize, const G: usize>(
     model: &M,
     reader: &R,
     start: State<N, Z>,

@@ -3,8 +3,9 @@
 use super::engine_recorder::EngineRecorder;
 use super::grid::Span;
 use super::{Outcome, RunError, Sink, SinkError};
-use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
+use crate::engine::{Motion, Plan, StepError, Tolerance, build_mechanism_plan, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
+use crate::mechanism::assemble;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Construction, Engine, Scene, Stepping};
 
@@ -31,6 +32,21 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
     }
     let Scene { system, engine, .. } = scene;
     let kind = scene.kind();
+    if let Some(mechanism) = &scene.mechanism {
+        let reject = |reason: String| RunError::rejected(reason, Outcome::default());
+        if engine.construction == Construction::Reduced {
+            return Err(reject(
+                "joint coordinates (construction \"reduced\") are for one finger, not for mechanisms".into(),
+            ));
+        }
+        if !engine.uses_laws() {
+            return Err(reject(
+                "rapier's own contact (law \"rapier\") is for fingers and discs, not for mechanisms".into(),
+            ));
+        }
+        let start = assemble(mechanism).map_err(|error| reject(error.to_string()))?;
+        return run_plan(&build_mechanism_plan(mechanism, &start), scene, sink, Outcome::default);
+    }
     let initial_outcome = || if kind == SceneKind::Finger { Outcome::stationary_finger() } else { Outcome::default() };
     let plan = build_plan(system).map_err(|side| {
         let reason = match kind {
@@ -45,8 +61,18 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
         let reason = "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string();
         return Err(RunError::rejected(reason, initial_outcome()));
     }
-    let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
-    match Motion::new(&plan, world) {
+    run_plan(&plan, scene, sink, initial_outcome)
+}
+
+fn run_plan(
+    plan: &Plan,
+    scene: &Scene,
+    sink: &mut dyn Sink,
+    initial_outcome: impl Fn() -> Outcome,
+) -> Result<Outcome, RunError> {
+    let engine = &scene.engine;
+    let world = build_world(plan, engine.construction, engine.response, engine.iterations);
+    match Motion::new(plan, world) {
         Ok(motion) => simulate(motion, scene, sink),
         Err(error) => Err(RunError::rejected(error.to_string(), initial_outcome())),
     }

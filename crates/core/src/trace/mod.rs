@@ -13,6 +13,8 @@ mod engine_reading;
 mod engine_recorder;
 mod extrema;
 mod grid;
+#[cfg(feature = "lists")]
+mod mechanism;
 mod model;
 mod outcome;
 pub mod overrides;

@@ -37,7 +37,7 @@ pub(super) trait Reader<const N: usize, const Z: usize> {
 }
 
 /// Converts the energies of a state to those of a sample.
-fn stored_energy(energies: &Energies) -> Energy {
+pub(super) fn stored_energy(energies: &Energies) -> Energy {
     Energy {
         kinetic_j: energies.kinetic,
         gravity_j: energies.gravity,
@@ -48,7 +48,7 @@ fn stored_energy(energies: &Energies) -> Energy {
 }
 
 /// Converts a contact reading to a sample; `None` is a contact that does not exist.
-fn contact_sample(reading: Option<ContactReading>, impulse_n_s: f64) -> ContactSample {
+pub(super) fn contact_sample(reading: Option<ContactReading>, impulse_n_s: f64) -> ContactSample {
     reading.map_or(ContactSample::NONE, |r| ContactSample {
         gap_m: -r.delta,
         gap_rate_m_s: -r.delta_rate,
@@ -90,7 +90,7 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
             qd22_rad_s: passive.qd22,
             motor_torque_n_m: if required_data.passive { self.motor_torque(t) } else { 0.0 },
         };
-        sample.prepare(t, Counts { fingers: 1, bodies: 0, contacts: FingerContact::ALL.len() });
+        sample.prepare(t, Counts::of_fingers(1, 0, FingerContact::ALL.len()));
         sample.set_finger(0, &finger);
         FingerContact::ALL
             .into_iter()
@@ -165,11 +165,8 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
             let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.disc_pose(disc, q), model.disc_rates(disc, v));
             BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
         };
-        let counts = Counts {
-            fingers: self.system.fingers.len(),
-            bodies: self.system.reported_discs().len(),
-            contacts: model.contact_count(),
-        };
+        let counts =
+            Counts::of_fingers(self.system.fingers.len(), self.system.reported_discs().len(), model.contact_count());
         sample.prepare(t, counts);
         (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
         (0..counts.bodies).for_each(|k| sample.set_body(k, &disc(k)));

@@ -32,7 +32,7 @@ impl Recording {
 
     /// Creates an empty recording for the samples of a scene.
     pub fn for_scene(scene: &Scene) -> Self {
-        Recording::new(&Schema::from_system(&scene.system))
+        Recording::new(&Schema::from_scene(scene))
     }
 
     /// Returns the channels of the columns: `time_s` first, the energies last.

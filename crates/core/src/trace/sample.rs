@@ -132,7 +132,7 @@ impl Sample {
 
     /// Returns a sample of these states.
     pub fn of(time_s: f64, fingers: &[FingerState], bodies: &[BodyState], contacts: &[ContactSample]) -> Self {
-        let counts = Counts { fingers: fingers.len(), bodies: bodies.len(), contacts: contacts.len() };
+        let counts = Counts::of_fingers(fingers.len(), bodies.len(), contacts.len());
         let mut sample = Sample::new(time_s, counts);
         fingers.iter().enumerate().for_each(|(k, state)| sample.set_finger(k, state));
         bodies.iter().enumerate().for_each(|(k, state)| sample.set_body(k, state));
@@ -142,7 +142,7 @@ impl Sample {
 
     /// Returns a sample of one finger and its contacts, with all values zero.
     pub fn with_one_finger() -> Self {
-        Sample::new(0.0, Counts { fingers: 1, bodies: 0, contacts: FingerContact::ALL.len() })
+        Sample::new(0.0, Counts::of_fingers(1, 0, FingerContact::ALL.len()))
     }
 
     /// Prepares the sample for a time and these numbers of subjects; reuses its allocation. Numbers are not cleared.
@@ -180,7 +180,6 @@ impl Sample {
     pub fn finger(&self, index: usize) -> FingerState {
         assert!(index < self.counts.fingers, "a sample of {} fingers has no finger {index}", self.counts.fingers);
         let [q11, q21, q12, q22, q13] = array_from(|k| self.joint(index, k));
-        let ActuatorState { torque_n_m } = self.state(self.counts.actuator(index));
         FingerState {
             q11_rad: q11.angle_rad,
             q21_rad: q21.angle_rad,
@@ -191,13 +190,32 @@ impl Sample {
             q13_rad: q13.angle_rad,
             qd12_rad_s: q12.rate_rad_s,
             qd22_rad_s: q22.rate_rad_s,
-            motor_torque_n_m: torque_n_m,
+            motor_torque_n_m: self.actuator(index),
         }
     }
 
     /// Returns a joint of a finger, numbered as in [`FINGER_JOINTS`].
     pub fn joint(&self, finger: usize, joint: usize) -> JointState {
-        self.state(self.counts.joint(FINGER_JOINTS.len() * finger + joint))
+        self.joint_state(FINGER_JOINTS.len() * finger + joint)
+    }
+
+    /// Returns a joint; those of fingers come first, with [`FINGER_JOINTS`] of each.
+    pub fn joint_state(&self, index: usize) -> JointState {
+        self.state(self.counts.joint(index))
+    }
+
+    pub fn set_joint(&mut self, index: usize, joint: &JointState) {
+        self.set_state(self.counts.joint(index), joint);
+    }
+
+    /// Returns the torque of an actuator, N·m (prismatic joint: its force, N).
+    pub fn actuator(&self, index: usize) -> f64 {
+        self.state::<1, ActuatorState>(self.counts.actuator(index)).torque_n_m
+    }
+
+    /// Sets the torque of an actuator, N·m (prismatic joint: its force, N).
+    pub fn set_actuator(&mut self, index: usize, torque_n_m: f64) {
+        self.set_state(self.counts.actuator(index), &ActuatorState { torque_n_m });
     }
 
     /// Sets angles, rates and torque of a finger. The forces of its joints stay.
@@ -215,7 +233,7 @@ impl Sample {
             let first = self.counts.joint(FINGER_JOINTS.len() * index + k);
             self.values[first..first + 2].copy_from_slice(&[angle_rad, rate_rad_s]);
         }
-        self.set_state(self.counts.actuator(index), &ActuatorState { torque_n_m: motor_torque_n_m });
+        self.set_actuator(index, motor_torque_n_m);
     }
 
     /// Sets the forces of the joints of a finger, in the order of [`FINGER_JOINTS`].
@@ -279,10 +297,11 @@ impl Sample {
         self.set_state(self.counts.energy(), energy);
     }
 
-    /// Whether a contact is a joint limit, whose gap is an angle.
+    /// Whether a contact is a joint limit.
     pub fn is_stop(&self, contact: usize) -> bool {
-        contact / FingerContact::ALL.len() < self.counts.fingers
-            && contact % FingerContact::ALL.len() == FingerContact::Limit as usize
+        let is_of_finger = contact / FingerContact::ALL.len() < self.counts.fingers
+            && contact % FingerContact::ALL.len() == FingerContact::Limit as usize;
+        is_of_finger || contact >= self.counts.contacts - self.counts.limits
     }
 
     /// Contacts between surfaces, that is all except joint limits.
@@ -290,13 +309,14 @@ impl Sample {
         self.contacts().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
     }
 
-    /// Returns a sample of the same fingers, and of the bodies and contacts with these indices.
+    /// Returns a sample of the same joints and actuators, and of the bodies and contacts with these indices.
     #[must_use]
     pub fn select(&self, bodies: &[usize], contacts: &[usize]) -> Sample {
-        let counts = Counts { bodies: bodies.len(), contacts: contacts.len(), ..self.counts };
+        let limits = contacts.iter().filter(|index| self.counts.limits > 0 && self.is_stop(**index)).count();
+        let counts = Counts { bodies: bodies.len(), contacts: contacts.len(), limits, ..self.counts };
         let mut selected = Sample::new(self.time_s, counts);
-        let of_fingers = ..self.counts.body(0);
-        selected.values[of_fingers].copy_from_slice(&self.values[of_fingers]);
+        let of_joints = ..self.counts.body(0);
+        selected.values[of_joints].copy_from_slice(&self.values[of_joints]);
         bodies.iter().enumerate().for_each(|(k, &index)| selected.set_body(k, &self.body(index)));
         contacts.iter().enumerate().for_each(|(k, &index)| selected.set_contact(k, &self.contact(index)));
         selected.set_energy(&self.energy());
@@ -306,18 +326,9 @@ impl Sample {
     /// Copies the rates of another sample of the same run.
     #[cfg(feature = "engine")]
     pub(super) fn copy_rates(&mut self, source: &Self) {
-        for index in 0..self.counts.fingers {
-            let (finger, from) = (self.finger(index), source.finger(index));
-            self.set_finger(
-                index,
-                &FingerState {
-                    qd11_rad_s: from.qd11_rad_s,
-                    qd21_rad_s: from.qd21_rad_s,
-                    qd12_rad_s: from.qd12_rad_s,
-                    qd22_rad_s: from.qd22_rad_s,
-                    ..finger
-                },
-            );
+        for index in 0..self.counts.joints {
+            let rate = self.counts.joint(index) + 1;
+            self.values[rate] = source.values[rate];
         }
         for index in 0..self.counts.bodies {
             let from = source.body(index);
@@ -336,7 +347,7 @@ impl Sample {
         let (instant, counts) = (Instant { h, x: ((t - a.time_s) / h).clamp(0.0, 1.0) }, a.counts);
         self.prepare(t, counts);
         let mut subjects = Subjects { instant, a: &a.values, b: &b.values, out: &mut self.values };
-        subjects.interpolate::<4, JointState>(counts.joint(0), counts.actuator(0));
+        subjects.interpolate::<5, JointState>(counts.joint(0), counts.actuator(0));
         subjects.interpolate::<1, ActuatorState>(counts.actuator(0), counts.body(0));
         subjects.interpolate::<6, BodyState>(counts.body(0), counts.contact(0));
         subjects.interpolate::<11, ContactSample>(counts.contact(0), counts.energy());

@@ -7,8 +7,9 @@
 
 use serde::Serialize;
 
+use crate::mechanism::{Joint, JointKind, Mechanism};
 use crate::scene::keywords::SceneKind;
-use crate::scene::{Disc, GripperContact, Side, System};
+use crate::scene::{Disc, GripperContact, Scene, Side, System};
 
 /// Rule for values between two samples. `rate` is the index of the rate among the quantities of the subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,8 +46,13 @@ const fn cubic(key: &'static str, unit: &'static str, rate: usize) -> Quantity {
 /// Kind of a subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SubjectKind {
+    /// A revolute joint.
     Joint,
+    /// A prismatic joint.
+    Slider,
     Actuator,
+    /// The actuator of a prismatic joint, which exerts a force.
+    LinearActuator,
     Body,
     Contact,
     /// A contact of a joint with its limit: its gap is an angle, its force a torque.
@@ -58,8 +64,11 @@ impl SubjectKind {
     /// Returns the quantities, each with its index among the numbers of the subject.
     pub fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
         let (all, indices): (&[Quantity], &[usize]) = match self {
-            SubjectKind::Joint => (&JointState::QUANTITIES, &[]),
+            // The pin of a revolute joint has no moment.
+            SubjectKind::Joint => (&JointState::QUANTITIES[..4], &[]),
+            SubjectKind::Slider => (&SLIDER_QUANTITIES, &[]),
             SubjectKind::Actuator => (&ActuatorState::QUANTITIES, &[]),
+            SubjectKind::LinearActuator => (&LINEAR_ACTUATOR_QUANTITIES, &[]),
             SubjectKind::Body => (&BodyState::QUANTITIES, &[]),
             SubjectKind::Contact => (&ContactSample::QUANTITIES, &[]),
             SubjectKind::Limit => (&LIMIT_QUANTITIES, &LIMIT_INDICES),
@@ -71,8 +80,8 @@ impl SubjectKind {
     /// Name in topics and events.
     pub fn name(self) -> &'static str {
         match self {
-            SubjectKind::Joint => "joint",
-            SubjectKind::Actuator => "actuator",
+            SubjectKind::Joint | SubjectKind::Slider => "joint",
+            SubjectKind::Actuator | SubjectKind::LinearActuator => "actuator",
             SubjectKind::Body => "body",
             SubjectKind::Contact => "contact",
             SubjectKind::Limit => "limit",
@@ -96,33 +105,46 @@ pub trait State<const K: usize>: Sized {
     fn from_values(values: [f64; K]) -> Self;
 }
 
-/// State of a revolute joint: its angle, and the force that the pin exerts on the link named after the joint (for the
-/// pin that closes a loop: on the last link), in the frame of the palm.
+/// State of a joint: its coordinate, and the force that it exerts. In a finger the force acts on the link named after
+/// the joint (for the pin that closes a loop: on the last link), in the frame of the palm; in a mechanism on the second
+/// body of the joint at its point, in the frame of the world. For a prismatic joint read m for rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointState {
     pub angle_rad: f64,
     pub rate_rad_s: f64,
     pub force_n: [f64; 2],
+    /// Moment of the guide of a prismatic joint; 0 for a revolute joint.
+    pub moment_n_m: f64,
 }
 
-impl State<4> for JointState {
-    const QUANTITIES: [Quantity; 4] = [
+impl State<5> for JointState {
+    const QUANTITIES: [Quantity; 5] = [
         Quantity { key: "angle_rad", unit: "rad", interpolation: Interpolation::Angle { rate: 1 } },
         linear("rate_rad_s", "rad/s"),
         linear("force_x_n", "N"),
         linear("force_y_n", "N"),
+        linear("moment_n_m", "N·m"),
     ];
 
-    fn values(&self) -> [f64; 4] {
-        [self.angle_rad, self.rate_rad_s, self.force_n[0], self.force_n[1]]
+    fn values(&self) -> [f64; 5] {
+        [self.angle_rad, self.rate_rad_s, self.force_n[0], self.force_n[1], self.moment_n_m]
     }
 
-    fn from_values([angle_rad, rate_rad_s, force_x, force_y]: [f64; 4]) -> Self {
-        Self { angle_rad, rate_rad_s, force_n: [force_x, force_y] }
+    fn from_values([angle_rad, rate_rad_s, force_x, force_y, moment_n_m]: [f64; 5]) -> Self {
+        Self { angle_rad, rate_rad_s, force_n: [force_x, force_y], moment_n_m }
     }
 }
 
-/// State of the actuator of a joint.
+/// Quantities of a prismatic joint, in the order of a [`JointState`].
+const SLIDER_QUANTITIES: [Quantity; 5] = [
+    cubic("position_m", "m", 1),
+    linear("rate_m_s", "m/s"),
+    linear("force_x_n", "N"),
+    linear("force_y_n", "N"),
+    linear("moment_n_m", "N·m"),
+];
+
+/// State of the actuator of a joint. For a prismatic joint read N for N·m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ActuatorState {
     pub torque_n_m: f64,
@@ -139,6 +161,8 @@ impl State<1> for ActuatorState {
         Self { torque_n_m }
     }
 }
+
+const LINEAR_ACTUATOR_QUANTITIES: [Quantity; 1] = [linear("force_n", "N")];
 
 /// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise and not reduced by whole
 /// turns.
@@ -342,13 +366,26 @@ pub(super) enum Source {
     Contact(usize, usize),
 }
 
-/// Names of the fingers, bodies and contacts of a scene's samples, in their order, and the channels they imply.
+/// Names of the subjects of a scene's samples, in their order, and the channels they imply.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Schema {
-    /// Names of the fingers; the name of a single finger is empty.
+    /// Names of the fingers; the name of a single finger is empty. Their joints and motors are among `joints` and
+    /// `actuators`.
     pub fingers: Vec<String>,
+    pub joints: Vec<JointName>,
+    pub actuators: Vec<JointName>,
     pub bodies: Vec<String>,
     pub contacts: Vec<ContactName>,
+    /// Number of contacts at the end that are joint limits of a mechanism.
+    pub limits: usize,
+}
+
+/// Name of a joint or actuator of a sample.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JointName {
+    pub name: String,
+    /// Whether the joint is prismatic.
+    pub is_linear: bool,
 }
 
 /// Name of a contact of a sample. Names are equal whether the scene has the contact or not.
@@ -378,8 +415,37 @@ impl ContactName {
 const TIME: &str = "time_s";
 
 impl Schema {
-    /// Returns the schema of a system; contacts are in the order of [`System::contact_ids`].
-    pub fn from_system(system: &System) -> Self {
+    /// Returns the schema of a scene. Contacts are in the order of [`System::contact_ids`]; in a mechanism those of
+    /// [`Mechanism::point_contacts`] come first, and [`Mechanism::limits`] follow.
+    pub fn from_scene(scene: &Scene) -> Self {
+        scene.mechanism.as_ref().map_or_else(|| Self::from_system(&scene.system), Self::from_mechanism)
+    }
+
+    fn from_mechanism(mechanism: &Mechanism) -> Self {
+        let is_linear = |joint: &Joint| matches!(joint.kind, JointKind::Prismatic { .. });
+        let joint_name = |name: &str, joint| JointName { name: name.to_string(), is_linear: is_linear(joint) };
+        let contact = |name, is_angular| ContactName { name, is_angular, exists: true };
+        let surfaces = mechanism.point_contacts().into_iter().map(|point| contact(point.name, false));
+        let limits = mechanism.limits();
+        let limit_names = limits.iter().map(|limit| {
+            // The limit of a prismatic joint has the units of a contact between surfaces.
+            contact(mechanism.limit_name(limit), !is_linear(&mechanism.joints[limit.joint]))
+        });
+        Self {
+            fingers: Vec::new(),
+            joints: mechanism.joints.iter().map(|joint| joint_name(&joint.name, joint)).collect(),
+            actuators: mechanism
+                .actuators
+                .iter()
+                .map(|actuator| joint_name(&actuator.name, &mechanism.joints[actuator.joint]))
+                .collect(),
+            bodies: mechanism.bodies.iter().map(|body| body.name.clone()).collect(),
+            contacts: surfaces.chain(limit_names).collect(),
+            limits: limits.len(),
+        }
+    }
+
+    fn from_system(system: &System) -> Self {
         let gripper_contacts = system.gripper_contacts();
         let contact = |(index, id)| ContactName {
             name: system.contact_name(id),
@@ -412,10 +478,19 @@ impl Schema {
             exists: false,
         };
         let sides = Side::BOTH.iter().take(count);
+        let fingers: Vec<String> =
+            sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect();
+        let of_finger = |finger: &str, part: &str| JointName {
+            name: if finger.is_empty() { part.to_string() } else { format!("{finger}_{part}") },
+            is_linear: false,
+        };
         Schema {
-            fingers: sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect(),
+            joints: fingers.iter().flat_map(|finger| FINGER_JOINTS.map(|joint| of_finger(finger, joint))).collect(),
+            actuators: fingers.iter().map(|finger| of_finger(finger, "motor")).collect(),
+            fingers,
             bodies: Vec::new(),
             contacts: GripperContact::for_fingers(count).iter().map(contact).collect(),
+            limits: 0,
         }
     }
 
@@ -426,34 +501,37 @@ impl Schema {
 
     /// Returns the numbers of subjects of each kind.
     pub fn counts(&self) -> Counts {
-        Counts { fingers: self.fingers.len(), bodies: self.bodies.len(), contacts: self.contacts.len() }
+        Counts {
+            fingers: self.fingers.len(),
+            joints: self.joints.len(),
+            actuators: self.actuators.len(),
+            bodies: self.bodies.len(),
+            contacts: self.contacts.len(),
+            limits: self.limits,
+        }
     }
 
-    /// Returns the subjects in the order of the numbers of a sample: the joints of all fingers, their motors, bodies,
-    /// contacts, energies.
+    /// Returns the subjects in the order of the numbers of a sample: joints, actuators, bodies, contacts, energies.
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
-        let of_finger =
-            |finger: &str, part: &str| if finger.is_empty() { part.to_string() } else { format!("{finger}_{part}") };
-        let present = |kind, name, first| Subject { kind, name, first, exists: true };
-        let joints = self.fingers.iter().flat_map(|finger| FINGER_JOINTS.map(|joint| of_finger(finger, joint)));
-        let mut subjects: Vec<Subject> =
-            joints.enumerate().map(|(k, name)| present(SubjectKind::Joint, name, counts.joint(k))).collect();
-        subjects.extend(
-            self.fingers
-                .iter()
-                .enumerate()
-                .map(|(k, finger)| present(SubjectKind::Actuator, of_finger(finger, "motor"), counts.actuator(k))),
-        );
+        let present = |kind, name: &str, first| Subject { kind, name: name.to_string(), first, exists: true };
+        let joints = self.joints.iter().enumerate().map(|(k, JointName { name, is_linear })| {
+            present(if *is_linear { SubjectKind::Slider } else { SubjectKind::Joint }, name, counts.joint(k))
+        });
+        let actuators = self.actuators.iter().enumerate().map(|(k, JointName { name, is_linear })| {
+            let kind = if *is_linear { SubjectKind::LinearActuator } else { SubjectKind::Actuator };
+            present(kind, name, counts.actuator(k))
+        });
+        let mut subjects: Vec<Subject> = joints.chain(actuators).collect();
         let bodies = self.bodies.iter().enumerate();
-        subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name.clone(), counts.body(k))));
+        subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name, counts.body(k))));
         subjects.extend(self.contacts.iter().enumerate().map(|(k, contact)| Subject {
             kind: contact.kind(),
             name: contact.name.clone(),
             first: counts.contact(k),
             exists: contact.exists,
         }));
-        subjects.push(present(SubjectKind::Energy, "energy".to_string(), counts.energy()));
+        subjects.push(present(SubjectKind::Energy, "energy", counts.energy()));
         subjects
     }
 
@@ -483,8 +561,10 @@ fn column_name(kind: SubjectKind, subject: &str, key: &str) -> String {
         (SubjectKind::Energy, _) => key.to_string(),
         (SubjectKind::Joint, "angle_rad") => format!("{subject}_rad"),
         (SubjectKind::Joint, "rate_rad_s") => match subject.rsplit_once('q') {
-            Some((finger, index)) => format!("{finger}qd{index}_rad_s"),
-            None => format!("{subject}_rate_rad_s"),
+            Some((finger, index)) if index.chars().all(|digit| digit.is_ascii_digit()) => {
+                format!("{finger}qd{index}_rad_s")
+            }
+            _ => format!("{subject}_rate_rad_s"),
         },
         _ => format!("{subject}_{key}"),
     }
@@ -500,21 +580,33 @@ pub fn are_sample_columns(columns: &[&str]) -> bool {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub fingers: usize,
+    /// Joints, including those of fingers.
+    pub joints: usize,
+    /// Actuators, including those of fingers.
+    pub actuators: usize,
     pub bodies: usize,
     pub contacts: usize,
+    /// Contacts at the end that are joint limits of a mechanism; those of fingers follow from `fingers`.
+    pub limits: usize,
 }
 
 impl Counts {
+    /// Counts of a system of fingers and discs.
+    pub(super) fn of_fingers(fingers: usize, bodies: usize, contacts: usize) -> Self {
+        let joints = FINGER_JOINTS.len() * fingers;
+        Self { fingers, joints, actuators: fingers, bodies, contacts, limits: 0 }
+    }
+
     pub(super) fn joint(self, index: usize) -> usize {
         JointState::QUANTITIES.len() * index
     }
 
     pub(super) fn actuator(self, index: usize) -> usize {
-        self.joint(FINGER_JOINTS.len() * self.fingers) + ActuatorState::QUANTITIES.len() * index
+        self.joint(self.joints) + ActuatorState::QUANTITIES.len() * index
     }
 
     pub(super) fn body(self, index: usize) -> usize {
-        self.actuator(self.fingers) + BodyState::QUANTITIES.len() * index
+        self.actuator(self.actuators) + BodyState::QUANTITIES.len() * index
     }
 
     pub(super) fn contact(self, index: usize) -> usize {

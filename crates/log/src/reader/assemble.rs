@@ -63,7 +63,7 @@ impl Assembler {
         found.sort_by_key(|channel| channel.id);
         let mut schema = Schema::from_kind(kind);
         if let Some(scene) = &scene {
-            schema = Schema::from_system(&scene.system);
+            schema = Schema::from_scene(scene);
             if kind == SceneKind::Bodies {
                 // Contacts that the scene does not have are omitted.
                 schema.contacts.retain(|contact| contact.exists);

@@ -57,6 +57,7 @@ pub use system::{
 pub use template::Template;
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
+use crate::mechanism::Mechanism;
 
 /// A resolved scene: everything a model needs, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +67,10 @@ pub struct Scene {
     pub description: String,
     /// The exact text of the file, for the attachment of the log.
     pub source: String,
+    /// Fingers and discs; empty in a scene of a mechanism.
     pub system: System,
+    /// The mechanism of a scene of that kind.
+    pub mechanism: Option<Mechanism>,
     pub duration_s: f64,
     pub integrator: Integrator,
     pub engine: Engine,

@@ -128,6 +128,7 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
         description: settings.description.unwrap_or_default(),
         source: checker.text.to_string(),
         system: system?,
+        mechanism: None,
         duration_s: duration_s?,
         integrator,
         engine,

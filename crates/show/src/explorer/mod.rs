@@ -296,7 +296,7 @@ fn criteria(request: &Request, numbers: &mut Vec<f64>) -> Value {
 
 /// Returns the samples in the format of `phalanx replay --csv`.
 fn samples(scene: &Scene) -> Result<Value, Value> {
-    let mut lines = CsvSink { channels: Schema::from_system(&scene.system).channels(), text: Vec::new() };
+    let mut lines = CsvSink { channels: Schema::from_scene(scene).channels(), text: Vec::new() };
     csv_head(&mut lines.text, &lines.channels).expect("writing to memory cannot fail");
     let mut decimated = Decimated::new(scene.log.numeric_hz, lines);
     // A run that fails early has the samples up to its failure.

@@ -149,7 +149,7 @@ pub fn build_playback(
     events: &[Event],
     summary: impl Into<Report>,
 ) -> Playback {
-    let (system, schema) = (&scene.system, Schema::from_system(&scene.system));
+    let (system, schema) = (&scene.system, Schema::from_scene(scene));
     let surfaces: Vec<usize> = schema.surfaces().collect();
     let shown = match system.fingers.len() {
         1 if system.object().is_some() => surfaces,

@@ -123,7 +123,7 @@ impl RunReport {
     /// Builds the report of a completed run, or of a run up to its failure `error`.
     pub fn new(scene: &Scene, model: Model, data: &RunData<'_>, error: Option<Failure>) -> Self {
         let (engine, outcome) = (model == Model::Engine, data.outcome);
-        let (kind, schema) = (scene.kind(), Schema::from_system(&scene.system));
+        let (kind, schema) = (scene.kind(), Schema::from_scene(scene));
         let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
         let palm = scene.system.palm_motion.as_ref();
         let criteria = data.criteria.filter(|_| error.is_none());

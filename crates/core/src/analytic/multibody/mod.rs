@@ -6,8 +6,8 @@
 //! rate 1. If friction has bristles, the next rates are the bristle states σ; nothing depends on the coordinates at
 //! these indices. The remaining indices are unused. The model is independent of the engine model, which it checks.
 
-mod components;
-mod contact_kinematics;
+pub(in crate::analytic) mod components;
+pub(in crate::analytic) mod contact_kinematics;
 mod evaluation;
 mod events;
 mod forces;

@@ -1,0 +1,241 @@
+//! Event functions of a mechanism: ends of the branches of contact laws and of the ranges of actuators, and the
+//! singularities of its dyads.
+
+use super::actuator::{MAX_ACTUATORS, margin, margin_tolerance, range, range_after};
+use super::kinematics::Motions;
+use super::model::{MechanismMode, MechanismModel, Surfaces};
+use crate::analytic::ContactState;
+use crate::analytic::finger_events::first_impact_step;
+use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};
+use crate::fivebar::kinematics::SINGULAR_SINE;
+use crate::integrator::{EventFunction, EventSet, Hybrid, RootSearch, System};
+use crate::mechanism::structure::Placement;
+use crate::numeric::array_from;
+use std::f64::consts::PI;
+
+/// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators.
+pub const fn event_function_count(contacts: usize) -> usize {
+    3 * contacts + MAX_ACTUATORS
+}
+
+impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+    /// State of a contact, with its laws; `None` beyond the last contact.
+    fn contact_variables(
+        &self,
+        motions: &Motions<f64, K>,
+        v: &[f64; N],
+        index: usize,
+    ) -> Option<ContactVariables<'_, N>> {
+        let contact = self.contacts.get(index)?;
+        let (delta, normal_row, mut tangent_row) = match contact.surfaces {
+            Surfaces::Point(pair) => {
+                let (kinematics, _) = self.point_kinematics(motions, &pair);
+                let [normal, tangent] =
+                    [kinematics.normal_row, kinematics.tangent_row].map(|row| self.spread(motions, pair.bodies, &row));
+                (-kinematics.gap, normal, tangent)
+            }
+            Surfaces::Limit(limit) => {
+                let (group, motion) = (self.group_of_joint(limit.joint), &motions.joints[limit.joint]);
+                let mut row = [0.0; N];
+                (0..group.size()).for_each(|i| row[group.first + i] = -limit.side * motion.row[i]);
+                (limit.side * (motion.coordinate - limit.value), row, [0.0; N])
+            }
+        };
+        let (rate, slip) = (-row_dot(&normal_row, v), row_dot(&tangent_row, v));
+        let bristle_state = contact.bristle.map_or(0.0, |bristle| {
+            tangent_row[bristle] = 1.0;
+            v[bristle]
+        });
+        Some(ContactVariables {
+            law: &contact.normal,
+            friction: contact.friction.as_ref(),
+            delta,
+            rate,
+            slip,
+            bristle_state,
+            normal_row,
+            tangent_row,
+        })
+    }
+
+    fn variables_at(&self, (q, v): StateRef<'_, N>, index: usize) -> Option<ContactVariables<'_, N>> {
+        self.with_motions((q, v), |motions| self.contact_variables(motions, v, index))
+    }
+
+    /// Time, coordinate and rate at an actuator.
+    fn actuator_state(&self, motions: &Motions<f64, K>, q: &[f64; N], index: usize) -> (f64, f64, f64) {
+        let motion = &motions.joints[self.mechanism.actuators[index].joint];
+        (self.time_index.map_or(0.0, |time| q[time]), motion.coordinate, motion.rate)
+    }
+
+    /// Event function of the range of an actuator.
+    fn actuator_event(
+        &self,
+        motions: &Motions<f64, K>,
+        q: &[f64; N],
+        mode: &MechanismMode<C>,
+        index: usize,
+    ) -> EventFunction<N> {
+        let Some(actuator) = self.mechanism.actuators.get(index) else { return EventFunction::INACTIVE };
+        let (t, coordinate, rate) = self.actuator_state(motions, q, index);
+        let value = margin(actuator, mode.ranges.0[index], t, coordinate, rate);
+        EventFunction { value, root_search: RootSearch::Smooth, ..EventFunction::INACTIVE }
+    }
+
+    /// Distance of the mechanism from its nearest singular configuration, and its rate. Half a turn of a joint of a dyad
+    /// whose angle a force depends on counts as one: further turns do not follow from the coordinates.
+    fn clearance(&self, motions: &Motions<f64, K>) -> (f64, f64) {
+        let mut smallest = (f64::INFINITY, 0.0);
+        for (_, transmission) in self.groups.iter().flat_map(|group| group.transmissions(&self.mechanism, motions)) {
+            let clearance = transmission.sine.abs() - SINGULAR_SINE;
+            // NaN counts as the smallest clearance.
+            if smallest.0 > clearance || clearance.is_nan() {
+                let rate = transmission.sine.signum() * transmission.cosine * transmission.angle_rate;
+                smallest = (clearance, rate);
+            }
+        }
+        for (joint, angle, rate) in self.groups.iter().flat_map(|group| group.dyad_angles(&self.mechanism, motions)) {
+            let clearance = 1.0 - angle.abs() / PI;
+            if self.depends_on_joint[joint] && clearance < smallest.0 {
+                smallest = (clearance, -angle.signum() * rate / PI);
+            }
+        }
+        smallest
+    }
+}
+
+impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z, G>
+    for MechanismModel<N, K, C>
+{
+    fn next_discontinuity(&self, t: f64) -> f64 {
+        self.next_time_discontinuity(t)
+    }
+
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> EventSet<N, G> {
+        const { assert!(G == event_function_count(C)) };
+        self.with_motions((q, v), |motions| {
+            let mut functions: [EventFunction<N>; G] =
+                mode.contacts.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
+                    self.contact_variables(motions, v, index)
+                });
+            for index in 0..self.mechanism.actuators.len() {
+                functions[3 * C + index] = self.actuator_event(motions, q, mode, index);
+            }
+            let (clearance, clearance_rate) = self.clearance(motions);
+            EventSet { functions, clearance, clearance_rate }
+        })
+    }
+
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, event: usize) -> EventFunction<N> {
+        self.with_motions((q, v), |motions| match event.checked_sub(3 * C) {
+            Some(index) => self.actuator_event(motions, q, mode, index),
+            None => {
+                let contact = self.contact_variables(motions, v, event % C);
+                mode.contacts.event_function(event, &self.event_tolerances, contact)
+            }
+        })
+    }
+
+    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, requested: &[bool; G]) -> [f64; G] {
+        array_from(|event| match requested[event] {
+            true => <Self as Hybrid<N, Z, G>>::eval_event(self, q, v, mode, event).value,
+            false => f64::NAN,
+        })
+    }
+
+    fn event_tolerance(&self, event: usize, mode: &MechanismMode<C>) -> f64 {
+        match event.checked_sub(3 * C) {
+            Some(index) => self.mechanism.actuators.get(index).map_or(0.0, margin_tolerance),
+            None => self.contacts.get(event % C).map_or(0.0, |contact| {
+                let (normal, friction) = (&contact.normal, contact.friction.as_ref());
+                mode.contacts.event_tolerance(event, normal, friction, &self.event_tolerances)
+            }),
+        }
+    }
+
+    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> MechanismMode<C> {
+        let mut next = *mode;
+        match event.checked_sub(3 * C) {
+            Some(index) => {
+                let (t, coordinate, rate) = self.with_motions((q, v), |motions| self.actuator_state(motions, q, index));
+                let range = &mut next.ranges.0[index];
+                *range = range_after(&self.mechanism.actuators[index], *range, t, coordinate, rate);
+            }
+            None => next.contacts = mode.contacts.after_event(event, self.variables_at((q, v), event % C)),
+        }
+        next
+    }
+
+    fn is_reported(&self, event: usize) -> bool {
+        event < C
+    }
+
+    fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &MechanismMode<C>) -> Option<MechanismMode<C>> {
+        mode.contacts.with_separated_contacts(functions).map(|contacts| MechanismMode { contacts, ..*mode })
+    }
+
+    fn with_clamped_law(&self, event: usize, mode: &MechanismMode<C>) -> MechanismMode<C> {
+        let mut next = *mode;
+        match event.checked_sub(3 * C) {
+            Some(index) => next.ranges.0[index] = super::actuator::UNMONITORED,
+            None => next.contacts = mode.contacts.with_clamped_law(event),
+        }
+        next
+    }
+
+    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> MechanismMode<C> {
+        let mut ranges = super::actuator::Ranges::UNMONITORED;
+        self.with_motions((q, v), |motions| {
+            for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
+                let (_, coordinate, rate) = self.actuator_state(motions, q, index);
+                ranges.0[index] = range(actuator, t, coordinate, rate);
+            }
+        });
+        let accelerations = |mode: &Mode<C>| {
+            let mode = MechanismMode { contacts: *mode, ranges };
+            <Self as System<N, Z>>::rates(self, t, q, v, &mode).a
+        };
+        let contacts = Mode::at_state(&self.event_tolerances, |index| self.variables_at((q, v), index), accelerations);
+        MechanismMode { contacts, ranges }
+    }
+
+    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Option<f64> {
+        if event >= 3 * C || mode[event % C] != ContactState::Active {
+            return None;
+        }
+        let ContactVariables { law, rate, normal_row, .. } = self.variables_at((q, v), event % C)?;
+        let mut response = normal_row;
+        self.with_factors((q, v), |_, factors| self.solve(factors, &mut response));
+        let mobility = row_dot(&normal_row, &response);
+        (mobility > 0.0).then(|| first_impact_step(law, rate.abs(), 1.0 / mobility))
+    }
+
+    fn describe_obstacle(&self, q: &[f64; N]) -> String {
+        let at_rest = [0.0; N];
+        self.with_motions((q, &at_rest), |motions| {
+            let dyads = self.groups.iter().flat_map(|group| {
+                group.transmissions(&self.mechanism, motions).map(move |dyad| (&group.group.placements[dyad.0], dyad.1))
+            });
+            let sine = |sine: f64| if sine.is_nan() { -1.0 } else { sine.abs() };
+            let mut angles = self.groups.iter().flat_map(|group| group.dyad_angles(&self.mechanism, motions));
+            let turned = angles.find(|(joint, angle, _)| {
+                self.depends_on_joint[*joint] && angle.abs() > (1.0 - SINGULAR_SINE) * PI
+            });
+            if let Some((joint, ..)) = turned {
+                let name = &self.mechanism.joints[joint].name;
+                return format!(
+                    "the joint {name} has made half a turn, but it closes a loop, in which turns cannot be counted: give it a \
+                     start, which makes its coordinate independent"
+                );
+            }
+            match dyads.min_by(|a, b| sine(a.1.sine).total_cmp(&sine(b.1.sine))) {
+                Some((Placement::Dyad { outer, inner }, _)) => {
+                    let [first, inner, second] =
+                        [outer[0].joint, *inner, outer[1].joint].map(|joint| &self.mechanism.joints[joint].name);
+                    format!("singular configuration: the joints {first}, {inner} and {second} are in line")
+                }
+                _ => "the nearest points of two outlines are not defined".to_string(),
+            }
+        })
+    }
+}

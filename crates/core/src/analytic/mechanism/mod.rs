@@ -1,0 +1,16 @@
+//! The analytic model of any planar mechanism: Lagrange equations in independent joint coordinates, with loops closed in
+//! closed form. The model is independent of the engine model, which it checks: both share the description of the
+//! mechanism and the scalar laws.
+
+mod actuator;
+mod dynamics;
+mod events;
+mod joint_forces;
+mod kinematics;
+mod model;
+mod pairs;
+mod reading;
+
+pub use events::event_function_count;
+pub use joint_forces::JointForce;
+pub use model::{MechanismMode, MechanismModel, MechanismSize};

@@ -1,0 +1,311 @@
+//! Constant data of a mechanism: groups, contacts, the layout of its coordinates, and its start.
+
+use std::cell::RefCell;
+
+use super::actuator::{MAX_ACTUATORS, Ranges};
+use super::dynamics::Factor;
+use super::kinematics::{Motions, PlacedGroup};
+use super::pairs::PointOnFace;
+use crate::analytic::ContactState;
+use crate::analytic::mode::{EventTolerances, Mode};
+use crate::integrator::State;
+use crate::law::{Bristle, FrictionLaw, NormalLaw};
+use crate::mechanism::structure::{StructureError, find_groups};
+use crate::mechanism::{Actuator, Command, Limit, Mechanism, Pose, SpringKind};
+use crate::numeric::Dual;
+use std::ops::Index;
+
+/// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
+const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7, force: 1e-8 };
+
+/// The two surfaces of a contact, or the limit of a joint.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Surfaces {
+    Point(PointOnFace),
+    Limit(Limit),
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    pub surfaces: Surfaces,
+    pub normal: NormalLaw,
+    pub friction: Option<FrictionLaw>,
+    /// Index of the contact's bristle state among the rates, if the contact has a bristle.
+    pub bristle: Option<usize>,
+}
+
+/// Branches of the contact laws, and the ranges of the actuators.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MechanismMode<const C: usize> {
+    pub contacts: Mode<C>,
+    pub(super) ranges: Ranges,
+}
+
+impl<const C: usize> Index<usize> for MechanismMode<C> {
+    type Output = ContactState;
+
+    fn index(&self, index: usize) -> &ContactState {
+        &self.contacts[index]
+    }
+}
+
+/// Motions at the last state, with and without derivatives, kept to avoid allocation and repetition.
+#[derive(Clone, Debug)]
+struct Workspace<const N: usize, const K: usize> {
+    state: Option<([f64; N], [f64; N])>,
+    motions: Motions<f64, K>,
+    /// Factors of the mass matrices of all groups in this state; empty before they are needed.
+    factors: Vec<Factor<K>>,
+    with_derivatives: Motions<Dual<K>, K>,
+}
+
+/// The analytic model of a mechanism with at most N coordinates and bristles, K coordinates a group, and C contacts.
+///
+/// Coordinates are the independent coordinates of all groups, then time, if an actuator follows a target over time. If
+/// friction has bristles, the next rates are the bristle states; nothing depends on the coordinates at these indices.
+#[derive(Clone, Debug)]
+pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
+    pub(super) mechanism: Mechanism,
+    pub(super) groups: Vec<PlacedGroup>,
+    /// Group of each body.
+    pub(super) group_of: Vec<usize>,
+    /// All contacts in the order of [`Mechanism::point_contacts`], then of [`Mechanism::limits`].
+    pub(super) contacts: Vec<Contact>,
+    pub(super) bristles: Vec<(usize, Bristle)>,
+    pub(super) time_index: Option<usize>,
+    /// Whether a force depends on the coordinate of each joint.
+    pub(super) depends_on_joint: Vec<bool>,
+    coordinate_count: usize,
+    pub(super) event_tolerances: EventTolerances,
+    workspace: RefCell<Workspace<N, K>>,
+    start: Vec<(f64, f64)>,
+}
+
+/// Size of a mechanism in the analytic model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MechanismSize {
+    /// Coordinates of all groups, time and bristle states.
+    pub coordinates: usize,
+    /// Coordinates of the largest group.
+    pub group: usize,
+    /// Contacts and limits.
+    pub contacts: usize,
+    pub actuators: usize,
+}
+
+impl MechanismSize {
+    /// Returns the size of a mechanism.
+    ///
+    /// # Errors
+    /// Returns an error for a mechanism without independent coordinates in closed form.
+    pub fn new(mechanism: &Mechanism) -> Result<Self, StructureError> {
+        let groups = find_groups(mechanism)?;
+        let sizes = || groups.iter().map(|group| group.coordinates.len());
+        let points = mechanism.point_contacts();
+        let has_bristle = |pair: usize| mechanism.contacts[pair].law.bristle().is_some();
+        let bristles = points.iter().filter(|point| has_bristle(point.pair)).count();
+        Ok(Self {
+            coordinates: sizes().sum::<usize>() + usize::from(depends_on_time(mechanism)) + bristles,
+            group: sizes().max().unwrap_or(0),
+            contacts: points.len() + mechanism.limits().len(),
+            actuators: mechanism.actuators.len(),
+        })
+    }
+
+    pub fn fits(&self, capacity: &Self) -> bool {
+        self.coordinates <= capacity.coordinates
+            && self.group <= capacity.group
+            && self.contacts <= capacity.contacts
+            && self.actuators <= capacity.actuators
+    }
+}
+
+/// Whether an event of an actuator depends on time.
+fn depends_on_time(mechanism: &Mechanism) -> bool {
+    mechanism.actuators.iter().any(|actuator| {
+        let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &actuator.command;
+        let is_constant = profile.next_discontinuity(f64::NEG_INFINITY).is_infinite();
+        !is_constant && (actuator.limit.is_some() || actuator.no_load_speed.is_some())
+    })
+}
+
+/// Whether a spring, a limit, a servo or a coupling depends on the coordinate of a joint.
+fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
+    let is_servo = |actuator: &Actuator| matches!(actuator.command, Command::Servo { .. });
+    mechanism.springs.iter().any(|spring| spring.kind.joint() == Some(joint))
+        || mechanism.limits().iter().any(|limit| limit.joint == joint)
+        || mechanism.actuators.iter().any(|actuator| actuator.joint == joint && is_servo(actuator))
+        || mechanism.couplings.iter().any(|coupling| coupling.terms.iter().any(|(term, _)| *term == joint))
+}
+
+impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+    /// Builds the model from the assembled poses and rates of all bodies.
+    ///
+    /// # Errors
+    /// Returns an error for a mechanism without independent coordinates in closed form.
+    ///
+    /// # Panics
+    /// Panics if the mechanism exceeds the capacity of the model.
+    pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
+        let size = MechanismSize::new(mechanism)?;
+        let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS };
+        assert!(size.fits(&capacity), "{size:?} exceeds {capacity:?}");
+        let mut first = 0;
+        let mut groups = Vec::new();
+        let mut group_of = vec![0; mechanism.bodies.len()];
+        for (index, group) in find_groups(mechanism)?.into_iter().enumerate() {
+            group.bodies.iter().for_each(|body| group_of[*body] = index);
+            let placed = PlacedGroup::new::<K>(mechanism, group, first, poses);
+            first += placed.size();
+            groups.push(placed);
+        }
+        let start = groups.iter().flat_map(|group| group.start(mechanism, (poses, rates))).collect();
+        let time_index = depends_on_time(mechanism).then_some(first);
+        let mut next = first + usize::from(time_index.is_some());
+        let mut bristles = Vec::new();
+        let mut contacts = Vec::new();
+        for point in mechanism.point_contacts() {
+            let pair = &mechanism.contacts[point.pair];
+            let bristle = pair.law.bristle().map(|bristle| {
+                bristles.push((next, bristle));
+                next += 1;
+                next - 1
+            });
+            let surfaces = Surfaces::Point(PointOnFace {
+                bodies: [point.body, pair.face.body],
+                point_m: point.point_m,
+                radius_m: point.radius_m,
+                face: mechanism.outline(pair.face).shape,
+                force_point: pair.force_point,
+            });
+            contacts.push(Contact { surfaces, normal: pair.law.normal, friction: pair.law.friction, bristle });
+        }
+        contacts.extend(mechanism.limits().into_iter().map(|limit| Contact {
+            surfaces: Surfaces::Limit(limit),
+            normal: limit.law,
+            friction: None,
+            bristle: None,
+        }));
+        let workspace = Workspace {
+            state: None,
+            motions: Motions::new(mechanism),
+            factors: Vec::with_capacity(groups.len()),
+            with_derivatives: Motions::new(mechanism),
+        };
+        Ok(Self {
+            mechanism: mechanism.clone(),
+            groups,
+            group_of,
+            contacts,
+            bristles,
+            time_index,
+            depends_on_joint: (0..mechanism.joints.len()).map(|joint| has_force(mechanism, joint)).collect(),
+            coordinate_count: next,
+            event_tolerances: EVENT_TOLERANCES,
+            workspace: RefCell::new(workspace),
+            start,
+        })
+    }
+
+    /// Returns coordinates and rates at the start.
+    pub fn start<const Z: usize>(&self) -> State<N, Z> {
+        let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
+        for (index, (q, v)) in self.start.iter().enumerate() {
+            (state.q[index], state.v[index]) = (*q, *v);
+        }
+        self.time_index.into_iter().for_each(|time| state.v[time] = 1.0);
+        state
+    }
+
+    pub fn contact_count(&self) -> usize {
+        self.contacts.len()
+    }
+
+    /// Number of coordinates and bristle states in use.
+    #[inline(always)]
+    pub(super) fn coordinates_in_use(&self) -> usize {
+        self.coordinate_count
+    }
+
+    /// Whether the friction of a contact has a bristle, so that it can stick.
+    pub fn has_stiction(&self, contact: usize) -> bool {
+        self.contacts[contact].bristle.is_some()
+    }
+
+    /// Group of a joint.
+    pub(super) fn group_of_joint(&self, joint: usize) -> &PlacedGroup {
+        let bodies = self.mechanism.joints[joint].bodies;
+        let body = bodies[1].or(bodies[0]).expect("a joint has a body");
+        &self.groups[self.group_of[body]]
+    }
+
+    /// Evaluates a function of the motions of all bodies and joints in a state.
+    #[inline(always)]
+    pub(super) fn with_motions<R>(&self, state: (&[f64; N], &[f64; N]), f: impl FnOnce(&Motions<f64, K>) -> R) -> R {
+        let mut workspace = self.workspace.borrow_mut();
+        self.update(state, &mut workspace);
+        f(&workspace.motions)
+    }
+
+    /// Like [`MechanismModel::with_motions`], with the factors of the mass matrices of all groups.
+    #[inline(always)]
+    pub(super) fn with_factors<R>(
+        &self,
+        state: (&[f64; N], &[f64; N]),
+        f: impl FnOnce(&Motions<f64, K>, &[Factor<K>]) -> R,
+    ) -> R {
+        let mut workspace = self.workspace.borrow_mut();
+        let workspace = &mut *workspace;
+        self.update(state, workspace);
+        if workspace.factors.is_empty() {
+            let factor = |group: &PlacedGroup| Factor::new(&self.mass(group, &workspace.motions), group.size());
+            workspace.factors.extend(self.groups.iter().map(factor));
+        }
+        f(&workspace.motions, &workspace.factors)
+    }
+
+    /// Evaluates the motions of a state, unless they are there.
+    fn update(&self, (q, v): (&[f64; N], &[f64; N]), workspace: &mut Workspace<N, K>) {
+        if workspace.state.as_ref().is_some_and(|(old_q, old_v)| old_q == q && old_v == v) {
+            return;
+        }
+        for group in &self.groups {
+            let of_group = group.first..group.first + group.size();
+            group.evaluate(&self.mechanism, (&q[of_group.clone()], &v[of_group]), &mut workspace.motions);
+        }
+        workspace.factors.clear();
+        workspace.state = Some((*q, *v));
+    }
+
+    /// Evaluates a function of the motions of all bodies and joints, with derivatives by the coordinates of their group.
+    pub(super) fn with_derivatives<R>(
+        &self,
+        (q, v): (&[f64; N], &[f64; N]),
+        f: impl FnOnce(&Motions<Dual<K>, K>) -> R,
+    ) -> R {
+        let mut workspace = self.workspace.borrow_mut();
+        for group in &self.groups {
+            let of_group = group.first..group.first + group.size();
+            let motions = &mut workspace.with_derivatives;
+            group.evaluate(&self.mechanism, (&q[of_group.clone()], &v[of_group]), motions);
+        }
+        f(&workspace.with_derivatives)
+    }
+
+    /// Linear springs: bodies, points, and the index of the spring.
+    pub(super) fn linear_springs(&self) -> impl Iterator<Item = (usize, [Option<usize>; 2], [[f64; 2]; 2])> + '_ {
+        self.mechanism.springs.iter().enumerate().filter_map(|(index, spring)| match spring.kind {
+            SpringKind::Linear { bodies, points_m } => Some((index, bodies, points_m)),
+            SpringKind::Torsional { .. } => None,
+        })
+    }
+
+    /// Next time at which a command of an actuator is discontinuous.
+    pub(super) fn next_time_discontinuity(&self, t: f64) -> f64 {
+        let next = |actuator: &Actuator| {
+            let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &actuator.command;
+            profile.next_discontinuity(t)
+        };
+        self.mechanism.actuators.iter().map(next).fold(f64::INFINITY, f64::min)
+    }
+}

@@ -1,0 +1,98 @@
+//! Readings of a state: poses, joints, actuators, contacts and energies.
+
+use super::actuator::effort;
+use super::kinematics::pair;
+use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::pairs::Frame;
+use crate::analytic::ContactState;
+use crate::analytic::finger::Geometry;
+use crate::analytic::mode::{StateRef, row_dot};
+use crate::analytic::model::{ContactReading, Energies, normal_force_on_branch};
+use crate::law::{elastic_energy, friction_with_state};
+use crate::mechanism::{Pose, SpringKind};
+use crate::numeric::plane::dot;
+use crate::shape::Support;
+
+use super::pairs;
+
+impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+    /// Pose of a body and its rate.
+    pub fn body(&self, state: (&[f64; N], &[f64; N]), body: usize) -> (Pose, Pose) {
+        self.with_motions(state, |motions| {
+            let motion = &motions.body(Some(body));
+            ([motion.origin[0], motion.origin[1], motion.angle], motion.rate)
+        })
+    }
+
+    /// Coordinate of a joint and its rate.
+    pub fn joint(&self, state: (&[f64; N], &[f64; N]), joint: usize) -> (f64, f64) {
+        self.with_motions(state, |motions| (motions.joints[joint].coordinate, motions.joints[joint].rate))
+    }
+
+    /// Torque or force of an actuator.
+    pub fn actuator(&self, t: f64, state: (&[f64; N], &[f64; N]), mode: &MechanismMode<C>, index: usize) -> f64 {
+        let actuator = &self.mechanism.actuators[index];
+        let (coordinate, rate) = self.joint(state, actuator.joint);
+        effort(actuator, mode.ranges.0[index], t, coordinate, rate).value
+    }
+
+    /// Geometry and forces of a contact; those of a limit are an angle and a torque, or a distance and a force.
+    pub fn contact_reading(&self, (q, v): StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
+        let (contact, none) = (&self.contacts[index], [0.0; 2]);
+        self.with_motions((q, v), |motions| {
+            let (gap, gap_rate, slip, normal, point) = match contact.surfaces {
+                Surfaces::Point(pair) => {
+                    let (kinematics, rates) = self.point_kinematics(motions, &pair);
+                    let [gap_rate, slip] =
+                        [kinematics.normal_row, kinematics.tangent_row].map(|row| row_dot(&row, &rates));
+                    (kinematics.gap, gap_rate, slip, kinematics.normal, kinematics.point)
+                }
+                Surfaces::Limit(limit) => {
+                    let motion = &motions.joints[limit.joint];
+                    (limit.side * (limit.value - motion.coordinate), -limit.side * motion.rate, 0.0, none, none)
+                }
+            };
+            let force = normal_force_on_branch(&contact.normal, branch, -gap, -gap_rate).force.max(0.0);
+            let bristle_state = contact.bristle.map(|bristle| v[bristle]);
+            let tangential =
+                contact.friction.as_ref().map_or(0.0, |law| friction_with_state(law, slip, bristle_state, force));
+            let geometry =
+                Geometry { gap, normal_row: none, tangent_row: none, normal, point, support: Support::none() };
+            ContactReading { geometry, delta: -gap, delta_rate: -gap_rate, slip, normal: force, tangential }
+        })
+    }
+
+    /// Energies stored in a state.
+    pub fn energies(&self, state: (&[f64; N], &[f64; N])) -> Energies {
+        let mut energies = Energies::default();
+        self.with_motions(state, |motions| {
+            for (body, motion) in self.mechanism.bodies.iter().zip(motions.all_bodies()) {
+                let center = motion.point(body.com_m);
+                let spin = motion.rate[2];
+                energies.kinetic +=
+                    0.5 * (body.mass_kg * dot(center.rate, center.rate) + body.inertia_kg_m2 * spin * spin);
+                energies.gravity -= body.mass_kg * dot(self.mechanism.gravity_m_s2, center.position);
+            }
+            for (joint, motion) in self.mechanism.joints.iter().zip(&motions.joints) {
+                energies.kinetic += 0.5 * joint.armature * motion.rate * motion.rate;
+            }
+            for spring in &self.mechanism.springs {
+                let (coordinate, preload) = match spring.kind {
+                    SpringKind::Torsional { joint, preload } => (motions.joints[joint].coordinate, preload),
+                    SpringKind::Linear { bodies, points_m } => {
+                        let frames = pair(|side| Frame::new(motions.body(bodies[side])));
+                        (pairs::spring(points_m, &frames).length, 0.0)
+                    }
+                };
+                let stretch = coordinate - spring.rest;
+                energies.spring += 0.5 * spring.stiffness * stretch * stretch - preload * coordinate;
+            }
+        });
+        for (index, contact) in self.contacts.iter().enumerate() {
+            energies.elastic +=
+                elastic_energy(&contact.normal, self.contact_reading(state, index, ContactState::Free).delta);
+        }
+        energies.elastic += self.bristles.iter().map(|(index, bristle)| bristle.energy(state.1[*index])).sum::<f64>();
+        energies
+    }
+}

@@ -1,0 +1,274 @@
+//! The order in which the bodies of a mechanism are placed: joints with coordinates first, then pairs of bodies that
+//! close a loop (dyads).
+//!
+//! Bodies that are connected by joints or couplings, other than through the ground, form a group. Within a group, an
+//! independent coordinate opens a joint, a coupling gives the coordinate of a joint from other joints, and a dyad (two
+//! bodies with three joints) is placed by the intersection of two circles or lines. Nearly every planar linkage is a row
+//! of dyads after its driven joints. The search tries joints with a start, an actuator, a spring or a limit first.
+
+use super::{JointKind, Mechanism};
+
+/// A group of connected bodies, with the order of their placement.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Group {
+    /// Bodies in the order of their placement.
+    pub bodies: Vec<usize>,
+    pub placements: Vec<Placement>,
+    /// Independent coordinates.
+    pub coordinates: Vec<Coordinate>,
+}
+
+/// An independent coordinate of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinate {
+    Joint(usize),
+    /// A component (x, y or θ) of the pose of a body without joints to the ground.
+    Body(usize, usize),
+}
+
+/// One or two bodies that are placed from bodies with a known pose.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Placement {
+    /// A body whose pose is three coordinates, from `first` on.
+    Free { body: usize, first: usize },
+    /// A body at a joint whose coordinate is known.
+    Joint { at: Attachment, coordinate: Source },
+    /// Two bodies that close a loop at the joint `inner`.
+    Dyad { outer: [Attachment; 2], inner: usize },
+}
+
+/// A body, the joint that attaches it, and the body on the other side of the joint, whose pose is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    pub joint: usize,
+    pub body: usize,
+    pub base: Option<usize>,
+    /// Whether the placed body is the second one of the joint.
+    pub is_second: bool,
+}
+
+/// Where the coordinate of a joint comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// An independent coordinate of the group, by its index.
+    Coordinate(usize),
+    /// A coupling with joints whose coordinates are known.
+    Coupling(usize),
+}
+
+/// Why the equations of a mechanism cannot be written in independent coordinates.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StructureError {
+    #[error(
+        "the loop through the joints {} is no row of dyads (two bodies with three joints each): give one of these joints \
+         an actuator or a start, which makes its coordinate independent, or simulate with `--model engine`",
+        joints.join(", ")
+    )]
+    NoDyad { joints: Vec<String> },
+    #[error("the coupling {name} relates joints that other joints already determine: remove it, or one of its joints")]
+    Coupling { name: String },
+    #[error("no joint of the mechanism can move: remove a joint, so that at least one coordinate is free")]
+    NoCoordinate,
+}
+
+/// Returns the groups of a mechanism, in the order of their first bodies.
+///
+/// # Errors
+/// Returns an error for a loop that is no row of dyads, a coupling of determined joints, or a mechanism that cannot move.
+pub fn find_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> {
+    let group_of = connected_bodies(mechanism);
+    let mut groups = Vec::new();
+    for first in 0..mechanism.bodies.len() {
+        if group_of[first] == first {
+            let search = Search::new(mechanism, |body| group_of[body] == first);
+            groups.push(search.run()?);
+        }
+    }
+    match groups.iter().all(|group| group.coordinates.is_empty()) {
+        true => Err(StructureError::NoCoordinate),
+        false => Ok(groups),
+    }
+}
+
+/// Returns the first body of the group of each body.
+fn connected_bodies(mechanism: &Mechanism) -> Vec<usize> {
+    let mut group_of: Vec<usize> = (0..mechanism.bodies.len()).collect();
+    let mut merge = |bodies: &mut dyn Iterator<Item = usize>| {
+        let Some(first) = bodies.next() else { return };
+        for body in bodies {
+            let (kept, merged) = (group_of[first].min(group_of[body]), group_of[first].max(group_of[body]));
+            group_of.iter_mut().filter(|group| **group == merged).for_each(|group| *group = kept);
+        }
+    };
+    mechanism.joints.iter().for_each(|joint| merge(&mut joint.bodies.into_iter().flatten()));
+    for coupling in &mechanism.couplings {
+        merge(&mut coupling.terms.iter().flat_map(|(joint, _)| mechanism.joints[*joint].bodies.into_iter().flatten()));
+    }
+    group_of
+}
+
+/// Search for the placements of one group.
+struct Search<'a> {
+    mechanism: &'a Mechanism,
+    bodies: Vec<usize>,
+    joints: Vec<usize>,
+    couplings: Vec<usize>,
+}
+
+/// Part of a group that is placed so far.
+#[derive(Clone, Default)]
+struct Partial {
+    group: Group,
+    joints: Vec<usize>,
+    couplings: Vec<usize>,
+}
+
+impl<'a> Search<'a> {
+    fn new(mechanism: &'a Mechanism, is_member: impl Fn(usize) -> bool) -> Self {
+        let has_member = |joint: usize| mechanism.joints[joint].bodies.into_iter().flatten().any(&is_member);
+        Self {
+            mechanism,
+            bodies: (0..mechanism.bodies.len()).filter(|body| is_member(*body)).collect(),
+            joints: (0..mechanism.joints.len()).filter(|joint| has_member(*joint)).collect(),
+            couplings: (0..mechanism.couplings.len())
+                .filter(|coupling| mechanism.couplings[*coupling].terms.iter().any(|(joint, _)| has_member(*joint)))
+                .collect(),
+        }
+    }
+
+    fn run(&self) -> Result<Group, StructureError> {
+        let mut furthest = Partial::default();
+        if let Some(group) = self.extend(Partial::default(), &mut furthest) {
+            return Ok(group);
+        }
+        let is_left = |joint: &&usize| !furthest.joints.contains(joint);
+        let joints: Vec<String> =
+            self.joints.iter().filter(is_left).map(|joint| self.mechanism.joints[*joint].name.clone()).collect();
+        match self.couplings.iter().find(|coupling| !furthest.couplings.contains(coupling)) {
+            Some(coupling) if joints.is_empty() => {
+                Err(StructureError::Coupling { name: self.mechanism.couplings[*coupling].name.clone() })
+            }
+            _ => Err(StructureError::NoDyad { joints }),
+        }
+    }
+
+    /// Places all bodies, from a part that is placed; `None` if this part leads to no placement of all.
+    fn extend(&self, mut partial: Partial, furthest: &mut Partial) -> Option<Group> {
+        while let Some(placement) = self.determined(&partial) {
+            partial.add(placement);
+        }
+        if partial.joints.len() >= furthest.joints.len() {
+            *furthest = partial.clone();
+        }
+        let is_closed_twice = |joint: &usize| {
+            !partial.joints.contains(joint)
+                && self.mechanism.joints[*joint].bodies.into_iter().all(|body| partial.is_placed(body))
+        };
+        let is_unused = |coupling: &usize| {
+            let terms = &self.mechanism.couplings[*coupling].terms;
+            !partial.couplings.contains(coupling) && terms.iter().all(|(joint, _)| partial.joints.contains(joint))
+        };
+        if self.joints.iter().any(is_closed_twice) || self.couplings.iter().any(is_unused) {
+            return None;
+        }
+        if partial.group.bodies.len() == self.bodies.len() {
+            return Some(partial.group);
+        }
+        let mut open: Vec<Attachment> =
+            self.joints.iter().filter_map(|joint| self.attachment(&partial, *joint)).collect();
+        open.sort_by_key(|at| self.rank(at.joint));
+        if open.is_empty() {
+            let body = *self.bodies.iter().find(|body| !partial.is_placed(Some(**body)))?;
+            let first = partial.group.coordinates.len();
+            partial.group.coordinates.extend((0..3).map(|axis| Coordinate::Body(body, axis)));
+            partial.add(Placement::Free { body, first });
+            return self.extend(partial, furthest);
+        }
+        open.into_iter().find_map(|at| {
+            let mut next = partial.clone();
+            next.group.coordinates.push(Coordinate::Joint(at.joint));
+            next.add(Placement::Joint { at, coordinate: Source::Coordinate(next.group.coordinates.len() - 1) });
+            self.extend(next, furthest)
+        })
+    }
+
+    /// Order in which joints are tried as independent coordinates.
+    fn rank(&self, joint: usize) -> usize {
+        let Mechanism { joints, actuators, springs, .. } = self.mechanism;
+        let of = &joints[joint];
+        let has_spring = springs.iter().any(|spring| spring.kind.joint() == Some(joint));
+        match () {
+            () if of.start.is_some() => 0,
+            () if actuators.iter().any(|actuator| actuator.joint == joint) => 1,
+            () if has_spring || of.limit.is_some() => 2,
+            () => 3,
+        }
+    }
+
+    /// Returns the attachment of the body on one side of a joint, if only the body on the other side is placed.
+    fn attachment(&self, partial: &Partial, joint: usize) -> Option<Attachment> {
+        match self.mechanism.joints[joint].bodies {
+            [base, Some(body)] if partial.is_placed(base) && !partial.is_placed(Some(body)) => {
+                Some(Attachment { joint, body, base, is_second: true })
+            }
+            [Some(body), base] if partial.is_placed(base) && !partial.is_placed(Some(body)) => {
+                Some(Attachment { joint, body, base, is_second: false })
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns a placement that needs no further coordinate.
+    fn determined(&self, partial: &Partial) -> Option<Placement> {
+        let coupled = self.couplings.iter().find_map(|coupling| {
+            let terms = &self.mechanism.couplings[*coupling].terms;
+            let mut unknown = terms.iter().map(|(joint, _)| *joint).filter(|joint| !partial.joints.contains(joint));
+            let (joint, None) = (unknown.next()?, unknown.next()) else { return None };
+            let at = self.attachment(partial, joint)?;
+            (!partial.couplings.contains(coupling))
+                .then_some(Placement::Joint { at, coordinate: Source::Coupling(*coupling) })
+        });
+        coupled.or_else(|| self.joints.iter().find_map(|inner| self.dyad(partial, *inner)))
+    }
+
+    /// Returns the dyad with this inner joint, if each of its bodies has one joint to a placed body.
+    fn dyad(&self, partial: &Partial, inner: usize) -> Option<Placement> {
+        let [Some(first), Some(second)] = self.mechanism.joints[inner].bodies else { return None };
+        if partial.is_placed(Some(first)) || partial.is_placed(Some(second)) {
+            return None;
+        }
+        let outer_of = |body: usize| {
+            let attachments = self.joints.iter().filter_map(|joint| self.attachment(partial, *joint));
+            let mut outer = attachments.filter(|at| at.body == body);
+            outer.next().filter(|_| outer.next().is_none())
+        };
+        let outer = [outer_of(first)?, outer_of(second)?];
+        let kinds = [outer[0].joint, inner, outer[1].joint].map(|joint| self.mechanism.joints[joint].kind);
+        let is_revolute = |kind: &JointKind| matches!(kind, JointKind::Revolute);
+        kinds.iter().any(is_revolute).then_some(Placement::Dyad { outer, inner })
+    }
+}
+
+impl Partial {
+    fn is_placed(&self, body: Option<usize>) -> bool {
+        body.is_none_or(|body| self.group.bodies.contains(&body))
+    }
+
+    fn add(&mut self, placement: Placement) {
+        match &placement {
+            Placement::Free { body, .. } => self.group.bodies.push(*body),
+            Placement::Joint { at, coordinate } => {
+                self.group.bodies.push(at.body);
+                self.joints.push(at.joint);
+                if let Source::Coupling(coupling) = coordinate {
+                    self.couplings.push(*coupling);
+                }
+            }
+            Placement::Dyad { outer, inner } => {
+                self.group.bodies.extend(outer.map(|at| at.body));
+                self.joints.extend([outer[0].joint, *inner, outer[1].joint]);
+            }
+        }
+        self.group.placements.push(placement);
+    }
+}
