@@ -44,14 +44,14 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Plan {
     add_couplings(&mut plan, mechanism, &coordinates);
     add_springs_and_dampers(&mut plan, mechanism, &coordinates);
     mechanism.actuators.iter().for_each(|actuator| add_actuator(&mut plan, actuator, coordinates[actuator.joint]));
-    for (index, contact) in mechanism.point_contacts().iter().enumerate() {
-        add_contact(&mut plan, mechanism, contact);
-        plan.contact_channels.push(index);
+    let points = mechanism.point_contacts();
+    for (channel, contact) in points.iter().enumerate() {
+        add_contact(&mut plan, mechanism, contact, channel);
     }
     for limit in mechanism.limits() {
         let beyond = coordinates[limit.joint].less(limit.value);
         plan.stops.push(PlannedStop { gap: if limit.side > 0.0 { beyond.negated() } else { beyond }, law: limit.law });
-        plan.stop_channels.push(plan.contacts.len() + plan.stop_channels.len());
+        plan.stop_channels.push(points.len() + plan.stop_channels.len());
     }
     plan
 }
@@ -136,7 +136,8 @@ fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
 }
 
 /// Adds a contact of a point, as a disc, with a face. The body of the contact is that of the point, unless it is fixed.
-fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact) {
+/// The gap between two fixed surfaces does not change, and they are omitted.
+fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, channel: usize) {
     let pair = &mechanism.contacts[contact.pair];
     let disc = Shape::Disc(shape::Shape::Disc { radius_m: contact.radius_m });
     let point = PlannedSurface { shape: disc, origin_m: contact.point_m, direction: [1.0, 0.0] };
@@ -160,13 +161,10 @@ fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact) {
         ForcePoint::Face => of_face,
         ForcePoint::Middle => ContactPointConvention::Middle,
     };
-    plan.contacts.push(PlannedContact {
-        body: own.body.expect("a contact with a moving body"),
-        surface: own.index,
-        against,
-        point_convention,
-        law: pair.law,
-    });
+    if let SurfaceId { body: Some(body), index: surface } = own {
+        plan.contacts.push(PlannedContact { body, surface, against, point_convention, law: pair.law });
+        plan.contact_channels.push(channel);
+    }
 }
 
 fn face_surface(shape: &OutlineShape) -> PlannedSurface {

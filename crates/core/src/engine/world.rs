@@ -38,6 +38,9 @@ const RIGID: SpringCoefficients<f64> = SpringCoefficients { natural_frequency: 1
 /// Distance up to which rapier tracks a pair, in radii of the largest surface: far enough that no step exceeds it.
 const PREDICTION_RADII: f64 = 0.5;
 
+/// Distance up to which rapier tracks a pair if all surfaces are sharp or flat, m.
+const SHARP_PREDICTION_M: f64 = 1e-3;
+
 /// Builds the world. With [`Response::Laws`] every contact pair carries the hook.
 pub fn build_world(plan: &Plan, construction: Construction, response: Response, iterations: u32) -> World {
     let mut physics = PhysicsWorld::new();
@@ -114,7 +117,8 @@ fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationPa
         Shape::Disc(shape) => max_radius(&shape),
         Shape::HalfPlane => 0.0,
     };
-    let prediction_distance_m = PREDICTION_RADII * shapes.map(radius).fold(0.0, f64::max);
+    let largest_radius_m = shapes.map(radius).filter(|radius_m| *radius_m > 0.0).reduce(f64::max);
+    let prediction_distance_m = largest_radius_m.map_or(SHARP_PREDICTION_M, |radius_m| PREDICTION_RADII * radius_m);
     IntegrationParameters {
         num_solver_iterations: 1,
         num_internal_pgs_iterations: iterations as usize,

@@ -5,7 +5,7 @@ use super::grid::Span;
 use super::{Outcome, RunError, Sink, SinkError};
 use crate::engine::{Motion, Plan, StepError, Tolerance, build_mechanism_plan, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
-use crate::mechanism::assemble;
+use crate::mechanism::{Mechanism, assemble};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Construction, Engine, Scene, Stepping};
 
@@ -27,26 +27,14 @@ const MIN_STEP_FRACTION: f64 = 1e-9;
 /// # Errors
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    if let Some(mechanism) = &scene.mechanism {
+        return run_mechanism(scene, mechanism, sink);
+    }
     if let Some(reason) = scene.system.unsupported() {
         return Err(RunError::rejected(reason.to_string(), Outcome::default()));
     }
     let Scene { system, engine, .. } = scene;
     let kind = scene.kind();
-    if let Some(mechanism) = &scene.mechanism {
-        let reject = |reason: String| RunError::rejected(reason, Outcome::default());
-        if engine.construction == Construction::Reduced {
-            return Err(reject(
-                "joint coordinates (construction \"reduced\") are for one finger, not for mechanisms".into(),
-            ));
-        }
-        if !engine.uses_laws() {
-            return Err(reject(
-                "rapier's own contact (law \"rapier\") is for fingers and discs, not for mechanisms".into(),
-            ));
-        }
-        let start = assemble(mechanism).map_err(|error| reject(error.to_string()))?;
-        return run_plan(&build_mechanism_plan(mechanism, &start), scene, sink, Outcome::default);
-    }
     let initial_outcome = || if kind == SceneKind::Finger { Outcome::stationary_finger() } else { Outcome::default() };
     let plan = build_plan(system).map_err(|side| {
         let reason = match kind {
@@ -62,6 +50,22 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
         return Err(RunError::rejected(reason, initial_outcome()));
     }
     run_plan(&plan, scene, sink, initial_outcome)
+}
+
+fn run_mechanism(scene: &Scene, mechanism: &Mechanism, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let rejected = |reason: String| RunError::rejected(reason, Outcome::default());
+    if scene.engine.construction == Construction::Reduced {
+        return Err(rejected(
+            "joint coordinates (construction \"reduced\") are for one finger, not for mechanisms".to_string(),
+        ));
+    }
+    if !scene.engine.uses_laws() {
+        return Err(rejected(
+            "rapier's own contact (law \"rapier\") is for fingers and discs, not for mechanisms".to_string(),
+        ));
+    }
+    let start = assemble(mechanism).map_err(|error| rejected(error.to_string()))?;
+    run_plan(&build_mechanism_plan(mechanism, &start), scene, sink, Outcome::default)
 }
 
 fn run_plan(
