@@ -2,14 +2,16 @@
 
 use crate::support::laws::THESIS_FRICTION;
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
+use crate::support::random_mechanisms::random_mechanism;
 use crate::support::runs::experiment_95;
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{Damping, NormalLaw};
 use phalanx::mechanism::{
     Actuator, Body, Command, Coupling, ForcePoint, Joint, JointKind, Mechanism, OutlineShape, Spring, SpringKind,
 };
+use phalanx::numeric::plane::wrap_angle;
 use phalanx::scene::{Construction, Response, Scene, Stepping};
-use phalanx::trace::{self, Event, EventKind, Model, Sample, Sink, SinkError};
+use phalanx::trace::{self, BodyState, Event, EventKind, Model, Sample, Sink, SinkError};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// All samples and events of a run.
@@ -333,4 +335,34 @@ fn sliders_rebound_from_their_limits_as_in_closed_form() {
         assert!((found[0][1] + rate * 0.7679997890785).abs() < 1e-4, "{found:?}");
         assert!(created_j.abs() < 1e-6, "{created_j:e} J");
     }
+}
+
+/// Random mechanisms over 20 ms. The engine passes the singular configurations at which the analytic model ends.
+#[test]
+fn random_mechanisms_agree_in_both_models() {
+    let mut differences = Vec::new();
+    for seed in 0..100 {
+        let scene = scene(&random_mechanism(seed), 0.02, 0.02);
+        let engine = run(Model::Engine, &scene).samples.pop().expect("a sample");
+        let energy = engine.energy();
+        let scale_j = 1e-3 + energy.kinetic_j + energy.motor_work_j.abs() + energy.dissipated_j.abs();
+        assert!(energy.balance_j.abs() < 1e-4 * scale_j, "seed {seed}: {energy:?}");
+        let mut analytic = Run::default();
+        if trace::run(Model::Analytic, &scene, &mut analytic).is_err() {
+            continue;
+        }
+        let analytic = analytic.samples.pop().expect("a sample");
+        let difference = |(a, b): (BodyState, BodyState)| {
+            let [x, y] = [0, 1].map(|axis| (a.centre_m[axis] - b.centre_m[axis]).abs());
+            // The analytic model counts the whole turns of dyads from sample to sample.
+            wrap_angle(a.angle_rad - b.angle_rad).abs().max(10.0 * x.max(y))
+        };
+        let largest = analytic.bodies().zip(engine.bodies()).map(difference).fold(0.0, f64::max);
+        assert!(largest < 1e-4, "seed {seed}: {largest:e} rad or 0.1 m");
+        differences.push(largest);
+    }
+    differences.sort_by(f64::total_cmp);
+    assert!(differences.len() > 90, "{} comparisons", differences.len());
+    let median = differences[differences.len() / 2];
+    assert!(median < 1e-6, "median {median:e} rad or 0.1 m");
 }
