@@ -20,13 +20,13 @@ use phalanx_core::trace::{Event, SinkError};
 pub const CHUNK_BYTES: usize = 256 * 1024;
 
 /// Size of the first chunks: small, so that little is left to compress at the end of a short run.
-const FIRST_CHUNK_BYTES: usize = 16 * 1024;
+const FIRST_CHUNK_BYTES: usize = 32 * 1024;
 /// Chunks grow with the log: their size is the number of bytes already written divided by this.
 const CHUNK_GROWTH_DIVISOR: usize = 8;
 
-/// zstd compression level −3, encoded as the crate requires: compared with level 1, a log of the engine model takes a
-/// quarter less time and 6 % more bytes.
-const COMPRESSION_LEVEL: u32 = (-3i32) as u32;
+/// zstd compression level: a log is about a tenth smaller than at level −3, and the thread that writes it executes a third
+/// more instructions.
+const COMPRESSION_LEVEL: u32 = 3;
 
 /// Bytes of opcode, length, channel, sequence and two times of a message record.
 const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::metadata::LOG_VERSION;
 use phalanx_core::scene::schema::{SettingsSection, restore};
-use phalanx_core::scene::{Engine, Integrator, LogRates, Scene};
+use phalanx_core::scene::{Engine, Integrator, LogSettings, Scene};
 use phalanx_core::trace::Model;
 use phalanx_core::units::MAX_TIME_S;
 
@@ -13,7 +13,7 @@ use phalanx_core::units::MAX_TIME_S;
 pub struct Settings {
     pub solver: Solver,
     pub duration_s: f64,
-    pub log: LogRates,
+    pub log: LogSettings,
     /// File name of the scene and name of the attachment.
     pub scene_file: String,
 }
@@ -81,7 +81,7 @@ pub fn settings(metadata: &BTreeMap<String, String>) -> Result<Settings, Setting
             return Err(invalid("model".into(), model, format!("\"{analytic}\" or \"{engine}\"")));
         }
     };
-    let log: LogRates = entries.take_section()?;
+    let log: LogSettings = entries.take_section()?;
     if let Some(excess) = log.excess(duration_s) {
         let key = if excess.pictures { "log_picture_hz" } else { "log_numeric_hz" };
         return Err(invalid(key.into(), excess.rate_hz.to_string(), format!("lower: {excess}")));

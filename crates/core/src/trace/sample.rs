@@ -285,6 +285,11 @@ impl Sample {
             && contact % FingerContact::ALL.len() == FingerContact::Limit as usize
     }
 
+    /// Computes the quantities that follow from others ([`Interpolation::Derived`]).
+    pub fn derive(&mut self) {
+        (0..self.counts.contacts).for_each(|index| self.set_contact(index, &self.contact(index)));
+    }
+
     /// Contacts between surfaces, that is all except joint limits.
     pub fn surfaces(&self) -> impl Iterator<Item = ContactSample> + '_ {
         self.contacts().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
@@ -383,8 +388,8 @@ impl Subjects<'_> {
                 Interpolation::Angle { rate } => {
                     instant.cubic(a[k], a[rate], nearest_equivalent_angle(b[k], a[k]), b[rate])
                 }
+                Interpolation::Derived => 0.0,
             });
-            // Quantities that follow from others, such as a power, are computed from these.
             out[start..start + K].copy_from_slice(&T::from_values(values).values());
         }
     }

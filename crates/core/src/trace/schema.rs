@@ -22,6 +22,8 @@ pub enum Interpolation {
     Angle {
         rate: usize,
     },
+    /// The quantity follows from the others of its subject ([`State::from_values`]), and logs do not contain it.
+    Derived,
 }
 
 /// A quantity of a kind of subject.
@@ -56,7 +58,7 @@ pub enum SubjectKind {
 
 impl SubjectKind {
     /// Returns the quantities, each with its index among the numbers of the subject.
-    pub fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
+    fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
         let (all, indices): (&[Quantity], &[usize]) = match self {
             SubjectKind::Joint => (&JointState::QUANTITIES, &[]),
             SubjectKind::Actuator => (&ActuatorState::QUANTITIES, &[]),
@@ -121,6 +123,9 @@ impl State<4> for JointState {
         Self { angle_rad, rate_rad_s, force_n: [force_x, force_y] }
     }
 }
+
+/// Number of quantities of a joint before its force.
+const JOINT_MOTION: usize = 2;
 
 /// State of the actuator of a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -207,7 +212,7 @@ impl State<11> for ContactSample {
         linear("point_y_m", "m"),
         linear("normal_x", ""),
         linear("normal_y", ""),
-        linear("sliding_power_w", "W"),
+        Quantity { key: "sliding_power_w", unit: "W", interpolation: Interpolation::Derived },
     ];
 
     fn values(&self) -> [f64; 11] {
@@ -307,16 +312,29 @@ pub struct Subject {
     /// Whether the scene has it. Grippers without an object or a table have all contacts of a gripper in their samples;
     /// the gap of those that do not exist is infinite.
     pub exists: bool,
+    /// See [`Schema::has_joint_forces`].
+    has_joint_forces: bool,
 }
 
 impl Subject {
+    /// Returns the quantities, each with its index in a sample.
+    pub fn quantities(&self) -> impl Iterator<Item = (usize, &'static Quantity)> + '_ {
+        let count = if self.kind == SubjectKind::Joint && !self.has_joint_forces { JOINT_MOTION } else { usize::MAX };
+        self.kind.quantities().take(count).map(|(k, quantity)| (self.first + k, quantity))
+    }
+
+    /// Returns the quantities from which the others follow, each with its index in a sample.
+    pub fn independent(&self) -> impl Iterator<Item = (usize, &'static Quantity)> + '_ {
+        self.quantities().filter(|(_, quantity)| quantity.interpolation != Interpolation::Derived)
+    }
+
     /// Returns the quantities with their channels.
     pub fn channels(&self) -> impl Iterator<Item = (&'static Quantity, Channel)> + '_ {
         let Self { kind, name, first, .. } = self;
-        kind.quantities().map(move |(k, quantity)| {
+        self.quantities().map(move |(index, quantity)| {
             let source = match kind {
-                SubjectKind::Contact | SubjectKind::Limit => Source::Contact(first + k, *first),
-                _ => Source::Value(first + k),
+                SubjectKind::Contact | SubjectKind::Limit => Source::Contact(index, *first),
+                _ => Source::Value(index),
             };
             (quantity, Channel { name: column_name(*kind, name, quantity.key), unit: quantity.unit, source })
         })
@@ -349,6 +367,8 @@ pub struct Schema {
     pub fingers: Vec<String>,
     pub bodies: Vec<String>,
     pub contacts: Vec<ContactName>,
+    /// Whether the forces of joints are among the channels. Samples always have their numbers, which are 0 otherwise.
+    pub has_joint_forces: bool,
 }
 
 /// Name of a contact of a sample. Names are equal whether the scene has the contact or not.
@@ -416,7 +436,13 @@ impl Schema {
             fingers: sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect(),
             bodies: Vec::new(),
             contacts: GripperContact::for_fingers(count).iter().map(contact).collect(),
+            has_joint_forces: true,
         }
+    }
+
+    /// Whether samples of a system have these subjects.
+    pub fn has_subjects_of(&self, system: &System) -> bool {
+        Schema { has_joint_forces: self.has_joint_forces, ..Schema::from_system(system) } == *self
     }
 
     /// Indices of the contacts between surfaces, that is all except joint limits.
@@ -435,7 +461,8 @@ impl Schema {
         let counts = self.counts();
         let of_finger =
             |finger: &str, part: &str| if finger.is_empty() { part.to_string() } else { format!("{finger}_{part}") };
-        let present = |kind, name, first| Subject { kind, name, first, exists: true };
+        let has_joint_forces = self.has_joint_forces;
+        let present = |kind, name, first| Subject { kind, name, first, exists: true, has_joint_forces };
         let joints = self.fingers.iter().flat_map(|finger| FINGER_JOINTS.map(|joint| of_finger(finger, joint)));
         let mut subjects: Vec<Subject> =
             joints.enumerate().map(|(k, name)| present(SubjectKind::Joint, name, counts.joint(k))).collect();
@@ -448,10 +475,8 @@ impl Schema {
         let bodies = self.bodies.iter().enumerate();
         subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name.clone(), counts.body(k))));
         subjects.extend(self.contacts.iter().enumerate().map(|(k, contact)| Subject {
-            kind: contact.kind(),
-            name: contact.name.clone(),
-            first: counts.contact(k),
             exists: contact.exists,
+            ..present(contact.kind(), contact.name.clone(), counts.contact(k))
         }));
         subjects.push(present(SubjectKind::Energy, "energy".to_string(), counts.energy()));
         subjects
