@@ -10,10 +10,9 @@ use mcap::records::MessageHeader;
 use mcap::write::{Metadata, NoSeek};
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 
-use super::messages::{encode, encode_event, stamp_ns};
+use super::messages::stamp_ns;
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, metadata, scene_text};
-use phalanx_core::trace::schema::SubjectKind;
-use phalanx_core::trace::{Event, SinkError};
+use phalanx_core::trace::SinkError;
 
 /// Maximum uncompressed chunk size. A chunk of this size is closed, written and flushed, so a killed run loses at most
 /// this much.
@@ -152,30 +151,16 @@ impl<W: Write> McapFile<W> {
         self.write_buffer(channel, log_time)
     }
 
-    /// Writes the numbers of a subject.
-    pub(crate) fn write_numbers(
+    /// Writes the message that `encode` appends to an empty buffer.
+    pub fn write(
         &mut self,
         channel: ChannelId,
         time_s: f64,
-        numbers: impl Iterator<Item = f64>,
+        encode: impl FnOnce(&mut Vec<u8>),
     ) -> Result<(), SinkError> {
         self.buffer.clear();
-        encode(time_s, numbers, &mut self.buffer);
+        encode(&mut self.buffer);
         let log_time = self.log_time_ns(time_s);
-        self.write_buffer(channel, log_time)
-    }
-
-    /// Writes an event of a subject.
-    pub(crate) fn write_event(
-        &mut self,
-        channel: ChannelId,
-        event: &Event,
-        subject: &str,
-        kind: SubjectKind,
-    ) -> Result<(), SinkError> {
-        self.buffer.clear();
-        encode_event(event, subject, kind, &mut self.buffer);
-        let log_time = self.log_time_ns(event.time_s);
         self.write_buffer(channel, log_time)
     }
 

@@ -166,7 +166,7 @@ impl<R: Read + Seek> LogComparison<R> {
         };
         let differing = keys.into_iter().map(entry).filter(|entry| entry.log != entry.new_run).collect();
         let reader = SecondPass::new(source, scan)?;
-        let (schema, new_schema) = (reader.schema(), Schema::from_system(&new_run.scene.system));
+        let (schema, new_schema) = (reader.assembler.schema(), Schema::from_system(&new_run.scene.system));
         let mut new_channels: HashMap<String, Channel> =
             new_schema.channels().into_iter().map(|channel| (channel.name.clone(), channel)).collect();
         let pair = |channel: Channel| Some([new_channels.remove(&channel.name)?, channel]);
@@ -231,7 +231,7 @@ impl<R: Read + Seek> LogComparison<R> {
                 Some(_) => self.result.samples_not_compared += 1,
                 None if self.is_log_read => return Ok(None),
                 None => {
-                    self.log.time_ns = self.reader.time_ns();
+                    self.log.time_ns = self.reader.assembler.time_ns();
                     self.is_log_read = !self.reader.read_message(&mut self.log)?;
                 }
             }
@@ -269,7 +269,7 @@ impl<R: Read + Seek> LogComparison<R> {
 
     /// Compares the events of one contact. A log without the end of its run may lack events at its end.
     fn compare_events(&mut self, contact: usize, log: &[StampedEvent], new_run: &[StampedEvent]) {
-        let name = &self.reader.schema().contacts[contact].name;
+        let name = &self.reader.assembler.schema().contacts[contact].name;
         let has_run_end = self.has_run_end();
         let result = &mut self.result;
         for index in 0..log.len().max(new_run.len()) {
@@ -305,7 +305,7 @@ impl<R: Read + Seek> LogComparison<R> {
 
 impl<R: Read + Seek> Sink for LogComparison<R> {
     fn required_data(&self) -> RequiredData {
-        RequiredData { joint_forces: self.reader.schema().has_joint_forces, ..RequiredData::ALL }
+        RequiredData { joint_forces: self.reader.assembler.schema().has_joint_forces, ..RequiredData::ALL }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -9,7 +9,7 @@ use foxglove::messages::{Log, log::Level};
 use super::channels::{EVENTS, LINES, topics};
 use super::lines::{GraspState, describe_event};
 use super::mcap_file::{ChannelId, McapFile, MessageFeed};
-use super::messages::{event_schema, subject_schema};
+use super::messages::{encode, encode_event, event_schema, subject_schema};
 use super::metadata::RunInfo;
 use super::pictures::Pictures;
 use phalanx_core::drawing::{self, Drawing};
@@ -106,7 +106,8 @@ impl<W: Write> Sink for Writer<W> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let (time_s, values) = (sample.time_s, sample.values());
         for (channel, indices) in &self.channels {
-            self.file.write_numbers(*channel, time_s, indices.iter().map(|&index| values[index]))?;
+            let numbers = indices.iter().map(|&index| values[index]);
+            self.file.write(*channel, time_s, |out| encode(time_s, numbers, out))?;
         }
         if let Some(pictures) = &mut self.pictures {
             let poses = || drawing::poses(&self.scene, sample);
@@ -125,7 +126,8 @@ impl<W: Write> Sink for Writer<W> {
         let file = &mut self.file;
         let contact = &self.schema.contacts[event.contact];
         if contact.exists {
-            file.write_event(self.events, event, &contact.name, contact.kind())?;
+            let (name, kind) = (&contact.name, contact.kind());
+            file.write(self.events, event.time_s, |out| encode_event(event, name, kind, out))?;
             let display_name = match event.contact < self.scene.system.gripper_contacts().len() {
                 true => display_name(&contact.name),
                 false => contact.name.clone(),

@@ -311,9 +311,11 @@ fn add_disc_topics<'a>(schema: &mut Schema, topics: impl Iterator<Item = &'a str
 
 /// Whether messages are in write order. `present` are the subjects of a sample of this log, in order.
 fn is_in_write_order(parts: &[Part], present: &[usize]) -> bool {
-    let (mut next, mut latest_s) = (0, f64::NEG_INFINITY);
+    let (mut next, mut latest_s, mut latest_event) = (0, f64::NEG_INFINITY, 0);
     let is_ordered = parts.iter().all(|part| {
-        let Some(subject) = part.subject() else { return next == 0 };
+        let Some(subject) = part.subject() else {
+            return next == 0 && std::mem::replace(&mut latest_event, part.sequence) <= part.sequence;
+        };
         let is_next =
             present.get(next) == Some(&subject) && (part.time_s == latest_s || next == 0 && part.time_s > latest_s);
         (next, latest_s) = ((next + 1) % present.len().max(1), part.time_s);

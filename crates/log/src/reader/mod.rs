@@ -38,7 +38,6 @@ use self::summary::{Defect, Stop};
 pub use self::summary::{LogSink, LogSummary, Loss, LossKind, MissingData, ReadError, RunEnd};
 use super::file::partial_name;
 use super::metadata::LOG_VERSION;
-use phalanx_core::trace::Schema;
 
 /// Reads a log file into a sink.
 ///
@@ -83,7 +82,7 @@ pub fn read_head(path: &Path) -> Result<LogSummary, ReadError> {
 pub fn read(mut source: impl Read + Seek, sink: &mut impl LogSink) -> Result<LogSummary, ReadError> {
     let scan = scan(&mut source, false)?;
     let mut reader = SecondPass::new(source, scan)?;
-    sink.schema(reader.schema())?;
+    sink.schema(reader.assembler.schema())?;
     while reader.read_message(sink)? {}
     Ok(reader.assembler.finish(&reader.scan))
 }
@@ -92,7 +91,7 @@ pub fn read(mut source: impl Read + Seek, sink: &mut impl LogSink) -> Result<Log
 pub(super) struct SecondPass<R> {
     scan: Scan,
     messages: Messages<R>,
-    assembler: Assembler,
+    pub assembler: Assembler,
 }
 
 impl<R: Read + Seek> SecondPass<R> {
@@ -101,16 +100,6 @@ impl<R: Read + Seek> SecondPass<R> {
     pub fn new(source: R, mut scan: Scan) -> Result<Self, ReadError> {
         let assembler = Assembler::new(&mut scan);
         Ok(SecondPass { messages: Messages::new(source, &scan)?, assembler, scan })
-    }
-
-    /// Schema of the samples.
-    pub fn schema(&self) -> &Schema {
-        self.assembler.schema()
-    }
-
-    /// Log time of the samples and events that are passed on next, ns.
-    pub fn time_ns(&self) -> u64 {
-        self.assembler.time_ns()
     }
 
     /// Reads a message. Passes on the samples and events of a log time after its last message. Returns false at the end
