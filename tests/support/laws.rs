@@ -4,7 +4,7 @@ pub use super::runs::CollectSink;
 use super::runs::run_model;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System, Thresholds,
+    Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogSettings, Preset, Scene, Stepping, System, Thresholds,
 };
 use phalanx::shape::Shape;
 use phalanx::trace::{Model, Outcome};
@@ -53,7 +53,7 @@ pub fn scene_of(system: System, duration_s: f64) -> Scene {
         integrator: Integrator::preset(Preset::Reference),
         engine: Engine::DEFAULT,
         thresholds: Thresholds::NONE,
-        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
+        log: LogSettings { numeric_hz: 1e4, picture_hz: 5e3, joint_forces: false },
     }
 }
 

@@ -15,7 +15,7 @@ use super::keys::join;
 use super::keywords::SceneKind::{self, Bodies, Finger, Gripper};
 use super::quantity::Keyword;
 use super::section::{Key, NO_SECTION, Section};
-use super::sections::{Engine, Integrator, LogRates, SceneFile};
+use super::sections::{Engine, Integrator, LogSettings, SceneFile};
 use super::value::ValueType;
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
@@ -176,7 +176,7 @@ impl SettingsSection for Engine {
     const PATH: &'static str = "engine";
 }
 
-impl SettingsSection for LogRates {
+impl SettingsSection for LogSettings {
     const PATH: &'static str = "log";
 }
 

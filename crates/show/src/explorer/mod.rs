@@ -223,7 +223,8 @@ struct Listeners<'a, A> {
 
 impl<A: Sink> Sink for Listeners<'_, A> {
     fn required_data(&self) -> RequiredData {
-        RequiredData::EVALUATION.or(self.sink.required_data())
+        let evaluation = self.criteria_tracker.required_data().or(self.audit.required_data());
+        evaluation.or(self.sink.required_data())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -52,8 +52,8 @@ pub use finger::{BodiesSettings, DesignSettings, FingerKeys, FingerLengths, Leng
 pub use law::{ContactSettings, Level, LimitSettings};
 pub use motion::{MoveSettings, PathSettings, VibrationSettings};
 pub use run::{
-    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, EngineSettings, Integrator, LogExcess, LogRates, Method, Preset,
-    Response, Stepping, Thresholds,
+    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, EngineSettings, Integrator, LogExcess, LogSettings, Method,
+    Preset, Response, Stepping, Thresholds,
 };
 pub use start::InitialSettings;
 
@@ -136,7 +136,7 @@ pub struct SceneFile {
     pub validate: Bounds,
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub criteria: Thresholds,
-    pub log: LogRates,
+    pub log: LogSettings,
 }
 
 /// Keys and sections of a finger; in a gripper they apply to both fingers, or to one within `[right]` and `[left]`.
