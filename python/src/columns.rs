@@ -69,13 +69,13 @@ pub fn column_array<'py>(py: Python<'py>, array: &ArrayRef) -> PyResult<Bound<'p
         DataType::Float64 => {
             let values = array.as_any().downcast_ref::<PrimitiveArray<Float64Type>>();
             let values: Vec<f64> = values.into_iter().flatten().map(|value| value.unwrap_or(f64::NAN)).collect();
-            number_array(py, &(Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef))
+            number_array(py, &array_of_numbers(values))
         }
         DataType::Int64 => {
             let values = array.as_any().downcast_ref::<PrimitiveArray<Int64Type>>();
             let values: Vec<f64> =
                 values.into_iter().flatten().map(|value| value.map_or(f64::NAN, |value| value as f64)).collect();
-            number_array(py, &(Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef))
+            number_array(py, &array_of_numbers(values))
         }
         DataType::Boolean => {
             let flags: Vec<Option<bool>> =
@@ -101,16 +101,18 @@ fn array_from_list<'py, T: IntoPyObject<'py>>(
     py.import("numpy")?.call_method("array", (values,), Some(&options))
 }
 
-/// Builds a batch from the numbers of channels. The metadata of each field has the unit.
-pub fn number_batch(columns: Vec<(Channel, Vec<f64>)>) -> PyResult<RecordBatch> {
+/// Returns numbers as an array over the same memory.
+pub fn array_of_numbers(values: Vec<f64>) -> ArrayRef {
+    Arc::new(PrimitiveArray::<Float64Type>::from(values))
+}
+
+/// Builds a batch from the arrays of channels. The metadata of each field has the unit.
+pub fn channel_batch(channels: &[Channel], arrays: &[ArrayRef]) -> PyResult<RecordBatch> {
     let field = |channel: &Channel| {
         let unit = HashMap::from([("unit".to_string(), channel.unit.to_string())]);
         Field::new(&channel.name, DataType::Float64, false).with_metadata(unit)
     };
-    let fields: Vec<Field> = columns.iter().map(|(channel, _)| field(channel)).collect();
-    let arrays =
-        columns.into_iter().map(|(_, values)| Arc::new(PrimitiveArray::<Float64Type>::from(values)) as ArrayRef);
-    build_batch(fields, arrays.collect())
+    build_batch(channels.iter().map(field).collect(), arrays.to_vec())
 }
 
 /// Builds a batch from columns with their names and types.

@@ -1,19 +1,37 @@
 //! Runs computations without the interpreter lock, so that other Python threads continue and Ctrl-C interrupts the
 //! computation.
 
+use std::cell::{Cell, RefCell};
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 
 /// Interval between checks for signals: imperceptible to the user, with negligible cost.
 const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Runs a computation on another thread without the interpreter lock. After Ctrl-C, `keep_running` returns false, and
-/// the signal is raised when the computation has ended.
+/// Runs a computation on the calling thread without the interpreter lock; `keep_running` checks for signals. A short run
+/// would notice the start of a thread; the computation must call `keep_running` often, and on the calling thread. After
+/// Ctrl-C, `keep_running` returns false, and the signal is raised when the computation has ended.
+pub fn run_on_caller<T: Send>(py: Python<'_>, compute: impl FnOnce(&dyn Fn() -> bool) -> T + Send) -> PyResult<T> {
+    py.detach(|| {
+        let (checked, signal) = (Cell::new(Instant::now()), RefCell::new(None));
+        let result = compute(&|| {
+            if signal.borrow().is_none() && checked.get().elapsed() >= SIGNAL_CHECK_INTERVAL {
+                checked.set(Instant::now());
+                signal.replace(Python::attach(|py| py.check_signals()).err());
+            }
+            signal.borrow().is_none()
+        });
+        signal.into_inner().map_or(Ok(result), Err)
+    })
+}
+
+/// Runs a computation of several threads, itself on another thread, without the interpreter lock. After Ctrl-C,
+/// `keep_running` returns false, and the signal is raised when the computation has ended.
 ///
 /// A panic of the computation propagates to the caller and becomes a Python exception.
 pub fn run<T: Send>(py: Python<'_>, compute: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send) -> PyResult<T> {

@@ -1,15 +1,15 @@
 //! The class `Result`: columns, events and summary of a run.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
-use arrow_array::RecordBatch;
+use arrow_array::{ArrayRef, RecordBatch};
 use phalanx::format::{Report, ToReport};
 use phalanx::page::{Page, render_page};
 use phalanx::report::document::RunReport;
 use phalanx::report::replay::ReplayReport;
 use phalanx::scene::Scene;
-use phalanx::trace::{Event, Model, Recording, Schema};
+use phalanx::trace::{Channel, Event, Model, Recording, Schema};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
@@ -20,7 +20,9 @@ use super::{columns, conversion, errors};
 /// The results of a run, or of the run in a log. All values are in SI; column names contain the units.
 #[pyclass(frozen, module = "phalanx")]
 pub struct Result {
-    batch: RecordBatch,
+    channels: Vec<Channel>,
+    /// One column for each channel.
+    arrays: Vec<ArrayRef>,
     events: Vec<Event>,
     schema: Schema,
     report: ResultReport,
@@ -29,7 +31,8 @@ pub struct Result {
 
 /// The report of a result: of `phalanx run`, or of `phalanx replay`.
 pub enum ResultReport {
-    Run(Box<RunReport>),
+    /// Built when first read: the closures of a grasp take longer than the rest of a result.
+    Run(Box<LazyLock<RunReport, Box<dyn FnOnce() -> RunReport + Send>>>),
     Log(Box<ReplayReport>),
 }
 
@@ -56,9 +59,16 @@ pub enum Source {
 }
 
 impl Result {
-    pub fn new(schema: Schema, recording: Recording, report: ResultReport, source: Source) -> PyResult<Self> {
+    pub fn new(schema: Schema, recording: Recording, report: ResultReport, source: Source) -> Self {
         let (columns, events) = recording.into_parts();
-        Ok(Result { batch: columns::number_batch(columns)?, events, schema, report, source })
+        let (channels, arrays) =
+            columns.into_iter().map(|(channel, values)| (channel, columns::array_of_numbers(values))).unzip();
+        Result { channels, arrays, events, schema, report, source }
+    }
+
+    /// Returns all columns as a batch. It is built when needed: names and units of its fields cost more than the arrays.
+    fn batch(&self) -> PyResult<RecordBatch> {
+        columns::channel_batch(&self.channels, &self.arrays)
     }
 
     /// Returns an entry of the summary, or None.
@@ -74,7 +84,7 @@ impl Result {
     ///
     /// `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
     fn __getitem__<'py>(&self, py: Python<'py>, column: &str) -> PyResult<Bound<'py, PyAny>> {
-        let array = self.batch.column_by_name(column).ok_or_else(|| {
+        let index = self.channels.iter().position(|channel| channel.name == column).ok_or_else(|| {
             let similar = phalanx::scene::closest_match(column, &self.columns());
             let suggestion =
                 similar.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_else(|| ".".to_string());
@@ -82,19 +92,19 @@ impl Result {
                 "{column} is not a column of this run{suggestion} result.columns lists all columns"
             ))
         })?;
-        columns::number_array(py, array)
+        columns::number_array(py, &self.arrays[index])
     }
 
     /// Names of all columns with their units, as in `phalanx replay --csv`: `time_s` first, the energies last.
     #[getter]
     fn columns(&self) -> Vec<&str> {
-        self.batch.schema_ref().fields().iter().map(|field| field.name().as_str()).collect()
+        self.channels.iter().map(|channel| channel.name.as_str()).collect()
     }
 
     /// Times of the samples, s. Two samples may have the same time, before and after an event.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        columns::number_array(py, self.batch.column(0))
+        columns::number_array(py, &self.arrays[0])
     }
 
     /// Contact events in order of time, as `phalanx.Event`.
@@ -165,7 +175,7 @@ impl Result {
 
     /// Returns all columns as a pandas DataFrame that shares memory with the run.
     fn to_pandas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        columns::to_pandas(py, &self.batch)
+        columns::to_pandas(py, &self.batch()?)
     }
 
     /// Returns all columns as a Polars DataFrame that shares memory with the run.
@@ -182,7 +192,7 @@ impl Result {
     ) -> PyResult<Bound<'py, PyCapsule>> {
         // The protocol allows a producer to ignore the requested schema.
         let _ = requested_schema;
-        columns::arrow_stream(py, &self.batch)
+        columns::arrow_stream(py, &self.batch()?)
     }
 
     /// Writes the same log as `phalanx run --log`, byte for byte (MCAP, for Foxglove, Rerun and PlotJuggler).
@@ -230,13 +240,13 @@ impl Result {
     }
 
     fn __len__(&self) -> usize {
-        self.batch.num_rows()
+        self.arrays[0].len()
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |key: &str| -> PyResult<String> { Ok(self.summary_entry(py, key)?.str()?.to_string()) };
         let (scene, model, completed) = (text("scene")?, text("model")?, text("completed")?);
-        let (samples, columns, events) = (self.batch.num_rows(), self.batch.num_columns(), self.events.len());
+        let (samples, columns, events) = (self.__len__(), self.arrays.len(), self.events.len());
         let suffix = if completed == "True" { "" } else { ", not completed" };
         Ok(format!(
             "<phalanx.Result of \"{scene}\": {model} model, {samples} samples of {columns} columns, {events} events{suffix}>"

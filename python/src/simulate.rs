@@ -1,17 +1,17 @@
 //! Functions that simulate scenes and read logs.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use phalanx::format;
-use phalanx::log::{self, LogFile, LogSink, RunInfo};
+use phalanx::log::{self, FinishedRun, LogFile, LogSink, RunInfo};
 use phalanx::page::PlaybackRecorder;
 use phalanx::report::document::RunReport;
 use phalanx::report::replay::{LogObserver, scene_in_log};
-use phalanx::report::simulation::{CheckPolicy, SimulationOptions, simulate_and_check};
+use phalanx::report::simulation::{CheckPolicy, SimulationOptions, report_of};
 use phalanx::scene::{Construction, Preset, Scene};
 use phalanx::trace::overrides::{self, Overrides};
-use phalanx::trace::{Cancellable, Event, Model, Recording, Sample, Schema, Sink, SinkError};
+use phalanx::trace::{Cancellable, Event, KeepRunning, Model, Recording, Sample, Schema, Sink, SinkError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
@@ -95,17 +95,22 @@ pub fn run(
     let input = RunInput { scene, model, scene_file: file_name.unwrap_or_else(|| "scene.toml".to_string()) };
     let schema = Schema::from_scene(&input.scene);
     let recording = Recording::new(&schema);
-    let (report, recording) =
-        interruptible::run(py, |keep_running| simulate(&input, log.as_deref(), check_policy, recording, keep_running))?
-            .map_err(|error| errors::run(py, error, None))?;
-    let failure = report.error.clone().map(|failure| (failure, report.duration_s));
-    let result = Result::new(schema, recording, ResultReport::Run(Box::new(report)), Source::Run(Arc::new(input)))?;
-    match failure {
+    let (run, recording) = interruptible::run_on_caller(py, |keep_running| {
+        simulate(&input, log.as_deref(), check_policy, recording, keep_running)
+    })?
+    .map_err(|error| errors::run(py, error, None))?;
+    let stopped = run.stopped.clone();
+    let duration = format::format_duration(input.scene.duration_s);
+    let input = Arc::new(input);
+    let source = Source::Run(Arc::clone(&input));
+    let log = log.map(|path| path.display().to_string());
+    let report = move || RunReport { log, ..report_of(input.model, &input.scene, &run) };
+    let result = Result::new(schema, recording, ResultReport::Run(Box::new(LazyLock::new(Box::new(report)))), source);
+    match stopped {
         None => Ok(result),
-        Some((failure, duration_s)) => {
-            let end = format::format_duration(failure.time_s);
-            let duration = format::format_duration(duration_s);
-            let message = format!("the simulation stopped at {end} of {duration}: {}", failure.reason);
+        Some((time_s, reason)) => {
+            let end = format::format_duration(time_s);
+            let message = format!("the simulation stopped at {end} of {duration}: {reason}");
             Err(errors::run(py, message, Some(Py::new(py, result)?.into_any())))
         }
     }
@@ -115,7 +120,7 @@ pub fn run(
 /// `summary["missing"]` missing topics.
 #[pyfunction]
 pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
-    let contents = interruptible::run(py, |keep_running| {
+    let contents = interruptible::run_on_caller(py, |keep_running| {
         let head = log::read_head(&path)?;
         let scene = scene_in_log(&head).and_then(std::result::Result::ok);
         let scene = scene.filter(|scene| scene.kind() == head.kind());
@@ -132,7 +137,7 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         log::ReadError::NotFound { .. } | log::ReadError::NotAFile { .. } => errors::run(py, error, None),
         _ => errors::run(py, format!("{}: {error}", path.display()), None),
     })?;
-    Result::new(schema, recording, ResultReport::Log(Box::new(report)), Source::Log(path, scene.map(Box::new)))
+    Ok(Result::new(schema, recording, ResultReport::Log(Box::new(report)), Source::Log(path, scene.map(Box::new))))
 }
 
 /// Repeats a run to record its page.
@@ -159,7 +164,7 @@ pub fn playback_of_log(path: &Path) -> Option<PlaybackRecorder> {
 
 /// Repeats a run to write its log.
 pub fn save(py: Python<'_>, input: Arc<RunInput>, path: &Path) -> PyResult<()> {
-    let outcome = interruptible::run(py, |keep_running| {
+    let outcome = interruptible::run_on_caller(py, |keep_running| {
         simulate(&input, Some(path), CheckPolicy::IfCheap, (), keep_running).map(drop)
     })?;
     outcome.map_err(|error| errors::run(py, error, None))
@@ -171,19 +176,17 @@ fn simulate<S: Sink>(
     log_path: Option<&Path>,
     check_policy: CheckPolicy,
     mut sink: S,
-    keep_running: &(dyn Fn() -> bool + Sync),
-) -> std::result::Result<(RunReport, S), String> {
+    keep_running: KeepRunning<'_>,
+) -> std::result::Result<(FinishedRun<LogFile>, S), String> {
     let scene = &input.scene;
     let info = RunInfo { scene, scene_file: &input.scene_file, model: input.model.name() };
     let log = log_path.map(|path| log::create(path, &info)).transpose().map_err(|error| error.to_string())?;
-    let mut cancellable = Cancellable { sink: &mut sink, keep_running: &|| keep_running() };
-    let options =
-        SimulationOptions { check_policy, keep_running: &|| keep_running(), describe_reason: &ToString::to_string };
-    let run = simulate_and_check(input.model, scene, log, &options, &mut cancellable);
-    let mut report = run.report;
-    report.log = log_path.map(|path| path.display().to_string());
-    run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit)).map_err(|error| error.to_string())?;
-    Ok((report, sink))
+    let mut cancellable = Cancellable { sink: &mut sink, keep_running };
+    let options = SimulationOptions { check_policy, keep_running, describe_reason: &ToString::to_string };
+    let mut run = log::simulate(input.model, scene, log, &options, &mut cancellable);
+    let log = std::mem::replace(&mut run.log, Ok(None));
+    log.and_then(|log| log.map_or(Ok(()), LogFile::commit)).map_err(|error| error.to_string())?;
+    Ok((run, sink))
 }
 
 /// Passes the contents of a log to a recording and to the observer that builds the report.
@@ -191,7 +194,7 @@ struct Reader<'a> {
     schema: Schema,
     recording: Recording,
     observer: LogObserver,
-    keep_running: &'a (dyn Fn() -> bool + Sync),
+    keep_running: KeepRunning<'a>,
 }
 
 impl LogSink for Reader<'_> {

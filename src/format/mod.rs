@@ -2,7 +2,7 @@
 //!
 //! This module adds the names of columns, criteria and conditions of studies to `phalanx_show::format`.
 
-pub use crate::study::quantity::{self, Quantity};
+pub use crate::study::quantity::{self, ColumnFormat};
 pub(crate) use crate::study::select::{condition_name, criterion_name};
 pub use phalanx_show::format::{Report, ToReport, escape_markup, format_duration, is_unsafe_char, numbers, report};
 

@@ -8,7 +8,7 @@ use super::outline::{MARGIN, Point, View, arrow_head, filled_outline, mirrored, 
 use super::svg::{Paint, Pixel, Svg, TextStyle, document};
 use super::theme::{ANGLE, Colour, FORCE, INK, OBJECT, PALM, PAPER, SOFT};
 use crate::drawing::{Drawing, poses_for_postures};
-use crate::format::Quantity;
+use crate::format::ColumnFormat;
 use crate::gripper::{FinalPosture, Joints, Lengths, Posture, close_loop, final_posture, joint_positions};
 use crate::numeric::plane::{add, dot, scale, sub};
 use crate::scene::Scene;
@@ -293,7 +293,7 @@ type Row = (&'static str, Colour, &'static str, String);
 
 fn table(scene: &Scene, q: &Posture, has_forces: bool) -> Vec<Row> {
     let l = &scene.finger().linkage.lengths;
-    let (length, angle) = (Quantity::for_column("l12_m"), Quantity::for_column("trajectory_rad"));
+    let (length, angle) = (ColumnFormat::for_column("l12_m"), ColumnFormat::for_column("trajectory_rad"));
     let mm = |length_m: f64| format!("{} mm", length.number(length_m, 4).replace('-', "−"));
     let deg = |angle_rad: f64| format!("{}°", angle.number(angle_rad, 4).replace('-', "−"));
     let mut rows: Vec<Row> = vec![

@@ -10,7 +10,7 @@ use super::canvas::{
 use super::chart::{self, Panel, Series, panel_chart};
 use super::svg::{Paint, Pixel, Svg};
 use super::theme::{AMBER, BLUE, Colour, GREEN, INK, NEUTRAL, ORANGE, PALE_BLUE, PAPER, PURPLE, SOFT, VERDICTS};
-use crate::format::{Quantity, condition_name, criterion_name, percent_of};
+use crate::format::{ColumnFormat, condition_name, criterion_name, percent_of};
 use crate::study::select::{Axis, Candidate, Selection, Verdict};
 use crate::table::{Table, Value};
 
@@ -235,7 +235,7 @@ fn sorted(title: &str, selection: &Selection, scheme: &Scheme) -> String {
 
 /// Draws the runs of every condition, sorted by one variable.
 fn sorted_by(svg: &mut Svg, selection: &Selection, scheme: &Scheme, (index, axis): (usize, &Axis)) {
-    let quantity = Quantity::for_column(&axis.column);
+    let quantity = ColumnFormat::for_column(&axis.column);
     text_right_of(svg, &quantity.label(), [CONDITION_WIDTH, 0.5 * VARIABLE_HEIGHT + 2.0], 15.0, INK);
     let order = order(axis);
     let is_grouped = axis.values.len() <= MAX_GROUPS;
@@ -360,7 +360,7 @@ fn variables(title: &str, results: &Table, selection: &Selection) -> String {
     let varied = varied.map(|axis| (axis.column.as_str(), BLUE));
     let columns = varied.chain(DEPENDENT.map(|name| (name, GREEN)));
     let panel = |(name, colour): (&str, Colour)| {
-        let (column, quantity) = (results.find(name)?, Quantity::for_column(name));
+        let (column, quantity) = (results.find(name)?, ColumnFormat::for_column(name));
         // The first run of every design that has a value.
         let mut seen = HashSet::new();
         let value = |row: usize| results.rows[row][column].as_number().filter(|value| value.is_finite());

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::sweep::SelectionReport;
 use crate::check::Check;
-use crate::format::{Quantity, Report, ToReport, condition_name, criterion_name};
+use crate::format::{ColumnFormat, Report, ToReport, condition_name, criterion_name};
 use crate::plot;
 use crate::scene;
 use crate::study::select::{Candidate, Ranked, Selection, SelectionCriteria, Tally, select};
@@ -115,7 +115,7 @@ fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<
         (criterion_name(&tally.criterion), counts)
     };
     let of_design = selection.axes.iter().enumerate().filter(|(_, axis)| !axis.varies_within_design);
-    let axes: Vec<_> = of_design.map(|(index, axis)| (index, Quantity::for_column(&axis.column))).collect();
+    let axes: Vec<_> = of_design.map(|(index, axis)| (index, ColumnFormat::for_column(&axis.column))).collect();
     let ranked = |ranked: &Ranked| {
         let values = &selection.runs[ranked.run_index].axes;
         let axes = axes.iter().map(|(axis, quantity)| quantity.value(&values[*axis], 4)).collect();

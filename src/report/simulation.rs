@@ -1,11 +1,12 @@
 //! Simulates a scene for a report. Used by `phalanx run`, `validate --out` and `replay --verify`.
 
 use std::io::Write;
+use std::mem;
 
 use super::check::RunCheckReport;
 use super::document::{Failure, RunData, RunReport};
 use crate::log::{self, ThreadedWriter};
-pub use crate::log::{CheckPolicy, SimulationOptions};
+pub use crate::log::{CheckPolicy, FinishedRun, SimulationOptions};
 use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::trace::{Model, RunError, Sink, SinkError};
@@ -28,7 +29,14 @@ pub fn simulate_and_check<W: Write + Send + 'static>(
     options: &SimulationOptions<'_>,
     extra_sink: &mut impl Sink,
 ) -> SimulatedRun<W> {
-    let run = log::simulate(model, scene, log, options, extra_sink);
+    let mut run = log::simulate(model, scene, log, options, extra_sink);
+    let log = mem::replace(&mut run.log, Ok(None));
+    let has_failed_sink = matches!(run.result, Err(RunError::Sink(_)));
+    SimulatedRun { report: report_of(model, scene, &run), has_failed_sink, log }
+}
+
+/// Builds the report of a run.
+pub fn report_of<W>(model: Model, scene: &Scene, run: &FinishedRun<W>) -> RunReport {
     let outcome = match &run.result {
         Ok(outcome) => Some(outcome),
         Err(RunError::Simulation { partial_outcome, .. }) => Some(&**partial_outcome),
@@ -42,8 +50,7 @@ pub fn simulate_and_check<W: Write + Send + 'static>(
         rebounds: &run.rebounds,
         warnings: &run.warnings,
     };
-    let error = run.stopped.map(|(time_s, reason)| Failure { time_s, reason });
-    let check = run.check.map(|check| RunCheckReport::new(&check, scene.kind() != SceneKind::Bodies));
-    let report = RunReport { check, ..RunReport::new(scene, model, &data, error) };
-    SimulatedRun { report, has_failed_sink: outcome.is_none(), log: run.log }
+    let error = run.stopped.clone().map(|(time_s, reason)| Failure { time_s, reason });
+    let check = run.check.as_ref().map(|check| RunCheckReport::new(check, scene.kind() != SceneKind::Bodies));
+    RunReport { check, ..RunReport::new(scene, model, &data, error) }
 }

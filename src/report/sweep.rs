@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use super::named::Object;
 use crate::criteria::Class;
 use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution};
-use crate::format::quantity::Quantity;
+use crate::format::quantity::ColumnFormat;
 use crate::format::report::{Report, ToReport, list, table, to_json_document};
 use crate::format::{condition_name, criterion_name, percent_of};
 use crate::study::select::{ClassCounts, Condition, Ranked, Selection, TERMS, Term};
@@ -319,8 +319,8 @@ fn ranking(selection: &Selection, max_ranked: usize) -> Report {
         return Report::from(no_selection(selection));
     }
     let varied = selection.axes.iter().enumerate().filter(|(_, axis)| axis.values.len() > 1);
-    let axes: Vec<(usize, Quantity)> =
-        varied.map(|(index, axis)| (index, Quantity::for_column(&axis.column))).collect();
+    let axes: Vec<(usize, ColumnFormat)> =
+        varied.map(|(index, axis)| (index, ColumnFormat::for_column(&axis.column))).collect();
     let mut header = row(["rank", "run", "design"]);
     header.extend(axes.iter().map(|(_, quantity)| quantity.label()));
     header.extend(TERMS.iter().map(|term| format!("{}, {}", term.symbol, term.unit.0)));

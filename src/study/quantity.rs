@@ -7,7 +7,7 @@ use phalanx_show::format::numbers::{format_number, zero_below_resolution};
 
 /// Display format of a column of SI values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quantity {
+pub struct ColumnFormat {
     /// The last part of the name without its unit: `base` of `design.base_m`.
     pub name: String,
     /// Displayed unit; empty for plain numbers.
@@ -42,14 +42,14 @@ fn display_unit(dimension: Dimension) -> (&'static str, f64) {
     }
 }
 
-impl Quantity {
-    pub(crate) fn for_column(column: &str) -> Quantity {
-        Quantity::new(column, &column_type(column).unwrap_or(FieldType::Number))
+impl ColumnFormat {
+    pub(crate) fn for_column(column: &str) -> ColumnFormat {
+        ColumnFormat::new(column, &column_type(column).unwrap_or(FieldType::Number))
     }
 
     /// Returns the format of a column or key with values of this kind; the unit depends on their dimension, not on the
     /// name.
-    pub fn new(name: &str, field_type: &FieldType) -> Quantity {
+    pub fn new(name: &str, field_type: &FieldType) -> ColumnFormat {
         let last = name.rsplit('.').next().unwrap_or(name);
         let (suffix, (unit, scale), dimension) = match field_type {
             FieldType::Quantity(dimension) => (dimension.suffix(), display_unit(*dimension), Some(*dimension)),
@@ -58,7 +58,7 @@ impl Quantity {
         };
         let unprefixed =
             last.strip_suffix(suffix).and_then(|last| last.strip_suffix('_')).filter(|_| !suffix.is_empty());
-        Quantity { name: unprefixed.unwrap_or(last).to_string(), unit, scale, dimension }
+        ColumnFormat { name: unprefixed.unwrap_or(last).to_string(), unit, scale, dimension }
     }
 
     /// Name and unit: `base, mm`.
@@ -120,10 +120,10 @@ mod tests {
             ("n", 2.0, "n", "2"),
             ("of_nobody_n_m", 2.0, "of_nobody_n_m", "2"),
         ] {
-            let quantity = Quantity::for_column(column);
+            let quantity = ColumnFormat::for_column(column);
             assert_eq!((quantity.label().as_str(), quantity.number(value, 4).as_str()), (label, number));
         }
-        assert_eq!(Quantity::for_column("design.base_m").name_and_value(&Value::Number(0.0155)), "base 15.5 mm");
-        assert_eq!(Quantity::for_column("sizing").name_and_value(&Value::Text("rigid".into())), "sizing rigid");
+        assert_eq!(ColumnFormat::for_column("design.base_m").name_and_value(&Value::Number(0.0155)), "base 15.5 mm");
+        assert_eq!(ColumnFormat::for_column("sizing").name_and_value(&Value::Text("rigid".into())), "sizing rigid");
     }
 }

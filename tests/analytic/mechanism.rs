@@ -2,13 +2,24 @@
 //! closed-form kernel, and random mechanisms.
 
 use phalanx::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize, event_function_count};
+use phalanx::analytic::{ContactState, EVENT_FUNCTIONS, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
+use phalanx::gripper::{Finger, FingerContact, Placement, Posture, SpringKind, close_loop};
 use phalanx::integrator::{
-    Method, Observer, Options, Radau5, RadauOrRodas, State, Step, StepTools, Tolerances, integrate_by,
+    Hybrid, Method, Observer, Options, Radau5, RadauOrRodas, State, Step, StepTools, System, Tolerances, integrate_by,
 };
+use phalanx::mechanism::{
+    self, Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointKind, Mechanism, Outline, OutlineId,
+    OutlineShape, assemble,
+};
+use phalanx::scene::Scene;
+use phalanx::shape::Shape;
 use std::f64::consts::TAU;
 
 use super::jacobian::{Entry, Equations};
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
+use crate::support::random::Random;
+use crate::support::random_mechanisms::random_mechanism;
+use crate::support::runs::experiment_95;
 
 const N: usize = 8;
 const K: usize = 3;
@@ -140,6 +151,10 @@ fn andrews_squeezer_agrees_with_the_published_solution() {
     }
 }
 
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
+}
+
 /// States of a run, for tests of single states.
 struct States<'a> {
     model: &'a Model,
@@ -169,14 +184,17 @@ fn jacobians_match_differences_along_the_reference_cases() {
         let stride = states.found.len().div_ceil(40);
         for (t, state, mode) in states.found.into_iter().step_by(stride) {
             // Penetrations limit the differences of positions, slips those of rates.
-            let depth = (0..model.contact_count())
-                .map(|index| model.contact_reading((&state.q, &state.v), index, mode[index]))
-                .filter(|reading| reading.normal > 0.0)
-                .map(|reading| reading.delta)
-                .fold(1e-2, f64::min);
+            let active = (0..model.contact_count()).filter(|index| mode[*index].has_force());
+            let depths = active.map(|index| model.contact_reading((&state.q, &state.v), index, mode[index]).delta);
+            let depth = depths.fold(1e-2, f64::min);
+            if depth < 1e-8 {
+                continue;
+            }
             let next = <Model as Hybrid<N, Z, G>>::next_discontinuity(&model, t - 2e-5);
             let time_step = if next < t + 2e-5 { 0.0 } else { 1e-5 };
-            let steps = [time_step, 0.02 * depth, 1e-3 * (1.0 + state.v.iter().fold(0.0f64, |a, b| a.max(b.abs())))];
+            // The friction law changes over 1e-2 m/s.
+            let rate_step = if depth < 1e-2 { 1e-4 } else { 1e-3 * (1.0 + largest(&state.v)) };
+            let steps = [time_step, 0.02 * depth, rate_step];
             let equations = Equations::<_, N, Z> { system: &model, mode, t, q: state.q, v: state.v };
             let allowed = |entry: &Entry| {
                 2e-5 * (entry.row_size + 1e-6 * entry.value.abs() / entry.h) + 1e-7 * entry.largest[1] * entry.h + 1e-7
@@ -204,4 +222,236 @@ fn loops_beyond_dyads_are_refused_by_name() {
     case.mechanism.joints.push(brace);
     let error = MechanismSize::new(&case.mechanism).unwrap_err().to_string();
     assert!(error.contains("no row of dyads") || error.contains("can move"), "{error}");
+}
+
+/// The five-bar of a finger that closes on a fixed disc, written out joint by joint.
+fn five_bar(scene: &Scene) -> Mechanism {
+    let driven = scene.finger();
+    let Finger { lengths, bodies, assembly } = &driven.linkage;
+    let start = &driven.initial;
+    let posture = close_loop(lengths, *assembly, start.q11_rad, start.q21_rad).expect("a closed loop");
+    let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
+    let ([x12, y12], [x22, y22]) = (along(lengths.l11_m, start.q11_rad), along(lengths.l21_m, start.q21_rad));
+    let poses = [
+        [0.0, 0.0, start.q11_rad],
+        [x12, y12, start.q11_rad + posture.q12_rad],
+        [0.0, 0.0, start.q21_rad],
+        [x22, y22, start.q21_rad + posture.q22_rad],
+    ];
+    let capsule = |to_m: [f64; 2]| {
+        let shape = OutlineShape::Capsule { from_m: [0.0; 2], to_m, radius_m: lengths.half_width_m };
+        vec![Outline { name: "face".to_string(), shape }]
+    };
+    let outlines =
+        [Vec::new(), Vec::new(), capsule([lengths.l21_m, 0.0]), capsule(along(lengths.t22_m, lengths.phi22_rad))];
+    let masses = [&bodies.l11, &bodies.l12, &bodies.l21, &bodies.l22];
+    let body = |(index, outlines): (usize, Vec<Outline>)| Body {
+        name: ["l11", "l12", "l21", "l22"][index].to_string(),
+        mass_kg: masses[index].mass_kg,
+        inertia_kg_m2: masses[index].inertia_kg_m2,
+        com_m: masses[index].com_m,
+        pose: poses[index],
+        rate: [0.0; 3],
+        outlines,
+    };
+    let joint = |name: &str, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2], start: Option<f64>| Joint {
+        name: name.to_string(),
+        kind: JointKind::Revolute,
+        bodies,
+        points_m,
+        offset_rad: 0.0,
+        start,
+        start_rate: 0.0,
+        damping: 0.0,
+        armature: 0.0,
+        lower: None,
+        upper: None,
+        limit: None,
+    };
+    let mut joints = vec![
+        joint("q11", [None, Some(0)], [[0.0; 2]; 2], Some(start.q11_rad)),
+        joint("q12", [Some(0), Some(1)], [[lengths.l11_m, 0.0], [0.0; 2]], None),
+        joint("q21", [None, Some(2)], [[0.0; 2]; 2], Some(start.q21_rad)),
+        joint("q22", [Some(2), Some(3)], [[lengths.l21_m, 0.0], [0.0; 2]], None),
+        joint("q13", [Some(1), Some(3)], [[lengths.l12_m, 0.0], [lengths.l22_m, 0.0]], None),
+    ];
+    (joints[3].lower, joints[3].limit) = (driven.limit.map(|_| -lengths.phi22_rad), driven.limit);
+    // The spring acts against closing, by which the distal phalanx turns while the proximal one rests.
+    let bend =
+        |turn: f64| close_loop(lengths, *assembly, start.q11_rad + turn, start.q21_rad).expect("a closed loop").q22_rad;
+    let closing_sign = (bend(1e-3) - bend(-1e-3)).signum();
+    let object = scene.system.object().expect("an object");
+    let Shape::Disc { radius_m } = object.shape;
+    let contact = |body: usize, law| ContactPair {
+        points: OutlineId { body: None, outline: 0 },
+        face: OutlineId { body: Some(body), outline: 0 },
+        law,
+        force_point: ForcePoint::Face,
+    };
+    let spring = driven.spring.expect("a spring");
+    let SpringKind::Constant { torque_n_m } = spring.kind else { panic!("a constant spring") };
+    assert_eq!(spring.placement, Placement::Phalanges);
+    Mechanism {
+        gravity_m_s2: scene.system.gravity_m_s2,
+        bodies: outlines.into_iter().enumerate().map(body).collect(),
+        ground_outlines: vec![Outline {
+            name: "object".to_string(),
+            shape: OutlineShape::Disc { center_m: object.centre_m, radius_m },
+        }],
+        joints,
+        springs: vec![mechanism::Spring {
+            name: "spring".to_string(),
+            kind: mechanism::SpringKind::Torsional { joint: 3, preload: -closing_sign * torque_n_m },
+            stiffness: 0.0,
+            damping: 0.0,
+            rest: 0.0,
+        }],
+        actuators: vec![Actuator {
+            name: "motor".to_string(),
+            joint: 0,
+            command: Command::Effort(driven.motor.actuation.clone()),
+            limit: None,
+            no_load_speed: None,
+        }],
+        contacts: vec![contact(2, driven.contact.proximal), contact(3, driven.contact.distal)],
+        ..Mechanism::default()
+    }
+}
+
+/// Observer of the kernel of one finger.
+#[derive(Default)]
+struct Closing(Vec<(f64, State<2, QUADRATURES>, FingerMode)>);
+
+impl Observer<2, QUADRATURES, FingerMode> for Closing {
+    fn step(&mut self, step: &Step<2, QUADRATURES>, mode: &FingerMode, _: &mut dyn StepTools<2, QUADRATURES>) -> bool {
+        self.0.push((step.t1, *step.end, *mode));
+        true
+    }
+
+    fn event(&mut self, _: f64, _: &State<2, QUADRATURES>, _: usize, _: &FingerMode) {}
+}
+
+/// Accelerations and joint forces of the five-bar as a mechanism equal those of its closed form, along closings of
+/// random designs on a disc.
+#[test]
+fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
+    let mut random = Random::for_seed(40);
+    let (mut designs, mut states) = (0, 0);
+    while designs < 200 {
+        let mut scene = experiment_95();
+        let finger = scene.finger_mut();
+        let lengths = &mut finger.linkage.lengths;
+        for length in [&mut lengths.l11_m, &mut lengths.l12_m, &mut lengths.l21_m, &mut lengths.l22_m] {
+            *length *= random.within(0.93, 1.07);
+        }
+        let bodies = &mut finger.linkage.bodies;
+        for body in [&mut bodies.l11, &mut bodies.l12, &mut bodies.l21, &mut bodies.l22] {
+            body.mass_kg *= random.log_within(0.3, 3.0);
+            body.inertia_kg_m2 *= random.log_within(0.3, 3.0);
+            body.com_m = body.com_m.map(|part| part + random.within(-2e-3, 2e-3));
+        }
+        let Finger { lengths, assembly, .. } = &finger.linkage;
+        let posture = close_loop(lengths, *assembly, finger.initial.q11_rad, finger.initial.q21_rad);
+        let sine = |posture: Posture| (posture.q11_rad + posture.q12_rad - posture.q21_rad - posture.q22_rad).sin();
+        // Rounding errors grow without bound near the fold, where l12 and l22 are in line.
+        if posture.map_or(0.0, sine).abs() < 0.2 {
+            continue;
+        }
+        let kernel = FingerKernel::new(&scene.system);
+        let start = FingerKernel::start(&scene.system);
+        let overlaps = |contact: FingerContact| {
+            kernel.contact_reading(start.q, start.v, contact, ContactState::Free).is_some_and(|it| it.delta > 0.0)
+        };
+        if FingerContact::ALL.into_iter().any(overlaps) {
+            continue;
+        }
+        designs += 1;
+        let mechanism = five_bar(&scene);
+        let assembled = assemble(&mechanism).expect("an assembled five-bar");
+        let model = Model::new(&mechanism, (&assembled.poses, &assembled.rates)).expect("dyads");
+        let mut closing = Closing::default();
+        let options =
+            Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 100_000 };
+        let method: RadauOrRodas<2, QUADRATURES> = RadauOrRodas::rodas();
+        integrate_by::<2, QUADRATURES, EVENT_FUNCTIONS, _, _, _>(
+            method,
+            &kernel,
+            &options,
+            0.0,
+            start,
+            0.012,
+            &mut closing,
+        );
+        for (t, state, finger_mode) in closing.0.into_iter().step_by(7) {
+            let (mut q, mut v) = ([0.0; N], [0.0; N]);
+            q[..2].copy_from_slice(&state.q);
+            v[..2].copy_from_slice(&state.v);
+            let mut mode = <Model as Hybrid<N, Z, G>>::mode_at(&model, t, &q, &v);
+            (0..3).for_each(|index| mode.contacts[index] = finger_mode[index]);
+            let found = <Model as System<N, Z>>::rates(&model, t, &q, &v, &mode);
+            let expected = System::rates(&kernel, t, &state.q, &state.v, &finger_mode);
+            let size = expected.a[0].abs().max(expected.a[1].abs());
+            for (found, expected) in found.a.iter().zip(expected.a) {
+                assert!((found - expected).abs() <= 1e-10 * size, "design {designs}, {t} s: {found} {expected}");
+            }
+            states += 1;
+        }
+    }
+    assert!(states > 2000, "{states}");
+}
+
+/// End of a run of a random mechanism: coordinates, and the relative error of the energy balance. `Err` describes the
+/// singularity that the run met.
+fn run_random(mechanism: &Mechanism, rtol: f64) -> Result<(Vec<f64>, f64), String> {
+    const CONTACTS: usize = 32;
+    type Large = MechanismModel<24, 12, CONTACTS>;
+    let start = assemble(mechanism).expect("an assembled mechanism");
+    let model = Large::new(mechanism, (&start.poses, &start.rates)).expect("dyads");
+    let options =
+        Options { tolerances: Tolerances { atol_q: 1e-4 * rtol, atol_v: rtol, rtol_v: rtol }, max_steps: 200_000 };
+    let start = model.start::<{ CONTACTS + 2 }>();
+    let method = RadauOrRodas::<24, { CONTACTS + 2 }>::rodas();
+    let before = model.energies((&start.q, &start.v));
+    let end = integrate_by::<24, { CONTACTS + 2 }, { event_function_count(CONTACTS) }, _, _, _>(
+        method,
+        &model,
+        &options,
+        0.0,
+        start,
+        0.02,
+        &mut (),
+    );
+    if let Err(failure) = end.result {
+        let text = failure.to_string();
+        assert!(text.contains("singular configuration: the joints") || text.contains("half a turn"), "{text}");
+        return Err(text);
+    }
+    let after = model.energies((&end.state.q, &end.state.v));
+    let stored = |energies: &Energies| energies.kinetic + energies.gravity + energies.spring;
+    let [contact_work, drive_work] = [end.state.z[CONTACTS], end.state.z[CONTACTS + 1]];
+    let scale = before.kinetic + after.kinetic + drive_work.abs() + 1e-3;
+    let balance = stored(&after) - stored(&before) - contact_work - drive_work;
+    Ok((end.state.q.to_vec(), balance / scale))
+}
+
+#[test]
+fn random_mechanisms_keep_their_energy_balance_or_name_their_singularity() {
+    let (mut complete, mut singular) = (0, 0);
+    for seed in 0..150 {
+        let mechanism = random_mechanism(seed);
+        match (run_random(&mechanism, 3e-7), run_random(&mechanism, 3e-10)) {
+            (Ok((q, balance)), Ok((precise_q, precise_balance))) => {
+                complete += 1;
+                let difference = q.iter().zip(&precise_q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(difference < 1e-5, "seed {seed}: {difference:e}");
+                assert!(
+                    balance.abs() < 1e-5 && precise_balance.abs() < 1e-8,
+                    "{seed}: {balance:e} {precise_balance:e}"
+                );
+            }
+            (Err(_), Err(_)) => singular += 1,
+            (a, b) => panic!("seed {seed}: {a:?} {b:?}"),
+        }
+    }
+    assert!(complete > 120 && singular > 0, "{complete} complete, {singular} singular");
 }

@@ -508,10 +508,11 @@ impl<Y: Hybrid<N, Z, S>, K: Method<N, Z>, const N: usize, const Z: usize, const 
     }
 
     fn resolve(&mut self, theta: f64) -> State<N, Z> {
-        let interpolated = self.interpolate(theta);
+        // The attempt replaces the stages from which the dense output is computed.
+        self.dense.get_or_insert_with(|| self.method.dense());
         let attempt = self.method.attempt(&self.origin, theta * self.size);
         // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
         // size equals the reciprocal of a growth rate.
-        if attempt.error <= MAX_RESOLVED_ERROR { attempt.end } else { interpolated }
+        if attempt.error <= MAX_RESOLVED_ERROR { attempt.end } else { self.interpolate(theta) }
     }
 }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use serde::{Serialize, Serializer};
 
 use crate::criteria::Class;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::ColumnFormat;
 use crate::study::sweep::Status;
 use crate::table::{Table, TableError, Value};
 
@@ -34,7 +34,7 @@ pub struct Condition {
 
 /// Returns the name of a condition, such as `mu_static 0.8`; "all runs" for a condition without values.
 pub(crate) fn condition_name(condition: &Condition) -> String {
-    let name = |(column, value): &(String, Value)| Quantity::for_column(column).name_and_value(value);
+    let name = |(column, value): &(String, Value)| ColumnFormat::for_column(column).name_and_value(value);
     let names: Vec<String> = condition.values.iter().map(name).collect();
     if names.is_empty() { "all runs".to_string() } else { names.join(", ") }
 }

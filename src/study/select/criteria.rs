@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use super::Weights;
 use super::candidates::Candidate;
 use crate::criteria::Class;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::ColumnFormat;
 use crate::study::sweep::Status;
 use crate::table::Value;
 
@@ -100,7 +100,7 @@ impl Criterion {
             Criterion::Class(Class::Stable) => ("class", "stable"),
             Criterion::Class(worst) => return ("class", format!("at least {}", worst.name())),
             Criterion::Bound(Bound { column, side, value }) => {
-                let quantity = Quantity::for_column(column);
+                let quantity = ColumnFormat::for_column(column);
                 let gap = if quantity.unit.is_empty() { "" } else { " " };
                 let name = if column == "pfp_n" { "PFP" } else { &quantity.name };
                 let sign = if *side == Side::AtLeast { "≥" } else { "≤" };

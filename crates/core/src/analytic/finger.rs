@@ -140,17 +140,17 @@ impl FingerModel {
         [gravity_energy(&self.dynamics, pose), self.spring.as_ref().map_or(0.0, |spring| spring.energy(pose))]
     }
 
-    /// Forces in the joints, in the order of [`joint_forces`], at the accelerations of q11 and q21. `contact_forces` are
-    /// the forces on both phalanges with their contact points; `field` is added to gravity.
+    /// Forces in the joints, in the order of [`joint_forces`], at these rates and accelerations of q11 and q21.
+    /// `contact_forces` are the forces on both phalanges with their contact points; `field` is added to gravity.
     pub(crate) fn joint_forces(
         &self,
-        (q, v, accelerations): ([f64; 2], [f64; 2], [f64; 2]),
+        (pose, passive): (&Directions<f64>, &PassiveRates<f64>),
+        [v, accelerations]: [[f64; 2]; 2],
         (ground_m, field): ([f64; 2], AccelerationField),
         contact_forces: impl Iterator<Item = (FingerContact, [[f64; 2]; 2])>,
     ) -> [[f64; 2]; 5] {
-        let (pose, passive) = self.kinematics(q);
-        let rates = absolute_rates(&passive, v);
-        let PassiveBias { b3, b4 } = passive_bias(&self.dynamics.lengths, &pose, &passive);
+        let rates = absolute_rates(passive, v);
+        let PassiveBias { b3, b4 } = passive_bias(&self.dynamics.lengths, pose, passive);
         let squares = rates.map(|rate| rate * rate);
         let bias = |row: [f64; 4]| row.iter().zip(squares).map(|(factor, square)| factor * square).sum::<f64>();
         let [first, second] = accelerations;
@@ -158,7 +158,7 @@ impl FingerModel {
             [first, second, dot(passive.a3, accelerations) + bias(b3), dot(passive.a4, accelerations) + bias(b4)];
         let mut loads = LinkLoads {
             field: AccelerationField { uniform: add(self.gravity_m_s2, field.uniform), ..field },
-            torques_n_m: self.spring.map_or([0.0; 2], |spring| spring.link_torques(&pose)),
+            torques_n_m: self.spring.map_or([0.0; 2], |spring| spring.link_torques(pose)),
             ..LinkLoads::default()
         };
         let distal_joint = add(ground_m, scale_by(pose.e2, self.dynamics.lengths.l21_m));
@@ -173,7 +173,7 @@ impl FingerModel {
                 FingerContact::Limit => loads.torques_n_m[1] += force[0],
             }
         }
-        joint_forces(&self.links, ground_m, &pose, &LinkMotion { rates, accelerations: absolute }, &loads)
+        joint_forces(&self.links, ground_m, pose, &LinkMotion { rates, accelerations: absolute }, &loads)
     }
 
     /// Angles and rates of the passive joints (2.2), (2.8).

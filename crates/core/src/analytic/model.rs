@@ -5,7 +5,7 @@
 
 use super::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
 use super::mode::ContactState;
-use crate::fivebar::dynamics::{AccelerationField, Terms, kinetic_energy, solve_mass, terms};
+use crate::fivebar::dynamics::{AccelerationField, Terms, kinetic_energy, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
@@ -13,7 +13,7 @@ use crate::law::{
     Bristle, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_force, friction_with_state, normal_force,
     normal_over_gap, unclamped_normal_force,
 };
-use crate::numeric::plane::dot;
+use crate::numeric::plane::{dot, perp};
 use crate::numeric::{Dual, Real, array_from, map_array};
 use crate::scene;
 use crate::scene::{Initial, Profile, Side};
@@ -58,15 +58,6 @@ pub struct Energies {
     pub elastic: f64,
 }
 
-/// Passive joints, contacts and energies of one state.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Snapshot {
-    pub passive: PassiveJoints,
-    /// Contacts in the order of [`FingerContact::ALL`]; `None` where the scene has no such contact.
-    pub contacts: [Option<ContactReading>; 3],
-    pub energies: Energies,
-}
-
 /// Geometry, kinematics and forces of one contact in one state.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactReading {
@@ -79,6 +70,14 @@ pub struct ContactReading {
     pub normal: f64,
     /// Friction force.
     pub tangential: f64,
+}
+
+impl ContactReading {
+    /// Force on the phalanx, N.
+    pub(super) fn force(&self) -> [f64; 2] {
+        let ([x, y], tangent) = (self.geometry.normal, perp(self.geometry.normal));
+        [self.normal * x + self.tangential * tangent[0], self.normal * y + self.tangential * tangent[1]]
+    }
 }
 
 impl<const N: usize, const W: usize> FingerMotion<N, W> {
@@ -238,20 +237,42 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         Some(ContactReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
-    /// Passive joints, contacts and energies of a state, from one evaluation; joints and energies are zero if omitted.
-    pub(crate) fn snapshot(&self, q: [f64; N], v: [f64; N], mode: &FingerMode, with: (bool, bool)) -> Snapshot {
-        let (passive, energies) = with;
-        let kinematics = self.finger.kinematics(finger_coordinates(&q));
-        let contacts =
-            FingerContact::ALL.map(|contact| self.reading_in_pose(&kinematics, &v, contact, mode[contact as usize]));
-        let passive_joints = || self.finger.passive_joints(&kinematics, finger_coordinates(&q), finger_coordinates(&v));
-        let passive = if passive { passive_joints() } else { PassiveJoints::default() };
-        let energies = if energies { self.energies(v, &kinematics.0, &contacts) } else { Energies::default() };
-        Snapshot { passive, contacts, energies }
+    /// Evaluates all contacts in one state, in the order of [`FingerContact::ALL`].
+    pub(crate) fn contact_readings(
+        &self,
+        kinematics: &FingerKinematics,
+        v: &[f64; N],
+        mode: &FingerMode,
+    ) -> [Option<ContactReading>; 3] {
+        let mut readings = [None; 3];
+        for (contact, reading) in FingerContact::ALL.into_iter().zip(&mut readings) {
+            *reading = self.reading_in_pose(kinematics, v, contact, mode[contact as usize]);
+        }
+        readings
     }
 
-    /// Energies of a state with evaluated contacts.
-    fn energies(&self, v: [f64; N], pose: &Directions<f64>, contacts: &[Option<ContactReading>; 3]) -> Energies {
+    /// Angles and rates of the passive joints.
+    pub(crate) fn passive_joints(&self, kinematics: &FingerKinematics, q: &[f64; N], v: &[f64; N]) -> PassiveJoints {
+        self.finger.passive_joints(kinematics, finger_coordinates(q), finger_coordinates(v))
+    }
+
+    /// Position-dependent terms of the equations of motion.
+    pub(crate) fn terms(&self, q: &[f64; N]) -> Terms<f64> {
+        self.finger.terms(finger_coordinates(q))
+    }
+
+    /// The part of [`FingerMotion::terms`] that contacts and passive joints need.
+    pub(crate) fn kinematics(&self, q: &[f64; N]) -> FingerKinematics {
+        self.finger.kinematics(finger_coordinates(q))
+    }
+
+    /// Energies of a state with evaluated terms and contacts.
+    pub(crate) fn energies(
+        &self,
+        v: &[f64; N],
+        terms: &Terms<f64>,
+        contacts: &[Option<ContactReading>; 3],
+    ) -> Energies {
         let springs =
             FingerContact::ALL.map(|contact| match (self.finger.normal_law(contact), &contacts[contact as usize]) {
                 (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
@@ -261,23 +282,32 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         if Self::HAS_BRISTLES {
             elastic += self.bristles().map(|(index, bristle)| bristle.energy(v[index])).sum::<f64>();
         }
-        let [gravity, spring] = self.finger.potential_energies(pose);
-        let kinetic = kinetic_energy(&terms(&self.finger.dynamics, *pose).mass, finger_coordinates(&v));
+        let [gravity, spring] = self.finger.potential_energies(&terms.pose);
+        let kinetic = kinetic_energy(&terms.mass, finger_coordinates(v));
         Energies { kinetic, gravity, spring, elastic }
     }
 
-    /// Forces in the joints, in the order of [`joint_forces`](crate::fivebar::joint_forces::joint_forces).
-    /// `contact_forces` are those of this state, with their points.
+    /// Forces in the joints of a state with evaluated terms and contacts, in the order of
+    /// [`joint_forces`](crate::fivebar::joint_forces::joint_forces).
     pub(crate) fn joint_forces(
         &self,
         t: f64,
-        state: &State<N, QUADRATURES>,
+        v: &[f64; N],
         mode: &FingerMode,
-        contact_forces: impl Iterator<Item = (FingerContact, [[f64; 2]; 2])>,
+        terms: &Terms<f64>,
+        contacts: &[Option<ContactReading>; 3],
     ) -> [[f64; 2]; 5] {
-        let accelerations = finger_coordinates(&self.rates(t, &state.q, &state.v, mode).a);
-        let motion = (finger_coordinates(&state.q), finger_coordinates(&state.v), accelerations);
-        self.finger.joint_forces(motion, ([0.0; 2], AccelerationField::default()), contact_forces)
+        let geometry = |contact| contacts[contact as usize].as_ref().map(|reading| reading.geometry);
+        let (a, _) = self.accelerations(self.motor_torque(t), terms, geometry, mode, *v);
+        let forces = FingerContact::ALL.into_iter().zip(contacts).filter_map(|(contact, reading)| {
+            let reading = reading.as_ref()?;
+            Some(match contact {
+                FingerContact::Limit => (contact, [[reading.normal, 0.0]; 2]),
+                _ => (contact, [reading.force(), reading.geometry.point]),
+            })
+        });
+        let motion = [finger_coordinates(v), finger_coordinates(&a)];
+        self.finger.joint_forces((&terms.pose, &terms.rates), motion, ([0.0; 2], AccelerationField::default()), forces)
     }
 
     /// Motor torque at time `t`, in N·m.

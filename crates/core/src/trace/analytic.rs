@@ -141,7 +141,7 @@ fn run_multibody<const N: usize, const C: usize, const Z: usize, const G: usize>
         ..*requested
     };
     let model = Multibody::<N, C>::new(&scene.system);
-    let reader = SystemReader { model: &model, system: &scene.system, contact_ids: scene.system.contact_ids() };
+    let reader = SystemReader { model: &model, system: &scene.system };
     let start = model.start::<Z>(&scene.system);
     let reach = Reach::from_system(&scene.system);
     simulate::<_, _, N, Z, G>(&model, &reader, start, &settings, (scene, reach), sink)

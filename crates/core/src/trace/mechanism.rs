@@ -148,6 +148,6 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> Reader<N, Z
 
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &MechanismMode<C>) -> ContactSample {
         let reading = self.model.contact_reading((&state.q, &state.v), index, mode[index]);
-        contact_sample(Some(reading), state.z[index])
+        contact_sample(Some(&reading), state.z[index])
     }
 }

@@ -4,12 +4,12 @@
 use std::ops::Index;
 
 use super::{BodyState, ContactSample, Counts, Energy, FingerContact, FingerState, RequiredData, Sample};
-use crate::analytic::multibody::Multibody;
+use crate::analytic::multibody::{Multibody, kinematics_of};
 use crate::analytic::{
     ContactReading, ContactState, Energies, FingerMode, FingerMotion, Mode, PassiveJoints, QUADRATURES,
 };
 use crate::integrator::State;
-use crate::scene::{ContactId, System};
+use crate::scene::System;
 
 /// Converts the states of a model to samples.
 pub(super) trait Reader<const N: usize, const Z: usize> {
@@ -48,7 +48,7 @@ pub(super) fn stored_energy(energies: &Energies) -> Energy {
 }
 
 /// Converts a contact reading to a sample; `None` is a contact that does not exist.
-pub(super) fn contact_sample(reading: Option<ContactReading>, impulse_n_s: f64) -> ContactSample {
+pub(super) fn contact_sample(reading: Option<&ContactReading>, impulse_n_s: f64) -> ContactSample {
     reading.map_or(ContactSample::NONE, |r| ContactSample {
         gap_m: -r.delta,
         gap_rate_m_s: -r.delta_rate,
@@ -73,45 +73,42 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
         required_data: RequiredData,
         sample: &mut Sample,
     ) {
-        let snapshot = self.snapshot(state.q, state.v, mode, (required_data.passive, required_data.energies));
-        let (passive, energies) = (&snapshot.passive, &snapshot.energies);
-        let sample_contact =
-            |site: FingerContact| contact_sample(snapshot.contacts[site as usize], state.z[site as usize]);
-        let [.., contact_work, motor_work] = state.z;
+        let State { q, v, z } = state;
+        let terms = (required_data.energies || required_data.joint_forces).then(|| self.terms(q));
+        let kinematics = match &terms {
+            Some(terms) => (terms.pose, terms.rates),
+            None => self.kinematics(q),
+        };
+        let contacts = self.contact_readings(&kinematics, v, mode);
+        let passive = match required_data.passive {
+            true => self.passive_joints(&kinematics, q, v),
+            false => PassiveJoints::default(),
+        };
         let finger = FingerState {
-            q11_rad: state.q[0],
-            q21_rad: state.q[1],
+            q11_rad: q[0],
+            q21_rad: q[1],
             q12_rad: passive.q12,
             q22_rad: passive.q22,
             q13_rad: passive.q13,
-            qd11_rad_s: state.v[0],
-            qd21_rad_s: state.v[1],
+            qd11_rad_s: v[0],
+            qd21_rad_s: v[1],
             qd12_rad_s: passive.qd12,
             qd22_rad_s: passive.qd22,
             motor_torque_n_m: if required_data.passive { self.motor_torque(t) } else { 0.0 },
         };
         sample.prepare(t, Counts::of_fingers(1, 0, FingerContact::ALL.len()));
         sample.set_finger(0, &finger);
-        FingerContact::ALL
-            .into_iter()
-            .for_each(|contact| sample.set_contact(contact as usize, &sample_contact(contact)));
-        if required_data.joint_forces {
-            let forces = FingerContact::ALL.into_iter().map(|contact| {
-                let sample = sample.finger_contact(contact);
-                match contact {
-                    FingerContact::Limit => (contact, [[sample.normal_n, 0.0]; 2]),
-                    _ => (contact, [sample.force_n(), sample.point_m]),
-                }
-            });
-            let forces_n = self.joint_forces(t, state, mode, forces);
-            sample.set_joint_forces(0, &forces_n);
-        } else {
-            sample.set_joint_forces(0, &[[0.0; 2]; 5]);
+        for (index, reading) in contacts.iter().enumerate() {
+            sample.set_contact(index, &contact_sample(reading.as_ref(), z[index]));
         }
-        sample.set_energy(&match required_data.energies {
-            true => stored_energy(energies).relative_to(start, contact_work, motor_work),
-            false => Energy::default(),
-        });
+        let joint_forces = terms.as_ref().filter(|_| required_data.joint_forces);
+        let joint_forces = joint_forces.map(|terms| self.joint_forces(t, v, mode, terms, &contacts));
+        sample.set_joint_forces(0, &joint_forces.unwrap_or_default());
+        let [.., contact_work, motor_work] = *z;
+        let energies = terms.as_ref().filter(|_| required_data.energies);
+        let energies = energies.map(|terms| stored_energy(&self.energies(v, terms, &contacts)));
+        let relative = |energy: Energy| energy.relative_to(start, contact_work, motor_work);
+        sample.set_energy(&energies.map_or_else(Energy::default, relative));
     }
 
     fn is_slipping(&self, index: usize, mode: &FingerMode) -> Option<bool> {
@@ -119,7 +116,8 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
     }
 
     fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &FingerMode) -> ContactSample {
-        contact_sample(self.contact_reading(state.q, state.v, FingerContact::ALL[index], mode[index]), state.z[index])
+        let reading = self.contact_reading(state.q, state.v, FingerContact::ALL[index], mode[index]);
+        contact_sample(reading.as_ref(), state.z[index])
     }
 }
 
@@ -127,7 +125,6 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
 pub(super) struct SystemReader<'a, const N: usize, const C: usize> {
     pub model: &'a Multibody<N, C>,
     pub system: &'a System,
-    pub contact_ids: Vec<ContactId>,
 }
 
 impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemReader<'_, N, C> {
@@ -143,10 +140,14 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
         sample: &mut Sample,
     ) {
         let (model, State { q, v, z }) = (self.model, state);
+        let terms = model.terms(q);
+        let kinematics = |finger: usize| kinematics_of(&terms[finger]);
         let torques = if required_data.passive { model.motor_torques(t, v) } else { [0.0; 2] };
         let finger = |finger: usize| {
-            let passive =
-                if required_data.passive { model.passive_joints(finger, q, v) } else { PassiveJoints::default() };
+            let passive = match required_data.passive {
+                true => model.passive_joints(finger, &kinematics(finger), (q, v)),
+                false => PassiveJoints::default(),
+            };
             let first = 2 * finger;
             FingerState {
                 q11_rad: q[first],
@@ -170,16 +171,19 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
         sample.prepare(t, counts);
         (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
         (0..counts.bodies).for_each(|k| sample.set_body(k, &disc(k)));
-        (0..counts.contacts).for_each(|k| sample.set_contact(k, &self.contact(state, k, mode)));
+        for k in 0..counts.contacts {
+            let reading = model.reading_in_pose(&kinematics, (q, v), k, mode[k]);
+            sample.set_contact(k, &contact_sample(reading.as_ref(), z[k]));
+        }
         if required_data.joint_forces && counts.fingers > 0 {
-            let contact_forces = self.contact_ids.iter().enumerate().map(|(index, &id)| {
+            let contact_force = |index: usize| {
                 let contact = sample.contact(index);
-                match id {
-                    ContactId::Stop(_) => (id, [[contact.normal_n, 0.0]; 2]),
-                    _ => (id, [contact.force_n(), contact.point_m]),
+                match sample.is_stop(index) {
+                    true => [[contact.normal_n, 0.0]; 2],
+                    false => [contact.force_n(), contact.point_m],
                 }
-            });
-            let forces_n = model.joint_forces(t, state, mode, contact_forces);
+            };
+            let forces_n = model.joint_forces(t, state, mode, &terms, contact_force);
             forces_n
                 .iter()
                 .enumerate()
@@ -189,7 +193,10 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
             (0..counts.fingers).for_each(|k| sample.set_joint_forces(k, &[[0.0; 2]; 5]));
         }
         sample.set_energy(&match required_data.energies {
-            true => stored_energy(&model.energies(q, v)).relative_to(start, z[C], z[C + 1]),
+            true => {
+                let energies = model.energies_in_pose(&terms, (q, v), |contact| sample.contact(contact).gap_m);
+                stored_energy(&energies).relative_to(start, z[C], z[C + 1])
+            }
             false => Energy::default(),
         });
     }
@@ -199,6 +206,7 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
     }
 
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Mode<C>) -> ContactSample {
-        contact_sample(self.model.contact_reading(&state.q, &state.v, index, mode[index]), state.z[index])
+        let reading = self.model.contact_reading(&state.q, &state.v, index, mode[index]);
+        contact_sample(reading.as_ref(), state.z[index])
     }
 }

@@ -3,6 +3,9 @@
 use super::{Channel, Decimated, Event, Model, Outcome, RunError, Sample, Schema, Sink, SinkError, run};
 use crate::scene::Scene;
 
+/// Number of samples for which a recording has memory from the start: more than those of a typical closing motion.
+const INITIAL_CAPACITY: usize = 512;
+
 /// A sink that stores samples in columns, and events.
 ///
 /// [`record`] fills it with the samples that a log contains. Used directly as a sink it stores every step of the model;
@@ -27,7 +30,8 @@ impl Recording {
     /// Creates an empty recording for samples of this schema.
     pub fn new(schema: &Schema) -> Self {
         let channels = schema.channels();
-        Recording { values: vec![Vec::new(); channels.len()], channels, events: Vec::new() }
+        let values = channels.iter().map(|_| Vec::with_capacity(INITIAL_CAPACITY)).collect();
+        Recording { channels, values, events: Vec::new() }
     }
 
     /// Creates an empty recording for the samples of a scene.

@@ -7,7 +7,7 @@ use super::components::{
 use super::contact_kinematics::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
 use super::forces::{ActiveContact, LoadSums};
 use super::frame::{Inertia, InertialField, Inverse, inertial_force};
-use super::model::Multibody;
+use super::model::{FingerTerms, Multibody};
 use super::{FINGERS, contact_kinematics, frame, normal_force_on_branch};
 use crate::analytic::ContactState;
 use crate::analytic::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
@@ -26,6 +26,12 @@ const ABSENT_FINGER: FingerKinematics = {
     let none = [0.0; 2];
     (Directions { e1: none, e2: none, e3: none, e4: none }, PassiveRates { a3: none, a4: none, inverse_sine: 0.0 })
 };
+
+/// Pose of a finger with its passive rates, from its terms.
+#[inline(always)]
+pub(crate) fn kinematics_of(terms: &Option<Terms<f64>>) -> FingerKinematics {
+    terms.as_ref().map_or(ABSENT_FINGER, |terms| (terms.pose, terms.rates))
+}
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Pose of a finger with its passive rates.
@@ -100,7 +106,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         }
     }
 
-    fn terms(&self, q: &[f64; N]) -> [Option<Terms<f64>>; FINGERS] {
+    /// Position-dependent terms of all fingers, which the readings of one state share.
+    pub(crate) fn terms(&self, q: &[f64; N]) -> FingerTerms {
         let mut all = [None; FINGERS];
         for (finger, terms) in all.iter_mut().enumerate().take(self.finger_count()) {
             *terms = Some(self.fingers[finger].model.terms(Self::finger_coordinates(finger, q)));
@@ -108,7 +115,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         all
     }
 
-    fn inertia(&self, terms: &[Option<Terms<f64>>; FINGERS]) -> Inertia<'_, N, C> {
+    fn inertia(&self, terms: &FingerTerms) -> Inertia<'_, N, C> {
         Inertia::new(self, map_array(*terms, |terms| terms.map_or([0.0; 3], |terms| terms.mass)))
     }
 
@@ -130,8 +137,19 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         index: usize,
         state: ContactState,
     ) -> Option<ContactReading> {
+        self.reading_in_pose(&|finger| self.finger_kinematics(finger, q), (q, v), index, state)
+    }
+
+    /// [`Multibody::contact_reading`] with the kinematics of the fingers.
+    pub(crate) fn reading_in_pose(
+        &self,
+        finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
+        (q, v): StateRef<'_, N>,
+        index: usize,
+        state: ContactState,
+    ) -> Option<ContactReading> {
         let contact = self.contacts.get(index)?.as_ref()?;
-        let kinematics = self.contact_kinematics_noinline(q, &|finger| self.finger_kinematics(finger, q), contact);
+        let kinematics = self.contact_kinematics_noinline(q, finger_kinematics, contact);
         let (delta, delta_rate, slip) =
             (-kinematics.gap, -row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
         let normal = normal_force_on_branch(&contact.normal, state, delta, delta_rate).force.max(0.0);
@@ -167,15 +185,33 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 
     /// Angles and rates of a finger's passive joints.
-    pub(crate) fn passive_joints(&self, finger: usize, q: &[f64; N], v: &[f64; N]) -> PassiveJoints {
-        let model = &self.fingers[finger].model;
-        let (q, v) = (Self::finger_coordinates(finger, q), Self::finger_coordinates(finger, v));
-        model.passive_joints(&model.kinematics(q), q, v)
+    pub(crate) fn passive_joints(
+        &self,
+        finger: usize,
+        kinematics: &FingerKinematics,
+        (q, v): StateRef<'_, N>,
+    ) -> PassiveJoints {
+        let [q, v] = [q, v].map(|all| Self::finger_coordinates(finger, all));
+        self.fingers[finger].model.passive_joints(kinematics, q, v)
     }
 
     pub fn energies(&self, q: &[f64; N], v: &[f64; N]) -> Energies {
         let terms = self.terms(q);
-        let kinetic = self.inertia(&terms).kinetic(v);
+        let gap = |index: usize| match &self.contacts[index] {
+            Some(contact) => self.contact_kinematics_noinline(q, &|finger| kinematics_of(&terms[finger]), contact).gap,
+            None => f64::INFINITY,
+        };
+        self.energies_in_pose(&terms, (q, v), gap)
+    }
+
+    /// [`Multibody::energies`] with the terms of the fingers and the gaps of the contacts.
+    pub(crate) fn energies_in_pose(
+        &self,
+        terms: &FingerTerms,
+        (q, v): StateRef<'_, N>,
+        gap: impl Fn(usize) -> f64,
+    ) -> Energies {
+        let kinetic = self.inertia(terms).kinetic(v);
         let mut energies = Energies { elastic: self.bristle_energy(v), kinetic, ..Energies::default() };
         for (component, terms) in self.fingers.iter().zip(terms.iter().flatten()) {
             let [gravity, spring] = component.model.potential_energies(&terms.pose);
@@ -186,13 +222,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             let [x, y, _] = self.disc_pose(index, q);
             energies.gravity -= disc.mass * dot(self.gravity, [x, y]);
         }
-        let finger_kinematics = |finger: usize| match &terms[finger] {
-            Some(terms) => (terms.pose, terms.rates),
-            None => self.finger_kinematics(finger, q),
-        };
-        for contact in self.contacts.iter().flatten() {
-            energies.elastic +=
-                elastic_energy(&contact.normal, -self.contact_kinematics_noinline(q, &finger_kinematics, contact).gap);
+        let contacts = self.contacts.iter().enumerate();
+        for (index, contact) in contacts.filter_map(|(index, contact)| Some((index, contact.as_ref()?))) {
+            energies.elastic += elastic_energy(&contact.normal, -gap(index));
         }
         energies
     }

@@ -6,7 +6,7 @@ use super::components::{
 };
 use super::contact_kinematics::ContactKinematics;
 use super::frame::{Inertia, InertialField, inertial_force};
-use super::model::Multibody;
+use super::model::{FingerTerms, Multibody};
 use super::{FINGERS, contact_kinematics, frame, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::{Mode, StateRef};
@@ -14,7 +14,7 @@ use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
 use crate::numeric::Real;
-use crate::scene::{ContactId, GripperContact};
+use crate::scene::GripperContact;
 use crate::shape::PlacedShape;
 
 /// Sums of all loads and quadrature rates, plain ([`Loads`]) or with derivatives, which [`Assembly`] fills.
@@ -82,12 +82,14 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
 pub(super) type ActiveContact<'a> = (usize, &'a ContactModel, ContactLaws<'a>);
 
 /// Loads on all coordinates and rates of all quadratures.
-struct Loads<const N: usize, const Z: usize> {
+struct Loads<'a, const N: usize, const Z: usize> {
     load: [f64; N],
     g: [f64; Z],
+    /// Terms of the fingers, if they are already evaluated.
+    terms: Option<&'a FingerTerms>,
 }
 
-impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<N, Z> {
+impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
     type Angles = f64;
     type Positions<const P: usize> = f64;
 
@@ -105,7 +107,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<N, Z> {
 
     #[inline(always)]
     fn add_finger(&mut self, finger: usize, model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> Terms<f64> {
-        let terms = model.terms(q);
+        let terms = self.terms.and_then(|terms| terms[finger]).unwrap_or_else(|| model.terms(q));
         let load = model.load(0.0, &terms, v);
         (0..2).for_each(|i| self.load[2 * finger + i] += load[i]);
         terms
@@ -362,13 +364,25 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Accelerations as one function, which is not inlined into every integrator. Only grasps, which studies simulate
     /// by the thousand, are worth the compile time of inlining.
     #[inline(never)]
-    fn rates_noinline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &Mode<C>) -> Rates<N, Z> {
-        self.rates_inline(t, state, mode)
+    fn rates_noinline<const Z: usize>(
+        &self,
+        t: f64,
+        state: StateRef<'_, N>,
+        mode: &Mode<C>,
+        terms: Option<&FingerTerms>,
+    ) -> Rates<N, Z> {
+        self.rates_inline(t, state, mode, terms)
     }
 
     #[inline(always)]
-    fn rates_inline<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &Mode<C>) -> Rates<N, Z> {
-        let mut sums = Loads { load: [0.0; N], g: [0.0; Z] };
+    fn rates_inline<const Z: usize>(
+        &self,
+        t: f64,
+        state: StateRef<'_, N>,
+        mode: &Mode<C>,
+        terms: Option<&FingerTerms>,
+    ) -> Rates<N, Z> {
+        let mut sums = Loads { load: [0.0; N], g: [0.0; Z], terms };
         let masses = self.add_loads(t, state, mode, &mut sums);
         let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);
         self.prescribe_disc_accelerations(&mut a);
@@ -376,28 +390,31 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 
     /// Forces in the joints of both fingers, in the order of [`joint_forces`](crate::fivebar::joint_forces::joint_forces)
-    /// and in the frame of the palm. `contact_forces` are those of this state, with their points.
+    /// and in the frame of the palm. `terms` are those of this state, and `contact_force` returns force and point of a
+    /// contact in it; for a joint limit, the first number is its torque.
     pub(crate) fn joint_forces<const Z: usize>(
         &self,
         t: f64,
         state: &State<N, Z>,
         mode: &Mode<C>,
-        contact_forces: impl Iterator<Item = (ContactId, [[f64; 2]; 2])> + Clone,
+        terms: &FingerTerms,
+        contact_force: impl Fn(usize) -> [[f64; 2]; 2],
     ) -> [[[f64; 2]; 5]; FINGERS] {
-        let Rates::<N, Z> { a, .. } = self.rates_noinline(t, (&state.q, &state.v), mode);
+        let Rates::<N, Z> { a, .. } = self.rates_noinline(t, (&state.q, &state.v), mode, Some(terms));
         let field = self.inertial_field(t).field;
         let mut forces_n = [[[0.0; 2]; 5]; FINGERS];
         for (index, component) in self.fingers.iter().enumerate() {
             let (mirror, half_palm_width) = (component.side.mirror(), self.half_palm_width());
             let mirrored = |[[fx, fy], [x, y]]: [[f64; 2]; 2]| [[mirror * fx, fy], [mirror * x, y]];
-            let of_finger = contact_forces.clone().filter_map(|(id, force)| match id {
-                ContactId::Phalanx(side, phalanx, _) if side == component.side => Some((phalanx, mirrored(force))),
-                ContactId::Stop(side) if side == component.side => Some((FingerContact::Limit, force)),
+            let of_finger = component.contacts.iter().filter_map(|&contact| match self.contacts[contact]?.pair {
+                ContactPair::Phalanx { phalanx, .. } => Some((phalanx, mirrored(contact_force(contact)))),
+                ContactPair::Stop { .. } => Some((FingerContact::Limit, contact_force(contact))),
                 _ => None,
             });
-            let motion = [&state.q, &state.v, &a].map(|all| Multibody::<N, C>::finger_coordinates(index, all));
+            let motion = [&state.v, &a].map(|all| Multibody::<N, C>::finger_coordinates(index, all));
             let frame = ([half_palm_width, 0.0], field.mirrored(mirror));
-            let forces = component.model.joint_forces(motion.into(), frame, of_finger);
+            let Some(Terms { pose, rates, .. }) = &terms[index] else { continue };
+            let forces = component.model.joint_forces((pose, rates), motion, frame, of_finger);
             forces_n[index] = forces.map(|[x, y]| [mirror * x, y]);
         }
         forces_n
@@ -435,7 +452,7 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
 
     #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Rates<N, Z> {
-        if Self::GRASP { self.rates_inline(t, (q, v), mode) } else { self.rates_noinline(t, (q, v), mode) }
+        if Self::GRASP { self.rates_inline(t, (q, v), mode, None) } else { self.rates_noinline(t, (q, v), mode, None) }
     }
 
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Linearised<N, Z> {

@@ -19,6 +19,7 @@ use crate::analytic::model::normal_force_on_branch;
 
 pub(crate) use components::count_moving_discs;
 pub use components::{MAX_SIZES, Size, TooLarge};
+pub(crate) use evaluation::kinematics_of;
 pub use model::Multibody;
 
 /// Largest number of fingers: a right and a left one.

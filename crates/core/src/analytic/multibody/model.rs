@@ -6,13 +6,16 @@ use super::components::{
 use super::{FINGERS, Size, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::EventTolerances;
-use crate::fivebar::dynamics::InertialForces;
+use crate::fivebar::dynamics::{InertialForces, Terms};
 use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::array_from;
 use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, GripperContact, PalmMotion, Side, System};
 use crate::shape::PlacedShape;
+
+/// Position-dependent terms of both fingers; `None` for a missing finger.
+pub(crate) type FingerTerms = [Option<Terms<f64>>; FINGERS];
 
 /// The model of a system with at most N coordinates and C contacts.
 #[derive(Clone, Debug)]

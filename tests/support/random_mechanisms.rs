@@ -1,0 +1,233 @@
+//! Random mechanisms of bodies with joints, dyads, springs, limits, actuators and contacts.
+
+use phalanx::drive::{Interpolation, Profile};
+use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
+use phalanx::mechanism::{
+    Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointKind, Mechanism, Outline, OutlineId, OutlineShape,
+    Spring, SpringKind,
+};
+use std::f64::consts::PI;
+
+use super::random::Random;
+
+/// Level of the ground, m.
+const GROUND_M: f64 = -0.15;
+
+/// Returns a mechanism of 2 to 8 bodies: joints and dyads on random bodies, and some free bodies. It is assembled in its
+/// guessed poses.
+pub fn random_mechanism(seed: u64) -> Mechanism {
+    let mut random = Random::for_seed(seed);
+    let mut mechanism = Mechanism {
+        gravity_m_s2: [random.within(-2.0, 2.0), random.within(-10.0, 2.0)],
+        ground_outlines: vec![Outline {
+            name: "floor".to_string(),
+            shape: OutlineShape::HalfPlane { point_m: [0.0, GROUND_M], normal: [0.0, 1.0] },
+        }],
+        ..Mechanism::default()
+    };
+    let count = 2 + (random.unit() * 7.0) as usize;
+    while mechanism.bodies.len() < count {
+        let left = count - mechanism.bodies.len();
+        // The first body has a coordinate of its own.
+        match if mechanism.bodies.is_empty() { 1.0 } else { random.unit() } {
+            part if part < 0.1 => add_body(&mut mechanism, &mut random, true),
+            part if part < 0.5 && left > 1 => add_dyad(&mut mechanism, &mut random),
+            _ => {
+                let base = random_base(&mechanism, &mut random);
+                add_body(&mut mechanism, &mut random, false);
+                let body = mechanism.bodies.len() - 1;
+                let point = near(&mechanism, base, &mut random);
+                let is_sliding = random.chance(0.25);
+                add_joint(&mut mechanism, &mut random, [base, Some(body)], point, is_sliding);
+                let index = mechanism.joints.len() - 1;
+                drive(&mut mechanism, &mut random, index);
+            }
+        }
+    }
+    if random.chance(0.6) {
+        add_linear_spring(&mut mechanism, &mut random);
+    }
+    add_contacts(&mut mechanism, &mut random);
+    mechanism
+}
+
+fn random_base(mechanism: &Mechanism, random: &mut Random) -> Option<usize> {
+    let index = (random.unit() * (mechanism.bodies.len() + 1) as f64) as usize;
+    index.checked_sub(1)
+}
+
+/// A point of the world near a body.
+fn near(mechanism: &Mechanism, body: Option<usize>, random: &mut Random) -> [f64; 2] {
+    let [x, y, _] = body.map_or([0.0; 3], |body| mechanism.bodies[body].pose);
+    [x + random.within(-0.05, 0.05), y + random.within(-0.05, 0.05)]
+}
+
+fn add_body(mechanism: &mut Mechanism, random: &mut Random, is_free: bool) {
+    let velocity = if is_free { 0.5 } else { 0.0 };
+    mechanism.bodies.push(Body {
+        name: format!("body{}", mechanism.bodies.len()),
+        mass_kg: random.log_within(0.01, 0.1),
+        inertia_kg_m2: random.log_within(3e-6, 1e-4),
+        com_m: [random.within(-0.02, 0.02), random.within(-0.02, 0.02)],
+        pose: [random.within(-0.1, 0.1), random.within(-0.05, 0.15), random.within(-PI, PI)],
+        rate: [(); 3].map(|()| velocity * random.within(-1.0, 1.0)),
+        outlines: Vec::new(),
+    });
+}
+
+/// Coordinates of a point of the world in the frame of a body.
+fn local(mechanism: &Mechanism, body: Option<usize>, [x, y]: [f64; 2]) -> [f64; 2] {
+    let [bx, by, angle] = body.map_or([0.0; 3], |body| mechanism.bodies[body].pose);
+    let ([dx, dy], sin, cos) = ([x - bx, y - by], angle.sin(), angle.cos());
+    [cos * dx + sin * dy, cos * dy - sin * dx]
+}
+
+fn add_joint(
+    mechanism: &mut Mechanism,
+    random: &mut Random,
+    mut bodies: [Option<usize>; 2],
+    point: [f64; 2],
+    is_sliding: bool,
+) {
+    if random.chance(0.3) && bodies[0].is_some() {
+        bodies.swap(0, 1);
+    }
+    let angle = |body: Option<usize>| body.map_or(0.0, |body| mechanism.bodies[body].pose[2]);
+    let turned = angle(bodies[1]) - angle(bodies[0]);
+    let world_axis = random.within(-PI, PI);
+    let slide = if is_sliding { random.within(0.0, 0.02) } else { 0.0 };
+    let second = [point[0] + slide * world_axis.cos(), point[1] + slide * world_axis.sin()];
+    let kind = match is_sliding {
+        true => JointKind::Prismatic { axis_rad: world_axis - angle(bodies[0]) },
+        false => JointKind::Revolute,
+    };
+    mechanism.joints.push(Joint {
+        name: format!("joint{}", mechanism.joints.len()),
+        kind,
+        bodies,
+        points_m: [local(mechanism, bodies[0], point), local(mechanism, bodies[1], second)],
+        offset_rad: if is_sliding { turned } else { 0.0 },
+        start: None,
+        start_rate: 0.0,
+        damping: if random.chance(0.5) { random.log_within(1e-6, 1e-3) } else { 0.0 },
+        armature: if random.chance(0.2) { random.log_within(1e-7, 1e-5) } else { 0.0 },
+        lower: None,
+        upper: None,
+        limit: None,
+    });
+}
+
+/// Adds two bodies that close a loop between two others, away from singular configurations.
+fn add_dyad(mechanism: &mut Mechanism, random: &mut Random) {
+    let bases = [random_base(mechanism, random), random_base(mechanism, random)];
+    let sliding = (random.unit() * 5.0) as usize;
+    (0..2).for_each(|_| add_body(mechanism, random, false));
+    let count = mechanism.bodies.len();
+    let (first, second) = (count - 2, count - 1);
+    let points = loop {
+        let points = [near(mechanism, bases[0], random), near(mechanism, bases[1], random)];
+        let inner = [0, 1].map(|k| 0.5 * (points[0][k] + points[1][k]) + random.within(-0.06, 0.06));
+        let arms = points.map(|point| [inner[0] - point[0], inner[1] - point[1]]);
+        let lengths = arms.map(|[x, y]| x.hypot(y));
+        let sine = (arms[0][0] * arms[1][1] - arms[0][1] * arms[1][0]) / (lengths[0] * lengths[1]);
+        if sine.abs() > 0.5 && lengths[0].min(lengths[1]) > 0.02 {
+            break [points[0], inner, points[1]];
+        }
+    };
+    let pairs = [[bases[0], Some(first)], [Some(first), Some(second)], [bases[1], Some(second)]];
+    for (index, (pair, point)) in pairs.into_iter().zip(points).enumerate() {
+        add_joint(mechanism, random, pair, point, index == sliding);
+    }
+}
+
+/// Gives a joint a start, and some of them a spring, limits or an actuator.
+fn drive(mechanism: &mut Mechanism, random: &mut Random, index: usize) {
+    let poses: Vec<[f64; 3]> = mechanism.bodies.iter().map(|body| body.pose).collect();
+    let joint = &mut mechanism.joints[index];
+    let pose = |body: Option<usize>| body.map_or([0.0; 3], |body| poses[body]);
+    let [a, b] = joint.bodies.map(pose);
+    let world = |[x, y, angle]: [f64; 3], [px, py]: [f64; 2]| {
+        [x + angle.cos() * px - angle.sin() * py, y + angle.sin() * px + angle.cos() * py]
+    };
+    let (start, size) = match joint.kind {
+        JointKind::Revolute => (b[2] - a[2] - joint.offset_rad, 1.0),
+        JointKind::Prismatic { axis_rad } => {
+            let ([ax, ay], [bx, by]) = (world(a, joint.points_m[0]), world(b, joint.points_m[1]));
+            let angle = a[2] + axis_rad;
+            (angle.cos() * (bx - ax) + angle.sin() * (by - ay), 0.02)
+        }
+    };
+    joint.start = Some(start);
+    joint.start_rate = size * random.within(-5.0, 5.0);
+    if random.chance(0.3) {
+        let damping = Damping::HuntCrossley { factor_s_per_m: 0.2 };
+        joint.limit = Some(NormalLaw { stiffness_n_per_m_e: 2e4, exponent: 1.5, damping });
+        joint.lower = Some(start - size * random.within(0.02, 0.3));
+        joint.upper = Some(start + size * random.within(0.02, 0.3));
+    }
+    if random.chance(0.4) {
+        mechanism.springs.push(Spring {
+            name: format!("spring{index}"),
+            kind: SpringKind::Torsional { joint: index, preload: random.within(-0.05, 0.05) },
+            stiffness: random.log_within(1e-2, 1.0) / size,
+            damping: random.log_within(1e-6, 1e-4),
+            rest: start + size * random.within(-0.5, 0.5),
+        });
+    }
+    if random.chance(0.6) && mechanism.actuators.len() < 8 {
+        let table = |values: [f64; 3]| Profile::Table {
+            points: vec![(0.0, values[0]), (7e-3, values[1]), (16e-3, values[2])],
+            interpolation: Interpolation::Linear,
+        };
+        let command = if random.chance(0.5) {
+            Command::Effort(table([(); 3].map(|()| random.within(-0.05, 0.05) / size)))
+        } else {
+            let target = table([(); 3].map(|()| start + size * random.within(-0.5, 0.5)));
+            Command::Servo { kp: random.log_within(0.05, 1.0), kd: random.log_within(1e-4, 1e-2), target }
+        };
+        mechanism.actuators.push(Actuator {
+            name: format!("motor{index}"),
+            joint: index,
+            command,
+            limit: random.chance(0.5).then(|| random.log_within(0.01, 0.1) / size),
+            no_load_speed: random.chance(0.3).then(|| size * random.log_within(20.0, 200.0)),
+        });
+    }
+}
+
+fn add_linear_spring(mechanism: &mut Mechanism, random: &mut Random) {
+    let body = (random.unit() * mechanism.bodies.len() as f64) as usize;
+    let bodies = [random_base(mechanism, random).filter(|other| *other != body), Some(body)];
+    let points = [[-0.1, 0.2], [random.within(-0.02, 0.02), random.within(-0.02, 0.02)]];
+    mechanism.springs.push(Spring {
+        name: "coil".to_string(),
+        kind: SpringKind::Linear { bodies, points_m: points },
+        stiffness: random.log_within(10.0, 500.0),
+        damping: random.log_within(1e-3, 1.0),
+        rest: random.within(0.05, 0.2),
+    });
+}
+
+/// Adds discs to some bodies, which can touch the floor and bars of other bodies from a distance.
+fn add_contacts(mechanism: &mut Mechanism, random: &mut Random) {
+    let friction =
+        FrictionLaw { mu_static: 0.6, mu_dynamic: 0.5, v_static_m_s: 0.01, v_dynamic_m_s: 0.02, bristle: None };
+    let step = Damping::Step { max_n_s_per_m: 30.0, transition_m: 1e-4 };
+    for body in 0..mechanism.bodies.len() {
+        let [_, y, _] = mechanism.bodies[body].pose;
+        if !random.chance(0.4) || y - GROUND_M < 0.03 {
+            continue;
+        }
+        let radius_m = (0.5 * (y - GROUND_M)).min(0.02);
+        let shape = OutlineShape::Disc { center_m: [0.0; 2], radius_m };
+        mechanism.bodies[body].outlines.push(Outline { name: "rim".to_string(), shape });
+        let damping = if random.chance(0.5) { step } else { Damping::HuntCrossley { factor_s_per_m: 1.0 } };
+        let normal = NormalLaw { stiffness_n_per_m_e: 1e6, exponent: 1.5, damping };
+        mechanism.contacts.push(ContactPair {
+            points: OutlineId { body: Some(body), outline: 0 },
+            face: OutlineId { body: None, outline: 0 },
+            law: ContactLaw { normal, friction: random.chance(0.7).then_some(friction) },
+            force_point: random.choose(&[ForcePoint::Face, ForcePoint::Points, ForcePoint::Middle]),
+        });
+    }
+}
