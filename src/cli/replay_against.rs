@@ -29,6 +29,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             SceneKind::Finger => "a finger",
             SceneKind::Bodies => "discs",
             SceneKind::Gripper => "a gripper",
+            SceneKind::Mechanism => "a mechanism",
         });
         return Err(Failure::bad_input(format!(
             "{} is a log of {first}, but {} is a log of {second}; these cannot be compared; give two logs of one kind",

@@ -58,17 +58,7 @@ pub fn scene_of(system: System, duration_s: f64) -> Scene {
 }
 
 /// A system without bodies.
-pub const EMPTY: System = System {
-    fingers: Vec::new(),
-    palm_width_m: 0.0,
-    differential: None,
-    discs: Vec::new(),
-    between_discs: None,
-    palm: None,
-    table: None,
-    palm_motion: None,
-    gravity_m_s2: [0.0; 2],
-};
+pub const EMPTY: System = System::EMPTY;
 
 /// A scene of discs without gravity and half plane.
 pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {

@@ -69,6 +69,10 @@ impl<W: Write> Writer<W> {
         for (index, disc) in system.reported_discs().iter().enumerate() {
             start.set_body(index, &initial_state(disc));
         }
+        for (index, pose) in scene.mechanism.iter().flat_map(drawing::poses_at_start).enumerate() {
+            let [x, y, angle_rad] = pose;
+            start.set_body(index, &BodyState { centre_m: [x, y], angle_rad, ..BodyState::default() });
+        }
         let (drawing, poses) = (Drawing::from_scene(&scene), drawing::poses(&scene, &start));
         let pictures = Pictures::register(&mut file, &drawing, &poses, scene.log.picture_hz)?;
         let lines = file.register(LINES, Log::get_schema())?;

@@ -402,6 +402,8 @@ pub struct Schema {
     pub limits: usize,
     /// Whether the forces of joints are among the channels. Samples always have their numbers, which are 0 otherwise.
     pub has_joint_forces: bool,
+    /// Whether the scene is that of a mechanism.
+    pub is_mechanism: bool,
 }
 
 /// Name of a joint or actuator of a sample.
@@ -467,6 +469,7 @@ impl Schema {
             contacts: surfaces.chain(limit_names).collect(),
             limits: limits.len(),
             has_joint_forces: true,
+            is_mechanism: true,
         }
     }
 
@@ -487,10 +490,21 @@ impl Schema {
         }
     }
 
-    /// Returns the schema implied by a kind of scene alone; discs, whose names come from the scene, are missing.
+    /// Kind of the scene.
+    pub fn kind(&self) -> SceneKind {
+        match self.fingers.len() {
+            0 if self.is_mechanism => SceneKind::Mechanism,
+            0 => SceneKind::Bodies,
+            1 => SceneKind::Finger,
+            _ => SceneKind::Gripper,
+        }
+    }
+
+    /// Returns the schema implied by a kind of scene alone; names that come from the scene are missing.
     pub fn from_kind(kind: SceneKind) -> Self {
         match kind {
             SceneKind::Bodies => Self::default(),
+            SceneKind::Mechanism => Self { is_mechanism: true, ..Self::default() },
             SceneKind::Finger => Self::from_finger_count(1),
             SceneKind::Gripper => Self { bodies: vec![Disc::OBJECT.to_string()], ..Self::from_finger_count(2) },
         }
@@ -517,6 +531,7 @@ impl Schema {
             contacts: GripperContact::for_fingers(count).iter().map(contact).collect(),
             limits: 0,
             has_joint_forces: true,
+            is_mechanism: false,
         }
     }
 
@@ -527,7 +542,8 @@ impl Schema {
 
     /// Indices of the contacts between surfaces, that is all except joint limits.
     pub fn surfaces(&self) -> impl Iterator<Item = usize> + '_ {
-        self.contacts.iter().enumerate().filter(|(_, contact)| !contact.is_angular).map(|(index, _)| index)
+        let surfaces = &self.contacts[..self.contacts.len() - self.limits];
+        surfaces.iter().enumerate().filter(|(_, contact)| !contact.is_angular).map(|(index, _)| index)
     }
 
     /// Returns the numbers of subjects of each kind.

@@ -82,7 +82,7 @@ pub struct Scene {
 
 impl Scene {
     pub fn kind(&self) -> SceneKind {
-        self.system.kind()
+        if self.mechanism.is_some() { SceneKind::Mechanism } else { self.system.kind() }
     }
 
     /// Returns the single finger, or the right finger of a gripper.

@@ -165,7 +165,7 @@ fn statics(scene: &Scene) -> Result<Value, Value> {
         json!([{ "message": error.to_string(), "help": help, "line": null, "field": null }])
     };
     let (report, caption, picture) = match scene.kind() {
-        SceneKind::Bodies => return Ok(json!({ "sections": [], "pictures": [] })),
+        SceneKind::Bodies | SceneKind::Mechanism => return Ok(json!({ "sections": [], "pictures": [] })),
         SceneKind::Finger => {
             let result = grasp(scene, &GraspOverrides::default()).map_err(|error| problem(&error))?;
             let picture = plot::grasp(scene, &result, PictureFormat::Column);

@@ -309,7 +309,7 @@ impl Bounds {
             until_s: duration_s,
         };
         match kind {
-            SceneKind::Finger | SceneKind::Bodies => finger,
+            SceneKind::Finger | SceneKind::Bodies | SceneKind::Mechanism => finger,
             SceneKind::Gripper => Self { angle_rad: 1e-4, final_force: 5e-3, stability_time_s: 1e-4, ..finger },
         }
     }
@@ -464,7 +464,7 @@ pub fn thresholds(input: &SectionInput<'_>, system: Option<&System>, duration_s:
     let motor_force_n = system.map_or(0.0, System::motor_force_n);
     let defaults = match input.kind {
         SceneKind::Gripper => Thresholds::defaults_for_run(duration_s.unwrap_or(DURATION_S), motor_force_n),
-        SceneKind::Finger | SceneKind::Bodies => Thresholds::NONE,
+        SceneKind::Finger | SceneKind::Bodies | SceneKind::Mechanism => Thresholds::NONE,
     };
     let thresholds: Thresholds = input.read_over(&defaults);
     for (key, time_s) in [("loss_time", thresholds.loss_time_s), ("held_time", thresholds.held_time_s)] {
