@@ -20,8 +20,8 @@ fn masses_and_joints(plan: &Plan, linkage: &Linkage) -> (DMatrix<f64>, DMatrix<f
     let diagonal: Vec<f64> =
         linkage.inertias.iter().flat_map(|i| [i.inverse_mass, i.inverse_mass, i.inverse_inertia]).collect();
     let inverse_mass = DMatrix::from_diagonal(&DVector::from_vec(diagonal));
-    let mut joints = DMatrix::zeros(2 * plan.pins.len(), 3 * count);
-    for (p, pin) in plan.pins.iter().enumerate() {
+    let mut joints = DMatrix::zeros(2 * plan.joints.len(), 3 * count);
+    for (p, joint) in plan.joints.iter().enumerate() {
         let mut add = |body: usize, anchor: [f64; 2], sign: f64| {
             let com = plan.bodies[body].body.com_m;
             let [c, s] = linkage.poses[body].direction;
@@ -32,9 +32,10 @@ fn masses_and_joints(plan: &Plan, linkage: &Linkage) -> (DMatrix<f64>, DMatrix<f
             joints[(2 * p, 3 * body + 2)] = -sign * arm[1];
             joints[(2 * p + 1, 3 * body + 2)] = sign * arm[0];
         };
-        add(pin.second, pin.anchor_second_m, 1.0);
-        if let Some(first) = pin.first {
-            add(first, pin.anchor_first_m, -1.0);
+        for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            if let Some(body) = joint.bodies[k] {
+                add(body, joint.anchors_m[k], sign);
+            }
         }
     }
     (inverse_mass, joints)

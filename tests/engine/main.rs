@@ -9,5 +9,6 @@ mod contact;
 mod disc_rows;
 mod finger;
 mod gripper;
+mod mechanism;
 mod recorder;
 mod sizes;

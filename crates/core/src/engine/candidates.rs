@@ -5,12 +5,18 @@ use std::f64::consts::TAU;
 use parry2d_f64::query;
 use rapier2d_f64::prelude::*;
 
-use super::linkage::{BodyPose, Linkage, Twist};
-use super::plan::{ContactPartner, ContactPointConvention, Plan, PlannedBrake, PlannedContact, PlannedMotor};
-use super::world::World;
-use crate::law::{Bristle, BristleStep, FrictionLaw, NormalLaw, friction_coefficient, implicit_bristle_step};
+use super::coordinate::{BodyPose, Row, Twist};
+use super::linkage::Linkage;
+use super::plan::{
+    ContactPointConvention, Plan, PlannedBrake, PlannedContact, PlannedMotor, PlannedServo, ServoLaw, SurfaceId,
+};
+use super::world::{World, surface_pose_in_frame};
+use crate::law::{
+    Bristle, BristleStep, FrictionLaw, NormalForce, NormalLaw, friction_coefficient, implicit_bristle_step,
+    normal_force,
+};
 use crate::numeric::elementary::hypot;
-use crate::numeric::plane::{cross, perp, rotate, sub};
+use crate::numeric::plane::{add, cross, perp, rotate, scale, sub};
 use crate::scene::Response;
 
 /// Gap, closest point on each surface, and normal from the other surface to the body's.
@@ -22,43 +28,19 @@ struct ClosestPoints {
     normal: [f64; 2],
 }
 
-/// A generalised direction: the impulse on each body per unit impulse along the row.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Body and its components of the row.
-    pub on: (usize, Twist),
-    /// Body that takes the reaction, with its components.
-    pub against: Option<(usize, Twist)>,
-}
-
-/// Product of a row and a velocity.
-fn power(row: &Twist, v: &Twist) -> f64 {
-    row[0] * v[0] + row[1] * v[1] + row[2] * v[2]
-}
-
-impl Row {
-    /// Returns the rate along the row.
-    pub fn rate(&self, velocities: &[Twist]) -> f64 {
-        let along = |(body, row): &(usize, Twist)| power(row, &velocities[*body]);
-        along(&self.on) + self.against.as_ref().map_or(0.0, along)
-    }
-
-    pub fn rate_of(&self, body: usize, velocity: &Twist) -> f64 {
-        let body_row = std::iter::once(&self.on).chain(&self.against).filter(|(on, _)| *on == body);
-        body_row.map(|(_, row)| power(row, velocity)).sum()
-    }
-
-    /// Adds a multiple of the row to a generalised impulse.
-    pub fn add_to(&self, impulse: &mut [Twist], size: f64) {
-        for (body, row) in std::iter::once(&self.on).chain(&self.against) {
-            for axis in 0..3 {
-                impulse[*body][axis] += size * row[axis];
-            }
+impl ClosestPoints {
+    /// Returns the points of the body and of the other surface at which the contact forces act.
+    fn at(&self, convention: ContactPointConvention) -> [[f64; 2]; 2] {
+        match convention {
+            ContactPointConvention::EachSurface => [self.point, self.other_point],
+            ContactPointConvention::BodySurface => [self.point; 2],
+            ContactPointConvention::PartnerSurface => [self.other_point; 2],
+            ContactPointConvention::Middle => [scale(add(self.point, self.other_point), 0.5); 2],
         }
     }
 }
 
-/// A possible contact, stop, brake or motor at one instant.
+/// A possible contact, stop, brake, motor or servo at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactCandidate {
     /// Element index in the plan.
@@ -78,10 +60,15 @@ pub struct ContactCandidate {
     pub slip_row: Row,
     /// Torque characteristic of a motor with a no-load speed.
     pub motor: Option<MotorSlope>,
-    /// Prescribed rate and acceleration of the gap of a brake or motor, which model its changing force over a step.
+    /// Law of a servo, in place of the normal law; its gap is minus the error of its coordinate.
+    pub servo: Option<ServoLaw>,
+    /// Prescribed rate and acceleration of the gap of a brake or motor, which model its changing force over a step; of
+    /// the target of a servo.
     pub prescribed_gap_motion: [f64; 2],
     /// Whether the contact laws of the scene apply: not if rapier handles contact, nor if the pair is out of reach.
     pub uses_contact_law: bool,
+    /// Whether its work is that of a motor.
+    pub is_motor: bool,
     /// Whether friction acts only against negative slip.
     pub one_way: bool,
     /// The component of the plan that defines the gap.
@@ -97,6 +84,8 @@ pub enum Source {
     Brake(usize),
     /// A motor with a no-load speed: a torque along its slip row.
     Motor(usize),
+    /// A servo: a force along its normal row.
+    Servo(usize),
 }
 
 /// Torque of a motor that falls with its rate, relative to the stall torque: its sign, and its decrease per unit rate.
@@ -126,10 +115,21 @@ impl ContactCandidate {
             normal_row,
             slip_row,
             motor: None,
+            servo: None,
             prescribed_gap_motion: [0.0; 2],
             uses_contact_law: false,
+            is_motor: false,
             one_way: false,
             source,
+        }
+    }
+
+    /// Returns the force along the normal row, with its derivatives by penetration and penetration rate.
+    #[inline(always)]
+    pub(crate) fn normal_force(&self, gap: f64, gap_rate: f64) -> NormalForce {
+        match &self.servo {
+            Some(law) => law.force(-gap, -gap_rate),
+            None => normal_force(&self.law, -gap, -gap_rate),
         }
     }
 
@@ -175,7 +175,12 @@ impl ContactCandidate {
 
     /// Whether the candidate has a gap, as surfaces and stops do.
     pub(crate) fn has_gap(&self) -> bool {
-        !matches!(self.source, Source::Brake(_) | Source::Motor(_))
+        matches!(self.source, Source::Stop(_) | Source::Contact(_))
+    }
+
+    /// Whether the force acts along the normal row in both directions and at any gap.
+    pub(crate) fn is_servo(&self) -> bool {
+        matches!(self.source, Source::Servo(_))
     }
 
     /// Whether the gap exceeds rounding.
@@ -193,14 +198,14 @@ pub fn find(candidates: &[ContactCandidate], index: usize) -> Option<&ContactCan
     candidates.iter().find(|candidate| candidate.index == index)
 }
 
-/// Collects all stops, contacts, brakes and motors with a no-load speed.
+/// Collects all stops, contacts, brakes, motors with a no-load speed, and servos.
 pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut Vec<ContactCandidate>) {
     candidates.clear();
     for (index, stop) in plan.stops.iter().enumerate() {
-        let normal_row = Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) };
-        let slip_row = Row { on: (stop.on, [0.0; 3]), against: None };
+        let normal_row = stop.gap.row(&linkage.poses);
+        let slip_row = Row { on: (normal_row.on.0, [0.0; 3]), against: None };
         candidates.push(ContactCandidate {
-            gap: stop_gap(plan, index, &linkage.poses),
+            gap: stop.gap.value(&linkage.poses),
             rounding: f64::EPSILON * TAU,
             uses_contact_law: true,
             ..ContactCandidate::new(index, Source::Stop(index), stop.law, [normal_row, slip_row])
@@ -211,28 +216,29 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
         let in_reach = || world.physics.narrow_phase.contact_pair(collider, other).is_some();
         let Some(points) = closest_points(world, plan, index, &linkage.poses) else { continue };
         let ClosestPoints { gap, normal, .. } = points;
-        let is_partner_surface = contact.point_convention == ContactPointConvention::PartnerSurface;
         let rows = [normal, perp(normal)].map(|direction| contact_row(plan, index, &linkage.poses, &points, direction));
         candidates.push(ContactCandidate {
             friction: contact.law.friction,
             gap,
             rounding: gap_rounding(plan, contact, &linkage.poses),
             normal,
-            point: if is_partner_surface { points.other_point } else { points.point },
+            point: points.at(contact.point_convention)[0],
             uses_contact_law: world.response == Response::Laws && in_reach(),
             ..ContactCandidate::new(plan.stops.len() + index, Source::Contact(index), contact.law.normal, rows)
         });
     }
-    candidates.extend((0..plan.brakes.len()).map(|index| brake_candidate(plan, index)));
+    candidates.extend((0..plan.brakes.len()).map(|index| brake_candidate(plan, index, &linkage.poses)));
     let motor_candidate_of = |(index, motor): (usize, &PlannedMotor)| {
-        motor.no_load_speed_rad_s.map(|speed| motor_candidate(plan, index, speed))
+        motor.no_load_speed_rad_s.map(|speed| motor_candidate(plan, index, speed, &linkage.poses))
     };
     candidates.extend(plan.motors.iter().enumerate().filter_map(motor_candidate_of));
+    let servos = plan.servos.iter().enumerate();
+    candidates.extend(servos.map(|(index, servo)| servo_candidate(plan, index, servo, &linkage.poses)));
 }
 
 /// Models a brake as a contact: friction with coefficient 1 under a force set by [`set_shaft_torques`].
-fn brake_candidate(plan: &Plan, index: usize) -> ContactCandidate {
-    let PlannedBrake { on, against, brake } = plan.brakes[index];
+fn brake_candidate(plan: &Plan, index: usize, poses: &[BodyPose]) -> ContactCandidate {
+    let PlannedBrake { shaft, brake } = plan.brakes[index];
     let width = brake.v_static_rad_s;
     ContactCandidate {
         friction: Some(FrictionLaw {
@@ -243,25 +249,38 @@ fn brake_candidate(plan: &Plan, index: usize) -> ContactCandidate {
             bristle: brake.bristle,
         }),
         one_way: brake.one_way,
-        ..shaft_candidate(plan.first_brake() + index, Source::Brake(index), on, against)
+        ..shaft_candidate(plan.first_brake() + index, Source::Brake(index), shaft.row(poses))
     }
 }
 
 /// Models as a contact a motor with a no-load speed; [`set_shaft_torques`] sets its torque.
-fn motor_candidate(plan: &Plan, index: usize, no_load_speed_rad_s: f64) -> ContactCandidate {
-    let on = &plan.motors[index].on;
+fn motor_candidate(plan: &Plan, index: usize, no_load_speed_rad_s: f64, poses: &[BodyPose]) -> ContactCandidate {
     ContactCandidate {
+        is_motor: true,
         motor: Some(MotorSlope { sign: 1.0, slope: no_load_speed_rad_s.recip() }),
-        ..shaft_candidate(plan.first_motor() + index, Source::Motor(index), on[0], on.get(1).copied())
+        ..shaft_candidate(plan.first_motor() + index, Source::Motor(index), plan.motors[index].shaft.row(poses))
     }
 }
 
-/// Returns a candidate along a shaft whose angle is the sum of the angles of up to two bodies times their ratios. No
-/// body changes its penetration, which together with the stiffness of its law defines the normal force.
-fn shaft_candidate(index: usize, source: Source, on: (usize, f64), against: Option<(usize, f64)>) -> ContactCandidate {
-    let rotation = |(body, ratio): (usize, f64)| (body, [0.0, 0.0, ratio]);
-    let normal_row = Row { on: (on.0, [0.0; 3]), against: None };
-    let slip_row = Row { on: rotation(on), against: against.map(rotation) };
+/// Models a servo as a contact; [`set_shaft_torques`] sets its target.
+fn servo_candidate(plan: &Plan, index: usize, servo: &PlannedServo, poses: &[BodyPose]) -> ContactCandidate {
+    let normal_row = servo.coordinate.row(poses);
+    let slip_row = Row { on: (normal_row.on.0, [0.0; 3]), against: None };
+    let law = NormalLaw::constant_force(0.0);
+    ContactCandidate {
+        gap: servo.coordinate.value(poses),
+        rounding: f64::EPSILON,
+        servo: Some(servo.law),
+        is_motor: servo.is_motor,
+        uses_contact_law: true,
+        ..ContactCandidate::new(plan.first_servo() + index, Source::Servo(index), law, [normal_row, slip_row])
+    }
+}
+
+/// Returns a candidate along the slip row of a shaft. No body changes its penetration, which together with the stiffness
+/// of its law defines the normal force.
+fn shaft_candidate(index: usize, source: Source, slip_row: Row) -> ContactCandidate {
+    let normal_row = Row { on: (slip_row.on.0, [0.0; 3]), against: None };
     ContactCandidate {
         gap: -1.0,
         rounding: f64::EPSILON,
@@ -269,8 +288,9 @@ fn shaft_candidate(index: usize, source: Source, on: (usize, f64), against: Opti
     }
 }
 
-/// Sets the forces of brakes and motors for a step: a parabola through the values at its start, middle and end.
-pub(crate) fn set_shaft_torques(plan: &Plan, t: f64, dt: f64, candidates: &mut [ContactCandidate]) {
+/// Sets the forces of brakes and motors for a step, a parabola through the values at its start, middle and end; and the
+/// motion of the targets of servos, also a parabola.
+pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64, candidates: &mut [ContactCandidate]) {
     // Discontinuities at both ends belong to adjacent steps.
     let times = [1e-9, 0.5, 1.0 - 1e-9].map(|fraction| t + fraction * dt);
     for candidate in candidates {
@@ -282,6 +302,14 @@ pub(crate) fn set_shaft_torques(plan: &Plan, t: f64, dt: f64, candidates: &mut [
                 let torques = times.map(|t| plan.motors[index].characteristic(t).0);
                 candidate.motor = candidate.motor.map(|motor| MotorSlope { sign: torques[1].signum(), ..motor });
                 torques.map(f64::abs)
+            }
+            Source::Servo(index) => {
+                let PlannedServo { coordinate, target, law, .. } = &plan.servos[index];
+                let [(start, start_rate), _, (_, end_rate)] = times.map(|t| target.at(t));
+                candidate.gap = coordinate.value(poses) - start;
+                candidate.servo = Some(ServoLaw { target_rate: 0.5 * (start_rate + end_rate), ..*law });
+                candidate.prescribed_gap_motion = [start_rate, (end_rate - start_rate) / dt];
+                continue;
             }
             Source::Stop(_) | Source::Contact(_) => continue,
         };
@@ -323,8 +351,7 @@ pub(crate) fn gap_and_slip_row_at(
     poses: &[BodyPose],
 ) -> (f64, Row) {
     match candidate.source {
-        Source::Stop(index) => (stop_gap(plan, index, poses), candidate.slip_row),
-        Source::Brake(_) | Source::Motor(_) => (candidate.gap, candidate.slip_row),
+        Source::Stop(_) | Source::Brake(_) | Source::Motor(_) | Source::Servo(_) => (candidate.gap, candidate.slip_row),
         Source::Contact(index) => {
             let points = closest_points(world, plan, index, poses);
             points.map_or((candidate.gap, candidate.slip_row), |points| {
@@ -341,32 +368,15 @@ fn contact_row(plan: &Plan, index: usize, poses: &[BodyPose], points: &ClosestPo
         (body, [direction[0], direction[1], cross(arm, direction)])
     };
     let contact = &plan.contacts[index];
-    let (body_point, partner_point) = match contact.point_convention {
-        ContactPointConvention::EachSurface => (points.point, points.other_point),
-        ContactPointConvention::BodySurface => (points.point, points.point),
-        ContactPointConvention::PartnerSurface => (points.other_point, points.other_point),
-    };
-    Row {
-        on: side(contact.body, body_point, direction),
-        against: match contact.against {
-            ContactPartner::Body(body) => Some(side(body, partner_point, [-direction[0], -direction[1]])),
-            ContactPartner::Fixed(_) => None,
-        },
-    }
-}
-
-fn stop_gap(plan: &Plan, index: usize, poses: &[BodyPose]) -> f64 {
-    let stop = &plan.stops[index];
-    poses[stop.on].angle - poses[stop.against].angle - stop.min_angle_rad
+    let [body_point, partner_point] = points.at(contact.point_convention);
+    let partner = |body: usize| side(body, partner_point, [-direction[0], -direction[1]]);
+    Row { on: side(contact.body, body_point, direction), against: contact.against.body.map(partner) }
 }
 
 /// Returns the rounding error of a gap between two surfaces.
 fn gap_rounding(plan: &Plan, contact: &PlannedContact, poses: &[BodyPose]) -> f64 {
     let size = |[x, y]: [f64; 2]| x.abs().max(y.abs());
-    let other = match contact.against {
-        ContactPartner::Body(body) => poses[body].com,
-        ContactPartner::Fixed(index) => plan.fixed_surfaces[index].origin_m,
-    };
+    let other = contact.against.body.map_or_else(|| plan.surface(contact.against).origin_m, |body| poses[body].com);
     f64::EPSILON * (size(poses[contact.body].com) + size(other))
 }
 
@@ -374,11 +384,8 @@ fn gap_rounding(plan: &Plan, contact: &PlannedContact, poses: &[BodyPose]) -> f6
 fn closest_points(world: &World, plan: &Plan, index: usize, poses: &[BodyPose]) -> Option<ClosestPoints> {
     let contact = &plan.contacts[index];
     let [collider, other] = world.contacts[index].map(|handle| &world.physics.colliders[handle]);
-    let pose = frame_pose(plan, contact.body, poses);
-    let other_pose = match contact.against {
-        ContactPartner::Body(body) => frame_pose(plan, body, poses),
-        ContactPartner::Fixed(_) => *other.position(),
-    };
+    let pose = surface_pose(plan, SurfaceId { body: Some(contact.body), index: contact.surface }, poses);
+    let other_pose = surface_pose(plan, contact.against, poses);
     let result = query::contact(&other_pose, other.shape(), &pose, collider.shape(), Real::MAX).ok()??;
     let (point, other_point, normal) = (result.point2, result.point1, result.normal1);
     Some(ClosestPoints {
@@ -387,6 +394,12 @@ fn closest_points(world: &World, plan: &Plan, index: usize, poses: &[BodyPose]) 
         other_point: [other_point.x, other_point.y],
         normal: [normal.x, normal.y],
     })
+}
+
+/// Returns the rapier pose of a surface.
+fn surface_pose(plan: &Plan, id: SurfaceId, poses: &[BodyPose]) -> Pose {
+    let surface = surface_pose_in_frame(plan.surface(id));
+    id.body.map_or(surface, |body| frame_pose(plan, body, poses) * surface)
 }
 
 /// Returns the rapier pose of a body frame from the pose of its centre of mass.

@@ -5,13 +5,13 @@
 //! λ = W (∂F/∂δ̇ + h ∂F/∂δ), of any rate error. The correction removes that fraction from all rows at once; soft
 //! contacts keep their rates, and the scheme its order.
 
-use super::candidates::{ContactCandidate, Row, ZERO_RATE, gap_and_slip_row_at};
+use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_slip_row_at};
+use super::coordinate::{BodyPose, Row, Twist};
 use super::dense;
 use super::dense::{refill, reset};
-use super::linkage::{BodyPose, Linkage, Twist};
+use super::linkage::Linkage;
 use super::plan::Plan;
 use super::world::World;
-use crate::law::normal_force;
 use crate::numeric::elementary::sin_cos;
 
 /// A contact that can become active within the step.
@@ -69,7 +69,7 @@ impl ContactSpace {
         self.rows.clear();
         for candidate in candidates.iter().filter(|candidate| candidate.uses_contact_law) {
             let (rate, free) = (candidate.normal_row.rate(velocities), candidate.normal_row.rate(accelerations));
-            if candidate.gap > CLOSING_MARGIN * dt * (rate.abs() + dt * free.abs()) {
+            if candidate.has_gap() && candidate.gap > CLOSING_MARGIN * dt * (rate.abs() + dt * free.abs()) {
                 continue;
             }
             let normal = self.rows.len();
@@ -91,8 +91,11 @@ impl ContactSpace {
         refill(&mut self.rate, self.rows.iter().map(|row| row.rate(velocities)));
         refill(&mut self.free, self.rows.iter().map(|row| row.rate(accelerations)));
         for contact in self.active_contacts.iter().filter(|contact| !contact.candidate.has_gap()) {
-            let [rate, acceleration] = contact.candidate.prescribed_gap_motion;
-            (self.rate[contact.normal], self.free[contact.normal]) = (rate, acceleration);
+            let ([rate, acceleration], n) = (contact.candidate.prescribed_gap_motion, contact.normal);
+            (self.rate[n], self.free[n]) = match contact.candidate.source {
+                Source::Servo(_) => (self.rate[n] - rate, self.free[n] - acceleration),
+                _ => (rate, acceleration),
+            };
         }
         self.add_curvature(world, plan, linkage, velocities, dt);
         respond(self.rows.iter(), linkage, velocities.len(), &mut self.response, &mut self.w);
@@ -112,6 +115,15 @@ impl ContactSpace {
             BodyPose { com, direction: [cos, sin], angle }
         };
         refill(&mut self.poses, linkage.poses.iter().zip(velocities).map(pose_after_interval));
+        for contact in &self.active_contacts {
+            let (row, coordinate) = match (contact.candidate.source, contact.tangent) {
+                (Source::Stop(index), _) => (contact.normal, &plan.stops[index].gap),
+                (Source::Servo(index), _) => (contact.normal, &plan.servos[index].coordinate),
+                (Source::Motor(index), Some(tangent)) => (tangent, &plan.motors[index].shaft),
+                _ => continue,
+            };
+            self.free[row] += coordinate.second_rate(&linkage.poses, velocities);
+        }
         for contact in self.active_contacts.iter().filter(|contact| contact.candidate.is_between_surfaces()) {
             let (gap, slip_row) = gap_and_slip_row_at(&contact.candidate, world, plan, &self.poses);
             let linear_gap = contact.candidate.gap + interval_s * self.rate[contact.normal];
@@ -394,7 +406,7 @@ impl Workspace {
         for (index, contact) in space.active_contacts.iter().enumerate() {
             let n = contact.normal;
             let gap = stage.gap[index] + h * rate[n];
-            let law = normal_force(&contact.candidate.law, -gap, -rate[n]);
+            let law = contact.candidate.normal_force(gap, rate[n]);
             // The law uses penetration, the row uses the gap.
             let slope = -(h * law.d_delta + law.d_rate);
             (self.force[n], self.diagonal_derivative[n]) = (law.force, slope);

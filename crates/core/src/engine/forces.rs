@@ -7,54 +7,53 @@
 use rapier2d_f64::prelude::{RigidBodyHandle, RigidBodySet, Vector};
 
 use super::contact_space::ContactSpace;
+use super::coordinate::{BodyPose, Twist};
 use super::dense::refill;
-use super::linkage::{BodyPose, Inertia, Linkage, Twist};
-use super::plan::{ContactPartner, Plan, PlannedDrive, PlannedMotor, PlannedRotor, PlannedSpring, PrescribedMotion};
+use super::linkage::{Inertia, Linkage};
+use super::plan::{Plan, PlannedDrive, PlannedRotor, PlannedSpring, PrescribedMotion};
 use super::substeps::ContactSolver;
 use crate::numeric::elementary::{cos, sin, tan};
 use crate::numeric::plane::{perp, rotate};
 use crate::scene::{Pose, SpringKind};
 
 /// Computes forces and torques about the centres of mass at time `t`, at the poses of the linkage. Motors with a
-/// no-load speed are rows of the contact space instead.
+/// no-load speed and servos are rows of the contact space instead.
 pub(crate) fn smooth_forces(plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) {
     let [gx, gy] = plan.gravity_m_s2;
     for (force, inertia) in out.iter_mut().zip(&linkage.inertias) {
         *force = [inertia.mass * gx, inertia.mass * gy, 0.0];
     }
-    // Motors are supported by the ground, which takes the reaction.
     for motor in plan.motors.iter().filter(|motor| motor.no_load_speed_rad_s.is_none()) {
-        add_motor(motor, motor.characteristic(t).0, out);
+        motor.shaft.row(&linkage.poses).add_to(out, motor.characteristic(t).0);
     }
     if let Some((_, motion)) = plan.palm().filter(|_| !plan.rotors.is_empty()) {
         let palm_acceleration = motion.pose(t).acceleration[2];
         plan.rotors.iter().for_each(|rotor| out[rotor.body][2] += rotor.inertia_kg_m2 * palm_acceleration);
     }
     for spring in &plan.springs {
-        let torque = -spring.closing_sign * spring_torque(spring, extension(spring, linkage));
-        out[spring.on][2] += torque;
-        out[spring.against][2] -= torque;
+        let torque = spring_torque(spring, spring.extension.value(&linkage.poses));
+        spring.extension.row(&linkage.poses).add_to(out, -torque);
     }
 }
 
-/// Adds the torques of motors with a no-load speed, at time `t` and these velocities.
-pub(crate) fn add_speed_dependent_motors(plan: &Plan, velocities: &[Twist], t: f64, out: &mut [Twist]) {
+/// Adds the forces of motors with a no-load speed and of servos, at time `t` and these velocities.
+pub(crate) fn add_speed_dependent_forces(
+    plan: &Plan,
+    poses: &[BodyPose],
+    velocities: &[Twist],
+    t: f64,
+    out: &mut [Twist],
+) {
     for motor in plan.motors.iter().filter(|motor| motor.no_load_speed_rad_s.is_some()) {
-        add_motor(motor, motor.torque(t, |body| velocities[body][2]), out);
+        let shaft = motor.shaft.row(poses);
+        shaft.add_to(out, motor.torque(t, shaft.rate(velocities)));
+    }
+    for servo in &plan.servos {
+        servo.coordinate.row(poses).add_to(out, servo.force(t, poses, velocities));
     }
 }
 
-fn add_motor(motor: &PlannedMotor, torque: f64, out: &mut [Twist]) {
-    motor.on.iter().for_each(|(body, ratio)| out[*body][2] += ratio * torque);
-}
-
-/// Spring extension Δq_s, positive in closing, rad.
-fn extension(spring: &PlannedSpring, linkage: &Linkage) -> f64 {
-    let angle = linkage.poses[spring.on].angle - linkage.poses[spring.against].angle;
-    spring.closing_sign * (angle - spring.straight_rad)
-}
-
-/// Spring torque against closing, N·m.
+/// Spring torque or force against the extension.
 fn spring_torque(spring: &PlannedSpring, extension: f64) -> f64 {
     match spring.kind {
         SpringKind::Constant { torque_n_m } => torque_n_m,
@@ -65,7 +64,7 @@ fn spring_torque(spring: &PlannedSpring, extension: f64) -> f64 {
 }
 
 /// Returns the energies of gravity and springs, J, in the palm frame; springs are at zero in the straight posture.
-pub(crate) fn potential_energies(plan: &Plan, linkage: &Linkage, frame: &PalmFrame) -> (f64, f64) {
+pub fn potential_energies(plan: &Plan, linkage: &Linkage, frame: &PalmFrame) -> (f64, f64) {
     let [gx, gy] = plan.gravity_m_s2;
     let gravity_energy = |(inertia, pose): (&Inertia, &BodyPose)| {
         let [x, y] = frame.point(pose.com);
@@ -73,7 +72,7 @@ pub(crate) fn potential_energies(plan: &Plan, linkage: &Linkage, frame: &PalmFra
     };
     let gravity = linkage.inertias.iter().zip(&linkage.poses).map(gravity_energy).sum();
     let spring_energy = |spring: &PlannedSpring| {
-        let extension = extension(spring, linkage);
+        let extension = spring.extension.value(&linkage.poses);
         match spring.kind {
             SpringKind::Constant { torque_n_m } => torque_n_m * extension,
             SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
@@ -307,7 +306,7 @@ pub(crate) fn table_work(plan: &Plan, space: &ContactSpace, solver: &ContactSolv
     for contact in &space.active_contacts {
         let Some(index) = contact.candidate.index.checked_sub(plan.stops.len()) else { continue };
         let Some(planned) = plan.contacts.get(index) else { continue };
-        if let ContactPartner::Fixed(_) = planned.against {
+        if planned.against.body.is_none() {
             let transport = frame.transport_velocity(linkage.poses[planned.body].com);
             for row in std::iter::once(contact.normal).chain(contact.tangent) {
                 work += (solver.early_impulse[row] + solver.late_impulse[row])

@@ -7,16 +7,15 @@
 //!
 //! The system is general in bodies and joints; it uses only rapier's masses and anchors.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
+use super::coordinate::{BodyPose, Coordinate, Twist};
 use super::dense;
-use super::plan::{Plan, PlannedGear, PlannedPin};
+use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
 use super::world::World;
-use crate::numeric::elementary::{atan2, cos, hypot, powi, sin};
+use crate::mechanism::JointKind;
+use crate::numeric::elementary::{atan2, hypot, powi};
 use crate::numeric::plane::{perp, rotate};
-
-/// Velocity (x, y, angle) of a body, or a force and a torque about its centre of mass.
-pub type Twist = [f64; 3];
 
 /// Mass and moment of inertia of a body, and their inverses.
 #[derive(Clone, Copy, Debug)]
@@ -27,26 +26,27 @@ pub struct Inertia {
     pub inverse_inertia: f64,
 }
 
-/// One side of a pin, or a wheel of a gear: body, anchor relative to the centre of mass in the body frame (`local`) and
-/// in the world frame (`arm`), and the sign of its velocity in the pin's opening rate, 0 for a wheel. Sides on the
-/// ground do not move and are omitted.
+/// One side of a pair of constraints: a body, and the opening rates per velocity of the body. Sides on the ground do not
+/// move and are omitted.
 #[derive(Clone, Copy, Debug)]
-struct PinSide {
-    pin: usize,
+struct Side {
+    pair: usize,
     body: usize,
+    rows: [Twist; 2],
+    /// Anchor of a pin relative to the centre of mass in the body frame (`local`) and in the world frame (`arm`), and
+    /// the sign of its velocity in the opening rate, 0 for other pairs.
     sign: f64,
     local: [f64; 2],
     arm: [f64; 2],
-    /// Opening rate per angular rate of the body: sign · arm⊥, or the ratios of a gear.
-    opening_per_angle: [f64; 2],
 }
 
-/// Pose of a body: centre of mass, orientation as (cos, sin), and as a continuous angle.
-#[derive(Clone, Copy, Debug)]
-pub struct BodyPose {
-    pub com: [f64; 2],
-    pub direction: [f64; 2],
-    pub angle: f64,
+/// A pair of constraints: the openings, to be kept at zero.
+#[derive(Clone, Debug)]
+enum Pair {
+    /// x and y from the first anchor to the second, less an anchor on the ground.
+    Pin { ground: [f64; 2] },
+    /// Sums of ratios times coordinates, less their values in a closed pair.
+    Relation { terms: Vec<(Coordinate, [f64; 2])>, closed: [f64; 2] },
 }
 
 /// Error for joints or masses whose equations of motion have no solution.
@@ -58,15 +58,17 @@ pub struct SingularConstraints;
 pub struct Linkage {
     pub inertias: Vec<Inertia>,
     pub poses: Vec<BodyPose>,
-    /// Sides of all pins, pin by pin, then the wheels of all gears.
-    sides: Vec<PinSide>,
-    pins: usize,
-    /// Anchors on the ground; for gears, their initial sums.
-    ground_anchors: Vec<[f64; 2]>,
-    /// Pairs of sides on the same body, which couple their pins.
+    /// Constraints of all joints, then of all gears.
+    pairs: Vec<Pair>,
+    joints: usize,
+    /// Sides of all pairs, pair by pair.
+    sides: Vec<Side>,
+    /// Sides on the same body, which couple their pairs.
     couplings: Vec<(usize, usize)>,
+    /// Rows of pairs with one constraint only.
+    unused_rows: Vec<usize>,
     factor: Vec<f64>,
-    /// First nonzero column of each row of the factor: pins that share no body do not couple.
+    /// First nonzero column of each row of the factor: pairs that share no body do not couple.
     first_columns: Vec<usize>,
     /// Right-hand side and solution.
     multipliers: Vec<f64>,
@@ -75,7 +77,6 @@ pub struct Linkage {
 impl Linkage {
     /// Reads masses, anchors and poses from rapier's bodies.
     pub fn new(world: &World, plan: &Plan) -> Self {
-        let pins = &plan.pins;
         let bodies = &world.physics.bodies;
         let rigid = |i: usize| &bodies[world.bodies[i]];
         let inertias = (0..world.bodies.len())
@@ -89,68 +90,70 @@ impl Linkage {
                 }
             })
             .collect();
-        let side = |pin: usize, body: usize, sign: f64, anchor: [f64; 2]| {
-            let com = rigid(body).local_center_of_mass();
-            PinSide {
-                pin,
-                body,
-                sign,
-                local: [anchor[0] - com.x, anchor[1] - com.y],
-                arm: [0.0; 2],
-                opening_per_angle: [0.0; 2],
+        let poses: Vec<BodyPose> = plan.bodies.iter().map(PlannedBody::pose).collect();
+        let joint_pair = |joint: &PlannedJoint| match joint.kind {
+            JointKind::Revolute => {
+                let ground = match joint.bodies {
+                    [None, _] => joint.anchors_m[0],
+                    [_, None] => joint.anchors_m[1].map(|x| -x),
+                    _ => [0.0; 2],
+                };
+                Pair::Pin { ground }
+            }
+            JointKind::Prismatic { axis_rad } => {
+                let across = (plan.joint_position(joint, axis_rad + FRAC_PI_2), [1.0, 0.0]);
+                Pair::Relation { terms: vec![across, (relative_angle(joint), [0.0, 1.0])], closed: [0.0; 2] }
             }
         };
-        let sides: Vec<PinSide> = pins
-            .iter()
-            .enumerate()
-            .flat_map(|(index, pin)| {
-                let first = pin.first.map(|body| side(index, body, -1.0, pin.anchor_first_m));
-                first.into_iter().chain([side(index, pin.second, 1.0, pin.anchor_second_m)])
-            })
-            .chain(plan.gears.iter().enumerate().flat_map(|(index, gear)| {
-                let wheel = |(body, opening_per_angle): &(usize, [f64; 2])| PinSide {
-                    pin: pins.len() + index,
-                    body: *body,
-                    sign: 0.0,
-                    local: [0.0; 2],
-                    arm: [0.0; 2],
-                    opening_per_angle: *opening_per_angle,
-                };
-                gear.wheels.iter().map(wheel).collect::<Vec<_>>()
-            }))
-            .collect();
+        let gear_pair = |gear: &PlannedGear| {
+            let sum = |row: usize| gear.terms.iter().map(|(of, ratios)| ratios[row] * of.value(&poses)).sum();
+            Pair::Relation { terms: gear.terms.clone(), closed: [sum(0), sum(1)] }
+        };
+        let pairs: Vec<Pair> = plan.joints.iter().map(joint_pair).chain(plan.gears.iter().map(gear_pair)).collect();
+        let (mut sides, mut unused_rows) = (Vec::new(), Vec::new());
+        for (pair, of) in pairs.iter().enumerate() {
+            let side =
+                |body: usize| Side { pair, body, rows: [[0.0; 3]; 2], sign: 0.0, local: [0.0; 2], arm: [0.0; 2] };
+            match of {
+                Pair::Pin { .. } => {
+                    let joint = &plan.joints[pair];
+                    for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
+                        let Some(body) = joint.bodies[k] else { continue };
+                        let (com, [x, y]) = (rigid(body).local_center_of_mass(), joint.anchors_m[k]);
+                        sides.push(Side { sign, local: [x - com.x, y - com.y], ..side(body) });
+                    }
+                }
+                Pair::Relation { terms, .. } => {
+                    for (coordinate, _) in terms {
+                        let row = coordinate.row(&poses);
+                        sides.extend(std::iter::once(row.on).chain(row.against).map(|(body, _)| side(body)));
+                    }
+                    let is_unused = |row: &usize| terms.iter().all(|(_, ratios)| ratios[*row] == 0.0);
+                    unused_rows.extend((0..2).filter(is_unused).map(|row| 2 * pair + row));
+                }
+            }
+        }
         let share_body = |&(a, b): &(usize, usize)| {
-            let (a, b): (&PinSide, &PinSide) = (&sides[a], &sides[b]);
-            a.body == b.body && b.pin <= a.pin
+            let (a, b): (&Side, &Side) = (&sides[a], &sides[b]);
+            a.body == b.body && b.pair <= a.pair
         };
         let couplings: Vec<_> =
             (0..sides.len()).flat_map(|a| (0..sides.len()).map(move |b| (a, b))).filter(share_body).collect();
-        let first_column = |pin: usize| {
-            let coupled = couplings.iter().filter(|(a, _)| sides[*a].pin == pin);
-            2 * coupled.map(|(_, b)| sides[*b].pin).min().unwrap_or(pin)
+        let first_column = |pair: usize| {
+            let coupled = couplings.iter().filter(|(a, _)| sides[*a].pair == pair);
+            2 * coupled.map(|(_, b)| sides[*b].pair).min().unwrap_or(pair)
         };
-        let initial_pose = |angle: f64| BodyPose { com: [0.0; 2], direction: [cos(angle), sin(angle)], angle };
-        let poses = plan.bodies.iter().map(|body| initial_pose(body.angle_rad)).collect();
-        let size = 2 * (pins.len() + plan.gears.len());
-        let initial_sums = |gear: &PlannedGear| {
-            let sum = |row: usize| {
-                gear.wheels
-                    .iter()
-                    .map(|(body, opening_per_angle)| opening_per_angle[row] * plan.bodies[*body].angle_rad)
-                    .sum()
-            };
-            [sum(0), sum(1)]
-        };
-        let ground_anchor = |pin: &PlannedPin| if pin.first.is_none() { pin.anchor_first_m } else { [0.0; 2] };
+        let size = 2 * pairs.len();
         let mut linkage = Self {
             inertias,
             poses,
-            pins: pins.len(),
-            ground_anchors: pins.iter().map(ground_anchor).chain(plan.gears.iter().map(initial_sums)).collect(),
+            joints: plan.joints.len(),
             factor: vec![0.0; size * size],
             first_columns: (0..size).map(|row| first_column(row / 2)).collect(),
+            pairs,
             sides,
             couplings,
+            unused_rows,
             multipliers: vec![0.0; size],
         };
         linkage.read_poses(world);
@@ -168,10 +171,19 @@ impl Linkage {
             let turns = ((pose.angle - principal) / TAU).round();
             *pose = BodyPose { com: [com.x, com.y], direction, angle: principal + turns * TAU };
         }
-        for side in &mut self.sides {
-            if side.sign != 0.0 {
-                side.arm = rotate(side.local, self.poses[side.body].direction);
-                side.opening_per_angle = perp(side.arm).map(|component| side.sign * component);
+        for side in self.sides.iter_mut().filter(|side| side.sign != 0.0) {
+            side.arm = rotate(side.local, self.poses[side.body].direction);
+            let [x, y] = perp(side.arm).map(|component| side.sign * component);
+            side.rows = [[side.sign, 0.0, x], [0.0, side.sign, y]];
+        }
+        let mut sides = self.sides.iter_mut().filter(|side| side.sign == 0.0);
+        for pair in &self.pairs {
+            let Pair::Relation { terms, .. } = pair else { continue };
+            for (coordinate, ratios) in terms {
+                let row = coordinate.row(&self.poses);
+                for ((_, row), side) in std::iter::once(row.on).chain(row.against).zip(&mut sides) {
+                    side.rows = ratios.map(|ratio| row.map(|component| ratio * component));
+                }
             }
         }
     }
@@ -187,52 +199,72 @@ impl Linkage {
         }
         for &(a, b) in &self.couplings {
             let (a, b) = (&self.sides[a], &self.sides[b]);
-            let inertia = &self.inertias[a.body];
-            let (inverse_mass, inverse_inertia) = (a.sign * b.sign * inertia.inverse_mass, inertia.inverse_inertia);
-            let (u, v) = (a.opening_per_angle, b.opening_per_angle);
-            let offset = 2 * a.pin * size + 2 * b.pin;
-            self.factor[offset] += inverse_mass + inverse_inertia * u[0] * v[0];
-            self.factor[offset + 1] += inverse_inertia * u[0] * v[1];
-            self.factor[offset + size] += inverse_inertia * u[1] * v[0];
-            self.factor[offset + size + 1] += inverse_mass + inverse_inertia * u[1] * v[1];
+            let Inertia { inverse_mass, inverse_inertia, .. } = self.inertias[a.body];
+            let offset = 2 * a.pair * size + 2 * b.pair;
+            for (i, u) in a.rows.iter().enumerate() {
+                for (j, v) in b.rows.iter().enumerate() {
+                    let translation = (u[0] * v[0] + u[1] * v[1]) * inverse_mass;
+                    self.factor[offset + i * size + j] += translation + inverse_inertia * u[2] * v[2];
+                }
+            }
         }
+        self.unused_rows.iter().for_each(|row| self.factor[row * size + row] = 1.0);
         if dense::factorise(&mut self.factor, &self.first_columns) { Ok(()) } else { Err(SingularConstraints) }
     }
 
-    /// Returns the largest distance between the two anchors of a pin.
-    pub(crate) fn max_pin_opening(&self) -> f64 {
-        self.pin_openings().take(self.pins).fold(0.0, |largest, [x, y]| largest.max(hypot(x, y)))
-    }
-
-    /// Returns the opening of every pin, from its first anchor to its second; for gears, their sums.
-    pub(crate) fn pin_openings(&self) -> impl Iterator<Item = [f64; 2]> {
-        let mut sides = self.sides.iter().peekable();
-        self.ground_anchors.iter().enumerate().map(move |(pin, ground)| {
-            let mut open = [-ground[0], -ground[1]];
-            while let Some(side) = sides.next_if(|side| side.pin == pin) {
-                let BodyPose { com, angle, .. } = self.poses[side.body];
-                for axis in 0..2 {
-                    open[axis] += match side.sign {
-                        0.0 => side.opening_per_angle[axis] * angle,
-                        sign => sign * (com[axis] + side.arm[axis]),
-                    };
-                }
-            }
-            open
+    /// Returns the largest opening of a joint, m.
+    pub(crate) fn max_joint_opening(&self) -> f64 {
+        let joints = self.openings().zip(&self.pairs).take(self.joints);
+        joints.fold(0.0, |largest, ([x, y], pair)| match pair {
+            Pair::Pin { .. } => largest.max(hypot(x, y)),
+            Pair::Relation { .. } => largest.max(x.abs()),
         })
     }
 
-    /// Computes the centripetal accelerations −J̇ v of the anchors into `multipliers`.
+    /// Returns the openings of every pair of constraints.
+    pub(crate) fn openings(&self) -> impl Iterator<Item = [f64; 2]> {
+        let mut sides = self.sides.iter().filter(|side| side.sign != 0.0).peekable();
+        self.pairs.iter().enumerate().map(move |(index, pair)| match pair {
+            Pair::Pin { ground } => {
+                let mut open = [-ground[0], -ground[1]];
+                while let Some(side) = sides.next_if(|side| side.pair == index) {
+                    let com = self.poses[side.body].com;
+                    for axis in 0..2 {
+                        open[axis] += side.sign * (com[axis] + side.arm[axis]);
+                    }
+                }
+                open
+            }
+            Pair::Relation { terms, closed } => {
+                let mut open = [-closed[0], -closed[1]];
+                for (coordinate, ratios) in terms {
+                    let value = coordinate.value(&self.poses);
+                    (0..2).for_each(|axis| open[axis] += ratios[axis] * value);
+                }
+                open
+            }
+        })
+    }
+
+    /// Computes the openings' accelerations −J̇ v into `multipliers`, for pins the centripetal accelerations of the
+    /// anchors.
     fn centripetal(&mut self, velocities: &[Twist]) {
         self.multipliers.fill(0.0);
-        for side in &self.sides {
+        for side in self.sides.iter().filter(|side| side.sign != 0.0) {
             let square = side.sign * powi(velocities[side.body][2], 2);
-            self.multipliers[2 * side.pin] += square * side.arm[0];
-            self.multipliers[2 * side.pin + 1] += square * side.arm[1];
+            self.multipliers[2 * side.pair] += square * side.arm[0];
+            self.multipliers[2 * side.pair + 1] += square * side.arm[1];
+        }
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let Pair::Relation { terms, .. } = pair else { continue };
+            for (coordinate, ratios) in terms {
+                let second_rate = coordinate.second_rate(&self.poses, velocities);
+                (0..2).for_each(|axis| self.multipliers[2 * index + axis] -= ratios[axis] * second_rate);
+            }
         }
     }
 
-    /// Returns the opening of every pin in a step of `dt` if its bodies move straight on: ½ dt² J̇ v.
+    /// Returns the opening of every pair in a step of `dt` if its bodies move straight on: ½ dt² J̇ v.
     pub(crate) fn overshoot(&mut self, velocities: &[Twist], dt: f64) -> impl Iterator<Item = [f64; 2]> {
         self.centripetal(velocities);
         let scale = -0.5 * dt * dt;
@@ -247,7 +279,7 @@ impl Linkage {
         })
     }
 
-    /// Returns the largest opening acceleration of a pin whose bodies move straight on, m/s².
+    /// Returns the largest opening acceleration of a pair whose bodies move straight on, m/s².
     pub(crate) fn max_opening_acceleration(&mut self, velocities: &[Twist]) -> f64 {
         self.centripetal(velocities);
         self.multipliers.chunks_exact(2).fold(0.0, |largest, pair| largest.max(hypot(pair[0], pair[1])))
@@ -265,14 +297,21 @@ impl Linkage {
         self.accelerate(forces, driven, out);
     }
 
-    /// Returns the forces of the pins on their second bodies, after a call of [`Linkage::accelerations`] or
-    /// [`Linkage::respond`].
-    pub(crate) fn pin_forces(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.multipliers.chunks_exact(2).take(self.pins).map(|pair| [pair[0], pair[1]])
+    /// Returns the force and moment (x, y, angle) of each joint on its second body, after a call of
+    /// [`Linkage::accelerations`] or [`Linkage::respond`].
+    pub(crate) fn joint_forces(&self) -> impl Iterator<Item = Twist> {
+        let reactions = self.multipliers.chunks_exact(2).zip(&self.pairs).take(self.joints);
+        reactions.map(|(multipliers, pair)| match pair {
+            Pair::Pin { .. } => [multipliers[0], multipliers[1], 0.0],
+            Pair::Relation { terms, .. } => {
+                let [x, y] = terms[0].0.axis(&self.poses);
+                [multipliers[0] * x, multipliers[0] * y, multipliers[1]]
+            }
+        })
     }
 
-    /// Computes the accelerations that rapier produces from the same forces in a step of `dt` from rest, given the pin
-    /// openings it starts with: J a = −2 open/dt², so that half a step closes them.
+    /// Computes the accelerations that rapier produces from the same forces in a step of `dt` from rest, given the openings
+    /// it starts with: J a = −2 open/dt², so that half a step closes them.
     pub(crate) fn accelerations_closing(
         &mut self,
         forces: &[Twist],
@@ -309,18 +348,20 @@ impl Linkage {
     fn correct(&mut self, velocities: &mut [Twist]) {
         for side in &self.sides {
             let [x, y, w] = velocities[side.body];
-            let b = &mut self.multipliers[2 * side.pin..2 * side.pin + 2];
-            b[0] -= side.sign * x + w * side.opening_per_angle[0];
-            b[1] -= side.sign * y + w * side.opening_per_angle[1];
+            let b = &mut self.multipliers[2 * side.pair..2 * side.pair + 2];
+            for (b, row) in b.iter_mut().zip(&side.rows) {
+                *b -= row[0] * x + row[1] * y + w * row[2];
+            }
         }
         dense::solve_factorised(&self.factor, &self.first_columns, &mut self.multipliers);
         for side in &self.sides {
             let inertia = &self.inertias[side.body];
-            let b = &self.multipliers[2 * side.pin..2 * side.pin + 2];
+            let b = &self.multipliers[2 * side.pair..2 * side.pair + 2];
             let v = &mut velocities[side.body];
-            v[0] += inertia.inverse_mass * side.sign * b[0];
-            v[1] += inertia.inverse_mass * side.sign * b[1];
-            v[2] += inertia.inverse_inertia * (side.opening_per_angle[1] * b[1] + side.opening_per_angle[0] * b[0]);
+            let [row, other] = &side.rows;
+            v[0] += inertia.inverse_mass * (row[0] * b[0] + other[0] * b[1]);
+            v[1] += inertia.inverse_mass * (row[1] * b[0] + other[1] * b[1]);
+            v[2] += inertia.inverse_inertia * (other[2] * b[1] + row[2] * b[0]);
         }
     }
 }

@@ -5,26 +5,29 @@
 
 mod candidates;
 mod contact_space;
+mod coordinate;
 mod dense;
 mod forces;
 mod linkage;
+mod mechanism;
 mod motion;
 mod plan;
 mod stepper;
 mod substeps;
 mod world;
 
+pub use candidates::ContactCandidate;
 pub(crate) use candidates::ZERO_RATE;
-pub use candidates::{ContactCandidate, Row};
 pub use contact_space::{ActiveContact, ContactSpace};
-pub(crate) use forces::potential_energies;
-pub use forces::{PalmFrame, kinetic_energy};
-pub use linkage::{BodyPose, Inertia, Linkage, SingularConstraints, Twist};
-pub use motion::{Motion, PinForces, RapierContact, StepError};
+pub use coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Row, Twist};
+pub use forces::{PalmFrame, kinetic_energy, potential_energies};
+pub use linkage::{Inertia, Linkage, SingularConstraints};
+pub use mechanism::build_mechanism_plan;
+pub use motion::{JointReactions, Motion, RapierContact, StepError};
 pub use plan::{
-    Capsule, ContactPartner, ContactPointConvention, L21, L22, Plan, PlannedBody, PlannedBrake, PlannedContact,
-    PlannedDrive, PlannedFixedSurface, PlannedGear, PlannedMotor, PlannedPin, PlannedRotor, PlannedSpring, PlannedStop,
-    PrescribedMotion, Shape, build_plan,
+    Capsule, ContactPointConvention, L21, L22, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact,
+    PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
+    PlannedSurface, PrescribedMotion, ServoLaw, Shape, SurfaceId, build_plan,
 };
 pub(crate) use plan::{L11, L12, LINKS, driven_link_brake_torque, first_link};
 pub use stepper::next_step;

@@ -8,17 +8,18 @@
 
 use rapier2d_f64::prelude::*;
 
-use super::candidates::{self, ContactCandidate, Row, Source};
-use super::contact_space::{ContactSpace, CorrectedRow, RateCorrection};
+use super::candidates::{self, ContactCandidate, Source};
+use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrection};
+use super::coordinate::{Row, Twist};
 use super::dense::refill;
 use super::forces;
-use super::linkage::{Linkage, SingularConstraints, Twist};
+use super::linkage::{Linkage, SingularConstraints};
 use super::plan::{Plan, PlannedDrive};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::world::{LawContactHook, World};
 use crate::integrator::Clock;
-use crate::law::normal_force;
-use crate::numeric::elementary::{exp, hypot};
+use crate::mechanism::JointKind;
+use crate::numeric::elementary::{cos, exp, hypot, sin};
 use crate::numeric::plane::add;
 use crate::scene::{Construction, Response};
 
@@ -54,22 +55,23 @@ pub struct RapierContact {
     pub closing_rate: f64,
 }
 
-/// Forces of the pins on their second bodies at a node, N, in the world frame. They are linear in the contact forces.
+/// Forces (x, y) and moments of the joints on their second bodies at a node, in the world frame. They are linear in the
+/// contact forces.
 #[derive(Clone, Debug, Default)]
-pub struct PinForces {
+pub struct JointReactions {
     /// Forces without contacts.
-    pub free: Vec<[f64; 2]>,
+    pub free: Vec<Twist>,
     /// Channels of the contacts near the node.
     pub channels: Vec<usize>,
-    /// For each of these contacts, forces of all pins per unit of its normal force, then of its tangential force.
-    responses: Vec<[f64; 2]>,
+    /// For each of these contacts, forces of all joints per unit of its normal force, then of its tangential force.
+    responses: Vec<Twist>,
 }
 
-impl PinForces {
-    /// Forces of a pin per unit of the normal and of the tangential force of a contact, by its index in `channels`.
-    pub fn response(&self, contact: usize, pin: usize) -> [[f64; 2]; 2] {
-        let (pins, first) = (self.free.len(), 2 * contact * self.free.len());
-        [self.responses[first + pin], self.responses[first + pins + pin]]
+impl JointReactions {
+    /// Forces of a joint per unit of the normal and of the tangential force of a contact, by its index in `channels`.
+    pub fn response(&self, contact: usize, joint: usize) -> [Twist; 2] {
+        let (joints, first) = (self.free.len(), 2 * contact * self.free.len());
+        [self.responses[first + joint], self.responses[first + joints + joint]]
     }
 }
 
@@ -92,9 +94,9 @@ pub struct Motion<'a> {
     /// Impulses of rapier's own contact in the last step, if the scene selects it.
     pub rapier_contacts: Vec<RapierContact>,
     pub last_dt_s: f64,
-    /// Work of motors and drives.
+    /// Work of motors, their servos, and drives.
     pub motor_work_j: f64,
-    /// Work of contacts and brakes.
+    /// Work of contacts, brakes and dampers.
     pub contact_work_j: f64,
     /// Smooth forces at the node.
     forces: Vec<Twist>,
@@ -106,16 +108,16 @@ pub struct Motion<'a> {
     impulse: Vec<Twist>,
     /// Working array: predicted mean velocities of the next step.
     predicted_mean_velocities: Vec<Twist>,
-    /// Bristle state σ of every stop, contact, brake and motor.
+    /// Bristle state σ of every stop, contact, brake, motor and servo.
     pub bristle_states: Vec<f64>,
     /// Accelerations of driven bodies, with the body indices.
     driven: Vec<(usize, Twist)>,
-    /// Pin openings with the anchor correction, and the corrections.
+    /// Openings with the anchor correction, and the corrections.
     open: Vec<[f64; 2]>,
     overshoot: Vec<[f64; 2]>,
-    /// Largest opening acceleration of a pin at the node, see `Linkage::max_opening_acceleration`.
+    /// Largest opening acceleration of a joint at the node, see `Linkage::max_opening_acceleration`.
     pub opening_acceleration: f64,
-    /// Largest pin opening that a step may leave because its mean velocities differ from the predicted ones, m.
+    /// Largest opening that a step may leave because its mean velocities differ from the predicted ones, m.
     pub tolerance_m: f64,
     rate_correction: RateCorrection,
     /// Normals of the candidates before the step.
@@ -152,7 +154,7 @@ impl<'a> Motion<'a> {
             impulse: vec![[0.0; 3]; bodies],
             predicted_mean_velocities: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
-            bristle_states: vec![0.0; plan.first_motor() + plan.motors.len()],
+            bristle_states: vec![0.0; plan.first_servo() + plan.servos.len()],
             open: Vec::new(),
             overshoot: Vec::new(),
             opening_acceleration: 0.0,
@@ -175,7 +177,7 @@ impl<'a> Motion<'a> {
     /// Takes one step, while `keep_running` returns true. Of all errors only [`StepError::TooLong`] leaves it usable.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
         let power_before = forces::palm_power(self.plan, &self.linkage, &self.velocities, self.clock.now());
-        candidates::set_shaft_torques(self.plan, self.clock.now(), dt, &mut self.candidates);
+        candidates::set_shaft_torques(self.plan, &self.linkage.poses, self.clock.now(), dt, &mut self.candidates);
         // Predicted mean velocities of the step.
         for (v, a) in self.predicted_mean_velocities.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
             *v = std::array::from_fn(|axis| a.0[axis] + 0.5 * dt * a.1[axis]);
@@ -244,7 +246,7 @@ impl<'a> Motion<'a> {
         // The work of a motor with a no-load speed is integrated with its torque, along its row.
         for (motor, before) in self.plan.motors.iter().zip(&self.previous_torques) {
             if motor.no_load_speed_rad_s.is_none() {
-                let shaft_rotation = motor.shaft(|body| self.linkage.poses[body].angle - self.previous_poses[body][2]);
+                let shaft_rotation = motor.shaft.change(&self.previous_poses, &self.linkage.poses);
                 self.motor_work_j += 0.5 * (before + motor.characteristic(before_node).0) * shaft_rotation;
             }
         }
@@ -364,17 +366,32 @@ impl<'a> Motion<'a> {
                 stiffness: creep,
                 friction_coupling: mu,
             };
+            let at_end = candidates::find(candidates, active.candidate.index);
             if let (Source::Brake(_) | Source::Motor(_), Some(tangent)) = (active.candidate.source, active.tangent) {
                 let creep = dt * friction(&active.candidate, tangent).d_slip;
-                rate_correction.rows.push(tangent_row(tangent, active.candidate.slip_row, 0.0, creep));
+                let slip_row = at_end.unwrap_or(&active.candidate).slip_row;
+                rate_correction.rows.push(tangent_row(tangent, slip_row, 0.0, creep));
+                continue;
+            }
+            if let (Source::Servo(_), Some(at_end)) = (active.candidate.source, at_end) {
+                let law = active.candidate.normal_force(contact.gap[index], contact.rate[normal]);
+                let [target_rate, target_acceleration] = active.candidate.prescribed_gap_motion;
+                rate_correction.rows.push(CorrectedRow {
+                    index: normal,
+                    row: at_end.normal_row,
+                    target: contact.rate[normal] + target_rate + dt * target_acceleration,
+                    removable: f64::INFINITY,
+                    stiffness: dt * (law.d_rate + dt * law.d_delta),
+                    friction_coupling: 0.0,
+                });
                 continue;
             }
             // Contacts between fixed or driven bodies need no correction.
             if force <= 0.0 || space.w[normal * space.len() + normal] == 0.0 {
                 continue;
             }
-            let Some(candidate) = candidates::find(candidates, active.candidate.index) else { continue };
-            let law = normal_force(&candidate.law, -contact.gap[index], -contact.rate[normal]);
+            let Some(candidate) = at_end else { continue };
+            let law = candidate.normal_force(contact.gap[index], contact.rate[normal]);
             rate_correction.rows.push(CorrectedRow {
                 index: normal,
                 row: candidate.normal_row,
@@ -390,10 +407,9 @@ impl<'a> Motion<'a> {
         }
         rate_correction.solve(&mut self.linkage, &mut self.velocities);
         let is_motor_row = |row: usize| {
-            space
-                .active_contacts
-                .iter()
-                .any(|contact| contact.tangent == Some(row) && contact.candidate.motor.is_some())
+            let contacts = &space.active_contacts;
+            let is_row = |contact: &ActiveContact| contact.normal == row || contact.tangent == Some(row);
+            contacts.iter().any(|contact| contact.candidate.is_motor && is_row(contact))
         };
         let (mut contact_work, mut motor_work) = (0.0, 0.0);
         for (row, work) in rate_correction.impulse_work(&self.velocities) {
@@ -415,22 +431,23 @@ impl<'a> Motion<'a> {
         self.predicted_mean_velocities.copy_from_slice(&self.accelerations);
         forces::driven_accelerations(self.plan, now, &mut self.driven);
         self.impulse.copy_from_slice(&self.forces);
-        forces::add_speed_dependent_motors(self.plan, &self.velocities, now, &mut self.impulse);
+        forces::add_speed_dependent_forces(self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
         self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
-        let changes = self
-            .accelerations
-            .iter()
-            .zip(&self.predicted_mean_velocities)
-            .map(|(now, before)| hypot(now[0] - before[0], now[1] - before[1]));
+        let changes = self.accelerations.iter().zip(&self.predicted_mean_velocities).zip(&self.plan.bodies).map(
+            |((now, before), body)| {
+                let angular = body.gyration_m * (now[2] - before[2]).abs();
+                hypot(now[0] - before[0], now[1] - before[1]).max(angular)
+            },
+        );
         self.acceleration_change = changes.fold(0.0, f64::max);
         self.opening_acceleration = self.linkage.max_opening_acceleration(&self.velocities);
     }
 
-    /// Reads the forces of the pins at the node.
-    pub fn read_pin_forces(&mut self, out: &mut PinForces) {
+    /// Reads the forces of the joints at the node.
+    pub fn read_joint_forces(&mut self, out: &mut JointReactions) {
         let now = self.clock.now();
         self.impulse.copy_from_slice(&self.forces);
-        forces::add_speed_dependent_motors(self.plan, &self.velocities, now, &mut self.impulse);
+        forces::add_speed_dependent_forces(self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
         forces::driven_accelerations(self.plan, now, &mut self.driven);
         let mut loads = std::mem::take(&mut self.impulse);
         for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.source, Source::Brake(_))) {
@@ -439,7 +456,7 @@ impl<'a> Motion<'a> {
         self.impulse = loads;
         let Self { plan, linkage, impulse, velocities, driven, candidates, space, .. } = self;
         linkage.accelerations(impulse, velocities, driven, &mut self.predicted_mean_velocities);
-        refill(&mut out.free, linkage.pin_forces());
+        refill(&mut out.free, linkage.joint_forces());
         out.channels.clear();
         out.responses.clear();
         let is_near = |candidate: &&ContactCandidate| {
@@ -452,7 +469,7 @@ impl<'a> Motion<'a> {
                 impulse.fill([0.0; 3]);
                 row.add_to(impulse, 1.0);
                 linkage.respond(impulse);
-                out.responses.extend(linkage.pin_forces());
+                out.responses.extend(linkage.joint_forces());
             }
         }
     }
@@ -463,17 +480,24 @@ impl<'a> Motion<'a> {
     fn shift_anchors(&mut self, dt: f64) {
         let Self { linkage, open, overshoot, predicted_mean_velocities, .. } = self;
         refill(overshoot, linkage.overshoot(predicted_mean_velocities, dt));
-        let corrected = linkage.pin_openings().zip(&*overshoot).map(|(open, overshoot)| add(open, *overshoot));
+        let corrected = linkage.openings().zip(&*overshoot).map(|(open, overshoot)| add(open, *overshoot));
         refill(open, corrected);
-        for ((planned, joint), overshoot) in self.plan.pins.iter().zip(&self.world.joints).zip(&self.overshoot) {
+        for ((planned, joint), overshoot) in self.plan.joints.iter().zip(&self.world.joints).zip(&self.overshoot) {
             let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
                 continue;
             };
-            // The shifted anchor rotates with its body; the shift solves (1 + ω dt ×) shift = overshoot.
-            let rotation = dt * planned.first.map_or(0.0, |body| self.predicted_mean_velocities[body][2]);
-            let [a, b] = overshoot.map(|x| x / (1.0 + rotation * rotation));
-            let shift = self.linkage.direction_in_body(planned.first, [a + rotation * b, b - rotation * a]);
-            let [x, y] = planned.anchor_first_m;
+            let [first, _] = planned.bodies;
+            let shift = match planned.kind {
+                JointKind::Revolute => {
+                    // The shifted anchor rotates with its body; the shift solves (1 + ω dt ×) shift = overshoot.
+                    let rotation = dt * first.map_or(0.0, |body| self.predicted_mean_velocities[body][2]);
+                    let [a, b] = overshoot.map(|x| x / (1.0 + rotation * rotation));
+                    self.linkage.direction_in_body(first, [a + rotation * b, b - rotation * a])
+                }
+                // Across the axis, in the frame of the first body; the angle is linear.
+                JointKind::Prismatic { axis_rad } => [-sin(axis_rad), cos(axis_rad)].map(|x| overshoot[0] * x),
+            };
+            let [x, y] = planned.anchors_m[0];
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
         let (plan, now) = (self.plan, self.clock.now());

@@ -1,12 +1,14 @@
-//! Components of a scene as plain lists: bodies, pins, gears, torques, drives, stops and contacts.
+//! Components of a scene as plain lists: bodies, joints, gears, torques, drives, stops and contacts.
 //!
-//! The plan is independent of rapier. Only the modules that build a plan depend on fingers and discs; the others accept
-//! any number of bodies, pins and contacts.
+//! The plan is independent of rapier. Only the modules that build a plan depend on fingers, discs and mechanisms; the
+//! others accept any number of bodies, joints and contacts.
 
+use super::coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Twist};
 use crate::gripper::{Body, Lengths, Posture, Spring, close_loop, straight_posture};
-use crate::law::{ContactLaw, NormalLaw};
+use crate::law::{ContactLaw, NormalForce, NormalLaw};
+use crate::mechanism::JointKind;
 use crate::numeric::elementary::{cos, sin, sin_cos};
-use crate::numeric::plane::opening_angle;
+use crate::numeric::plane::{add, opening_angle, rotate, sub};
 use crate::scene::{
     Brake, ContactId, Differential, Disc, DiscMotion, DrivenFinger, Motor, PalmMotion, Placement, Profile, Side,
     SpringKind, System,
@@ -21,13 +23,23 @@ pub struct PlannedBody {
     /// Origin of the body frame (the preceding joint) and its orientation at the start.
     pub origin_m: [f64; 2],
     pub angle_rad: f64,
-    /// Velocity of the origin, unless a pin determines it.
+    /// Velocity of the origin, unless a joint determines it.
     pub velocity_m_s: [f64; 2],
     pub rate_rad_s: f64,
-    pub shape: Option<Shape>,
+    /// Arm at which step sizes take an angular acceleration into account; 0 if only that of the centre of mass counts.
+    pub gyration_m: f64,
+    /// Surfaces in the frame of the body.
+    pub surfaces: Vec<PlannedSurface>,
 }
 
 impl PlannedBody {
+    /// Pose at the start.
+    pub(crate) fn pose(&self) -> BodyPose {
+        let direction = [cos(self.angle_rad), sin(self.angle_rad)];
+        let com = add(self.origin_m, rotate(self.body.com_m, direction));
+        BodyPose { com, direction, angle: self.angle_rad }
+    }
+
     /// A body without mass and shape, at rest at the origin.
     pub(crate) fn at_origin(inertia_kg_m2: f64) -> Self {
         Self {
@@ -36,12 +48,13 @@ impl PlannedBody {
             angle_rad: 0.0,
             velocity_m_s: [0.0; 2],
             rate_rad_s: 0.0,
-            shape: None,
+            gyration_m: 0.0,
+            surfaces: Vec::new(),
         }
     }
 }
 
-/// A surface, in its body frame or, if fixed, in the world frame.
+/// A shape, in the frame of its surface.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     Capsule(Capsule),
@@ -51,7 +64,7 @@ pub enum Shape {
     HalfPlane,
 }
 
-/// A capsule in its body frame: from the origin along a direction.
+/// A capsule from the origin along a direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Capsule {
     pub length_m: f64,
@@ -59,40 +72,104 @@ pub struct Capsule {
     pub radius_m: f64,
 }
 
-/// A fixed surface, which belongs to no body.
+/// A surface in the frame of its body, or in the world frame.
 #[derive(Clone, Copy, Debug)]
-pub struct PlannedFixedSurface {
+pub struct PlannedSurface {
     pub shape: Shape,
     pub origin_m: [f64; 2],
     /// Its x axis as a vector, which is exact where an angle of π is not.
     pub direction: [f64; 2],
 }
 
-/// A revolute joint; `None` is the ground. Anchors are in the body frames.
+impl PlannedSurface {
+    /// A surface in the frame of its body.
+    fn at_origin(shape: Shape) -> Self {
+        Self { shape, origin_m: [0.0; 2], direction: [1.0, 0.0] }
+    }
+}
+
+/// A joint between two bodies; `None` is the ground. Anchors are in the body frames.
 #[derive(Clone, Copy, Debug)]
-pub struct PlannedPin {
-    pub first: Option<usize>,
-    pub second: usize,
-    pub anchor_first_m: [f64; 2],
-    pub anchor_second_m: [f64; 2],
-    /// Whether this joint closes a loop of the others.
+pub struct PlannedJoint {
+    pub kind: JointKind,
+    pub bodies: [Option<usize>; 2],
+    pub anchors_m: [[f64; 2]; 2],
+    /// Relative angle of the bodies at the zero of the joint's angle; of a prismatic joint, at any time.
+    pub offset_rad: f64,
+    /// Whether this joint closes a loop of the others, or the rates of its bodies are given in the plan.
     pub closes_loop: bool,
 }
 
-/// A motor: a torque over time, supported by the ground.
+/// A motor: a torque or force over time along its shaft.
 #[derive(Clone, Debug)]
 pub struct PlannedMotor {
-    /// Driven bodies with their torque ratios; the shaft angle is the sum of the body angles times these ratios.
-    pub on: Vec<(usize, f64)>,
+    pub shaft: Coordinate,
     pub actuation: Profile,
+    /// Largest magnitude of the torque.
+    pub limit: f64,
     /// Shaft rate at which the torque is zero.
     pub no_load_speed_rad_s: Option<f64>,
 }
 
-/// A gear: two constraints. Each keeps the sum of ratios times wheel angles, measured from the start, at zero.
+/// A force along a coordinate that is linear in its value and rate: a servo, or a damper.
+#[derive(Clone, Debug)]
+pub struct PlannedServo {
+    pub coordinate: Coordinate,
+    pub target: Profile,
+    pub law: ServoLaw,
+    /// Whether the work of the force is that of a motor; otherwise it is dissipated.
+    pub is_motor: bool,
+}
+
+/// An actuator by its index among the motors or the servos.
+#[derive(Clone, Copy, Debug)]
+pub enum PlannedActuator {
+    Motor(usize),
+    Servo(usize),
+}
+
+/// u = kp δ + kd δ̇ with the error δ of the coordinate, |u| ≤ limit; the force is u − |u| q̇/ω₀ at the rate q̇.
+#[derive(Clone, Copy, Debug)]
+pub struct ServoLaw {
+    pub kp: f64,
+    pub kd: f64,
+    pub limit: f64,
+    /// 1/ω₀.
+    pub slope: f64,
+    /// Rate of the target.
+    pub target_rate: f64,
+}
+
+impl ServoLaw {
+    /// Returns the force with its derivatives, from the error of the coordinate and its rate.
+    #[inline(always)]
+    pub(crate) fn force(&self, error: f64, error_rate: f64) -> NormalForce {
+        let command = self.kp * error + self.kd * error_rate;
+        let (u, gain) = if command.abs() > self.limit { (self.limit.copysign(command), 0.0) } else { (command, 1.0) };
+        let rate = self.target_rate - error_rate;
+        let gain = gain * (1.0 - u.signum() * rate * self.slope);
+        NormalForce {
+            force: u - u.abs() * rate * self.slope,
+            d_delta: gain * self.kp,
+            d_rate: gain * self.kd + u.abs() * self.slope,
+        }
+    }
+}
+
+impl PlannedServo {
+    /// Returns the force at time `t` and these poses and velocities.
+    pub fn force(&self, t: f64, poses: &[BodyPose], velocities: &[Twist]) -> f64 {
+        let (target, target_rate) = self.target.at(t);
+        let (value, rate) = (self.coordinate.value(poses), self.coordinate.row(poses).rate(velocities));
+        ServoLaw { target_rate, ..self.law }.force(target - value, target_rate - rate).force
+    }
+}
+
+/// A gear: two constraints. Each keeps the sum of ratios times coordinates, measured from the start, at zero. A
+/// constraint without ratios does not exist.
 #[derive(Clone, Debug)]
 pub struct PlannedGear {
-    pub wheels: Vec<(usize, [f64; 2])>,
+    pub terms: Vec<(Coordinate, [f64; 2])>,
 }
 
 /// A body with prescribed motion.
@@ -111,13 +188,10 @@ pub enum PrescribedMotion {
     Palm(PalmMotion),
 }
 
-/// A brake on a shaft whose angle is the sum of the angles of up to two bodies times their ratios.
+/// A brake on a shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedBrake {
-    /// Body and ratio of one side.
-    pub on: (usize, f64),
-    /// Body and ratio of the other side.
-    pub against: Option<(usize, f64)>,
+    pub shaft: Coordinate,
     pub brake: Brake,
 }
 
@@ -128,41 +202,42 @@ pub struct PlannedRotor {
     pub inertia_kg_m2: f64,
 }
 
-/// A torque on `on`, with its reaction on `against`, that depends on the angle from `against` to `on`.
+/// A spring: a torque or force against its extension.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedSpring {
-    pub on: usize,
-    pub against: usize,
+    /// For a finger, the angle from the straight configuration, positive in closing.
+    pub extension: Coordinate,
     pub kind: SpringKind,
-    /// +1 if the angle grows as the finger closes; the torque acts against closing.
-    pub closing_sign: f64,
-    /// The angle in the straight configuration.
-    pub straight_rad: f64,
 }
 
-/// A one-sided stop: keeps the angle from `against` to `on` above `min_angle_rad`.
+/// A one-sided stop: keeps its gap, an angle or a length, above zero.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedStop {
-    pub on: usize,
-    pub against: usize,
-    pub min_angle_rad: f64,
+    pub gap: Coordinate,
     pub law: NormalLaw,
 }
 
-/// The other surface of a contact.
+/// A surface by its index, of a body or, for `None`, of the fixed ones.
 #[derive(Clone, Copy, Debug)]
-pub enum ContactPartner {
-    /// Surface of another body, by body index.
-    Body(usize),
-    /// Fixed surface, by its index.
-    Fixed(usize),
+pub struct SurfaceId {
+    pub body: Option<usize>,
+    pub index: usize,
 }
 
-/// A pair of surfaces that can come into contact.
+impl SurfaceId {
+    /// First surface of a body.
+    fn of_body(body: usize) -> Self {
+        Self { body: Some(body), index: 0 }
+    }
+}
+
+/// A surface of a body and another surface that can come into contact.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedContact {
     pub body: usize,
-    pub against: ContactPartner,
+    /// Index of the surface of the body.
+    pub surface: usize,
+    pub against: SurfaceId,
     pub point_convention: ContactPointConvention,
     pub law: ContactLaw,
 }
@@ -176,18 +251,23 @@ pub enum ContactPointConvention {
     BodySurface,
     /// Both at the closest point of the other surface.
     PartnerSurface,
+    /// Both in the middle between the closest points.
+    Middle,
 }
 
 /// All components that the engine builds for a scene.
 ///
-/// Stops, contacts, brakes and motors share one element index, in this order.
+/// Stops, contacts, brakes, motors and servos share one element index, in this order.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     pub bodies: Vec<PlannedBody>,
-    pub fixed_surfaces: Vec<PlannedFixedSurface>,
-    pub pins: Vec<PlannedPin>,
+    pub fixed_surfaces: Vec<PlannedSurface>,
+    pub joints: Vec<PlannedJoint>,
     pub gears: Vec<PlannedGear>,
     pub motors: Vec<PlannedMotor>,
+    pub servos: Vec<PlannedServo>,
+    /// Actuators of a mechanism, in its order.
+    pub actuators: Vec<PlannedActuator>,
     pub brakes: Vec<PlannedBrake>,
     pub rotors: Vec<PlannedRotor>,
     pub drives: Vec<PlannedDrive>,
@@ -203,18 +283,32 @@ pub struct Plan {
 
 impl Plan {
     /// Returns the torque of all motors on a body at time `t`, N·m, at the given rates of all bodies.
-    pub fn motor_torque(&self, body: usize, t: f64, rate: impl Fn(usize) -> f64) -> f64 {
-        let ratio = |motor: &PlannedMotor| motor.on.iter().find(|(on, _)| *on == body).map_or(0.0, |(_, ratio)| *ratio);
-        let driving = self.motors.iter().filter(|motor| ratio(motor) != 0.0);
-        driving.map(|motor| ratio(motor) * motor.torque(t, &rate)).sum()
+    pub fn motor_torque(&self, body: usize, t: f64, (poses, velocities): (&[BodyPose], &[Twist])) -> f64 {
+        let torque = |motor: &PlannedMotor| {
+            let ratio = Some(motor.shaft.angle_ratio(body)).filter(|ratio| *ratio != 0.0)?;
+            Some(ratio * motor.torque(t, motor.shaft.row(poses).rate(velocities)))
+        };
+        self.motors.iter().filter_map(torque).sum()
+    }
+
+    /// Returns the torque or force of an actuator at time `t`, at these poses and velocities.
+    pub fn effort(&self, actuator: PlannedActuator, t: f64, (poses, velocities): (&[BodyPose], &[Twist])) -> f64 {
+        match actuator {
+            PlannedActuator::Motor(index) => {
+                let motor = &self.motors[index];
+                motor.torque(t, motor.shaft.row(poses).rate(velocities))
+            }
+            PlannedActuator::Servo(index) => self.servos[index].force(t, poses, velocities),
+        }
     }
 
     /// Returns the next time after `t` at which a motor torque, a brake or the palm motion has a discontinuity.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         let motors = self.motors.iter().map(|motor| motor.actuation.next_discontinuity(t));
+        let servos = self.servos.iter().map(|servo| servo.target.next_discontinuity(t));
         let brakes = self.brakes.iter().map(|brake| brake.brake.next_discontinuity(t));
         let palm = self.palm().map(|(_, motion)| motion.next_discontinuity(t));
-        motors.chain(brakes).chain(palm).fold(f64::INFINITY, f64::min)
+        motors.chain(servos).chain(brakes).chain(palm).fold(f64::INFINITY, f64::min)
     }
 
     /// Returns the body index and motion of a moving palm.
@@ -244,25 +338,60 @@ impl Plan {
     pub(crate) fn first_motor(&self) -> usize {
         self.first_brake() + self.brakes.len()
     }
+
+    /// Element index of the first servo.
+    pub(crate) fn first_servo(&self) -> usize {
+        self.first_motor() + self.motors.len()
+    }
+
+    pub(crate) fn surface(&self, id: SurfaceId) -> &PlannedSurface {
+        let surfaces = id.body.map_or(&self.fixed_surfaces, |body| &self.bodies[body].surfaces);
+        &surfaces[id.index]
+    }
+
+    /// Returns a point of a body frame, or of the world.
+    pub(crate) fn body_point(&self, body: Option<usize>, point_m: [f64; 2]) -> BodyPoint {
+        BodyPoint { body, arm_m: sub(point_m, body.map_or([0.0; 2], |body| self.bodies[body].body.com_m)) }
+    }
+
+    /// Returns the coordinate of a joint: an angle or a position.
+    pub fn joint_coordinate(&self, joint: &PlannedJoint) -> Coordinate {
+        match joint.kind {
+            JointKind::Revolute => relative_angle(joint),
+            JointKind::Prismatic { axis_rad } => self.joint_position(joint, axis_rad),
+        }
+    }
+
+    /// Position of the second anchor of a joint relative to the first, along an axis of the first body.
+    pub(crate) fn joint_position(&self, joint: &PlannedJoint, axis_rad: f64) -> Coordinate {
+        let (sin, cos) = sin_cos(axis_rad);
+        let points = [0, 1].map(|k: usize| self.body_point(joint.bodies[k], joint.anchors_m[k]));
+        Coordinate { measure: Measure::Slide { points, axis: [cos, sin] }, offset: 0.0 }
+    }
+}
+
+/// Angle of the second body of a joint relative to the first, less the offset of the joint.
+pub(crate) fn relative_angle(joint: &PlannedJoint) -> Coordinate {
+    let [first, second] = [joint.bodies[0].map(|body| (body, -1.0)), joint.bodies[1].map(|body| (body, 1.0))];
+    let on = second.or(first).unwrap_or_default();
+    Coordinate { measure: Measure::Angle { on, against: second.and(first) }, offset: joint.offset_rad }
 }
 
 impl PlannedMotor {
+    fn stall_torque(&self, t: f64) -> f64 {
+        self.actuation.at(t).0.clamp(-self.limit, self.limit)
+    }
+
     /// Returns the stall torque at time `t`, N·m, and the torque lost per shaft rate, N·m·s/rad.
     pub(crate) fn characteristic(&self, t: f64) -> (f64, f64) {
-        let stall_torque = self.actuation.at(t).0;
+        let stall_torque = self.stall_torque(t);
         (stall_torque, self.no_load_speed_rad_s.map_or(0.0, |speed| stall_torque.abs() / speed))
     }
 
-    /// Returns the shaft torque at time `t`, N·m: τ − |τ| ω/ω₀ at the shaft rate ω of its bodies.
-    pub fn torque(&self, t: f64, rate: impl Fn(usize) -> f64) -> f64 {
-        let stall_torque = self.actuation.at(t).0;
-        self.no_load_speed_rad_s
-            .map_or(stall_torque, |speed| stall_torque - stall_torque.abs() * self.shaft(rate) / speed)
-    }
-
-    /// Returns the shaft angle or rate from those of the bodies.
-    pub(crate) fn shaft(&self, value: impl Fn(usize) -> f64) -> f64 {
-        self.on.iter().map(|(body, ratio)| ratio * value(*body)).sum()
+    /// Returns the shaft torque at time `t`, N·m: τ − |τ| ω/ω₀ at the shaft rate ω.
+    pub fn torque(&self, t: f64, shaft_rate: f64) -> f64 {
+        let stall_torque = self.stall_torque(t);
+        self.no_load_speed_rad_s.map_or(stall_torque, |speed| stall_torque - stall_torque.abs() * shaft_rate / speed)
     }
 }
 
@@ -324,17 +453,17 @@ pub fn build_plan(system: &System) -> Result<Plan, Side> {
 }
 
 /// Returns the surfaces of all discs; adds those of fixed discs to the plan. The bodies of the others are added later.
-fn disc_surfaces(plan: &mut Plan, system: &System) -> Vec<ContactPartner> {
+fn disc_surfaces(plan: &mut Plan, system: &System) -> Vec<SurfaceId> {
     let mut next = LINKS * system.fingers.len();
     let surface = |disc: &Disc| match disc.motion {
         DiscMotion::Fixed => {
             let (shape, (sin, cos)) = (Shape::Disc(disc.shape), sin_cos(disc.angle_rad));
-            plan.fixed_surfaces.push(PlannedFixedSurface { shape, origin_m: disc.centre_m, direction: [cos, sin] });
-            ContactPartner::Fixed(plan.fixed_surfaces.len() - 1)
+            plan.fixed_surfaces.push(PlannedSurface { shape, origin_m: disc.centre_m, direction: [cos, sin] });
+            SurfaceId { body: None, index: plan.fixed_surfaces.len() - 1 }
         }
         DiscMotion::Driven { .. } | DiscMotion::Free { .. } => {
             next += 1;
-            ContactPartner::Body(next - 1)
+            SurfaceId::of_body(next - 1)
         }
     };
     system.discs.iter().map(surface).collect()
@@ -360,8 +489,9 @@ fn add_motor(plan: &mut Plan, side: Side, finger: &DrivenFinger, palm: Option<us
     plan.bodies[driven].body.inertia_kg_m2 += motor.inertia_kg_m2;
     add_rotor(plan, driven, motor.inertia_kg_m2);
     let against = palm.map(|palm| (palm, -mirror));
-    plan.motors.push(plan_motor(motor, std::iter::once((driven, mirror)).chain(against).collect()));
-    plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { on: (driven, mirror), against, brake }));
+    let shaft = Coordinate { measure: Measure::Angle { on: (driven, mirror), against }, offset: 0.0 };
+    plan.motors.push(plan_motor(motor, shaft));
+    plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { shaft, brake }));
 }
 
 fn add_disc(plan: &mut Plan, disc: &Disc) {
@@ -384,37 +514,38 @@ fn add_disc(plan: &mut Plan, disc: &Disc) {
         angle_rad: disc.angle_rad,
         velocity_m_s,
         rate_rad_s,
-        shape: Some(Shape::Disc(disc.shape)),
+        gyration_m: 0.0,
+        surfaces: vec![PlannedSurface::at_origin(Shape::Disc(disc.shape))],
     });
 }
 
 fn add_palm(plan: &mut Plan, body: usize, motion: &PalmMotion, is_solid: bool) {
     plan.drives.push(PlannedDrive { body, motion: PrescribedMotion::Palm(motion.clone()) });
-    let palm = PlannedBody { shape: is_solid.then_some(Shape::HalfPlane), ..PlannedBody::at_origin(0.0) };
-    plan.bodies.push(palm);
+    let surfaces = is_solid.then(|| PlannedSurface::at_origin(Shape::HalfPlane)).into_iter().collect();
+    plan.bodies.push(PlannedBody { surfaces, ..PlannedBody::at_origin(0.0) });
 }
 
 /// Adds the contacts of discs with one another, with palm or ground, and with a table.
 fn add_pairs(
     plan: &mut Plan,
     system: &System,
-    (contact_ids, surfaces): (&[ContactId], &[ContactPartner]),
+    (contact_ids, surfaces): (&[ContactId], &[SurfaceId]),
     palm: Option<usize>,
 ) {
     if !system.discs.iter().any(|disc| disc.motion.moves()) {
         return;
     }
     let mut half_plane = |level_m: f64, side: f64| {
-        plan.fixed_surfaces.push(PlannedFixedSurface {
+        plan.fixed_surfaces.push(PlannedSurface {
             shape: Shape::HalfPlane,
             origin_m: [0.0, level_m],
             direction: [side, 0.0],
         });
-        ContactPartner::Fixed(plan.fixed_surfaces.len() - 1)
+        SurfaceId { body: None, index: plan.fixed_surfaces.len() - 1 }
     };
     let palm_plane = system.palm.and_then(|plane| Some((plane.contact?, plane.level_m)));
     let palm_plane =
-        palm_plane.map(|(law, level_m)| (law, palm.map_or_else(|| half_plane(level_m, 1.0), ContactPartner::Body)));
+        palm_plane.map(|(law, level_m)| (law, palm.map_or_else(|| half_plane(level_m, 1.0), SurfaceId::of_body)));
     let table_plane = system.table.and_then(|plane| Some((plane.contact?, half_plane(plane.level_m, -1.0))));
     let on_plane = if system.fingers.is_empty() {
         ContactPointConvention::EachSurface
@@ -431,8 +562,8 @@ fn add_pairs(
             ContactId::Phalanx(..) | ContactId::Stop(_) => continue,
         };
         // The first disc of a pair is a moving one.
-        if let (Some(&ContactPartner::Body(body)), Some((law, against))) = (surfaces.get(disc), other) {
-            plan.contacts.push(PlannedContact { body, against, point_convention, law });
+        if let (Some(&SurfaceId { body: Some(body), index }), Some((law, against))) = (surfaces.get(disc), other) {
+            plan.contacts.push(PlannedContact { body, surface: index, against, point_convention, law });
             plan.contact_channels.push(channel);
         }
     }
@@ -441,7 +572,7 @@ fn add_pairs(
 /// Surfaces that the phalanges of a finger can touch: all discs.
 #[derive(Clone, Copy)]
 struct ContactTargets<'a> {
-    discs: &'a [ContactPartner],
+    discs: &'a [SurfaceId],
     point_convention: ContactPointConvention,
 }
 
@@ -480,31 +611,36 @@ fn add_finger(plan: &mut Plan, driven: &DrivenFinger, targets: ContactTargets<'_
         angle_rad: if mirror > 0.0 { angles[i] } else { PI - angles[i] },
         velocity_m_s: [0.0; 2],
         rate_rad_s: mirror * rates[i],
-        shape: capsules[i].filter(|_| !targets.discs.is_empty()),
+        gyration_m: 0.0,
+        surfaces:
+            capsules[i].filter(|_| !targets.discs.is_empty()).into_iter().map(PlannedSurface::at_origin).collect(),
     }));
-    let pin = |first: Option<usize>, second: usize, length: f64| PlannedPin {
-        first: first.map_or(mount.on, |body| Some(base + body)),
-        second: base + second,
-        anchor_first_m: if first.is_some() { [length, 0.0] } else { ground_m },
-        anchor_second_m: [0.0; 2],
+    let pin = |first: Option<usize>, second: usize, length: f64| PlannedJoint {
+        kind: JointKind::Revolute,
+        bodies: [first.map_or(mount.on, |body| Some(base + body)), Some(base + second)],
+        anchors_m: [if first.is_some() { [length, 0.0] } else { ground_m }, [0.0; 2]],
+        offset_rad: 0.0,
         closes_loop: false,
     };
-    plan.pins.extend([
+    let loop_pin = pin(Some(L12), L22, lengths.l12_m);
+    plan.joints.extend([
         pin(None, L11, 0.0),
         pin(Some(L11), L12, lengths.l11_m),
         pin(None, L21, 0.0),
         pin(Some(L21), L22, lengths.l21_m),
-        PlannedPin { anchor_second_m: [lengths.l22_m, 0.0], closes_loop: true, ..pin(Some(L12), L22, lengths.l12_m) },
+        PlannedJoint { anchors_m: [loop_pin.anchors_m[0], [lengths.l22_m, 0.0]], closes_loop: true, ..loop_pin },
     ]);
     plan.springs.extend(plan_spring(driven.spring, lengths, mirror, base)?);
     // For a mirrored finger the angle from l21 to l22 becomes the angle from l22 to l21.
     let (on, against) = if mirror > 0.0 { (L22, L21) } else { (L21, L22) };
-    let stop = |law| PlannedStop { on: base + on, against: base + against, min_angle_rad: -lengths.phi22_rad, law };
+    let gap = Coordinate::angle_between(base + on, base + against, -lengths.phi22_rad);
+    let stop = |law| PlannedStop { gap, law };
     plan.stops.extend(driven.limit.map(stop));
     for &against in targets.discs {
         for (body, law) in [(L21, driven.contact.proximal), (L22, driven.contact.distal)] {
             plan.contacts.push(PlannedContact {
                 body: base + body,
+                surface: 0,
                 against,
                 point_convention: targets.point_convention,
                 law,
@@ -547,17 +683,19 @@ fn plan_spring(spring: Option<Spring>, lengths: &Lengths, mirror: f64, base: usi
     let angles = body_angles(&straight_posture(lengths, FRAC_PI_2).ok()?, lengths.phi22_rad);
     // Rate of the angle with q11 at constant q21.
     let rates = body_rates(lengths, &angles, [1.0, 0.0]);
-    Some(Some(PlannedSpring {
-        on: base + on,
-        against: base + against,
-        kind: spring.kind,
-        closing_sign: mirror * (rates[on] - rates[against]).signum(),
-        straight_rad: mirror * (angles[on] - angles[against]),
-    }))
+    let angle = Coordinate::angle_between(base + on, base + against, mirror * (angles[on] - angles[against]));
+    // The angle grows as the finger closes.
+    let closes = mirror * (rates[on] - rates[against]).signum() > 0.0;
+    Some(Some(PlannedSpring { extension: if closes { angle } else { angle.negated() }, kind: spring.kind }))
 }
 
-fn plan_motor(motor: &Motor, on: Vec<(usize, f64)>) -> PlannedMotor {
-    PlannedMotor { on, actuation: motor.actuation.clone(), no_load_speed_rad_s: motor.no_load_speed_rad_s }
+fn plan_motor(motor: &Motor, shaft: Coordinate) -> PlannedMotor {
+    PlannedMotor {
+        shaft,
+        actuation: motor.actuation.clone(),
+        limit: f64::INFINITY,
+        no_load_speed_rad_s: motor.no_load_speed_rad_s,
+    }
 }
 
 fn add_rotor(plan: &mut Plan, body: usize, inertia_kg_m2: f64) {
@@ -571,9 +709,10 @@ fn add_rotor(plan: &mut Plan, body: usize, inertia_kg_m2: f64) {
 fn add_differential(plan: &mut Plan, differential: &Differential) {
     let Differential { motor, seesaw_inertia_kg_m2 } = differential;
     let [right, left] = Side::BOTH.map(|side| first_link(side) + L11);
-    plan.motors.push(plan_motor(motor, vec![(right, 0.5), (left, -0.5)]));
-    let (on, against) = ((right, 0.5), Some((left, -0.5)));
-    plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { on, against, brake }));
+    let measure = Measure::Angle { on: (right, 0.5), against: Some((left, -0.5)) };
+    let shaft = Coordinate { measure, offset: 0.0 };
+    plan.motors.push(plan_motor(motor, shaft));
+    plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { shaft, brake }));
     let inertias = [motor.inertia_kg_m2, *seesaw_inertia_kg_m2];
     if inertias == [0.0; 2] {
         return;
@@ -595,15 +734,12 @@ fn add_differential(plan: &mut Plan, differential: &Differential) {
     ];
     // The rotation of the palm cancels in the mean of both closing angles, but not for wheels that turn relative to it.
     wheels.extend(palm.map(|palm| (palm, [-is_geared[0], 0.0])));
-    plan.gears.push(PlannedGear { wheels });
+    let terms = wheels.into_iter().map(|(body, ratios)| (Coordinate::angle_of(body), ratios)).collect();
+    plan.gears.push(PlannedGear { terms });
 }
 
 /// Torque of the brakes, each given by `torque`, on the driven link of a finger, N·m, positive in closing.
 pub(crate) fn driven_link_brake_torque(plan: &Plan, side: Side, torque: impl Fn(usize) -> f64) -> f64 {
-    let driven = first_link(side) + L11;
-    let ratio = |brake: &PlannedBrake| {
-        let on = std::iter::once(brake.on).chain(brake.against).find(|(body, _)| *body == driven);
-        on.map_or(0.0, |(_, ratio)| side.mirror() * ratio)
-    };
+    let ratio = |brake: &PlannedBrake| side.mirror() * brake.shaft.angle_ratio(first_link(side) + L11);
     plan.brakes.iter().enumerate().map(|(index, brake)| ratio(brake) * torque(index)).sum()
 }

@@ -5,10 +5,10 @@
 //! rows, split so that the engine's leapfrog is centred: the *early* part moves the bodies within this step, the *late*
 //! part from the next step on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
 
-use super::candidates::GAP_ROUNDING;
+use super::candidates::{GAP_ROUNDING, Source};
 use super::contact_space::{ActiveContact, ContactSpace, Diverged, Stage, Workspace};
 use super::dense::{refill, reset};
-use crate::law::{friction_range, normal_force};
+use crate::law::friction_range;
 use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Stepping;
 
@@ -109,9 +109,9 @@ pub struct ContactSolver {
     pub peak: Vec<ContactExtremum>,
     /// State with the largest penetration, per contact.
     pub deepest: Vec<ContactExtremum>,
-    /// Work of contacts and brakes on the bodies.
+    /// Work of contacts, brakes and dampers on the bodies.
     pub work: f64,
-    /// Work of motors on the bodies.
+    /// Work of motors and their servos on the bodies.
     pub motor_work: f64,
     pub changes: Vec<Change>,
     pub substeps: u32,
@@ -158,7 +158,7 @@ impl Default for Tolerance {
 
 impl Tolerance {
     /// Returns the tolerances of a run: sub-step errors are proportional to its step tolerance.
-    pub(crate) fn from_stepping(stepping: Stepping) -> Self {
+    pub fn from_stepping(stepping: Stepping) -> Self {
         let Stepping::Adaptive { tolerance_m, .. } = stepping else { return FIXED };
         let factor = tolerance_m / DEFAULT_TOLERANCE_M;
         Self {
@@ -285,11 +285,12 @@ impl ContactSolver {
         self.changes.clear();
         (self.work, self.motor_work) = (0.0, 0.0);
         (self.substeps, self.iterations, self.repeated) = (0, 0, 0);
-        refill(&mut self.buffers.is_touching, self.gap.iter().map(|gap| *gap <= 0.0));
+        let is_touching = |contact: &ActiveContact| contact.candidate.gap <= 0.0 || contact.candidate.is_servo();
+        refill(&mut self.buffers.is_touching, space.active_contacts.iter().map(is_touching));
         self.buffers.is_loaded.clear();
         self.buffers.is_slipping.clear();
         for contact in &space.active_contacts {
-            let force = normal_force(&contact.candidate.law, -contact.candidate.gap, -space.rate[contact.normal]).force;
+            let force = contact.candidate.normal_force(contact.candidate.gap, space.rate[contact.normal]).force;
             self.force[contact.normal] = force;
             self.buffers.is_loaded.push(force > 0.0);
             self.buffers.is_slipping.push(force > 0.0 && is_bristle_slipping(contact, space, force));
@@ -342,7 +343,7 @@ impl ContactSolver {
         let mut shortest = dt;
         for (index, contact) in space.active_contacts.iter().enumerate() {
             let closing = -self.rate[contact.normal];
-            if self.buffers.is_touching[index] && closing > 0.0 {
+            if self.buffers.is_touching[index] && closing > 0.0 && !contact.candidate.is_servo() {
                 shortest = shortest.min(FIRST_CROSSING * contact.candidate.law.depth_scale_m() / closing);
             }
         }
@@ -430,10 +431,19 @@ impl ContactSolver {
         }
         let work = |i: usize| h * ((1.0 - GAMMA) * first_force[i] * first[i] + GAMMA * second_force[i] * second[i]);
         for contact in &space.active_contacts {
-            let total_work = if contact.candidate.motor.is_some() { &mut self.motor_work } else { &mut self.work };
-            // The normal row of a brake or a motor does no work.
-            let normal = contact.candidate.has_gap().then_some(contact.normal);
-            normal.into_iter().chain(contact.tangent).for_each(|row| *total_work += work(row));
+            let total_work = if contact.candidate.is_motor { &mut self.motor_work } else { &mut self.work };
+            let n = contact.normal;
+            match contact.candidate.source {
+                Source::Stop(_) | Source::Contact(_) => *total_work += work(n),
+                Source::Servo(_) => {
+                    let target_rate = contact.candidate.servo.map_or(0.0, |law| law.target_rate);
+                    let impulse = h * ((1.0 - GAMMA) * first_force[n] + GAMMA * second_force[n]);
+                    *total_work += work(n) + target_rate * impulse;
+                }
+                // The normal row of a brake or a motor does no work.
+                Source::Brake(_) | Source::Motor(_) => {}
+            }
+            contact.tangent.into_iter().for_each(|row| *total_work += work(row));
         }
         for (index, contact) in space.active_contacts.iter().enumerate() {
             let n = contact.normal;
@@ -471,6 +481,9 @@ impl ContactSolver {
     fn record_changes(&mut self, space: &ContactSpace, now: f64) -> bool {
         let mut has_closed = false;
         for (index, contact) in space.active_contacts.iter().enumerate() {
+            if contact.candidate.is_servo() {
+                continue;
+            }
             let (is_touching, is_loaded) = (self.gap[index] <= 0.0, self.force[contact.normal] > 0.0);
             let rounding = GAP_ROUNDING * contact.candidate.law.depth_scale_m();
             if !self.buffers.is_touching[index] && self.gap[index] <= rounding && self.rate[contact.normal] < 0.0 {

@@ -3,7 +3,8 @@
 use rapier2d_f64::na::Unit;
 use rapier2d_f64::prelude::*;
 
-use super::plan::{Capsule, ContactPartner, Plan, PlannedBody, PlannedPin, Shape};
+use super::plan::{Capsule, Plan, PlannedBody, PlannedContact, PlannedJoint, PlannedSurface, Shape, SurfaceId};
+use crate::mechanism::JointKind;
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Construction, Response};
 use crate::shape::max_radius;
@@ -14,7 +15,7 @@ pub struct World {
     pub bodies: Vec<RigidBodyHandle>,
     /// Colliders of each contact of the plan: of its body, and of the other surface.
     pub contacts: Vec<[ColliderHandle; 2]>,
-    /// Joint constraint of each pin of the plan; `None` if a multibody coordinate replaces it.
+    /// Joint constraint of each joint of the plan; `None` if a multibody coordinate replaces it.
     pub joints: Vec<Option<ImpulseJointHandle>>,
     pub construction: Construction,
     pub response: Response,
@@ -36,6 +37,9 @@ const RIGID: SpringCoefficients<f64> = SpringCoefficients { natural_frequency: 1
 
 /// Distance up to which rapier tracks a pair, in radii of the largest surface: far enough that no step exceeds it.
 const PREDICTION_RADII: f64 = 0.5;
+
+/// Distance up to which rapier tracks a pair if all surfaces are sharp or flat, m.
+const SHARP_PREDICTION_M: f64 = 1e-3;
 
 /// Builds the world. With [`Response::Laws`] every contact pair carries the hook.
 pub fn build_world(plan: &Plan, construction: Construction, response: Response, iterations: u32) -> World {
@@ -68,12 +72,12 @@ pub fn build_world(plan: &Plan, construction: Construction, response: Response, 
         .collect();
 
     let mut joints = Vec::new();
-    for pin in &plan.pins {
-        let first = pin.first.map_or(ground, |i| bodies[i]);
-        let joint = joint(pin);
+    for planned in &plan.joints {
+        let [first, second] = planned.bodies.map(|body| body.map_or(ground, |body| bodies[body]));
+        let joint = joint(plan, planned);
         match construction {
-            Construction::Reduced if !pin.closes_loop => {
-                let handle = physics.insert_multibody_joint(first, bodies[pin.second], joint);
+            Construction::Reduced if !planned.closes_loop => {
+                let handle = physics.insert_multibody_joint(first, second, joint);
                 let handle = handle.expect("the tree joints of a plan form no loop");
                 if let Some((multibody, _)) = physics.multibody_joints.get_mut(handle) {
                     // By default, revolute joints of a multibody have a damping of 0.1 N·m·s.
@@ -82,7 +86,7 @@ pub fn build_world(plan: &Plan, construction: Construction, response: Response, 
                 joints.push(None);
             }
             _ => {
-                joints.push(Some(physics.insert_impulse_joint(first, bodies[pin.second], joint)));
+                joints.push(Some(physics.insert_impulse_joint(first, second, joint)));
             }
         }
     }
@@ -106,14 +110,15 @@ fn refresh(world: &mut World) {
 }
 
 fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
-    let shapes =
-        plan.fixed_surfaces.iter().map(|fixed| fixed.shape).chain(plan.bodies.iter().filter_map(|body| body.shape));
+    let surfaces = plan.fixed_surfaces.iter().chain(plan.bodies.iter().flat_map(|body| &body.surfaces));
+    let shapes = surfaces.map(|surface| surface.shape);
     let radius = |shape| match shape {
         Shape::Capsule(Capsule { radius_m, .. }) => radius_m,
         Shape::Disc(shape) => max_radius(&shape),
         Shape::HalfPlane => 0.0,
     };
-    let prediction_distance_m = PREDICTION_RADII * shapes.map(radius).fold(0.0, f64::max);
+    let largest_radius_m = shapes.map(radius).filter(|radius_m| *radius_m > 0.0).reduce(f64::max);
+    let prediction_distance_m = largest_radius_m.map_or(SHARP_PREDICTION_M, |radius_m| PREDICTION_RADII * radius_m);
     IntegrationParameters {
         num_solver_iterations: 1,
         num_internal_pgs_iterations: iterations as usize,
@@ -136,13 +141,22 @@ fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationPa
     }
 }
 
-fn joint(pin: &PlannedPin) -> RevoluteJoint {
-    RevoluteJointBuilder::new()
-        .local_anchor1(Vector::new(pin.anchor_first_m[0], pin.anchor_first_m[1]))
-        .local_anchor2(Vector::new(pin.anchor_second_m[0], pin.anchor_second_m[1]))
-        .contacts_enabled(false)
-        .softness(RIGID)
-        .build()
+fn joint(plan: &Plan, planned: &PlannedJoint) -> GenericJoint {
+    let [anchor, other_anchor] = planned.anchors_m.map(|[x, y]| Vector::new(x, y));
+    let joint = match planned.kind {
+        JointKind::Revolute => GenericJointBuilder::new(JointAxesMask::LOCKED_REVOLUTE_AXES)
+            .local_anchor1(anchor)
+            .local_anchor2(other_anchor),
+        JointKind::Prismatic { axis_rad } => GenericJointBuilder::new(JointAxesMask::LOCKED_PRISMATIC_AXES)
+            .local_frame1(Pose::new(anchor, axis_rad))
+            .local_frame2(Pose::new(other_anchor, axis_rad - planned.offset_rad)),
+    };
+    // Bodies of a joint pass through one another, unless the plan has a contact between them.
+    let touch = |contact: &PlannedContact| {
+        let bodies = [Some(contact.body), contact.against.body];
+        bodies == planned.bodies || bodies == [planned.bodies[1], planned.bodies[0]]
+    };
+    joint.contacts_enabled(plan.contacts.iter().any(touch)).softness(RIGID).build()
 }
 
 fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
@@ -158,35 +172,33 @@ fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
             Response::Rapier { friction, restitution } => builder.friction(friction).restitution(restitution),
         }
     };
+    let placed = |surface: &PlannedSurface| collider(surface.shape).position(surface_pose_in_frame(surface));
     let fixed: Vec<_> = plan
         .fixed_surfaces
         .iter()
         .enumerate()
-        .map(|(index, fixed)| {
-            let [re, im] = fixed.direction;
-            let pose = Pose::from_parts(Vector::new(fixed.origin_m[0], fixed.origin_m[1]), Rotation { re, im });
-            world.physics.insert_collider(finish(collider(fixed.shape).position(pose), count + index), None)
-        })
+        .map(|(index, surface)| world.physics.insert_collider(finish(placed(surface), count + index), None))
         .collect();
-    let moving: Vec<_> = plan
+    let moving: Vec<Vec<_>> = plan
         .bodies
         .iter()
         .zip(&world.bodies)
         .enumerate()
         .map(|(index, (planned, body))| {
-            Some(world.physics.insert_collider(finish(collider(planned.shape?), index), Some(*body)))
+            let colliders = planned.surfaces.iter().map(|surface| finish(placed(surface), index));
+            colliders.map(|collider| world.physics.insert_collider(collider, Some(*body))).collect()
         })
         .collect();
     world.contacts.extend(plan.contacts.iter().map(|contact| {
-        let other = match contact.against {
-            ContactPartner::Body(index) => moving[index],
-            ContactPartner::Fixed(index) => Some(fixed[index]),
-        };
-        let (Some(own), Some(other)) = (moving[contact.body], other) else {
-            panic!("both sides of a planned contact must have a surface")
-        };
-        [own, other]
+        let SurfaceId { body, index } = contact.against;
+        [moving[contact.body][contact.surface], body.map_or(&fixed, |body| &moving[body])[index]]
     }));
+}
+
+/// Returns the pose of a surface in the frame of its body, or in the world.
+pub(crate) fn surface_pose_in_frame(surface: &PlannedSurface) -> Pose {
+    let ([x, y], [re, im]) = (surface.origin_m, surface.direction);
+    Pose::from_parts(Vector::new(x, y), Rotation { re, im })
 }
 
 /// Collision groups: surfaces (of bodies, then fixed ones) collide only if the plan has a contact; links of a finger
@@ -195,10 +207,7 @@ fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
     let group = |surface: usize| Group::from_bits_truncate(1 << (surface % 32));
     let mut partners = Group::NONE;
     for contact in &plan.contacts {
-        let other = match contact.against {
-            ContactPartner::Body(body) => body,
-            ContactPartner::Fixed(index) => plan.bodies.len() + index,
-        };
+        let other = contact.against.body.unwrap_or(plan.bodies.len() + contact.against.index);
         if contact.body == surface {
             partners |= group(other);
         } else if other == surface {
@@ -227,11 +236,11 @@ fn set_rates(world: &mut World, plan: &Plan) {
     }
     let origin_velocity = |body: &PlannedBody| Vector::new(body.velocity_m_s[0], body.velocity_m_s[1]);
     let mut origin_rates: Vec<_> = plan.bodies.iter().map(origin_velocity).collect();
-    for pin in plan.pins.iter().filter(|pin| !pin.closes_loop) {
-        let Some(first) = pin.first else { continue };
+    for joint in plan.joints.iter().filter(|joint| !joint.closes_loop) {
+        let ([Some(first), Some(second)], [[x, y], _]) = (joint.bodies, joint.anchors_m) else { continue };
         let planned = &plan.bodies[first];
-        let arm = Rotation::new(planned.angle_rad) * Vector::new(pin.anchor_first_m[0], pin.anchor_first_m[1]);
-        origin_rates[pin.second] = origin_rates[first] + arm.perp() * planned.rate_rad_s;
+        let arm = Rotation::new(planned.angle_rad) * Vector::new(x, y);
+        origin_rates[second] = origin_rates[first] + arm.perp() * planned.rate_rad_s;
     }
     for (i, planned) in plan.bodies.iter().enumerate() {
         let body = &mut world.physics.bodies[world.bodies[i]];
@@ -246,16 +255,16 @@ fn set_joint_coordinates(world: &mut World, plan: &Plan) {
     let physics = &mut world.physics;
     let mut angles = vec![0.0; plan.bodies.len()];
     let mut multibody_index = None;
-    for pin in plan.pins.iter().filter(|pin| !pin.closes_loop) {
-        let Some(id) = physics.multibody_joints.rigid_body_link(world.bodies[pin.second]).copied() else { continue };
+    for joint in plan.joints.iter().filter(|joint| !joint.closes_loop) {
+        let [first, Some(second)] = joint.bodies else { continue };
+        let Some(id) = physics.multibody_joints.rigid_body_link(world.bodies[second]).copied() else { continue };
         // The fixed root has no degree of freedom; every other link has one, in the order of insertion.
         let (Some(coordinate), Some(multibody)) =
             (id.id.checked_sub(1), physics.multibody_joints.get_multibody_mut(id.multibody))
         else {
             continue;
         };
-        let first = pin.first.map(|i| &plan.bodies[i]);
-        let second = &plan.bodies[pin.second];
+        let (first, second) = (first.map(|i| &plan.bodies[i]), &plan.bodies[second]);
         angles[coordinate] = second.angle_rad - first.map_or(0.0, |body| body.angle_rad);
         multibody.generalized_velocity_mut()[coordinate] =
             second.rate_rad_s - first.map_or(0.0, |body| body.rate_rad_s);

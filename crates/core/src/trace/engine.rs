@@ -3,8 +3,9 @@
 use super::engine_recorder::EngineRecorder;
 use super::grid::Span;
 use super::{Outcome, RunError, Sink, SinkError};
-use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
+use crate::engine::{Motion, Plan, StepError, Tolerance, build_mechanism_plan, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
+use crate::mechanism::{Mechanism, assemble};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Construction, Engine, Scene, Stepping};
 
@@ -26,6 +27,9 @@ const MIN_STEP_FRACTION: f64 = 1e-9;
 /// # Errors
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    if let Some(mechanism) = &scene.mechanism {
+        return run_mechanism(scene, mechanism, sink);
+    }
     if let Some(reason) = scene.system.unsupported() {
         return Err(RunError::rejected(reason.to_string(), Outcome::default()));
     }
@@ -45,8 +49,34 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
         let reason = "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string();
         return Err(RunError::rejected(reason, initial_outcome()));
     }
-    let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
-    match Motion::new(&plan, world) {
+    run_plan(&plan, scene, sink, initial_outcome)
+}
+
+fn run_mechanism(scene: &Scene, mechanism: &Mechanism, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let rejected = |reason: String| RunError::rejected(reason, Outcome::default());
+    if scene.engine.construction == Construction::Reduced {
+        return Err(rejected(
+            "joint coordinates (construction \"reduced\") are for one finger, not for mechanisms".to_string(),
+        ));
+    }
+    if !scene.engine.uses_laws() {
+        return Err(rejected(
+            "rapier's own contact (law \"rapier\") is for fingers and discs, not for mechanisms".to_string(),
+        ));
+    }
+    let start = assemble(mechanism).map_err(|error| rejected(error.to_string()))?;
+    run_plan(&build_mechanism_plan(mechanism, &start), scene, sink, Outcome::default)
+}
+
+fn run_plan(
+    plan: &Plan,
+    scene: &Scene,
+    sink: &mut dyn Sink,
+    initial_outcome: impl Fn() -> Outcome,
+) -> Result<Outcome, RunError> {
+    let engine = &scene.engine;
+    let world = build_world(plan, engine.construction, engine.response, engine.iterations);
+    match Motion::new(plan, world) {
         Ok(motion) => simulate(motion, scene, sink),
         Err(error) => Err(RunError::rejected(error.to_string(), initial_outcome())),
     }

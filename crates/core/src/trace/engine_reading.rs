@@ -2,22 +2,50 @@
 
 use std::f64::consts::PI;
 
+use super::schema::JointState;
 use super::{BodyState, ContactSample, Energy, FingerState, Sample};
 use crate::engine::{
-    ContactCandidate, L11, L12, L21, L22, LINKS, Motion, PalmFrame, PinForces, Twist, driven_link_brake_torque,
+    ContactCandidate, JointReactions, L11, L12, L21, L22, LINKS, Motion, PalmFrame, Twist, driven_link_brake_torque,
     first_link, kinetic_energy, potential_energies,
 };
 use crate::law::{elastic_energy, normal_force};
+use crate::mechanism::Mechanism;
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{angle_between, nearest_equivalent_angle, opening_angle, rotate};
-use crate::scene::{ContactId, Disc, Side, System};
+use crate::numeric::plane::{angle_between, nearest_equivalent_angle, opening_angle, perp, rotate, scale, sub};
+use crate::scene::{ContactId, Disc, Scene, Side, System};
 
-/// Reads fingers and bodies of a system at a node of its motion.
-pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) {
+/// Reads joints, actuators and bodies of a scene at a node of its motion.
+pub(super) fn read_state(scene: &Scene, motion: &Motion, sample: &mut Sample) {
+    match &scene.mechanism {
+        Some(mechanism) => read_mechanism(mechanism, motion, sample),
+        None => read_system(&scene.system, motion, sample),
+    }
+}
+
+fn read_mechanism(mechanism: &Mechanism, motion: &Motion, sample: &mut Sample) {
+    let (plan, state) = (motion.plan, (&motion.linkage.poses[..], &motion.velocities[..]));
+    for (index, joint) in plan.joints.iter().enumerate() {
+        let coordinate = plan.joint_coordinate(joint);
+        let (angle_rad, rate_rad_s) = (coordinate.value(state.0), coordinate.row(state.0).rate(state.1));
+        sample.set_joint(index, &JointState { angle_rad, rate_rad_s, ..sample.joint_state(index) });
+    }
+    for (index, actuator) in plan.actuators.iter().enumerate() {
+        sample.set_actuator(index, plan.effort(*actuator, motion.clock.now(), state));
+    }
+    for (index, (body, (pose, v))) in mechanism.bodies.iter().zip(state.0.iter().zip(state.1)).enumerate() {
+        // A body is reported by its frame.
+        let arm = rotate(body.com_m, pose.direction);
+        let velocity_m_s = sub([v[0], v[1]], scale(perp(arm), v[2]));
+        let centre_m = sub(pose.com, arm);
+        sample.set_body(index, &BodyState { centre_m, angle_rad: pose.angle, velocity_m_s, spin_rad_s: v[2] });
+    }
+}
+
+fn read_system(system: &System, motion: &Motion, sample: &mut Sample) {
     let frame = PalmFrame::at(motion.plan, motion.clock.now());
     for (index, (side, finger)) in system.fingers_by_side().enumerate() {
-        let rate = |body: usize| motion.velocities[body][2];
-        let torque = motion.plan.motor_torque(first_link(side) + L11, motion.clock.now(), rate);
+        let state = (&motion.linkage.poses[..], &motion.velocities[..]);
+        let torque = motion.plan.motor_torque(first_link(side) + L11, motion.clock.now(), state);
         let brakes = driven_link_brake_torque(motion.plan, side, |brake| motion.brake_torque(brake));
         let phi22_rad = finger.linkage.lengths.phi22_rad;
         let state = Links::new(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes);
@@ -39,7 +67,31 @@ pub(super) fn read_state(system: &System, motion: &Motion, sample: &mut Sample) 
 
 /// Sets coordinates and rates of `sample` by extrapolating freely from `from` with the accelerations of all bodies in
 /// the last step of `motion`.
-pub(super) fn extrapolate(system: &System, sample: &mut Sample, from: &Sample, motion: &Motion) {
+pub(super) fn extrapolate(scene: &Scene, sample: &mut Sample, from: &Sample, motion: &Motion) {
+    match &scene.mechanism {
+        Some(mechanism) => extrapolate_mechanism(mechanism, sample, from, motion),
+        None => extrapolate_system(&scene.system, sample, from, motion),
+    }
+}
+
+fn extrapolate_mechanism(mechanism: &Mechanism, sample: &mut Sample, from: &Sample, motion: &Motion) {
+    let (plan, poses, velocities) = (motion.plan, &motion.linkage.poses, &motion.velocities);
+    let time_s = sample.time_s - from.time_s;
+    for (index, joint) in plan.joints.iter().enumerate() {
+        let (coordinate, state) = (plan.joint_coordinate(joint), from.joint_state(index));
+        let a = coordinate.row(poses).rate(&motion.step_accelerations) + coordinate.second_rate(poses, velocities);
+        let angle_rad = state.angle_rad + time_s * (state.rate_rad_s + 0.5 * time_s * a);
+        sample.set_joint(index, &JointState { angle_rad, rate_rad_s: state.rate_rad_s + time_s * a, ..state });
+    }
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let ([ax, ay, angular], spin) = (motion.step_accelerations[index], velocities[index][2]);
+        let arm = rotate(body.com_m, poses[index].direction);
+        let [x, y] = sub([ax, ay], sub(scale(perp(arm), angular), scale(arm, spin * spin)));
+        sample.set_body(index, &from.body(index).extrapolate(time_s, &[x, y, angular]));
+    }
+}
+
+fn extrapolate_system(system: &System, sample: &mut Sample, from: &Sample, motion: &Motion) {
     let accelerations = &motion.step_accelerations;
     let time_s = sample.time_s - from.time_s;
     let frame = PalmFrame::at(motion.plan, motion.clock.now());
@@ -67,8 +119,18 @@ fn reported_discs(system: &System) -> impl Iterator<Item = (&Disc, Option<usize>
 }
 
 /// Contacts whose sampled normal is opposite to that of the plan, which points to the first of its bodies: in scenes
-/// with fingers, sampled normals of palm and table point away from the discs.
-pub(super) fn flipped_normals(system: &System) -> Vec<bool> {
+/// with fingers, sampled normals of palm and table point away from the discs. In a mechanism they point away from the
+/// face, and the body of the plan is that of the face if the points are fixed.
+pub(super) fn flipped_normals(scene: &Scene) -> Vec<bool> {
+    if let Some(mechanism) = &scene.mechanism {
+        let points = mechanism.point_contacts();
+        return points
+            .iter()
+            .map(|point| point.body.is_none())
+            .chain(mechanism.limits().iter().map(|_| false))
+            .collect();
+    }
+    let system = &scene.system;
     let is_plane = |id: &ContactId| matches!(id, ContactId::Palm(_) | ContactId::Table(_));
     system.contact_ids().iter().map(|id| !system.fingers.is_empty() && is_plane(id)).collect()
 }
@@ -132,23 +194,23 @@ const PINS_OF_JOINTS: [usize; FINGER_PINS] = [0, 2, 1, 3, 4];
 pub(super) struct JointForces {
     is_required: bool,
     /// Forces without contacts at the start of the step.
-    start: Vec<[f64; 2]>,
-    pins: PinForces,
+    start: Vec<Twist>,
+    joints: JointReactions,
 }
 
 impl JointForces {
     pub(super) fn new(is_required: bool, motion: &mut Motion) -> Self {
         let mut forces = Self { is_required, ..Self::default() };
         forces.update(motion);
-        forces.start.clone_from(&forces.pins.free);
+        forces.start.clone_from(&forces.joints.free);
         forces
     }
 
     /// Reads the forces after a step.
     pub(super) fn update(&mut self, motion: &mut Motion) {
         if self.is_required {
-            self.start.clone_from(&self.pins.free);
-            motion.read_pin_forces(&mut self.pins);
+            self.start.clone_from(&self.joints.free);
+            motion.read_joint_forces(&mut self.joints);
         }
     }
 
@@ -162,21 +224,31 @@ impl JointForces {
             _ => 1.0,
         };
         let frame = PalmFrame::at(motion.plan, sample.time_s);
+        let reaction = |sample: &Sample, joint: usize| {
+            let (start, end) = (self.start[joint], self.joints.free[joint]);
+            let mut force: Twist = std::array::from_fn(|k| start[k] + fraction * (end[k] - start[k]));
+            for (index, channel) in self.joints.channels.iter().enumerate() {
+                let (contact, [normal, tangent]) = (sample.contact(*channel), self.joints.response(index, joint));
+                for k in 0..3 {
+                    force[k] += contact.normal_n * normal[k] + contact.tangential_n * tangent[k];
+                }
+            }
+            force
+        };
         for finger in 0..sample.counts().fingers {
             let force_n = |pin: usize| {
-                let pin = FINGER_PINS * finger + pin;
-                let (start, end) = (self.start[pin], self.pins.free[pin]);
-                let mut force = [0, 1].map(|k| start[k] + fraction * (end[k] - start[k]));
-                for (index, channel) in self.pins.channels.iter().enumerate() {
-                    let (contact, [normal, tangent]) = (sample.contact(*channel), self.pins.response(index, pin));
-                    for k in 0..2 {
-                        force[k] += contact.normal_n * normal[k] + contact.tangential_n * tangent[k];
-                    }
-                }
-                frame.direction(force)
+                let [x, y, _] = reaction(sample, FINGER_PINS * finger + pin);
+                frame.direction([x, y])
             };
             let forces_n = PINS_OF_JOINTS.map(force_n);
             sample.set_joint_forces(finger, &forces_n);
+        }
+        if sample.counts().fingers == 0 {
+            for joint in 0..sample.counts().joints {
+                let [x, y, moment_n_m] = reaction(sample, joint);
+                let state = JointState { force_n: [x, y], moment_n_m, ..sample.joint_state(joint) };
+                sample.set_joint(joint, &state);
+            }
         }
     }
 }

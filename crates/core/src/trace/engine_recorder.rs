@@ -6,13 +6,14 @@ use super::engine_reading::{self as reading, JointForces, sample_contact, stored
 use super::extrema::StepExtrema;
 use super::grid::{Grid, Span};
 use super::sample::OVERLAP_ROUNDING;
+use super::schema::Schema;
 use super::{ContactSample, Counts, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
 use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, ZERO_RATE};
-use crate::scene::{Scene, System};
+use crate::scene::Scene;
 
 /// Observer that records an engine run.
 pub(super) struct EngineRecorder<'a> {
-    system: &'a System,
+    scene: &'a Scene,
     sink: &'a mut dyn Sink,
     grid: Grid,
     end_s: f64,
@@ -44,21 +45,21 @@ pub(super) struct EngineRecorder<'a> {
 impl<'a> EngineRecorder<'a> {
     /// Creates a recorder for a motion of a scene at its start.
     pub fn new(scene: &'a Scene, motion: &mut Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
-        let system = &scene.system;
         let start_energy = stored_energy(motion);
-        let flipped = reading::flipped_normals(system);
+        let flipped = reading::flipped_normals(scene);
         let trackers = vec![ContactTracker::default(); flipped.len()];
         let mut last = Sample::default();
-        read_node(system, motion, start_energy.relative_to(&start_energy, 0.0, 0.0), (&trackers, &flipped), &mut last);
+        let (counts, energy) = (Schema::from_scene(scene).counts(), start_energy.relative_to(&start_energy, 0.0, 0.0));
+        read_node(scene, motion, (counts, energy), (&trackers, &flipped), &mut last);
         let joint_forces = JointForces::new(sink.required_data().joint_forces, motion);
         joint_forces.set(motion, &mut last);
         Self {
-            system,
+            scene,
             joint_forces,
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
-            reach: Reach::from_system(system),
+            reach: Reach::from_system(&scene.system),
             ejected_s: None,
             last,
             node: Sample::default(),
@@ -70,8 +71,8 @@ impl<'a> EngineRecorder<'a> {
             emitted_s: 0.0,
             step_extrema: StepExtrema::default(),
             work: Work::default(),
-            loop_gap_m: motion.linkage.max_pin_opening(),
-            consistency: ConsistencyCheck::new(system, scene.engine.stepping, start_energy),
+            loop_gap_m: motion.linkage.max_joint_opening(),
+            consistency: ConsistencyCheck::new(scene, start_energy),
             failure: None,
         }
     }
@@ -98,12 +99,12 @@ impl<'a> EngineRecorder<'a> {
         self.work.contact_substeps += u64::from(motion.contact.substeps);
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
-        let gap_m = motion.linkage.max_pin_opening();
+        let gap_m = motion.linkage.max_joint_opening();
         self.loop_gap_m = self.loop_gap_m.max(gap_m);
         let mut node = std::mem::take(&mut self.node);
         let energy = stored_energy(motion).relative_to(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
         self.failure = self.consistency.check(&energy, gap_m, dt);
-        read_node(self.system, motion, energy, (&self.trackers, &self.flipped), &mut node);
+        read_node(self.scene, motion, (self.last.counts(), energy), (&self.trackers, &self.flipped), &mut node);
         self.joint_forces.set(motion, &mut node);
         self.record_touch_downs_between_steps(motion, end_s - dt)?;
         self.find_extrema(motion);
@@ -203,7 +204,7 @@ impl<'a> EngineRecorder<'a> {
         }
         let mut sample = std::mem::take(&mut self.within);
         sample.interpolate_from(&self.last, now, time_s);
-        reading::extrapolate(self.system, &mut sample, &self.last, motion);
+        reading::extrapolate(self.scene, &mut sample, &self.last, motion);
         for index in 0..sample.counts().contacts {
             let (mut contact, before) = (sample.contact(index), self.last.contact(index));
             contact.set_before_touch_down_elsewhere(&before);
@@ -343,15 +344,14 @@ impl<'a> EngineRecorder<'a> {
 
 /// Reads the node into a sample, given its energies and the contact states up to the start of the step.
 fn read_node(
-    system: &System,
+    scene: &Scene,
     motion: &Motion,
-    energy: Energy,
+    (counts, energy): (Counts, Energy),
     (trackers, flipped): (&[ContactTracker], &[bool]),
     sample: &mut Sample,
 ) {
-    let counts = Counts::of_fingers(system.fingers.len(), system.reported_discs().len(), trackers.len());
     sample.prepare(motion.clock.now(), counts);
-    reading::read_state(system, motion, sample);
+    reading::read_state(scene, motion, sample);
     for (channel, (tracker, flipped)) in trackers.iter().zip(flipped).enumerate() {
         let index = motion.plan.element_index(channel);
         // There is no step impulse before the first step.

@@ -14,6 +14,7 @@ mod assembly;
 
 use crate::drive::Profile;
 use crate::law::{ContactLaw, NormalLaw};
+use crate::numeric::elementary::hypot;
 use crate::numeric::plane::Vector;
 
 pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
@@ -287,6 +288,17 @@ impl Mechanism {
     pub fn limit_name(&self, limit: &Limit) -> String {
         let side = if limit.side > 0.0 { "upper" } else { "lower" };
         format!("{}_{side}", self.joints[limit.joint].name)
+    }
+
+    /// Shortest distance between two points of joints of one body, m; infinite if every body has one only.
+    pub fn shortest_link_m(&self) -> f64 {
+        let ends = self.joints.iter().flat_map(|joint| [0, 1].map(|k: usize| (joint.bodies[k], joint.points_m[k])));
+        let ends: Vec<_> = ends.filter_map(|(body, point_m)| Some((body?, point_m))).collect();
+        let lengths = ends.iter().flat_map(|(body, [x, y])| {
+            let others = ends.iter().filter(move |(other, _)| other == body);
+            others.map(move |(_, [u, v])| hypot(u - x, v - y))
+        });
+        lengths.filter(|length| *length > 0.0).fold(f64::INFINITY, f64::min)
     }
 
     /// Number of scalar constraints of the joints and couplings.

@@ -1,0 +1,336 @@
+//! Mechanisms in the engine model, against reference solutions of an independent program.
+
+use crate::support::laws::THESIS_FRICTION;
+use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
+use crate::support::runs::experiment_95;
+use phalanx::drive::{Interpolation, Profile};
+use phalanx::law::{Damping, NormalLaw};
+use phalanx::mechanism::{
+    Actuator, Body, Command, Coupling, ForcePoint, Joint, JointKind, Mechanism, OutlineShape, Spring, SpringKind,
+};
+use phalanx::scene::{Construction, Response, Scene, Stepping};
+use phalanx::trace::{self, Event, EventKind, Model, Sample, Sink, SinkError};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// All samples and events of a run.
+#[derive(Default)]
+struct Run {
+    samples: Vec<Sample>,
+    events: Vec<Event>,
+}
+
+impl Sink for Run {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.samples.push(sample.clone());
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.events.push(*event);
+        Ok(())
+    }
+}
+
+/// A scene of a mechanism with a sample at every multiple of an interval.
+fn scene(mechanism: &Mechanism, duration_s: f64, interval_s: f64) -> Scene {
+    let mut scene = experiment_95();
+    scene.system.fingers.clear();
+    scene.system.discs.clear();
+    scene.mechanism = Some(mechanism.clone());
+    scene.duration_s = duration_s;
+    scene.log.numeric_hz = 1.0 / interval_s;
+    scene
+}
+
+fn run(model: Model, scene: &Scene) -> Run {
+    let mut run = Run::default();
+    trace::run(model, scene, &mut run).unwrap_or_else(|error| panic!("{error}"));
+    run
+}
+
+/// Largest difference of a run from the samples of a case: angles, rad, and positions, m.
+fn difference(case: &MechanismCase, run: &Run) -> [f64; 2] {
+    let [mut angle, mut position] = [0.0f64; 2];
+    for expected in &case.samples {
+        let is_at = |sample: &&Sample| (sample.time_s - expected.time_s).abs() < 1e-9;
+        let found = run.samples.iter().rfind(is_at).unwrap_or_else(|| panic!("no sample at {} s", expected.time_s));
+        for (body, [x, y, theta]) in found.bodies().zip(&expected.poses) {
+            angle = angle.max((body.angle_rad - theta).abs());
+            position = position.max((body.centre_m[0] - x).abs()).max((body.centre_m[1] - y).abs());
+        }
+        for (index, (joint, [q, _])) in case.mechanism.joints.iter().zip(&expected.joints).enumerate() {
+            let difference = (found.joint_state(index).angle_rad - q).abs();
+            let largest = if joint.kind == JointKind::Revolute { &mut angle } else { &mut position };
+            *largest = largest.max(difference);
+        }
+    }
+    [angle, position]
+}
+
+#[test]
+fn reference_solutions_are_met_at_default_settings() {
+    for case in all_cases() {
+        let found = run(Model::Engine, &scene(&case.mechanism, case.duration_s, case.samples[1].time_s));
+        let ([angle_rad, position_m], name) = (difference(&case, &found), &case.name);
+        assert!(angle_rad < 1e-4 && position_m < 1e-5, "{name}: {angle_rad:e} rad, {position_m:e} m");
+        let created_j = found.samples.iter().map(|sample| sample.energy().balance_j.abs()).fold(0.0, f64::max);
+        assert!(created_j < 2e-5, "{name}: {created_j:e} J of energy are created");
+        for (time_s, event, _) in case.events.iter().filter(|(_, event, rises)| *rises && event.ends_with(" touch")) {
+            let touches = found.events.iter().filter(|event| event.kind == EventKind::TouchDown);
+            let nearest = touches.map(|event| (event.time_s - time_s).abs()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 2e-5, "{name}: {event} at {time_s} s is missed by {nearest:e} s");
+        }
+        let last = (case.samples.last().expect("a sample"), found.samples.last().expect("a sample"));
+        for (index, effort) in last.0.actuators.iter().enumerate() {
+            let found = last.1.actuator(index);
+            assert!((found - effort).abs() < 1e-3 * effort.abs().max(0.1), "{name}: effort {found}, {effort}");
+        }
+        for (index, contact) in case.mechanism.point_contacts().iter().enumerate() {
+            let Some(expected) = last.0.contacts.get(&contact.name) else { continue };
+            let found = last.1.contact(index);
+            let scale = 1e-2 * expected.normal_force_n.max(0.1);
+            assert!((found.normal_n - expected.normal_force_n).abs() < scale, "{name}: {found:?}");
+            assert!((found.tangential_n - expected.friction_force_n).abs() < scale, "{name}: {found:?}");
+            assert!((found.slip_m_s - expected.slip_m_s).abs() < 1e-3, "{name}: {found:?}");
+        }
+    }
+}
+
+/// Forces of all joints, N, and moments of guides, N·m, against the analytic model, which computes them from the
+/// balance of each body. Contact forces change within microseconds: in c_f85_step, 16 µs after the pad begins to stick,
+/// they differ by 2 %.
+#[test]
+fn joint_forces_agree_in_both_models() {
+    for case in all_cases() {
+        let scene = scene(&case.mechanism, case.duration_s, case.samples[1].time_s);
+        let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| run(model, &scene));
+        let tolerance = if case.mechanism.contacts.is_empty() { 5e-3 } else { 3e-2 };
+        for joint in 0..case.mechanism.joints.len() {
+            let forces = |run: &Run| {
+                let at = |time_s: f64| run.samples.iter().rfind(|sample| (sample.time_s - time_s).abs() < 1e-9);
+                let state = |sample: &Sample| sample.joint_state(joint);
+                let states = case.samples.iter().filter_map(|sample| at(sample.time_s)).map(state);
+                states.map(|state| [state.force_n[0], state.force_n[1], state.moment_n_m]).collect::<Vec<_>>()
+            };
+            let (analytic, engine) = (forces(&analytic), forces(&engine));
+            let largest = |k: &[usize]| {
+                let values = analytic.iter().flat_map(|force| k.iter().map(|k| force[*k].abs()));
+                values.fold(1e-3, f64::max)
+            };
+            let scales = [largest(&[0, 1]), largest(&[0, 1]), largest(&[2])];
+            for (sample, (a, b)) in case.samples.iter().zip(analytic.iter().zip(&engine)) {
+                for k in 0..3 {
+                    let error = (a[k] - b[k]).abs() / scales[k];
+                    assert!(error < tolerance, "{} at {} s: joint {joint}: {a:?}, {b:?}", case.name, sample.time_s);
+                }
+            }
+        }
+    }
+}
+
+/// What the reference solutions do not contain: other force points, capsules as points, limits of a slider on a moving
+/// body, a coupling of two fingers, dampers, and a servo with a no-load speed.
+#[test]
+fn variants_of_the_reference_cases_agree_in_both_models() {
+    let stop =
+        NormalLaw { stiffness_n_per_m_e: 1e6, exponent: 1.5, damping: Damping::HuntCrossley { factor_s_per_m: 0.3 } };
+    let force_point = |m: &mut Mechanism, point| m.contacts.iter_mut().for_each(|contact| contact.force_point = point);
+    type Change<'a> = &'a dyn Fn(&mut Mechanism);
+    let variants: [(&str, &str, Change<'_>); 7] = [
+        ("c_f85_two_disc", "force on the points", &|m| force_point(m, ForcePoint::Points)),
+        ("c_f85_two_disc", "force in the middle", &|m| force_point(m, ForcePoint::Middle)),
+        ("c_f85_two_disc", "coupled drivers, one motor", &|m| {
+            let drivers: Vec<_> = m.actuators.iter().map(|actuator| (actuator.joint, 1.0)).collect();
+            m.joints[drivers[1].0].start = None;
+            m.couplings.push(Coupling { name: "gear".into(), terms: drivers, value: 0.0 });
+            m.actuators.truncate(1);
+        }),
+        ("g_ball", "capsule with friction", &|m| {
+            m.bodies[0].outlines[0].shape =
+                OutlineShape::Capsule { from_m: [-0.01, 0.0], to_m: [0.012, 0.002], radius_m: 0.02 };
+            m.contacts[0].law.friction = Some(THESIS_FRICTION);
+        }),
+        ("b_swinging_slider", "limits", &|m| {
+            (m.joints[1].lower, m.joints[1].upper, m.joints[1].limit) = (Some(0.035), Some(0.06), Some(stop));
+        }),
+        ("b_four_bar", "dampers", &|m| {
+            m.joints[1].damping = 1e-4;
+            m.springs[0].damping = 0.5;
+        }),
+        ("h_pd_saturated", "no-load speed", &|m| m.actuators[0].no_load_speed = Some(20.0)),
+    ];
+    for (name, variant, change) in variants {
+        let mut case = mechanism_case(name);
+        change(&mut case.mechanism);
+        let scene = scene(&case.mechanism, case.duration_s, case.samples[1].time_s);
+        let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| {
+            let last = run(model, &scene).samples.pop().expect("a sample");
+            assert!(last.energy().balance_j.abs() < 2e-5, "{name}, {variant}: {:?}", last.energy());
+            last
+        });
+        for (a, b) in analytic.bodies().zip(engine.bodies()) {
+            let angle = (a.angle_rad - b.angle_rad).abs();
+            let position = (a.centre_m[0] - b.centre_m[0]).abs().max((a.centre_m[1] - b.centre_m[1]).abs());
+            assert!(angle < 1e-4 && position < 1e-5, "{name}, {variant}: {angle:e} rad, {position:e} m");
+        }
+    }
+}
+
+/// Halving fixed steps divides the difference by four.
+#[test]
+fn mechanisms_are_simulated_with_second_order() {
+    for case in ["b_slider_crank", "c_f85_link_pad"].map(mechanism_case) {
+        let angle = |step_s: f64| {
+            let mut scene = scene(&case.mechanism, case.duration_s, case.samples[1].time_s);
+            scene.engine.stepping = Stepping::Fixed { step_s };
+            difference(&case, &run(Model::Engine, &scene))[0]
+        };
+        let [coarse, fine] = [2e-5, 1e-5].map(angle);
+        assert!(coarse > 3.5 * fine, "{}: {coarse:e} rad, {fine:e} rad", case.name);
+    }
+}
+
+#[test]
+fn settings_for_fingers_only_are_refused() {
+    let case = mechanism_case("b_four_bar");
+    let scene = scene(&case.mechanism, case.duration_s, case.duration_s);
+    let refusal = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        trace::run(Model::Engine, &scene, &mut ()).expect_err("a refusal").to_string()
+    };
+    let reduced = refusal(&|scene| scene.engine.construction = Construction::Reduced);
+    assert!(reduced.contains("construction \"reduced\""), "{reduced}");
+    let rapier = Response::Rapier { friction: 0.5, restitution: 0.0 };
+    let own_contact = refusal(&|scene| scene.engine.response = rapier);
+    assert!(own_contact.contains("law \"rapier\""), "{own_contact}");
+}
+
+/// A body of 1 g and 1e-7 kg·m² at the origin.
+fn body() -> Body {
+    Body {
+        name: "body".into(),
+        mass_kg: 1e-3,
+        inertia_kg_m2: 1e-7,
+        com_m: [0.0; 2],
+        pose: [0.0; 3],
+        rate: [0.0; 3],
+        outlines: Vec::new(),
+    }
+}
+
+/// A joint between the ground and a body.
+fn joint(kind: JointKind, body: usize, start: f64, start_rate: f64) -> Joint {
+    Joint {
+        name: "joint".into(),
+        kind,
+        bodies: [None, Some(body)],
+        points_m: [[0.0; 2]; 2],
+        offset_rad: 0.0,
+        start: Some(start),
+        start_rate,
+        damping: 0.0,
+        armature: 0.0,
+        lower: None,
+        upper: None,
+        limit: None,
+    }
+}
+
+fn spring(joint: usize, stiffness: f64) -> Spring {
+    let kind = SpringKind::Torsional { joint, preload: 0.0 };
+    Spring { name: "spring".into(), kind, stiffness, damping: 0.0, rest: 0.0 }
+}
+
+/// Coordinates and rates of all joints after `time_s`, and the energy that the run creates.
+fn joints_after(mechanism: &Mechanism, time_s: f64) -> (Vec<[f64; 2]>, f64) {
+    let run = run(Model::Engine, &scene(mechanism, time_s, time_s));
+    let last = run.samples.last().expect("a sample");
+    let state = |index: usize| last.joint_state(index);
+    let joints = (0..mechanism.joints.len()).map(state).map(|joint| [joint.angle_rad, joint.rate_rad_s]);
+    (joints.collect(), last.energy().balance_j)
+}
+
+/// Two sliders at right angles with q₁ = 2 q₂, rotor inertia, spring and damper: a damped oscillator.
+#[test]
+fn coupled_sliders_with_armature_oscillate_as_in_closed_form() {
+    let axes = [0.3, 0.3 + FRAC_PI_2];
+    let mut joints = [0, 1].map(|k| joint(JointKind::Prismatic { axis_rad: axes[k] }, k, 0.02 / (k as f64 + 1.0), 0.0));
+    joints[1].start = None;
+    joints[1].armature = 2e-3;
+    joints[0].damping = 0.05;
+    let mechanism = Mechanism {
+        bodies: vec![body(), body()],
+        joints: joints.to_vec(),
+        couplings: vec![Coupling { name: "gear".into(), terms: vec![(0, 1.0), (1, -2.0)], value: 0.0 }],
+        springs: vec![spring(0, 40.0)],
+        ..Mechanism::default()
+    };
+    let (mass, time_s): (f64, f64) = (1e-3 + (1e-3 + 2e-3) / 4.0, 0.05);
+    let decay = 0.05 / (2.0 * mass);
+    let frequency = (40.0 / mass - decay * decay).sqrt();
+    let (sin, cos) = (frequency * time_s).sin_cos();
+    let expected = 0.02 * (-decay * time_s).exp() * (cos + decay / frequency * sin);
+    let (found, created_j) = joints_after(&mechanism, time_s);
+    assert!((found[0][0] - expected).abs() < 1e-6, "{found:?}, expected {expected}");
+    assert!((found[0][0] - 2.0 * found[1][0]).abs() < 1e-9, "{found:?}");
+    assert!(created_j.abs() < 1e-6, "{created_j:e} J");
+}
+
+/// A torsional oscillator of 1 kHz whose centre of mass is at rest: step sizes must take its rotation into account.
+#[test]
+fn rotation_about_the_centre_of_mass_limits_steps() {
+    let mechanism = Mechanism {
+        bodies: vec![body()],
+        joints: vec![joint(JointKind::Revolute, 0, 0.1, 0.0)],
+        springs: vec![spring(0, 1e-7 * (TAU * 1e3) * (TAU * 1e3))],
+        ..Mechanism::default()
+    };
+    let (found, created_j) = joints_after(&mechanism, 0.01);
+    assert!((found[0][0] - 0.1).abs() < 1e-4, "{found:?}");
+    assert!(created_j.abs() < 1e-6, "{created_j:e} J");
+}
+
+/// A velocity servo with a time constant of 1e-10 s follows its table at once.
+#[test]
+fn stiff_velocity_servo_follows_its_target() {
+    let points = vec![(0.0, 0.0), (0.005, 0.1), (0.01, 0.0)];
+    let target = Profile::Table { points, interpolation: Interpolation::Linear };
+    let mechanism = Mechanism {
+        bodies: vec![body()],
+        joints: vec![joint(JointKind::Revolute, 0, 0.0, 0.0)],
+        actuators: vec![Actuator {
+            name: "servo".into(),
+            joint: 0,
+            command: Command::Servo { kp: 0.0, kd: 1e3, target },
+            limit: None,
+            no_load_speed: None,
+        }],
+        ..Mechanism::default()
+    };
+    for (time_s, expected) in [(0.004, [0.08, 20.0]), (0.008, [0.04, -20.0])] {
+        let (found, created_j) = joints_after(&mechanism, time_s);
+        assert!((found[0][0] - expected[0]).abs() < 1e-6, "{found:?}, expected {expected:?}");
+        assert!((found[0][1] - expected[1]).abs() < 1e-4, "{found:?}, expected {expected:?}");
+        assert!(created_j.abs() < 1e-6, "{created_j:e} J");
+    }
+}
+
+/// The closed form of a rebound, at both limits of a slider.
+#[test]
+fn sliders_rebound_from_their_limits_as_in_closed_form() {
+    let damping = Damping::HuntCrossley { factor_s_per_m: 0.3 };
+    let law = NormalLaw { stiffness_n_per_m_e: 1e7, exponent: 1.5, damping };
+    let limited = |rate: f64| Joint {
+        lower: Some(-1e-3),
+        upper: Some(1e-3),
+        limit: Some(law),
+        ..joint(JointKind::Prismatic { axis_rad: 0.4 }, 0, 0.0, rate)
+    };
+    for rate in [-1.0, 1.0] {
+        let mechanism = Mechanism { bodies: vec![body()], joints: vec![limited(rate)], ..Mechanism::default() };
+        let (found, created_j) = joints_after(&mechanism, 1.5e-3);
+        assert!((found[0][1] + rate * 0.7679997890785).abs() < 1e-4, "{found:?}");
+        assert!(created_j.abs() < 1e-6, "{created_j:e} J");
+    }
+}
