@@ -5,8 +5,8 @@ use phalanx::grasp::finger::{GraspOverrides, grasp};
 use phalanx::grasp::gripper::{GripperGraspRequest, gripper_grasp};
 use phalanx::report::statics::{GripperStaticsReport, StaticsReport};
 use phalanx::report::validation::ValidationReport;
-use phalanx::scene::Axis;
 use phalanx::scene::keywords::SceneKind;
+use phalanx::scene::{Axis, Keyword};
 use phalanx::study::capture::{CaptureError, Plan as CapturePlan, SceneSource};
 use phalanx::study::hold::{HoldError, Loads, Plan as HoldPlan};
 use phalanx::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
@@ -93,10 +93,12 @@ pub fn statics<'py>(
             let result = result.map_err(|error| errors::run(py, error, None))?;
             conversion::parse_json(py, &GripperStaticsReport::new(&result, 1).json())
         }
-        SceneKind::Bodies => Err(argument_error(format!(
-            "{} is a scene of discs (kind = \"bodies\"), but statics needs a finger or a gripper; give a scene such as \
+        kind @ (SceneKind::Bodies | SceneKind::Mechanism) => Err(argument_error(format!(
+            "{} is {} (kind = \"{}\"), but statics needs a finger or a gripper; give a scene such as \
              scenes/experiment-95.toml or scenes/gripper/design-95.toml",
-            scene.file()
+            scene.file(),
+            if kind == SceneKind::Bodies { "a scene of discs" } else { "a mechanism" },
+            kind.keyword()
         ))),
     }
 }

@@ -130,7 +130,7 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         let reading = log::read_file(&path, &mut reader)?;
         let Reader { schema, recording, mut observer, .. } = reader;
         // The page needs all data of the samples.
-        let scene = scene.filter(|scene| reading.is_drawable() && Schema::from_scene(scene) == schema);
+        let scene = scene.filter(|scene| reading.is_drawable() && schema.has_subjects_of(scene));
         Ok::<_, log::ReadError>((schema, recording, observer.report(path.display().to_string(), &reading), scene))
     })?;
     let (schema, recording, report, scene) = contents.map_err(|error| match &error {

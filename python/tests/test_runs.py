@@ -46,7 +46,7 @@ class Runs(unittest.TestCase):
     def test_columns_equal_the_csv_table_of_replay(self):
         with tempfile.TemporaryDirectory() as directory:
             log, table = Path(directory) / "run.mcap", Path(directory) / "run.csv"
-            command("run", ANCHOR, "--log", log)
+            command("run", ANCHOR, "--log", log, "--set", "log.joint_forces=true")
             command("replay", log, "--csv", table)
             with table.open(newline="") as file:
                 header, *rows = list(csv.reader(file))

@@ -1,5 +1,6 @@
 //! `phalanx replay --against`: compares two logs, with differences and plots.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::output::{FileKind, print_result, reserve, save};
@@ -28,6 +29,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             SceneKind::Finger => "a finger",
             SceneKind::Bodies => "discs",
             SceneKind::Gripper => "a gripper",
+            SceneKind::Mechanism => "a mechanism",
         });
         return Err(Failure::bad_input(format!(
             "{} is a log of {first}, but {} is a log of {second}; these cannot be compared; give two logs of one kind",
@@ -224,23 +226,24 @@ fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> V
     if first == second {
         return Vec::new();
     }
+    let subjects = [&first, &second].map(Subjects::new);
     let mut notes = Vec::new();
-    for ((items, others), label) in [(&first, &second), (&second, &first)].into_iter().zip(labels) {
-        let discs = items.bodies.iter().filter(|name| !others.bodies.contains(name)).map(String::as_str);
-        let pairs = items.contacts.iter().filter(|contact| !others.contacts.contains(contact));
-        let pairs = pairs.map(|contact| contact.name.as_str());
-        for (part, names) in [("disc", discs.collect::<Vec<_>>()), ("pair", pairs.collect())] {
+    for ((schema, others), label) in [(&first, &subjects[1]), (&second, &subjects[0])].into_iter().zip(labels) {
+        let discs = schema.bodies.iter().filter(|name| !others.bodies.contains_key(name.as_str()));
+        let pairs = schema.contacts.iter().map(|contact| &contact.name);
+        let pairs = pairs.filter(|name| !others.contacts.contains_key(name.as_str()));
+        for (part, names) in [("disc", discs.cloned().collect::<Vec<_>>()), ("pair", pairs.cloned().collect())] {
             if !names.is_empty() {
                 notes.push(format!("only {label} has the {part} {}", names.join(", ")));
             }
         }
     }
-    let mut common = first;
-    common.bodies.retain(|name| second.bodies.contains(name));
-    common.contacts.retain(|contact| second.contacts.contains(contact));
-    for (schema, recording) in runs {
-        let bodies = indices_of(&common.bodies, &schema.bodies);
-        let contacts = indices_of(&common.contacts, &schema.contacts);
+    let mut common = first.clone();
+    common.bodies.retain(|name| subjects[1].bodies.contains_key(name.as_str()));
+    common.contacts.retain(|contact| subjects[1].contacts.contains_key(contact.name.as_str()));
+    for ((schema, recording), subjects) in runs.iter_mut().zip(&subjects) {
+        let bodies: Vec<usize> = common.bodies.iter().map(|name| subjects.bodies[name.as_str()]).collect();
+        let contacts: Vec<usize> = common.contacts.iter().map(|each| subjects.contacts[each.name.as_str()]).collect();
         let retain = |sample: &mut Sample| {
             *sample = sample.select(&bodies, &contacts);
         };
@@ -248,9 +251,10 @@ fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> V
         let outcome = &mut recording.outcome;
         retain(&mut outcome.last);
         outcome.contacts = contacts.iter().filter_map(|&k| outcome.contacts.get(k).copied()).collect();
+        let retained: HashMap<usize, usize> = contacts.iter().enumerate().map(|(index, &k)| (k, index)).collect();
         recording.events.retain_mut(|event| {
-            let index = contacts.iter().position(|&k| k == event.contact);
-            event.contact = index.unwrap_or(event.contact);
+            let index = retained.get(&event.contact);
+            event.contact = index.copied().unwrap_or(event.contact);
             index.is_some()
         });
         *schema = common.clone();
@@ -258,7 +262,18 @@ fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> V
     notes
 }
 
-/// Indices of `items` in `all`.
-fn indices_of<T: PartialEq>(items: &[T], all: &[T]) -> Vec<usize> {
-    items.iter().filter_map(|item| all.iter().position(|other| other == item)).collect()
+/// Indices of the bodies and contacts of a log, by name.
+struct Subjects<'a> {
+    bodies: HashMap<&'a str, usize>,
+    contacts: HashMap<&'a str, usize>,
+}
+
+impl<'a> Subjects<'a> {
+    fn new(schema: &'a Schema) -> Self {
+        let contacts = schema.contacts.iter().map(|contact| contact.name.as_str());
+        Subjects {
+            bodies: schema.bodies.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect(),
+            contacts: contacts.enumerate().map(|(index, name)| (name, index)).collect(),
+        }
+    }
 }

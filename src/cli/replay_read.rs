@@ -200,7 +200,7 @@ impl LogSink for LogReader<'_> {
         self.schema = schema.clone();
         self.table.iter_mut().for_each(|table| table.set_schema(schema));
         if let Some(page) = &mut self.page {
-            page.matches_scene = Schema::from_scene(&page.scene) == *schema;
+            page.matches_scene = schema.has_subjects_of(&page.scene);
         }
         self.observer.schema(schema)
     }

@@ -51,8 +51,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE.mcap")]
     log: Option<PathBuf>,
 
-    /// Write all samples as comma-separated values to this file, as `phalanx replay --csv` does for a log; - writes
-    /// them to standard output instead of the summary
+    /// Write all samples as comma-separated values to this file, as `phalanx replay --csv` does for a log, always with
+    /// the forces of joints; - writes them to standard output instead of the summary
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
 
@@ -244,7 +244,7 @@ struct Outputs {
 
 impl Sink for Outputs {
     fn required_data(&self) -> RequiredData {
-        self.table.required_data()
+        self.table.required_data().or(self.recorder.required_data())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -4,7 +4,7 @@ use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 
 use super::output::{FileKind, NO_DIRECTORY, print, print_diagnostic, print_report, reserve};
 use super::set::{SetArgs, source_files};
@@ -12,6 +12,7 @@ use super::{Failure, Status};
 use crate::files::{is_forced, replace_file};
 use crate::format::Report;
 use crate::gripper::{Finger, total_mass};
+use crate::mechanism::Mechanism;
 use crate::plot::linkage;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{self, DiscMotion, DrivenFinger, Scene, Side};
@@ -19,14 +20,30 @@ use crate::shape::{self, Shape};
 
 /// A working gripper scene; comments explain the choices that most grippers need.
 const SCENE: &str = include_str!("new.toml");
+/// A working mechanism: the finger of scenes/mechanisms/f85-finger.toml.
+const MECHANISM: &str = include_str!("../../scenes/mechanisms/f85-finger.toml");
 
-/// Write a commented scene file as a starting point for your own gripper; it runs without changes.
+/// Write a commented scene file as a starting point for your own gripper or mechanism; it runs without changes.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open")]
+#[command(
+    after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx new my-linkage.toml --kind mechanism\n  phalanx run \
+                        my-gripper.toml --open"
+)]
 pub(crate) struct NewArgs {
     /// File to write; an existing file is replaced only with --force
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,
+
+    /// Kind of scene: a gripper, or a mechanism of bodies and joints
+    #[arg(long, value_enum, default_value_t = NewKind::Gripper)]
+    kind: NewKind,
+}
+
+/// Kind of a scene to begin with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum NewKind {
+    Gripper,
+    Mechanism,
 }
 
 /// Runs `phalanx new`.
@@ -42,9 +59,18 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
                 _ => bad_input(&error.to_string(), "give a file in a directory where you may write"),
             },
         )?;
-    if let Err(error) = file.write_all(SCENE.as_bytes()).and_then(|()| file.sync_all()) {
+    let is_gripper = args.kind == NewKind::Gripper;
+    let text = if is_gripper { SCENE } else { MECHANISM };
+    if let Err(error) = file.write_all(text.as_bytes()).and_then(|()| file.sync_all()) {
         let _ = fs::remove_file(&args.file);
         return Err(Failure::incomplete(format!("cannot write {path}: {error}")));
+    }
+    if !is_gripper {
+        return print(&format!(
+            "wrote {path}: a commented scene of a mechanism, a finger with a loop\n\
+             watch it close:     phalanx run {path} --open        (or --html FILE.html)\n\
+             show all fields:    phalanx scene show {path}\n"
+        ));
     }
     print(&format!(
         "wrote {path}: a commented scene of a gripper with two phalanges per finger\n\
@@ -140,6 +166,10 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
             let advice = "give the scene of a finger, or view the discs with";
             return bad_input(&format!("a scene of discs, which has no linkage; {advice}"));
         }
+        SceneKind::Mechanism => {
+            let advice = "the symbols are those of a finger; view the mechanism with";
+            return bad_input(&format!("a mechanism, but {advice}"));
+        }
     }
     let target = ("--figure", Some(figure), FileKind::Picture);
     reserve(&[("the scene", &source_files(path))], &[target], NO_DIRECTORY)?;
@@ -163,8 +193,22 @@ fn summarize(scene: &Scene) -> String {
         }
         SceneKind::Bodies => summarize_discs(scene),
         SceneKind::Gripper => summarize_gripper(scene),
+        SceneKind::Mechanism => scene.mechanism.as_ref().map_or_else(String::new, summarize_mechanism),
     };
     format!("{summary}; {:.1} ms", scene.duration_s * 1e3)
+}
+
+fn summarize_mechanism(mechanism: &Mechanism) -> String {
+    let count = |count: usize, one: &str, several: &str| format!("{count} {}", if count == 1 { one } else { several });
+    let freedoms = (3 * mechanism.bodies.len()).saturating_sub(mechanism.constraint_count());
+    [
+        count(mechanism.bodies.len(), "body", "bodies"),
+        count(mechanism.joints.len(), "joint", "joints"),
+        count(freedoms, "degree of freedom", "degrees of freedom"),
+        count(mechanism.actuators.len(), "actuator", "actuators"),
+        count(mechanism.point_contacts().len(), "contact", "contacts"),
+    ]
+    .join(", ")
 }
 
 fn summarize_discs(scene: &Scene) -> String {

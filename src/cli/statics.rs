@@ -16,8 +16,8 @@ use crate::grasp::gripper::{GripperGraspError, GripperGraspRequest, PostureReque
 use crate::plot;
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::report::studies::sizing_csv;
-use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
+use crate::scene::{Keyword, Scene};
 use crate::sizing::Rule;
 use crate::statics::StaticsError;
 use crate::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
@@ -181,10 +181,12 @@ pub(super) fn run_statics(args: &StaticsArgs) -> Result<Status, Failure> {
     match scene.kind() {
         SceneKind::Finger => run_finger(args, &scene),
         SceneKind::Gripper => run_gripper(args, &scene),
-        SceneKind::Bodies => Err(Failure::bad_input(format!(
-            "{} is a scene of discs (kind = \"bodies\"), but statics needs the grasp of a finger or a gripper; give a scene \
+        kind @ (SceneKind::Bodies | SceneKind::Mechanism) => Err(Failure::bad_input(format!(
+            "{} is {} (kind = \"{}\"), but statics needs the grasp of a finger or a gripper; give a scene \
              such as scenes/experiment-95.toml or scenes/gripper/design-95.toml",
-            args.scene.display()
+            args.scene.display(),
+            if kind == SceneKind::Bodies { "a scene of discs" } else { "a mechanism" },
+            kind.keyword()
         ))),
     }
 }

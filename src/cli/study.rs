@@ -147,7 +147,11 @@ fn run_stability(args: &StabilityArgs) -> Result<Status, Failure> {
             "{} is {}; this study needs the scene of a finger (kind = \"finger\"), such as \
              scenes/experiment-95.toml",
             args.scene.display(),
-            if scene.kind() == SceneKind::Gripper { "the scene of a gripper" } else { "a scene of discs" }
+            match scene.kind() {
+                SceneKind::Gripper => "the scene of a gripper",
+                SceneKind::Mechanism => "the scene of a mechanism",
+                SceneKind::Finger | SceneKind::Bodies => "a scene of discs",
+            }
         )));
     }
     let files = ["stability.json", "stability.csv", "stability.svg", "table.txt"];

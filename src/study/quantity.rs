@@ -36,6 +36,9 @@ fn display_unit(dimension: Dimension) -> (&'static str, f64) {
         Dimension::AngularStiffness => ("N·mm/rad", 1e3),
         Dimension::LinearDamping => ("N·s/m", 1.0),
         Dimension::AngularDamping => ("N·m·s/rad", 1.0),
+        Dimension::LinearStiffness => ("N/m", 1.0),
+        Dimension::LinearImpactDamping => ("s/m", 1.0),
+        Dimension::AngularImpactDamping => ("s/rad", 1.0),
     }
 }
 

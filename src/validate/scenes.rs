@@ -122,7 +122,7 @@ pub(crate) fn path_bound(scene: &Scene) -> f64 {
     match scene.kind() {
         SceneKind::Finger => bounds.angle_rad,
         SceneKind::Bodies => bounds.position_m,
-        SceneKind::Gripper => bounds.angle_rad.min(bounds.position_m / REFERENCE_LENGTH_M),
+        SceneKind::Gripper | SceneKind::Mechanism => bounds.angle_rad.min(bounds.position_m / REFERENCE_LENGTH_M),
     }
 }
 

@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use crate::check::perturbed;
-use crate::scene::{LogRates, Scene};
+use crate::scene::{LogSettings, Scene};
 use crate::trace::{Cancellable, KeepRunning};
 use crate::trace::{Event, EventKind, FingerContact, Model, RequiredData, RunError, Sample, Sink, SinkError, run};
 
@@ -129,7 +129,7 @@ fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
 /// Returns the statistics of one run from `bounds.until_s` on.
 fn statistics_of_run(model: Model, scene: &Scene, keep_running: KeepRunning) -> Result<[f64; 6], RunError> {
     let mut sums = StatisticSums { from_s: scene.bounds.until_s, ..StatisticSums::default() };
-    let sampled = Scene { log: LogRates { numeric_hz: INTEGRATION_HZ, ..scene.log }, ..scene.clone() };
+    let sampled = Scene { log: LogSettings { numeric_hz: INTEGRATION_HZ, ..scene.log }, ..scene.clone() };
     let outcome = run(model, &sampled, &mut Cancellable { sink: &mut sums, keep_running })?;
     let first = sums.first.unwrap_or_else(Sample::with_one_finger);
     let length_s = outcome.last.time_s - first.time_s;

@@ -207,7 +207,7 @@ pub fn compare_criteria(scene: &Scene, analytic: &Recording, engine: &Recording)
     match (scene.kind(), &analytic.criteria, &engine.criteria, &analytic.grasp, &engine.grasp) {
         (SceneKind::Finger, Some(analytic), Some(engine), ..) => compare_finger(scene, [analytic, engine]),
         (SceneKind::Gripper, .., Some(analytic), Some(engine)) => compare_gripper(scene, runs, [analytic, engine]),
-        (SceneKind::Finger | SceneKind::Gripper, ..) => Vec::new(),
+        (SceneKind::Finger | SceneKind::Gripper | SceneKind::Mechanism, ..) => Vec::new(),
         (SceneKind::Bodies, ..) => {
             let schema = Schema::from_scene(scene);
             let contacts = schema.contacts.into_iter().zip(analytic.rebounds.iter().zip(&engine.rebounds));

@@ -9,7 +9,7 @@ use crate::support::reference_cases::reference_case;
 use crate::support::synthetic;
 use phalanx::invariants::{Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
-use phalanx::scene::{DiscMotion, LogRates, Response, Scene, Stepping};
+use phalanx::scene::{DiscMotion, LogSettings, Response, Scene, Stepping};
 use phalanx::trace::{
     self, BodyState, ContactSample, Energy, FingerContact, FingerState, Model, Sample, Sink, SinkError,
 };
@@ -311,7 +311,7 @@ fn momentum_balance_detects_wrong_mass_inertia_and_gravity() {
         with_factors(1.0, 1.05, 1.0),
         with_factors(1.0, 1.0, 1.5),
     ]);
-    let fine_scene = Scene { log: LogRates { numeric_hz: 1e6, ..scene.log }, ..scene.clone() };
+    let fine_scene = Scene { log: LogSettings { numeric_hz: 1e6, ..scene.log }, ..scene.clone() };
     let outcome = trace::run(Model::Analytic, &fine_scene, &mut invariants).unwrap();
     let violations = invariants.0.into_iter().map(|invariants| {
         let findings = invariants.findings(outcome.loop_gap_m);

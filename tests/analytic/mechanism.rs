@@ -2,8 +2,8 @@
 //! closed-form kernel, and random mechanisms.
 
 use phalanx::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize, event_function_count};
-use phalanx::analytic::{EVENT_FUNCTIONS, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
-use phalanx::gripper::{Finger, Placement, SpringKind, close_loop};
+use phalanx::analytic::{ContactState, EVENT_FUNCTIONS, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
+use phalanx::gripper::{Finger, FingerContact, Placement, Posture, SpringKind, close_loop};
 use phalanx::integrator::{
     Hybrid, Method, Observer, Options, Radau5, RadauOrRodas, State, Step, StepTools, System, Tolerances, integrate_by,
 };
@@ -151,6 +151,10 @@ fn andrews_squeezer_agrees_with_the_published_solution() {
     }
 }
 
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
+}
+
 /// States of a run, for tests of single states.
 struct States<'a> {
     model: &'a Model,
@@ -180,14 +184,17 @@ fn jacobians_match_differences_along_the_reference_cases() {
         let stride = states.found.len().div_ceil(40);
         for (t, state, mode) in states.found.into_iter().step_by(stride) {
             // Penetrations limit the differences of positions, slips those of rates.
-            let depth = (0..model.contact_count())
-                .map(|index| model.contact_reading((&state.q, &state.v), index, mode[index]))
-                .filter(|reading| reading.normal > 0.0)
-                .map(|reading| reading.delta)
-                .fold(1e-2, f64::min);
+            let active = (0..model.contact_count()).filter(|index| mode[*index].has_force());
+            let depths = active.map(|index| model.contact_reading((&state.q, &state.v), index, mode[index]).delta);
+            let depth = depths.fold(1e-2, f64::min);
+            if depth < 1e-8 {
+                continue;
+            }
             let next = <Model as Hybrid<N, Z, G>>::next_discontinuity(&model, t - 2e-5);
             let time_step = if next < t + 2e-5 { 0.0 } else { 1e-5 };
-            let steps = [time_step, 0.02 * depth, 1e-3 * (1.0 + state.v.iter().fold(0.0f64, |a, b| a.max(b.abs())))];
+            // The friction law changes over 1e-2 m/s.
+            let rate_step = if depth < 1e-2 { 1e-4 } else { 1e-3 * (1.0 + largest(&state.v)) };
+            let steps = [time_step, 0.02 * depth, rate_step];
             let equations = Equations::<_, N, Z> { system: &model, mode, t, q: state.q, v: state.v };
             let allowed = |entry: &Entry| {
                 2e-5 * (entry.row_size + 1e-6 * entry.value.abs() / entry.h) + 1e-7 * entry.largest[1] * entry.h + 1e-7
@@ -335,7 +342,7 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
         let finger = scene.finger_mut();
         let lengths = &mut finger.linkage.lengths;
         for length in [&mut lengths.l11_m, &mut lengths.l12_m, &mut lengths.l21_m, &mut lengths.l22_m] {
-            *length *= random.within(0.85, 1.15);
+            *length *= random.within(0.93, 1.07);
         }
         let bodies = &mut finger.linkage.bodies;
         for body in [&mut bodies.l11, &mut bodies.l12, &mut bodies.l21, &mut bodies.l22] {
@@ -343,20 +350,28 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
             body.inertia_kg_m2 *= random.log_within(0.3, 3.0);
             body.com_m = body.com_m.map(|part| part + random.within(-2e-3, 2e-3));
         }
-        if close_loop(&finger.linkage.lengths, finger.linkage.assembly, finger.initial.q11_rad, finger.initial.q21_rad)
-            .is_err()
-        {
+        let Finger { lengths, assembly, .. } = &finger.linkage;
+        let posture = close_loop(lengths, *assembly, finger.initial.q11_rad, finger.initial.q21_rad);
+        let sine = |posture: Posture| (posture.q11_rad + posture.q12_rad - posture.q21_rad - posture.q22_rad).sin();
+        // Rounding errors grow without bound near the fold, where l12 and l22 are in line.
+        if posture.map_or(0.0, sine).abs() < 0.2 {
+            continue;
+        }
+        let kernel = FingerKernel::new(&scene.system);
+        let start = FingerKernel::start(&scene.system);
+        let overlaps = |contact: FingerContact| {
+            kernel.contact_reading(start.q, start.v, contact, ContactState::Free).is_some_and(|it| it.delta > 0.0)
+        };
+        if FingerContact::ALL.into_iter().any(overlaps) {
             continue;
         }
         designs += 1;
-        let kernel = FingerKernel::new(&scene.system);
         let mechanism = five_bar(&scene);
         let assembled = assemble(&mechanism).expect("an assembled five-bar");
         let model = Model::new(&mechanism, (&assembled.poses, &assembled.rates)).expect("dyads");
         let mut closing = Closing::default();
         let options =
             Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 100_000 };
-        let start = FingerKernel::start(&scene.system);
         let method: RadauOrRodas<2, QUADRATURES> = RadauOrRodas::rodas();
         integrate_by::<2, QUADRATURES, EVENT_FUNCTIONS, _, _, _>(
             method,

@@ -27,6 +27,7 @@ fn limits_page_matches_constants() {
         ("the explorer's module", format!("{} MiB", limits::MAX_MODULE_BYTES >> 20)),
         ("problems of such", format!("{}, of which {} are shown", limits::MAX_PROBLEMS, limits::MAX_SHOWN_PROBLEMS)),
         ("discs of a scene", limits::MAX_DISCS.to_string()),
+        ("bodies of a mechanism", limits::MAX_BODIES.to_string()),
         ("a table (CSV or Parquet)", format!("{} MiB", limits::MAX_TABLE_BYTES >> 20)),
         ("a record of a log", format!("{} MiB", limits::MAX_RECORD_BYTES >> 20)),
         ("each of two logs", format!("{} figures", thousands(limits::MAX_COMPARED_VALUES as u64))),
@@ -55,8 +56,8 @@ fn limits_page_matches_constants() {
     let have_equal_limits = |list: &[Dimension]| list.windows(2).all(|pair| pair[0].max_si() == pair[1].max_si());
     use Dimension::*;
     assert!(have_equal_limits(&[Angle, Mass, Speed, Density]));
-    assert!(have_equal_limits(&[Pressure, AngularStiffness, LinearDamping, AngularDamping]));
-    assert!(have_equal_limits(&[Force, Torque, AngularRate, Acceleration, Inertia, Frequency]));
+    assert!(have_equal_limits(&[Pressure, AngularStiffness, LinearStiffness, LinearDamping, AngularDamping]));
+    assert!(have_equal_limits(&[Force, Torque, AngularRate, Acceleration, Inertia, Frequency, LinearImpactDamping]));
 }
 
 #[test]

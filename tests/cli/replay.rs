@@ -148,7 +148,8 @@ fn every_sample_is_a_line_of_the_table() {
         let names = [&log, &csv].map(|path| path.to_str().expect("UTF-8 path"));
         let (run_csv, page) = (directory.join("of-run.csv"), directory.join("page.html"));
         let run_csv = run_csv.to_str().expect("UTF-8 path");
-        let output = succeed(&["run", scene, "--log", names[0], "--csv", run_csv]);
+        let with_forces = ["--set", "log.joint_forces=true"];
+        let output = succeed(&[&["run", scene, "--log", names[0], "--csv", run_csv], &with_forces[..]].concat());
         assert!(output.contains(&format!("\nsamples: {run_csv}\n")), "{output}");
         let html = page.to_str().expect("UTF-8 path");
         let report = run_json(&["replay", names[0], "--csv", names[1], "--html", html, "--json"]);
@@ -157,7 +158,14 @@ fn every_sample_is_a_line_of_the_table() {
         let text = fs::read_to_string(&csv).expect("the table");
         assert_eq!(fs::read_to_string(run_csv).expect("the table of the run"), text, "{scene}");
         assert_eq!(succeed(&["run", scene, "--csv", "-"]), text, "{scene}");
+        // By default a log does not contain the forces of joints.
         let (headers, rows) = table(&text);
+        let default_log = directory.join("default.mcap");
+        let default_log = default_log.to_str().expect("UTF-8 path");
+        succeed(&["run", scene, "--log", default_log]);
+        let (kept, _) = table(&succeed(&["replay", default_log, "--csv", "-"]));
+        let is_kept = |name: &&String| !(name.contains('q') && name.contains("_force_"));
+        assert!(kept.iter().eq(headers.iter().filter(is_kept)), "{kept:?}");
         assert_eq!((headers.len(), rows.len() as u64), (columns, report["samples"].as_u64().expect("a count")));
         assert!(rows.is_sorted_by(|a, b| a[0] <= b[0]));
         for (column, pointer) in ends {

@@ -156,10 +156,9 @@ class Bytes(unittest.TestCase):
                 self.assertEqual(*digests)
 
     def test_the_size_of_a_closing_is_bounded(self):
-        # 1 MB before logs had the forces of joints, ten numbers of 37 per sample.
         for run in logs.closings():
             with self.subTest(run.name):
-                self.assertLess(run.path.stat().st_size, 1_000_000 * 47 / 37 + 120_000)
+                self.assertLess(run.path.stat().st_size, 1_010_000)
 
 
 if __name__ == "__main__":

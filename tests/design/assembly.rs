@@ -108,7 +108,7 @@ fn redundant_and_contradictory_conditions_are_named() {
     doubled.joints.push(pin("A again", [Some(0), Some(1)], [[0.04, 0.0], [0.0; 2]]));
     assert_eq!(
         message(&doubled),
-        "joint `A again` is redundant: in this posture it follows from joint `A`; remove it, or change the loop"
+        "joint `A again` is redundant, because in this posture it follows from joint `A`: remove it, or change the loop"
     );
 
     let mut parallelogram = four_bar(0.1, 0.04);
@@ -116,7 +116,10 @@ fn redundant_and_contradictory_conditions_are_named() {
     parallelogram.bodies.push(bar("third", [0.05, 0.0, 1.5]));
     parallelogram.joints.push(pin("C", [Some(1), Some(3)], [[0.05, 0.0], [0.04, 0.0]]));
     parallelogram.joints.push(pin("third", [None, Some(3)], [[0.05, 0.0], [0.0; 2]]));
-    assert!(message(&parallelogram).starts_with("joint `third` is redundant: in this posture it follows from joint"));
+    assert!(
+        message(&parallelogram)
+            .starts_with("joint `third` is redundant, because in this posture it follows from joint")
+    );
     // With a third bar that is 0.2 mm too long the loops do not close.
     parallelogram.joints[4].points_m[1][0] = 0.0402;
     assert!(message(&parallelogram).contains("misses by"), "{}", message(&parallelogram));
@@ -164,7 +167,8 @@ fn couplings_join_in() {
 
     geared.couplings.push(Coupling { name: "belt".to_owned(), terms: vec![(0, -4.0), (1, -2.0)], value: -0.2 });
     assert!(
-        message(&geared).starts_with("coupling `belt` is redundant: in this posture it follows from coupling `gears`")
+        message(&geared)
+            .starts_with("coupling `belt` is redundant, because in this posture it follows from coupling `gears`")
     );
 }
 

@@ -1,6 +1,7 @@
 //! Reading of complete, truncated, damaged and foreign logs.
 
 use crate::support::faults::{LogItem, LogItems, read_bytes};
+use crate::support::replay::read_contents;
 use crate::support::synthetic::{lift_off, reload, sample, scene, touch_down};
 use phalanx::log::{LogSummary, Loss, LossKind, ReadError, RunInfo, Severity, Writer};
 use phalanx::scene::Scene;
@@ -55,6 +56,31 @@ fn reads_a_complete_log_bit_for_bit() {
     assert!((run_end.time_s - 1e-6 * SAMPLES as f64).abs() < 1e-9);
     assert_eq!((reading.first_s, reading.last_s), (Some(0.0), Some(1e-6 * (SAMPLES - 1) as f64)));
     assert!(reading.chunks > 4, "{} chunks", reading.chunks);
+}
+
+#[test]
+fn simultaneous_events_keep_their_order() {
+    let scene = scene();
+    let run = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "analytic" };
+    let mut writer = Writer::new(Vec::new(), "the log", &run).expect("started");
+    let contacts = [FingerContact::Limit, FingerContact::Distal, FingerContact::Proximal];
+    writer.sample(&sample(0.0)).expect("written");
+    for contact in contacts {
+        writer.event(&touch_down(1e-3, contact, 1.0)).expect("written");
+    }
+    writer.sample(&sample(2e-3)).expect("written");
+    writer.note(2e-3, Severity::Info, "run", "completed").expect("written");
+    let bytes = writer.finish().expect("finished");
+    let mut contents = read_contents(&bytes);
+    contents.messages.reverse();
+    for bytes in [bytes, contents.log(&contents.messages, mcap::WriteOptions::new())] {
+        let (_, LogItems(items)) = read_log(&bytes);
+        let events = items.iter().filter_map(|item| match item {
+            LogItem::Event(event) => Some(event.contact),
+            LogItem::Sample(_) => None,
+        });
+        assert!(events.eq(contacts.map(|contact| contact as usize)));
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use phalanx::scene::keywords::SceneKind;
 use std::fs;
 
 use phalanx::log::{read_file, run_to};
-use phalanx::scene::{Scene, load, load_any};
+use phalanx::scene::{load, load_any};
 use phalanx::trace::{Event, EventKind, FingerContact, Model, Recording, Schema, record, run};
 
 use crate::support::cli::{directory, path_text, succeed};
@@ -45,14 +45,15 @@ fn recording_matches_the_csv_table() {
         ("scenes/free-swing.toml", Model::Analytic),
         (DISC_SCENE, Model::Engine),
     ] {
-        let scene = load_any(scene).expect("a scene");
+        let mut scene = load_any(scene).expect("a scene");
+        scene.log.joint_forces = true;
         let (outcome, recording) = record(model, &scene).expect("a run");
         let logged = run_to(&scene, model, &path).expect("a run");
         assert_eq!(logged.outcome, outcome);
         let table = read_csv_table(&path);
         assert_same_columns(&recording, &table);
         // Reading the log gives the same arrays.
-        let mut read = Recording::new(&schema(&scene));
+        let mut read = Recording::new(&Schema::from_kind(scene.kind()));
         read_file(&path, &mut read).expect("a log");
         assert_same_columns(&read, &table);
         assert_eq!(read.events(), recording.events());
@@ -62,11 +63,6 @@ fn recording_matches_the_csv_table() {
             assert!(recording.events().len() >= 2);
         }
     }
-}
-
-/// Schema of the arrays into which a log is read.
-fn schema(scene: &Scene) -> Schema {
-    if scene.kind() == SceneKind::Finger { Schema::from_kind(SceneKind::Finger) } else { Schema::default() }
 }
 
 #[test]
@@ -119,7 +115,7 @@ fn slip_events_are_read_back_from_a_log() {
             let mut contacts = outcome.contacts.iter().enumerate();
             assert!(contacts.all(|(contact, summary)| summary.slips == slips(contact)), "{scene}");
             run_to(&loaded, model, &path).expect("a run");
-            let mut read = Recording::new(&schema(&loaded));
+            let mut read = Recording::new(&Schema::from_kind(loaded.kind()));
             assert!(read_file(&path, &mut read).expect("a log").is_complete());
             assert_eq!(read.events(), recording.events(), "{scene}, {}", model.name());
             succeed(&["replay", path_text(&path), "--verify", "--json"]);

@@ -131,16 +131,19 @@ fn the_schema_separates_the_scene_kinds() {
     );
     let rest = &schema["else"];
     assert_eq!(rest["if"]["properties"]["kind"]["const"], "gripper");
-    let [discs, gripper, finger] = [&schema["then"], &rest["then"], &rest["else"]];
+    let last = &rest["else"];
+    assert_eq!(last["if"]["properties"]["kind"]["const"], "mechanism");
+    let [discs, gripper, mechanism, finger] = [&schema["then"], &rest["then"], &last["then"], &last["else"]];
     for (kind, accepted, rejected) in [
         (discs, "discs", ["design", "palm_width"]),
         (gripper, "palm_width", ["discs", "half_plane"]),
+        (mechanism, "joints", ["discs", "design"]),
         (finger, "design", ["discs", "palm_width"]),
     ] {
         assert_eq!(kind["additionalProperties"], Value::Bool(false));
         assert!(kind["properties"].get(accepted).is_some());
         assert!(rejected.iter().all(|other| kind["properties"].get(other).is_none()));
-        assert_eq!(kind["properties"]["kind"]["enum"], serde_json::json!(["finger", "bodies", "gripper"]));
+        assert_eq!(kind["properties"]["kind"]["enum"], serde_json::json!(["finger", "bodies", "gripper", "mechanism"]));
     }
     assert_eq!(
         schema["then"]["properties"]["discs"]["additionalProperties"]["additionalProperties"],

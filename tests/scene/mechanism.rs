@@ -1,9 +1,14 @@
-//! Scenes of mechanisms: their samples.
+//! Scenes of mechanisms: reading, showing, and their samples.
 
+use phalanx::law::NormalLaw;
+use phalanx::mechanism::{Command, ForcePoint, JointKind, Mechanism, OutlineShape, SpringKind, assemble};
+use phalanx::scene::keywords::SceneKind;
+use phalanx::scene::{self, Scene};
 use phalanx::trace::schema::JointState;
 use phalanx::trace::{ContactSample, Sample, Schema, interpolate};
 
 use crate::support::mechanism_cases::mechanism_case;
+use crate::{assert_round_trip, parse};
 
 /// Names of the channels of a case.
 fn columns(name: &str) -> Vec<String> {
@@ -64,4 +69,213 @@ fn samples_hold_the_states_of_a_mechanism() {
     let selected = middle.select(&[8], &[0, 5]);
     assert_eq!((selected.joint_state(9), selected.contact(1)), (middle.joint_state(9), middle.contact(5)));
     assert!(selected.is_stop(1) && !selected.is_stop(0));
+}
+
+/// The shipped scene of a mechanism.
+fn shipped(name: &str) -> Scene {
+    let text = std::fs::read_to_string(format!("scenes/mechanisms/{name}.toml")).expect("a scene");
+    parse(&text)
+}
+
+#[test]
+fn shipped_mechanisms_are_the_reference_cases() {
+    for (name, case) in [
+        ("f85-finger", "c_f85_link_pad"),
+        ("four-bar", "b_four_bar"),
+        ("slider-crank", "b_slider_crank"),
+        ("andrews", "a_andrews"),
+    ] {
+        let (scene, case) = (shipped(name), mechanism_case(case));
+        let (found, expected) = (scene.mechanism.as_ref().expect("a mechanism"), &case.mechanism);
+        assert_eq!(scene.kind(), SceneKind::Mechanism);
+        assert_eq!(scene.duration_s, case.duration_s, "{name}");
+        assert_eq!(found.gravity_m_s2, expected.gravity_m_s2, "{name}");
+        // The names of the reference begin with a side, and lists have another order.
+        let plain = |name: &str| name.strip_prefix("r_").unwrap_or(name).to_owned();
+        let start = assemble(found).expect("a start");
+        for (body, pose) in expected.bodies.iter().zip(&case.start.poses) {
+            let index = found.bodies.iter().position(|other| other.name == plain(&body.name)).expect("a body");
+            let other = &found.bodies[index];
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-15 * b.abs();
+            assert!(near(other.mass_kg, body.mass_kg) && near(other.inertia_kg_m2, body.inertia_kg_m2), "{name}");
+            assert!((0..2).all(|k| near(other.com_m[k], body.com_m[k])), "{name}: {}", body.name);
+            let error = (0..3).map(|k| (start.poses[index][k] - pose[k]).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-13, "{name}: {} by {error}", body.name);
+        }
+        let counts = |of: &Mechanism| {
+            [of.joints.len(), of.springs.len(), of.actuators.len(), of.contacts.len(), of.limits().len()]
+        };
+        assert_eq!(counts(found), counts(expected), "{name}");
+        for joint in &expected.joints {
+            let found_joint =
+                found.joints.iter().find(|other| plain(&other.name).eq_ignore_ascii_case(&plain(&joint.name)));
+            let found_joint = found_joint.expect("a joint");
+            assert_eq!(found_joint.kind, joint.kind, "{name}");
+            let (a, b) = (found_joint.limit, joint.limit);
+            assert_eq!((a, found_joint.damping, found_joint.armature), (b, joint.damping, joint.armature), "{name}");
+        }
+        if let ([first, ..], [other, ..]) = (&found.contacts[..], &expected.contacts[..]) {
+            assert_eq!((first.law, first.force_point), (other.law, other.force_point));
+        }
+        assert_eq!(found.actuators[0].command, expected.actuators[0].command, "{name}");
+    }
+}
+
+/// A scene with every kind of part.
+const EVERYTHING: &str = r#"
+kind = "mechanism"
+gravity = ["0 m/s^2", "-9.81 m/s^2"]
+[bodies.left]
+mass = "0.2 kg"
+inertia = "1e-4 kg*m^2"
+guess = { at = ["-40 mm", "20 mm"] }
+[bodies.right]
+mass = "0.2 kg"
+inertia = "1e-4 kg*m^2"
+guess = { at = ["40 mm", "20 mm"] }
+[bodies.right.outlines.face]
+type = "capsule"
+from = ["0 mm", "-15 mm"]
+to = ["0 mm", "15 mm"]
+radius = "2 mm"
+[bodies.arm]
+mass = "30 g"
+inertia = "2e-5 kg*m^2"
+guess = { at = ["0 mm", "100 mm"], angle = "-90 deg" }
+[bodies.ball]
+mass = "50 g"
+inertia = "8e-6 kg*m^2"
+start = { at = ["0 mm", "21 mm"], angle = "5 deg", velocity = ["0.1 m/s", "0 m/s"], spin = "2 rad/s" }
+[bodies.ball.outlines.rim]
+type = "disc"
+radius = "20 mm"
+[ground.outlines.floor]
+type = "half_plane"
+normal = [0, 2]
+[joints.right]
+type = "prismatic"
+bodies = ["ground", "right"]
+points = [["0 mm", "20 mm"], ["0 mm", "0 mm"]]
+start = "40 mm"
+start_rate = "-0.1 m/s"
+armature = "10 g"
+damping = "2 N*s/m"
+lower = "10 mm"
+stop = "end"
+[joints.left]
+type = "prismatic"
+bodies = ["ground", "left"]
+points = [["0 mm", "20 mm"], ["0 mm", "0 mm"]]
+axis = "0 deg"
+[joints.shoulder]
+bodies = ["ground", "arm"]
+at = ["0 mm", "100 mm"]
+offset = "-90 deg"
+upper = "30 deg"
+stop = "stop"
+[springs.return]
+joint = "shoulder"
+stiffness = "0.1 N*m/rad"
+torque = "20 N*mm"
+[springs.coil]
+type = "linear"
+bodies = ["arm", "ball"]
+points = [["30 mm", "0 mm"], ["0 mm", "0 mm"]]
+stiffness = "100 N/m"
+rest = "30 mm"
+damping = "0.3 N*s/m"
+[couplings.sync]
+joints = ["right", "left"]
+factors = [1, 1]
+[actuators.jaw]
+joint = "right"
+times = ["0 ms", "60 ms"]
+targets = ["40 mm", "10 mm"]
+kp = "2e4 N/m"
+kd = "60 N*s/m"
+limit = "20 N"
+[actuators.motor]
+joint = "shoulder"
+torque = "20 N*mm"
+no_load_speed = "100 rad/s"
+[laws.end]
+type = "step"
+stiffness = 1e8
+exponent = 2.2
+damping = "2e3 N*s/m"
+transition = "0.1 mm"
+[laws.stop]
+stiffness = 2e4
+damping = "0.2 s/rad"
+[laws.pad]
+stiffness = 1e6
+damping = "3 s/m"
+friction = { mu_static = 0.6 }
+[[contacts]]
+points = "ball.rim"
+faces = ["right.face", "ground.floor"]
+law = "pad"
+[[contacts]]
+points = "right.face"
+face = "ground.floor"
+law = "end"
+at = "middle"
+"#;
+
+#[test]
+fn every_part_is_read_and_shown_again() {
+    let scene = parse(EVERYTHING);
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    // Lists are in the order of the names.
+    let names = |all: Vec<&str>| all.join(" ");
+    assert_eq!(names(of.bodies.iter().map(|body| body.name.as_str()).collect()), "arm ball left right");
+    assert_eq!(names(of.joints.iter().map(|joint| joint.name.as_str()).collect()), "left right shoulder");
+    let right = &of.joints[1];
+    assert_eq!((right.kind, right.bodies), (JointKind::Prismatic { axis_rad: 0.0 }, [None, Some(3)]));
+    assert_eq!((right.start, right.start_rate, right.armature, right.damping), (Some(0.04), -0.1, 0.01, 2.0));
+    assert_eq!((right.lower, right.upper, right.limit), (Some(0.01), None, Some(NormalLaw::step(1e8, 2.2, 2e3, 1e-4))));
+    // One point of the posture gives the point in each body.
+    let shoulder = &of.joints[2];
+    assert_eq!((shoulder.points_m, shoulder.start), ([[0.0, 0.1], [0.0, 0.0]], None));
+    let ball = &of.bodies[1];
+    assert_eq!((ball.pose, ball.rate), ([0.0, 0.021, 5f64.to_radians()], [0.1, 0.0, 2.0]));
+    assert_eq!(of.ground_outlines[0].shape, OutlineShape::HalfPlane { point_m: [0.0; 2], normal: [0.0, 1.0] });
+    assert_eq!(of.couplings[0].terms, [(1, 1.0), (0, 1.0)]);
+    assert_eq!(of.springs[1].kind, SpringKind::Torsional { joint: 2, preload: 0.02 });
+    let Command::Servo { kp, kd, target } = &of.actuators[0].command else { panic!("a controller") };
+    assert_eq!((*kp, *kd, target.at(0.03).0, of.actuators[0].limit), (2e4, 60.0, 0.025, Some(20.0)));
+    assert_eq!(of.actuators[1].no_load_speed, Some(100.0));
+    let contacts: Vec<String> = of.point_contacts().into_iter().map(|contact| contact.name).collect();
+    assert_eq!(
+        contacts.join(" "),
+        "ball.rim/right.face ball.rim/ground.floor right.face[0]/ground.floor right.face[1]/ground.floor"
+    );
+    assert_eq!(
+        of.contacts[0].law.friction.map(|friction| (friction.mu_static, friction.v_static_m_s)),
+        Some((0.6, 0.1))
+    );
+    assert_eq!(of.contacts[2].force_point, ForcePoint::Middle);
+    assert_round_trip(&scene);
+    // As written, with its own names of laws.
+    let written = scene::show_written(&scene);
+    assert!(written.contains("[[contacts]]") && written.contains("[laws.pad]"), "{written}");
+    assert_eq!(parse(&written).mechanism, scene.mechanism, "{written}");
+    for name in ["f85-finger", "four-bar", "slider-crank", "andrews"] {
+        assert_round_trip(&shipped(name));
+    }
+}
+
+#[test]
+fn single_values_replace_those_of_a_mechanism() {
+    let file = scene::Layer { file: "own.toml".into(), text: EVERYTHING.into() };
+    let setting = scene::parse_setting("--set", "joints.right.start=35 mm").expect("a setting");
+    let changed = scene::parse_layers(&[file.clone()], &[setting], scene::parse_any).expect("a scene");
+    let mut expected = parse(EVERYTHING).mechanism.expect("a mechanism");
+    expected.joints[1].start = Some(0.035);
+    assert_eq!(changed.mechanism, Some(expected));
+    // The message about a list of tables is at its header.
+    let wrong = scene::parse_setting("--set", "laws.pad.damping=1 s/rad").expect("a setting");
+    let error = scene::parse_layers(&[file], &[wrong], scene::parse_any).expect_err("a law of limits").to_string();
+    assert!(error.contains("`contacts[0].law` has units of s/rad, but a contact needs a law with s/m"), "{error}");
+    assert!(error.contains("[[contacts]]"), "{error}");
 }

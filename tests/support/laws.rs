@@ -4,7 +4,7 @@ pub use super::runs::CollectSink;
 use super::runs::run_model;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System, Thresholds,
+    Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogSettings, Preset, Scene, Stepping, System, Thresholds,
 };
 use phalanx::shape::Shape;
 use phalanx::trace::{Model, Outcome};
@@ -53,22 +53,12 @@ pub fn scene_of(system: System, duration_s: f64) -> Scene {
         integrator: Integrator::preset(Preset::Reference),
         engine: Engine::DEFAULT,
         thresholds: Thresholds::NONE,
-        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
+        log: LogSettings { numeric_hz: 1e4, picture_hz: 5e3, joint_forces: false },
     }
 }
 
 /// A system without bodies.
-pub const EMPTY: System = System {
-    fingers: Vec::new(),
-    palm_width_m: 0.0,
-    differential: None,
-    discs: Vec::new(),
-    between_discs: None,
-    palm: None,
-    table: None,
-    palm_motion: None,
-    gravity_m_s2: [0.0; 2],
-};
+pub const EMPTY: System = System::EMPTY;
 
 /// A scene of discs without gravity and half plane.
 pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {

@@ -9,7 +9,7 @@ use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Sprin
 use phalanx::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
     Axis, Brake, Differential, Disc, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Initial, Integrator,
-    LogRates, Motor, Move, PalmMotion, Preset, Profile, Ramp, Scene, System, Thresholds, Vibration,
+    LogSettings, Motor, Move, PalmMotion, Preset, Profile, Ramp, Scene, System, Thresholds, Vibration,
 };
 use serde_json::Value;
 
@@ -200,7 +200,7 @@ fn scene(value: &Value) -> Scene {
     Scene {
         integrator: Integrator::preset(Preset::Engineering),
         thresholds: Thresholds::defaults_for_run(duration_s, 0.0),
-        log: LogRates { numeric_hz: 1e4, picture_hz: 0.0 },
+        log: LogSettings { numeric_hz: 1e4, picture_hz: 0.0, joint_forces: false },
         ..scene_of(system, duration_s)
     }
 }

@@ -257,7 +257,7 @@ fn fingers_and_grippers_have_fixed_error_limits() {
         }
     }
     for scale in [1e-3, 1.0, 20.0] {
-        let units = units(&scene(&scaled_gripper(scale, "480 N*mm", "132.6 N*mm")).system);
+        let units = units(&scene(&scaled_gripper(scale, "480 N*mm", "132.6 N*mm")));
         assert_eq!(units[..6], [1.0; 6]);
         assert!((units[6] / (0.02 * scale) - 1.0).abs() < 1e-12, "{units:?}");
     }

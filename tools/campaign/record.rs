@@ -149,7 +149,7 @@ fn simulate(scene: &mut Scene, setting: Setting) -> Run {
     scene.integrator = setting_integrator(setting, &scene.integrator);
     scene.engine.stepping = setting_stepping(setting, scene.engine.stepping);
     scene.log.numeric_hz = POINTS / scene.duration_s;
-    let mut recorder = PathRecorder::new(scene.duration_s, units(&scene.system));
+    let mut recorder = PathRecorder::new(scene.duration_s, units(scene));
     let result = run(setting_model(setting), &*scene, &mut recorder);
     let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),

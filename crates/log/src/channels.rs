@@ -1,10 +1,10 @@
-//! Channels of a log: their topics and contents, derived from the schema of the run.
+//! Topics of a log and their contents, derived from the schema of the run.
 
-use super::messages::message_name;
+use super::messages::{EVENT, message_name};
 use phalanx_core::trace::Schema;
-use phalanx_core::trace::schema::{Subject, SubjectKind};
+use phalanx_core::trace::schema::SubjectKind;
 
-/// Content of a channel.
+/// Content of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChannelContent {
     /// A subject, by its index among [`Schema::subjects`], and the index of its contact if it is one.
@@ -13,12 +13,10 @@ pub enum ChannelContent {
     Events,
     /// Event lines, or the whole run.
     Lines,
-    /// 3-D view, derived from the other channels.
-    Picture,
 }
 
 impl ChannelContent {
-    /// Index of the contact that the channel is about.
+    /// Index of the contact that the topic is about.
     pub fn contact(self) -> Option<usize> {
         match self {
             ChannelContent::Subject { contact, .. } => contact,
@@ -26,7 +24,7 @@ impl ChannelContent {
         }
     }
 
-    /// Index of the subject of the channel.
+    /// Index of the subject of the topic.
     pub(crate) fn subject(self) -> Option<usize> {
         match self {
             ChannelContent::Subject { index, .. } => Some(index),
@@ -34,33 +32,47 @@ impl ChannelContent {
         }
     }
 
-    /// Name of the messages; `None` for messages of Foxglove.
-    pub(crate) fn message_name(self) -> Option<&'static str> {
+    /// Name of the messages.
+    pub(crate) fn message_name(self) -> &'static str {
         match self {
-            ChannelContent::Subject { kind, .. } => Some(message_name(kind)),
-            ChannelContent::Events => Some(super::messages::EVENT),
-            ChannelContent::Lines | ChannelContent::Picture => None,
+            ChannelContent::Subject { kind, .. } => message_name(kind),
+            ChannelContent::Events => EVENT,
+            ChannelContent::Lines => "foxglove.Log",
         }
     }
 }
 
-/// Topic of events.
-pub(crate) const EVENT_TOPIC: &str = "/event";
+/// A topic; views for 3-D are derived from the others and not listed.
+#[derive(Clone, Debug)]
+pub(crate) struct Topic {
+    pub name: String,
+    pub content: ChannelContent,
+    /// Whether logs of the run have it.
+    pub is_expected: bool,
+    /// Its channels in a log that is read.
+    pub channels: Vec<u16>,
+}
 
-/// Returns topic and content of the channels of all subjects, in the order of their numbers, with whether the scene has
-/// the subject.
-pub(crate) fn subject_channels(schema: &Schema) -> Vec<(String, ChannelContent, bool)> {
+/// Topics of events, and of their lines.
+pub(crate) const EVENTS: &str = "/event";
+pub(crate) const LINES: &str = "/events";
+
+/// Returns the topics of all subjects in the order of their numbers, the events, and their lines.
+pub(crate) fn topics(schema: &Schema) -> Vec<Topic> {
     let subjects = schema.subjects();
     let first_contact = subjects.len() - 1 - schema.contacts.len();
-    let channel = |(index, Subject { kind, name, exists, .. }): (usize, Subject)| {
-        let topic = match kind {
+    let topic = |name, content, is_expected| Topic { name, content, is_expected, channels: Vec::new() };
+    let of_subjects = subjects.into_iter().enumerate().map(|(index, subject)| {
+        let (kind, name) = (subject.kind, &subject.name);
+        let is_contact = matches!(kind, SubjectKind::Contact | SubjectKind::Limit);
+        let topic_name = match kind {
             SubjectKind::Energy => "/energy".to_string(),
             SubjectKind::Limit => format!("/contact/{name}"),
             _ => format!("/{}/{name}", kind.name()),
         };
-        let is_contact = matches!(kind, SubjectKind::Contact | SubjectKind::Limit);
         let contact = is_contact.then(|| index - first_contact);
-        (topic, ChannelContent::Subject { index, kind, contact }, exists)
-    };
-    subjects.into_iter().enumerate().map(channel).collect()
+        topic(topic_name, ChannelContent::Subject { index, kind, contact }, subject.exists)
+    });
+    let others = [(EVENTS, ChannelContent::Events), (LINES, ChannelContent::Lines)];
+    of_subjects.chain(others.map(|(name, content)| topic(name.to_string(), content, true))).collect()
 }

@@ -1,13 +1,14 @@
 //! Logs: one MCAP file per run, with protobuf channels and embedded descriptors. [`run_to`] writes one.
 //!
 //! Topics and fields of phalanx' own messages are the subjects and quantities of [`Schema`](phalanx_core::trace::Schema).
+//! Quantities that follow from others, such as the sliding power of a contact, are computed on reading.
 //!
 //! | topic | schema | content |
 //! |---|---|---|
-//! | `/joint/NAME` | `phalanx.Joint` | angle, rate, and force of a joint: `q11`, for grippers `right_q11` |
+//! | `/joint/NAME` | `phalanx.Joint` | angle and rate of a joint, and its force if the scene requests it (`[log] joint_forces`): `q11`, for grippers `right_q11` |
 //! | `/actuator/NAME` | `phalanx.Actuator` | torque: `motor`, `right_motor` |
 //! | `/body/NAME` | `phalanx.Body` | position, angle and rates of the object or of a disc |
-//! | `/contact/NAME` | `phalanx.Contact` | gap, slip, forces, contact point, sliding power; `hammer-anvil` for discs |
+//! | `/contact/NAME` | `phalanx.Contact` | gap, slip, forces, contact point; `hammer-anvil` for discs |
 //! | `/contact/limit`, `/contact/right_limit` | `phalanx.Limit` | the joint limit; only when the scene has one |
 //! | `/energy` | `phalanx.Energy` | energies, works and their balance; motor work includes the work on driven discs |
 //! | `/event` | `phalanx.Event` | touch-downs, lift-offs, reloads; friction that slips or sticks, at most 1000 per contact |

@@ -1,7 +1,7 @@
 //! Messages of phalanx' own topics: flat protobuf messages, described by the schema embedded in the log.
 //!
-//! The message of a subject is the field `timestamp` (time since the start of the run, in s, unrounded) and the
-//! quantities of its kind ([`SubjectKind::quantities`]), all doubles. Readers use field names.
+//! The message of a subject is the field `timestamp` (time since the start of the run, in s, unrounded) and its
+//! independent quantities ([`Subject::independent`]), all doubles. Readers use field names.
 
 use foxglove::Schema;
 use prost::bytes::Buf;
@@ -10,7 +10,7 @@ use prost::{DecodeError, Message};
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 
-use phalanx_core::trace::schema::SubjectKind;
+use phalanx_core::trace::schema::{Subject, SubjectKind};
 use phalanx_core::trace::{Event, EventKind};
 
 /// Protobuf package of phalanx' own messages.
@@ -38,9 +38,9 @@ pub(crate) fn message_name(kind: SubjectKind) -> &'static str {
 /// Message name of events, with its package.
 pub(crate) const EVENT: &str = "phalanx.Event";
 
-/// Returns the schema of the messages of a kind of subject.
-pub(crate) fn subject_schema(kind: SubjectKind) -> Schema {
-    schema(message_name(kind), kind.quantities().map(|(_, quantity)| (quantity.key, Type::Double)))
+/// Returns the schema of the messages of a subject.
+pub(crate) fn subject_schema(subject: &Subject) -> Schema {
+    schema(message_name(subject.kind), subject.independent().map(|(_, quantity)| (quantity.key, Type::Double)))
 }
 
 /// Returns the schema of events.
@@ -77,8 +77,10 @@ fn schema(full_name: &str, fields: impl Iterator<Item = (&'static str, Type)>) -
 
 /// Encodes the message of a subject. Fields are never omitted, not even zeros.
 pub(crate) fn encode(time_s: f64, numbers: impl Iterator<Item = f64>, out: &mut Vec<u8>) {
-    for (tag, number) in (1..).zip([time_s].into_iter().chain(numbers)) {
-        double::encode(tag, &number, out);
+    for (field, number) in (1..).zip([time_s].into_iter().chain(numbers)) {
+        // The key of a field below 16 is one byte.
+        out.push(field << 3 | WireType::SixtyFourBit as u8);
+        out.extend_from_slice(&number.to_le_bytes());
     }
 }
 
@@ -119,23 +121,24 @@ pub(crate) fn encode_event(event: &Event, subject: &str, subject_kind: SubjectKi
 
 /// Decodes an event: returns it without its contact, and name and kind of its subject. An unknown kind of event is `None`.
 pub(crate) fn decode_event(mut message: &[u8]) -> Result<Option<(Event, [String; 2])>, DecodeError> {
-    let (mut texts, mut numbers) = ([const { String::new() }; EVENT_TEXTS.len()], [0.0; 1 + EVENT_NUMBERS.len()]);
+    let (mut texts, mut numbers) = ([const { String::new() }; EVENT_TEXTS.len()], [0.0; EVENT_NUMBERS.len()]);
+    let mut time_s = 0.0;
     while message.has_remaining() {
         let (field, wire_type) = decode_key(&mut message)?;
         let context = DecodeContext::default();
-        match (field as usize, wire_type) {
-            (2..=4, WireType::LengthDelimited) => {
-                string::merge(wire_type, &mut texts[field as usize - 2], &mut message, context)?;
-            }
-            (1, WireType::SixtyFourBit) => double::merge(wire_type, &mut numbers[0], &mut message, context)?,
-            (5..=8, WireType::SixtyFourBit) => {
-                double::merge(wire_type, &mut numbers[field as usize - 4], &mut message, context)?;
-            }
+        let after_time = (field as usize).wrapping_sub(2);
+        let number = match field {
+            1 => Some(&mut time_s),
+            _ => numbers.get_mut(after_time.wrapping_sub(EVENT_TEXTS.len())),
+        };
+        match (texts.get_mut(after_time), number, wire_type) {
+            (Some(text), _, WireType::LengthDelimited) => string::merge(wire_type, text, &mut message, context)?,
+            (_, Some(number), WireType::SixtyFourBit) => double::merge(wire_type, number, &mut message, context)?,
             _ => skip_field(wire_type, field, &mut message, context)?,
         }
     }
     let [subject, subject_kind, kind] = texts;
-    let [time_s, speed, impulse, angular_speed, angular_impulse] = numbers;
+    let [speed, impulse, angular_speed, angular_impulse] = numbers;
     let kind = EventKind::ALL.into_iter().find(|known| known.key() == kind);
     let event = |kind| Event {
         time_s,

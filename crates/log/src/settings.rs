@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::metadata::LOG_VERSION;
-use phalanx_core::scene::schema::{SettingsSection, restore};
-use phalanx_core::scene::{Engine, Integrator, LogRates, Scene};
+use phalanx_core::scene::schema::restore;
+use phalanx_core::scene::{Engine, Integrator, LogSettings, Scene};
 use phalanx_core::trace::Model;
 use phalanx_core::units::MAX_TIME_S;
 
@@ -13,7 +13,7 @@ use phalanx_core::units::MAX_TIME_S;
 pub struct Settings {
     pub solver: Solver,
     pub duration_s: f64,
-    pub log: LogRates,
+    pub log: LogSettings,
     /// File name of the scene and name of the attachment.
     pub scene_file: String,
 }
@@ -67,55 +67,35 @@ impl Settings {
 /// # Errors
 /// Returns [`SettingsError`] for a missing, unknown or invalid entry.
 pub fn settings(metadata: &BTreeMap<String, String>) -> Result<Settings, SettingsError> {
-    let mut entries = Entries { metadata, used: INFORMATIONAL_KEYS.map(str::to_string).to_vec() };
-    let duration = entries.take_text("duration_s")?;
+    let mut entries = metadata.clone();
+    entries.retain(|key, _| !INFORMATIONAL_KEYS.contains(&key.as_str()));
+    let mut take = |key: &str| entries.remove(key).ok_or_else(|| SettingsError::MissingEntry(key.to_string()));
+    let duration = take("duration_s")?;
     let duration_s = duration.parse().ok().filter(|duration_s| 0.0 < *duration_s && *duration_s <= MAX_TIME_S);
     let allowed = || format!("a number above 0, and {MAX_TIME_S} at most");
     let duration_s = duration_s.ok_or_else(|| invalid("duration_s".into(), duration, allowed()))?;
-    let model = entries.take_text("model")?;
+    let model = take("model")?;
     let solver = match model.as_str() {
-        name if name == Model::Analytic.name() => Solver::Analytic(entries.take_section()?),
-        name if name == Model::Engine.name() => Solver::Engine(entries.take_section()?),
+        name if name == Model::Analytic.name() => Solver::Analytic(restore(&mut take, invalid)?),
+        name if name == Model::Engine.name() => Solver::Engine(restore(&mut take, invalid)?),
         _ => {
             let [analytic, engine] = [Model::Analytic, Model::Engine].map(Model::name);
             return Err(invalid("model".into(), model, format!("\"{analytic}\" or \"{engine}\"")));
         }
     };
-    let log: LogRates = entries.take_section()?;
+    let log: LogSettings = restore(&mut take, invalid)?;
     if let Some(excess) = log.excess(duration_s) {
         let key = if excess.pictures { "log_picture_hz" } else { "log_numeric_hz" };
         return Err(invalid(key.into(), excess.rate_hz.to_string(), format!("lower: {excess}")));
     }
-    let scene_file = entries.take_text("scene_file")?;
-    entries.ensure_all_used()?;
-    Ok(Settings { solver, duration_s, log, scene_file })
+    let scene_file = take("scene_file")?;
+    // An unused entry is a setting that would be lost.
+    match entries.pop_first() {
+        Some((key, value)) => Err(SettingsError::UnknownSetting { key, value }),
+        None => Ok(Settings { solver, duration_s, log, scene_file }),
+    }
 }
 
 fn invalid(key: String, value: String, allowed: String) -> SettingsError {
     SettingsError::InvalidValue { key, value, allowed }
-}
-
-/// Entries of a metadata record and the keys already used.
-struct Entries<'a> {
-    metadata: &'a BTreeMap<String, String>,
-    used: Vec<String>,
-}
-
-impl Entries<'_> {
-    fn take_text(&mut self, key: &str) -> Result<String, SettingsError> {
-        self.used.push(key.to_string());
-        self.metadata.get(key).cloned().ok_or_else(|| SettingsError::MissingEntry(key.to_string()))
-    }
-
-    fn take_section<T: SettingsSection>(&mut self) -> Result<T, SettingsError> {
-        restore(|key| self.take_text(key), invalid)
-    }
-
-    /// Rejects unused entries: they are settings that would be lost.
-    fn ensure_all_used(&self) -> Result<(), SettingsError> {
-        match self.metadata.iter().find(|(key, _)| !self.used.contains(key)) {
-            Some((key, value)) => Err(SettingsError::UnknownSetting { key: key.clone(), value: value.clone() }),
-            None => Ok(()),
-        }
-    }
 }

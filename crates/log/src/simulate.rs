@@ -129,7 +129,8 @@ struct RunSinks<'a, W: Write + Send + 'static, A> {
 
 impl<W: Write + Send + 'static, A: Sink> Sink for RunSinks<'_, W, A> {
     fn required_data(&self) -> RequiredData {
-        self.log.required_data().or(self.extra_sink.required_data())
+        let evaluation = self.criteria_tracker.required_data().or(self.audit.required_data());
+        evaluation.or(self.extra_sink.required_data()).or(self.log.required_data())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -14,8 +14,8 @@ use foxglove::messages::log::Level;
 
 use super::mcap_file::MessageFeed;
 use super::metadata::RunInfo;
-use super::writer::Writer;
-use phalanx_core::trace::{Event, Sample, Sink, SinkError};
+use super::writer::{Writer, required_data};
+use phalanx_core::trace::{Event, RequiredData, Sample, Sink, SinkError};
 
 /// A batch is sent when it has this many entries.
 const MAX_BATCH_ENTRIES: usize = 64;
@@ -32,6 +32,7 @@ pub struct ThreadedWriter<W: Write + Send + 'static> {
     /// Queue to the writing thread; `None` after shutdown has begun.
     sender: Option<SyncSender<Batch<W>>>,
     thread: Option<JoinHandle<Result<W, SinkError>>>,
+    required_data: RequiredData,
     batch: Batch<W>,
     /// Written batches, returned for reuse.
     recycled: Receiver<Batch<W>>,
@@ -117,6 +118,7 @@ impl<W: Write + Send + 'static> ThreadedWriter<W> {
         Ok(ThreadedWriter {
             sender: Some(sender),
             thread: Some(thread),
+            required_data: required_data(&run.scene.log),
             batch: Batch::empty(),
             recycled,
             last_sent: Instant::now(),
@@ -179,6 +181,10 @@ impl<W: Write + Send + 'static> Drop for ThreadedWriter<W> {
 }
 
 impl<W: Write + Send + 'static> Sink for ThreadedWriter<W> {
+    fn required_data(&self) -> RequiredData {
+        self.required_data
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.batch.push_sample(sample);
         self.send_full_batch()

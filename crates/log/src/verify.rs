@@ -4,15 +4,15 @@
 //! Samples are compared in order of time, every value of every column bit for bit; events are compared for each contact
 //! in order of time. Topics without messages are missing data of the log and differ from the new run.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::io::{self, Read, Seek};
 
 use serde::Serialize;
 
 use super::messages::stamp_ns;
 use super::metadata::{RunInfo, metadata};
-use super::reader::{Assembler, LogSink, Messages, ReadError, scan};
-use phalanx_core::trace::{Channel, Event, Sample, Schema, Sink, SinkError};
+use super::reader::{LogSink, ReadError, SecondPass, scan};
+use phalanx_core::trace::{Channel, Event, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Metadata entries that identify the program that wrote a log; they may differ.
 const VERSIONS: [&str; 4] = ["phalanx_version", "mcap_version", "libm_version", "rapier_version"];
@@ -110,14 +110,14 @@ impl Difference {
 
 /// A [`Sink`] of the new run that compares its samples and events with those of a log.
 pub struct LogComparison<R> {
-    messages: Messages<R>,
-    assembler: Assembler,
+    reader: SecondPass<R>,
+    is_log_read: bool,
     options: ComparisonOptions,
     log: Contents,
     new_events: Vec<StampedEvent>,
     /// Log time that the new run has reached, ns.
     clock_ns: u64,
-    /// Channels of the log that the new run has too: in the log and in the new run.
+    /// Channels of the new run that the log has too: in the new run and in the log.
     channels: Vec<[Channel; 2]>,
     /// For each contact of the new run, its index in the log.
     contacts: Vec<Option<usize>>,
@@ -155,7 +155,7 @@ impl<R: Read + Seek> LogComparison<R> {
     /// # Errors
     /// Returns [`ReadError`] if the log cannot be read.
     pub fn new(mut source: R, new_run: &RunInfo<'_>, options: ComparisonOptions) -> Result<Self, ReadError> {
-        let mut scan = scan(&mut source, false)?;
+        let scan = scan(&mut source, false)?;
         let (log, new) = (scan.summary.metadata.clone(), metadata(new_run));
         let mut keys: Vec<&String> = log.keys().chain(new.keys()).collect();
         keys.sort();
@@ -165,21 +165,21 @@ impl<R: Read + Seek> LogComparison<R> {
             EntryDifference { key: key.clone(), log, new_run }
         };
         let differing = keys.into_iter().map(entry).filter(|entry| entry.log != entry.new_run).collect();
-        let assembler = Assembler::new(&mut scan);
-        let (schema, new_schema) = (assembler.schema(), Schema::from_scene(&new_run.scene));
-        let new_channels = new_schema.channels();
-        let pair = |channel: Channel| {
-            let other = new_channels.iter().find(|other| other.name == channel.name)?.clone();
-            Some([channel, other])
-        };
+        let reader = SecondPass::new(source, scan)?;
+        let (schema, new_schema) = (reader.assembler.schema(), Schema::from_scene(&new_run.scene));
+        let mut new_channels: HashMap<String, Channel> =
+            new_schema.channels().into_iter().map(|channel| (channel.name.clone(), channel)).collect();
+        let pair = |channel: Channel| Some([new_channels.remove(&channel.name)?, channel]);
         let channels: Vec<[Channel; 2]> = schema.channels().into_iter().filter_map(pair).collect();
-        let index_in_log = |name: &str| schema.contacts.iter().position(|contact| contact.name == name);
+        let in_log: HashMap<&str, usize> =
+            schema.contacts.iter().enumerate().map(|(index, contact)| (contact.name.as_str(), index)).collect();
+        let contacts = new_schema.contacts.iter().map(|contact| in_log.get(contact.name.as_str()).copied()).collect();
         Ok(LogComparison {
-            messages: Messages::new(source, &scan)?,
-            contacts: new_schema.contacts.iter().map(|contact| index_in_log(&contact.name)).collect(),
+            contacts,
             tallies: vec![None; channels.len()],
             channels,
-            assembler,
+            reader,
+            is_log_read: false,
             options,
             log: Contents::default(),
             new_events: Vec::new(),
@@ -229,13 +229,10 @@ impl<R: Read + Seek> LogComparison<R> {
             match self.log.samples.pop_front() {
                 Some(sample) if self.is_compared(sample.time_s) => return Ok(Some(sample)),
                 Some(_) => self.result.samples_not_compared += 1,
+                None if self.is_log_read => return Ok(None),
                 None => {
-                    let Some(time_ns) = self.messages.next_time_ns() else { return Ok(None) };
-                    self.log.time_ns = time_ns;
-                    let group = self.messages.next_group()?;
-                    if self.assembler.group(&group, &mut self.log)?.is_err() {
-                        return Ok(None);
-                    }
+                    self.log.time_ns = self.reader.assembler.time_ns();
+                    self.is_log_read = !self.reader.read_message(&mut self.log)?;
                 }
             }
         }
@@ -253,7 +250,7 @@ impl<R: Read + Seek> LogComparison<R> {
         self.result.samples_compared += 1;
         self.result.compared_to_s = Some(log.time_s);
         let mut differs = false;
-        for ([channel, new_channel], tally) in self.channels.iter().zip(&mut self.tallies) {
+        for ([new_channel, channel], tally) in self.channels.iter().zip(&mut self.tallies) {
             let (a, b) = (channel.value(log), new_channel.value(new_run));
             if a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan() {
                 continue;
@@ -272,7 +269,7 @@ impl<R: Read + Seek> LogComparison<R> {
 
     /// Compares the events of one contact. A log without the end of its run may lack events at its end.
     fn compare_events(&mut self, contact: usize, log: &[StampedEvent], new_run: &[StampedEvent]) {
-        let name = &self.assembler.schema().contacts[contact].name;
+        let name = &self.reader.assembler.schema().contacts[contact].name;
         let has_run_end = self.has_run_end();
         let result = &mut self.result;
         for index in 0..log.len().max(new_run.len()) {
@@ -307,6 +304,10 @@ impl<R: Read + Seek> LogComparison<R> {
 }
 
 impl<R: Read + Seek> Sink for LogComparison<R> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData { joint_forces: self.reader.assembler.schema().has_joint_forces, ..RequiredData::ALL }
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.clock_ns = self.clock_ns.max(stamp_ns(sample.time_s));
         if !self.is_compared(sample.time_s) {

@@ -6,16 +6,15 @@ use std::io::Write;
 use foxglove::Encode;
 use foxglove::messages::{Log, log::Level};
 
-use super::channels::{EVENT_TOPIC, subject_channels};
+use super::channels::{EVENTS, LINES, topics};
 use super::lines::{GraspState, describe_event};
 use super::mcap_file::{ChannelId, McapFile, MessageFeed};
-use super::messages::{event_schema, subject_schema};
+use super::messages::{encode, encode_event, event_schema, subject_schema};
 use super::metadata::RunInfo;
 use super::pictures::Pictures;
 use phalanx_core::drawing::{self, Drawing};
-use phalanx_core::scene::{self, Scene};
-use phalanx_core::trace::schema::Subject;
-use phalanx_core::trace::{BodyState, Event, Sample, Schema, Sink, SinkError};
+use phalanx_core::scene::{self, LogSettings, Scene};
+use phalanx_core::trace::{BodyState, Event, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Streams one run to an MCAP file. Memory use is one chunk plus about 400 bytes of index per written chunk. The writer
 /// never seeks, so `W` can be a pipe.
@@ -57,23 +56,26 @@ impl<W: Write> Writer<W> {
         let mut file = McapFile::start(out, name, run, feed)?;
         let scene = run.scene.clone();
         let system = &scene.system;
-        let schema = Schema::from_scene(&scene);
-        let mut channels = Vec::new();
-        for (Subject { kind, first, .. }, (topic, _, exists)) in schema.subjects().iter().zip(subject_channels(&schema))
-        {
-            if exists {
-                let indices = kind.quantities().map(|(index, _)| first + index).collect();
-                channels.push((file.register(&topic, Some(subject_schema(*kind)))?, indices));
+        let schema = Schema { has_joint_forces: scene.log.joint_forces, ..Schema::from_scene(&scene) };
+        let (subjects, mut channels) = (schema.subjects(), Vec::new());
+        for topic in topics(&schema).iter().filter(|topic| topic.is_expected) {
+            if let Some(subject) = topic.content.subject().map(|index| &subjects[index]) {
+                let indices = subject.independent().map(|(index, _)| index).collect();
+                channels.push((file.register(&topic.name, Some(subject_schema(subject)))?, indices));
             }
         }
-        let events = file.register(EVENT_TOPIC, Some(event_schema()))?;
+        let events = file.register(EVENTS, Some(event_schema()))?;
         let mut start = Sample::new(0.0, schema.counts());
         for (index, disc) in system.reported_discs().iter().enumerate() {
             start.set_body(index, &initial_state(disc));
         }
+        for (index, pose) in scene.mechanism.iter().flat_map(drawing::poses_at_start).enumerate() {
+            let [x, y, angle_rad] = pose;
+            start.set_body(index, &BodyState { centre_m: [x, y], angle_rad, ..BodyState::default() });
+        }
         let (drawing, poses) = (Drawing::from_scene(&scene), drawing::poses(&scene, &start));
         let pictures = Pictures::register(&mut file, &drawing, &poses, scene.log.picture_hz)?;
-        let lines = file.register("/events", Log::get_schema())?;
+        let lines = file.register(LINES, Log::get_schema())?;
         let drawn_contacts = schema.surfaces().filter(|&contact| schema.contacts[contact].exists).collect();
         let grasp = (system.fingers.len() == 1).then(GraspState::default);
         Ok(Writer { file, channels, events, schema, drawn_contacts, pictures, grasp, lines, scene })
@@ -95,11 +97,21 @@ impl<W: Write> Writer<W> {
     }
 }
 
+/// Data of the samples in the log of a run.
+pub(crate) fn required_data(log: &LogSettings) -> RequiredData {
+    RequiredData { joint_forces: log.joint_forces, ..RequiredData::ALL }
+}
+
 impl<W: Write> Sink for Writer<W> {
+    fn required_data(&self) -> RequiredData {
+        required_data(&self.scene.log)
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let (time_s, values) = (sample.time_s, sample.values());
         for (channel, indices) in &self.channels {
-            self.file.write_numbers(*channel, time_s, indices.iter().map(|&index| values[index]))?;
+            let numbers = indices.iter().map(|&index| values[index]);
+            self.file.write(*channel, time_s, |out| encode(time_s, numbers, out))?;
         }
         if let Some(pictures) = &mut self.pictures {
             let poses = || drawing::poses(&self.scene, sample);
@@ -118,7 +130,8 @@ impl<W: Write> Sink for Writer<W> {
         let file = &mut self.file;
         let contact = &self.schema.contacts[event.contact];
         if contact.exists {
-            file.write_event(self.events, event, &contact.name, contact.kind())?;
+            let (name, kind) = (&contact.name, contact.kind());
+            file.write(self.events, event.time_s, |out| encode_event(event, name, kind, out))?;
             let display_name = match event.contact < self.scene.system.gripper_contacts().len() {
                 true => display_name(&contact.name),
                 false => contact.name.clone(),

@@ -6,6 +6,8 @@ pub const MAX_PROBLEMS: usize = 100;
 pub const MAX_SHOWN_PROBLEMS: usize = 20;
 /// Maximum number of discs of a scene: all pairs may be in contact, and all contacts are solved together.
 pub const MAX_DISCS: usize = 100;
+/// Maximum number of bodies of a mechanism.
+pub const MAX_BODIES: usize = 100;
 /// Maximum number of grid samples of a run, 300 to 700 bytes each in a log.
 pub const MAX_SAMPLES: f64 = 1e7;
 /// Maximum number of pictures of a run, 2,000 bytes each in a log.

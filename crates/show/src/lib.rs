@@ -11,5 +11,6 @@ pub mod plot;
 pub mod report;
 
 pub(crate) use phalanx_core::{
-    check, criteria, drawing, grasp, gripper, invariants, numeric, scene, shape, sizing, statics, trace, units,
+    check, criteria, drawing, grasp, gripper, invariants, mechanism, numeric, scene, shape, sizing, statics, trace,
+    units,
 };

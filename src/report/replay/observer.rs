@@ -46,6 +46,7 @@ impl LogObserver {
                     SceneKind::Finger => "no dynamic criteria",
                     SceneKind::Bodies => "the prescribed motion of the discs is unknown",
                     SceneKind::Gripper => "no grasp criteria",
+                    SceneKind::Mechanism => "the joints and bodies are unknown",
                 };
                 let reason = "because this version of phalanx cannot read the scene in the log";
                 (LogObserver::default(), Some(format!("{missing}, {reason}: {error}")))

@@ -382,7 +382,7 @@ pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engin
         SceneKind::Bodies => {
             all.filter(|column| !OMITTED_FOR_DISCS.split(' ').any(|suffix| column.name.ends_with(suffix))).collect()
         }
-        SceneKind::Gripper => all.collect(),
+        SceneKind::Gripper | SceneKind::Mechanism => all.collect(),
     };
     let value = |column: &Channel, sample: &Sample| match column.value(sample) {
         angle_rad if is_finger && column.name.starts_with('q') && column.name.ends_with("_rad") => {

@@ -123,7 +123,7 @@ pub(super) fn column_kind(field_type: &FieldType) -> Kind {
         FieldType::Quantity(_) | FieldType::Number | FieldType::Percent => Kind::Number,
         FieldType::Integer(..) => Kind::Integer,
         FieldType::Flag => Kind::Flag,
-        FieldType::Choice(_) | FieldType::Text | FieldType::List(..) => Kind::Text,
+        FieldType::Choice(_) | FieldType::Text | FieldType::List(..) | FieldType::OneOf(_) => Kind::Text,
     }
 }
 

@@ -225,7 +225,7 @@ struct GripperSink {
 
 impl Sink for GripperSink {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, joint_forces: false, passive: true, peaks: true }
+        self.grasp.required_data().or(self.overlaps.required_data())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

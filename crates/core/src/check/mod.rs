@@ -18,15 +18,13 @@ use crate::trace::{Model, Sink};
 use path::{Path, RunOptions, is_comparable, reference_name, run};
 use verdict::{Comparison, error_limits, verdict};
 
-pub use path::{Errors, perturbed, units};
+pub use path::{Errors, REFERENCE_LENGTH_M, perturbed, units};
 pub use verdict::{
     ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, Verdict, reference_length_m,
 };
 
 /// Relative change of the actuation of a scene: motor torques, or velocities and gravity of discs.
 pub const PERTURBATION: f64 = 1e-7;
-/// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
-pub const REFERENCE_LENGTH_M: f64 = 0.02;
 /// Largest number of steps of a run that is checked without a request; the check then takes some tenths of a second.
 pub const MAX_CHECKED_STEPS: u64 = 20_000;
 
@@ -133,7 +131,7 @@ pub fn check_with_sinks(
     let perturbed = RunOptions { perturbation: PERTURBATION, energies: false, ..finer };
     let perturbed_run = run(scene, reference_model, &perturbed, perturbed_sink);
     let limits = error_limits(model, checked_run.events);
-    let limit = verdict::path_error_limit(&scene.system, &checked_run, limits.path);
+    let limit = verdict::path_error_limit(scene, &checked_run, limits.path);
     let mut errors = path::errors(&checked_run, &reference_run);
     errors.path = errors.path.max(error_until_failure);
     let sensitivity = path::difference(&reference_run, &perturbed_run);

@@ -4,6 +4,7 @@ use crate::analytic::multibody::count_moving_discs;
 use crate::criteria::{Rebound, Rebounds};
 use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
+use crate::mechanism::{Command, JointKind, Mechanism};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::keywords::SceneKind;
@@ -13,6 +14,9 @@ use crate::trace::schema::State;
 use crate::trace::{
     self, BodyState, Energy, Event, Model, Outcome, RequiredData, RunError, Sample, Schema, Sink, SinkError,
 };
+
+/// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
+pub const REFERENCE_LENGTH_M: f64 = 0.02;
 
 /// Number of grid intervals. Errors can appear and vanish within a hundredth of a run.
 const GRID_INTERVALS: f64 = 256.0;
@@ -63,10 +67,12 @@ struct PathRecorder<'a> {
     keep_running: &'a dyn Fn() -> bool,
 }
 
-/// Returns the compared coordinates: angles of fingers and centres of bodies. Passive angles can jump by a turn; each
-/// angle is shifted by turns to the value nearest to the previous point's angle.
+/// Returns the compared coordinates: angles of fingers or joints of a mechanism, and centres of bodies. Passive angles can
+/// jump by a turn; each angle is shifted by turns to the value nearest to the previous point's angle.
 fn coordinates(sample: &Sample, previous: Option<&Vec<f64>>) -> Vec<f64> {
-    let angles = sample.fingers().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
+    let fingers = sample.fingers().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
+    let joints = if sample.counts().fingers == 0 { sample.counts().joints } else { 0 };
+    let angles = fingers.chain((0..joints).map(|joint| sample.joint_state(joint).angle_rad));
     let unwrap = |(index, angle)| previous.map_or(angle, |previous| nearest_equivalent_angle(angle, previous[index]));
     let centres = sample.bodies().flat_map(|body| body.centre_m);
     angles.enumerate().map(unwrap).chain(centres).collect()
@@ -198,8 +204,17 @@ pub struct Errors {
     pub energy: f64,
 }
 
-/// Units of the compared coordinates: 1 for angles; for a body next to fingers its radius in m, for discs alone 1 m.
-pub fn units(system: &System) -> Vec<f64> {
+/// Units of the compared coordinates: 1 for angles; for a body next to fingers its radius in m, for discs alone 1 m, for
+/// lengths of a mechanism [`REFERENCE_LENGTH_M`].
+pub fn units(scene: &Scene) -> Vec<f64> {
+    if let Some(mechanism) = &scene.mechanism {
+        let joints = mechanism.joints.iter().map(|joint| match joint.kind {
+            JointKind::Revolute => 1.0,
+            JointKind::Prismatic { .. } => REFERENCE_LENGTH_M,
+        });
+        return joints.chain(mechanism.bodies.iter().flat_map(|_| [REFERENCE_LENGTH_M; 2])).collect();
+    }
+    let system = &scene.system;
     let unit = |disc: &Disc| if system.fingers.is_empty() { 1.0 } else { max_radius(&disc.shape) };
     let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * system.fingers.len());
     angles.chain(system.reported_discs().iter().flat_map(|disc| [unit(disc); 2])).collect()
@@ -229,9 +244,14 @@ pub(crate) struct RunOptions<'a> {
 
 /// Increases the actuation of a scene by the relative amount `relative_change`. In a gripper the left motor torque
 /// increases by half of it only, so that the fingers differ. With a differential, its input torque increases and the
-/// object moves to the right by that part of its radius. Discs without fingers start faster, and gravity increases.
+/// object moves to the right by that part of its radius. Discs without fingers start faster, and gravity increases. In a
+/// mechanism actuators, gravity and rates at the start increase.
 pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
     let mut scene = scene.clone();
+    if let Some(mechanism) = &mut scene.mechanism {
+        perturb_mechanism(mechanism, 1.0 + relative_change);
+        return scene;
+    }
     let System { fingers, differential, discs, gravity_m_s2, .. } = &mut scene.system;
     for (finger, part) in fingers.iter_mut().zip([relative_change, 0.5 * relative_change]) {
         finger.motor.actuation = finger.motor.actuation.scaled(1.0 + part);
@@ -255,6 +275,16 @@ pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
         }
     }
     scene
+}
+
+fn perturb_mechanism(mechanism: &mut Mechanism, factor: f64) {
+    mechanism.gravity_m_s2 = mechanism.gravity_m_s2.map(|g| g * factor);
+    for actuator in &mut mechanism.actuators {
+        let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &mut actuator.command;
+        *profile = profile.scaled(factor);
+    }
+    mechanism.joints.iter_mut().for_each(|joint| joint.start_rate *= factor);
+    mechanism.bodies.iter_mut().for_each(|body| body.rate = body.rate.map(|rate| rate * factor));
 }
 
 /// Returns the other family of methods at a smaller tolerance.
@@ -303,7 +333,7 @@ pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn
         interval_s: options.span_s / GRID_INTERVALS,
         path: Path {
             audit: options.energies.then(|| EnergyAudit::new(model, scene)),
-            units: units(&scene.system),
+            units: units(scene),
             ..Path::default()
         },
         rebounds: (scene.kind() == SceneKind::Bodies).then(|| Rebounds::for_system(&scene.system)),

@@ -3,7 +3,8 @@
 use super::path;
 use super::path::{Errors, Path};
 use crate::integrator::Reason;
-use crate::scene::System;
+use crate::scene::keywords::SceneKind;
+use crate::scene::{Scene, System};
 use crate::shape::max_radius;
 use crate::trace::Model;
 
@@ -184,8 +185,9 @@ pub(crate) struct ErrorLimit {
 }
 
 /// Returns the error limit of a run; `ordinary_limit` is the limit for a motion of a radian.
-pub(crate) fn path_error_limit(system: &System, run: &Path, ordinary_limit: f64) -> ErrorLimit {
-    let is_discs = system.fingers.is_empty();
+pub(crate) fn path_error_limit(scene: &Scene, run: &Path, ordinary_limit: f64) -> ErrorLimit {
+    let system = &scene.system;
+    let is_discs = scene.kind() == SceneKind::Bodies;
     let size = if is_discs { DISC_LENGTH_RADII * smallest_reach(system) } else { 1.0 };
     let largest_displacement = largest_displacement(run).max(REST_FRACTION * size);
     let (ordinary, small_motion) = (ordinary_limit * size, MOTION_FRACTION * largest_displacement);

@@ -537,7 +537,7 @@ impl GraspTracker {
 
 impl Sink for GraspTracker {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, joint_forces: false, passive: false, peaks: true }
+        RequiredData { peaks: true, ..RequiredData::NONE }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -5,7 +5,7 @@ use crate::gripper::Lengths;
 use crate::numeric::elementary::{cos, sin, sin_cos};
 use crate::numeric::plane::rotate;
 use crate::scene::{PalmMotion, Scene, Side};
-use crate::trace::{FingerState, Sample, Sink, SinkError};
+use crate::trace::{FingerState, RequiredData, Sample, Sink, SinkError};
 
 /// A link by its finger and its name: `l11`, `l12`, `l21`, or `l22` and `t22` of the distal body.
 pub type Link = (Side, &'static str);
@@ -199,6 +199,10 @@ fn distance(a: &Axis, b: &Axis) -> f64 {
 }
 
 impl Sink for LinkOverlaps {
+    fn required_data(&self) -> RequiredData {
+        RequiredData { passive: true, ..RequiredData::NONE }
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         if sample.time_s >= self.next_check_s {
             self.check_sample(sample);

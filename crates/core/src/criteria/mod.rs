@@ -246,7 +246,7 @@ impl SegmentObserver<2> for TrackerState {
 
 impl Sink for Tracker {
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: false, joint_forces: false, passive: false, peaks: true }
+        RequiredData { peaks: true, ..RequiredData::NONE }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -311,6 +311,11 @@ impl RunCriteriaTracker {
 }
 
 impl Sink for RunCriteriaTracker {
+    fn required_data(&self) -> RequiredData {
+        let of_gripper = self.gripper.required_data().or(self.overlaps.required_data());
+        self.finger.required_data().or(of_gripper).or(self.rebounds.required_data())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.finger.sample(sample)?;
         self.gripper.sample(sample)?;

@@ -2,7 +2,7 @@
 
 use crate::numeric::elementary::hypot;
 use crate::scene::{ContactId, DiscMotion, System};
-use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
+use crate::trace::{Event, EventKind, RequiredData, Sample, Sink, SinkError};
 
 /// Smallest approach speed relative to the fastest body; a slower approach is the rounding error of two velocities.
 const MIN_RELATIVE_APPROACH: f64 = 1e-6;
@@ -94,6 +94,10 @@ impl Rebounds {
 }
 
 impl Sink for Rebounds {
+    fn required_data(&self) -> RequiredData {
+        RequiredData { peaks: true, ..RequiredData::NONE }
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.time_s = sample.time_s;
         let speeds = sample.bodies().map(|body| hypot(body.velocity_m_s[0], body.velocity_m_s[1]));

@@ -17,7 +17,7 @@
 mod measure;
 
 use crate::scene::{Engine, Integrator, Response, Scene, Stepping};
-use crate::trace::{Energy, Model, Sample, Sink, SinkError};
+use crate::trace::{Energy, Model, RequiredData, Sample, Sink, SinkError};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::cmp::Ordering;
@@ -312,6 +312,10 @@ impl fmt::Display for EnergyViolation {
 }
 
 impl Sink for EnergyAudit {
+    fn required_data(&self) -> RequiredData {
+        RequiredData { energies: true, ..RequiredData::NONE }
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.record(sample.time_s, &sample.energy());
         Ok(())

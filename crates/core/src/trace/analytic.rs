@@ -39,7 +39,8 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
             false => run_finger::<2, 4>(scene, sink),
         },
         SceneKind::Finger => run_general(scene, sink),
-        SceneKind::Bodies => run_discs(scene, sink),
+        // Mechanisms have been run above.
+        SceneKind::Bodies | SceneKind::Mechanism => run_discs(scene, sink),
         SceneKind::Gripper => run_gripper(scene, sink),
     }
 }

@@ -39,7 +39,7 @@ impl Overrides {
                 SceneKind::Bodies => {
                     Some("a scene of discs has no joints; leave the flag out: every disc moves freely in the engine")
                 }
-                SceneKind::Gripper => Some(
+                SceneKind::Gripper | SceneKind::Mechanism => Some(
                     "they are available for one finger only; leave the flag out: every body moves freely in the engine",
                 ),
             };

@@ -304,6 +304,11 @@ impl Sample {
         is_of_finger || contact >= self.counts.contacts - self.counts.limits
     }
 
+    /// Computes the quantities that follow from others ([`Interpolation::Derived`]).
+    pub fn derive(&mut self) {
+        (0..self.counts.contacts).for_each(|index| self.set_contact(index, &self.contact(index)));
+    }
+
     /// Contacts between surfaces, that is all except joint limits.
     pub fn surfaces(&self) -> impl Iterator<Item = ContactSample> + '_ {
         self.contacts().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
@@ -394,8 +399,8 @@ impl Subjects<'_> {
                 Interpolation::Angle { rate } => {
                     instant.cubic(a[k], a[rate], nearest_equivalent_angle(b[k], a[k]), b[rate])
                 }
+                Interpolation::Derived => 0.0,
             });
-            // Quantities that follow from others, such as a power, are computed from these.
             out[start..start + K].copy_from_slice(&T::from_values(values).values());
         }
     }

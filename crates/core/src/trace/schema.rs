@@ -23,6 +23,8 @@ pub enum Interpolation {
     Angle {
         rate: usize,
     },
+    /// The quantity follows from the others of its subject ([`State::from_values`]), and logs do not contain it.
+    Derived,
 }
 
 /// A quantity of a kind of subject.
@@ -62,7 +64,7 @@ pub enum SubjectKind {
 
 impl SubjectKind {
     /// Returns the quantities, each with its index among the numbers of the subject.
-    pub fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
+    fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
         let (all, indices): (&[Quantity], &[usize]) = match self {
             // The pin of a revolute joint has no moment.
             SubjectKind::Joint => (&JointState::QUANTITIES[..4], &[]),
@@ -143,6 +145,9 @@ const SLIDER_QUANTITIES: [Quantity; 5] = [
     linear("force_y_n", "N"),
     linear("moment_n_m", "N·m"),
 ];
+
+/// Number of quantities of a joint before its force.
+const JOINT_MOTION: usize = 2;
 
 /// State of the actuator of a joint. For a prismatic joint read N for N·m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -231,7 +236,7 @@ impl State<11> for ContactSample {
         linear("point_y_m", "m"),
         linear("normal_x", ""),
         linear("normal_y", ""),
-        linear("sliding_power_w", "W"),
+        Quantity { key: "sliding_power_w", unit: "W", interpolation: Interpolation::Derived },
     ];
 
     fn values(&self) -> [f64; 11] {
@@ -331,16 +336,33 @@ pub struct Subject {
     /// Whether the scene has it. Grippers without an object or a table have all contacts of a gripper in their samples;
     /// the gap of those that do not exist is infinite.
     pub exists: bool,
+    /// See [`Schema::has_joint_forces`].
+    has_joint_forces: bool,
 }
 
 impl Subject {
+    /// Returns the quantities, each with its index in a sample.
+    pub fn quantities(&self) -> impl Iterator<Item = (usize, &'static Quantity)> + '_ {
+        let count = if matches!(self.kind, SubjectKind::Joint | SubjectKind::Slider) && !self.has_joint_forces {
+            JOINT_MOTION
+        } else {
+            usize::MAX
+        };
+        self.kind.quantities().take(count).map(|(k, quantity)| (self.first + k, quantity))
+    }
+
+    /// Returns the quantities from which the others follow, each with its index in a sample.
+    pub fn independent(&self) -> impl Iterator<Item = (usize, &'static Quantity)> + '_ {
+        self.quantities().filter(|(_, quantity)| quantity.interpolation != Interpolation::Derived)
+    }
+
     /// Returns the quantities with their channels.
     pub fn channels(&self) -> impl Iterator<Item = (&'static Quantity, Channel)> + '_ {
         let Self { kind, name, first, .. } = self;
-        kind.quantities().map(move |(k, quantity)| {
+        self.quantities().map(move |(index, quantity)| {
             let source = match kind {
-                SubjectKind::Contact | SubjectKind::Limit => Source::Contact(first + k, *first),
-                _ => Source::Value(first + k),
+                SubjectKind::Contact | SubjectKind::Limit => Source::Contact(index, *first),
+                _ => Source::Value(index),
             };
             (quantity, Channel { name: column_name(*kind, name, quantity.key), unit: quantity.unit, source })
         })
@@ -378,6 +400,10 @@ pub struct Schema {
     pub contacts: Vec<ContactName>,
     /// Number of contacts at the end that are joint limits of a mechanism.
     pub limits: usize,
+    /// Whether the forces of joints are among the channels. Samples always have their numbers, which are 0 otherwise.
+    pub has_joint_forces: bool,
+    /// Whether the scene is that of a mechanism.
+    pub is_mechanism: bool,
 }
 
 /// Name of a joint or actuator of a sample.
@@ -442,6 +468,8 @@ impl Schema {
             bodies: mechanism.bodies.iter().map(|body| body.name.clone()).collect(),
             contacts: surfaces.chain(limit_names).collect(),
             limits: limits.len(),
+            has_joint_forces: true,
+            is_mechanism: true,
         }
     }
 
@@ -462,10 +490,21 @@ impl Schema {
         }
     }
 
-    /// Returns the schema implied by a kind of scene alone; discs, whose names come from the scene, are missing.
+    /// Kind of the scene.
+    pub fn kind(&self) -> SceneKind {
+        match self.fingers.len() {
+            0 if self.is_mechanism => SceneKind::Mechanism,
+            0 => SceneKind::Bodies,
+            1 => SceneKind::Finger,
+            _ => SceneKind::Gripper,
+        }
+    }
+
+    /// Returns the schema implied by a kind of scene alone; names that come from the scene are missing.
     pub fn from_kind(kind: SceneKind) -> Self {
         match kind {
             SceneKind::Bodies => Self::default(),
+            SceneKind::Mechanism => Self { is_mechanism: true, ..Self::default() },
             SceneKind::Finger => Self::from_finger_count(1),
             SceneKind::Gripper => Self { bodies: vec![Disc::OBJECT.to_string()], ..Self::from_finger_count(2) },
         }
@@ -491,12 +530,20 @@ impl Schema {
             bodies: Vec::new(),
             contacts: GripperContact::for_fingers(count).iter().map(contact).collect(),
             limits: 0,
+            has_joint_forces: true,
+            is_mechanism: false,
         }
+    }
+
+    /// Whether samples of a scene have these subjects.
+    pub fn has_subjects_of(&self, scene: &Scene) -> bool {
+        Schema { has_joint_forces: self.has_joint_forces, ..Schema::from_scene(scene) } == *self
     }
 
     /// Indices of the contacts between surfaces, that is all except joint limits.
     pub fn surfaces(&self) -> impl Iterator<Item = usize> + '_ {
-        self.contacts.iter().enumerate().filter(|(_, contact)| !contact.is_angular).map(|(index, _)| index)
+        let surfaces = &self.contacts[..self.contacts.len() - self.limits];
+        surfaces.iter().enumerate().filter(|(_, contact)| !contact.is_angular).map(|(index, _)| index)
     }
 
     /// Returns the numbers of subjects of each kind.
@@ -514,7 +561,9 @@ impl Schema {
     /// Returns the subjects in the order of the numbers of a sample: joints, actuators, bodies, contacts, energies.
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
-        let present = |kind, name: &str, first| Subject { kind, name: name.to_string(), first, exists: true };
+        let has_joint_forces = self.has_joint_forces;
+        let present =
+            |kind, name: &str, first| Subject { kind, name: name.to_string(), first, exists: true, has_joint_forces };
         let joints = self.joints.iter().enumerate().map(|(k, JointName { name, is_linear })| {
             present(if *is_linear { SubjectKind::Slider } else { SubjectKind::Joint }, name, counts.joint(k))
         });
@@ -526,10 +575,8 @@ impl Schema {
         let bodies = self.bodies.iter().enumerate();
         subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name, counts.body(k))));
         subjects.extend(self.contacts.iter().enumerate().map(|(k, contact)| Subject {
-            kind: contact.kind(),
-            name: contact.name.clone(),
-            first: counts.contact(k),
             exists: contact.exists,
+            ..present(contact.kind(), &contact.name, counts.contact(k))
         }));
         subjects.push(present(SubjectKind::Energy, "energy", counts.energy()));
         subjects

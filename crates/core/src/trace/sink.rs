@@ -29,6 +29,7 @@ pub struct RequiredData {
 }
 
 impl RequiredData {
+    pub const NONE: Self = Self { energies: false, joint_forces: false, passive: false, peaks: false };
     pub const ALL: Self = Self { energies: true, joint_forces: true, passive: true, peaks: true };
     /// Everything that evaluations of a run use: all but the forces in joints.
     pub const EVALUATION: Self = Self { joint_forces: false, ..Self::ALL };
@@ -75,7 +76,7 @@ pub trait Sink {
     }
 }
 
-/// A sink that discards everything.
+/// A sink that discards everything, for runs of which only the outcome is used.
 impl Sink for () {
     fn required_data(&self) -> RequiredData {
         RequiredData::EVALUATION
@@ -101,7 +102,7 @@ impl<T: Sink> Sink for Option<T> {
     }
 
     fn required_data(&self) -> RequiredData {
-        self.as_ref().map_or(RequiredData::EVALUATION, Sink::required_data)
+        self.as_ref().map_or(RequiredData::NONE, Sink::required_data)
     }
 
     fn should_continue(&self) -> bool {

@@ -8,28 +8,29 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use foxglove::Decode;
 use foxglove::messages::Log;
-use prost::DecodeError;
+use mcap::records::MessageHeader;
 
-use super::messages::Message;
-use super::missing::{KnownChannel, MissingTracker, has_duplicates};
+use super::messages::{MAX_OPEN_BYTES, too_much_memory};
+use super::missing::{MissingTracker, has_duplicates};
 use super::scan::{MAX_RECORD_BYTES, Scan};
-use super::summary::{Defect, LogSink, LogSummary, Loss, RunEnd};
-use crate::channels::{ChannelContent, EVENT_TOPIC, subject_channels};
+use super::summary::{Defect, LogSink, LogSummary, Loss, RunEnd, Stop};
+use crate::channels::{ChannelContent, Topic, topics};
 use crate::lines::is_friction_line;
 use crate::messages::{decode, decode_event};
 use phalanx_core::scene::keywords::SceneKind;
 use phalanx_core::scene::parse_any;
-use phalanx_core::trace::schema::{State as _, Subject, SubjectKind};
-use phalanx_core::trace::{ContactName, ContactSample, Event, EventKind, Sample, Schema, SinkError};
+use phalanx_core::trace::{ContactName, ContactSample, Event, EventKind, Sample, Schema};
 
-/// Assembles messages, which arrive grouped by log time.
+/// Assembles messages, which arrive in order of log time.
 pub(crate) struct Assembler {
     schema: Schema,
-    subjects: Vec<Subject>,
-    /// Known channels, by id.
-    channels: BTreeMap<u16, KnownChannel>,
-    /// Topics that the log of such a run should have.
-    expected: Vec<(String, ChannelContent)>,
+    topics: Vec<Topic>,
+    /// Index of the topic of every known channel; `None` for 3-D views.
+    channels: BTreeMap<u16, Option<usize>>,
+    /// Indices of the contacts, by name.
+    contacts: HashMap<String, usize>,
+    /// For each subject, the indices of the numbers of its messages in a sample.
+    indices: Vec<Vec<usize>>,
     is_engine: bool,
     has_duplicates: bool,
     /// Subjects that the log has, in write order.
@@ -39,18 +40,44 @@ pub(crate) struct Assembler {
     sample: Sample,
     summary: LogSummary,
     tracker: MissingTracker,
+    group: Group,
+}
+
+/// Messages of one log time; its allocations are reused.
+#[derive(Default)]
+struct Group {
+    time_ns: u64,
+    parts: Vec<Part>,
+    /// Numbers of all subjects.
+    numbers: Vec<f64>,
+    /// Received messages, if messages are repeated in the log.
+    seen: HashSet<(u16, u32, Vec<u8>)>,
+    bytes: usize,
 }
 
 /// A message about a sample or an event.
-struct Part<'a> {
+#[derive(Clone, Copy)]
+struct Part {
     sequence: u32,
     time_s: f64,
-    /// Subject and payload, or the event.
-    content: Result<(usize, &'a [u8]), Event>,
+    content: PartContent,
 }
 
-/// Indices of the messages of a sample, or the index of an event.
-type Item = Vec<usize>;
+#[derive(Clone, Copy)]
+enum PartContent {
+    /// A subject, and the index of the first of its numbers in the group.
+    Subject(usize, usize),
+    Event(Event),
+}
+
+impl Part {
+    fn subject(&self) -> Option<usize> {
+        match self.content {
+            PartContent::Subject(subject, _) => Some(subject),
+            PartContent::Event(_) => None,
+        }
+    }
+}
 
 impl Assembler {
     /// Creates an assembler after the first pass; takes over its summary.
@@ -59,80 +86,61 @@ impl Assembler {
         let kind = summary.kind();
         let scene = summary.scene.as_ref().filter(|(_, text)| text.len() < MAX_RECORD_BYTES);
         let scene = scene.and_then(|(name, text)| parse_any(text, name).ok()).filter(|scene| scene.kind() == kind);
-        let mut found: Vec<_> = scan.index.channels.values().collect();
-        found.sort_by_key(|channel| channel.id);
-        let mut schema = Schema::from_kind(kind);
-        if let Some(scene) = &scene {
-            schema = Schema::from_scene(scene);
-            if kind == SceneKind::Bodies {
-                // Contacts that the scene does not have are omitted.
-                schema.contacts.retain(|contact| contact.exists);
-            }
-        }
-        let existing = subject_channels(&schema).into_iter().filter(|(.., exists)| *exists);
-        let mut expected: Vec<(String, ChannelContent)> =
-            existing.map(|(topic, content, _)| (topic, content)).collect();
-        expected.push((EVENT_TOPIC.to_string(), ChannelContent::Events));
-        expected.push(("/events".to_string(), ChannelContent::Lines));
+        let mut schema = scene.map_or_else(|| Schema::from_kind(kind), |scene| Schema::from_scene(&scene));
+        let found: BTreeMap<_, _> = scan.index.channels.iter().collect();
         if kind == SceneKind::Bodies {
-            found.iter().for_each(|channel| add_disc_topic(&mut schema, &channel.topic));
+            // Contacts that the scene does not have are omitted.
+            schema.contacts.retain(|contact| contact.exists);
+            add_disc_topics(&mut schema, found.values().map(|channel| channel.topic.as_str()));
         }
-        let all = subject_channels(&schema);
-        // Added discs and pairs change the indices of subjects.
-        for (topic, content) in &mut expected {
-            *content = all.iter().find(|(other, ..)| other == topic).map_or(*content, |(_, content, _)| *content);
-        }
-        let events = (EVENT_TOPIC.to_string(), ChannelContent::Events);
-        let known: BTreeMap<String, ChannelContent> =
-            all.into_iter().map(|(topic, content, _)| (topic, content)).chain([events]).collect();
+        schema.has_joint_forces = summary.metadata.get("log_joint_forces").is_some_and(|value| value == "true");
+        let mut topics = topics(&schema);
+        let by_name: HashMap<String, usize> =
+            topics.iter().enumerate().map(|(index, topic)| (topic.name.clone(), index)).collect();
         let mut channels = BTreeMap::new();
-        for channel in found {
+        for (&id, channel) in found {
             let message_schema = channel.schema.as_ref().filter(|schema| schema.encoding == "protobuf");
             let is_protobuf = channel.message_encoding == "protobuf";
             let name = message_schema.filter(|_| is_protobuf).map_or("", |schema| &schema.name);
-            let content = match name {
-                "foxglove.FrameTransforms" | "foxglove.SceneUpdate" => Some(ChannelContent::Picture),
-                "foxglove.Log" if channel.topic == "/events" => Some(ChannelContent::Lines),
-                name => known.get(&channel.topic).copied().filter(|content| content.message_name() == Some(name)),
-            };
-            match content {
-                None => summary.unknown_channels += 1,
-                Some(content) => {
-                    let known_channel = KnownChannel { id: channel.id, topic: channel.topic.clone(), content };
-                    channels.insert(channel.id, known_channel);
+            let topic = by_name.get(&channel.topic).filter(|&&topic| topics[topic].content.message_name() == name);
+            match topic {
+                Some(&topic) => {
+                    topics[topic].channels.push(id);
+                    channels.insert(id, Some(topic));
                 }
+                None if ["foxglove.FrameTransforms", "foxglove.SceneUpdate"].contains(&name) => {
+                    channels.insert(id, None);
+                }
+                None => summary.unknown_channels += 1,
             }
         }
-        let with_messages = channels.values().filter(|channel| scan.sequences.contains_key(&channel.id));
-        let mut present: Vec<usize> = with_messages.filter_map(|channel| channel.content.subject()).collect();
-        present.sort_unstable();
-        present.dedup();
-        let required: HashSet<usize> =
-            expected.iter().filter_map(|(_, content)| content.subject()).chain(present.clone()).collect();
         let subjects = schema.subjects();
         let mut missing_sample = Sample::new(f64::NAN, schema.counts());
-        for (index, Subject { kind, first, .. }) in subjects.iter().enumerate() {
-            let is_required = required.contains(&index);
-            match kind {
-                SubjectKind::Contact | SubjectKind::Limit if !is_required => {
-                    let contact = index + 1 + schema.contacts.len() - subjects.len();
-                    missing_sample.set_contact(contact, &ContactSample::NONE);
-                }
-                _ => kind.quantities().for_each(|(k, _)| missing_sample.values_mut()[first + k] = f64::NAN),
+        let mut present = Vec::new();
+        for Topic { content, is_expected, channels, .. } in &topics {
+            let ChannelContent::Subject { index, contact, .. } = *content else { continue };
+            let has_messages = channels.iter().any(|id| scan.sequences.contains_key(id));
+            present.extend(has_messages.then_some(index));
+            match contact.filter(|_| !is_expected && !has_messages) {
+                Some(contact) => missing_sample.set_contact(contact, &ContactSample::NONE),
+                None => subjects[index].quantities().for_each(|(k, _)| missing_sample.values_mut()[k] = f64::NAN),
             }
         }
+        let contact_names = schema.contacts.iter().enumerate();
         Assembler {
             is_engine: summary.metadata.get("model").is_some_and(|model| model == "engine"),
             has_duplicates: has_duplicates(&scan.sequences),
             tracker: MissingTracker::new(subjects.len(), schema.contacts.len()),
             sample: missing_sample.clone(),
+            contacts: contact_names.map(|(index, contact)| (contact.name.clone(), index)).collect(),
+            indices: subjects.iter().map(|subject| subject.independent().map(|(index, _)| index).collect()).collect(),
             schema,
-            subjects,
+            topics,
             channels,
-            expected,
             present,
             missing_sample,
             summary,
+            group: Group::default(),
         }
     }
 
@@ -141,131 +149,138 @@ impl Assembler {
         &self.schema
     }
 
+    /// Log time of the last message, ns.
+    pub fn time_ns(&self) -> u64 {
+        self.group.time_ns
+    }
+
     /// Returns the summary, including lost and missing data, after the last message.
     pub fn finish(self, scan: &Scan) -> LogSummary {
-        let Assembler { mut summary, tracker, expected, schema, channels, .. } = self;
+        let Assembler { mut summary, tracker, schema, topics, channels, .. } = self;
         if let Some((at_byte, defect)) = &scan.damage {
             summary.losses.push(Loss::new(*at_byte, summary.bytes, defect, summary.last_s));
         }
-        let channels: Vec<KnownChannel> = channels.into_values().collect();
-        summary.missing = tracker.missing(&summary, &expected, &schema, &channels, &scan.sequences);
+        let known = channels.keys().filter_map(|id| Some((*id, *scan.sequences.get(id)?))).collect();
+        summary.missing = tracker.missing(&summary, topics, &schema, &known);
         summary
     }
 
-    /// Passes the samples and events of one log time to a sink.
-    pub fn group(&mut self, messages: &[Message], sink: &mut impl LogSink) -> Result<Result<(), Defect>, SinkError> {
-        let parts = match self.parts(messages) {
-            Ok(parts) => parts,
-            Err(defect) => return Ok(Err(defect)),
+    /// Receives a message. The first one of another log time ends the group before.
+    pub fn message(&mut self, header: &MessageHeader, data: &[u8], sink: &mut impl LogSink) -> Result<(), Stop> {
+        if header.log_time != self.group.time_ns {
+            self.end_group(sink)?;
+            self.group.time_ns = header.log_time;
+        }
+        self.summary.messages += 1;
+        let topic = match self.channels.get(&header.channel_id) {
+            Some(&Some(topic)) => topic,
+            // Views are derived from samples.
+            Some(None) => return Ok(()),
+            None => {
+                self.summary.unknown_messages += 1;
+                return Ok(());
+            }
         };
-        let is_at_start = self.summary.samples == 0;
-        let items = items_in_write_order(&parts, &self.present)
-            .unwrap_or_else(|| reconstruct_order(&parts, self.is_engine, is_at_start));
-        for item in items {
-            match item.first().map(|&first| &parts[first]) {
-                Some(Part { content: Err(event), .. }) => {
+        let group = &mut self.group;
+        group.bytes += data.len() + size_of::<Part>();
+        if group.bytes > MAX_OPEN_BYTES {
+            return Err(Stop::Error(too_much_memory()));
+        }
+        if self.has_duplicates && !group.seen.insert((header.channel_id, header.sequence, data.to_vec())) {
+            self.tracker.count_duplicate(header.channel_id);
+            return Ok(());
+        }
+        let (time_s, content) = match self.topics[topic].content {
+            ChannelContent::Lines => {
+                let line = Log::decode(data).map_err(|_| Defect::damaged("a line of the log is not protobuf"))?;
+                if line.name == "run" {
+                    self.summary.run_end = Some(RunEnd::new(header.log_time as f64 * 1e-9, line.message));
+                } else if let Some(&contact) = self.contacts.get(&line.name) {
+                    self.tracker.count_line(contact, is_friction_line(&line.message));
+                }
+                return Ok(());
+            }
+            ChannelContent::Events => {
+                let known = decode_event(data)?.and_then(|(event, [subject, subject_kind])| {
+                    let contact = *self.contacts.get(&subject)?;
+                    let has_kind = self.schema.contacts[contact].kind().name() == subject_kind;
+                    has_kind.then_some(Event { contact, ..event })
+                });
+                let Some(event) = known else {
+                    self.summary.unknown_messages += 1;
+                    return Ok(());
+                };
+                (event.time_s, PartContent::Event(event))
+            }
+            ChannelContent::Subject { index, .. } => {
+                let first = group.numbers.len();
+                group.numbers.resize(first + self.indices[index].len(), 0.0);
+                (decode(data, &mut group.numbers[first..])?, PartContent::Subject(index, first))
+            }
+        };
+        if !time_s.is_finite() {
+            return Err(Defect::damaged("the time of a message is not a number").into());
+        }
+        if (time_s - header.log_time as f64 * 1e-9).abs() > MAX_TIME_DIFFERENCE_S {
+            return Err(Defect::damaged("the time of a message differs from its log time").into());
+        }
+        group.parts.push(Part { sequence: header.sequence, time_s, content });
+        Ok(())
+    }
+
+    /// Passes the samples and events of the last log time to a sink.
+    pub fn end_group(&mut self, sink: &mut impl LogSink) -> Result<(), Stop> {
+        let mut parts = std::mem::take(&mut self.group.parts);
+        if !is_in_write_order(&parts, &self.present) {
+            restore_write_order(&mut parts, self.is_engine, self.summary.samples == 0);
+        }
+        let mut rest = parts.as_slice();
+        while let Some(first) = rest.first() {
+            // The subjects of a sample are in their order.
+            let is_same_sample =
+                |pair: &&[Part]| pair[0].time_s == pair[1].time_s && pair[0].subject() < pair[1].subject();
+            let count = match first.content {
+                PartContent::Subject(..) => 1 + rest.windows(2).take_while(is_same_sample).count(),
+                PartContent::Event(event) => {
                     self.tracker.count_event(event.contact, event.kind.is_friction_event());
                     self.summary.events += 1;
-                    sink.event(event)?;
-                }
-                Some(Part { time_s, .. }) => {
-                    if *time_s < self.summary.last_s.unwrap_or(0.0) {
-                        let reason = "the time of a sample decreases although its log time does not";
-                        return Ok(Err(Defect::damaged(reason)));
-                    }
-                    if let Err(error) = self.assemble(*time_s, item.iter().map(|&index| &parts[index])) {
-                        return Ok(Err(Defect::damaged(describe(&error))));
-                    }
-                    sink.sample(&self.sample)?;
-                    self.summary.samples += 1;
-                    self.summary.first_s.get_or_insert(*time_s);
-                    self.summary.last_s = Some(*time_s);
-                }
-                None => {}
-            }
-        }
-        Ok(Ok(()))
-    }
-
-    /// Classifies messages. Pictures, unknown messages and duplicates are omitted; event lines are only counted.
-    fn parts<'a>(&mut self, messages: &'a [Message]) -> Result<Vec<Part<'a>>, Defect> {
-        let mut parts = Vec::with_capacity(messages.len());
-        let mut seen = HashSet::new();
-        for Message { header, data } in messages {
-            let Some(KnownChannel { content, .. }) = self.channels.get(&header.channel_id) else {
-                self.summary.messages += 1;
-                self.summary.unknown_messages += 1;
-                continue;
-            };
-            self.summary.messages += 1;
-            if *content == ChannelContent::Picture {
-                continue;
-            }
-            if self.has_duplicates && !seen.insert((header.channel_id, header.sequence, data)) {
-                self.tracker.count_duplicate(header.channel_id);
-                continue;
-            }
-            let part = match *content {
-                ChannelContent::Lines => {
-                    let line = Log::decode(data.as_slice())
-                        .map_err(|_| Defect::damaged("a line of the log is not protobuf"))?;
-                    if line.name == "run" {
-                        self.summary.run_end = Some(RunEnd::new(header.log_time as f64 * 1e-9, line.message));
-                    } else if let Some(contact) = self.schema.contacts.iter().position(|c| c.name == line.name) {
-                        self.tracker.count_line(contact, is_friction_line(&line.message));
-                    }
-                    continue;
-                }
-                ChannelContent::Events => match decode_event(data) {
-                    Ok(None) => {
-                        self.summary.unknown_messages += 1;
-                        continue;
-                    }
-                    Ok(Some((event, [subject, subject_kind]))) => {
-                        let is_subject =
-                            |contact: &ContactName| contact.name == subject && contact.kind().name() == subject_kind;
-                        let Some(contact) = self.schema.contacts.iter().position(is_subject) else {
-                            self.summary.unknown_messages += 1;
-                            continue;
-                        };
-                        Ok((event.time_s, Err(Event { contact, ..event })))
-                    }
-                    Err(error) => Err(error),
-                },
-                content => {
-                    let subject = content.subject().unwrap_or(usize::MAX);
-                    decode(data, &mut []).map(|time_s| (time_s, Ok((subject, data.as_slice()))))
+                    sink.event(&event)?;
+                    1
                 }
             };
-            let (time_s, content) = part.map_err(|error| Defect::damaged(describe(&error)))?;
-            if !time_s.is_finite() {
-                return Err(Defect::damaged("the time of a message is not a number"));
+            let (item, after) = rest.split_at(count);
+            if first.subject().is_some() {
+                self.assemble(first.time_s, item)?;
+                sink.sample(&self.sample)?;
             }
-            if (time_s - header.log_time as f64 * 1e-9).abs() > MAX_TIME_DIFFERENCE_S {
-                return Err(Defect::damaged("the time of a message differs from its log time"));
-            }
-            parts.push(Part { sequence: header.sequence, time_s, content });
+            rest = after;
         }
-        Ok(parts)
+        parts.clear();
+        self.group.numbers.clear();
+        self.group.seen.clear();
+        (self.group.parts, self.group.bytes) = (parts, 0);
+        Ok(())
     }
 
-    fn assemble<'a>(&mut self, time_s: f64, parts: impl Iterator<Item = &'a Part<'a>>) -> Result<(), DecodeError> {
+    fn assemble(&mut self, time_s: f64, parts: &[Part]) -> Result<(), Defect> {
+        if time_s < self.summary.last_s.unwrap_or(0.0) {
+            return Err(Defect::damaged("the time of a sample decreases although its log time does not"));
+        }
         self.sample.clone_from(&self.missing_sample);
         self.sample.time_s = time_s;
         self.tracker.start_sample(time_s);
-        let mut numbers = [0.0; MAX_QUANTITIES];
+        let values = self.sample.values_mut();
         for part in parts {
-            let Ok((index, data)) = part.content else { continue };
-            self.tracker.count_component(index);
-            let Subject { kind, first, .. } = self.subjects[index];
-            decode(data, &mut numbers)?;
-            let values = &mut self.sample.values_mut()[first..];
-            if kind == SubjectKind::Limit {
-                // It has no slip, friction, contact point or normal.
-                values[..ContactSample::QUANTITIES.len()].fill(0.0);
+            if let PartContent::Subject(subject, first) = part.content {
+                self.tracker.count_component(subject);
+                let numbers = self.indices[subject].iter().zip(&self.group.numbers[first..]);
+                numbers.for_each(|(&index, &number)| values[index] = number);
             }
-            kind.quantities().zip(numbers).for_each(|((k, _), number)| values[k] = number);
         }
+        self.sample.derive();
+        self.summary.samples += 1;
+        self.summary.first_s.get_or_insert(time_s);
+        self.summary.last_s = Some(time_s);
         Ok(())
     }
 }
@@ -274,91 +289,72 @@ impl Assembler {
 /// decreases.
 const MAX_TIME_DIFFERENCE_S: f64 = 1e-3;
 
-/// No subject has more numbers.
-const MAX_QUANTITIES: usize = 16;
-
-fn describe(error: &DecodeError) -> String {
-    format!("a message is not protobuf ({error})")
-}
-
-/// Adds the disc or the pair of discs of a topic to the schema. Names that could not become a column are ignored.
-fn add_disc_topic(schema: &mut Schema, topic: &str) {
+/// Adds the discs and pairs of discs of topics to the schema. Names that could not become a column are ignored.
+fn add_disc_topics<'a>(schema: &mut Schema, topics: impl Iterator<Item = &'a str>) {
     let is_valid = |name: &str| {
         name.starts_with(|first: char| first.is_ascii_alphabetic())
             && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
     };
-    let is_new_disc = |name: &&str| is_valid(name) && !schema.bodies.iter().any(|known| known == name);
-    if let Some(name) = topic.strip_prefix("/body/").filter(is_new_disc) {
-        schema.bodies.push(name.to_string());
-    }
-    let is_new_pair = |name: &&str| {
-        let is_pair = name.split_once('-').is_some_and(|(disc, partner)| is_valid(disc) && is_valid(partner));
-        is_pair && !schema.contacts.iter().any(|known| known.name == *name)
-    };
-    if let Some(name) = topic.strip_prefix("/contact/").filter(is_new_pair) {
-        schema.contacts.push(ContactName { name: name.to_string(), is_angular: false, exists: true });
-    }
-}
-
-/// Returns the samples and events of messages in write order; `None` in any other order. `subjects` are those
-/// of a sample of this log, in order.
-fn items_in_write_order(parts: &[Part<'_>], subjects: &[usize]) -> Option<Vec<Item>> {
-    let mut items: Vec<Item> = Vec::new();
-    let (mut next, mut latest_s) = (0, f64::NEG_INFINITY);
-    for (index, part) in parts.iter().enumerate() {
-        match part.content {
-            Ok((subject, _)) => {
-                if next == 0 {
-                    items.push(Vec::with_capacity(subjects.len()));
-                    if part.time_s < latest_s {
-                        return None;
-                    }
-                    latest_s = part.time_s;
-                }
-                if subjects.get(next) != Some(&subject) || part.time_s != latest_s {
-                    return None;
-                }
-                items.last_mut()?.push(index);
-                next = (next + 1) % subjects.len();
-            }
-            Err(_) if next > 0 => return None,
-            Err(_) => items.push(vec![index]),
+    let is_pair = |name: &str| name.split_once('-').is_some_and(|(disc, partner)| is_valid(disc) && is_valid(partner));
+    let mut known: HashSet<String> = schema.bodies.iter().cloned().collect();
+    known.extend(schema.contacts.iter().map(|contact| contact.name.clone()));
+    for topic in topics {
+        let (disc, pair) = (topic.strip_prefix("/body/"), topic.strip_prefix("/contact/"));
+        if let Some(name) = disc.filter(|name| is_valid(name) && known.insert(name.to_string())) {
+            schema.bodies.push(name.to_string());
+        }
+        if let Some(name) = pair.filter(|name| is_pair(name) && known.insert(name.to_string())) {
+            schema.contacts.push(ContactName { name: name.to_string(), is_angular: false, exists: true });
         }
     }
-    (next == 0).then_some(items)
 }
 
-/// Returns the samples and events of messages in any order.
-fn reconstruct_order(parts: &[Part<'_>], is_engine: bool, is_at_start: bool) -> Vec<Item> {
-    let mut by_sequence: Vec<usize> = (0..parts.len()).collect();
-    by_sequence.sort_by_key(|&index| parts[index].sequence);
-    // Of two samples of one instant, the first gets the first message of every channel.
+/// Whether messages are in write order. `present` are the subjects of a sample of this log, in order.
+fn is_in_write_order(parts: &[Part], present: &[usize]) -> bool {
+    let (mut next, mut latest_s, mut latest_event) = (0, f64::NEG_INFINITY, 0);
+    let is_ordered = parts.iter().all(|part| {
+        let Some(subject) = part.subject() else {
+            return next == 0 && std::mem::replace(&mut latest_event, part.sequence) <= part.sequence;
+        };
+        let is_next =
+            present.get(next) == Some(&subject) && (part.time_s == latest_s || next == 0 && part.time_s > latest_s);
+        (next, latest_s) = ((next + 1) % present.len().max(1), part.time_s);
+        is_next
+    });
+    is_ordered && next == 0
+}
+
+/// Sorts messages of any order as they were written.
+fn restore_write_order(parts: &mut Vec<Part>, is_engine: bool, is_at_start: bool) {
+    parts.sort_by_key(|part| part.sequence);
+    // Of two samples of one instant, the first gets the first message of every subject.
     let mut counts: HashMap<(usize, u64), usize> = HashMap::new();
-    let mut samples: BTreeMap<(u64, usize), Item> = BTreeMap::new();
-    let mut events: Vec<(usize, &Event)> = Vec::new();
-    for index in by_sequence {
-        match &parts[index].content {
-            Ok((subject, _)) => {
-                let time_bits = parts[index].time_s.to_bits();
-                let count = counts.entry((*subject, time_bits)).or_default();
-                samples.entry((time_bits, *count)).or_default().push(index);
+    let (mut samples, mut events) = (Vec::new(), Vec::new());
+    for part in parts.drain(..) {
+        match part.content {
+            PartContent::Event(event) => events.push((event, part)),
+            PartContent::Subject(subject, _) => {
+                let count = counts.entry((subject, part.time_s.to_bits())).or_default();
+                samples.push(((part.time_s, *count), part));
                 *count += 1;
             }
-            Err(event) => events.push((index, event)),
         }
     }
-    events.sort_by(|(_, a), (_, b)| a.time_s.total_cmp(&b.time_s).then(a.contact.cmp(&b.contact)));
-    let mut samples: Vec<(f64, Item)> =
-        samples.into_iter().map(|((time_bits, _), indices)| (f64::from_bits(time_bits), indices)).collect();
-    samples.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    let mut items = Vec::new();
+    samples.sort_by(|((a_s, a), first), ((b_s, b), second)| {
+        a_s.total_cmp(b_s).then(a.cmp(b)).then(first.subject().cmp(&second.subject()))
+    });
+    // Without sequence numbers, the order of simultaneous events is that of their contacts.
+    let order = |part: &Part, event: &Event| (part.sequence, event.contact);
+    events
+        .sort_by(|(a, first), (b, second)| a.time_s.total_cmp(&b.time_s).then(order(first, a).cmp(&order(second, b))));
+    let samples: Vec<&[_]> = samples.chunk_by(|(a, _), (b, _)| a == b).collect();
     let mut emitted = 0;
     // First sample of the current instant and number of its events so far.
     let (mut first_sample, mut occurrence) = (usize::MAX, 0);
-    for (index, event) in events {
-        let before = samples.partition_point(|(at_s, _)| *at_s < event.time_s && !is_same_instant(*at_s, event.time_s));
-        let simultaneous =
-            samples[before..].iter().take_while(|(at_s, _)| is_same_instant(*at_s, event.time_s)).count();
+    for (event, part) in events {
+        let is_simultaneous = |sample: &&&[((f64, usize), Part)]| is_same_instant(sample[0].1.time_s, event.time_s);
+        let before = samples.partition_point(|sample| sample[0].1.time_s < event.time_s && !is_simultaneous(&sample));
+        let simultaneous = samples[before..].iter().take_while(is_simultaneous).count();
         (first_sample, occurrence) = if first_sample == before { (first_sample, occurrence + 1) } else { (before, 1) };
         let after = match (simultaneous, is_engine) {
             (0, _) => before,
@@ -370,14 +366,12 @@ fn reconstruct_order(parts: &[Part<'_>], is_engine: bool, is_at_start: bool) -> 
             (_, true) if event.kind == EventKind::TouchDown => before + 1,
             (_, true) => before + simultaneous - 1,
         };
-        while emitted < after {
-            items.push(samples[emitted].1.clone());
-            emitted += 1;
-        }
-        items.push(vec![index]);
+        let due = emitted..after.max(emitted);
+        parts.extend(samples[due].iter().copied().flatten().map(|(_, part)| *part));
+        emitted = emitted.max(after);
+        parts.push(part);
     }
-    items.extend(samples.drain(emitted..).map(|(_, indices)| indices));
-    items
+    parts.extend(samples[emitted..].iter().copied().flatten().map(|(_, part)| *part));
 }
 
 /// Whether two times denote the same instant: the model may compute it in two ways with different rounding.

@@ -1,4 +1,4 @@
-//! Second pass over a log: its messages in order of log time, grouped by log time. Only chunks that overlap in time are
+//! Second pass over a log: its messages in order of log time. Only chunks that overlap in time are
 //! in memory: one or two of a log in order, all of a log sorted by topic.
 
 use std::collections::HashSet;
@@ -11,14 +11,7 @@ use super::scan::{MAX_RECORD_BYTES, Scan};
 use super::summary::ReadError;
 
 /// Maximum bytes of chunks in memory, and of the messages of one log time.
-const MAX_OPEN_BYTES: usize = 1 << 29;
-
-/// A message with its header.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Message {
-    pub header: MessageHeader,
-    pub data: Vec<u8>,
-}
+pub const MAX_OPEN_BYTES: usize = 1 << 29;
 
 /// Reader of messages.
 pub struct Messages<R> {
@@ -26,15 +19,11 @@ pub struct Messages<R> {
     reader: IndexedReader,
     bare_ranges: HashSet<u64>,
     buffer: Vec<u8>,
-    /// First message of the next group.
-    next: Option<Message>,
     /// Offset of the data of the chunk that was loaded last.
     pub chunk_offset: u64,
 }
 
 impl<R: Read + Seek> Messages<R> {
-    /// Reads the first message.
-    ///
     /// # Errors
     /// Returns [`ReadError::OutOfOrder`] if too many chunks overlap in time.
     pub fn new(source: R, scan: &Scan) -> Result<Self, ReadError> {
@@ -54,39 +43,16 @@ impl<R: Read + Seek> Messages<R> {
         let options = IndexedReaderOptions::new().with_record_length_limit(MAX_RECORD_BYTES);
         let reader = IndexedReader::new_with_options(&scan.index, options).map_err(io::Error::other)?;
         let bare_ranges = scan.bare_ranges.clone();
-        let mut messages = Messages { source, reader, bare_ranges, buffer: Vec::new(), next: None, chunk_offset: 0 };
-        messages.next = messages.next_message()?;
-        Ok(messages)
+        Ok(Messages { source, reader, bare_ranges, buffer: Vec::new(), chunk_offset: 0 })
     }
 
-    /// Log time of the next group, ns.
-    pub(crate) fn next_time_ns(&self) -> Option<u64> {
-        self.next.as_ref().map(|message| message.header.log_time)
-    }
-
-    /// Returns all messages of the next log time; empty at the end.
-    pub(crate) fn next_group(&mut self) -> Result<Vec<Message>, ReadError> {
-        let (mut group, mut bytes) = (Vec::new(), 0);
-        let time_ns = self.next_time_ns();
-        while let Some(message) = self.next.take_if(|message| Some(message.header.log_time) == time_ns) {
-            bytes += message.data.len() + size_of::<Message>();
-            if bytes > MAX_OPEN_BYTES {
-                return Err(too_much_memory());
-            }
-            group.push(message);
-            self.next = self.next_message()?;
-        }
-        Ok(group)
-    }
-
-    fn next_message(&mut self) -> Result<Option<Message>, ReadError> {
+    /// Passes the next message to `receive`; returns `None` at the end.
+    pub fn next<T>(&mut self, receive: impl FnOnce(&MessageHeader, &[u8]) -> T) -> Result<Option<T>, ReadError> {
         // All data was valid in the first pass.
         let file_changed = |_| io::Error::other("the log changes while it is read");
         while let Some(event) = self.reader.next_event() {
             match event.map_err(file_changed)? {
-                IndexedReadEvent::Message { header, data } => {
-                    return Ok(Some(Message { header, data: data.to_vec() }));
-                }
+                IndexedReadEvent::Message { header, data } => return Ok(Some(receive(&header, data))),
                 IndexedReadEvent::ReadChunkRequest { offset, length } => {
                     self.chunk_offset = match self.bare_ranges.contains(&offset) {
                         true => offset - CHUNK_HEAD,
@@ -107,6 +73,6 @@ impl<R: Read + Seek> Messages<R> {
 /// compression, length of the records.
 const CHUNK_HEAD: u64 = 1 + 8 + 8 + 8 + 8 + 4 + 4 + 8;
 
-fn too_much_memory() -> ReadError {
+pub fn too_much_memory() -> ReadError {
     ReadError::OutOfOrder { limit_mib: MAX_OPEN_BYTES >> 20 }
 }

@@ -8,17 +8,9 @@ use std::collections::BTreeMap;
 
 use super::scan::SequenceStats;
 use super::summary::{LogSummary, MissingData};
-use crate::channels::ChannelContent;
+use crate::channels::{ChannelContent, Topic};
 use phalanx_core::trace::Schema;
 use phalanx_core::trace::schema::SubjectKind;
-
-/// A channel of the log that phalanx knows.
-#[derive(Clone, Debug)]
-pub(crate) struct KnownChannel {
-    pub id: u16,
-    pub topic: String,
-    pub content: ChannelContent,
-}
 
 /// Counts the received components of samples, events and event lines.
 pub(crate) struct MissingTracker {
@@ -77,46 +69,45 @@ impl MissingTracker {
         *self.duplicates.entry(channel).or_default() += 1;
     }
 
-    /// Returns the missing data, after the log was read to its end. `expected` are the topics that it should have.
+    /// Returns the missing data, after the log was read to its end. `sequences` are those of the known channels.
     pub fn missing(
         mut self,
         summary: &LogSummary,
-        expected: &[(String, ChannelContent)],
+        topics: Vec<Topic>,
         schema: &Schema,
-        channels: &[KnownChannel],
         sequences: &BTreeMap<u16, SequenceStats>,
     ) -> Vec<MissingData> {
         self.end_sample();
-        let mut topics = expected.to_vec();
-        for KnownChannel { topic, content, .. } in channels {
-            if !topics.iter().any(|(known, _)| known == topic) {
-                topics.push((topic.clone(), *content));
-            }
-        }
         // Sequence numbers start at 0 on every channel. Tools that rewrite a log may number differently, or not at all.
-        let known = || channels.iter().filter_map(|channel| sequences.get(&channel.id));
-        let are_numbered =
-            known().filter(|stats| stats.min_sequence == 0).count() > 1 && known().any(|stats| stats.max_sequence > 0);
-        let is_lines = |channel: &&KnownChannel| channel.content == ChannelContent::Lines;
-        let has_lines = channels.iter().filter(is_lines).any(|channel| sequences.contains_key(&channel.id));
+        let are_numbered = sequences.values().filter(|stats| stats.min_sequence == 0).count() > 1
+            && sequences.values().any(|stats| stats.max_sequence > 0);
+        let has_messages = |topic: &Topic| topic.channels.iter().any(|id| sequences.contains_key(id));
+        let has_lines = topics.iter().any(|topic| topic.content == ChannelContent::Lines && has_messages(topic));
         let mut found = Vec::new();
-        for (topic, content) in topics {
-            let on_topic = || channels.iter().filter(|channel| channel.topic == topic).map(|channel| channel.id);
-            let is_empty = !on_topic().any(|id| sequences.contains_key(&id));
+        for topic in topics {
+            let Topic { content, is_expected, ref channels, .. } = topic;
+            if !is_expected && channels.is_empty() {
+                continue;
+            }
+            let is_empty = !has_messages(&topic);
             let defect = match content {
-                ChannelContent::Picture => continue,
                 ChannelContent::Lines => self.missing_lines(summary, is_empty),
-                ChannelContent::Events => self.missing_events(on_topic().next().is_none() && !has_lines),
+                ChannelContent::Events => self.missing_events(channels.is_empty() && !has_lines),
                 ChannelContent::Subject { index, .. } => self.missing_components(summary, index, is_empty),
             };
             let defect = defect.or_else(|| {
-                on_topic().filter(|_| are_numbered).find_map(|id| {
+                channels.iter().filter(|_| are_numbered).find_map(|id| {
                     // Identical messages count once.
-                    sequence_gaps(sequences.get(&id)?, self.duplicates.get(&id).copied().unwrap_or(0))
+                    sequence_gaps(sequences.get(id)?, self.duplicates.get(id).copied().unwrap_or(0))
                 })
             });
             let is_required_for_verdict = is_required_for_verdict(schema, content);
-            found.extend(defect.map(|defect| MissingData { topic, defect, content, is_required_for_verdict }));
+            found.extend(defect.map(|defect| MissingData {
+                topic: topic.name,
+                defect,
+                content,
+                is_required_for_verdict,
+            }));
         }
         found.extend(time_gaps(summary).into_iter().map(|defect| MissingData {
             topic: "every topic".to_string(),
@@ -169,7 +160,7 @@ impl MissingTracker {
 /// limit.
 fn is_required_for_verdict(schema: &Schema, content: ChannelContent) -> bool {
     match content {
-        ChannelContent::Subject { kind: SubjectKind::Energy, .. } | ChannelContent::Picture => false,
+        ChannelContent::Subject { kind: SubjectKind::Energy, .. } => false,
         ChannelContent::Subject { kind: SubjectKind::Limit, .. } => schema.fingers.len() != 1,
         _ => true,
     }

@@ -30,11 +30,11 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 
-pub(super) use self::assemble::Assembler;
-pub(super) use self::messages::Messages;
+use self::assemble::Assembler;
+use self::messages::Messages;
 pub use self::scan::MAX_RECORD_BYTES;
 use self::scan::Scan;
-use self::summary::Defect;
+use self::summary::{Defect, Stop};
 pub use self::summary::{LogSink, LogSummary, Loss, LossKind, MissingData, ReadError, RunEnd};
 use super::file::partial_name;
 use super::metadata::LOG_VERSION;
@@ -80,21 +80,42 @@ pub fn read_head(path: &Path) -> Result<LogSummary, ReadError> {
 
 /// Reads a log into a sink, see [`read_file`].
 pub fn read(mut source: impl Read + Seek, sink: &mut impl LogSink) -> Result<LogSummary, ReadError> {
-    let mut scan = scan(&mut source, false)?;
-    let mut assembler = Assembler::new(&mut scan);
-    let mut messages = Messages::new(source, &scan)?;
-    let mut is_schema_sent = false;
-    while messages.next_time_ns().is_some() {
-        let group = messages.next_group()?;
-        if !std::mem::replace(&mut is_schema_sent, true) {
-            sink.schema(assembler.schema())?;
-        }
-        if let Err(defect) = assembler.group(&group, sink)? {
-            scan.damage = Some((messages.chunk_offset, defect));
-            break;
+    let scan = scan(&mut source, false)?;
+    let mut reader = SecondPass::new(source, scan)?;
+    sink.schema(reader.assembler.schema())?;
+    while reader.read_message(sink)? {}
+    Ok(reader.assembler.finish(&reader.scan))
+}
+
+/// Second pass over a log: passes its samples and events to a sink, in order of time.
+pub(super) struct SecondPass<R> {
+    scan: Scan,
+    messages: Messages<R>,
+    pub assembler: Assembler,
+}
+
+impl<R: Read + Seek> SecondPass<R> {
+    /// # Errors
+    /// Returns [`ReadError::OutOfOrder`] if too many chunks overlap in time.
+    pub fn new(source: R, mut scan: Scan) -> Result<Self, ReadError> {
+        let assembler = Assembler::new(&mut scan);
+        Ok(SecondPass { messages: Messages::new(source, &scan)?, assembler, scan })
+    }
+
+    /// Reads a message. Passes on the samples and events of a log time after its last message. Returns false at the end
+    /// of the log or at an invalid message.
+    pub fn read_message(&mut self, sink: &mut impl LogSink) -> Result<bool, ReadError> {
+        let result = self.messages.next(|header, data| self.assembler.message(header, data, &mut *sink))?;
+        let is_end = result.is_none();
+        match result.unwrap_or_else(|| self.assembler.end_group(sink)) {
+            Ok(()) => Ok(!is_end),
+            Err(Stop::Defect(defect)) => {
+                self.scan.damage = Some((self.messages.chunk_offset, defect));
+                Ok(false)
+            }
+            Err(Stop::Error(error)) => Err(error),
         }
     }
-    Ok(assembler.finish(&scan))
 }
 
 /// First pass over a log of phalanx.

@@ -5,6 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 use mcap::McapError;
+use prost::DecodeError;
 use serde::Serialize;
 
 use crate::METADATA_NAME;
@@ -183,6 +184,30 @@ pub(crate) struct Defect {
 impl Defect {
     pub fn damaged(reason: impl Into<String>) -> Self {
         Defect { kind: LossKind::Damaged, reason: reason.into() }
+    }
+}
+
+/// Reason why reading ends early.
+pub(crate) enum Stop {
+    Defect(Defect),
+    Error(ReadError),
+}
+
+impl From<Defect> for Stop {
+    fn from(defect: Defect) -> Self {
+        Stop::Defect(defect)
+    }
+}
+
+impl From<DecodeError> for Stop {
+    fn from(error: DecodeError) -> Self {
+        Stop::Defect(Defect::damaged(format!("a message is not protobuf ({error})")))
+    }
+}
+
+impl From<SinkError> for Stop {
+    fn from(error: SinkError) -> Self {
+        Stop::Error(error.into())
     }
 }
 

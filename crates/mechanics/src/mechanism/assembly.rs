@@ -53,7 +53,7 @@ pub enum AssemblyError {
          the intended posture"
     )]
     Open { condition: Condition, name: String, miss: Measure },
-    #[error("{name} is redundant: in this posture {}; remove it, or change the loop", follows(.from))]
+    #[error("{name} is redundant, because in this posture {}: remove it, or change the loop", follows(.from))]
     Redundant { condition: Condition, name: String, from: Vec<String> },
     #[error(
         "{name} is {given}, but in this posture {} ({found}): remove one of these values",

@@ -118,7 +118,7 @@ impl Merged {
     fn origin(&self, path: &str) -> Option<usize> {
         match find(&self.texts, path)? {
             Value::Table(inner) => inner.keys().filter_map(|key| self.origin(&format!("{path}.{key}"))).min(),
-            _ => self.layers.iter().rposition(|layer| find(layer, path).is_some_and(Value::is_str)),
+            _ => self.layers.iter().rposition(|layer| find(layer, path).is_some_and(|value| !value.is_table())),
         }
     }
 
@@ -141,7 +141,8 @@ impl Merged {
     fn place(&self, span: &Range<usize>, merged: &DeTable<'_>, layers: &[DeTable<'_>]) -> Option<Place> {
         let (path, merged_key, merged_value) = entry_at(merged, span.start)?;
         let joined = path.join(".");
-        let is_table = find(&self.texts, &joined)?.is_table();
+        // The position of a list of tables is that of its first header.
+        let is_table = !find(&self.texts, &joined)?.is_str();
         // An empty table has no origin. It may have replaced a value of an earlier layer.
         let last_with_path = || self.layers.iter().rposition(|layer| find(layer, &joined).is_some());
         let layer = self.origin(&joined).or_else(last_with_path)?;
@@ -241,8 +242,14 @@ pub fn setting_from_parts(origin: &str, field: &str, value: &str) -> Result<Laye
 
 /// The texts of all values as written, by section.
 pub fn texts(table: &DeTable<'_>, source: &str) -> Table {
+    let is_table = |item: &Spanned<DeValue<'_>>| item.get_ref().is_table();
     let text = |value: &Spanned<DeValue<'_>>| match value.get_ref() {
         DeValue::Table(inner) => Value::Table(texts(inner, source)),
+        DeValue::Array(items) if !items.is_empty() && items.iter().all(is_table) => {
+            let table =
+                |item: &Spanned<DeValue<'_>>| item.get_ref().as_table().map(|inner| texts(inner, source).into());
+            Value::Array(items.iter().filter_map(table).collect())
+        }
         _ => inline(value, source).into(),
     };
     table.iter().map(|(key, value)| (key.get_ref().to_string(), text(value))).collect()
@@ -274,7 +281,8 @@ fn key_text(key: &str) -> String {
 pub(crate) fn write_texts(text: &mut String, order: &Section, values: &Table, path: &str) {
     let position = |name: &str| {
         let name = pair_element(name).map_or(name, |(pair, _)| pair);
-        let mut all = order.keys().iter().map(|key| key.name).chain(order.subsections().iter().map(|(name, _)| *name));
+        let sections = order.subsections().iter().chain(order.lists()).map(|(name, _)| *name);
+        let mut all = order.keys().iter().map(|key| key.name).chain(sections);
         all.position(|known| known == name).unwrap_or(usize::MAX)
     };
     let mut entries: Vec<(&String, &Value)> = values.iter().collect();
@@ -284,8 +292,12 @@ pub(crate) fn write_texts(text: &mut String, order: &Section, values: &Table, pa
         value.as_str().into_iter().for_each(|value| _ = writeln!(text, "{} = {value}", key_text(key)));
     }
     for (key, value) in entries {
-        let Value::Table(inner) = value else { continue };
         let section = join(path, &key_text(key));
+        for item in value.as_array().into_iter().flatten().filter_map(Value::as_table) {
+            let _ = write!(text, "\n[[{section}]]\n");
+            write_texts(text, order.subsection(key).unwrap_or(&NO_SECTION), item, &section);
+        }
+        let Value::Table(inner) = value else { continue };
         if inner.is_empty() || inner.values().any(Value::is_str) {
             let _ = write!(text, "\n[{section}]\n");
         }

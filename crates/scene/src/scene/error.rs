@@ -229,6 +229,11 @@ pub(crate) fn entry_at(table: &DeTable<'_>, offset: usize) -> Option<(Vec<String
     table.iter().find_map(|(key, value)| {
         let inner = match value.get_ref() {
             DeValue::Table(inner) => entry_at(inner, offset),
+            // A place within a list of tables is that of the list.
+            DeValue::Array(items) => {
+                let mut tables = items.iter().filter_map(|item| item.get_ref().as_table());
+                tables.find_map(|table| entry_at(table, offset)).map(|_| (Vec::new(), key.span(), value.span()))
+            }
             _ => None,
         };
         let contains_offset = |span: Range<usize>| span.contains(&offset) || span.start == offset;

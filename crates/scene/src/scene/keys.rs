@@ -103,7 +103,9 @@ fn other_kind_problem(name: &str, path: &str, span: Range<usize>, kind: &str, ot
 /// Problem for an unknown key, with a suggestion.
 pub fn unknown_key(name: &str, path: &str, span: Range<usize>, schema: &Value, root: &Value) -> Problem {
     let message = format!("unknown key `{}` {}", name.escape_debug(), location(path));
-    if let Some((reason, instead)) = find_unsupported(path, name) {
+    // Most unsupported features are those of fingers.
+    let is_finger_word = child_schema(root, "joints").is_some() && !is_of_mechanism(path, name);
+    if let Some((reason, instead)) = find_unsupported(path, name).filter(|_| !is_finger_word) {
         return Problem::new(Some(span), format!("{message}: {reason}"), "not supported by phalanx", instead);
     }
     let names: Vec<&str> = properties(schema).into_iter().flat_map(Map::keys).map(String::as_str).collect();
@@ -153,6 +155,11 @@ pub fn is_table(schema: &Value) -> bool {
     properties(schema).is_some() || named_tables_schema(schema).is_some()
 }
 
+/// Whether the values are lists of tables.
+pub(crate) fn has_tables(schema: &Value) -> bool {
+    schema.get("items").is_some_and(is_table)
+}
+
 fn properties(schema: &Value) -> Option<&Map<String, Value>> {
     schema.get("properties")?.as_object()
 }
@@ -175,8 +182,14 @@ pub fn join(path: &str, key: &str) -> String {
 }
 
 /// Unsupported features, one per line: the section they are expected in (empty: any), their keys, the reason, and the
-/// alternative.
+/// alternative. The lines of mechanisms come first.
 const UNSUPPORTED: &str = "\
+outlines|polygon vertices ellipse semi_axes box rectangle square triangle|an outline is a disc, a capsule or a half plane|\
+    describe the sides that touch by capsules, and corners by discs
+joints|pin hinge slider ball fixed weld rigid|a joint is revolute or prismatic|\
+    write type = \"revolute\" for a pin, \"prismatic\" for a slider; join rigidly connected parts to one body
+|tendon tendons cable cables rope pulley pulleys winch|there are no tendons|\
+    drive the joints by actuators, and relate them by couplings
 |l31 l32 t32 phi32 q31 q32 phalanges n_phalanges third_phalanx medial middle intermediate links n_links joints n_joints|\
     a finger has two phalanges, l21 and t22|leave further ones out; t22 and phi22 shape the distal phalanx
 |fingers n_fingers thumb|a scene has one finger, or two that face each other|choose by kind = \"finger\" or kind = \"gripper\"
@@ -190,10 +203,26 @@ contact|law model normal type restitution hunt-crossley hunt_crossley kelvin-voi
     the normal law is stiffness × depth^exponent with a damper that engages over `transition`|\
     set these four, or [contact.materials] for Hertz; there are two friction laws: contact.friction.law = \"regularised\" or \"bristle\"";
 
+/// Number of lines of [`UNSUPPORTED`] for mechanisms.
+const MECHANISM_LINES: usize = 3;
+
+/// Whether a mechanism has no such key, by one of its own lines.
+fn is_of_mechanism(path: &str, word: &str) -> bool {
+    find_among(UNSUPPORTED.lines().take(MECHANISM_LINES), path, word).is_some()
+}
+
 /// Returns why phalanx does not support a key or value in a section, and the alternative.
 pub(crate) fn find_unsupported(path: &str, word: &str) -> Option<(&'static str, &'static str)> {
+    find_among(UNSUPPORTED.lines(), path, word)
+}
+
+fn find_among(
+    mut lines: impl Iterator<Item = &'static str>,
+    path: &str,
+    word: &str,
+) -> Option<(&'static str, &'static str)> {
     let word = word.to_lowercase();
-    UNSUPPORTED.lines().find_map(|line| {
+    lines.find_map(|line| {
         let [section, unsupported_words, reason, instead] = line.split('|').collect::<Vec<_>>().try_into().ok()?;
         let is_expected_here = section.is_empty() || path.split('.').any(|part| part == section);
         (is_expected_here && unsupported_words.split(' ').any(|known| known == word)).then_some((reason, instead))

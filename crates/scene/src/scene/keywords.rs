@@ -10,15 +10,16 @@ pub enum SceneKind {
     Finger,
     Bodies,
     Gripper,
+    Mechanism,
 }
 
 impl SceneKind {
-    pub const ALL: [Self; 3] = [SceneKind::Finger, SceneKind::Bodies, SceneKind::Gripper];
+    pub const ALL: [Self; 4] = [SceneKind::Finger, SceneKind::Bodies, SceneKind::Gripper, SceneKind::Mechanism];
 
     /// Number of fingers.
     pub const fn fingers(self) -> usize {
         match self {
-            SceneKind::Bodies => 0,
+            SceneKind::Bodies | SceneKind::Mechanism => 0,
             SceneKind::Finger => 1,
             SceneKind::Gripper => 2,
         }
@@ -34,8 +35,12 @@ pub enum Motion {
 }
 
 impl Keyword for SceneKind {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("finger", SceneKind::Finger), ("bodies", SceneKind::Bodies), ("gripper", SceneKind::Gripper)];
+    const KEYWORDS: &'static [(&'static str, Self)] = &[
+        ("finger", SceneKind::Finger),
+        ("bodies", SceneKind::Bodies),
+        ("gripper", SceneKind::Gripper),
+        ("mechanism", SceneKind::Mechanism),
+    ];
 }
 
 impl Keyword for Motion {

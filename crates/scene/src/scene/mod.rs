@@ -46,7 +46,7 @@ pub use parse::{parse, parse_any, parse_template};
 pub use quantity::Keyword;
 pub use schema::schema;
 pub use sections::{
-    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogRates, Method, Preset, Response,
+    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogSettings, Method, Preset, Response,
     Stepping, Thresholds,
 };
 pub use show::{show, show_written};
@@ -77,12 +77,12 @@ pub struct Scene {
     pub bounds: Bounds,
     /// Thresholds of the grasp criteria of a gripper; unused in other kinds of scene.
     pub thresholds: Thresholds,
-    pub log: LogRates,
+    pub log: LogSettings,
 }
 
 impl Scene {
     pub fn kind(&self) -> SceneKind {
-        self.system.kind()
+        if self.mechanism.is_some() { SceneKind::Mechanism } else { self.system.kind() }
     }
 
     /// Returns the single finger, or the right finger of a gripper.

@@ -15,7 +15,7 @@ use super::schema::{other_schemas, schema_for, top_level};
 use super::section_input::{SceneInput, SectionInput};
 use super::sections::{
     DifferentialSettings, FingerLengths, Level, SceneSettings, SizingResult, Target, bodies, drive, finger, law,
-    motion, run, start,
+    mechanism, motion, run, start,
 };
 use super::template::{self, Template};
 use super::{Differential, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Motor, Scene, Side, System};
@@ -80,6 +80,7 @@ fn kind(document: &DeTable<'_>) -> SceneKind {
     let similar = closest_match(text, &SceneKind::keywords());
     match SceneKind::from_keyword(text).or(similar.and_then(SceneKind::from_keyword)) {
         Some(kind) => kind,
+        None if document.contains_key("joints") => SceneKind::Mechanism,
         None if document.contains_key("discs") => SceneKind::Bodies,
         None if ["right", "left", "palm_width"].iter().any(|key| document.contains_key(*key)) => SceneKind::Gripper,
         None => SceneKind::Finger,
@@ -113,7 +114,13 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
         root.report("extends", message, "relative to no file", help);
     }
     let duration_s = root.is_valid("duration").then_some(*settings.duration);
-    let system = system(input, &root, &settings);
+    let (system, mechanism) = match input.kind {
+        SceneKind::Mechanism => {
+            let gravity_m_s2 = settings.gravity.map(|component| *component);
+            (Some(System::EMPTY), mechanism::mechanism(input, &root, gravity_m_s2).map(Some))
+        }
+        _ => (system(input, &root, &settings), Some(None)),
+    };
     let integrator = run::integrator(&root.subsection("integrator"));
     let engine = run::engine(&root.subsection("engine"), system.as_ref());
     let bounds = run::bounds(&root.subsection("validate"), duration_s);
@@ -128,7 +135,7 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
         description: settings.description.unwrap_or_default(),
         source: checker.text.to_string(),
         system: system?,
-        mechanism: None,
+        mechanism: mechanism?,
         duration_s: duration_s?,
         integrator,
         engine,

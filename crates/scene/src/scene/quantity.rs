@@ -14,9 +14,10 @@ use serde::{Serialize, Serializer};
 
 use crate::units::Dimension;
 
-/// The dimension of a [`Quantity`]; `None` for a plain number.
+/// The dimension of a [`Quantity`], or several ones if the meaning of the key depends on another key; none for a plain
+/// number.
 pub(crate) trait Measure {
-    const DIMENSION: Option<Dimension>;
+    const DIMENSIONS: &'static [Dimension];
 }
 
 /// The range of a [`Quantity`] as keywords of JSON Schema with their limits, in SI units.
@@ -37,7 +38,7 @@ macro_rules! markers {
 }
 
 macro_rules! dimensions {
-    ($($name:ident)*) => { markers!(Measure: $($name { const DIMENSION: Option<Dimension> = Some(Dimension::$name); })*); };
+    ($($name:ident)*) => { markers!(Measure: $($name { const DIMENSIONS: &'static [Dimension] = &[Dimension::$name]; })*); };
 }
 
 dimensions!(Length Angle Time Mass Force Torque Speed AngularRate Acceleration Density Inertia Frequency Pressure);
@@ -45,7 +46,24 @@ dimensions!(AngularStiffness LinearDamping AngularDamping);
 
 markers! { Measure:
     /// A ratio, or a value in SI units if its unit has a fractional power.
-    Plain { const DIMENSION: Option<Dimension> = None; }
+    Plain { const DIMENSIONS: &'static [Dimension] = &[]; }
+    /// Coordinate of a joint: an angle or a length.
+    Coordinate { const DIMENSIONS: &'static [Dimension] = &[Dimension::Angle, Dimension::Length]; }
+    CoordinateRate { const DIMENSIONS: &'static [Dimension] = &[Dimension::AngularRate, Dimension::Speed]; }
+    JointStiffness { const DIMENSIONS: &'static [Dimension] = &[Dimension::AngularStiffness, Dimension::LinearStiffness]; }
+    JointDamping { const DIMENSIONS: &'static [Dimension] = &[Dimension::AngularDamping, Dimension::LinearDamping]; }
+    JointInertia { const DIMENSIONS: &'static [Dimension] = &[Dimension::Inertia, Dimension::Mass]; }
+    /// Torque or force of a joint.
+    Effort { const DIMENSIONS: &'static [Dimension] = &[Dimension::Torque, Dimension::Force]; }
+    /// Damping of a normal law of contacts or limits.
+    LawDamping {
+        const DIMENSIONS: &'static [Dimension] = &[
+            Dimension::LinearImpactDamping,
+            Dimension::AngularImpactDamping,
+            Dimension::LinearDamping,
+            Dimension::AngularDamping,
+        ];
+    }
 }
 
 markers! { Range:
@@ -91,17 +109,18 @@ impl<D: Measure, R: Range> JsonSchema for Quantity<D, R> {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let mut schema = match D::DIMENSION {
-            None => json_schema!({ "type": "number" }),
-            Some(dimension) => json_schema!({
+        let units = D::DIMENSIONS.iter().flat_map(|dimension| dimension.units()).map(|unit| unit.name);
+        let mut schema = match D::DIMENSIONS {
+            [] => json_schema!({ "type": "number" }),
+            dimensions => json_schema!({
                 "type": "string",
                 "pattern": r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*\S.*$",
-                "examples": [dimension.example()],
-                "x-units": dimension.units().iter().map(|unit| unit.name).collect::<Vec<_>>(),
+                "examples": dimensions.iter().map(|dimension| dimension.example()).collect::<Vec<_>>(),
+                "x-units": units.collect::<Vec<_>>(),
             }),
         };
         // JSON Schema has limits for numbers only.
-        let prefix = if D::DIMENSION.is_some() { "x-" } else { "" };
+        let prefix = if D::DIMENSIONS.is_empty() { "" } else { "x-" };
         for (keyword, limit) in R::LIMITS {
             schema.insert(format!("{prefix}{keyword}"), (*limit).into());
         }

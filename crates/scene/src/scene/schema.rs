@@ -12,15 +12,15 @@ use serde_json::{Map, Value, json};
 use toml::Table;
 
 use super::keys::join;
-use super::keywords::SceneKind::{self, Bodies, Finger, Gripper};
+use super::keywords::SceneKind::{self, Bodies, Finger, Gripper, Mechanism};
 use super::quantity::Keyword;
 use super::section::{Key, NO_SECTION, Section};
-use super::sections::{Engine, Integrator, LogRates, SceneFile};
+use super::sections::{Engine, Integrator, LogSettings, SceneFile};
 use super::value::ValueType;
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
 pub fn schema() -> String {
-    let [finger, bodies, gripper] = SceneKind::ALL.map(|kind| {
+    let [finger, bodies, gripper, mechanism] = SceneKind::ALL.map(|kind| {
         let mut schema = schema_for(kind).clone();
         schema.as_object_mut().map(|map| map.remove("$schema"));
         schema
@@ -34,7 +34,11 @@ pub fn schema() -> String {
         "properties": { "kind": finger["properties"]["kind"] },
         "if": is(Bodies),
         "then": bodies,
-        "else": { "if": is(Gripper), "then": gripper, "else": finger },
+        "else": {
+            "if": is(Gripper),
+            "then": gripper,
+            "else": { "if": is(Mechanism), "then": mechanism, "else": finger },
+        },
     });
     format!("{combined:#}\n")
 }
@@ -85,7 +89,7 @@ impl Adapter {
         let fields = part.get("properties");
         let is_contact = fields.is_some_and(|fields| fields.get("proximal").is_some());
         let overrides_contacts = overrides && self.kind == Gripper && is_contact;
-        let of_kind = ["x-finger", "x-bodies", "x-gripper"][self.kind as usize];
+        let of_kind = ["x-finger", "x-bodies", "x-gripper", "x-mechanism"][self.kind as usize];
         let of_kind = part.get(of_kind).and_then(Value::as_object).into_iter().flatten();
         // The description of the contacts of a gripper names palm and table.
         let of_kind = of_kind.filter(|(key, _)| !overrides_contacts || *key != "description");
@@ -94,7 +98,7 @@ impl Adapter {
         for (key, value) in part.as_object().into_iter().flatten().chain(of_kind) {
             let adapted = match (key.as_str(), value) {
                 ("$ref" | "definitions" | "properties" | "required" | "format", _) => continue,
-                ("x-finger" | "x-bodies" | "x-gripper" | "x-kinds" | "x-key", _) => continue,
+                ("x-finger" | "x-bodies" | "x-gripper" | "x-mechanism" | "x-kinds" | "x-key", _) => continue,
                 ("default", _) if overrides => continue,
                 // From doc comments.
                 ("description", Value::String(text)) => text.replace('\n', " ").into(),
@@ -176,7 +180,7 @@ impl SettingsSection for Engine {
     const PATH: &'static str = "engine";
 }
 
-impl SettingsSection for LogRates {
+impl SettingsSection for LogSettings {
     const PATH: &'static str = "log";
 }
 
@@ -231,6 +235,7 @@ pub fn markdown() -> String {
         (Finger, "scene of a finger", ""),
         (Bodies, "scene of discs", " of a scene of discs"),
         (Gripper, "scene of a gripper", " of a gripper"),
+        (Mechanism, "scene of a mechanism", " of a mechanism"),
     ] {
         let mut found = vec![(format!("Top level of a {top}"), top_level(kind))];
         collect_sections(top_level(kind), "", of, &mut found);
@@ -247,7 +252,8 @@ pub fn markdown() -> String {
 /// Collects all sections with keys below a section of a kind of scene.
 fn collect_sections(section: &'static Section, path: &str, of: &str, found: &mut Vec<(String, &'static Section)>) {
     let named = section.named().map(|each| ("NAME", each));
-    for (name, section) in section.subsections().iter().map(|(name, section)| (*name, section)).chain(named) {
+    let subsections = section.subsections().iter().chain(section.lists()).map(|(name, section)| (*name, section));
+    for (name, section) in subsections.chain(named) {
         let path = join(path, name);
         // A section that overrides another one has the same keys.
         if section.schema.get("x-overrides").is_none() {

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use serde_json::Value;
 use toml::Table;
 
-use super::keys::{is_table, named_tables_schema};
+use super::keys::{has_tables, is_table, named_tables_schema};
 use super::value::ValueType;
 use crate::units::{format, number};
 
@@ -21,6 +21,8 @@ pub struct Section {
 struct Contents {
     keys: Vec<Key>,
     subsections: Vec<(&'static str, Section)>,
+    /// Sections of lists of tables.
+    lists: Vec<(&'static str, Section)>,
     named: Option<Box<Section>>,
 }
 
@@ -52,13 +54,15 @@ impl Section {
         self.contents.get_or_init(|| {
             let mut all: Vec<_> = self.schema["properties"].as_object().into_iter().flatten().collect();
             all.sort_by_cached_key(|(_, property)| property["x-order"].as_u64());
-            let (sections, keys): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, property)| is_table(property));
+            let (sections, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, property)| is_table(property));
+            let (lists, keys): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, property)| has_tables(property));
             Contents {
                 keys: keys.into_iter().map(|(name, property)| Key::new(name, property)).collect(),
                 subsections: sections
                     .into_iter()
                     .map(|(name, section)| (name.as_str(), Section::new(section)))
                     .collect(),
+                lists: lists.into_iter().map(|(name, list)| (name.as_str(), Section::new(&list["items"]))).collect(),
                 named: named_tables_schema(self.schema).map(|each| Box::new(Section::new(each))),
             }
         })
@@ -77,13 +81,19 @@ impl Section {
         &self.contents().subsections
     }
 
+    /// Sections of lists of tables, such as [[contacts]].
+    pub fn lists(&self) -> &[(&'static str, Section)] {
+        &self.contents().lists
+    }
+
     /// The section of each name, in a section whose keys are chosen by the user.
     pub fn named(&self) -> Option<&Self> {
         self.contents().named.as_deref()
     }
 
     pub fn subsection(&self, name: &str) -> Option<&Self> {
-        let subsection = self.subsections().iter().find(|(known, _)| *known == name).map(|(_, subsection)| subsection);
+        let all = self.subsections().iter().chain(self.lists());
+        let subsection = all.into_iter().find(|(known, _)| *known == name).map(|(_, subsection)| subsection);
         subsection.or(self.named())
     }
 
@@ -167,6 +177,11 @@ impl Key {
             ValueType::Flag => "true or false".to_string(),
             ValueType::Text => "a string".to_string(),
             ValueType::Quantity(dimension) if self.limits.is_empty() => dimension.name().to_string(),
+            ValueType::OneOf(dimensions) => {
+                let names: Vec<&str> = dimensions.iter().map(|dimension| dimension.name()).collect();
+                let limits = if self.limits.is_empty() { String::new() } else { format!(", {}", self.limits()) };
+                names.join(" or ") + &limits
+            }
             ValueType::Quantity(dimension) => format!("{} {}", dimension.name(), self.limits()),
             ValueType::Number | ValueType::Percent if self.limits.is_empty() => self.limits(),
             ValueType::Number | ValueType::Percent => format!("a number {}", self.limits()),

@@ -14,12 +14,13 @@ use toml::{Spanned, Table, Value};
 use super::Side;
 use super::check::Checker;
 use super::error::Problem;
-use super::keys::pair_element;
+use super::keys::{join, pair_element};
 use super::keywords::SceneKind;
 use super::precedence::{KIND_KEYS, replaced_keys};
 use super::section::{Key, NO_SECTION, Section};
 use super::toml_value::TomlValue;
-use super::value::{ValueType, problem_at};
+use super::value::{ValueType, dimension_of, problem_at};
+use crate::units::Dimension;
 
 /// Values of a section by key.
 type Values = BTreeMap<String, Spanned<TomlValue>>;
@@ -32,7 +33,7 @@ pub(crate) struct SceneInput {
     values: Values,
     /// Values of each finger of a gripper.
     fingers: Vec<Values>,
-    /// Positions of the names of discs.
+    /// Positions of the names of tables, by path.
     names: BTreeMap<String, Range<usize>>,
 }
 
@@ -44,10 +45,8 @@ impl SceneInput {
         schema: &'static Section,
         document: Spanned<DeTable<'_>>,
     ) -> Result<Self, toml::de::Error> {
-        let names = match document.get_ref().get("discs").map(Spanned::get_ref) {
-            Some(DeValue::Table(discs)) => discs.keys().map(|name| (name.get_ref().to_string(), name.span())).collect(),
-            _ => BTreeMap::new(),
-        };
+        let mut names = BTreeMap::new();
+        add_names(document.get_ref(), "", &mut names);
         let values = Values::deserialize(Deserializer::from(document))?;
         let fingers =
             if kind.fingers() > 1 { Side::BOTH.map(|side| finger(&values, schema, side)).into() } else { Vec::new() };
@@ -70,9 +69,20 @@ impl SceneInput {
         SectionInput { values: self.fingers.get(side as usize).or(Some(&self.values)), ..self.top_level(checker) }
     }
 
-    /// Position of the name of a disc.
-    pub(crate) fn name_span(&self, name: &str) -> Option<Range<usize>> {
-        self.names.get(name).cloned()
+    /// Position of the name of a table.
+    pub(crate) fn name_span(&self, path: &str) -> Option<Range<usize>> {
+        self.names.get(path).cloned()
+    }
+}
+
+/// Adds the positions of the names of tables.
+fn add_names(table: &DeTable<'_>, path: &str, names: &mut BTreeMap<String, Range<usize>>) {
+    for (key, value) in table {
+        if let DeValue::Table(inner) = value.get_ref() {
+            let path = join(path, key.get_ref());
+            add_names(inner, &path, names);
+            names.insert(path, key.span());
+        }
     }
 }
 
@@ -168,6 +178,60 @@ impl<'a> SectionInput<'a> {
     /// All subsections with their names.
     pub(crate) fn subsections(&self) -> Vec<(&'a str, Self)> {
         self.values.into_iter().flatten().map(|(name, _)| (name.as_str(), self.subsection(name))).collect()
+    }
+
+    /// Tables of a list, such as [[contacts]]; reports another value.
+    pub(crate) fn list(&self, key: &str) -> Vec<Self> {
+        let schema = self.schema.subsection(key).unwrap_or(&NO_SECTION);
+        let Some(value) = self.get(key) else { return Vec::new() };
+        let items = if let TomlValue::List(items) = value.get_ref() { &items[..] } else { std::slice::from_ref(value) };
+        let mut tables = Vec::new();
+        for (index, item) in items.iter().enumerate() {
+            let TomlValue::Table(values) = item.get_ref() else {
+                let message =
+                    format!("`{}` is {}, but must be a list of tables", self.path(key), item.get_ref().name());
+                let help = format!("begin each table with [[{}]]", self.path(key));
+                self.checker.push(Problem::new(Some(item.span()), message, "expected a table", help));
+                continue;
+            };
+            let path = format!("{}[{index}]", self.path(key));
+            tables.push(SectionInput { path, schema, span: Some(item.span()), values: Some(values), ..*self });
+        }
+        tables
+    }
+
+    /// Dimensions that the values of a key may have.
+    pub(crate) fn alternatives(&self, key: &str) -> Vec<Dimension> {
+        let dimensions = |value_type: &ValueType| match value_type {
+            ValueType::Quantity(dimension) => vec![*dimension],
+            ValueType::OneOf(dimensions) => dimensions.clone(),
+            _ => Vec::new(),
+        };
+        match self.schema.key(key).map(|key| &key.value_type) {
+            Some(ValueType::List(item, _)) => dimensions(item),
+            value_type => value_type.map(dimensions).unwrap_or_default(),
+        }
+    }
+
+    /// Dimensions of the values of a key as written.
+    pub(crate) fn dimensions(&self, key: &str) -> Vec<Dimension> {
+        let among = self.alternatives(key);
+        let dimension = |value: &Spanned<TomlValue>| match value.get_ref() {
+            TomlValue::Text(text) => dimension_of(text, &among),
+            _ => None,
+        };
+        match self.get(key).map(Spanned::get_ref) {
+            Some(TomlValue::List(items)) => items.iter().filter_map(dimension).collect(),
+            _ => self.get(key).and_then(dimension).into_iter().collect(),
+        }
+    }
+
+    /// Reads keys of the section again, whose problems are reported elsewhere.
+    pub(crate) fn read_quietly<T: DeserializeOwned>(&self) -> T {
+        let count = self.checker.count();
+        let values = self.read();
+        self.checker.take_after(count);
+        values
     }
 
     /// Full path of a key.

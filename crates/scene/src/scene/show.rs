@@ -10,7 +10,7 @@ use super::error::locate_problems;
 use super::keys::{join, pair_element};
 use super::schema::top_level;
 use super::section::{Key, Section};
-use super::sections::{bodies, drive, law, list, motion, table};
+use super::sections::{bodies, drive, law, list, mechanism, motion, table};
 use super::value::ValueType;
 use super::{Bounds, Differential, DrivenFinger, Keyword, Scene, System, parse_any};
 use crate::gripper::{Body, Lengths};
@@ -37,7 +37,7 @@ fn resolved(scene: &Scene) -> Table {
     let system = &scene.system;
     // A program may have shortened the run.
     let validate = Bounds { until_s: scene.bounds.until_s.min(scene.duration_s), ..scene.bounds };
-    let gravity: Vec<f64> = system.gravity_m_s2.into();
+    let gravity: Vec<f64> = scene.mechanism.as_ref().map_or(system.gravity_m_s2, |of| of.gravity_m_s2).into();
     let mut file = table([
         ("name", scene.name.as_str().into()),
         ("kind", scene.kind().keyword().into()),
@@ -53,6 +53,10 @@ fn resolved(scene: &Scene) -> Table {
     ]);
     if !scene.description.is_empty() {
         file.insert("description".into(), scene.description.as_str().into());
+    }
+    if let Some(mechanism) = &scene.mechanism {
+        file.extend(mechanism::mechanism_settings(mechanism));
+        return file;
     }
     match &system.fingers[..] {
         [] => {
@@ -170,7 +174,13 @@ fn to_texts(
         // A group of sections with free names has no values of its own.
         (!texts.is_empty() || schema.named().is_none()).then(|| (name, texts.into()))
     };
-    schema.keys().iter().filter_map(value).chain(tables(schema, values).into_iter().filter_map(subsection)).collect()
+    let list = |(name, schema): &(&str, Section)| {
+        let items = values.get(*name)?.as_array()?.iter().filter_map(Value::as_table);
+        let texts: Vec<Value> = items.map(|item| to_texts(schema, item, &join(path, name), text).into()).collect();
+        (!texts.is_empty()).then(|| (name.to_string(), texts.into()))
+    };
+    let sections = tables(schema, values).into_iter().filter_map(subsection);
+    schema.keys().iter().filter_map(value).chain(sections).chain(schema.lists().iter().filter_map(list)).collect()
 }
 
 /// Sections of a table in the order of the schema, with their schemas; those with free names in the order of names.
@@ -232,7 +242,13 @@ pub fn show_written(scene: &Scene) -> String {
         write_texts(&mut text, schema, &complete, "");
         match parse_any(&text, "scene.toml") {
             Ok(found) if found == (Scene { source: found.source.clone(), ..scene.clone() }) => {
-                return text + &derived_values(schema, &resolved, &complete);
+                // All values of a mechanism are given.
+                let derived = if scene.mechanism.is_some() {
+                    String::new()
+                } else {
+                    derived_values(schema, &resolved, &complete)
+                };
+                return text + &derived;
             }
             Ok(_) => return show(scene),
             // Some keys have no effect with the others.

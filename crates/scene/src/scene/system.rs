@@ -38,6 +38,19 @@ pub struct System {
 }
 
 impl System {
+    /// A system without fingers and discs.
+    pub const EMPTY: Self = Self {
+        fingers: Vec::new(),
+        palm_width_m: 0.0,
+        differential: None,
+        discs: Vec::new(),
+        between_discs: None,
+        palm: None,
+        table: None,
+        palm_motion: None,
+        gravity_m_s2: [0.0; 2],
+    };
+
     pub fn kind(&self) -> SceneKind {
         match self.fingers.len() {
             0 => SceneKind::Bodies,

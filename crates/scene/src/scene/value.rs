@@ -12,6 +12,8 @@ use crate::units::{self, Dimension};
 #[derive(Clone, Debug, PartialEq)]
 pub enum ValueType {
     Quantity(Dimension),
+    /// A quantity of one of these dimensions.
+    OneOf(Vec<Dimension>),
     /// A plain number: a ratio, or a value in SI units if its unit has a fractional power.
     Number,
     /// A percentage; only in results of sweeps.
@@ -31,8 +33,10 @@ type Read<T> = Result<T, Vec<Problem>>;
 impl ValueType {
     /// Type described by a schema.
     pub fn from_schema(schema: &Json) -> Self {
-        if let Some(dimension) = dimension(schema) {
-            return ValueType::Quantity(dimension);
+        match dimensions(schema)[..] {
+            [] => {}
+            [dimension] => return ValueType::Quantity(dimension),
+            ref dimensions => return ValueType::OneOf(dimensions.to_vec()),
         }
         if let Some(keywords) = schema["enum"].as_array() {
             return ValueType::Choice(keywords.iter().filter_map(Json::as_str).map(String::from).collect());
@@ -70,7 +74,8 @@ impl ValueType {
             Err(vec![problem_at(value, format!("`{key}` is {name}, but must be {required}"), label, help)])
         };
         match (self, found) {
-            (ValueType::Quantity(dimension), _) => read_quantity(key, value, *dimension).map(Value::Float),
+            (ValueType::Quantity(dimension), _) => read_quantity(key, value, &[*dimension]).map(Value::Float),
+            (ValueType::OneOf(dimensions), _) => read_quantity(key, value, dimensions).map(Value::Float),
             (ValueType::Number | ValueType::Percent, TomlValue::Integer(integer)) => Ok(Value::Float(*integer as f64)),
             (ValueType::Number | ValueType::Percent, TomlValue::Float(number)) if number.is_finite() => {
                 Ok(Value::Float(*number))
@@ -115,7 +120,8 @@ impl ValueType {
             }
             (ValueType::List(item, Some(_)), TomlValue::List(items)) => match read_items(key, item, items)? {
                 Value::Array(list) if list.len() != 2 => {
-                    let message = format!("`{key}` has {} values, but must have two, x and y", list.len());
+                    let which = if matches!(**item, ValueType::Quantity(_)) { ", x and y" } else { "" };
+                    let message = format!("`{key}` has {} values, but must have two{which}", list.len());
                     Err(vec![problem_at(value, message, "two values", item.pair_example(found))])
                 }
                 list => Ok(list),
@@ -129,6 +135,7 @@ impl ValueType {
     fn example(&self) -> String {
         match self {
             ValueType::Quantity(dimension) => format!("\"{}\"", dimension.example()),
+            ValueType::OneOf(dimensions) => format!("\"{}\"", dimensions[0].example()),
             _ => "..".to_string(),
         }
     }
@@ -151,6 +158,10 @@ impl ValueType {
     pub(crate) fn json_to_si(&self, json: &Json) -> Option<Value> {
         match (self, json) {
             (ValueType::Quantity(dimension), _) => units::parse(json.as_str()?, *dimension).ok().map(Value::Float),
+            (ValueType::OneOf(dimensions), _) => {
+                let text = json.as_str()?;
+                dimensions.iter().find_map(|dimension| units::parse(text, *dimension).ok()).map(Value::Float)
+            }
             (ValueType::Number | ValueType::Percent, _) => json.as_f64().map(Value::Float),
             (ValueType::List(item, _), Json::Array(items)) => {
                 items.iter().map(|json| item.json_to_si(json)).collect::<Option<_>>().map(Value::Array)
@@ -166,7 +177,7 @@ impl ValueType {
             ValueType::Quantity(dimension) => {
                 text.parse().ok().filter(|si: &f64| si.abs() <= dimension.max_si()).map(Value::Float)
             }
-            ValueType::Number | ValueType::Percent => {
+            ValueType::Number | ValueType::Percent | ValueType::OneOf(_) => {
                 text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::Float)
             }
             ValueType::Integer(min, max) => {
@@ -188,25 +199,33 @@ fn read_items(key: &str, item: &ValueType, items: &[Spanned<TomlValue>]) -> Read
     if problems.is_empty() { Ok(Value::Array(values.into_iter().flatten().collect())) } else { Err(problems) }
 }
 
-/// Dimension of the quantities of a schema, from its units.
-fn dimension(schema: &Json) -> Option<Dimension> {
-    let unit = schema["x-units"][0].as_str()?;
-    Dimension::ALL.into_iter().find(|dimension| dimension.units()[0].name == unit)
+/// Dimensions of the quantities of a schema, from its units.
+fn dimensions(schema: &Json) -> Vec<Dimension> {
+    let units = schema["x-units"].as_array().into_iter().flatten().filter_map(Json::as_str);
+    units.filter_map(|unit| Dimension::ALL.into_iter().find(|dimension| dimension.units()[0].name == unit)).collect()
 }
 
-/// Reads a quantity of one dimension.
-fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: Dimension) -> Read<f64> {
-    let help = || format!("write a number and its unit, as in \"{}\"", expected.example());
+/// Returns the dimension of a quantity among these; `None` if it has none of them.
+pub fn dimension_of(text: &str, among: &[Dimension]) -> Option<Dimension> {
+    among.iter().copied().find(|dimension| units::parse(text, *dimension).is_ok())
+}
+
+/// Reads a quantity of one of these dimensions.
+fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: &[Dimension]) -> Read<f64> {
+    let any_of = |text: fn(Dimension) -> String| expected.iter().map(|each| text(*each)).collect::<Vec<_>>();
+    let name = any_of(|each| each.name().to_string()).join(" or ");
+    let help =
+        || format!("write a number and its unit, as in {}", any_of(|d| format!("\"{}\"", d.example())).join(" or "));
     let TomlValue::Text(text) = value.get_ref() else {
         let message = format!(
-            "`{key}` is {}; expected {} as a string with its unit: {}",
+            "`{key}` is {}; expected {name} as a string with its unit: {}",
             value.get_ref().name(),
-            expected.name(),
-            expected.unit_list()
+            any_of(Dimension::unit_list).join(", ")
         );
-        return Err(vec![problem_at(value, message, expected.name(), help())]);
+        return Err(vec![problem_at(value, message, name.as_str(), help())]);
     };
-    units::parse(text, expected).map_err(|e| vec![problem_at(value, format!("`{key}`: {e}"), expected.name(), help())])
+    let dimension = dimension_of(text, expected).unwrap_or(expected[0]);
+    units::parse(text, dimension).map_err(|e| vec![problem_at(value, format!("`{key}`: {e}"), name.as_str(), help())])
 }
 
 /// Reads a keyword of a closed list.

@@ -40,6 +40,9 @@ pub enum Dimension {
     AngularStiffness,
     LinearDamping,
     AngularDamping,
+    LinearStiffness,
+    LinearImpactDamping,
+    AngularImpactDamping,
 }
 
 /// Properties of a dimension.
@@ -64,7 +67,7 @@ const fn row(
 }
 
 /// All dimensions in their order. Rigid bodies are modelled with a modulus of 1e21 Pa.
-const TABLE: [Properties; 16] = [
+const TABLE: [Properties; 19] = [
     row(Dimension::Length, ["a length", "15 mm", "m"], [1e3, 1e-12], LENGTH),
     row(Dimension::Angle, ["an angle", "120 deg", "rad"], [1e6, 1e-12], ANGLE),
     row(Dimension::Time, ["a time", "20 ms", "s"], [MAX_TIME_S, 0.0], TIME),
@@ -90,6 +93,19 @@ const TABLE: [Properties; 16] = [
         ["a torsional damping", "1e9 N*m*s/rad", "n_m_s_per_rad"],
         [1e24, 0.0],
         ANGULAR_DAMPING,
+    ),
+    row(Dimension::LinearStiffness, ["a stiffness", "400 N/m", "n_per_m"], [1e24, 0.0], LINEAR_STIFFNESS),
+    row(
+        Dimension::LinearImpactDamping,
+        ["an impact damping of a contact", "0.3 s/m", "s_per_m"],
+        [1e12, 0.0],
+        LINEAR_IMPACT_DAMPING,
+    ),
+    row(
+        Dimension::AngularImpactDamping,
+        ["an impact damping of a limit", "0.2 s/rad", "s_per_rad"],
+        [1e12, 0.0],
+        ANGULAR_IMPACT_DAMPING,
     ),
 ];
 
@@ -212,6 +228,11 @@ const ANGULAR_DAMPING: &[Unit] = &[
     read_only("mN*m*s/rad", MILLI),
 ];
 
+const LINEAR_STIFFNESS: &[Unit] =
+    &[unit("N/m", 1.0), read_only("N/mm", 1.0 / MILLI), read_only("N/cm", 1.0 / CENTI), read_only("kN/m", 1e3)];
+const LINEAR_IMPACT_DAMPING: &[Unit] = &[unit("s/m", 1.0), read_only("s/mm", 1.0 / MILLI)];
+const ANGULAR_IMPACT_DAMPING: &[Unit] = &[unit("s/rad", 1.0), read_only("s/deg", 1.0 / DEGREE)];
+
 /// Returns the shortest decimal that parses back to the number, plain or with an exponent.
 pub fn number(value: f64) -> String {
     let (plain, exponent) = (format!("{value}"), format!("{value:e}"));
@@ -272,6 +293,9 @@ mod tests {
             }
             Dimension::LinearDamping => vec![1.0, 1.0 / mm, 1.0, 1.0 / cm],
             Dimension::AngularDamping => [0, 2, 0, 2, 1, 3].map(|index| torque[index]).to_vec(),
+            Dimension::LinearStiffness => vec![1.0, 1.0 / mm, 1.0 / cm, 1e3],
+            Dimension::LinearImpactDamping => vec![1.0, 1.0 / mm],
+            Dimension::AngularImpactDamping => vec![1.0, 1.0 / degree],
         }
     }
 

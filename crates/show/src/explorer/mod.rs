@@ -165,7 +165,7 @@ fn statics(scene: &Scene) -> Result<Value, Value> {
         json!([{ "message": error.to_string(), "help": help, "line": null, "field": null }])
     };
     let (report, caption, picture) = match scene.kind() {
-        SceneKind::Bodies => return Ok(json!({ "sections": [], "pictures": [] })),
+        SceneKind::Bodies | SceneKind::Mechanism => return Ok(json!({ "sections": [], "pictures": [] })),
         SceneKind::Finger => {
             let result = grasp(scene, &GraspOverrides::default()).map_err(|error| problem(&error))?;
             let picture = plot::grasp(scene, &result, PictureFormat::Column);
@@ -223,7 +223,8 @@ struct Listeners<'a, A> {
 
 impl<A: Sink> Sink for Listeners<'_, A> {
     fn required_data(&self) -> RequiredData {
-        RequiredData::EVALUATION.or(self.sink.required_data())
+        let evaluation = self.criteria_tracker.required_data().or(self.audit.required_data());
+        evaluation.or(self.sink.required_data())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -164,7 +164,7 @@ pub fn build_playback(
     let contacts: Vec<(usize, String)> = shown.into_iter().map(|index| (index, display_name(index))).collect();
     let items: Vec<Item> =
         contacts.iter().map(|(index, name)| (schema.contacts[*index].name.clone(), name.clone())).collect();
-    let panels = panels(system, &schema, &items);
+    let panels = panels(scene, &schema, &items);
     let selected = selected_samples(samples, events, &contacts, &panels);
 
     let mut table = ColumnTable::default();

@@ -2,9 +2,10 @@
 
 use serde::{Serialize, Serializer};
 
+use crate::mechanism::Mechanism;
 use crate::numeric::plane::wrap_angle;
-use crate::scene::{GripperContact, System};
-use crate::trace::schema::SubjectKind;
+use crate::scene::{GripperContact, Scene, System};
+use crate::trace::schema::{JointName, SubjectKind};
 use crate::trace::{Sample, Schema};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,13 +46,15 @@ type Quantity = (&'static str, &'static str, Option<&'static str>);
 /// Name of a subject, and its label, which may be empty.
 pub(super) type Item = (String, String);
 
-/// Curves of the same quantities for several subjects. Angles of joints are wrapped to −π to π.
+/// Curves of the same quantities for several subjects. Angles of joints of a finger are wrapped to −π to π.
 fn curves(schema: &Schema, kind: SubjectKind, items: &[Item], quantities: &[Quantity]) -> Vec<Curve> {
     let curve = |(subject, label): &Item, &(quantity, key, rate): &Quantity| {
         let value = |key: &str| -> Value {
             let channel = schema.channel(kind, subject, key);
             match (kind, key) {
-                (SubjectKind::Joint, "angle_rad") => Box::new(move |sample| wrap_angle(channel.value(sample))),
+                (SubjectKind::Joint, "angle_rad") if !schema.is_mechanism => {
+                    Box::new(move |sample| wrap_angle(channel.value(sample)))
+                }
                 _ => Box::new(move |sample| channel.value(sample)),
             }
         };
@@ -61,8 +64,47 @@ fn curves(schema: &Schema, kind: SubjectKind, items: &[Item], quantities: &[Quan
     items.iter().flat_map(|item| quantities.iter().map(move |quantity| curve(item, quantity))).collect()
 }
 
+/// Returns the panels of a mechanism: contacts, joints, actuators, bodies without joints, and energies.
+fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[Item]) -> Vec<PanelPlan> {
+    let items = |names: &mut dyn Iterator<Item = &JointName>, is_linear: bool| -> Vec<Item> {
+        let chosen = names.filter(|joint| joint.is_linear == is_linear);
+        chosen.map(|joint| (joint.name.clone(), joint.name.clone())).collect()
+    };
+    let [joints, sliders] = [false, true].map(|is_linear| items(&mut schema.joints.iter(), is_linear));
+    let [motors, drives] = [false, true].map(|is_linear| items(&mut schema.actuators.iter(), is_linear));
+    let is_free = |body: &usize| mechanism.joints.iter().all(|joint| !joint.bodies.contains(&Some(*body)));
+    let free = (0..mechanism.bodies.len()).filter(is_free).map(|body| &mechanism.bodies[body].name);
+    let bodies: Vec<Item> = free.map(|name| (name.clone(), name.clone())).collect();
+    let of = |title, unit, kind, items: &[Item], quantities: &[Quantity]| {
+        panel(title, unit, curves(schema, kind, items, quantities))
+    };
+    let mut panels = vec![
+        of("Normal force", "N", SubjectKind::Contact, contacts, &[("", "normal_n", None)]),
+        of("Friction force", "N", SubjectKind::Contact, contacts, &[("", "tangential_n", None)]),
+        of("Gap", "m", SubjectKind::Contact, contacts, &[("", "gap_m", Some("gap_rate_m_s"))]),
+        of("Joint angle", "rad", SubjectKind::Joint, &joints, &[("", "angle_rad", Some("rate_rad_s"))]),
+        of("Joint rate", "rad/s", SubjectKind::Joint, &joints, &[("", "rate_rad_s", None)]),
+        of("Slider position", "m", SubjectKind::Slider, &sliders, &[("", "position_m", Some("rate_m_s"))]),
+        of("Slider rate", "m/s", SubjectKind::Slider, &sliders, &[("", "rate_m_s", None)]),
+        of("Torque", "N·m", SubjectKind::Actuator, &motors, &[("", "torque_n_m", None)]),
+        of("Force", "N", SubjectKind::LinearActuator, &drives, &[("", "force_n", None)]),
+        of("Position", "m", SubjectKind::Body, &bodies, &[("x", "x_m", Some("vx_m_s")), ("y", "y_m", Some("vy_m_s"))]),
+        of("Spin", "rad/s", SubjectKind::Body, &bodies, &[("spin", "spin_rad_s", None)]),
+        energy_panel(schema, true),
+    ];
+    if mechanism.contacts.iter().all(|contact| contact.law.friction.is_none()) {
+        panels.remove(1);
+    }
+    panels.retain(|panel| !panel.curves.is_empty());
+    panels
+}
+
 /// Returns the panels of a scene; `contacts` are the contacts that are shown.
-pub(super) fn panels(system: &System, schema: &Schema, contacts: &[Item]) -> Vec<PanelPlan> {
+pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[Item]) -> Vec<PanelPlan> {
+    if let Some(mechanism) = &scene.mechanism {
+        return mechanism_panels(mechanism, schema, contacts);
+    }
+    let system = &scene.system;
     let has_fingers = !system.fingers.is_empty();
     let contact = |title, unit, quantity: Quantity| PanelPlan {
         scale: if has_fingers { Scale::Logarithmic } else { Scale::Linear },

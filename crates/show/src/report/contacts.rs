@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::named::Named;
 use crate::criteria::Rebound;
+use crate::scene::keywords::SceneKind;
 use crate::trace::{Outcome, Schema};
 
 /// The contacts of a run by name, such as `distal` for one finger, `right_distal` for two fingers, or `hammer-anvil`
@@ -14,7 +15,8 @@ pub struct Contacts {
     pub all: Named<ContactReport>,
     /// Whether the scene consists of discs only, whose names are given by the user.
     #[serde(skip)]
-    is_discs_only: bool,
+    /// Whether names come from the scene, rather than being keys.
+    has_own_names: bool,
 }
 
 /// A contact between two surfaces, or of a joint with its limit.
@@ -72,7 +74,7 @@ pub struct LimitReport {
 impl Contacts {
     /// Builds the report of the contacts of this schema; for discs with the available rebounds.
     pub fn new(schema: &Schema, outcome: &Outcome, rebounds: &[Rebound]) -> Self {
-        let is_discs_only = schema.fingers.is_empty();
+        let is_discs_only = schema.kind() == SceneKind::Bodies;
         let report = |index: usize| {
             let (summary, last) = (&outcome.contacts[index], outcome.last.contact(index));
             if schema.contacts[index].is_angular {
@@ -111,7 +113,7 @@ impl Contacts {
         if is_discs_only {
             all.0.sort_by(|a, b| a.0.cmp(&b.0));
         }
-        Contacts { all, is_discs_only }
+        Contacts { all, has_own_names: schema.fingers.is_empty() }
     }
 
     /// Contacts between surfaces with their display names.
@@ -132,7 +134,7 @@ impl Contacts {
 
     fn display_name(&self, name: &str) -> String {
         match name {
-            _ if self.is_discs_only => name.to_string(),
+            _ if self.has_own_names => name.to_string(),
             "limit" => "joint limit".to_string(),
             name => name.replace('_', " "),
         }

@@ -1,6 +1,7 @@
 //! Samples of a log as comma-separated values: one line per sample, one column per figure with its SI unit. Names
 //! contain no commas; numbers read back to the same double.
 
+use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use crate::trace::{Channel, Sample};
@@ -18,6 +19,14 @@ pub fn csv_head(out: &mut dyn Write, channels: &[Channel]) -> io::Result<()> {
 
 /// Writes a sample. The cells of contacts with a missing body are empty.
 pub fn csv_sample(out: &mut dyn Write, channels: &[Channel], sample: &Sample) -> io::Result<()> {
-    let cells: Vec<String> = channels.iter().map(|channel| cell(channel.value(sample))).collect();
-    writeln!(out, "{}", cells.join(","))
+    let mut line = String::with_capacity(24 * channels.len());
+    for channel in channels {
+        let value = channel.value(sample);
+        if value.is_finite() {
+            let _ = write!(line, "{value:?}");
+        }
+        line.push(',');
+    }
+    line.pop();
+    writeln!(out, "{line}")
 }

@@ -1,18 +1,20 @@
 //! Final states of fingers and bodies in the JSON document. A single finger has the key `final`; two fingers have the
-//! key `fingers`, and their object the key `object`; without fingers, bodies have the key `discs`.
+//! key `fingers`, and their object the key `object`; without fingers, bodies have the key `discs`. A mechanism has
+//! `joints`, `actuators` and `bodies`.
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::named::Named;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{DiscMotion, Scene};
-use crate::trace::schema::State as _;
+use crate::trace::schema::{Quantity, State as _, SubjectKind};
 use crate::trace::{BodyState, FingerState, Outcome, Schema};
 
 /// A body at the end of the run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyReport {
-    /// `free`, `driven` or `fixed`; `unknown` without a scene that has it.
+    /// `free`, `driven`, `fixed`, or `jointed` in a mechanism; `unknown` without a scene that has it.
     pub motion: &'static str,
     pub state: BodyState,
 }
@@ -29,14 +31,28 @@ impl Serialize for BodyReport {
     }
 }
 
+/// A joint or an actuator at the end of the run, serialised as its quantities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointReport(pub Vec<(&'static Quantity, f64)>);
+
+impl Serialize for JointReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(quantity, value)| (quantity.key, value)))
+    }
+}
+
 /// Fingers and bodies by their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct States {
+    /// Joints of a mechanism.
+    pub joints: Named<JointReport>,
+    /// Actuators of a mechanism.
+    pub actuators: Named<JointReport>,
     /// A single finger has an empty name.
     pub fingers: Named<FingerState>,
     /// Sorted by name if there are no fingers.
     pub bodies: Named<BodyReport>,
-    finger_count: usize,
+    kind: SceneKind,
     has_outcome: bool,
 }
 
@@ -48,6 +64,7 @@ pub enum State<'a> {
     Fingers(&'a Named<FingerState>),
     Body(&'a BodyReport),
     Bodies(&'a Named<BodyReport>),
+    Joints(&'a Named<JointReport>),
 }
 
 impl States {
@@ -56,21 +73,40 @@ impl States {
         let fingers = outcome.into_iter().flat_map(|outcome| schema.fingers.iter().zip(outcome.last.fingers()));
         let bodies = outcome.into_iter().flat_map(|outcome| schema.bodies.iter().zip(outcome.last.bodies()));
         let discs = scene.map_or(&[][..], |scene| &scene.system.discs);
+        let mechanism = scene.and_then(|scene| scene.mechanism.as_ref());
+        let mechanism_motion = |name: &str| {
+            let mechanism = mechanism?;
+            let body = mechanism.bodies.iter().position(|body| body.name == name)?;
+            let is_jointed = mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
+            Some(if is_jointed { "jointed" } else { "free" })
+        };
         let motion = |name: &str| match discs.iter().find(|disc| disc.name == name).map(|disc| &disc.motion) {
             Some(DiscMotion::Fixed) => "fixed",
             Some(DiscMotion::Driven { .. }) => "driven",
             Some(DiscMotion::Free { .. }) => "free",
-            None => "unknown",
+            None => mechanism_motion(name).unwrap_or("unknown"),
         };
         let body = |(name, state): (&String, BodyState)| (name.clone(), BodyReport { motion: motion(name), state });
         let mut bodies: Named<_> = bodies.map(body).collect();
         if schema.fingers.is_empty() {
             bodies.0.sort_by(|a, b| a.0.cmp(&b.0));
         }
+        let subjects = if schema.is_mechanism { schema.subjects() } else { Vec::new() };
+        let quantities_of = |kinds: [SubjectKind; 2]| -> Named<JointReport> {
+            let chosen = subjects.iter().filter(|subject| kinds.contains(&subject.kind));
+            let values = chosen.zip(std::iter::repeat(outcome)).filter_map(|(subject, outcome)| {
+                let last = &outcome?.last;
+                let values = subject.channels().map(|(quantity, channel)| (quantity, channel.value(last)));
+                Some((subject.name.clone(), JointReport(values.collect())))
+            });
+            values.collect()
+        };
         States {
+            joints: quantities_of([SubjectKind::Joint, SubjectKind::Slider]),
+            actuators: quantities_of([SubjectKind::Actuator, SubjectKind::LinearActuator]),
             fingers: fingers.map(|(name, state)| (name.clone(), state)).collect(),
             bodies,
-            finger_count: schema.fingers.len(),
+            kind: schema.kind(),
             has_outcome: outcome.is_some(),
         }
     }
@@ -78,10 +114,15 @@ impl States {
     /// Returns the keys of the document and their values.
     pub fn entries(&self) -> Vec<(&'static str, Option<State<'_>>)> {
         let present = |state| self.has_outcome.then_some(state);
-        match self.finger_count {
-            0 => vec![("discs", present(State::Bodies(&self.bodies)))],
-            1 => vec![("final", self.fingers.first().map(State::Finger))],
-            _ => {
+        match self.kind {
+            SceneKind::Mechanism => vec![
+                ("joints", present(State::Joints(&self.joints))),
+                ("actuators", present(State::Joints(&self.actuators))),
+                ("bodies", present(State::Bodies(&self.bodies))),
+            ],
+            SceneKind::Bodies => vec![("discs", present(State::Bodies(&self.bodies)))],
+            SceneKind::Finger => vec![("final", self.fingers.first().map(State::Finger))],
+            SceneKind::Gripper => {
                 vec![
                     ("fingers", present(State::Fingers(&self.fingers))),
                     ("object", self.bodies.first().map(State::Body)),

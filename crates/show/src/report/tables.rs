@@ -2,7 +2,7 @@
 
 use super::contacts::{Contacts, SurfaceReport};
 use super::named::Named;
-use super::states::{BodyReport, State, States};
+use super::states::{BodyReport, JointReport, State, States};
 use crate::criteria::Criteria;
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution};
@@ -32,8 +32,39 @@ pub fn states(states: &States, end_s: f64) -> Vec<Report> {
         State::Bodies(all) => {
             all.first().map(|_| bodies(all.iter().map(|(name, body)| (name.as_str(), body)), &heading))
         }
+        State::Joints(all) => {
+            let (sliders, others): (Vec<_>, Vec<_>) = all.iter().partition(|(_, joint)| is_slider(joint));
+            let tables = [others, sliders].map(|group| joint_table(&group, &heading).into());
+            Some(Report::join(tables))
+        }
     };
     states.entries().into_iter().filter_map(state_table).collect()
+}
+
+fn is_slider(joint: &JointReport) -> bool {
+    joint.0.iter().any(|(quantity, _)| ["position_m", "force_n"].contains(&quantity.key))
+}
+
+/// Quantities of joints or actuators of the same kind; `None` without any.
+fn joint_table(all: &[&(String, JointReport)], heading: &str) -> Option<Report> {
+    let (_, first) = all.first()?;
+    let unit = |unit: &'static str| match unit {
+        "rad" => ("deg", DEGREES),
+        "m" => ("mm", 1e3),
+        other => (other, 1.0),
+    };
+    let mut head = row([heading]);
+    head.extend(first.0.iter().map(|(quantity, _)| {
+        let word = quantity.key.split('_').next().unwrap_or_default();
+        let axis = ["_x_", "_y_"].into_iter().find(|axis| quantity.key.contains(axis)).unwrap_or("_");
+        format!("{word}{}, {}", axis.trim_end_matches('_').replace('_', " "), unit(quantity.unit).0)
+    }));
+    let mut rows = vec![head];
+    for (name, joint) in all {
+        let values = joint.0.iter().map(|(quantity, value)| format_number(value * unit(quantity.unit).1, 7));
+        rows.push([name.clone()].into_iter().chain(values).collect());
+    }
+    Some(table(&rows))
 }
 
 /// Joint angles, deg, and rates of the driven joints, rad/s.

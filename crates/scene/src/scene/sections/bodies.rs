@@ -401,7 +401,8 @@ pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]
         let message = format!("there are {count} discs, but at most {MAX_DISCS} are allowed");
         return section.refuse("", message, "", format!("remove {} of them", count - MAX_DISCS));
     }
-    let all: Vec<Option<Disc>> = sections.iter().map(|(name, keys)| disc(name, input.name_span(name), keys)).collect();
+    let all: Vec<Option<Disc>> =
+        sections.iter().map(|(name, keys)| disc(name, input.name_span(&format!("discs.{name}")), keys)).collect();
     let all: Vec<Disc> = all.into_iter().collect::<Option<_>>()?;
     if !all.iter().any(|disc| disc.motion.moves()) {
         let help = "make one of them move: motion = \"free\" with mass, or motion = \"driven\" with velocity";

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
-use super::{FINGERS, GRIPPER, table};
+use super::{FINGERS, GRIPPER, NOT_MECHANISM, table};
 use crate::law::{Bristle, ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 use crate::scene::quantity::{
     Angle, AngularDamping, Keyword, Length, LinearDamping, NotNegative, Plain, Positive, Pressure, Quantity, Speed,
@@ -109,13 +109,13 @@ pub struct FrictionSettings {
     pub v_dynamic: Option<Positive<Speed>>,
     /// "regularised": the law of the thesis, which creeps; "bristle": spring and damper in series with a Coulomb
     /// slider, which holds without creep.
-    #[schemars(extend("default" = "regularised"))]
+    #[schemars(extend("x-kinds" = NOT_MECHANISM, "default" = "regularised"))]
     pub law: Option<Word<Option<Bristle>>>,
     /// Damping of the bristle. Default: that of the normal law, or 1e6 N*s/m if the normal law has none.
-    #[schemars(extend("x-with" = "law = bristle"))]
+    #[schemars(extend("x-kinds" = NOT_MECHANISM, "x-with" = "law = bristle"))]
     pub bristle_damping: Option<Positive<LinearDamping>>,
     /// Relaxation time of the bristle: its damping over its stiffness.
-    #[schemars(extend("x-with" = "law = bristle", "default" = "1 ms"))]
+    #[schemars(extend("x-kinds" = NOT_MECHANISM, "x-with" = "law = bristle", "default" = "1 ms"))]
     pub bristle_relaxation: Option<Positive<Time>>,
 }
 
@@ -280,6 +280,18 @@ fn surface(materials: &SectionInput<'_>, key: &str, default_m: f64) -> Option<(M
     Some((material, radius.map_or(default_m, |radius| *radius)))
 }
 
+/// Reads the friction of a law with a name: `Some(None)` without friction, `None` if it is invalid.
+pub(crate) fn friction_of(law: &SectionInput<'_>) -> Option<Option<FrictionLaw>> {
+    let [stiffness_si, damping] = [0.0; 2];
+    let normal = LawSettings {
+        stiffness_si: stiffness_si.into(),
+        exponent: 1.0.into(),
+        damping: damping.into(),
+        transition: 1.0.into(),
+    };
+    friction(&[&Level { input: law.clone(), normal, object_radius_m: 0.0 }])
+}
+
 /// Friction law: `Some(None)` without friction, `None` if invalid. A static coefficient also replaces the dynamic
 /// coefficient of the preceding level.
 fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
@@ -314,7 +326,7 @@ fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
         let help = "raise v_dynamic, lower v_static, or remove both (defaults: 0.2 m/s and 0.1 m/s)";
         return last.refuse(if last.has("v_dynamic") { "v_dynamic" } else { "v_static" }, message, "", help);
     }
-    let bristle = match law.law?.0 {
+    let bristle = match law.law.and_then(|law| law.0) {
         None => None,
         Some(_) => {
             let normal = levels.last().map_or(0.0, |level| *level.normal.damping);

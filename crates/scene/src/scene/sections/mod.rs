@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `default` | default, as written in a file |
 //! | `x-kinds` | the kinds of scene that have the key; without it all |
-//! | `x-finger`, `x-bodies`, `x-gripper` | keywords that differ in this kind of scene |
+//! | `x-finger`, `x-bodies`, `x-gripper`, `x-mechanism` | keywords that differ in this kind of scene |
 //! | `x-with` | `KEY = VALUE\|VALUE`: the choice with which the key has an effect |
 //! | `x-required` | the remedy if the key is missing |
 //! | `x-key` | name in a file, if that is not the name of the field without its unit |
@@ -24,6 +24,7 @@
 //! | `drive` | motor, spring, differential |
 //! | `bodies` | object, discs, half plane, table |
 //! | `law` | contact, limit |
+//! | `mechanism` | bodies, ground, joints, springs, couplings, actuators, laws and contacts of a mechanism |
 //! | `motion` | moves, vibrations, path |
 //! | `run` | integrator, engine, validate, criteria, log |
 
@@ -36,6 +37,7 @@ pub(crate) mod bodies;
 pub(crate) mod drive;
 pub(crate) mod finger;
 pub(crate) mod law;
+pub(crate) mod mechanism;
 pub(crate) mod motion;
 pub(crate) mod run;
 pub(crate) mod start;
@@ -50,10 +52,11 @@ pub use bodies::{DENSITY_KG_M3, DEPTH_M, DiscSettings, HalfPlaneSettings, Object
 pub use drive::{DifferentialSettings, MotorSettings, SizingResult, SpringSettings};
 pub use finger::{BodiesSettings, DesignSettings, FingerKeys, FingerLengths, LengthSettings, MaterialSettings};
 pub use law::{ContactSettings, Level, LimitSettings};
+pub use mechanism::MechanismSettings;
 pub use motion::{MoveSettings, PathSettings, VibrationSettings};
 pub use run::{
-    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, EngineSettings, Integrator, LogExcess, LogRates, Method, Preset,
-    Response, Stepping, Thresholds,
+    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, EngineSettings, Integrator, LogExcess, LogSettings, Method,
+    Preset, Response, Stepping, Thresholds,
 };
 pub use start::InitialSettings;
 
@@ -76,6 +79,8 @@ const GRIPPER: &str = "gripper";
 const BODIES: &str = "bodies";
 const FINGERS: &str = "finger gripper";
 const NO_OR_TWO_FINGERS: &str = "bodies gripper";
+const MECHANISM: &str = "mechanism";
+const NOT_MECHANISM: &str = "finger bodies gripper";
 
 /// A scene of kind "finger": one finger, the object it grasps, and the settings of the simulation. Omitted keys
 /// have their defaults. Quantities are strings with a unit: "15 mm", "120 deg", "480 N*mm".
@@ -93,6 +98,12 @@ const NO_OR_TWO_FINGERS: &str = "bodies gripper";
             "description": "A scene of kind \"gripper\": two fingers that close on an object, which may move, with a palm and an \
                 optional table. Omitted keys have their defaults. Quantities are strings with a unit: \"15 mm\", \"120 deg\", \
                 \"480 N*mm\".",
+        },
+        "x-mechanism" = {
+            "title": "scene of a mechanism",
+            "description": "A scene of kind \"mechanism\": any planar linkage of bodies and joints, with springs, actuators and \
+                contacts. Omitted keys have their defaults. Quantities are strings with a unit: \"15 mm\", \"120 deg\", \
+                \"0.25 N*m\".",
         }
     )
 )]
@@ -131,12 +142,14 @@ pub struct SceneFile {
     pub vibrations: BTreeMap<String, VibrationSettings>,
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub path: PathSettings,
+    #[serde(flatten)]
+    pub mechanism: MechanismSettings,
     pub integrator: Integrator,
     pub engine: Engine,
     pub validate: Bounds,
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub criteria: Thresholds,
-    pub log: LogRates,
+    pub log: LogSettings,
 }
 
 /// Keys and sections of a finger; in a gripper they apply to both fingers, or to one within `[right]` and `[left]`.
@@ -158,6 +171,7 @@ pub struct FingerSettings {
     pub spring: SpringSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
     pub limit: LimitSettings,
+    #[schemars(extend("x-kinds" = NOT_MECHANISM))]
     pub contact: ContactSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
     pub initial: InitialSettings,
@@ -181,11 +195,12 @@ pub struct SceneSettings {
     #[schemars(extend("minLength" = 1))]
     pub description: Option<String>,
     /// Kind of scene: "finger": one finger with two phalanges and one motor; "gripper": two fingers; "bodies": discs
-    /// and a half plane. Determines the other keys.
+    /// and a half plane; "mechanism": any planar linkage. Determines the other keys.
     #[schemars(extend(
         "x-finger" = { "default": "finger" },
         "x-bodies" = { "description": "Kind of scene: \"bodies\": discs and a half plane. Required." },
-        "x-gripper" = { "description": "Kind of scene: \"gripper\": two fingers and an object. Required." }
+        "x-gripper" = { "description": "Kind of scene: \"gripper\": two fingers and an object. Required." },
+        "x-mechanism" = { "description": "Kind of scene: \"mechanism\": any planar linkage. Required." }
     ))]
     pub kind: Option<Word<SceneKind>>,
     /// Simulated time.
@@ -194,6 +209,8 @@ pub struct SceneSettings {
     /// Gravity: x along the palm, y out of it; by default the gripper hangs upside down.
     #[schemars(extend("default" = ["0 m/s^2", "9.81 m/s^2"], "x-bodies" = {
         "description": "Gravity on free discs. Default: none.", "default": ["0 m/s^2", "0 m/s^2"]
+    }, "x-mechanism" = {
+        "description": "Gravity. Default: none.", "default": ["0 m/s^2", "0 m/s^2"]
     }))]
     pub gravity: [Quantity<Acceleration>; 2],
     /// Whether there is a palm, the half plane y ≤ 0.

@@ -2,6 +2,8 @@
 //!
 //! The pictures in a log and the animated page both use this module, so they show the same bodies.
 
+mod mechanism;
+
 use std::f64::consts::PI;
 
 use serde::Serialize;
@@ -10,6 +12,8 @@ use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, 
 use crate::law::ContactLaw;
 use crate::numeric::elementary::{cos, hypot, pow, sin, sin_cos};
 use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, PalmMotion, Scene, Side, System};
+pub use mechanism::poses_at_start;
+
 use crate::shape::{self, circle_radius, max_radius};
 use crate::trace::{BodyState, FingerState, Sample};
 
@@ -110,8 +114,11 @@ impl Pose {
 
 impl Drawing {
     /// Builds the drawing of a scene of any kind: palm, table, discs in their order, and the links of the right finger,
-    /// then of the left one.
+    /// then of the left one; or the bodies of a mechanism.
     pub fn from_scene(scene: &Scene) -> Self {
+        if let Some(mechanism) = &scene.mechanism {
+            return mechanism::drawing(mechanism);
+        }
         let system = &scene.system;
         let mut bodies = plane_bodies(system);
         let role = if system.fingers.is_empty() { BodyRole::Disc } else { BodyRole::Object };
@@ -157,6 +164,9 @@ pub fn poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
         let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, .. } = finger;
         Posture { q11_rad, q21_rad, q12_rad, q22_rad }
     };
+    if let Some(mechanism) = &scene.mechanism {
+        return mechanism::poses(mechanism, sample);
+    }
     let postures: Vec<Posture> = sample.fingers().map(posture).collect();
     poses_at(&scene.system, sample.time_s, sample.bodies().map(pose), &postures)
 }
@@ -183,6 +193,9 @@ fn poses_at(system: &System, time_s: f64, reported: impl Iterator<Item = Pose>, 
 
 /// Time derivatives of [`poses`]: velocities and angular velocities instead of positions and angles.
 pub fn velocities(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+    if let Some(mechanism) = &scene.mechanism {
+        return mechanism::velocities(mechanism, sample);
+    }
     let system = &scene.system;
     let mut velocities: Vec<Pose> = plane_poses(system, sample.time_s).map(|(_, motion)| motion).collect();
     velocities.extend(unreported_discs(system).map(|_| Pose::default()));
