@@ -89,6 +89,7 @@ fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Ou
     recorder.begin(&motion)?;
     let failure_reason = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
     let time_s = motion.clock.now();
+    recorder.complete_last(&mut motion);
     let outcome = recorder.finish()?;
     match failure_reason {
         Some(reason) if outcome.ejected_s.is_none() => {

@@ -325,6 +325,13 @@ impl<'a> EngineRecorder<'a> {
         self.ejected_s.is_none() && self.sink.should_continue()
     }
 
+    /// Adds the forces in joints to the last sample of a mechanism, which reports show, if the sink does not require them.
+    pub fn complete_last(&mut self, motion: &mut Motion) {
+        if self.scene.mechanism.is_some() && !self.sink.required_data().joint_forces {
+            JointForces::new(true, motion).set(motion, &mut self.last);
+        }
+    }
+
     /// Emits the last sample if the run ended between grid points, and returns the summary.
     pub fn finish(mut self) -> Result<Outcome, SinkError> {
         if self.emitted_s < self.last.time_s {

@@ -233,7 +233,8 @@ pub struct EngineSettings {
     pub step: Option<Positive<Time>>,
     /// Largest deviation of a joint from its circular path in one step, in which bodies move along straight lines
     /// (stepping = "adaptive"). The default is proportionally smaller if the shortest link is shorter than 2.5 mm.
-    #[schemars(extend("x-with" = "stepping = adaptive", "default" = "1e-4 mm"))]
+    // Runs of mechanisms are longer, and their error grows with time.
+    #[schemars(extend("x-with" = "stepping = adaptive", "default" = "1e-4 mm", "x-mechanism" = { "default": "3e-5 mm" }))]
     pub tolerance: Option<Positive<Length>>,
     /// Longest step (stepping = "adaptive").
     #[schemars(extend("x-with" = "stepping = adaptive", "default" = "60 us"))]
