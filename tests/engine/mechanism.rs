@@ -9,8 +9,9 @@ use phalanx::law::{Damping, NormalLaw};
 use phalanx::mechanism::{
     Actuator, Body, Command, Coupling, ForcePoint, Joint, JointKind, Mechanism, OutlineShape, Spring, SpringKind,
 };
+use phalanx::numeric::plane::wrap_angle;
 use phalanx::scene::{Construction, Response, Scene, Stepping};
-use phalanx::trace::{self, Event, EventKind, Model, Sample, Sink, SinkError};
+use phalanx::trace::{self, BodyState, Event, EventKind, Model, Sample, Sink, SinkError};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// All samples and events of a run.
@@ -336,33 +337,32 @@ fn sliders_rebound_from_their_limits_as_in_closed_form() {
     }
 }
 
-/// Random mechanisms in both models: no panic, refusals and singularities named, and the same motion where it is
-/// regular.
+/// Random mechanisms over 20 ms. The engine passes the singular configurations at which the analytic model ends.
 #[test]
-fn both_models_agree_on_random_mechanisms() {
-    let (mut compared, mut named) = (0, 0);
-    for seed in 1000..1060 {
-        let scene = scene(&random_mechanism(seed), 0.01, 1e-3);
-        let runs = [Model::Analytic, Model::Engine].map(|model| {
-            let mut run = Run::default();
-            trace::run(model, &scene, &mut run).map(|_| run)
-        });
-        let [Ok(analytic), Ok(engine)] = &runs else {
-            for error in runs.iter().filter_map(|run| run.as_ref().err()) {
-                let text = error.to_string();
-                assert!(text.contains("joint") || text.contains("singular"), "seed {seed}: {text}");
-            }
-            named += 1;
+fn random_mechanisms_agree_in_both_models() {
+    let mut differences = Vec::new();
+    for seed in 0..100 {
+        let scene = scene(&random_mechanism(seed), 0.02, 0.02);
+        let engine = run(Model::Engine, &scene).samples.pop().expect("a sample");
+        let energy = engine.energy();
+        let scale_j = 1e-3 + energy.kinetic_j + energy.motor_work_j.abs() + energy.dissipated_j.abs();
+        assert!(energy.balance_j.abs() < 1e-4 * scale_j, "seed {seed}: {energy:?}");
+        let mut analytic = Run::default();
+        if trace::run(Model::Analytic, &scene, &mut analytic).is_err() {
             continue;
-        };
-        compared += 1;
-        let last = [analytic, engine].map(|run| run.samples.last().expect("samples"));
-        for (a, b) in last[0].bodies().zip(last[1].bodies()) {
-            let turned = a.angle_rad - b.angle_rad;
-            let turned = turned - TAU * (turned / TAU).round();
-            let moved = (a.centre_m[0] - b.centre_m[0]).hypot(a.centre_m[1] - b.centre_m[1]);
-            assert!(turned.abs() < 1e-3 && moved < 1e-4, "seed {seed}: {turned:e} rad, {moved:e} m");
         }
+        let analytic = analytic.samples.pop().expect("a sample");
+        let difference = |(a, b): (BodyState, BodyState)| {
+            let [x, y] = [0, 1].map(|axis| (a.centre_m[axis] - b.centre_m[axis]).abs());
+            // The analytic model counts the whole turns of dyads from sample to sample.
+            wrap_angle(a.angle_rad - b.angle_rad).abs().max(10.0 * x.max(y))
+        };
+        let largest = analytic.bodies().zip(engine.bodies()).map(difference).fold(0.0, f64::max);
+        assert!(largest < 1e-4, "seed {seed}: {largest:e} rad or 0.1 m");
+        differences.push(largest);
     }
-    assert!(compared > 45, "{compared} compared, {named} named");
+    differences.sort_by(f64::total_cmp);
+    assert!(differences.len() > 90, "{} comparisons", differences.len());
+    let median = differences[differences.len() / 2];
+    assert!(median < 1e-6, "median {median:e} rad or 0.1 m");
 }
