@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use crate::support::cli::{assert_contains, assert_rejected, directory, path_in, succeed, succeed_json};
+use crate::support::cli::{
+    assert_contains, assert_rejected, directory, path_in, phalanx, stderr, succeed, succeed_json,
+};
 use serde_json::Value;
 
 const FINGER: &str = "scenes/mechanisms/f85-finger.toml";
@@ -69,4 +71,23 @@ fn a_new_mechanism_is_the_shipped_finger() {
     let file = path_in(&directory("new-mechanism"), "linkage.toml");
     assert_contains(&succeed(&["new", &file, "--kind", "mechanism"]), &["a finger with a loop", "run"]);
     assert_eq!(fs::read_to_string(file).expect("a scene"), fs::read_to_string(FINGER).expect("a scene"));
+}
+
+/// A mechanism that the analytic model does not take is rejected with its sizes, not with a panic.
+#[test]
+fn a_mechanism_beyond_the_sizes_is_rejected_by_its_numbers() {
+    let mut text = "kind = \"mechanism\"\nduration = \"1 ms\"\n".to_string();
+    for i in 0..9 {
+        text += &format!(
+            "[bodies.b{i}]\nmass = \"10 g\"\ninertia = \"1 kg*mm^2\"\ncom = [\"10 mm\", \"0 mm\"]\n\
+             guess = {{ at = [\"{i} mm\", \"0 mm\"], angle = \"0 deg\" }}\n[joints.j{i}]\ntype = \"revolute\"\n\
+             bodies = [\"ground\", \"b{i}\"]\npoints = [[\"{i} mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"0 rad\"\n\
+             [actuators.m{i}]\njoint = \"j{i}\"\ntorque = \"1 N*mm\"\n"
+        );
+    }
+    let file = path_in(&directory("many-motors"), "nine.toml");
+    fs::write(&file, text).expect("a scene");
+    let output = phalanx(&["run", &file]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert_contains(stderr(&output), &["9 actuators", "--model engine"]);
 }
