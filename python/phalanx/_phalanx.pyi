@@ -96,8 +96,8 @@ class Scene:
         """Returns the contents of `toml` as a dictionary of strings with units, numbers, flags and lists."""
 
     @property
-    def kind(self) -> Literal["finger", "gripper", "bodies"]:
-        """ "finger", "gripper" or "bodies" (discs)."""
+    def kind(self) -> Literal["finger", "gripper", "bodies", "mechanism"]:
+        """ "finger", "gripper", "bodies" (discs) or "mechanism"."""
 
     @property
     def name(self) -> str:

@@ -127,7 +127,7 @@ impl Scene {
         self.to_python_dict(py)
     }
 
-    /// "finger", "gripper" or "bodies" (discs).
+    /// "finger", "gripper", "bodies" (discs) or "mechanism".
     #[getter]
     fn kind(&self) -> &'static str {
         self.scene.kind().keyword()

@@ -382,6 +382,7 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
             0.012,
             &mut closing,
         );
+        let mut size = 0.0f64;
         for (t, state, finger_mode) in closing.0.into_iter().step_by(7) {
             let (mut q, mut v) = ([0.0; N], [0.0; N]);
             q[..2].copy_from_slice(&state.q);
@@ -390,7 +391,7 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
             (0..3).for_each(|index| mode.contacts[index] = finger_mode[index]);
             let found = <Model as System<N, Z>>::rates(&model, t, &q, &v, &mode);
             let expected = System::rates(&kernel, t, &state.q, &state.v, &finger_mode);
-            let size = expected.a[0].abs().max(expected.a[1].abs());
+            size = size.max(expected.a[0].abs()).max(expected.a[1].abs());
             for (found, expected) in found.a.iter().zip(expected.a) {
                 assert!((found - expected).abs() <= 1e-10 * size, "design {designs}, {t} s: {found} {expected}");
             }

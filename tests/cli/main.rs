@@ -10,6 +10,7 @@ mod first_minutes;
 mod gripper;
 mod limits;
 mod manual;
+mod mechanism;
 mod messages;
 mod ownership;
 mod page;

@@ -1,11 +1,14 @@
 //! Scenes of mechanisms: reading, showing, and their samples.
 
+use std::f64::consts::FRAC_PI_4;
+
+use phalanx::drawing::{self, Drawing};
 use phalanx::law::NormalLaw;
 use phalanx::mechanism::{Command, ForcePoint, JointKind, Mechanism, OutlineShape, SpringKind, assemble};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Scene};
 use phalanx::trace::schema::JointState;
-use phalanx::trace::{ContactSample, Sample, Schema, interpolate};
+use phalanx::trace::{BodyState, ContactSample, Sample, Schema, interpolate};
 
 use crate::support::mechanism_cases::mechanism_case;
 use crate::{assert_round_trip, parse};
@@ -269,7 +272,7 @@ fn every_part_is_read_and_shown_again() {
 fn single_values_replace_those_of_a_mechanism() {
     let file = scene::Layer { file: "own.toml".into(), text: EVERYTHING.into() };
     let setting = scene::parse_setting("--set", "joints.right.start=35 mm").expect("a setting");
-    let changed = scene::parse_layers(&[file.clone()], &[setting], scene::parse_any).expect("a scene");
+    let changed = scene::parse_layers(std::slice::from_ref(&file), &[setting], scene::parse_any).expect("a scene");
     let mut expected = parse(EVERYTHING).mechanism.expect("a mechanism");
     expected.joints[1].start = Some(0.035);
     assert_eq!(changed.mechanism, Some(expected));
@@ -278,4 +281,42 @@ fn single_values_replace_those_of_a_mechanism() {
     let error = scene::parse_layers(&[file], &[wrong], scene::parse_any).expect_err("a law of limits").to_string();
     assert!(error.contains("`contacts[0].law` has units of s/rad, but a contact needs a law with s/m"), "{error}");
     assert!(error.contains("[[contacts]]"), "{error}");
+}
+
+/// Every drawn body has a pose, and its velocity is the rate of that pose.
+#[test]
+fn drawings_follow_the_bodies() {
+    let text = EVERYTHING.replace(
+        "[bodies.ball.outlines.rim]",
+        "[bodies.ball.outlines.wall]\ntype = \"half_plane\"\npoint = [\"0 mm\", \"5 mm\"]\nnormal = [1, 1]\n[bodies.ball.outlines.rim]",
+    );
+    let scene = parse(&text);
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    let counts = Schema::from_scene(&scene).counts();
+    let at = |time_s: f64| {
+        let mut sample = Sample::new(time_s, counts);
+        for (index, [x, y, angle]) in drawing::poses_at_start(of).into_iter().enumerate() {
+            let velocity_m_s = [0.1 * index as f64, -0.2];
+            let centre_m = [x + velocity_m_s[0] * time_s, y + velocity_m_s[1] * time_s];
+            let state = BodyState { centre_m, angle_rad: angle + 3.0 * time_s, velocity_m_s, spin_rad_s: 3.0 };
+            sample.set_body(index, &state);
+        }
+        sample
+    };
+    let drawn = Drawing::from_scene(&scene);
+    let names: Vec<&str> = drawn.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["ground.floor", "ball.wall", "ground", "arm", "ball", "left", "right"]);
+    assert_eq!(drawn.contacts.len(), 4);
+    let [[left, bottom], [right, top]] = drawn.extent_m;
+    // The arm turns about a pin at y = 100 mm, and is drawn with it.
+    assert!(left < -0.04 && right > 0.04 && bottom < 0.02 && top > 0.1, "{:?}", drawn.extent_m);
+    let [before, after] = [-1e-6, 1e-6].map(|time_s| drawing::poses(&scene, &at(time_s)));
+    for (body, velocity) in drawing::velocities(&scene, &at(0.0)).iter().enumerate() {
+        let rate = |a: f64, b: f64| (b - a) / 2e-6;
+        let found = [0, 1].map(|k| rate(before[body].position_m[k], after[body].position_m[k]));
+        assert!((0..2).all(|k| (found[k] - velocity.position_m[k]).abs() < 1e-9), "{}: {found:?}", names[body]);
+        assert!((rate(before[body].angle_rad, after[body].angle_rad) - velocity.angle_rad).abs() < 1e-8);
+    }
+    assert_eq!((before.len(), before[0].angle_rad), (names.len(), 0.0));
+    assert!((before[1].angle_rad + FRAC_PI_4 - 5f64.to_radians()).abs() < 1e-5);
 }

@@ -2,9 +2,9 @@
 
 use std::cell::RefCell;
 
-use super::analytic::simulate;
 use super::reading::{Reader, contact_sample, stored_energy};
 use super::schema::Schema;
+use super::simulate::simulate;
 use super::{BodyState, ContactSample, Counts, Energy, JointState, Outcome, RequiredData, RunError, Sample, Sink};
 use crate::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize};
 use crate::integrator::State;

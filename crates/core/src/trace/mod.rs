@@ -24,6 +24,7 @@ mod recorder;
 mod recording;
 mod sample;
 pub mod schema;
+mod simulate;
 mod sink;
 
 pub use analytic::run_analytic;

@@ -301,7 +301,8 @@ impl Sample {
     pub fn is_stop(&self, contact: usize) -> bool {
         let is_of_finger = contact / FingerContact::ALL.len() < self.counts.fingers
             && contact % FingerContact::ALL.len() == FingerContact::Limit as usize;
-        is_of_finger || contact >= self.counts.contacts - self.counts.limits
+        let first_limit = self.counts.contacts - self.counts.limits;
+        is_of_finger || (first_limit..self.counts.contacts).contains(&contact)
     }
 
     /// Computes the quantities that follow from others ([`Interpolation::Derived`]).
@@ -317,7 +318,7 @@ impl Sample {
     /// Returns a sample of the same joints and actuators, and of the bodies and contacts with these indices.
     #[must_use]
     pub fn select(&self, bodies: &[usize], contacts: &[usize]) -> Sample {
-        let limits = contacts.iter().filter(|index| self.counts.limits > 0 && self.is_stop(**index)).count();
+        let limits = contacts.iter().filter(|index| self.counts.fingers == 0 && self.is_stop(**index)).count();
         let counts = Counts { bodies: bodies.len(), contacts: contacts.len(), limits, ..self.counts };
         let mut selected = Sample::new(self.time_s, counts);
         let of_joints = ..self.counts.body(0);

@@ -95,7 +95,8 @@ impl States {
         let quantities_of = |kinds: [SubjectKind; 2]| -> Named<JointReport> {
             let chosen = subjects.iter().filter(|subject| kinds.contains(&subject.kind));
             let values = chosen.zip(std::iter::repeat(outcome)).filter_map(|(subject, outcome)| {
-                let last = &outcome?.last;
+                // A run that was rejected has no last sample.
+                let last = outcome.map(|outcome| &outcome.last).filter(|last| !last.values().is_empty())?;
                 let values = subject.channels().map(|(quantity, channel)| (quantity, channel.value(last)));
                 Some((subject.name.clone(), JointReport(values.collect())))
             });

@@ -5,6 +5,7 @@
 mod actuator;
 mod dynamics;
 mod events;
+mod factor;
 mod joint_forces;
 mod kinematics;
 mod model;

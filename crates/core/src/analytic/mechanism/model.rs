@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use super::actuator::{MAX_ACTUATORS, Ranges};
-use super::dynamics::Factor;
+use super::factor::Factor;
 use super::kinematics::{Motions, PlacedGroup};
 use super::pairs::PointOnFace;
 use crate::analytic::ContactState;

@@ -17,7 +17,7 @@ use crate::units::{self, Dimension};
 /// Integration of the equations of motion. Defaults depend on the preset.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Integrator {
-    /// "engineering" for general use (rtol 1e-5, in grippers 3e-6), "reference" for comparisons (rtol 1e-11).
+    /// "engineering" for general use (rtol 1e-5, in grippers 3e-6, in mechanisms 3e-7), "reference" for comparisons (rtol 1e-11).
     #[schemars(extend("default" = "engineering"))]
     pub preset: Preset,
     /// Integration method: Rodas5P or Radau IIA of order 5.
@@ -62,6 +62,9 @@ const MAX_STEPS: u64 = 10_000_000;
 /// of 1e4: at 1e-5, the default of one finger, the error exceeded 1e-5 rad in 5 of 314 random grippers.
 const GRIPPER_RTOL: f64 = 3e-6;
 
+/// Default relative tolerance of mechanisms: cranks turn many times, and errors of their phase add up.
+const MECHANISM_RTOL: f64 = 3e-7;
+
 /// Smallest useful absolute tolerance of angles: the precision of an angle of 1 rad.
 const FINEST_ATOL_RAD: f64 = 1e-14;
 /// Smallest useful absolute tolerance of rates: the precision of a rate of 100 rad/s.
@@ -77,10 +80,15 @@ impl Integrator {
         Self { preset, method, rtol, atol_angle_rad, atol_rate_rad_s, max_steps: MAX_STEPS }
     }
 
-    /// Returns the default settings of a kind of scene: the engineering preset, with a tighter tolerance for grippers.
+    /// Returns the default settings of a kind of scene: the engineering preset, with a tighter tolerance for grippers and
+    /// mechanisms.
     pub(crate) fn engineering_for(kind: SceneKind) -> Self {
         let defaults = Self::preset(Preset::Engineering);
-        if kind == SceneKind::Gripper { defaults.with_rtol(GRIPPER_RTOL) } else { defaults }
+        match kind {
+            SceneKind::Gripper => defaults.with_rtol(GRIPPER_RTOL),
+            SceneKind::Mechanism => defaults.with_rtol(MECHANISM_RTOL),
+            SceneKind::Finger | SceneKind::Bodies => defaults,
+        }
     }
 
     /// The settings of another preset, within the same step budget.

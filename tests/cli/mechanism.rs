@@ -1,0 +1,93 @@
+//! Commands with scenes of mechanisms.
+
+use std::fs;
+
+use crate::support::cli::{
+    assert_contains, assert_rejected, directory, path_in, phalanx, stderr, succeed, succeed_json,
+};
+use serde_json::Value;
+
+const FINGER: &str = "scenes/mechanisms/f85-finger.toml";
+
+/// Each scene ends as its reference solution, which its comment states.
+#[test]
+fn shipped_mechanisms_end_as_documented() {
+    for (name, ends) in [
+        (
+            "f85-finger",
+            &[("/joints/driver/angle_rad", 0.583_156_860_3), ("/joints/coupler/angle_rad", -0.146_080_275_7)][..],
+        ),
+        ("four-bar", &[("/joints/crank/angle_rad", 26.248_510_99), ("/joints/rocker/angle_rad", 0.028_386_580_78)]),
+        ("slider-crank", &[("/joints/crank/angle_rad", 28.711_176_11), ("/joints/slide/position_m", 0.072_008_478_07)]),
+        ("andrews", &[("/joints/beta/angle_rad", 15.810_771_2), ("/joints/epsilon/angle_rad", 1.048_080_741)]),
+    ] {
+        let run = succeed_json(&["run", &format!("scenes/mechanisms/{name}.toml"), "--rtol", "1e-8"]);
+        for (path, expected) in ends {
+            let found = run.pointer(path).and_then(Value::as_f64).expect("a number");
+            assert!((found - expected).abs() < 1e-7, "{name}: {path} is {found}, not {expected}");
+        }
+        assert_eq!(run["completed"], true, "{name}");
+    }
+    let run = succeed_json(&["run", FINGER]);
+    let first_ms = |contact: &str| 1e3 * run["contacts"][contact]["first_s"].as_f64().expect("a time");
+    assert!((first_ms("ground.disc/link.face") - 20.023_784_8).abs() < 1e-4);
+    assert!((first_ms("ground.disc/follower.pad") - 25.060_844_3).abs() < 1e-4);
+    assert_eq!(run["bodies"]["driver"]["motion"], "jointed");
+    assert_eq!(run["check"]["verdict"], "sure");
+}
+
+/// The log of a run contains all samples and events, and the page its bodies and joints.
+#[test]
+fn mechanisms_are_logged_replayed_and_drawn() {
+    let directory = directory("mechanism");
+    let [log, csv, replayed, page] =
+        ["run.mcap", "run.csv", "replayed.csv", "run.html"].map(|name| path_in(&directory, name));
+    let scene = "scenes/mechanisms/slider-crank.toml";
+    succeed(&["run", scene, "--set", "duration=20 ms", "--log", &log, "--csv", &csv, "--html", &page]);
+    let summary = succeed(&["replay", &log, "--csv", &replayed]);
+    assert_contains(&summary, &["completed, 20 ms", "slide", "position, mm", "moment, N·m"]);
+    let [written, read] = [&csv, &replayed].map(|file| fs::read_to_string(file).expect("a table"));
+    assert_eq!(written, read);
+    assert!(written.starts_with("time_s,crank_rad,crank_rate_rad_s,crank_force_x_n,"));
+    assert_contains(&written, &["slide_position_m,slide_rate_m_s", "slider_x_m"]);
+    assert_contains(&succeed(&["replay", &log, "--verify"]), &["VERIFIED"]);
+    let page = fs::read_to_string(page).expect("a page");
+    assert_contains(&page, &["Slider position", "Joint angle", "Torque", "\"rod\""]);
+}
+
+#[test]
+fn commands_for_fingers_refuse_mechanisms() {
+    for command in ["statics", "size", "validate", "explore", "capture", "hold"] {
+        let message = assert_rejected(&[command, FINGER], &[]);
+        assert!(message.contains("mechanism") || message.contains("not a gripper"), "{command}: {message}");
+    }
+    assert_rejected(&["scene", "show", FINGER, "--figure", "finger.svg"], &["is a mechanism", "run"]);
+    let check = succeed(&["scene", "check", FINGER]);
+    assert_contains(&check, &["4 bodies, 5 joints, 2 degrees of freedom, 1 actuator, 2 contacts"]);
+}
+
+#[test]
+fn a_new_mechanism_is_the_shipped_finger() {
+    let file = path_in(&directory("new-mechanism"), "linkage.toml");
+    assert_contains(&succeed(&["new", &file, "--kind", "mechanism"]), &["a finger with a loop", "run"]);
+    assert_eq!(fs::read_to_string(file).expect("a scene"), fs::read_to_string(FINGER).expect("a scene"));
+}
+
+/// A mechanism that the analytic model does not take is rejected with its sizes, not with a panic.
+#[test]
+fn a_mechanism_beyond_the_sizes_is_rejected_by_its_numbers() {
+    let mut text = "kind = \"mechanism\"\nduration = \"1 ms\"\n".to_string();
+    for i in 0..9 {
+        text += &format!(
+            "[bodies.b{i}]\nmass = \"10 g\"\ninertia = \"1 kg*mm^2\"\ncom = [\"10 mm\", \"0 mm\"]\n\
+             guess = {{ at = [\"{i} mm\", \"0 mm\"], angle = \"0 deg\" }}\n[joints.j{i}]\ntype = \"revolute\"\n\
+             bodies = [\"ground\", \"b{i}\"]\npoints = [[\"{i} mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"0 rad\"\n\
+             [actuators.m{i}]\njoint = \"j{i}\"\ntorque = \"1 N*mm\"\n"
+        );
+    }
+    let file = path_in(&directory("many-motors"), "nine.toml");
+    fs::write(&file, text).expect("a scene");
+    let output = phalanx(&["run", &file]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert_contains(stderr(&output), &["9 actuators", "--model engine"]);
+}
