@@ -85,6 +85,10 @@ fn message_kind(message: &str) -> String {
 /// # Errors
 /// A description of the first problem.
 fn run_and_log(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Failure>, String> {
+    let mut scene = scene.clone();
+    // The log then has all numbers of a sample.
+    scene.log.joint_forces = true;
+    let scene = &scene;
     let info = RunInfo { scene, scene_file: "random.toml", model: model.name() };
     let mut writer = Writer::new(Vec::new(), "the log", &info).expect("a log in memory");
     let (result, mut violations) = checked_run::run_and_check(model, scene, &mut writer);
