@@ -166,7 +166,7 @@ impl<R: Read + Seek> LogComparison<R> {
         };
         let differing = keys.into_iter().map(entry).filter(|entry| entry.log != entry.new_run).collect();
         let reader = SecondPass::new(source, scan)?;
-        let (schema, new_schema) = (reader.assembler.schema(), Schema::from_scene(&new_run.scene));
+        let (schema, new_schema) = (reader.assembler.schema(), Schema::from_scene(new_run.scene));
         let mut new_channels: HashMap<String, Channel> =
             new_schema.channels().into_iter().map(|channel| (channel.name.clone(), channel)).collect();
         let pair = |channel: Channel| Some([new_channels.remove(&channel.name)?, channel]);

@@ -69,10 +69,10 @@ impl<const N: usize, const Z: usize> Sums<N, Z> {
         force: Dual<K>,
         by_v: impl Fn(usize) -> f64,
     ) {
-        for i in 0..size {
+        for (i, entry) in row.iter().enumerate().take(size) {
             for j in 0..size {
-                self.load_q[first + i][first + j] += row[i].grad[j] * force.value + row[i].value * force.grad[j];
-                self.load_v[first + i][first + j] += row[i].value * by_v(j);
+                self.load_q[first + i][first + j] += entry.grad[j] * force.value + entry.value * force.grad[j];
+                self.load_v[first + i][first + j] += entry.value * by_v(j);
             }
         }
     }
@@ -276,12 +276,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let force = motion.coordinate.chain2(motion.rate, effort.value, effort.by_coordinate, effort.by_rate);
             let row = &motion.row;
             sums.add_block((first, size), row, force, |j| effort.by_rate * row[j].value);
-            for i in 0..size {
-                sums.load_t[first + i] += row[i].value * effort.by_time;
-                let power = force * motion.rate;
+            let (power, by_rate) = (force * motion.rate, effort.by_rate * motion.rate.value + effort.value);
+            for (i, entry) in row.iter().enumerate().take(size) {
+                sums.load_t[first + i] += entry.value * effort.by_time;
                 sums.g_q[Self::DRIVE_WORK][first + i] += power.grad[i];
-                sums.g_v[Self::DRIVE_WORK][first + i] +=
-                    (effort.by_rate * motion.rate.value + effort.value) * row[i].value;
+                sums.g_v[Self::DRIVE_WORK][first + i] += by_rate * entry.value;
             }
             sums.g_t[Self::DRIVE_WORK] += effort.by_time * motion.rate.value;
         }
@@ -456,11 +455,11 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
         let count = self.coordinates_in_use();
         let (mut a_q, mut a_v, mut a_t) = (sums.load_q, sums.load_v, sums.load_t);
         self.with_factors((q, v), |_, factors| {
-            for rows in [&mut a_q, &mut a_v] {
+            for matrix in [&mut a_q, &mut a_v] {
                 for j in 0..count {
-                    let mut column = array_from(|i| rows[i][j]);
+                    let mut column = array_from(|i| matrix[i][j]);
                     self.solve(factors, &mut column);
-                    (0..count).for_each(|i| rows[i][j] = column[i]);
+                    matrix.iter_mut().zip(column).for_each(|(row, entry)| row[j] = entry);
                 }
             }
             self.solve(factors, &mut a_t);

@@ -13,10 +13,7 @@ impl<const K: usize> Factor<K> {
         let mut lower = [[0.0; K]; K];
         for i in 0..size {
             for j in 0..=i {
-                let mut sum = mass[i][j];
-                for k in 0..j {
-                    sum -= lower[i][k] * lower[j][k];
-                }
+                let sum = (0..j).fold(mass[i][j], |sum, k| sum - lower[i][k] * lower[j][k]);
                 lower[i][j] = if i == j { sum.sqrt() } else { sum / lower[j][j] };
             }
         }

@@ -847,7 +847,7 @@ fn transmission<const K: usize>(
     // Direction of the arm or line of each outer joint, with its angular rate.
     let direction = |k: usize| {
         let (joint, at) = (&mechanism.joints[outer[k].joint], &outer[k]);
-        let (base, body) = (motions.body(at.base), motions.bodies[at.body]);
+        let (base, body) = (motions.body(at.base), &motions.bodies[at.body]);
         match joint.kind {
             JointKind::Revolute => {
                 let own = usize::from(at.is_second);
@@ -855,7 +855,7 @@ fn transmission<const K: usize>(
             }
             // The normal of a line takes the place of an arm.
             JointKind::Prismatic { axis_rad } => {
-                (perp(axis(axis_rad, if at.is_second { &base } else { &body })), body.rate[2])
+                (perp(axis(axis_rad, if at.is_second { base } else { body })), body.rate[2])
             }
         }
     };
