@@ -7,8 +7,9 @@
 
 use super::actuator::{Effort, effort};
 use super::factor::Factor;
-use super::kinematics::{JointMotion, Motions, PlacedGroup, pair};
+use super::group::PlacedGroup;
 use super::model::{Contact, MechanismMode, MechanismModel, Surfaces};
+use super::motion::{JointMotion, Motions, pair};
 use super::pairs::{self, Frame, POSES};
 use crate::analytic::model::normal_force_on_branch;
 use crate::analytic::multibody::components::ContactLaws;

@@ -2,8 +2,8 @@
 //! singularities of its dyads.
 
 use super::actuator::{MAX_ACTUATORS, margin, margin_tolerance, range, range_after};
-use super::kinematics::Motions;
 use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::motion::Motions;
 use crate::analytic::ContactState;
 use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};

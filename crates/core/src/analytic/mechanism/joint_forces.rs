@@ -5,8 +5,8 @@
 
 use super::actuator::effort;
 use super::dynamics::passive_effort;
-use super::kinematics::Motions;
 use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::motion::Motions;
 use super::pairs;
 use crate::analytic::mode::StateRef;
 use crate::integrator::System;

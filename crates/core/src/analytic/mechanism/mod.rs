@@ -3,12 +3,14 @@
 //! mechanism and the scalar laws.
 
 mod actuator;
+mod dyad;
 mod dynamics;
 mod events;
 mod factor;
+mod group;
 mod joint_forces;
-mod kinematics;
 mod model;
+mod motion;
 mod pairs;
 mod reading;
 

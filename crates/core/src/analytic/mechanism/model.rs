@@ -4,7 +4,8 @@ use std::cell::RefCell;
 
 use super::actuator::{MAX_ACTUATORS, Ranges};
 use super::factor::Factor;
-use super::kinematics::{Motions, PlacedGroup};
+use super::group::PlacedGroup;
+use super::motion::Motions;
 use super::pairs::PointOnFace;
 use crate::analytic::ContactState;
 use crate::analytic::mode::{EventTolerances, Mode};

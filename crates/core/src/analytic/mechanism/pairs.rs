@@ -1,6 +1,6 @@
 //! Forces between two bodies, on the poses (x, y, θ) of both: contacts of a point with a face, and linear springs.
 
-use super::kinematics::{BodyMotion, pair};
+use super::motion::{BodyMotion, pair};
 use crate::analytic::multibody::contact_kinematics::{ContactKinematics, WithDerivatives};
 use crate::mechanism::{ForcePoint, OutlineShape, Spring};
 use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, scale_by, sub};

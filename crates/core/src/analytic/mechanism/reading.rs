@@ -1,8 +1,8 @@
 //! Readings of a state: poses, joints, actuators, contacts and energies.
 
 use super::actuator::effort;
-use super::kinematics::pair;
 use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::motion::pair;
 use super::pairs::Frame;
 use crate::analytic::ContactState;
 use crate::analytic::finger::Geometry;

@@ -1,0 +1,416 @@
+//! Dyads: two bodies with three joints, which close a loop. A dyad is solved in two steps: its positions in closed form,
+//! as the intersection of two circles or lines, then the rates of its outer joints from the closure of its inner joint,
+//! which is linear.
+
+use super::motion::{BodyMotion, GroupNumber, JointMotion, Motions, axis, column, pair, place, triple};
+use crate::mechanism::structure::Attachment;
+use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::numeric::elementary::{atan2, sin_cos};
+use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, scale_by, sub};
+use crate::numeric::{Real, array_from};
+
+/// Assembly mode of a dyad: the sign of its root, and the coordinates of its outer joints and its inner joint at the
+/// start. Angles are the equivalents nearest to them, because whole turns do not follow from the coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AssemblyMode {
+    pub sign: f64,
+    pub coordinates: [f64; 3],
+}
+
+/// A dyad as it is in one pose: outer joints, and the sine and cosine of the transmission angle with its rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Transmission {
+    pub sine: f64,
+    pub cosine: f64,
+    pub angle_rate: f64,
+}
+
+/// The closure of the inner joint of a dyad: two linear functions of the motions of its bodies.
+struct Closure<T> {
+    /// Derivatives of both functions by x, y and θ of each body.
+    by_motion: [[[T; 3]; 2]; 2],
+    /// Terms of the accelerations that are quadratic in the rates.
+    quadratic: [T; 2],
+}
+
+impl<T: Real> Closure<T> {
+    /// The closure of a joint whose bodies A and B are the bodies `of` of the dyad.
+    #[inline(always)]
+    fn new<const K: usize>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T, K>; 2]) -> Self {
+        let (zero, one) = (T::zero(), T::constant(1.0));
+        let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
+        let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
+        let [across_a, across_b] = [perp(arms[0]), perp(arms[1])];
+        let squared = [first.rate[2].squared(), second.rate[2].squared()];
+        let mut by_motion = [[[zero; 3]; 2]; 2];
+        let quadratic;
+        match joint.kind {
+            JointKind::Revolute => {
+                // P_A − P_B = 0.
+                by_motion[0][of[0]] = [one, zero, across_a[0]];
+                by_motion[1][of[0]] = [zero, one, across_a[1]];
+                by_motion[0][of[1]] = [-one, zero, -across_b[0]];
+                by_motion[1][of[1]] = [zero, -one, -across_b[1]];
+                quadratic = pair(|axis| arms[1][axis] * squared[1] - arms[0][axis] * squared[0]);
+            }
+            JointKind::Prismatic { axis_rad } => {
+                // n·(P_B − P_A) = 0 and θ_B − θ_A = offset.
+                let u = axis(axis_rad, first);
+                let n = perp(u);
+                let offset = sub(add(second.origin, arms[1]), add(first.origin, arms[0]));
+                let speed = sub(second.rate_at(arms[1]), first.rate_at(arms[0]));
+                by_motion[0][of[0]] = [-n[0], -n[1], -dot(n, across_a) - dot(u, offset)];
+                by_motion[0][of[1]] = [n[0], n[1], dot(n, across_b)];
+                by_motion[1][of[0]] = [zero, zero, -one];
+                by_motion[1][of[1]] = [zero, zero, one];
+                let centripetal = dot(n, arms[0]) * squared[0] - dot(n, arms[1]) * squared[1];
+                let turning = first.rate[2] * dot(u, speed) * 2.0 + squared[0] * dot(n, offset);
+                quadratic = [centripetal - turning, zero];
+            }
+        }
+        Self { by_motion, quadratic }
+    }
+
+    #[inline(always)]
+    fn applied(&self, equation: usize, body: usize, motion: [T; 3]) -> T {
+        let [x, y, angle] = self.by_motion[equation][body];
+        x * motion[0] + y * motion[1] + angle * motion[2]
+    }
+}
+
+/// Places the two bodies of a dyad; returns them with the motions of the outer joints.
+#[inline(always)]
+pub(super) fn close_dyad<T: GroupNumber<K>, const K: usize>(
+    mechanism: &Mechanism,
+    (outer, inner): (&[Attachment; 2], usize),
+    bases: [&BodyMotion<T, K>; 2],
+    mode: &AssemblyMode,
+    v: &[f64],
+) -> ([BodyMotion<T, K>; 2], [JointMotion<T, K>; 2]) {
+    let joints = pair(|k| &mechanism.joints[outer[k].joint]);
+    let inner = (&mechanism.joints[inner], inner_bodies(&mechanism.joints[inner], outer));
+    let values = pair(|k| bases[k].value());
+    let coordinates = solve_dyad_joints(joints, inner, outer, [&values[0], &values[1]], mode);
+    // The derivatives of the outer coordinates are the rows of their rates in plain numbers.
+    let rows = match T::HAS_GRADIENT {
+        true => outer_rows(joints, inner, outer, [&values[0], &values[1]], &pair(|k| JointMotion::at(coordinates[k]))),
+        false => [[0.0; K]; 2],
+    };
+    let lifted = pair(|k| JointMotion::at(T::with_gradient(coordinates[k], &rows[k])));
+    let mut motions = lifted;
+    let rows = outer_rows(joints, inner, outer, bases, &lifted);
+    for k in 0..2 {
+        motions[k].row = rows[k];
+        motions[k].rate = v.iter().enumerate().fold(T::zero(), |sum, (i, rate)| sum + rows[k][i] * *rate);
+    }
+    let placed = |motions: &[JointMotion<T, K>; 2]| pair(|k| place(joints[k], &outer[k], bases[k], &motions[k]));
+    let mut bodies = placed(&motions);
+    let closure = Closure::new(inner.0, inner.1, &bodies);
+    let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
+    let residual = pair(|equation| {
+        closure.applied(equation, 0, bodies[0].bias)
+            + closure.applied(equation, 1, bodies[1].bias)
+            + closure.quadratic[equation]
+    });
+    let inverse = inverse_closure(&closure, &columns);
+    for k in 0..2 {
+        let bias = -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]);
+        motions[k].bias = bias;
+        (0..3).for_each(|axis| bodies[k].bias[axis] += columns[k][axis] * bias);
+    }
+    (bodies, motions)
+}
+
+/// Rows of the rates of both outer joints, from the closure with the outer joints at rest.
+#[inline(always)]
+fn outer_rows<T: Real, const K: usize>(
+    joints: [&Joint; 2],
+    (inner, of): (&Joint, [usize; 2]),
+    outer: &[Attachment; 2],
+    bases: [&BodyMotion<T, K>; 2],
+    coordinates: &[JointMotion<T, K>; 2],
+) -> [[T; K]; 2] {
+    let bodies = pair(|k| place(joints[k], &outer[k], bases[k], &coordinates[k]));
+    let closure = Closure::new(inner, of, &bodies);
+    let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
+    let inverse = inverse_closure(&closure, &columns);
+    let mut rows = [[T::zero(); K]; 2];
+    for i in 0..K {
+        let motion = |k: usize| triple(|axis| bodies[k].jacobian[axis][i]);
+        let residual =
+            pair(|equation| closure.applied(equation, 0, motion(0)) + closure.applied(equation, 1, motion(1)));
+        for (k, row) in rows.iter_mut().enumerate() {
+            row[i] = -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]);
+        }
+    }
+    rows
+}
+
+/// Inverse of the 2 × 2 matrix of the closure by the rates of the outer joints.
+#[inline(always)]
+fn inverse_closure<T: Real>(closure: &Closure<T>, columns: &[[T; 3]; 2]) -> [[T; 2]; 2] {
+    let matrix = pair(|equation| pair(|k| closure.applied(equation, k, columns[k])));
+    let inverse_det = (matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]).recip();
+    [
+        [matrix[1][1] * inverse_det, -(matrix[0][1] * inverse_det)],
+        [-(matrix[1][0] * inverse_det), matrix[0][0] * inverse_det],
+    ]
+}
+
+/// Indices in the dyad of the bodies A and B of its inner joint.
+#[inline(always)]
+fn inner_bodies(inner: &Joint, outer: &[Attachment; 2]) -> [usize; 2] {
+    if inner.bodies[0] == Some(outer[0].body) { [0, 1] } else { [1, 0] }
+}
+
+/// Motion of the inner joint of a dyad with placed bodies.
+#[inline(always)]
+pub(super) fn inner_motion<T: Real, const K: usize>(
+    inner: &Joint,
+    outer: &[Attachment; 2],
+    bodies: &[BodyMotion<T, K>; 2],
+) -> JointMotion<T, K> {
+    let of = inner_bodies(inner, outer);
+    let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
+    match inner.kind {
+        JointKind::Revolute => JointMotion {
+            coordinate: second.angle - first.angle - inner.offset_rad,
+            row: array_from(|k| second.jacobian[2][k] - first.jacobian[2][k]),
+            rate: second.rate[2] - first.rate[2],
+            bias: second.bias[2] - first.bias[2],
+        },
+        JointKind::Prismatic { axis_rad } => {
+            let u = axis(axis_rad, first);
+            let [a, b] = [first.point(inner.points_m[0]), second.point(inner.points_m[1])];
+            let coordinate = dot(u, sub(b.position, a.position));
+            JointMotion {
+                coordinate,
+                row: array_from(|k| {
+                    pair(|axis| u[axis] * (b.jacobian[axis][k] - a.jacobian[axis][k]))
+                        .into_iter()
+                        .fold(T::zero(), |sum, part| sum + part)
+                }),
+                rate: dot(u, sub(b.rate, a.rate)),
+                // The bodies turn together: n·ḋ = ω q, with the distance d = q u.
+                bias: dot(u, sub(b.bias, a.bias)) + first.rate[2].squared() * coordinate,
+            }
+        }
+    }
+}
+
+/// Coordinates of the outer joints of a dyad, from the poses of its bases.
+pub(super) fn solve_dyad<const K: usize>(
+    mechanism: &Mechanism,
+    (outer, inner): (&[Attachment; 2], usize),
+    bases: [&BodyMotion<f64, K>; 2],
+    mode: &AssemblyMode,
+) -> [f64; 2] {
+    let joints = pair(|k| &mechanism.joints[outer[k].joint]);
+    let inner = &mechanism.joints[inner];
+    solve_dyad_joints(joints, (inner, inner_bodies(inner, outer)), outer, bases, mode)
+}
+
+/// Locus of a point of a body that is attached at a joint.
+#[derive(Clone, Copy)]
+enum Locus {
+    /// A circle about the pivot; `arm` is the arm to the point in the body frame.
+    Circle { center: [f64; 2], arm: [f64; 2] },
+    /// A line; `angle` is the angle of the body, and `sign` the direction of its coordinate along it.
+    Line { point: [f64; 2], direction: [f64; 2], angle: f64 },
+}
+
+impl Locus {
+    /// Locus of a point (in the frame of the attached body).
+    fn new<const K: usize>(joint: &Joint, at: &Attachment, base: &BodyMotion<f64, K>, point: [f64; 2]) -> Self {
+        let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
+        let pivot = base.position(joint.points_m[1 - own]);
+        let arm = sub(point, joint.points_m[own]);
+        match joint.kind {
+            JointKind::Revolute => Locus::Circle { center: pivot, arm },
+            JointKind::Prismatic { axis_rad } => {
+                let angle = base.angle + sign * joint.offset_rad;
+                let (sin, cos) = sin_cos(angle);
+                let body = BodyMotion::<f64, 1> { direction: [cos, sin], angle, ..BodyMotion::ground() };
+                let first = if at.is_second { base.direction } else { body.direction };
+                let first = BodyMotion::<f64, 1> { direction: first, ..BodyMotion::ground() };
+                let direction = scale_by(axis(axis_rad, &first), sign);
+                Locus::Line { point: add(pivot, body.rotated(arm)), direction, angle }
+            }
+        }
+    }
+
+    /// Coordinate of the joint for a position of the point.
+    fn coordinate<const K: usize>(
+        &self,
+        joint: &Joint,
+        at: &Attachment,
+        base: &BodyMotion<f64, K>,
+        position: [f64; 2],
+    ) -> f64 {
+        let sign = if at.is_second { 1.0 } else { -1.0 };
+        match self {
+            Locus::Circle { center, arm } => {
+                let offset = sub(position, *center);
+                let angle = atan2(offset[1], offset[0]) - atan2(arm[1], arm[0]);
+                sign * (angle - base.angle) - joint.offset_rad
+            }
+            Locus::Line { point, direction, .. } => dot(sub(position, *point), *direction),
+        }
+    }
+}
+
+/// Coordinates of the outer joints of a dyad: the intersection of the loci of its inner joint. Not a number if there is
+/// none.
+fn solve_dyad_joints<const K: usize>(
+    joints: [&Joint; 2],
+    (inner, of): (&Joint, [usize; 2]),
+    outer: &[Attachment; 2],
+    bases: [&BodyMotion<f64, K>; 2],
+    mode: &AssemblyMode,
+) -> [f64; 2] {
+    // Points of the inner joint, in the order of the bodies of the dyad.
+    let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
+    let loci = pair(|k| Locus::new(joints[k], &outer[k], bases[k], points[k]));
+    let raw = match inner.kind {
+        JointKind::Revolute => {
+            let position = intersection(&loci, mode.sign);
+            pair(|k| loci[k].coordinate(joints[k], &outer[k], bases[k], position))
+        }
+        JointKind::Prismatic { axis_rad } => slide(joints, (inner, of, axis_rad), outer, bases, (&loci, mode.sign)),
+    };
+    pair(|k| match joints[k].kind {
+        JointKind::Revolute => nearest_equivalent_angle(raw[k], mode.coordinates[k]),
+        JointKind::Prismatic { .. } => raw[k],
+    })
+}
+
+/// Intersection of two circles, a circle and a line, or two lines.
+fn intersection(loci: &[Locus; 2], sign: f64) -> [f64; 2] {
+    match *loci {
+        [Locus::Circle { center, arm }, Locus::Circle { center: other, arm: other_arm }] => {
+            let offset = sub(other, center);
+            let squared = dot(offset, offset);
+            let along = (dot(arm, arm) - dot(other_arm, other_arm) + squared) / (2.0 * squared);
+            let across = (dot(arm, arm) / squared - along * along).sqrt();
+            add(center, add(scale_by(offset, along), scale_by(perp(offset), sign * across)))
+        }
+        [Locus::Circle { center, arm }, Locus::Line { point, direction, .. }]
+        | [Locus::Line { point, direction, .. }, Locus::Circle { center, arm }] => {
+            let offset = sub(center, point);
+            let (along, distance) = (dot(offset, direction), cross(direction, offset));
+            let half = (dot(arm, arm) - distance * distance).sqrt();
+            add(point, scale_by(direction, along + sign * half))
+        }
+        [Locus::Line { point, direction, .. }, Locus::Line { point: other, direction: other_direction, .. }] => {
+            let along = cross(sub(other, point), other_direction) / cross(direction, other_direction);
+            add(point, scale_by(direction, along))
+        }
+    }
+}
+
+/// Coordinates of the outer joints of a dyad whose inner joint slides.
+fn slide<const K: usize>(
+    joints: [&Joint; 2],
+    (inner, of, axis_rad): (&Joint, [usize; 2], f64),
+    outer: &[Attachment; 2],
+    bases: [&BodyMotion<f64, K>; 2],
+    (loci, sign): (&[Locus; 2], f64),
+) -> [f64; 2] {
+    let [a, b] = of;
+    // Angle of body A, from the distance of both points along the normal, or from a body that cannot turn.
+    let angle = match (loci[a], loci[b]) {
+        (Locus::Line { angle, .. }, _) => angle,
+        (_, Locus::Line { angle, .. }) => angle - inner.offset_rad,
+        (Locus::Circle { center, arm }, Locus::Circle { center: other, arm: other_arm }) => {
+            let offset = sub(other, center);
+            let turned = |[x, y]: [f64; 2], angle: f64| {
+                let (sin, cos) = sin_cos(angle);
+                [cos * x - sin * y, sin * x + cos * y]
+            };
+            let (sin, cos) = sin_cos(axis_rad);
+            let height = dot([-sin, cos], sub(turned(other_arm, inner.offset_rad), arm));
+            // n·offset = −height.
+            let squared = dot(offset, offset);
+            let across = (squared - height * height).sqrt();
+            let normal = add(scale_by(offset, -height), scale_by(perp(offset), sign * across));
+            atan2(-normal[0], normal[1]) - axis_rad
+        }
+    };
+    let angles = if a == 0 { [angle, angle + inner.offset_rad] } else { [angle + inner.offset_rad, angle] };
+    let (sin, cos) = sin_cos(angle + axis_rad);
+    let normal = [-sin, cos];
+    let position = |k: usize| match loci[k] {
+        Locus::Circle { center, arm } => {
+            let (sin, cos) = sin_cos(angles[k]);
+            add(center, [cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]])
+        }
+        Locus::Line { point, .. } => point,
+    };
+    let gap = dot(normal, sub(position(b), position(a)));
+    pair(|k| match loci[k] {
+        Locus::Circle { .. } => {
+            let turn = if outer[k].is_second { 1.0 } else { -1.0 };
+            turn * (angles[k] - bases[k].angle) - joints[k].offset_rad
+        }
+        Locus::Line { direction, .. } => {
+            let side = if k == b { -1.0 } else { 1.0 };
+            side * gap / dot(normal, direction)
+        }
+    })
+}
+
+/// Transmission angle of a dyad: between the directions whose alignment makes it singular.
+pub(super) fn transmission<const K: usize>(
+    mechanism: &Mechanism,
+    (outer, inner): (&[Attachment; 2], usize),
+    motions: &Motions<f64, K>,
+) -> Transmission {
+    let inner = &mechanism.joints[inner];
+    let of = inner_bodies(inner, outer);
+    let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
+    // Direction of the arm or line of each outer joint, with its angular rate.
+    let direction = |k: usize| {
+        let (joint, at) = (&mechanism.joints[outer[k].joint], &outer[k]);
+        let (base, body) = (motions.body(at.base), &motions.bodies[at.body]);
+        match joint.kind {
+            JointKind::Revolute => {
+                let own = usize::from(at.is_second);
+                (body.rotated(sub(points[k], joint.points_m[own])), body.rate[2])
+            }
+            // The normal of a line takes the place of an arm.
+            JointKind::Prismatic { axis_rad } => {
+                (perp(axis(axis_rad, if at.is_second { base } else { body })), body.rate[2])
+            }
+        }
+    };
+    let [first, second] = match inner.kind {
+        JointKind::Revolute => [direction(0), direction(1)],
+        JointKind::Prismatic { axis_rad } => {
+            let a = &motions.bodies[outer[of[0]].body];
+            let slide = (axis(axis_rad, a), a.rate[2]);
+            let is_circle = pair(|k| mechanism.joints[outer[k].joint].kind == JointKind::Revolute);
+            match is_circle {
+                [true, true] => {
+                    let pivot = |k: usize| {
+                        let at = &outer[k];
+                        motions.body(at.base).point(mechanism.joints[at.joint].points_m[usize::from(!at.is_second)])
+                    };
+                    let (from, to) = (pivot(0), pivot(1));
+                    let (offset, speed) = (sub(to.position, from.position), sub(to.rate, from.rate));
+                    // The dyad is singular where the line of the pivots is normal to the slide.
+                    [slide, (perp(offset), cross(offset, speed) / dot(offset, offset))]
+                }
+                [first_is_circle, _] => {
+                    let (normal, rate) = direction(usize::from(first_is_circle));
+                    [slide, (scale_by(perp(normal), -1.0), rate)]
+                }
+            }
+        }
+    };
+    let length = (dot(first.0, first.0) * dot(second.0, second.0)).sqrt();
+    Transmission {
+        sine: cross(first.0, second.0) / length,
+        cosine: dot(first.0, second.0) / length,
+        angle_rate: second.1 - first.1,
+    }
+}
