@@ -75,14 +75,6 @@ impl From<ValidationError> for Failure {
 /// Runs `phalanx validate`.
 pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = &args.set.load_any(&args.scene)?;
-    if scene.kind() == SceneKind::Mechanism {
-        return Err(Failure::bad_input(format!(
-            "{} is a mechanism (kind = \"mechanism\"), which validate does not compare; simulate it with either model: phalanx run \
-             {} --model engine",
-            args.scene.display(),
-            args.scene.display()
-        )));
-    }
     let OutputArgs { out, json } = &args.output;
     let files = file_names(scene);
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;

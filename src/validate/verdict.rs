@@ -67,7 +67,7 @@ pub fn check_bounds(found: &Differences, bounds: &Bounds) -> Verdict {
     let (has_fingers, has_bodies) = (found.has_fingers(), !found.angle_end_rad.is_empty());
     let [position, impulse] = match has_fingers {
         true => ["largest position difference of the object", "relative difference of the impulse of an impact"],
-        false => ["largest position difference of a disc", "relative difference of the impulse of a pair"],
+        false => ["largest position difference of a body", "relative difference of the impulse of a pair"],
     };
     let contact_time = "largest difference of a first contact";
     let final_force = "relative difference of a normal force at the end";

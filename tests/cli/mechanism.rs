@@ -55,9 +55,20 @@ fn mechanisms_are_logged_replayed_and_drawn() {
     assert_contains(&page, &["Slider position", "Joint angle", "Torque", "\"rod\""]);
 }
 
+/// Both models of the finger agree within all bounds, and all files are written.
+#[test]
+fn mechanisms_are_validated() {
+    let out = path_in(&directory("mechanism-validation"), "validation");
+    let report = succeed(&["validate", FINGER, "--set", "duration=26 ms", "--ladder-time", "0.1 s", "--out", &out]);
+    assert_contains(&report, &["within all bounds", "ground.disc/follower.pad first contact, ms"]);
+    for file in ["report.json", "page.html", "series.csv", "difference.svg", "engine.mcap"] {
+        assert!(fs::exists(format!("{out}/{file}")).expect("a readable directory"), "{file}");
+    }
+}
+
 #[test]
 fn commands_for_fingers_refuse_mechanisms() {
-    for command in ["statics", "size", "validate", "explore", "capture", "hold"] {
+    for command in ["statics", "size", "explore", "capture", "hold"] {
         let message = assert_rejected(&[command, FINGER], &[]);
         assert!(message.contains("mechanism") || message.contains("not a gripper"), "{command}: {message}");
     }

@@ -2,6 +2,7 @@
 
 use super::{Finding, Invariant, Tolerances, update_max};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
+use crate::mechanism::JointKind;
 use crate::numeric::elementary::{hypot, pow};
 use crate::scene::{ContactId, DiscMotion, Scene, System};
 use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
@@ -78,7 +79,8 @@ impl Invariants {
     pub fn new(model: Model, scene: &Scene) -> Self {
         let system = &scene.system;
         // Discs have no joints that could open.
-        let loop_gap_m = if system.fingers.is_empty() { 0.0 } else { scene.bounds.loop_gap_m };
+        let has_joints = !system.fingers.is_empty() || scene.mechanism.is_some();
+        let loop_gap_m = if has_joints { scene.bounds.loop_gap_m } else { 0.0 };
         let tolerances = Tolerances::for_settings(model, &scene.integrator, &scene.engine, loop_gap_m);
         // Momentum is not conserved in a moving frame. The engine's forces are averages over steps, so their impulses
         // between samples are not known accurately enough.
@@ -86,7 +88,7 @@ impl Invariants {
         Self {
             model,
             tolerances,
-            contacts: monitored_contacts(system),
+            contacts: monitored_contacts(scene),
             momentum_balance: free_object
                 .map(|(body, friction_laws)| MomentumBalance::new(tolerances.energy, body, friction_laws)),
             worst: [Violation::default(); Invariant::ALL.len()],
@@ -259,7 +261,12 @@ impl Sink for Invariants {
     }
 }
 
-fn monitored_contacts(system: &System) -> Vec<MonitoredContact> {
+/// Arm of the limit of a revolute joint of a mechanism, m: the length by which comparisons of both models convert angles.
+const LIMIT_ARM_M: f64 = 0.1;
+
+/// Returns the contacts of a scene, in the order of its samples.
+fn monitored_contacts(scene: &Scene) -> Vec<MonitoredContact> {
+    let system = &scene.system;
     let monitored =
         |name: String, (law, friction): (NormalLaw, Option<FrictionLaw>), depth, reach_m| MonitoredContact {
             name,
@@ -271,6 +278,18 @@ fn monitored_contacts(system: &System) -> Vec<MonitoredContact> {
             slip_m_s: f64::NAN,
             gap_rate_m_s: 0.0,
         };
+    if let Some(mechanism) = &scene.mechanism {
+        let points = mechanism.point_contacts().into_iter().map(|point| {
+            let law = &mechanism.contacts[point.pair].law;
+            monitored(point.name, (law.normal, law.friction), Invariant::Penetration, 1.0)
+        });
+        let limits = mechanism.limits().into_iter().map(|limit| {
+            let is_revolute = mechanism.joints[limit.joint].kind == JointKind::Revolute;
+            let reach_m = if is_revolute { LIMIT_ARM_M } else { 1.0 };
+            monitored(mechanism.limit_name(&limit), (limit.law, None), Invariant::JointLimit, reach_m)
+        });
+        return points.chain(limits).collect();
+    }
     let contact = |id: ContactId| {
         let name = system.contact_name(id);
         let ContactId::Stop(side) = id else {

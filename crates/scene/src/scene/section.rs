@@ -81,7 +81,7 @@ impl Section {
         &self.contents().subsections
     }
 
-    /// Sections of lists of tables, such as [[contacts]].
+    /// Sections of lists of tables, such as `[[contacts]]`.
     pub fn lists(&self) -> &[(&'static str, Section)] {
         &self.contents().lists
     }
