@@ -387,6 +387,11 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
             let (mut q, mut v) = ([0.0; N], [0.0; N]);
             q[..2].copy_from_slice(&state.q);
             v[..2].copy_from_slice(&state.v);
+            let angle = |body: usize| model.body((&q, &v), body).0[2];
+            // Rounding errors grow without bound near the fold, which some closings reach.
+            if (angle(1) - angle(3)).sin().abs() < 0.05 {
+                continue;
+            }
             let mut mode = <Model as Hybrid<N, Z, G>>::mode_at(&model, t, &q, &v);
             (0..3).for_each(|index| mode.contacts[index] = finger_mode[index]);
             let found = <Model as System<N, Z>>::rates(&model, t, &q, &v, &mode);

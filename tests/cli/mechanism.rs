@@ -43,7 +43,21 @@ fn mechanisms_are_logged_replayed_and_drawn() {
     let [log, csv, replayed, page] =
         ["run.mcap", "run.csv", "replayed.csv", "run.html"].map(|name| path_in(&directory, name));
     let scene = "scenes/mechanisms/slider-crank.toml";
-    succeed(&["run", scene, "--set", "duration=20 ms", "--log", &log, "--csv", &csv, "--html", &page]);
+    let forces = ["--set", "log.joint_forces=true"];
+    succeed(&[
+        "run",
+        scene,
+        "--set",
+        "duration=20 ms",
+        forces[0],
+        forces[1],
+        "--log",
+        &log,
+        "--csv",
+        &csv,
+        "--html",
+        &page,
+    ]);
     let summary = succeed(&["replay", &log, "--csv", &replayed]);
     assert_contains(&summary, &["completed, 20 ms", "slide", "position, mm", "moment, N·m"]);
     let [written, read] = [&csv, &replayed].map(|file| fs::read_to_string(file).expect("a table"));

@@ -149,7 +149,7 @@ class Stage {
     const jointPoints = [[0, 0]];
     const couplerShape = body.shapes[0];
     // The bar extends equally beyond both joints.
-    if (body.part === "coupler" && couplerShape.kind === "polygon") {
+    if (body.part === "coupler" && body.shapes.length === 1 && couplerShape.kind === "polygon") {
       const xCoordinates = couplerShape.corners_m.map((corner) => corner[0]);
       jointPoints.push([Math.min(...xCoordinates) + Math.max(...xCoordinates), 0]);
     }
