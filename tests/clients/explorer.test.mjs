@@ -451,7 +451,7 @@ describe("the explorer", () => {
     const csv = readFileSync(await saved("csv"), "utf8").trim().split(/\r?\n/);
     const log = path.join(DIRECTORY, "run.mcap");
     const table = path.join(DIRECTORY, "native.csv");
-    execFileSync(PHALANX, ["run", toml, "--log", log], { stdio: "ignore" });
+    execFileSync(PHALANX, ["run", toml, "--set", "log.joint_forces=true", "--log", log], { stdio: "ignore" });
     execFileSync(PHALANX, ["replay", log, "--csv", table], { stdio: "ignore" });
     const expected = readFileSync(table, "utf8").trim().split(/\r?\n/);
     assert.deepEqual(csv, expected);

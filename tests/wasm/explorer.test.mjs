@@ -47,7 +47,7 @@ function loggedCsv(file, set) {
   rmSync(log, { force: true });
   rmSync(table, { force: true });
   try {
-    phalanx("run", path.join(SCENES, file), ...set.flatMap(([field, value]) => ["--set", `${field}=${value}`]), "--no-check", "--log", log);
+    phalanx("run", path.join(SCENES, file), ...set.flatMap(([field, value]) => ["--set", `${field}=${value}`]), "--set", "log.joint_forces=true", "--no-check", "--log", log);
   } catch (error) {
     // An aborted run has a log up to its end.
     assert.equal(error.status, 3, `${file}: ${error}`);
