@@ -105,8 +105,10 @@ class Runs(unittest.TestCase):
                 self.assertEqual(logged.read_bytes(), program.read_bytes())
                 read = phalanx.read_log(program)
                 self.assertEqual(read.events, result.events)
-                self.assertEqual(read.columns, result.columns)
-                for name in result.columns:
+                # Logs have the forces of joints on request only.
+                columns = [name for name in result.columns if "_force_" not in name]
+                self.assertEqual(read.columns, columns)
+                for name in columns:
                     np.testing.assert_array_equal(read[name], result[name], err_msg=name)
                 self.assertEqual(read.criteria, result.criteria)
                 self.assertEqual(read.summary, document("replay", program))
