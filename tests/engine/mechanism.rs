@@ -3,7 +3,7 @@
 use crate::support::laws::THESIS_FRICTION;
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
 use crate::support::random_mechanisms::random_mechanism;
-use crate::support::runs::experiment_95;
+use crate::support::runs::{CollectSink, experiment_95};
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{Damping, NormalLaw};
 use phalanx::mechanism::{
@@ -11,27 +11,8 @@ use phalanx::mechanism::{
 };
 use phalanx::numeric::plane::wrap_angle;
 use phalanx::scene::{Construction, Response, Scene, Stepping};
-use phalanx::trace::{self, BodyState, Event, EventKind, Model, Sample, Sink, SinkError};
+use phalanx::trace::{self, BodyState, EventKind, Model, Sample};
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-/// All samples and events of a run.
-#[derive(Default)]
-struct Run {
-    samples: Vec<Sample>,
-    events: Vec<Event>,
-}
-
-impl Sink for Run {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.samples.push(sample.clone());
-        Ok(())
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.events.push(*event);
-        Ok(())
-    }
-}
 
 /// A scene of a mechanism with a sample at every multiple of an interval.
 fn scene(mechanism: &Mechanism, duration_s: f64, interval_s: f64) -> Scene {
@@ -44,14 +25,14 @@ fn scene(mechanism: &Mechanism, duration_s: f64, interval_s: f64) -> Scene {
     scene
 }
 
-fn run(model: Model, scene: &Scene) -> Run {
-    let mut run = Run::default();
+fn run(model: Model, scene: &Scene) -> CollectSink {
+    let mut run = CollectSink::default();
     trace::run(model, scene, &mut run).unwrap_or_else(|error| panic!("{error}"));
     run
 }
 
 /// Largest difference of a run from the samples of a case: angles, rad, and positions, m.
-fn difference(case: &MechanismCase, run: &Run) -> [f64; 2] {
+fn difference(case: &MechanismCase, run: &CollectSink) -> [f64; 2] {
     let [mut angle, mut position] = [0.0f64; 2];
     for expected in &case.samples {
         let is_at = |sample: &&Sample| (sample.time_s - expected.time_s).abs() < 1e-9;
@@ -108,7 +89,7 @@ fn joint_forces_agree_in_both_models() {
         let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| run(model, &scene));
         let tolerance = if case.mechanism.contacts.is_empty() { 5e-3 } else { 3e-2 };
         for joint in 0..case.mechanism.joints.len() {
-            let forces = |run: &Run| {
+            let forces = |run: &CollectSink| {
                 let at = |time_s: f64| run.samples.iter().rfind(|sample| (sample.time_s - time_s).abs() < 1e-9);
                 let state = |sample: &Sample| sample.joint_state(joint);
                 let states = case.samples.iter().filter_map(|sample| at(sample.time_s)).map(state);
@@ -347,7 +328,7 @@ fn random_mechanisms_agree_in_both_models() {
         let energy = engine.energy();
         let scale_j = 1e-3 + energy.kinetic_j + energy.motor_work_j.abs() + energy.dissipated_j.abs();
         assert!(energy.balance_j.abs() < 1e-4 * scale_j, "seed {seed}: {energy:?}");
-        let mut analytic = Run::default();
+        let mut analytic = CollectSink::default();
         if trace::run(Model::Analytic, &scene, &mut analytic).is_err() {
             continue;
         }

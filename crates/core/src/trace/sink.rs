@@ -76,7 +76,7 @@ pub trait Sink {
     }
 }
 
-/// A sink that discards everything, for runs of which only the outcome is used.
+/// A sink that discards everything, for runs whose outcome alone is used.
 impl Sink for () {
     fn required_data(&self) -> RequiredData {
         RequiredData::EVALUATION

@@ -86,12 +86,12 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Rates of the poses of two bodies.
     #[inline(always)]
-    fn pair_rates(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [f64; POSES] {
+    pub(super) fn pair_rates(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [f64; POSES] {
         let [a, b] = pair(|side| motions.body(bodies[side]).rate);
         [a[0], a[1], a[2], b[0], b[1], b[2]]
     }
 
-    fn frames(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [Frame<f64>; 2] {
+    pub(super) fn frames(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [Frame<f64>; 2] {
         pair(|side| Frame::new(motions.body(bodies[side])))
     }
 

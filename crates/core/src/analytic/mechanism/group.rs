@@ -5,7 +5,6 @@ use super::dyad::{AssemblyMode, Transmission, close_dyad, inner_motion, solve_dy
 use super::motion::{BodyMotion, GroupNumber, JointMotion, Motions, joint_coordinate, joint_rate, pair, place, triple};
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
 use crate::mechanism::{JointKind, Mechanism, Pose};
-use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{dot, nearest_equivalent_angle, sub};
 use crate::numeric::{Real, array_from};
 
@@ -22,9 +21,8 @@ impl PlacedGroup {
     /// Builds a group from its assembled poses at the start.
     pub fn new<const K: usize>(mechanism: &Mechanism, group: Group, first: usize, poses: &[Pose]) -> Self {
         let mut motions = Motions::<f64, K>::new(mechanism);
-        for (motion, [x, y, angle]) in motions.bodies.iter_mut().zip(poses) {
-            let (sin, cos) = sin_cos(*angle);
-            (motion.origin, motion.direction, motion.angle) = ([*x, *y], [cos, sin], *angle);
+        for (motion, pose) in motions.bodies.iter_mut().zip(poses) {
+            *motion = BodyMotion::at(*pose, [0.0; 3]);
         }
         let mode = |placement: &Placement| {
             let Placement::Dyad { outer, inner } = placement else { return None };
@@ -138,13 +136,7 @@ impl PlacedGroup {
     /// Coordinates and rates of the group in assembled poses.
     pub fn start(&self, mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Vec<(f64, f64)> {
         let motion = |body: Option<usize>| {
-            let mut motion = BodyMotion::<f64, 1>::ground();
-            if let Some(body) = body {
-                let ([x, y, angle], rate) = (poses[body], rates[body]);
-                let (sin, cos) = sin_cos(angle);
-                (motion.origin, motion.direction, motion.angle, motion.rate) = ([x, y], [cos, sin], angle, rate);
-            }
-            motion
+            body.map_or_else(BodyMotion::<f64, 1>::ground, |body| BodyMotion::at(poses[body], rates[body]))
         };
         let start = |coordinate: &Coordinate| match coordinate {
             Coordinate::Joint(joint) => {

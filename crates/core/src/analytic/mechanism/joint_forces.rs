@@ -10,7 +10,7 @@ use super::motion::Motions;
 use super::pairs;
 use crate::analytic::mode::StateRef;
 use crate::integrator::System;
-use crate::mechanism::{JointKind, SpringKind};
+use crate::mechanism::JointKind;
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{cross, perp, sub};
 
@@ -112,16 +112,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let (point, direction, turn) = self.effort_direction(index, motions);
             wrenches.add_pair(joint.bodies, direction.map(|part| -total * part), point, -total * turn);
         }
-        for spring in &self.mechanism.springs {
-            let SpringKind::Linear { bodies, points_m } = spring.kind else { continue };
-            let points = [0, 1].map(|side| motions.body(bodies[side]).point(points_m[side]));
-            let offset = sub(points[1].position, points[0].position);
-            let speed = sub(points[1].rate, points[0].rate);
-            let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
-            let direction = offset.map(|part| part / length);
-            let rate = direction[0] * speed[0] + direction[1] * speed[1];
-            let tension = spring.stiffness * (length - spring.rest) + spring.damping * rate;
-            wrenches.add_pair(bodies, direction.map(|part| tension * part), points[1].position, 0.0);
+        for (index, bodies, points_m) in self.linear_springs() {
+            let state = pairs::spring(points_m, &Self::frames(motions, bodies));
+            let rates = Self::pair_rates(motions, bodies);
+            let ([.., x, y, _], _) = pairs::spring_loads(&self.mechanism.springs[index], &state, &rates);
+            wrenches.add_pair(bodies, [-x, -y], motions.body(bodies[1]).position(points_m[1]), 0.0);
         }
     }
 

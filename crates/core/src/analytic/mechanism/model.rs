@@ -11,7 +11,7 @@ use crate::analytic::ContactState;
 use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
-use crate::mechanism::structure::{StructureError, find_groups};
+use crate::mechanism::structure::{Group, StructureError, find_groups};
 use crate::mechanism::{Actuator, Command, Limit, Mechanism, Pose, SpringKind};
 use crate::numeric::Dual;
 use std::ops::Index;
@@ -100,17 +100,20 @@ impl MechanismSize {
     /// # Errors
     /// Returns an error for a mechanism without independent coordinates in closed form.
     pub fn new(mechanism: &Mechanism) -> Result<Self, StructureError> {
-        let groups = find_groups(mechanism)?;
+        Ok(Self::with_groups(mechanism, &find_groups(mechanism)?))
+    }
+
+    fn with_groups(mechanism: &Mechanism, groups: &[Group]) -> Self {
         let sizes = || groups.iter().map(|group| group.coordinates.len());
         let points = mechanism.point_contacts();
         let has_bristle = |pair: usize| mechanism.contacts[pair].law.bristle().is_some();
         let bristles = points.iter().filter(|point| has_bristle(point.pair)).count();
-        Ok(Self {
+        Self {
             coordinates: sizes().sum::<usize>() + usize::from(depends_on_time(mechanism)) + bristles,
             group: sizes().max().unwrap_or(0),
             contacts: points.len() + mechanism.limits().len(),
             actuators: mechanism.actuators.len(),
-        })
+        }
     }
 
     pub fn fits(&self, capacity: &Self) -> bool {
@@ -148,13 +151,14 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// # Panics
     /// Panics if the mechanism exceeds the capacity of the model.
     pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
-        let size = MechanismSize::new(mechanism)?;
+        let found = find_groups(mechanism)?;
+        let size = MechanismSize::with_groups(mechanism, &found);
         let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS };
         assert!(size.fits(&capacity), "{size:?} exceeds {capacity:?}");
         let mut first = 0;
         let mut groups = Vec::new();
         let mut group_of = vec![0; mechanism.bodies.len()];
-        for (index, group) in find_groups(mechanism)?.into_iter().enumerate() {
+        for (index, group) in found.into_iter().enumerate() {
             group.bodies.iter().for_each(|body| group_of[*body] = index);
             let placed = PlacedGroup::new::<K>(mechanism, group, first, poses);
             first += placed.size();

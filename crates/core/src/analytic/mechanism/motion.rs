@@ -2,7 +2,7 @@
 //! in plain numbers or in numbers with derivatives by these coordinates.
 
 use crate::mechanism::structure::Attachment;
-use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::mechanism::{Joint, JointKind, Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, scale, scale_by, sub};
 use crate::numeric::{Dual, Real, array_from};
@@ -60,6 +60,14 @@ pub(super) struct PointMotion<T, const K: usize> {
     pub jacobian: [[T; K]; 2],
     pub rate: Vector<T>,
     pub bias: Vector<T>,
+}
+
+impl<const K: usize> BodyMotion<f64, K> {
+    /// A body in a pose, with the rate of the pose.
+    pub fn at([x, y, angle]: Pose, rate: Pose) -> Self {
+        let (sin, cos) = sin_cos(angle);
+        Self { origin: [x, y], direction: [cos, sin], angle, rate, ..Self::ground() }
+    }
 }
 
 impl<T: Real, const K: usize> BodyMotion<T, K> {

@@ -2,8 +2,6 @@
 
 use super::actuator::effort;
 use super::model::{MechanismMode, MechanismModel, Surfaces};
-use super::motion::pair;
-use super::pairs::Frame;
 use crate::analytic::ContactState;
 use crate::analytic::finger::Geometry;
 use crate::analytic::mode::{StateRef, row_dot};
@@ -80,8 +78,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 let (coordinate, preload) = match spring.kind {
                     SpringKind::Torsional { joint, preload } => (motions.joints[joint].coordinate, preload),
                     SpringKind::Linear { bodies, points_m } => {
-                        let frames = pair(|side| Frame::new(motions.body(bodies[side])));
-                        (pairs::spring(points_m, &frames).length, 0.0)
+                        (pairs::spring(points_m, &Self::frames(motions, bodies)).length, 0.0)
                     }
                 };
                 let stretch = coordinate - spring.rest;
