@@ -9,8 +9,8 @@ use phalanx::integrator::{
     integrate_by,
 };
 use phalanx::mechanism::{
-    self, Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointKind, Mechanism, Outline, OutlineId,
-    OutlineShape, assemble,
+    self, Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
+    OutlineId, OutlineShape, assemble,
 };
 use phalanx::scene::Scene;
 use phalanx::shape::Shape;
@@ -253,6 +253,7 @@ fn five_bar(scene: &Scene) -> Mechanism {
         com_m: masses[index].com_m,
         pose: poses[index],
         rate: [0.0; 3],
+        motion: None,
         outlines,
     };
     let joint = |name: &str, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2], start: Option<f64>| Joint {
@@ -302,17 +303,21 @@ fn five_bar(scene: &Scene) -> Mechanism {
         joints,
         springs: vec![mechanism::Spring {
             name: "spring".to_string(),
-            kind: mechanism::SpringKind::Torsional { joint: 3, preload: -closing_sign * torque_n_m },
+            kind: mechanism::SpringKind::Torsional {
+                on: JointCombination::of_joint(3),
+                preload: -closing_sign * torque_n_m,
+            },
             stiffness: 0.0,
             damping: 0.0,
             rest: 0.0,
         }],
         actuators: vec![Actuator {
             name: "motor".to_string(),
-            joint: 0,
+            on: JointCombination::of_joint(0),
             command: Command::Effort(driven.motor.actuation.clone()),
             limit: None,
             no_load_speed: None,
+            brake: None,
         }],
         contacts: vec![contact(2, driven.contact.proximal), contact(3, driven.contact.distal)],
         ..Mechanism::default()
@@ -465,4 +470,30 @@ fn random_mechanisms_keep_their_energy_balance_or_name_their_singularity() {
         }
     }
     assert!(complete > 120 && singular > 0, "{complete} complete, {singular} singular");
+}
+
+/// The model names what it does not simulate.
+#[test]
+fn components_without_equations_are_refused_by_name() {
+    let of_both = JointCombination { terms: vec![(0, 0.5), (2, 0.5)], offset: 0.0 };
+    type Change<'a> = &'a dyn Fn(&mut Mechanism);
+    let changes: [(&str, Change<'_>); 5] = [
+        ("the actuator `motor` on several joints", &|m| m.actuators[0].on = of_both.clone()),
+        ("the spring `spring` on several joints", &|m| {
+            m.springs[0].kind = mechanism::SpringKind::Torsional { on: of_both.clone(), preload: 0.1 };
+        }),
+        ("the rotor `wheel`", &|m| {
+            m.rotors.push(mechanism::Rotor { name: "wheel".into(), on: of_both.clone(), inertia: 1e-6 });
+        }),
+        ("the body `l12`, which does not rotate,", &|m| m.bodies[1].inertia_kg_m2 = f64::INFINITY),
+        ("the force on each surface of the contact `ground.object/l22.face`", &|m| {
+            m.contacts[1].force_point = ForcePoint::Each;
+        }),
+    ];
+    for (expected, change) in changes {
+        let mut mechanism = five_bar(&experiment_95());
+        change(&mut mechanism);
+        let error = MechanismSize::new(&mechanism).expect_err(expected).to_string();
+        assert!(error.starts_with(expected) && error.contains("--model engine"), "{error}");
+    }
 }

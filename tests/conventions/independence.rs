@@ -61,7 +61,18 @@ struct CrateLayers {
 
 const MECHANICS: CrateLayers = CrateLayers {
     root: "crates/mechanics/src",
-    layers: &["numeric", "law", "shape", "drive", "mechanism", "gripper", "fivebar", "sizing", "statics"],
+    layers: &[
+        "numeric",
+        "law",
+        "shape",
+        "drive",
+        "palm_motion",
+        "mechanism",
+        "gripper",
+        "fivebar",
+        "sizing",
+        "statics",
+    ],
     dependencies: &[],
 };
 const SCENE: CrateLayers = CrateLayers {

@@ -1,6 +1,8 @@
 //! Assembly of mechanisms: start of the reference cases from rough guesses, and what cannot be assembled.
 
-use phalanx::mechanism::{AssemblyError, Body, Coupling, Joint, JointKind, Mechanism, Pose, assemble};
+use phalanx::mechanism::{
+    AssemblyError, Body, Coupling, Joint, JointCombination, JointKind, Mechanism, Pose, assemble,
+};
 
 use crate::support::mechanism_cases::all_cases;
 use crate::support::random::Random;
@@ -52,6 +54,7 @@ fn bar(name: &str, pose: Pose) -> Body {
         com_m: [0.0; 2],
         pose,
         rate: [0.0; 3],
+        motion: None,
         outlines: Vec::new(),
     }
 }
@@ -157,7 +160,10 @@ fn couplings_join_in() {
     let mut geared = Mechanism {
         bodies: vec![bar("a", [0.0; 3]), bar("b", [0.05, 0.0, 0.0])],
         joints: vec![pin("a", [None, Some(0)], [[0.0; 2]; 2]), pin("b", [None, Some(1)], [[0.05, 0.0], [0.0; 2]])],
-        couplings: vec![Coupling { name: "gears".to_owned(), terms: vec![(0, 2.0), (1, 1.0)], value: 0.1 }],
+        couplings: vec![Coupling {
+            name: "gears".to_owned(),
+            on: JointCombination { terms: vec![(0, 2.0), (1, 1.0)], offset: 0.1 },
+        }],
         ..Mechanism::default()
     };
     geared.joints[0].start = Some(0.3);
@@ -165,7 +171,10 @@ fn couplings_join_in() {
     let start = assemble(&geared).expect("two gears");
     assert!((start.poses[1][2] + 0.5).abs() < 1e-15 && (start.rates[1][2] + 8.0).abs() < 1e-14);
 
-    geared.couplings.push(Coupling { name: "belt".to_owned(), terms: vec![(0, -4.0), (1, -2.0)], value: -0.2 });
+    geared.couplings.push(Coupling {
+        name: "belt".to_owned(),
+        on: JointCombination { terms: vec![(0, -4.0), (1, -2.0)], offset: -0.2 },
+    });
     assert!(
         message(&geared)
             .starts_with("coupling `belt` is redundant, because in this posture it follows from coupling `gears`")

@@ -7,7 +7,8 @@ use crate::support::runs::{CollectSink, experiment_95};
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{Damping, NormalLaw};
 use phalanx::mechanism::{
-    Actuator, Body, Command, Coupling, ForcePoint, Joint, JointKind, Mechanism, OutlineShape, Spring, SpringKind,
+    Actuator, Body, Command, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlineShape, Spring,
+    SpringKind,
 };
 use phalanx::numeric::plane::wrap_angle;
 use phalanx::scene::{Construction, Response, Scene, Stepping};
@@ -123,9 +124,9 @@ fn variants_of_the_reference_cases_agree_in_both_models() {
         ("c_f85_two_disc", "force on the points", &|m| force_point(m, ForcePoint::Points)),
         ("c_f85_two_disc", "force in the middle", &|m| force_point(m, ForcePoint::Middle)),
         ("c_f85_two_disc", "coupled drivers, one motor", &|m| {
-            let drivers: Vec<_> = m.actuators.iter().map(|actuator| (actuator.joint, 1.0)).collect();
+            let drivers: Vec<_> = m.actuators.iter().map(|actuator| actuator.on.terms[0]).collect();
             m.joints[drivers[1].0].start = None;
-            m.couplings.push(Coupling { name: "gear".into(), terms: drivers, value: 0.0 });
+            m.couplings.push(Coupling { name: "gear".into(), on: JointCombination { terms: drivers, offset: 0.0 } });
             m.actuators.truncate(1);
         }),
         ("g_ball", "capsule with friction", &|m| {
@@ -198,6 +199,7 @@ fn body() -> Body {
         com_m: [0.0; 2],
         pose: [0.0; 3],
         rate: [0.0; 3],
+        motion: None,
         outlines: Vec::new(),
     }
 }
@@ -221,7 +223,7 @@ fn joint(kind: JointKind, body: usize, start: f64, start_rate: f64) -> Joint {
 }
 
 fn spring(joint: usize, stiffness: f64) -> Spring {
-    let kind = SpringKind::Torsional { joint, preload: 0.0 };
+    let kind = SpringKind::Torsional { on: JointCombination::of_joint(joint), preload: 0.0 };
     Spring { name: "spring".into(), kind, stiffness, damping: 0.0, rest: 0.0 }
 }
 
@@ -245,7 +247,10 @@ fn coupled_sliders_with_armature_oscillate_as_in_closed_form() {
     let mechanism = Mechanism {
         bodies: vec![body(), body()],
         joints: joints.to_vec(),
-        couplings: vec![Coupling { name: "gear".into(), terms: vec![(0, 1.0), (1, -2.0)], value: 0.0 }],
+        couplings: vec![Coupling {
+            name: "gear".into(),
+            on: JointCombination { terms: vec![(0, 1.0), (1, -2.0)], offset: 0.0 },
+        }],
         springs: vec![spring(0, 40.0)],
         ..Mechanism::default()
     };
@@ -284,10 +289,11 @@ fn stiff_velocity_servo_follows_its_target() {
         joints: vec![joint(JointKind::Revolute, 0, 0.0, 0.0)],
         actuators: vec![Actuator {
             name: "servo".into(),
-            joint: 0,
+            on: JointCombination::of_joint(0),
             command: Command::Servo { kp: 0.0, kd: 1e3, target },
             limit: None,
             no_load_speed: None,
+            brake: None,
         }],
         ..Mechanism::default()
     };

@@ -4,7 +4,9 @@ use std::f64::consts::FRAC_PI_4;
 
 use phalanx::drawing::{self, Drawing};
 use phalanx::law::NormalLaw;
-use phalanx::mechanism::{Command, ForcePoint, JointKind, Mechanism, OutlineShape, SpringKind, assemble};
+use phalanx::mechanism::{
+    Command, ForcePoint, JointCombination, JointKind, Mechanism, OutlineShape, SpringKind, assemble,
+};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Scene};
 use phalanx::trace::schema::JointState;
@@ -243,8 +245,8 @@ fn every_part_is_read_and_shown_again() {
     let ball = &of.bodies[1];
     assert_eq!((ball.pose, ball.rate), ([0.0, 0.021, 5f64.to_radians()], [0.1, 0.0, 2.0]));
     assert_eq!(of.ground_outlines[0].shape, OutlineShape::HalfPlane { point_m: [0.0; 2], normal: [0.0, 1.0] });
-    assert_eq!(of.couplings[0].terms, [(1, 1.0), (0, 1.0)]);
-    assert_eq!(of.springs[1].kind, SpringKind::Torsional { joint: 2, preload: 0.02 });
+    assert_eq!(of.couplings[0].on.terms, [(1, 1.0), (0, 1.0)]);
+    assert_eq!(of.springs[1].kind, SpringKind::Torsional { on: JointCombination::of_joint(2), preload: 0.02 });
     let Command::Servo { kp, kd, target } = &of.actuators[0].command else { panic!("a controller") };
     assert_eq!((*kp, *kd, target.at(0.03).0, of.actuators[0].limit), (2e4, 60.0, 0.025, Some(20.0)));
     assert_eq!(of.actuators[1].no_load_speed, Some(100.0));

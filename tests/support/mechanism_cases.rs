@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
 use phalanx::mechanism::{
-    Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointKind, Mechanism, Outline, OutlineId,
-    OutlineShape, Pose, Spring, SpringKind, Start,
+    Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
+    OutlineId, OutlineShape, Pose, Spring, SpringKind, Start,
 };
 use phalanx::scene::Scene;
 use serde_json::Value;
@@ -124,6 +124,7 @@ fn body(value: &Value) -> Body {
         com_m: numbers_or_zero(&value["com"]),
         pose: numbers(&value["start"]),
         rate: numbers_or_zero(&value["rate"]),
+        motion: None,
         outlines: list(&value["outline"]).map(outline).collect(),
     }
 }
@@ -167,13 +168,14 @@ fn joint(value: &Value, mechanism: &Mechanism) -> Joint {
 
 fn coupling(value: &Value, mechanism: &Mechanism) -> Coupling {
     let terms = object(&value["terms"]).map(|(joint, factor)| (joint_index(joint, mechanism), number(factor)));
-    Coupling { name: text(&value["name"]), terms: terms.collect(), value: or(&value["value"], 0.0) }
+    let on = JointCombination { terms: terms.collect(), offset: or(&value["value"], 0.0) };
+    Coupling { name: text(&value["name"]), on }
 }
 
 fn spring(value: &Value, mechanism: &Mechanism) -> Spring {
     let kind = match value["type"].as_str() {
         Some("torsional") => SpringKind::Torsional {
-            joint: joint_index(&text(&value["joint"]), mechanism),
+            on: JointCombination::of_joint(joint_index(&text(&value["joint"]), mechanism)),
             preload: or(&value["torque"], 0.0),
         },
         Some("linear") => SpringKind::Linear {
@@ -198,11 +200,12 @@ fn actuator(value: &Value, mechanism: &Mechanism) -> Actuator {
     };
     Actuator {
         name: text(&value["name"]),
-        joint: joint_index(&text(&value["joint"]), mechanism),
+        on: JointCombination::of_joint(joint_index(&text(&value["joint"]), mechanism)),
         command,
         // The reference program writes 1e300 for no limit.
         limit: value["limit"].as_f64().filter(|limit| *limit < 1e300),
         no_load_speed: value["no_load_speed"].as_f64(),
+        brake: None,
     }
 }
 

@@ -3,8 +3,8 @@
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
 use phalanx::mechanism::{
-    Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointKind, Mechanism, Outline, OutlineId, OutlineShape,
-    Spring, SpringKind,
+    Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
+    OutlineId, OutlineShape, Spring, SpringKind,
 };
 use std::f64::consts::PI;
 
@@ -71,6 +71,7 @@ fn add_body(mechanism: &mut Mechanism, random: &mut Random, is_free: bool) {
         com_m: [random.within(-0.02, 0.02), random.within(-0.02, 0.02)],
         pose: [random.within(-0.1, 0.1), random.within(-0.05, 0.15), random.within(-PI, PI)],
         rate: [(); 3].map(|()| velocity * random.within(-1.0, 1.0)),
+        motion: None,
         outlines: Vec::new(),
     });
 }
@@ -168,7 +169,7 @@ fn drive(mechanism: &mut Mechanism, random: &mut Random, index: usize) {
     if random.chance(0.4) {
         mechanism.springs.push(Spring {
             name: format!("spring{index}"),
-            kind: SpringKind::Torsional { joint: index, preload: random.within(-0.05, 0.05) },
+            kind: SpringKind::Torsional { on: JointCombination::of_joint(index), preload: random.within(-0.05, 0.05) },
             stiffness: random.log_within(1e-2, 1.0) / size,
             damping: random.log_within(1e-6, 1e-4),
             rest: start + size * random.within(-0.5, 0.5),
@@ -187,10 +188,11 @@ fn drive(mechanism: &mut Mechanism, random: &mut Random, index: usize) {
         };
         mechanism.actuators.push(Actuator {
             name: format!("motor{index}"),
-            joint: index,
+            on: JointCombination::of_joint(index),
             command,
             limit: random.chance(0.5).then(|| random.log_within(0.01, 0.1) / size),
             no_load_speed: random.chance(0.3).then(|| size * random.log_within(20.0, 200.0)),
+            brake: None,
         });
     }
 }

@@ -19,5 +19,5 @@ pub mod trace;
 
 pub use phalanx_integrator as integrator;
 pub use phalanx_scene::{
-    drive, fivebar, gripper, law, limits, mechanism, numeric, scene, shape, sizing, statics, units,
+    drive, fivebar, gripper, law, limits, mechanism, numeric, palm_motion, scene, shape, sizing, statics, units,
 };

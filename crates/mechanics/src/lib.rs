@@ -1,7 +1,7 @@
 //! The mechanics shared by both models of phalanx, without time integration: kinematics and dynamics of the five-bar,
 //! contact laws, sizing, statics.
 //!
-//! Modules depend on each other in one direction only: `numeric ← law, shape ← drive, mechanism, gripper ← fivebar ← sizing, statics`.
+//! Modules depend on each other in one direction only: `numeric ← law, shape ← drive, palm_motion ← mechanism, gripper ← fivebar ← sizing, statics`.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare results with other libraries"))]
 
@@ -11,6 +11,7 @@ pub mod gripper;
 pub mod law;
 pub mod mechanism;
 pub mod numeric;
+pub mod palm_motion;
 pub mod shape;
 pub mod sizing;
 pub mod statics;

@@ -9,4 +9,4 @@ pub mod limits;
 pub mod scene;
 pub mod units;
 
-pub use phalanx_mechanics::{drive, fivebar, gripper, law, mechanism, numeric, shape, sizing, statics};
+pub use phalanx_mechanics::{drive, fivebar, gripper, law, mechanism, numeric, palm_motion, shape, sizing, statics};

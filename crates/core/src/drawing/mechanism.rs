@@ -34,7 +34,8 @@ pub(super) fn drawing(mechanism: &Mechanism) -> Drawing {
     };
     let efforts = mechanism.actuators.iter().map(|actuator| {
         let limit = actuator.limit.unwrap_or(f64::INFINITY);
-        effort(&actuator.command).min(limit) / if is_linear(mechanism, actuator.joint) { 1.0 } else { 0.5 * view_m }
+        effort(&actuator.command).min(limit)
+            / if is_linear(mechanism, actuator.on.terms[0].0) { 1.0 } else { 0.5 * view_m }
     });
     let weights = mechanism.bodies.iter().map(|body| {
         let [x, y] = mechanism.gravity_m_s2;
@@ -132,10 +133,9 @@ fn parts(mechanism: &Mechanism) -> Vec<Part> {
             shapes.extend(bars.map(|ends| bar(ends[0], ends[1], 0.5 * PIN_PART * size_m)));
         }
         shapes.extend(points.iter().map(|point| circle(*point, PIN_PART * size_m)));
-        let is_driven = mechanism
-            .actuators
-            .iter()
-            .any(|actuator| body.is_some() && mechanism.joints[actuator.joint].bodies[1] == body);
+        let is_driven = mechanism.actuators.iter().any(|actuator| {
+            body.is_some() && actuator.on.terms.iter().any(|(joint, _)| mechanism.joints[*joint].bodies[1] == body)
+        });
         let role = match body {
             None => BodyRole::Palm,
             Some(_) if points.is_empty() => BodyRole::Object,

@@ -238,7 +238,7 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
 
 /// Models a brake as a contact: friction with coefficient 1 under a force set by [`set_shaft_torques`].
 fn brake_candidate(plan: &Plan, index: usize, poses: &[BodyPose]) -> ContactCandidate {
-    let PlannedBrake { shaft, brake } = plan.brakes[index];
+    let PlannedBrake { shaft, brake, .. } = plan.brakes[index];
     let width = brake.v_static_rad_s;
     ContactCandidate {
         friction: Some(FrictionLaw {

@@ -2,12 +2,15 @@
 
 use super::coordinate::{BodyPose, Coordinate, Measure, Twist};
 use super::plan::{
-    Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedContact, PlannedGear, PlannedJoint,
-    PlannedMotor, PlannedServo, PlannedSpring, PlannedStop, PlannedSurface, ServoLaw, Shape, SurfaceId,
+    Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact, PlannedDrive,
+    PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop, PlannedSurface,
+    ServoLaw, Shape, SurfaceId,
 };
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
-use crate::mechanism::{Actuator, Command, ForcePoint, Mechanism, OutlineShape, PointContact, SpringKind, Start};
+use crate::mechanism::{
+    Actuator, Command, ForcePoint, JointCombination, Mechanism, OutlineShape, PointContact, SpringKind, Start,
+};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{add, perp, scale, sub};
 use crate::shape;
@@ -16,16 +19,29 @@ use crate::shape;
 ///
 /// Bodies and joints have the indices of the mechanism; bodies for the inertias of joints follow. Contact channels are
 /// those of [`Mechanism::point_contacts`], then of [`Mechanism::limits`].
-pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Plan {
+///
+/// # Errors
+/// Returns an error that names a component that acts on a combination of joints of more than two bodies, or of sliders.
+pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan, String> {
     let states = start.poses.iter().zip(&start.rates);
-    let bodies = mechanism.bodies.iter().zip(states).map(|(body, (pose, rate))| PlannedBody {
-        body: Body { mass_kg: body.mass_kg, com_m: body.com_m, inertia_kg_m2: body.inertia_kg_m2 },
-        origin_m: [pose[0], pose[1]],
-        angle_rad: pose[2],
-        velocity_m_s: [rate[0], rate[1]],
-        rate_rad_s: rate[2],
-        gyration_m: (body.inertia_kg_m2 / body.mass_kg).sqrt(),
-        surfaces: Vec::new(),
+    let bodies = mechanism.bodies.iter().zip(states).map(|(body, (pose, rate))| {
+        // In the plan, a drive moves a body without mass, and a body without inertia does not rotate.
+        let moves_by_forces = body.motion.is_none();
+        let inertia_kg_m2 = if moves_by_forces && body.inertia_kg_m2.is_finite() { body.inertia_kg_m2 } else { 0.0 };
+        let mass_kg = if moves_by_forces { body.mass_kg } else { 0.0 };
+        PlannedBody {
+            body: Body { mass_kg, com_m: body.com_m, inertia_kg_m2 },
+            origin_m: [pose[0], pose[1]],
+            angle_rad: pose[2],
+            velocity_m_s: [rate[0], rate[1]],
+            rate_rad_s: rate[2],
+            gyration_m: if inertia_kg_m2 > 0.0 { (inertia_kg_m2 / mass_kg).sqrt() } else { 0.0 },
+            surfaces: Vec::new(),
+        }
+    });
+    let drives = mechanism.bodies.iter().enumerate().filter_map(|(body, of)| {
+        let motion = of.motion.clone()?;
+        Some(PlannedDrive { body, motion })
     });
     let joints = mechanism.joints.iter().map(|joint| PlannedJoint {
         kind: joint.kind,
@@ -38,12 +54,16 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Plan {
         gravity_m_s2: mechanism.gravity_m_s2,
         bodies: bodies.collect(),
         joints: joints.collect(),
+        drives: drives.collect(),
         ..Plan::default()
     };
     let coordinates: Vec<Coordinate> = plan.joints.iter().map(|joint| plan.joint_coordinate(joint)).collect();
     add_couplings(&mut plan, mechanism, &coordinates);
-    add_springs_and_dampers(&mut plan, mechanism, &coordinates);
-    mechanism.actuators.iter().for_each(|actuator| add_actuator(&mut plan, actuator, coordinates[actuator.joint]));
+    add_springs_and_dampers(&mut plan, mechanism, &coordinates)?;
+    for actuator in &mechanism.actuators {
+        let shaft = combined(&actuator.on, &coordinates, &actuator.name)?;
+        add_actuator(&mut plan, actuator, shaft);
+    }
     let points = mechanism.point_contacts();
     for (channel, contact) in points.iter().enumerate() {
         add_contact(&mut plan, mechanism, contact, channel);
@@ -53,13 +73,47 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Plan {
         plan.stops.push(PlannedStop { gap: if limit.side > 0.0 { beyond.negated() } else { beyond }, law: limit.law });
         plan.stop_channels.push(points.len() + plan.stop_channels.len());
     }
-    plan
+    Ok(plan)
 }
 
-/// Adds a gear for each coupling, and for the inertia of each joint a body that turns with its coordinate.
+/// Returns a combination of joint coordinates: that of one joint, or an angle of up to two bodies.
+fn combined(on: &JointCombination, coordinates: &[Coordinate], name: &str) -> Result<Coordinate, String> {
+    if let [(joint, 1.0)] = on.terms[..] {
+        return Ok(coordinates[joint].less(on.offset));
+    }
+    let unsupported = || {
+        format!(
+            "`{name}` acts on several joints; in the engine model these must be revolute joints, and their combination \
+             must depend on one or two bodies: choose other joints or factors"
+        )
+    };
+    let (mut ratios, mut offset): (Vec<(usize, f64)>, f64) = (Vec::new(), on.offset);
+    for (joint, factor) in &on.terms {
+        let Coordinate { measure: Measure::Angle { on, against }, offset: of_joint } = coordinates[*joint] else {
+            return Err(unsupported());
+        };
+        offset += factor * of_joint;
+        for (body, ratio) in std::iter::once(on).chain(against) {
+            match ratios.iter_mut().find(|(other, _)| *other == body) {
+                Some((_, sum)) => *sum += factor * ratio,
+                None => ratios.push((body, factor * ratio)),
+            }
+        }
+    }
+    ratios.retain(|(_, ratio)| *ratio != 0.0);
+    let (on, against) = match ratios[..] {
+        [on] => (on, None),
+        [on, against] => (on, Some(against)),
+        _ => return Err(unsupported()),
+    };
+    Ok(Coordinate { measure: Measure::Angle { on, against }, offset })
+}
+
+/// Adds a gear for each coupling, and a wheel for each inertia of a joint or combination of joints, which turns with its
+/// coordinate, and with a moving palm.
 fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordinate]) {
     for coupling in &mechanism.couplings {
-        let terms = coupling.terms.iter().map(|(joint, factor)| (coordinates[*joint], [*factor, 0.0]));
+        let terms = coupling.on.terms.iter().map(|(joint, factor)| (coordinates[*joint], [*factor, 0.0]));
         plan.gears.push(PlannedGear { terms: terms.collect() });
     }
     let poses: Vec<BodyPose> = plan.bodies.iter().map(PlannedBody::pose).collect();
@@ -69,29 +123,37 @@ fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordina
         [x, y, body.rate_rad_s]
     };
     let velocities: Vec<Twist> = plan.bodies.iter().zip(&poses).map(velocity).collect();
-    for (joint, coordinate) in mechanism.joints.iter().zip(coordinates) {
-        if joint.armature > 0.0 {
-            let rotor = plan.bodies.len();
-            let rate_rad_s = coordinate.row(&poses).rate(&velocities);
-            plan.bodies.push(PlannedBody { rate_rad_s, ..PlannedBody::at_origin(joint.armature) });
-            let terms = vec![(Coordinate::angle_of(rotor), [1.0, 0.0]), (*coordinate, [-1.0, 0.0])];
-            plan.gears.push(PlannedGear { terms });
-        }
+    let palm = plan.palm().map(|(body, _)| body);
+    let mut add_wheel = |terms: &[(usize, f64)], inertia: f64| {
+        let wheel = plan.bodies.len();
+        let rate = |(joint, factor): &(usize, f64)| factor * coordinates[*joint].row(&poses).rate(&velocities);
+        let rate_rad_s = terms.iter().map(rate).sum();
+        plan.bodies.push(PlannedBody { rate_rad_s, ..PlannedBody::at_origin(inertia) });
+        let with_palm = palm.map(|palm| (Coordinate::angle_of(palm), [-1.0, 0.0]));
+        let joints = terms.iter().map(|(joint, factor)| (coordinates[*joint], [-factor, 0.0]));
+        let terms = [(Coordinate::angle_of(wheel), [1.0, 0.0])].into_iter().chain(joints).chain(with_palm);
+        plan.gears.push(PlannedGear { terms: terms.collect() });
+        plan.rotors.push(PlannedRotor { body: wheel, inertia_kg_m2: inertia });
+    };
+    for (index, joint) in mechanism.joints.iter().enumerate().filter(|(_, joint)| joint.armature > 0.0) {
+        add_wheel(&[(index, 1.0)], joint.armature);
     }
+    mechanism.rotors.iter().for_each(|rotor| add_wheel(&rotor.on.terms, rotor.inertia));
 }
 
-fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordinate]) {
+fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordinate]) -> Result<(), String> {
     for (joint, coordinate) in mechanism.joints.iter().zip(coordinates) {
         add_damper(plan, *coordinate, joint.damping);
     }
     for spring in &mechanism.springs {
-        let extension = match spring.kind {
-            SpringKind::Torsional { joint, preload } => {
-                if preload != 0.0 {
+        let extension = match &spring.kind {
+            SpringKind::Torsional { on, preload } => {
+                let coordinate = combined(on, coordinates, &spring.name)?;
+                if *preload != 0.0 {
                     let kind = gripper::SpringKind::Constant { torque_n_m: -preload };
-                    plan.springs.push(PlannedSpring { extension: coordinates[joint], kind });
+                    plan.springs.push(PlannedSpring { extension: coordinate, kind });
                 }
-                coordinates[joint].less(spring.rest)
+                coordinate.less(spring.rest)
             }
             SpringKind::Linear { bodies, points_m } => {
                 let points = [0, 1].map(|k: usize| plan.body_point(bodies[k], points_m[k]));
@@ -104,6 +166,7 @@ fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: 
         }
         add_damper(plan, extension, spring.damping);
     }
+    Ok(())
 }
 
 fn add_damper(plan: &mut Plan, coordinate: Coordinate, damping: f64) {
@@ -116,6 +179,9 @@ fn add_damper(plan: &mut Plan, coordinate: Coordinate, damping: f64) {
 
 fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
     let limit = actuator.limit.unwrap_or(f64::INFINITY);
+    let actuator_index = plan.actuators.len();
+    let brake = |brake| PlannedBrake { shaft: coordinate, brake, actuator: actuator_index };
+    plan.brakes.extend(actuator.brake.map(brake));
     match &actuator.command {
         Command::Effort(profile) => {
             plan.actuators.push(PlannedActuator::Motor(plan.motors.len()));
@@ -160,6 +226,7 @@ fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, c
         ForcePoint::Points => of_point,
         ForcePoint::Face => of_face,
         ForcePoint::Middle => ContactPointConvention::Middle,
+        ForcePoint::Each => ContactPointConvention::EachSurface,
     };
     if let SurfaceId { body: Some(body), index: surface } = own {
         plan.contacts.push(PlannedContact { body, surface, against, point_convention, law: pair.law });

@@ -27,7 +27,7 @@ pub use motion::{JointReactions, Motion, RapierContact, StepError};
 pub use plan::{
     Capsule, ContactPointConvention, L21, L22, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact,
     PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
-    PlannedSurface, PrescribedMotion, ServoLaw, Shape, SurfaceId, build_plan,
+    PlannedSurface, ServoLaw, Shape, SurfaceId, build_plan,
 };
 pub(crate) use plan::{L11, L12, LINKS, driven_link_brake_torque, first_link};
 pub use stepper::next_step;

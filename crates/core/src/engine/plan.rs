@@ -6,7 +6,7 @@
 use super::coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Twist};
 use crate::gripper::{Body, Lengths, Posture, Spring, close_loop, straight_posture};
 use crate::law::{ContactLaw, NormalForce, NormalLaw};
-use crate::mechanism::JointKind;
+use crate::mechanism::{JointKind, PrescribedMotion};
 use crate::numeric::elementary::{cos, sin, sin_cos};
 use crate::numeric::plane::{add, opening_angle, rotate, sub};
 use crate::scene::{
@@ -179,20 +179,13 @@ pub struct PlannedDrive {
     pub motion: PrescribedMotion,
 }
 
-/// Prescribed motion of a driven body from its initial state.
-#[derive(Clone, Debug)]
-pub enum PrescribedMotion {
-    /// x(t) = origin + velocity t + ½ acceleration t², angle = spin t.
-    ConstantAcceleration { acceleration_m_s2: [f64; 2] },
-    /// Motion of a palm, whose frame is the base of other components.
-    Palm(PalmMotion),
-}
-
 /// A brake on a shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedBrake {
     pub shaft: Coordinate,
     pub brake: Brake,
+    /// Index of its actuator in the mechanism.
+    pub actuator: usize,
 }
 
 /// Inertia of a rotor on a body, driven by the rate of the body relative to the palm, not by the palm's own rotation.
@@ -491,7 +484,7 @@ fn add_motor(plan: &mut Plan, side: Side, finger: &DrivenFinger, palm: Option<us
     let against = palm.map(|palm| (palm, -mirror));
     let shaft = Coordinate { measure: Measure::Angle { on: (driven, mirror), against }, offset: 0.0 };
     plan.motors.push(plan_motor(motor, shaft));
-    plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { shaft, brake }));
+    plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { shaft, brake, actuator: 0 }));
 }
 
 fn add_disc(plan: &mut Plan, disc: &Disc) {
@@ -712,7 +705,7 @@ fn add_differential(plan: &mut Plan, differential: &Differential) {
     let measure = Measure::Angle { on: (right, 0.5), against: Some((left, -0.5)) };
     let shaft = Coordinate { measure, offset: 0.0 };
     plan.motors.push(plan_motor(motor, shaft));
-    plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { shaft, brake }));
+    plan.brakes.extend(motor.brake.map(|brake| PlannedBrake { shaft, brake, actuator: 0 }));
     let inertias = [motor.inertia_kg_m2, *seesaw_inertia_kg_m2];
     if inertias == [0.0; 2] {
         return;

@@ -65,7 +65,8 @@ fn run_mechanism(scene: &Scene, mechanism: &Mechanism, sink: &mut dyn Sink) -> R
         ));
     }
     let start = assemble(mechanism).map_err(|error| rejected(error.to_string()))?;
-    run_plan(&build_mechanism_plan(mechanism, &start), scene, sink, Outcome::default)
+    let plan = build_mechanism_plan(mechanism, &start).map_err(rejected)?;
+    run_plan(&plan, scene, sink, Outcome::default)
 }
 
 fn run_plan(

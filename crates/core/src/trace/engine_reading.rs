@@ -30,7 +30,9 @@ fn read_mechanism(mechanism: &Mechanism, motion: &Motion, sample: &mut Sample) {
         sample.set_joint(index, &JointState { angle_rad, rate_rad_s, ..sample.joint_state(index) });
     }
     for (index, actuator) in plan.actuators.iter().enumerate() {
-        sample.set_actuator(index, plan.effort(*actuator, motion.clock.now(), state));
+        let brakes = plan.brakes.iter().enumerate().filter(|(_, brake)| brake.actuator == index);
+        let brake_torque: f64 = brakes.map(|(brake, _)| motion.brake_torque(brake)).sum();
+        sample.set_actuator(index, plan.effort(*actuator, motion.clock.now(), state) + brake_torque);
     }
     for (index, (body, (pose, v))) in mechanism.bodies.iter().zip(state.0.iter().zip(state.1)).enumerate() {
         // A body is reported by its frame.

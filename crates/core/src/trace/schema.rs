@@ -463,7 +463,7 @@ impl Schema {
             actuators: mechanism
                 .actuators
                 .iter()
-                .map(|actuator| joint_name(&actuator.name, &mechanism.joints[actuator.joint]))
+                .map(|actuator| joint_name(&actuator.name, &mechanism.joints[actuator.on.terms[0].0]))
                 .collect(),
             bodies: mechanism.bodies.iter().map(|body| body.name.clone()).collect(),
             contacts: surfaces.chain(limit_names).collect(),

@@ -83,6 +83,8 @@ fn follows(from: &[String]) -> String {
     if from.is_empty() { "it restricts nothing".to_owned() } else { format!("it follows from {}", from.join(", ")) }
 }
 
+/// Rounding error of scaled residuals.
+const ROUNDING: f64 = 1e-14;
 /// Largest scaled residual of an assembled mechanism.
 const CLOSED: f64 = 1e-11;
 /// A row is dependent if orthogonalisation leaves less than this part of it.
@@ -96,8 +98,12 @@ pub fn assemble(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
     let solver = Solver::new(mechanism);
     let guess: Vec<Pose> = mechanism.bodies.iter().map(|body| body.pose).collect();
     let mut poses = guess.clone();
-    solver.close(&mut poses, &|_| 1.0);
-    let rows = solver.rows(&poses);
+    let mut rows = solver.rows(&poses);
+    // Guesses that fit up to rounding stay as they are.
+    if largest(&rows) > ROUNDING {
+        solver.close(&mut poses, &|_| 1.0);
+        rows = solver.rows(&poses);
+    }
     if largest(&rows) > CLOSED {
         return Err(solver.misfit(guess, &poses));
     }
@@ -106,11 +112,12 @@ pub fn assemble(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
         Err(dependent) => return Err(solver.redundant(&rows, dependent, &poses)),
     };
     let mut rates: Vec<Pose> = mechanism.bodies.iter().map(|body| body.rate).collect();
+    let with_prescribed = Solver { moves_prescribed: true, ..solver }.rows(&poses);
     // The second pass removes the rounding errors of the first.
     for _ in 0..2 {
         let scaled = solver.scaled(&rates);
         let missing = |row: &Row| solver.given_rate(row.condition) - inner(&row.gradient, &scaled);
-        solver.add(&mut rates, &basis.least_norm(&rows.iter().map(missing).collect::<Vec<_>>()));
+        solver.add(&mut rates, &basis.least_norm(&with_prescribed.iter().map(missing).collect::<Vec<_>>()));
     }
     Ok(Start { poses, rates })
 }
@@ -126,13 +133,15 @@ struct Solver<'a> {
     mechanism: &'a Mechanism,
     /// Length that counts as much as one radian.
     scale_m: f64,
+    /// Whether gradients include the poses of bodies with prescribed motion, which the assembly does not change.
+    moves_prescribed: bool,
 }
 
 impl<'a> Solver<'a> {
     fn new(mechanism: &'a Mechanism) -> Self {
         let points = mechanism.joints.iter().flat_map(|joint| joint.points_m);
         let reach = points.chain(mechanism.bodies.iter().map(|body| body.com_m)).map(|p| dot(p, p)).fold(0.0, f64::max);
-        Self { mechanism, scale_m: if reach > 0.0 { reach.sqrt() } else { 1.0 } }
+        Self { mechanism, scale_m: if reach > 0.0 { reach.sqrt() } else { 1.0 }, moves_prescribed: false }
     }
 
     /// All equations in order: joints, couplings, start coordinates.
@@ -149,14 +158,14 @@ impl<'a> Solver<'a> {
         }
         for (index, coupling) in self.mechanism.couplings.iter().enumerate() {
             let unit = |(joint, factor): &(usize, f64)| factor.abs() * self.coordinate_scale(&joints[*joint]).recip();
-            let scale = coupling.terms.iter().map(unit).fold(0.0, f64::max).recip();
+            let scale = coupling.on.terms.iter().map(unit).fold(0.0, f64::max).recip();
             let scale = if scale.is_finite() { scale } else { 1.0 };
             let mut row = Row {
                 condition: Condition::Coupling(index),
-                residual: -coupling.value * scale,
+                residual: -coupling.on.offset * scale,
                 gradient: vec![0.0; 3 * poses.len()],
             };
-            for (joint, factor) in &coupling.terms {
+            for (joint, factor) in &coupling.on.terms {
                 let (q, terms) = coordinate(&joints[*joint], poses);
                 row.residual += factor * scale * q;
                 let gradient = self.gradient(&joints[*joint], terms, factor * scale, poses.len());
@@ -188,7 +197,8 @@ impl<'a> Solver<'a> {
             Terms::Point(by_pose) => by_pose,
         };
         for (body, [x, y, angle]) in joint.bodies.into_iter().zip(by_pose) {
-            let Some(body) = body else { continue };
+            let moves = |body: &usize| self.moves_prescribed || self.mechanism.bodies[*body].motion.is_none();
+            let Some(body) = body.filter(moves) else { continue };
             for (sum, part) in gradient[3 * body..].iter_mut().zip([x * self.scale_m, y * self.scale_m, angle]) {
                 *sum += scale * part;
             }
@@ -340,9 +350,10 @@ impl<'a> Solver<'a> {
             Condition::Coupling(coupling) => {
                 let coupling = &self.mechanism.couplings[coupling];
                 let joints = &self.mechanism.joints;
-                let sum: f64 = coupling.terms.iter().map(|(joint, c)| c * coordinate(&joints[*joint], poses).0).sum();
-                let first = coupling.terms.first().map_or(JointKind::Revolute, |(joint, _)| joints[*joint].kind);
-                measure(first, (sum - coupling.value).abs())
+                let sum: f64 =
+                    coupling.on.terms.iter().map(|(joint, c)| c * coordinate(&joints[*joint], poses).0).sum();
+                let first = coupling.on.terms.first().map_or(JointKind::Revolute, |(joint, _)| joints[*joint].kind);
+                measure(first, (sum - coupling.on.offset).abs())
             }
         }
     }

@@ -12,10 +12,11 @@ pub mod structure;
 
 mod assembly;
 
-use crate::drive::Profile;
+use crate::drive::{Brake, Profile};
 use crate::law::{ContactLaw, NormalLaw};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::Vector;
+use crate::palm_motion::PalmMotion;
 
 pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
 
@@ -33,6 +34,7 @@ pub struct Mechanism {
     pub couplings: Vec<Coupling>,
     pub springs: Vec<Spring>,
     pub actuators: Vec<Actuator>,
+    pub rotors: Vec<Rotor>,
     pub contacts: Vec<ContactPair>,
 }
 
@@ -41,7 +43,7 @@ pub struct Mechanism {
 pub struct Body {
     pub name: String,
     pub mass_kg: f64,
-    /// Moment of inertia about the centre of mass.
+    /// Moment of inertia about the centre of mass; infinite for a body that does not rotate.
     pub inertia_kg_m2: f64,
     /// Centre of mass in the frame of the body.
     pub com_m: [f64; 2],
@@ -49,7 +51,18 @@ pub struct Body {
     pub pose: Pose,
     /// Rate of the pose at the start; ignored for a body whose rates follow from its joints.
     pub rate: Pose,
+    /// Motion that no force affects; mass and inertia have no effect. `None` for a body that moves by forces.
+    pub motion: Option<PrescribedMotion>,
     pub outlines: Vec<Outline>,
+}
+
+/// Prescribed motion of the frame of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PrescribedMotion {
+    /// From the pose and rate of the body: x(t) = x + velocity t + ½ acceleration t², angle = angle + spin t.
+    ConstantAcceleration { acceleration_m_s2: [f64; 2] },
+    /// Motion of a palm, from rest at the origin. Samples of the other bodies are relative to the palm.
+    Palm(PalmMotion),
 }
 
 /// A named outline in the frame of its body.
@@ -111,12 +124,28 @@ pub enum JointKind {
     },
 }
 
-/// Σ cᵢ qᵢ = value over joints i: gears, synchronised jaws, a differential.
+/// A coordinate q = Σ cᵢ qᵢ − offset over joints i with factors cᵢ: that of one joint, or the mean of two joints at the
+/// input of a differential.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct JointCombination {
+    pub terms: Vec<(usize, f64)>,
+    pub offset: f64,
+}
+
+/// A combination of joint coordinates that stays zero: gears, synchronised jaws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coupling {
     pub name: String,
-    pub terms: Vec<(usize, f64)>,
-    pub value: f64,
+    pub on: JointCombination,
+}
+
+/// Kinetic energy ½ inertia q̇² of a combination of joint coordinates; [`Joint::armature`] is that of one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rotor {
+    pub name: String,
+    pub on: JointCombination,
+    /// kg·m² or kg.
+    pub inertia: f64,
 }
 
 /// A spring with a linear damper.
@@ -132,24 +161,25 @@ pub struct Spring {
     pub rest: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpringKind {
-    /// Q = −k (q − rest) − c q̇ + preload on a joint.
-    Torsional { joint: usize, preload: f64 },
+    /// Q = −k (q − rest) − c q̇ + preload, with the energy ½ k (q − rest)² − preload q.
+    Torsional { on: JointCombination, preload: f64 },
     /// Tension k (ℓ − rest) + c ℓ̇ between a point of each body.
     Linear { bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2] },
 }
 
-/// A motor on a joint: a command, then a limit, then the fall of the torque with the speed.
+/// A motor: a command, then a limit, then the fall of the torque with the speed; and a brake.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
     pub name: String,
-    pub joint: usize,
+    pub on: JointCombination,
     pub command: Command,
     /// |Q| is at most this, N·m or N.
     pub limit: Option<f64>,
     /// Rate at which the torque has fallen to zero: Q = u − |u| q̇/ω₀.
     pub no_load_speed: Option<f64>,
+    pub brake: Option<Brake>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -186,6 +216,8 @@ pub enum ForcePoint {
     Points,
     /// In the middle of the overlap.
     Middle,
+    /// For each body on its own surface, as in the thesis: both forces then have a moment of friction times overlap.
+    Each,
 }
 
 /// A point of an outline against a face: one contact.
@@ -211,11 +243,32 @@ pub struct Limit {
     pub law: NormalLaw,
 }
 
-impl SpringKind {
-    /// The joint of a torsional spring.
+impl JointCombination {
+    /// The coordinate of a joint.
+    pub fn of_joint(joint: usize) -> Self {
+        Self { terms: vec![(joint, 1.0)], offset: 0.0 }
+    }
+
+    /// The joint, if the combination is its coordinate.
+    #[inline]
     pub fn joint(&self) -> Option<usize> {
-        match self {
-            SpringKind::Torsional { joint, .. } => Some(*joint),
+        match self.terms[..] {
+            [(joint, 1.0)] if self.offset == 0.0 => Some(joint),
+            _ => None,
+        }
+    }
+
+    /// Factor of a joint; 0 for a joint that is not among the terms.
+    pub fn factor(&self, joint: usize) -> f64 {
+        self.terms.iter().filter(|(other, _)| *other == joint).map(|(_, factor)| factor).sum()
+    }
+}
+
+impl Spring {
+    /// Combination of a torsional spring.
+    pub fn on(&self) -> Option<&JointCombination> {
+        match &self.kind {
+            SpringKind::Torsional { on, .. } => Some(on),
             SpringKind::Linear { .. } => None,
         }
     }

@@ -69,6 +69,8 @@ pub enum StructureError {
     Coupling { name: String },
     #[error("no joint of the mechanism can move: remove a joint, so that at least one coordinate is free")]
     NoCoordinate,
+    #[error("{what} is not in the analytic model: remove it, or simulate with `--model engine`")]
+    Unsupported { what: String },
 }
 
 /// Returns the groups of a mechanism, in the order of their first bodies.
@@ -102,7 +104,9 @@ fn connected_bodies(mechanism: &Mechanism) -> Vec<usize> {
     };
     mechanism.joints.iter().for_each(|joint| merge(&mut joint.bodies.into_iter().flatten()));
     for coupling in &mechanism.couplings {
-        merge(&mut coupling.terms.iter().flat_map(|(joint, _)| mechanism.joints[*joint].bodies.into_iter().flatten()));
+        merge(
+            &mut coupling.on.terms.iter().flat_map(|(joint, _)| mechanism.joints[*joint].bodies.into_iter().flatten()),
+        );
     }
     group_of
 }
@@ -131,7 +135,7 @@ impl<'a> Search<'a> {
             bodies: (0..mechanism.bodies.len()).filter(|body| is_member(*body)).collect(),
             joints: (0..mechanism.joints.len()).filter(|joint| has_member(*joint)).collect(),
             couplings: (0..mechanism.couplings.len())
-                .filter(|coupling| mechanism.couplings[*coupling].terms.iter().any(|(joint, _)| has_member(*joint)))
+                .filter(|coupling| mechanism.couplings[*coupling].on.terms.iter().any(|(joint, _)| has_member(*joint)))
                 .collect(),
         }
     }
@@ -165,7 +169,7 @@ impl<'a> Search<'a> {
                 && self.mechanism.joints[*joint].bodies.into_iter().all(|body| partial.is_placed(body))
         };
         let is_unused = |coupling: &usize| {
-            let terms = &self.mechanism.couplings[*coupling].terms;
+            let terms = &self.mechanism.couplings[*coupling].on.terms;
             !partial.couplings.contains(coupling) && terms.iter().all(|(joint, _)| partial.joints.contains(joint))
         };
         if self.joints.iter().any(is_closed_twice) || self.couplings.iter().any(is_unused) {
@@ -196,10 +200,10 @@ impl<'a> Search<'a> {
     fn rank(&self, joint: usize) -> usize {
         let Mechanism { joints, actuators, springs, .. } = self.mechanism;
         let of = &joints[joint];
-        let has_spring = springs.iter().any(|spring| spring.kind.joint() == Some(joint));
+        let has_spring = springs.iter().any(|spring| spring.on().is_some_and(|on| on.factor(joint) != 0.0));
         match () {
             () if of.start.is_some() => 0,
-            () if actuators.iter().any(|actuator| actuator.joint == joint) => 1,
+            () if actuators.iter().any(|actuator| actuator.on.factor(joint) != 0.0) => 1,
             () if has_spring || of.limit.is_some() => 2,
             () => 3,
         }
@@ -221,7 +225,7 @@ impl<'a> Search<'a> {
     /// Returns a placement that needs no further coordinate.
     fn determined(&self, partial: &Partial) -> Option<Placement> {
         let coupled = self.couplings.iter().find_map(|coupling| {
-            let terms = &self.mechanism.couplings[*coupling].terms;
+            let terms = &self.mechanism.couplings[*coupling].on.terms;
             let mut unknown = terms.iter().map(|(joint, _)| *joint).filter(|joint| !partial.joints.contains(joint));
             let (joint, None) = (unknown.next()?, unknown.next()) else { return None };
             let at = self.attachment(partial, joint)?;

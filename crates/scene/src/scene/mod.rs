@@ -15,14 +15,12 @@
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
 //! | `system` | [`System`], the description of the simulated system that both models read, and its possible contacts |
-//! | `palm_motion` | motion of a gripper's palm |
 
 pub mod check;
 mod compose;
 pub mod error;
 pub mod keys;
 pub mod keywords;
-mod palm_motion;
 pub mod parse;
 pub mod precedence;
 pub mod quantity;
@@ -37,11 +35,11 @@ pub mod toml_value;
 pub mod value;
 
 pub use crate::drive::{Brake, Interpolation, Profile};
+pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
 pub use keys::closest_match;
 use keywords::SceneKind;
-pub use palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use parse::{parse, parse_any, parse_template};
 pub use quantity::Keyword;
 pub use schema::schema;

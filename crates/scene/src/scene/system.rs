@@ -2,10 +2,10 @@
 //! possible contacts.
 
 use super::keywords::SceneKind;
-use super::palm_motion::PalmMotion;
 use crate::drive::{Brake, Profile};
 use crate::gripper::{Finger, FingerContact, Spring};
 use crate::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
+use crate::palm_motion::PalmMotion;
 use crate::shape::{PlacedShape, Shape};
 pub use crate::statics::Side;
 

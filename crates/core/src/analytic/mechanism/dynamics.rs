@@ -8,7 +8,7 @@
 use super::actuator::{Effort, effort};
 use super::factor::Factor;
 use super::group::PlacedGroup;
-use super::model::{Contact, MechanismMode, MechanismModel, Surfaces};
+use super::model::{Contact, MechanismMode, MechanismModel, Surfaces, joint_of};
 use super::motion::{JointMotion, Motions, pair};
 use super::pairs::{self, Frame, POSES};
 use crate::analytic::model::normal_force_on_branch;
@@ -30,8 +30,8 @@ pub(super) fn passive_effort<const N: usize, const K: usize, const C: usize>(
     let damping = model.mechanism.joints[joint].damping;
     let mut total = Effort { value: -damping * rate, by_rate: -damping, ..Effort::default() };
     for spring in &model.mechanism.springs {
-        if let SpringKind::Torsional { joint: on, preload } = spring.kind
-            && on == joint
+        if let SpringKind::Torsional { on, preload } = &spring.kind
+            && joint_of(on) == joint
         {
             total.value += preload - spring.stiffness * (coordinate - spring.rest) - spring.damping * rate;
             total.by_coordinate -= spring.stiffness;
@@ -175,7 +175,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             (0..group.size()).for_each(|i| load[group.first + i] += motion.row[i] * effort);
         }
         for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
-            let (group, motion) = (self.group_of_joint(actuator.joint), &motions.joints[actuator.joint]);
+            let (group, motion) =
+                (self.group_of_joint(joint_of(&actuator.on)), &motions.joints[joint_of(&actuator.on)]);
             let effort = effort(actuator, mode.ranges.0[index], t, motion.coordinate, motion.rate);
             g[Self::DRIVE_WORK] += effort.value * motion.rate;
             (0..group.size()).for_each(|i| load[group.first + i] += motion.row[i] * effort.value);
@@ -269,10 +270,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             }
         }
         for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
-            if !std::ptr::eq(self.group_of_joint(actuator.joint), group) {
+            if !std::ptr::eq(self.group_of_joint(joint_of(&actuator.on)), group) {
                 continue;
             }
-            let motion = &motions.joints[actuator.joint];
+            let motion = &motions.joints[joint_of(&actuator.on)];
             let effort = effort(actuator, mode.ranges.0[index], t, motion.coordinate.value, motion.rate.value);
             let force = motion.coordinate.chain2(motion.rate, effort.value, effort.by_coordinate, effort.by_rate);
             let row = &motion.row;

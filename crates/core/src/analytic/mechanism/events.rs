@@ -2,7 +2,7 @@
 //! singularities of its dyads.
 
 use super::actuator::{MAX_ACTUATORS, margin, margin_tolerance, range, range_after};
-use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
 use super::motion::Motions;
 use crate::analytic::ContactState;
 use crate::analytic::finger_events::first_impact_step;
@@ -64,7 +64,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Time, coordinate and rate at an actuator.
     fn actuator_state(&self, motions: &Motions<f64, K>, q: &[f64; N], index: usize) -> (f64, f64, f64) {
-        let motion = &motions.joints[self.mechanism.actuators[index].joint];
+        let motion = &motions.joints[joint_of(&self.mechanism.actuators[index].on)];
         (self.time_index.map_or(0.0, |time| q[time]), motion.coordinate, motion.rate)
     }
 

@@ -181,9 +181,9 @@ fn coupled_joint<T: Real, const K: usize>(
     joints: &[JointMotion<T, K>],
 ) -> JointMotion<T, K> {
     let coupling = &mechanism.couplings[coupling];
-    let own: f64 = coupling.terms.iter().filter(|(term, _)| *term == joint).map(|(_, factor)| factor).sum();
-    let mut found = JointMotion::at(T::constant(coupling.value / own));
-    for (term, factor) in coupling.terms.iter().filter(|(term, _)| *term != joint) {
+    let own: f64 = coupling.on.terms.iter().filter(|(term, _)| *term == joint).map(|(_, factor)| factor).sum();
+    let mut found = JointMotion::at(T::constant(coupling.on.offset / own));
+    for (term, factor) in coupling.on.terms.iter().filter(|(term, _)| *term != joint) {
         let (ratio, other) = (-factor / own, &joints[*term]);
         found.coordinate += other.coordinate * ratio;
         found.rate += other.rate * ratio;

@@ -5,7 +5,7 @@
 
 use super::actuator::effort;
 use super::dynamics::passive_effort;
-use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
 use super::motion::Motions;
 use super::pairs;
 use crate::analytic::mode::StateRef;
@@ -105,7 +105,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let mut total =
                 passive_effort(self, index, motion.coordinate, motion.rate).0.value - joint.armature * acceleration;
             for (actuator, range) in self.mechanism.actuators.iter().zip(mode.ranges.0) {
-                if actuator.joint == index {
+                if joint_of(&actuator.on) == index {
                     total += effort(actuator, range, t, motion.coordinate, motion.rate).value;
                 }
             }
@@ -166,7 +166,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
         for coupling in couplings {
             column(&|unit| {
-                for (joint, factor) in &coupling.terms {
+                for (joint, factor) in &coupling.on.terms {
                     let (point, direction, turn) = self.effort_direction(*joint, motions);
                     let force = direction.map(|part| factor * part);
                     unit.add_pair(joints[*joint].bodies, force, point, factor * turn);

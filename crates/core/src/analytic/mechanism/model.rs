@@ -12,7 +12,7 @@ use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::mechanism::structure::{Group, StructureError, find_groups};
-use crate::mechanism::{Actuator, Command, Limit, Mechanism, Pose, SpringKind};
+use crate::mechanism::{Actuator, Command, ForcePoint, JointCombination, Limit, Mechanism, Pose, SpringKind};
 use crate::numeric::Dual;
 use std::ops::Index;
 
@@ -100,7 +100,7 @@ impl MechanismSize {
     /// # Errors
     /// Returns an error for a mechanism without independent coordinates in closed form.
     pub fn new(mechanism: &Mechanism) -> Result<Self, StructureError> {
-        Ok(Self::with_groups(mechanism, &find_groups(mechanism)?))
+        Ok(Self::with_groups(mechanism, &supported_groups(mechanism)?))
     }
 
     fn with_groups(mechanism: &Mechanism, groups: &[Group]) -> Self {
@@ -124,6 +124,39 @@ impl MechanismSize {
     }
 }
 
+/// Groups of a mechanism without components that the model does not have.
+fn supported_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> {
+    let Mechanism { bodies, springs, actuators, rotors, contacts, .. } = mechanism;
+    let combined = |on: &JointCombination, of: &str, name: &str| {
+        on.joint().is_none().then(|| format!("{of} `{name}` on several joints"))
+    };
+    let bodies = bodies.iter().filter_map(|body| match (&body.motion, body.inertia_kg_m2) {
+        (Some(_), _) => Some(format!("the prescribed motion of the body `{}`", body.name)),
+        (None, f64::INFINITY) => Some(format!("the body `{}`, which does not rotate,", body.name)),
+        _ => None,
+    });
+    let springs = springs.iter().filter_map(|spring| combined(spring.on()?, "the spring", &spring.name));
+    let actuators = actuators.iter().filter_map(|actuator| match &actuator.brake {
+        Some(_) => Some(format!("the brake of the actuator `{}`", actuator.name)),
+        None => combined(&actuator.on, "the actuator", &actuator.name),
+    });
+    let rotors = rotors.iter().map(|rotor| format!("the rotor `{}`", rotor.name));
+    let contacts = contacts.iter().filter(|contact| contact.force_point == ForcePoint::Each).map(|contact| {
+        let [points, face] = [contact.points, contact.face].map(|id| mechanism.outline_name(id));
+        format!("the force on each surface of the contact `{points}/{face}`")
+    });
+    match bodies.chain(springs).chain(actuators).chain(rotors).chain(contacts).next() {
+        Some(what) => Err(StructureError::Unsupported { what }),
+        None => find_groups(mechanism),
+    }
+}
+
+/// The joint of a spring or actuator.
+#[inline]
+pub(super) fn joint_of(on: &JointCombination) -> usize {
+    on.terms[0].0
+}
+
 /// Whether an event of an actuator depends on time.
 fn depends_on_time(mechanism: &Mechanism) -> bool {
     mechanism.actuators.iter().any(|actuator| {
@@ -136,10 +169,10 @@ fn depends_on_time(mechanism: &Mechanism) -> bool {
 /// Whether a spring, a limit, a servo or a coupling depends on the coordinate of a joint.
 fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
     let is_servo = |actuator: &Actuator| matches!(actuator.command, Command::Servo { .. });
-    mechanism.springs.iter().any(|spring| spring.kind.joint() == Some(joint))
+    mechanism.springs.iter().any(|spring| spring.on().is_some_and(|on| joint_of(on) == joint))
         || mechanism.limits().iter().any(|limit| limit.joint == joint)
-        || mechanism.actuators.iter().any(|actuator| actuator.joint == joint && is_servo(actuator))
-        || mechanism.couplings.iter().any(|coupling| coupling.terms.iter().any(|(term, _)| *term == joint))
+        || mechanism.actuators.iter().any(|actuator| joint_of(&actuator.on) == joint && is_servo(actuator))
+        || mechanism.couplings.iter().any(|coupling| coupling.on.terms.iter().any(|(term, _)| *term == joint))
 }
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
@@ -151,7 +184,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// # Panics
     /// Panics if the mechanism exceeds the capacity of the model.
     pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
-        let found = find_groups(mechanism)?;
+        let found = supported_groups(mechanism)?;
         let size = MechanismSize::with_groups(mechanism, &found);
         let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS };
         assert!(size.fits(&capacity), "{size:?} exceeds {capacity:?}");
@@ -299,8 +332,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Linear springs: bodies, points, and the index of the spring.
     pub(super) fn linear_springs(&self) -> impl Iterator<Item = (usize, [Option<usize>; 2], [[f64; 2]; 2])> + '_ {
-        self.mechanism.springs.iter().enumerate().filter_map(|(index, spring)| match spring.kind {
-            SpringKind::Linear { bodies, points_m } => Some((index, bodies, points_m)),
+        self.mechanism.springs.iter().enumerate().filter_map(|(index, spring)| match &spring.kind {
+            SpringKind::Linear { bodies, points_m } => Some((index, *bodies, *points_m)),
             SpringKind::Torsional { .. } => None,
         })
     }

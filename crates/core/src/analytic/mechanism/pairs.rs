@@ -104,20 +104,22 @@ pub(super) fn contact<T: Real>(pair: &PointOnFace, frames: &[Frame<T>; 2]) -> Co
     let (distance, normal) = distance(&pair.face, &frames[1], point);
     let face_radius = pair.face.radius_m();
     let gap = distance - (pair.radius_m + face_radius);
-    // Distance of the force point from the point, against the normal.
-    let depth = match pair.force_point {
-        ForcePoint::Face => distance - face_radius,
-        ForcePoint::Points => T::constant(pair.radius_m),
-        ForcePoint::Middle => (distance - face_radius + pair.radius_m) * 0.5,
+    // Distances of the force points of both bodies from the point, against the normal.
+    let [on_points, on_face] = [T::constant(pair.radius_m), distance - face_radius];
+    let depths = match pair.force_point {
+        ForcePoint::Face => [on_face; 2],
+        ForcePoint::Points => [on_points; 2],
+        ForcePoint::Middle => [(on_face + on_points) * 0.5; 2],
+        ForcePoint::Each => [on_points, on_face],
     };
-    let force_point = sub(point, scale(normal, depth));
+    let force_points = depths.map(|depth| sub(point, scale(normal, depth)));
     let tangent = perp(normal);
     let row = |direction: Vector<T>| {
-        let turn = |frame: &Frame<T>| cross(sub(force_point, frame.origin), direction);
+        let turn = |body: usize| cross(sub(force_points[body], frames[body].origin), direction);
         let [x, y] = direction;
-        [x, y, turn(&frames[0]), -x, -y, -turn(&frames[1])]
+        [x, y, turn(0), -x, -y, -turn(1)]
     };
-    ContactKinematics { gap, normal_row: row(normal), tangent_row: row(tangent), normal, point: force_point }
+    ContactKinematics { gap, normal_row: row(normal), tangent_row: row(tangent), normal, point: force_points[0] }
 }
 
 /// Tension of a linear spring, with the derivatives of length and rate by the poses.

@@ -1,7 +1,7 @@
 //! Readings of a state: poses, joints, actuators, contacts and energies.
 
 use super::actuator::effort;
-use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
 use crate::analytic::ContactState;
 use crate::analytic::finger::Geometry;
 use crate::analytic::mode::{StateRef, row_dot};
@@ -30,7 +30,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Torque or force of an actuator.
     pub fn actuator(&self, t: f64, state: (&[f64; N], &[f64; N]), mode: &MechanismMode<C>, index: usize) -> f64 {
         let actuator = &self.mechanism.actuators[index];
-        let (coordinate, rate) = self.joint(state, actuator.joint);
+        let (coordinate, rate) = self.joint(state, joint_of(&actuator.on));
         effort(actuator, mode.ranges.0[index], t, coordinate, rate).value
     }
 
@@ -75,10 +75,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 energies.kinetic += 0.5 * joint.armature * motion.rate * motion.rate;
             }
             for spring in &self.mechanism.springs {
-                let (coordinate, preload) = match spring.kind {
-                    SpringKind::Torsional { joint, preload } => (motions.joints[joint].coordinate, preload),
+                let (coordinate, preload) = match &spring.kind {
+                    SpringKind::Torsional { on, preload } => (motions.joints[joint_of(on)].coordinate, *preload),
                     SpringKind::Linear { bodies, points_m } => {
-                        (pairs::spring(points_m, &Self::frames(motions, bodies)).length, 0.0)
+                        (pairs::spring(*points_m, &Self::frames(motions, *bodies)).length, 0.0)
                     }
                 };
                 let stretch = coordinate - spring.rest;

@@ -12,8 +12,8 @@ use super::{MECHANISM, law, list, table};
 use crate::law::{ContactLaw, Damping, NormalLaw};
 use crate::limits::MAX_BODIES;
 use crate::mechanism::{
-    Actuator, Body, Command, Condition, ContactPair, Coupling, ForcePoint, Joint, JointKind, Mechanism, Outline,
-    OutlineId, OutlineShape, Spring, SpringKind, assemble,
+    Actuator, Body, Command, Condition, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind,
+    Mechanism, Outline, OutlineId, OutlineShape, Spring, SpringKind, assemble,
 };
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{rotate, sub};
@@ -351,14 +351,19 @@ pub struct ContactEntry {
     /// Name of the law. Required.
     #[schemars(extend("minLength" = 1, "x-required" = "add the name of a law: law = \"pad\", with a section [laws.pad]"))]
     pub law: Option<String>,
-    /// Where the force acts: on the surface of the face, on that of the points, or in the middle of the overlap.
+    /// Where the force acts: on the surface of the face, on that of the points, in the middle of the overlap, or for
+    /// each body on its own surface.
     #[schemars(extend("default" = "face"))]
     pub at: Word<ForcePoint>,
 }
 
 impl Keyword for ForcePoint {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("face", ForcePoint::Face), ("points", ForcePoint::Points), ("middle", ForcePoint::Middle)];
+    const KEYWORDS: &'static [(&'static str, Self)] = &[
+        ("face", ForcePoint::Face),
+        ("points", ForcePoint::Points),
+        ("middle", ForcePoint::Middle),
+        ("each", ForcePoint::Each),
+    ];
 }
 
 /// Resolves a mechanism and assembles it; `None` if any part is invalid.
@@ -416,6 +421,7 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
         couplings: all_couplings.into_iter().collect::<Option<_>>()?,
         springs: springs.into_iter().collect::<Option<_>>()?,
         actuators: actuators.into_iter().collect::<Option<_>>()?,
+        rotors: Vec::new(),
         contacts: Vec::new(),
     };
     let entries: Vec<_> = root.list("contacts").iter().map(|section| contacts(section, &mechanism, &laws)).collect();
@@ -541,6 +547,7 @@ fn body(input: &SceneInput, name: &str, section: &SectionInput<'_>, is_jointed: 
         com_m: si(com),
         pose,
         rate,
+        motion: None,
         outlines: outlines?,
     })
 }
@@ -719,7 +726,14 @@ fn spring(name: &str, section: &SectionInput<'_>, bodies: &[&str], joints: &Join
         SpringType::Torsional => {
             let (joint, kind) = joints.find(section, "joint", &settings.joint?)?;
             let (linear, of) = joint_words(kind);
-            (SpringKind::Torsional { joint, preload: settings.torque.map_or(0.0, |torque| *torque) }, linear, of)
+            (
+                SpringKind::Torsional {
+                    on: JointCombination::of_joint(joint),
+                    preload: settings.torque.map_or(0.0, |torque| *torque),
+                },
+                linear,
+                of,
+            )
         }
         SpringType::Linear => {
             let bodies = two_bodies(section, bodies, "a linear spring")?;
@@ -758,7 +772,8 @@ fn coupling(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Opti
     let (linear, of) = joint_words(found[0].1);
     check_units(section, &["value"], linear, of).then_some(())?;
     let terms = found.iter().zip(&factors).map(|((joint, _), factor)| (*joint, **factor));
-    Some(Coupling { name: name.to_owned(), terms: terms.collect(), value: value.map_or(0.0, |value| *value) })
+    let on = JointCombination { terms: terms.collect(), offset: value.map_or(0.0, |value| *value) };
+    Some(Coupling { name: name.to_owned(), on })
 }
 
 fn actuator(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Option<Actuator> {
@@ -813,10 +828,11 @@ fn actuator(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Opti
     };
     units_fit.then(|| Actuator {
         name: name.to_owned(),
-        joint,
+        on: JointCombination::of_joint(joint),
         command,
         limit: settings.limit.map(|limit| *limit),
         no_load_speed: settings.no_load_speed.map(|speed| *speed),
+        brake: None,
     })
 }
 
@@ -1024,9 +1040,10 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
     let linear_joint = |joint: usize| joint_words(mechanism.joints[joint].kind).0;
     let spring = |spring: &Spring| {
         let (mut settings, linear, preload) = match &spring.kind {
-            SpringKind::Torsional { joint, preload } => {
-                let of = mechanism.joints[*joint].name.as_str();
-                (table([("type", "torsional".into()), ("joint", of.into())]), linear_joint(*joint), Some(*preload))
+            SpringKind::Torsional { on, preload } => {
+                let joint = joint_of(on);
+                let of = mechanism.joints[joint].name.as_str();
+                (table([("type", "torsional".into()), ("joint", of.into())]), linear_joint(joint), Some(*preload))
             }
             SpringKind::Linear { bodies, points_m } => (
                 table([
@@ -1048,13 +1065,14 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
     };
     let coupling = |coupling: &Coupling| {
         let (joints, factors): (Vec<Value>, Vec<f64>) = coupling
+            .on
             .terms
             .iter()
             .map(|(joint, factor)| (Value::from(mechanism.joints[*joint].name.as_str()), *factor))
             .unzip();
-        let linear = coupling.terms.first().is_some_and(|(joint, _)| linear_joint(*joint));
+        let linear = coupling.on.terms.first().is_some_and(|(joint, _)| linear_joint(*joint));
         let mut settings = table([("joints", joints.into()), ("factors", list(factors))]);
-        settings.extend(Units { linear }.texts([("value", Some(coupling.value), Kind::Coordinate)]));
+        settings.extend(Units { linear }.texts([("value", Some(coupling.on.offset), Kind::Coordinate)]));
         (coupling.name.clone(), settings)
     };
     let mut file = table([
@@ -1096,7 +1114,7 @@ fn outline_settings(outline: &Outline) -> (String, Table) {
 }
 
 fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Table) {
-    let joint = &mechanism.joints[actuator.joint];
+    let joint = &mechanism.joints[joint_of(&actuator.on)];
     let linear = joint_words(joint.kind).0;
     let units = Units { linear };
     let mut settings = table([("joint", joint.name.as_str().into())]);
@@ -1119,6 +1137,11 @@ fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Tab
         units.texts([("limit", actuator.limit, Kind::Effort), ("no_load_speed", actuator.no_load_speed, Kind::Rate)]),
     );
     (actuator.name.clone(), settings)
+}
+
+/// The joint of a spring or actuator: scene files write combinations only in couplings.
+fn joint_of(on: &JointCombination) -> usize {
+    on.terms[0].0
 }
 
 /// Kind of a quantity whose dimension depends on the joint.
