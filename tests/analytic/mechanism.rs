@@ -1,19 +1,15 @@
-//! The analytic model of mechanisms: reference solutions, Jacobians, the five-bar written out as a mechanism against its
+//! The analytic model of mechanisms: reference solutions, Jacobians, the five-bar as a mechanism against its
 //! closed-form kernel, and random mechanisms.
 
 use phalanx::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize, event_function_count};
 use phalanx::analytic::{ContactState, EVENT_FUNCTIONS, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
-use phalanx::gripper::{Finger, FingerContact, Placement, Posture, SpringKind, close_loop};
+use phalanx::gripper::{Finger, FingerContact, Posture, close_loop};
 use phalanx::integrator::{
     Hybrid, Linearised, Method, Observer, Options, Radau5, RadauOrRodas, State, Step, StepTools, System, Tolerances,
     integrate_by,
 };
-use phalanx::mechanism::{
-    self, Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
-    OutlineId, OutlineShape, assemble,
-};
+use phalanx::mechanism::{self, ForcePoint, JointCombination, Mechanism, assemble};
 use phalanx::scene::Scene;
-use phalanx::shape::Shape;
 use std::f64::consts::TAU;
 
 use super::jacobian::{Entry, Equations};
@@ -225,103 +221,16 @@ fn loops_beyond_dyads_are_refused_by_name() {
     assert!(error.contains("no row of dyads") || error.contains("can move"), "{error}");
 }
 
-/// The five-bar of a finger that closes on a fixed disc, written out joint by joint.
+/// The five-bar of a finger that closes on a fixed disc, with what the model supports: on a fixed disc, forces act on the
+/// surface of the face, and the torque of a constant spring does not depend on the offset of its coordinate.
 fn five_bar(scene: &Scene) -> Mechanism {
-    let driven = scene.finger();
-    let Finger { lengths, bodies, assembly } = &driven.linkage;
-    let start = &driven.initial;
-    let posture = close_loop(lengths, *assembly, start.q11_rad, start.q21_rad).expect("a closed loop");
-    let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
-    let ([x12, y12], [x22, y22]) = (along(lengths.l11_m, start.q11_rad), along(lengths.l21_m, start.q21_rad));
-    let poses = [
-        [0.0, 0.0, start.q11_rad],
-        [x12, y12, start.q11_rad + posture.q12_rad],
-        [0.0, 0.0, start.q21_rad],
-        [x22, y22, start.q21_rad + posture.q22_rad],
-    ];
-    let capsule = |to_m: [f64; 2]| {
-        let shape = OutlineShape::Capsule { from_m: [0.0; 2], to_m, radius_m: lengths.half_width_m };
-        vec![Outline { name: "face".to_string(), shape }]
+    let mut mechanism = scene.mechanism().expect("a closed loop").into_owned();
+    mechanism.contacts.iter_mut().for_each(|contact| contact.force_point = ForcePoint::Face);
+    let mechanism::SpringKind::Torsional { on, .. } = &mut mechanism.springs[0].kind else {
+        panic!("a torsional spring")
     };
-    let outlines =
-        [Vec::new(), Vec::new(), capsule([lengths.l21_m, 0.0]), capsule(along(lengths.t22_m, lengths.phi22_rad))];
-    let masses = [&bodies.l11, &bodies.l12, &bodies.l21, &bodies.l22];
-    let body = |(index, outlines): (usize, Vec<Outline>)| Body {
-        name: ["l11", "l12", "l21", "l22"][index].to_string(),
-        mass_kg: masses[index].mass_kg,
-        inertia_kg_m2: masses[index].inertia_kg_m2,
-        com_m: masses[index].com_m,
-        pose: poses[index],
-        rate: [0.0; 3],
-        motion: None,
-        outlines,
-    };
-    let joint = |name: &str, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2], start: Option<f64>| Joint {
-        name: name.to_string(),
-        kind: JointKind::Revolute,
-        bodies,
-        points_m,
-        offset_rad: 0.0,
-        start,
-        start_rate: 0.0,
-        damping: 0.0,
-        armature: 0.0,
-        lower: None,
-        upper: None,
-        limit: None,
-    };
-    let mut joints = vec![
-        joint("q11", [None, Some(0)], [[0.0; 2]; 2], Some(start.q11_rad)),
-        joint("q12", [Some(0), Some(1)], [[lengths.l11_m, 0.0], [0.0; 2]], None),
-        joint("q21", [None, Some(2)], [[0.0; 2]; 2], Some(start.q21_rad)),
-        joint("q22", [Some(2), Some(3)], [[lengths.l21_m, 0.0], [0.0; 2]], None),
-        joint("q13", [Some(1), Some(3)], [[lengths.l12_m, 0.0], [lengths.l22_m, 0.0]], None),
-    ];
-    (joints[3].lower, joints[3].limit) = (driven.limit.map(|_| -lengths.phi22_rad), driven.limit);
-    // The spring acts against closing, by which the distal phalanx turns while the proximal one rests.
-    let bend =
-        |turn: f64| close_loop(lengths, *assembly, start.q11_rad + turn, start.q21_rad).expect("a closed loop").q22_rad;
-    let closing_sign = (bend(1e-3) - bend(-1e-3)).signum();
-    let object = scene.system.object().expect("an object");
-    let Shape::Disc { radius_m } = object.shape;
-    let contact = |body: usize, law| ContactPair {
-        points: OutlineId { body: None, outline: 0 },
-        face: OutlineId { body: Some(body), outline: 0 },
-        law,
-        force_point: ForcePoint::Face,
-    };
-    let spring = driven.spring.expect("a spring");
-    let SpringKind::Constant { torque_n_m } = spring.kind else { panic!("a constant spring") };
-    assert_eq!(spring.placement, Placement::Phalanges);
-    Mechanism {
-        gravity_m_s2: scene.system.gravity_m_s2,
-        bodies: outlines.into_iter().enumerate().map(body).collect(),
-        ground_outlines: vec![Outline {
-            name: "object".to_string(),
-            shape: OutlineShape::Disc { center_m: object.centre_m, radius_m },
-        }],
-        joints,
-        springs: vec![mechanism::Spring {
-            name: "spring".to_string(),
-            kind: mechanism::SpringKind::Torsional {
-                on: JointCombination::of_joint(3),
-                preload: -closing_sign * torque_n_m,
-            },
-            stiffness: 0.0,
-            damping: 0.0,
-            rest: 0.0,
-        }],
-        actuators: vec![Actuator {
-            name: "motor".to_string(),
-            on: JointCombination::of_joint(0),
-            command: Command::Effort(driven.motor.actuation.clone()),
-            limit: None,
-            no_load_speed: None,
-            brake: None,
-        }],
-        contacts: vec![contact(2, driven.contact.proximal), contact(3, driven.contact.distal)],
-        ..Mechanism::default()
-    }
+    on.offset = 0.0;
+    mechanism
 }
 
 /// Observer of the kernel of one finger.
@@ -486,7 +395,7 @@ fn components_without_equations_are_refused_by_name() {
             m.rotors.push(mechanism::Rotor { name: "wheel".into(), on: of_both.clone(), inertia: 1e-6 });
         }),
         ("the body `l12`, which does not rotate,", &|m| m.bodies[1].inertia_kg_m2 = f64::INFINITY),
-        ("the force on each surface of the contact `ground.object/l22.face`", &|m| {
+        ("the force on each surface of the contact `ground.object/l22.surface`", &|m| {
             m.contacts[1].force_point = ForcePoint::Each;
         }),
     ];

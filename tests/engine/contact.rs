@@ -51,7 +51,7 @@ fn row_as_vector(row: &Row, bodies: usize) -> DVector<f64> {
 #[test]
 fn contact_space_inverse_inertia_matches_dense_algebra() {
     let scene = experiment_95();
-    let plan = engine::build_plan(&scene.system).unwrap();
+    let plan = engine::build_plan(&scene).unwrap();
     let mut motion = motion(&scene, &plan);
     // A step of this length activates all contacts: the limit, and both phalanges with friction.
     for _ in 0..3 {
@@ -77,7 +77,7 @@ fn contact_space_inverse_inertia_matches_dense_algebra() {
 /// A contact space with one contact and a constant mass instead of bodies.
 fn single_contact_space(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f64) -> engine::ContactSpace {
     let scene = experiment_95();
-    let plan = engine::build_plan(&scene.system).unwrap();
+    let plan = engine::build_plan(&scene).unwrap();
     let motion = motion(&scene, &plan);
     let mut candidate = *motion
         .candidates
@@ -212,7 +212,7 @@ fn adaptive_steps_satisfy_their_criteria() {
     let Stepping::Adaptive { tolerance_m, max_step_s } = scene.engine.stepping else {
         panic!("the default is not adaptive")
     };
-    let plan = engine::build_plan(&scene.system).unwrap();
+    let plan = engine::build_plan(&scene).unwrap();
     let mut motion = motion(&scene, &plan);
     let (mut last, mut contacts_closed, mut shortest) = (f64::INFINITY, 0, f64::INFINITY);
     while motion.clock.now() < scene.duration_s {

@@ -9,6 +9,7 @@ mod contact;
 mod disc_rows;
 mod finger;
 mod gripper;
+mod instances;
 mod mechanism;
 mod recorder;
 mod sizes;

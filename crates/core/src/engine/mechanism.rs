@@ -9,11 +9,29 @@ use super::plan::{
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
 use crate::mechanism::{
-    Actuator, Command, ForcePoint, JointCombination, Mechanism, OutlineShape, PointContact, SpringKind, Start,
+    Actuator, Command, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlineShape, PointContact,
+    SpringKind, Start, assemble,
 };
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{add, perp, scale, sub};
+use crate::scene::Scene;
 use crate::shape;
+
+/// Builds the plan of a scene.
+///
+/// # Errors
+/// Returns an error for a start that cannot be assembled, and for a mechanism that the engine model does not take.
+pub fn build_plan(scene: &Scene) -> Result<Plan, String> {
+    let mechanism = scene.mechanism().map_err(|error| error.to_string())?;
+    let start = assemble(&mechanism).map_err(|error| error.to_string())?;
+    let mut plan = build_mechanism_plan(&mechanism, &start)?;
+    if scene.mechanism.is_none() {
+        let (surfaces, limits) = scene.system.contact_channels();
+        plan.contact_channels.iter_mut().for_each(|channel| *channel = surfaces[*channel]);
+        plan.stop_channels = limits;
+    }
+    Ok(plan)
+}
 
 /// Builds the plan of a mechanism from its assembled start.
 ///
@@ -35,7 +53,7 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
             angle_rad: pose[2],
             velocity_m_s: [rate[0], rate[1]],
             rate_rad_s: rate[2],
-            gyration_m: if inertia_kg_m2 > 0.0 { (inertia_kg_m2 / mass_kg).sqrt() } else { 0.0 },
+            gyration_m: 0.0,
             surfaces: Vec::new(),
         }
     });
@@ -43,12 +61,25 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         let motion = of.motion.clone()?;
         Some(PlannedDrive { body, motion })
     });
-    let joints = mechanism.joints.iter().map(|joint| PlannedJoint {
-        kind: joint.kind,
-        bodies: joint.bodies,
-        anchors_m: joint.points_m,
-        offset_rad: joint.offset_rad,
-        closes_loop: true,
+    let mut is_attached = vec![false; mechanism.bodies.len()];
+    let is_base = |body: Option<usize>| body.is_none_or(|body| mechanism.bodies[body].motion.is_some());
+    let joints = mechanism.joints.iter().map(|joint| {
+        let (mut bodies, mut anchors_m, mut offset_rad) = (joint.bodies, joint.points_m, joint.offset_rad);
+        let [first, second] = bodies.map(|body| (!is_base(body), body));
+        // rapier's solver depends on the order, which is the same for both fingers of a gripper.
+        let is_reversed = joint.kind == JointKind::Revolute && first > second;
+        if is_reversed {
+            bodies.reverse();
+            anchors_m.reverse();
+            offset_rad = -offset_rad;
+        }
+        let closes_loop = match bodies {
+            [base, Some(body)] if base.is_none_or(|base| is_attached[base]) => {
+                std::mem::replace(&mut is_attached[body], true)
+            }
+            _ => true,
+        };
+        PlannedJoint { kind: joint.kind, bodies, anchors_m, offset_rad, is_reversed, closes_loop }
     });
     let mut plan = Plan {
         gravity_m_s2: mechanism.gravity_m_s2,
@@ -57,6 +88,9 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         drives: drives.collect(),
         ..Plan::default()
     };
+    for (body, planned) in plan.bodies.iter_mut().enumerate() {
+        planned.gyration_m = gyration_m(mechanism, body, &planned.body);
+    }
     let coordinates: Vec<Coordinate> = plan.joints.iter().map(|joint| plan.joint_coordinate(joint)).collect();
     add_couplings(&mut plan, mechanism, &coordinates);
     add_springs_and_dampers(&mut plan, mechanism, &coordinates)?;
@@ -74,6 +108,28 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         plan.stop_channels.push(points.len() + plan.stop_channels.len());
     }
     Ok(plan)
+}
+
+/// Returns the arm at which step sizes take the angular acceleration of a body into account: its radius of gyration, or 0 if
+/// the rotation moves no surface, or moves the centre of mass by more.
+fn gyration_m(mechanism: &Mechanism, index: usize, body: &Body) -> f64 {
+    if body.inertia_kg_m2 == 0.0 {
+        return 0.0;
+    }
+    let gyration_m = (body.inertia_kg_m2 / body.mass_kg).sqrt();
+    let ends = mechanism.joints.iter().flat_map(|joint| joint.bodies.into_iter().zip(joint.points_m));
+    let mut points = ends.filter(|(of, _)| *of == Some(index)).map(|(_, point)| point).peekable();
+    let counts = match points.peek() {
+        Some(_) => points.any(|point| {
+            let [x, y] = sub(point, body.com_m);
+            hypot(x, y) < gyration_m
+        }),
+        None => mechanism.bodies[index].outlines.iter().any(|outline| match outline.shape {
+            OutlineShape::Disc { center_m, .. } => center_m != body.com_m,
+            OutlineShape::Capsule { .. } | OutlineShape::HalfPlane { .. } => true,
+        }),
+    };
+    if counts { gyration_m } else { 0.0 }
 }
 
 /// Returns a combination of joint coordinates: that of one joint, or an angle of up to two bodies.
@@ -124,6 +180,7 @@ fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordina
     };
     let velocities: Vec<Twist> = plan.bodies.iter().zip(&poses).map(velocity).collect();
     let palm = plan.palm().map(|(body, _)| body);
+    let mut rotors = Vec::new();
     let mut add_wheel = |terms: &[(usize, f64)], inertia: f64| {
         let wheel = plan.bodies.len();
         let rate = |(joint, factor): &(usize, f64)| factor * coordinates[*joint].row(&poses).rate(&velocities);
@@ -136,9 +193,25 @@ fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordina
         plan.rotors.push(PlannedRotor { body: wheel, inertia_kg_m2: inertia });
     };
     for (index, joint) in mechanism.joints.iter().enumerate().filter(|(_, joint)| joint.armature > 0.0) {
-        add_wheel(&[(index, 1.0)], joint.armature);
+        match own_rotor(joint, palm) {
+            Some(body) => rotors.push((body, joint.armature)),
+            None => add_wheel(&[(index, 1.0)], joint.armature),
+        }
     }
     mechanism.rotors.iter().for_each(|rotor| add_wheel(&rotor.on.terms, rotor.inertia));
+    for (body, inertia_kg_m2) in rotors {
+        plan.bodies[body].body.inertia_kg_m2 += inertia_kg_m2;
+        plan.rotors.push(PlannedRotor { body, inertia_kg_m2 });
+    }
+}
+
+/// Body of a revolute joint on the ground, or on the palm if it moves: the rotor turns with it.
+fn own_rotor(joint: &Joint, palm: Option<usize>) -> Option<usize> {
+    match joint.bodies {
+        _ if joint.kind != JointKind::Revolute => None,
+        [base, Some(body)] | [Some(body), base] if base == palm => Some(body),
+        _ => None,
+    }
 }
 
 fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordinate]) -> Result<(), String> {
@@ -201,26 +274,29 @@ fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
     }
 }
 
-/// Adds a contact of a point, as a disc, with a face. The body of the contact is that of the point, unless it is fixed.
-/// The gap between two fixed surfaces does not change, and they are omitted.
+/// Adds a contact of a point, as a disc, with a face. The body of the contact is the first of both in the mechanism. The gap
+/// between two fixed surfaces does not change, and they are omitted.
 fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, channel: usize) {
     let pair = &mechanism.contacts[contact.pair];
     let disc = Shape::Disc(shape::Shape::Disc { radius_m: contact.radius_m });
     let point = PlannedSurface { shape: disc, origin_m: contact.point_m, direction: [1.0, 0.0] };
-    let face = face_surface(&mechanism.outline(pair.face).shape);
-    let mut add = |body: Option<usize>, surface: PlannedSurface| {
+    let mut id = |body: Option<usize>, surface: PlannedSurface| {
         let surfaces = match body {
             Some(body) => &mut plan.bodies[body].surfaces,
             None => &mut plan.fixed_surfaces,
         };
-        surfaces.push(surface);
-        SurfaceId { body, index: surfaces.len() - 1 }
+        let index = surfaces.iter().position(|other| *other == surface).unwrap_or(surfaces.len());
+        if index == surfaces.len() {
+            surfaces.push(surface);
+        }
+        SurfaceId { body, index }
     };
-    let (point, face) = (add(contact.body, point), add(pair.face.body, face));
-    let [of_point, of_face] = [ContactPointConvention::BodySurface, ContactPointConvention::PartnerSurface];
-    let (own, against, [of_point, of_face]) = match point.body {
-        Some(_) => (point, face, [of_point, of_face]),
-        None => (face, point, [of_face, of_point]),
+    let point = id(contact.body, point);
+    let face = id(pair.face.body, face_surface(&mechanism.outline(pair.face).shape));
+    let [of_own, of_other] = [ContactPointConvention::BodySurface, ContactPointConvention::PartnerSurface];
+    let (own, against, [of_point, of_face]) = match mechanism.points_are_first(pair) {
+        true => (point, face, [of_own, of_other]),
+        false => (face, point, [of_other, of_own]),
     };
     let point_convention = match pair.force_point {
         ForcePoint::Points => of_point,
@@ -235,16 +311,11 @@ fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, c
 }
 
 fn face_surface(shape: &OutlineShape) -> PlannedSurface {
+    let aligned = |shape, origin_m| PlannedSurface { shape, origin_m, direction: [1.0, 0.0] };
     match *shape {
-        OutlineShape::Disc { center_m, radius_m } => {
-            let shape = Shape::Disc(shape::Shape::Disc { radius_m });
-            PlannedSurface { shape, origin_m: center_m, direction: [1.0, 0.0] }
-        }
+        OutlineShape::Disc { center_m, radius_m } => aligned(Shape::Disc(shape::Shape::Disc { radius_m }), center_m),
         OutlineShape::Capsule { from_m, to_m, radius_m } => {
-            let [x, y] = sub(to_m, from_m);
-            let length_m = hypot(x, y);
-            let shape = Shape::Capsule(Capsule { length_m, angle_rad: 0.0, radius_m });
-            PlannedSurface { shape, origin_m: from_m, direction: scale([x, y], 1.0 / length_m) }
+            aligned(Shape::Capsule(Capsule { end_m: sub(to_m, from_m), radius_m }), from_m)
         }
         // The half plane lies below the x axis of its frame.
         OutlineShape::HalfPlane { point_m, normal: [x, y] } => {

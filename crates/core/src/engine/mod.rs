@@ -22,14 +22,13 @@ pub use contact_space::{ActiveContact, ContactSpace};
 pub use coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Row, Twist};
 pub use forces::{PalmFrame, kinetic_energy, potential_energies};
 pub use linkage::{Inertia, Linkage, SingularConstraints};
-pub use mechanism::build_mechanism_plan;
+pub use mechanism::{build_mechanism_plan, build_plan};
 pub use motion::{JointReactions, Motion, RapierContact, StepError};
 pub use plan::{
-    Capsule, ContactPointConvention, L21, L22, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact,
-    PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
-    PlannedSurface, ServoLaw, Shape, SurfaceId, build_plan,
+    Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact, PlannedDrive,
+    PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop, PlannedSurface,
+    ServoLaw, Shape, SurfaceId,
 };
-pub(crate) use plan::{L11, L12, LINKS, driven_link_brake_torque, first_link};
 pub use stepper::next_step;
 pub use substeps::{Change, ChangeKind, ContactExtremum, ContactSolveError, ContactSolver, Tolerance};
 pub use world::{World, build_world};

@@ -3,9 +3,8 @@
 use rapier2d_f64::na::Unit;
 use rapier2d_f64::prelude::*;
 
-use super::plan::{Capsule, Plan, PlannedBody, PlannedContact, PlannedJoint, PlannedSurface, Shape, SurfaceId};
+use super::plan::{Capsule, Plan, PlannedContact, PlannedJoint, PlannedSurface, Shape, SurfaceId};
 use crate::mechanism::JointKind;
-use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Construction, Response};
 use crate::shape::max_radius;
 
@@ -221,31 +220,24 @@ fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
 pub(crate) fn collider(shape: Shape) -> ColliderBuilder {
     match shape {
         Shape::Capsule(capsule) => {
-            let end = Vector::new(cos(capsule.angle_rad), sin(capsule.angle_rad)) * capsule.length_m;
-            ColliderBuilder::capsule_from_endpoints(Vector::ZERO, end, capsule.radius_m)
+            let [x, y] = capsule.end_m;
+            ColliderBuilder::capsule_from_endpoints(Vector::ZERO, Vector::new(x, y), capsule.radius_m)
         }
         Shape::Disc(shape) => ColliderBuilder::ball(max_radius(&shape)),
         Shape::HalfPlane => ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)),
     }
 }
 
-/// Sets the initial rates: every body rotates about its origin, which moves with the preceding links or by itself.
+/// Sets the initial rates of all bodies.
 fn set_rates(world: &mut World, plan: &Plan) {
     if plan.bodies.iter().all(|body| body.rate_rad_s == 0.0 && body.velocity_m_s == [0.0; 2]) {
         return;
     }
-    let origin_velocity = |body: &PlannedBody| Vector::new(body.velocity_m_s[0], body.velocity_m_s[1]);
-    let mut origin_rates: Vec<_> = plan.bodies.iter().map(origin_velocity).collect();
-    for joint in plan.joints.iter().filter(|joint| !joint.closes_loop) {
-        let ([Some(first), Some(second)], [[x, y], _]) = (joint.bodies, joint.anchors_m) else { continue };
-        let planned = &plan.bodies[first];
-        let arm = Rotation::new(planned.angle_rad) * Vector::new(x, y);
-        origin_rates[second] = origin_rates[first] + arm.perp() * planned.rate_rad_s;
-    }
     for (i, planned) in plan.bodies.iter().enumerate() {
         let body = &mut world.physics.bodies[world.bodies[i]];
         let arm = body.center_of_mass() - body.translation();
-        body.set_linvel(origin_rates[i] + arm.perp() * planned.rate_rad_s, true);
+        let [vx, vy] = planned.velocity_m_s;
+        body.set_linvel(Vector::new(vx, vy) + arm.perp() * planned.rate_rad_s, true);
         body.set_angvel(planned.rate_rad_s, true);
     }
 }

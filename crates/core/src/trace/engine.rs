@@ -3,9 +3,8 @@
 use super::engine_recorder::EngineRecorder;
 use super::grid::Span;
 use super::{Outcome, RunError, Sink, SinkError};
-use crate::engine::{Motion, Plan, StepError, Tolerance, build_mechanism_plan, build_plan, build_world, next_step};
+use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
-use crate::mechanism::{Mechanism, assemble};
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Construction, Engine, Scene, Stepping};
 
@@ -27,59 +26,36 @@ const MIN_STEP_FRACTION: f64 = 1e-9;
 /// # Errors
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    if let Some(mechanism) = &scene.mechanism {
-        return run_mechanism(scene, mechanism, sink);
-    }
-    if let Some(reason) = scene.system.unsupported() {
-        return Err(RunError::rejected(reason.to_string(), Outcome::default()));
-    }
-    let Scene { system, engine, .. } = scene;
-    let kind = scene.kind();
-    let initial_outcome = || if kind == SceneKind::Finger { Outcome::stationary_finger() } else { Outcome::default() };
-    let plan = build_plan(system).map_err(|side| {
-        let reason = match kind {
-            SceneKind::Gripper => {
-                format!("the links of the {} finger do not close their loop at these initial angles", side.name())
-            }
-            _ => "the links do not close the loop at these initial angles; choose others".to_string(),
-        };
-        RunError::rejected(reason, initial_outcome())
-    })?;
-    if kind == SceneKind::Gripper && engine.construction == Construction::Reduced {
-        let reason = "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string();
-        return Err(RunError::rejected(reason, initial_outcome()));
-    }
-    run_plan(&plan, scene, sink, initial_outcome)
-}
-
-fn run_mechanism(scene: &Scene, mechanism: &Mechanism, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let rejected = |reason: String| RunError::rejected(reason, Outcome::default());
-    if scene.engine.construction == Construction::Reduced {
-        return Err(rejected(
-            "joint coordinates (construction \"reduced\") are for one finger, not for mechanisms".to_string(),
-        ));
-    }
-    if !scene.engine.uses_laws() {
-        return Err(rejected(
-            "rapier's own contact (law \"rapier\") is for fingers and discs, not for mechanisms".to_string(),
-        ));
-    }
-    let start = assemble(mechanism).map_err(|error| rejected(error.to_string()))?;
-    let plan = build_mechanism_plan(mechanism, &start).map_err(rejected)?;
-    run_plan(&plan, scene, sink, Outcome::default)
-}
-
-fn run_plan(
-    plan: &Plan,
-    scene: &Scene,
-    sink: &mut dyn Sink,
-    initial_outcome: impl Fn() -> Outcome,
-) -> Result<Outcome, RunError> {
+    let initial_outcome = || match scene.kind() {
+        SceneKind::Finger => Outcome::stationary_finger(),
+        _ => Outcome::default(),
+    };
+    let reason = unsupported(scene).map(str::to_owned);
+    let plan = reason.map_or_else(|| build_plan(scene), Err);
+    let plan = plan.map_err(|reason| RunError::rejected(reason, initial_outcome()))?;
     let engine = &scene.engine;
-    let world = build_world(plan, engine.construction, engine.response, engine.iterations);
-    match Motion::new(plan, world) {
+    let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
+    match Motion::new(&plan, world) {
         Ok(motion) => simulate(motion, scene, sink),
         Err(error) => Err(RunError::rejected(error.to_string(), initial_outcome())),
+    }
+}
+
+/// Returns why the engine model does not simulate the scene.
+fn unsupported(scene: &Scene) -> Option<&'static str> {
+    let (kind, is_reduced) = (scene.kind(), scene.engine.construction == Construction::Reduced);
+    match kind {
+        SceneKind::Gripper if is_reduced => {
+            Some("joint coordinates (construction \"reduced\") are for one finger, not for grippers")
+        }
+        SceneKind::Mechanism if is_reduced => {
+            Some("joint coordinates (construction \"reduced\") are for one finger, not for mechanisms")
+        }
+        SceneKind::Mechanism if !scene.engine.uses_laws() => {
+            Some("rapier's own contact (law \"rapier\") is for fingers and discs, not for mechanisms")
+        }
+        SceneKind::Mechanism => None,
+        _ => scene.system.unsupported(),
     }
 }
 

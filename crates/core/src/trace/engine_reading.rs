@@ -1,134 +1,142 @@
 //! Converts nodes of the engine model to samples.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::schema::JointState;
-use super::{BodyState, ContactSample, Energy, FingerState, Sample};
-use crate::engine::{
-    ContactCandidate, JointReactions, L11, L12, L21, L22, LINKS, Motion, PalmFrame, Twist, driven_link_brake_torque,
-    first_link, kinetic_energy, potential_energies,
-};
+use super::{BodyState, ContactSample, Energy, Sample};
+use crate::engine::{ContactCandidate, JointReactions, Motion, PalmFrame, Twist, kinetic_energy, potential_energies};
 use crate::law::{elastic_energy, normal_force};
-use crate::mechanism::Mechanism;
-use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{angle_between, nearest_equivalent_angle, opening_angle, perp, rotate, scale, sub};
-use crate::scene::{ContactId, Disc, Scene, Side, System};
+use crate::numeric::plane::{perp, rotate, scale, sub};
+use crate::scene::{ContactId, Disc, Scene, Side};
 
-/// Reads joints, actuators and bodies of a scene at a node of its motion.
-pub(super) fn read_state(scene: &Scene, motion: &Motion, sample: &mut Sample) {
-    match &scene.mechanism {
-        Some(mechanism) => read_mechanism(mechanism, motion, sample),
-        None => read_system(&scene.system, motion, sample),
+/// Links and joints of a finger in the plan, which start with those of the fingers.
+const LINKS: usize = 4;
+const FINGER_PINS: usize = 5;
+/// Joints of the plan for those of a finger, in the order of its samples.
+const PINS_OF_JOINTS: [usize; FINGER_PINS] = [0, 2, 1, 3, 4];
+/// Joints q21, q12, q22 and q13 in samples of a finger.
+const Q21: usize = 1;
+const Q12: usize = 2;
+const Q22: usize = 3;
+const Q13: usize = 4;
+
+/// Joint of the plan for a joint of a sample.
+fn planned_joint(sample: &Sample, joint: usize) -> usize {
+    match sample.counts().fingers {
+        0 => joint,
+        _ => joint - joint % FINGER_PINS + PINS_OF_JOINTS[joint % FINGER_PINS],
     }
 }
 
-fn read_mechanism(mechanism: &Mechanism, motion: &Motion, sample: &mut Sample) {
+/// Body of the plan of each body of a sample, or the disc that does not move.
+fn reported_bodies<'a>(scene: &'a Scene, sample: &Sample) -> impl Iterator<Item = Result<usize, &'a Disc>> + use<'a> {
+    let (discs, mut next) = (scene.system.reported_discs(), LINKS * scene.system.fingers.len());
+    (0..sample.counts().bodies).map(move |index| match discs.get(index) {
+        Some(disc) if !disc.motion.moves() => Err(disc),
+        _ => {
+            next += 1;
+            Ok(next - 1)
+        }
+    })
+}
+
+/// Reads joints, actuators and bodies of a scene at a node of its motion, relative to a moving palm.
+pub(super) fn read_state(scene: &Scene, motion: &Motion, sample: &mut Sample) {
     let (plan, state) = (motion.plan, (&motion.linkage.poses[..], &motion.velocities[..]));
-    for (index, joint) in plan.joints.iter().enumerate() {
-        let coordinate = plan.joint_coordinate(joint);
+    let frame = PalmFrame::at(plan, motion.clock.now());
+    for index in 0..sample.counts().joints {
+        let coordinate = plan.joint_coordinate(&plan.joints[planned_joint(sample, index)]);
         let (angle_rad, rate_rad_s) = (coordinate.value(state.0), coordinate.row(state.0).rate(state.1));
         sample.set_joint(index, &JointState { angle_rad, rate_rad_s, ..sample.joint_state(index) });
     }
-    for (index, actuator) in plan.actuators.iter().enumerate() {
+    for (finger, (_, of)) in scene.system.fingers_by_side().enumerate() {
+        // Angles of bodies count whole turns, but the passive angles of the analytic model do not.
+        for (joint, lowest_rad) in [(Q12, -PI), (Q22, -FRAC_PI_2 - of.linkage.lengths.phi22_rad)] {
+            let index = FINGER_PINS * finger + joint;
+            let joint = sample.joint_state(index);
+            let turns = ((joint.angle_rad - lowest_rad) / TAU).floor();
+            sample.set_joint(index, &JointState { angle_rad: joint.angle_rad - TAU * turns, ..joint });
+        }
+        set_orientation_of_l22(sample, finger);
+    }
+    let effort = |index: usize| {
         let brakes = plan.brakes.iter().enumerate().filter(|(_, brake)| brake.actuator == index);
         let brake_torque: f64 = brakes.map(|(brake, _)| motion.brake_torque(brake)).sum();
-        sample.set_actuator(index, plan.effort(*actuator, motion.clock.now(), state) + brake_torque);
+        plan.effort(plan.actuators[index], motion.clock.now(), state) + brake_torque
+    };
+    for index in 0..sample.counts().actuators {
+        // The actuator of a finger stands for the torque of all on q11, which turns a mirrored link by −1.
+        let on_link = |actuator: usize| {
+            let ratio = plan.shaft(plan.actuators[actuator]).angle_ratio(LINKS * index);
+            Side::BOTH[index].mirror() * ratio * effort(actuator)
+        };
+        sample.set_actuator(
+            index,
+            match sample.counts().fingers {
+                0 => effort(index),
+                _ => (0..plan.actuators.len()).map(on_link).sum(),
+            },
+        );
     }
-    for (index, (body, (pose, v))) in mechanism.bodies.iter().zip(state.0.iter().zip(state.1)).enumerate() {
-        // A body is reported by its frame.
-        let arm = rotate(body.com_m, pose.direction);
-        let velocity_m_s = sub([v[0], v[1]], scale(perp(arm), v[2]));
-        let centre_m = sub(pose.com, arm);
-        sample.set_body(index, &BodyState { centre_m, angle_rad: pose.angle, velocity_m_s, spin_rad_s: v[2] });
-    }
-}
-
-fn read_system(system: &System, motion: &Motion, sample: &mut Sample) {
-    let frame = PalmFrame::at(motion.plan, motion.clock.now());
-    for (index, (side, finger)) in system.fingers_by_side().enumerate() {
-        let state = (&motion.linkage.poses[..], &motion.velocities[..]);
-        let torque = motion.plan.motor_torque(first_link(side) + L11, motion.clock.now(), state);
-        let brakes = driven_link_brake_torque(motion.plan, side, |brake| motion.brake_torque(brake));
-        let phi22_rad = finger.linkage.lengths.phi22_rad;
-        let state = Links::new(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes);
-        sample.set_finger(index, &state);
-    }
-    for (index, (disc, body)) in reported_discs(system).enumerate() {
+    for (index, body) in reported_bodies(scene, sample).enumerate() {
         let state = match body {
-            Some(body) => {
-                let (pose, v) = (&motion.linkage.poses[body], &motion.velocities[body]);
-                let ([vx, vy, spin_rad_s], centre_m) = (frame.twist(pose.com, v), frame.point(pose.com));
+            Ok(body) => {
+                // A body is reported by its frame.
+                let (pose, v) = (&state.0[body], &state.1[body]);
+                let arm = rotate(plan.bodies[body].body.com_m, pose.direction);
+                let [x, y] = sub([v[0], v[1]], scale(perp(arm), v[2]));
+                let origin = sub(pose.com, arm);
+                let [vx, vy, spin_rad_s] = frame.twist(origin, &[x, y, v[2]]);
                 let angle_rad = pose.angle - frame.angular_motion()[0];
-                BodyState { centre_m, angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
+                BodyState { centre_m: frame.point(origin), angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
             }
-            None => BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() },
+            Err(disc) => BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() },
         };
         sample.set_body(index, &state);
     }
 }
 
+/// Sets the angle of q13, which in samples of a finger is the orientation of l22.
+fn set_orientation_of_l22(sample: &mut Sample, finger: usize) {
+    let [q21, q22, q13] = [Q21, Q22, Q13].map(|joint| sample.joint_state(FINGER_PINS * finger + joint));
+    let (angle_rad, rate_rad_s) = (q21.angle_rad + q22.angle_rad, q21.rate_rad_s + q22.rate_rad_s);
+    sample.set_joint(FINGER_PINS * finger + Q13, &JointState { angle_rad, rate_rad_s, ..q13 });
+}
+
 /// Sets coordinates and rates of `sample` by extrapolating freely from `from` with the accelerations of all bodies in
 /// the last step of `motion`.
 pub(super) fn extrapolate(scene: &Scene, sample: &mut Sample, from: &Sample, motion: &Motion) {
-    match &scene.mechanism {
-        Some(mechanism) => extrapolate_mechanism(mechanism, sample, from, motion),
-        None => extrapolate_system(&scene.system, sample, from, motion),
-    }
-}
-
-fn extrapolate_mechanism(mechanism: &Mechanism, sample: &mut Sample, from: &Sample, motion: &Motion) {
     let (plan, poses, velocities) = (motion.plan, &motion.linkage.poses, &motion.velocities);
     let time_s = sample.time_s - from.time_s;
-    for (index, joint) in plan.joints.iter().enumerate() {
-        let (coordinate, state) = (plan.joint_coordinate(joint), from.joint_state(index));
+    let frame = PalmFrame::at(plan, motion.clock.now());
+    for index in 0..sample.counts().joints {
+        let coordinate = plan.joint_coordinate(&plan.joints[planned_joint(sample, index)]);
+        let state = from.joint_state(index);
         let a = coordinate.row(poses).rate(&motion.step_accelerations) + coordinate.second_rate(poses, velocities);
         let angle_rad = state.angle_rad + time_s * (state.rate_rad_s + 0.5 * time_s * a);
         sample.set_joint(index, &JointState { angle_rad, rate_rad_s: state.rate_rad_s + time_s * a, ..state });
     }
-    for (index, body) in mechanism.bodies.iter().enumerate() {
-        let ([ax, ay, angular], spin) = (motion.step_accelerations[index], velocities[index][2]);
-        let arm = rotate(body.com_m, poses[index].direction);
-        let [x, y] = sub([ax, ay], sub(scale(perp(arm), angular), scale(arm, spin * spin)));
-        sample.set_body(index, &from.body(index).extrapolate(time_s, &[x, y, angular]));
+    (0..sample.counts().fingers).for_each(|finger| set_orientation_of_l22(sample, finger));
+    for (index, body) in reported_bodies(scene, sample).enumerate() {
+        let Ok(body) = body else { continue };
+        let ([ax, ay, angular], v) = (motion.step_accelerations[body], velocities[body]);
+        let arm = rotate(plan.bodies[body].body.com_m, poses[body].direction);
+        let [x, y] = sub([ax, ay], sub(scale(perp(arm), angular), scale(arm, v[2] * v[2])));
+        let [vx, vy] = sub([v[0], v[1]], scale(perp(arm), v[2]));
+        let acceleration = frame.acceleration(sub(poses[body].com, arm), &[vx, vy, v[2]], &[x, y, angular]);
+        sample.set_body(index, &from.body(index).extrapolate(time_s, &acceleration));
     }
-}
-
-fn extrapolate_system(system: &System, sample: &mut Sample, from: &Sample, motion: &Motion) {
-    let accelerations = &motion.step_accelerations;
-    let time_s = sample.time_s - from.time_s;
-    let frame = PalmFrame::at(motion.plan, motion.clock.now());
-    for (index, side) in Side::BOTH.into_iter().enumerate().take(sample.counts().fingers) {
-        let finger = Links::new(side, &frame).extrapolate(&from.finger(index), time_s, accelerations);
-        sample.set_finger(index, &FingerState { motor_torque_n_m: sample.finger(index).motor_torque_n_m, ..finger });
-    }
-    for (body, (_, moving)) in reported_discs(system).enumerate() {
-        if let Some(index) = moving {
-            let (pose, v) = (&motion.linkage.poses[index], &motion.velocities[index]);
-            let acceleration = frame.acceleration(pose.com, v, &accelerations[index]);
-            sample.set_body(body, &from.body(body).extrapolate(time_s, &acceleration));
-        }
-    }
-}
-
-/// Discs contained in samples, each with its body index in the plan; `None` for a disc that does not move.
-fn reported_discs(system: &System) -> impl Iterator<Item = (&Disc, Option<usize>)> {
-    let mut next = LINKS * system.fingers.len();
-    system.reported_discs().iter().map(move |disc| {
-        let body = disc.motion.moves().then_some(next);
-        next += usize::from(disc.motion.moves());
-        (disc, body)
-    })
 }
 
 /// Contacts whose sampled normal is opposite to that of the plan, which points to the first of its bodies: in scenes
 /// with fingers, sampled normals of palm and table point away from the discs. In a mechanism they point away from the
-/// face, and the body of the plan is that of the face if the points are fixed.
+/// face.
 pub(super) fn flipped_normals(scene: &Scene) -> Vec<bool> {
     if let Some(mechanism) = &scene.mechanism {
         let points = mechanism.point_contacts();
         return points
             .iter()
-            .map(|point| point.body.is_none())
+            .map(|point| !mechanism.points_are_first(&mechanism.contacts[point.pair]))
             .chain(mechanism.limits().iter().map(|_| false))
             .collect();
     }
@@ -185,11 +193,6 @@ fn contact_forces(motion: &Motion, candidate: &ContactCandidate) -> (f64, f64) {
     (normal, -candidate.friction_at_step_end([slip, 0.0, normal], 0.0).force)
 }
 
-/// Number of pins of a finger.
-const FINGER_PINS: usize = 5;
-/// Pins of the joints of a finger, in the order of its samples.
-const PINS_OF_JOINTS: [usize; FINGER_PINS] = [0, 2, 1, 3, 4];
-
 /// Forces in the joints during the last step. Without contacts they change linearly between the nodes; those of contacts
 /// follow from the contact forces of a sample, so that joint and contact forces of a sample belong together.
 #[derive(Default)]
@@ -237,91 +240,14 @@ impl JointForces {
             }
             force
         };
-        for finger in 0..sample.counts().fingers {
-            let force_n = |pin: usize| {
-                let [x, y, _] = reaction(sample, FINGER_PINS * finger + pin);
-                frame.direction([x, y])
-            };
-            let forces_n = PINS_OF_JOINTS.map(force_n);
-            sample.set_joint_forces(finger, &forces_n);
-        }
-        if sample.counts().fingers == 0 {
-            for joint in 0..sample.counts().joints {
-                let [x, y, moment_n_m] = reaction(sample, joint);
-                let state = JointState { force_n: [x, y], moment_n_m, ..sample.joint_state(joint) };
-                sample.set_joint(joint, &state);
-            }
-        }
-    }
-}
-
-/// Links of a finger in the plan: index of the first link, and −1 for a mirrored finger.
-#[derive(Clone, Copy)]
-struct Links {
-    first: usize,
-    mirror: f64,
-    /// Angle of the base of the finger, and its two time derivatives.
-    base_rotation: [f64; 3],
-}
-
-impl Links {
-    /// Returns the links of the finger on a side, mounted on a palm with the motion of `frame`.
-    fn new(side: Side, frame: &PalmFrame) -> Self {
-        Self { first: first_link(side), mirror: side.mirror(), base_rotation: frame.angular_motion() }
-    }
-
-    /// Reads the state of the finger.
-    ///
-    /// The angles of bodies count whole turns, but the passive angles of the analytic model do not. For the same values
-    /// here, q12 is the equivalent nearest to the angle from l11 to l12, and q22 the one nearest to the bend q22 + φ22
-    /// (with a branch cut at −90°) minus φ22.
-    fn read(self, motion: &Motion, phi22_rad: f64, motor_torque_n_m: f64) -> FingerState {
-        let poses = &motion.linkage.poses;
-        let rate = |link: usize| self.mirror * (motion.velocities[self.first + link][2] - self.base_rotation[1]);
-        let angle = |link: usize| {
-            let angle = poses[self.first + link].angle - self.base_rotation[0];
-            if self.mirror > 0.0 { angle } else { PI - angle }
-        };
-        let direction = |link: usize| {
-            let [x, y] = poses[self.first + link].direction;
-            [self.mirror * x, y]
-        };
-        let (sin, cos) = sin_cos(phi22_rad);
-        let bend = opening_angle(direction(L21), rotate(direction(L22), [cos, sin]));
-        let q12_rad = nearest_equivalent_angle(angle(L12) - angle(L11), angle_between(direction(L11), direction(L12)));
-        let q22_rad = nearest_equivalent_angle(angle(L22) - angle(L21), bend - phi22_rad);
-        FingerState {
-            q11_rad: angle(L11),
-            q21_rad: angle(L21),
-            q12_rad,
-            q22_rad,
-            q13_rad: angle(L21) + q22_rad,
-            qd11_rad_s: rate(L11),
-            qd21_rad_s: rate(L21),
-            qd12_rad_s: rate(L12) - rate(L11),
-            qd22_rad_s: rate(L22) - rate(L21),
-            motor_torque_n_m,
-        }
-    }
-
-    /// Extrapolates angles and rates over a time at constant accelerations of all bodies.
-    fn extrapolate(self, from: &FingerState, time_s: f64, accelerations: &[Twist]) -> FingerState {
-        let [a11, a12, a21, a22] = [L11, L12, L21, L22]
-            .map(|link| self.mirror * (accelerations[self.first + link][2] - self.base_rotation[2]));
-        let angle = |q: f64, rate: f64, a: f64| q + time_s * (rate + 0.5 * time_s * a);
-        let q21_rad = angle(from.q21_rad, from.qd21_rad_s, a21);
-        let q22_rad = angle(from.q22_rad, from.qd22_rad_s, a22 - a21);
-        FingerState {
-            q11_rad: angle(from.q11_rad, from.qd11_rad_s, a11),
-            q21_rad,
-            q12_rad: angle(from.q12_rad, from.qd12_rad_s, a12 - a11),
-            q22_rad,
-            q13_rad: q21_rad + q22_rad,
-            qd11_rad_s: from.qd11_rad_s + time_s * a11,
-            qd21_rad_s: from.qd21_rad_s + time_s * a21,
-            qd12_rad_s: from.qd12_rad_s + time_s * (a12 - a11),
-            qd22_rad_s: from.qd22_rad_s + time_s * (a22 - a21),
-            motor_torque_n_m: from.motor_torque_n_m,
+        for joint in 0..sample.counts().joints {
+            let planned = planned_joint(sample, joint);
+            let [x, y, moment_n_m] = reaction(sample, planned);
+            // The force on the second body of a joint; in a finger, on the link, which is the second in the plan.
+            let is_reversed = sample.counts().fingers == 0 && motion.plan.joints[planned].is_reversed;
+            let force_n = frame.direction(if is_reversed { [-x, -y] } else { [x, y] });
+            let state = JointState { force_n, moment_n_m, ..sample.joint_state(joint) };
+            sample.set_joint(joint, &state);
         }
     }
 }

@@ -310,6 +310,12 @@ impl Mechanism {
         format!("{}.{}", self.body_name(id.body), self.outline(id).name)
     }
 
+    /// Whether the body of the points precedes that of the face, with the ground last.
+    pub fn points_are_first(&self, pair: &ContactPair) -> bool {
+        let order = |id: OutlineId| id.body.unwrap_or(usize::MAX);
+        order(pair.points) < order(pair.face)
+    }
+
     /// All contacts in the order of the models: every point of every pair.
     pub fn point_contacts(&self) -> Vec<PointContact> {
         let mut all = Vec::new();

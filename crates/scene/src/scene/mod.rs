@@ -14,8 +14,10 @@
 //! | `check`, `error` | collecting, showing and locating problems |
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
-//! | `system` | [`System`], the description of the simulated system that both models read, and its possible contacts |
+//! | `system` | [`System`], a design of fingers and discs, and its possible contacts |
+//! | `builder` | the mechanism of a system |
 
+mod builder;
 pub mod check;
 mod compose;
 pub mod error;
@@ -36,6 +38,7 @@ pub mod value;
 
 pub use crate::drive::{Brake, Interpolation, Profile};
 pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
+pub use builder::OpenLoop;
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
 pub use keys::closest_match;
@@ -56,6 +59,7 @@ pub use template::Template;
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
 use crate::mechanism::Mechanism;
+use std::borrow::Cow;
 
 /// A resolved scene: everything a model needs, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +85,17 @@ pub struct Scene {
 impl Scene {
     pub fn kind(&self) -> SceneKind {
         if self.mechanism.is_some() { SceneKind::Mechanism } else { self.system.kind() }
+    }
+
+    /// Returns the mechanism that both models simulate: that of a scene of this kind, or of the fingers and discs.
+    ///
+    /// # Errors
+    /// Returns an error if the initial angles of a finger do not close its loop.
+    pub fn mechanism(&self) -> Result<Cow<'_, Mechanism>, OpenLoop> {
+        match &self.mechanism {
+            Some(mechanism) => Ok(Cow::Borrowed(mechanism)),
+            None => self.system.mechanism().map(Cow::Owned),
+        }
     }
 
     /// Returns the single finger, or the right finger of a gripper.

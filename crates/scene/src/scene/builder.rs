@@ -1,0 +1,328 @@
+//! The mechanism of a system of fingers and discs.
+//!
+//! Bodies are the links of the fingers, the moving discs in their order, and a moving palm; fixed discs and planes are
+//! outlines of the ground. The joints of a finger have the angles of the thesis as coordinates, q11, q12, q21 and q22;
+//! q13 closes the loop. A left finger is the mirror image of a right one: its joints connect the same bodies in the
+//! opposite order, so that its coordinates are the angles in the mirrored finger.
+
+use super::system::{ContactId, Differential, Disc, DiscMotion, DrivenFinger, Motor, Side, System};
+use crate::gripper::{FingerContact, Lengths, Placement, Posture, Spring, SpringKind, close_loop, straight_posture};
+use crate::law::ContactLaw;
+use crate::mechanism::{
+    self, Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
+    OutlineId, OutlineShape, Pose, PrescribedMotion, Rotor,
+};
+use crate::numeric::elementary::{cos, sin};
+use crate::numeric::plane::{cross, opening_angle, perp, scale, sub};
+use crate::shape::max_radius;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Links of a finger in the order of its bodies.
+const LINKS: [&str; 4] = ["l11", "l12", "l21", "l22"];
+const L11: usize = 0;
+const L12: usize = 1;
+const L21: usize = 2;
+const L22: usize = 3;
+/// Joints of a finger in their order.
+const JOINTS: [&str; 5] = ["q11", "q12", "q21", "q22", "q13"];
+const Q11: usize = 0;
+const Q12: usize = 1;
+const Q21: usize = 2;
+const Q22: usize = 3;
+const Q13: usize = 4;
+
+/// Error for initial angles at which the loop of a finger does not close.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OpenLoop {
+    #[error("the links do not close the loop at these initial angles; choose others")]
+    Single,
+    #[error("the links of the {} finger do not close their loop at these initial angles", .0.name())]
+    OneOfTwo(Side),
+}
+
+impl System {
+    /// Returns the mechanism of the system, with poses and rates at the start in closed form.
+    ///
+    /// # Errors
+    /// Returns an error if the initial angles of a finger do not close its loop.
+    pub fn mechanism(&self) -> Result<Mechanism, OpenLoop> {
+        let mut mechanism = Mechanism { gravity_m_s2: self.gravity_m_s2, ..Mechanism::default() };
+        let moving = self.discs.iter().filter(|disc| disc.motion.moves());
+        let palm = self.palm_motion.is_some().then_some(LINKS.len() * self.fingers.len() + moving.clone().count());
+        for (side, finger) in self.fingers_by_side() {
+            let name = |part: &str| match self.fingers.len() {
+                1 => part.to_owned(),
+                _ => format!("{}_{part}", side.name()),
+            };
+            let mount = Mount { base: palm, half_palm_m: 0.5 * self.palm_width_m, mirror: side.mirror() };
+            let open_loop = if self.fingers.len() == 1 { OpenLoop::Single } else { OpenLoop::OneOfTwo(side) };
+            add_finger(&mut mechanism, finger, &mount, &name).ok_or(open_loop)?;
+        }
+        if let Some(differential) = &self.differential {
+            add_differential(&mut mechanism, differential);
+        }
+        let discs: Vec<OutlineId> = self.discs.iter().map(|disc| add_disc(&mut mechanism, disc)).collect();
+        if let Some(motion) = self.palm_motion.clone() {
+            mechanism.bodies.push(Body {
+                motion: Some(PrescribedMotion::Palm(motion)),
+                ..body("palm".to_owned(), [0.0; 2], [0.0; 3], [0.0; 3])
+            });
+        }
+        let mut half_plane = |name: &str, body: Option<usize>, level_m: f64, side: f64| {
+            let shape = OutlineShape::HalfPlane { point_m: [0.0, level_m], normal: [0.0, side] };
+            add_outline(&mut mechanism, body, name, shape)
+        };
+        let below = if self.fingers.is_empty() { "plane" } else { "palm" };
+        let palm_plane = self.palm.map(|plane| half_plane(below, palm, plane.level_m, 1.0));
+        let table_plane = self.table.map(|plane| half_plane("table", None, plane.level_m, -1.0));
+        // For a finger on fixed surfaces, and between discs, forces act at each surface's own nearest point, as in the
+        // thesis. Where fingers can push an object away, they act at the point on the surface that is not the disc's.
+        let on_phalanx =
+            if self.fingers.len() == 1 && moving.count() == 0 { ForcePoint::Each } else { ForcePoint::Face };
+        let on_plane = if self.fingers.is_empty() { ForcePoint::Each } else { ForcePoint::Face };
+        for (_, id, law) in self.surface_contacts() {
+            let (disc, face, force_point) = match id {
+                ContactId::Phalanx(side, contact, disc) => {
+                    let link = if contact == FingerContact::Proximal { L21 } else { L22 };
+                    let body = Some(LINKS.len() * side as usize + link);
+                    (disc, Some(OutlineId { body, outline: 0 }), on_phalanx)
+                }
+                ContactId::Discs(disc, other) => (disc, Some(discs[other]), ForcePoint::Each),
+                ContactId::Palm(disc) => (disc, palm_plane, on_plane),
+                ContactId::Table(disc) => (disc, table_plane, on_plane),
+                ContactId::Stop(_) => continue,
+            };
+            let Some(face) = face else { continue };
+            mechanism.contacts.push(ContactPair { points: discs[disc], face, law, force_point });
+        }
+        Ok(mechanism)
+    }
+
+    /// Contacts of surfaces that can move against each other, with the index of their channel and their law.
+    fn surface_contacts(&self) -> Vec<(usize, ContactId, ContactLaw)> {
+        let moves = |disc: &Disc| disc.motion.moves();
+        let law = |id: &ContactId| match *id {
+            ContactId::Stop(_) => None,
+            ContactId::Phalanx(side, contact, disc) => self.discs.get(disc).and(self.finger(side).law(contact)),
+            ContactId::Discs(..) => self.between_discs,
+            ContactId::Palm(disc) => self.discs.get(disc).filter(|disc| moves(disc)).and(self.palm?.contact),
+            ContactId::Table(disc) => self.discs.get(disc).filter(|disc| moves(disc)).and(self.table?.contact),
+        };
+        let ids = self.contact_ids().into_iter().enumerate();
+        ids.filter_map(|(channel, id)| Some((channel, id, law(&id)?))).collect()
+    }
+
+    /// Returns the channels, in samples, of the contacts of [`System::mechanism`], then of its limits.
+    pub fn contact_channels(&self) -> (Vec<usize>, Vec<usize>) {
+        let has_limit = |id: &ContactId| matches!(id, ContactId::Stop(side) if self.finger(*side).limit.is_some());
+        let ids = self.contact_ids();
+        let limits = ids.iter().enumerate().filter(|(_, id)| has_limit(id)).map(|(channel, _)| channel).collect();
+        (self.surface_contacts().into_iter().map(|(channel, ..)| channel).collect(), limits)
+    }
+}
+
+/// Mounting of a finger: the body that carries it (`None`: the ground), its distance from the middle of the palm, and
+/// −1 for a finger mirrored about the y axis.
+struct Mount {
+    base: Option<usize>,
+    half_palm_m: f64,
+    mirror: f64,
+}
+
+/// Adds links, joints, spring, motor and limit of a finger; `None` if its angles do not close the loop.
+fn add_finger(
+    mechanism: &mut Mechanism,
+    driven: &DrivenFinger,
+    mount: &Mount,
+    name: &dyn Fn(&str) -> String,
+) -> Option<()> {
+    let DrivenFinger { linkage: finger, initial, motor, .. } = driven;
+    let (lengths, mirror, ground_m) = (&finger.lengths, mount.mirror, [mount.mirror * mount.half_palm_m, 0.0]);
+    let (first_body, first_joint) = (mechanism.bodies.len(), mechanism.joints.len());
+    let posture = close_loop(lengths, finger.assembly, initial.q11_rad, initial.q21_rad).ok()?;
+    let angles = link_angles(&posture, lengths.phi22_rad);
+    let rates = link_rates(lengths, &angles, [initial.qd11_rad_s, initial.qd21_rad_s]);
+    let end = |length: f64, link: usize| {
+        [ground_m[0] + mirror * (length * cos(angles[link])), ground_m[1] + length * sin(angles[link])]
+    };
+    let (a12, a22) = (end(lengths.l11_m, L11), end(lengths.l21_m, L21));
+    let origins = [ground_m, a12, ground_m, a22];
+    let masses = [finger.bodies.l11, finger.bodies.l12, finger.bodies.l21, finger.bodies.l22];
+    let ends = [
+        None,
+        None,
+        Some([lengths.l21_m, 0.0]),
+        Some([lengths.t22_m * cos(lengths.phi22_rad), lengths.t22_m * sin(mirror * lengths.phi22_rad)]),
+    ];
+    for link in 0..LINKS.len() {
+        let [x, y] = origins[link];
+        // The origins of l12 and l22 move with l11 and l21.
+        let [vx, vy] = scale(perp(sub(origins[link], ground_m)), mirror * rates[link - link % 2]);
+        let com_m = [masses[link].com_m[0], mirror * masses[link].com_m[1]];
+        let angle = if mirror > 0.0 { angles[link] } else { PI - angles[link] };
+        let surface = |to_m| OutlineShape::Capsule { from_m: [0.0; 2], to_m, radius_m: lengths.half_width_m };
+        mechanism.bodies.push(Body {
+            mass_kg: masses[link].mass_kg,
+            inertia_kg_m2: masses[link].inertia_kg_m2,
+            outlines: ends[link]
+                .map(|end| Outline { name: "surface".to_owned(), shape: surface(end) })
+                .into_iter()
+                .collect(),
+            ..body(name(LINKS[link]), com_m, [x, y, angle], [vx, vy, mirror * rates[link]])
+        });
+    }
+    let link = |link: usize| Some(first_body + link);
+    let pins = [
+        ([mount.base, link(L11)], [ground_m, [0.0; 2]]),
+        ([link(L11), link(L12)], [[lengths.l11_m, 0.0], [0.0; 2]]),
+        ([mount.base, link(L21)], [ground_m, [0.0; 2]]),
+        ([link(L21), link(L22)], [[lengths.l21_m, 0.0], [0.0; 2]]),
+        ([link(L12), link(L22)], [[lengths.l12_m, 0.0], [lengths.l22_m, 0.0]]),
+    ];
+    for (index, (mut bodies, mut points_m)) in pins.into_iter().enumerate() {
+        // The mirror image of an angle q from the base is π − q.
+        let mut offset_rad = 0.0;
+        if mirror < 0.0 {
+            bodies.reverse();
+            points_m.reverse();
+            offset_rad = if matches!(index, Q11 | Q21) { -PI } else { 0.0 };
+        }
+        let (start, start_rate) = match index {
+            Q11 => (Some(initial.q11_rad), initial.qd11_rad_s),
+            Q21 => (Some(initial.q21_rad), initial.qd21_rad_s),
+            _ => (None, 0.0),
+        };
+        let limit = driven.limit.filter(|_| index == Q22);
+        mechanism.joints.push(Joint {
+            name: name(JOINTS[index]),
+            kind: JointKind::Revolute,
+            bodies,
+            points_m,
+            offset_rad,
+            start,
+            start_rate,
+            damping: 0.0,
+            armature: if index == Q11 { motor.inertia_kg_m2 } else { 0.0 },
+            lower: limit.map(|_| -lengths.phi22_rad),
+            upper: None,
+            limit,
+        });
+    }
+    if let Some(spring) = driven.spring {
+        mechanism.springs.push(finger_spring(spring, lengths, first_joint, name("spring"))?);
+    }
+    // A finger that a differential drives has no motor.
+    if *motor != Motor::NONE {
+        mechanism.actuators.push(actuator(name("motor"), motor, JointCombination::of_joint(first_joint + Q11)));
+    }
+    Some(())
+}
+
+/// Returns a spring between the two links of its placement, with a coordinate that is zero in the straight posture and
+/// grows as the finger closes; `None` if the straight posture does not exist.
+fn finger_spring(spring: Spring, lengths: &Lengths, first_joint: usize, name: String) -> Option<mechanism::Spring> {
+    let (terms, on, against): (&[(usize, f64)], usize, usize) = match spring.placement {
+        Placement::GroundLinks => (&[(Q21, 1.0), (Q11, -1.0)], L21, L11),
+        Placement::DrivenCoupler => (&[(Q12, 1.0)], L12, L11),
+        Placement::Phalanges => (&[(Q22, 1.0)], L22, L21),
+        Placement::CouplerDistal => (&[(Q13, -1.0)], L12, L22),
+    };
+    let angles = link_angles(&straight_posture(lengths, FRAC_PI_2).ok()?, lengths.phi22_rad);
+    // Rates with q11 at constant q21.
+    let rates = link_rates(lengths, &angles, [1.0, 0.0]);
+    let closing = (rates[on] - rates[against]).signum();
+    let (torque_n_m, stiffness) = match spring.kind {
+        SpringKind::Constant { torque_n_m } => (torque_n_m, 0.0),
+        SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
+            (stiffness_n_m_per_rad * preload_rad, stiffness_n_m_per_rad)
+        }
+    };
+    let on = JointCombination {
+        terms: terms.iter().map(|(joint, factor)| (first_joint + joint, closing * factor)).collect(),
+        offset: closing * (angles[on] - angles[against]),
+    };
+    let kind = mechanism::SpringKind::Torsional { on, preload: -torque_n_m };
+    Some(mechanism::Spring { name, kind, stiffness, damping: 0.0, rest: 0.0 })
+}
+
+/// Adds the input of a differential, which turns by the mean of q11 of both fingers, and its seesaw, which turns by half
+/// of their difference.
+fn add_differential(mechanism: &mut Mechanism, differential: &Differential) {
+    let [right, left] = [Q11, JOINTS.len() + Q11];
+    let half = |sign: f64| JointCombination { terms: vec![(right, 0.5), (left, sign * 0.5)], offset: 0.0 };
+    let Differential { motor, seesaw_inertia_kg_m2 } = differential;
+    mechanism.actuators.push(actuator("input".to_owned(), motor, half(1.0)));
+    let rotors = [("input", motor.inertia_kg_m2, 1.0), ("seesaw", *seesaw_inertia_kg_m2, -1.0)];
+    let rotors = rotors.into_iter().filter(|(_, inertia, _)| *inertia > 0.0);
+    mechanism.rotors.extend(rotors.map(|(name, inertia, sign)| Rotor {
+        name: name.to_owned(),
+        on: half(sign),
+        inertia,
+    }));
+}
+
+fn actuator(name: String, motor: &Motor, on: JointCombination) -> Actuator {
+    Actuator {
+        name,
+        on,
+        command: Command::Effort(motor.actuation.clone()),
+        limit: None,
+        no_load_speed: motor.no_load_speed_rad_s,
+        brake: motor.brake,
+    }
+}
+
+/// Adds a disc: a body if it moves, otherwise an outline of the ground. Returns its outline.
+fn add_disc(mechanism: &mut Mechanism, disc: &Disc) -> OutlineId {
+    let shape = |center_m| OutlineShape::Disc { center_m, radius_m: max_radius(&disc.shape) };
+    let [x, y] = disc.centre_m;
+    let pose = [x, y, disc.angle_rad];
+    let of_disc = |[vx, vy]: [f64; 2], spin| body(disc.name.clone(), [0.0; 2], pose, [vx, vy, spin]);
+    let moving = match disc.motion {
+        DiscMotion::Fixed => return add_outline(mechanism, None, &disc.name, shape(disc.centre_m)),
+        DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => Body {
+            motion: Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }),
+            ..of_disc(velocity_m_s, spin_rad_s)
+        },
+        DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => {
+            let inertia_kg_m2 = inertia_kg_m2.unwrap_or(f64::INFINITY);
+            Body { mass_kg, inertia_kg_m2, ..of_disc(velocity_m_s, spin_rad_s) }
+        }
+    };
+    mechanism.bodies.push(moving);
+    add_outline(mechanism, Some(mechanism.bodies.len() - 1), "surface", shape([0.0; 2]))
+}
+
+/// A body without mass and outlines.
+fn body(name: String, com_m: [f64; 2], pose: Pose, rate: Pose) -> Body {
+    Body { name, mass_kg: 0.0, inertia_kg_m2: 0.0, com_m, pose, rate, motion: None, outlines: Vec::new() }
+}
+
+/// Adds an outline to a body, or to the ground for `None`.
+fn add_outline(mechanism: &mut Mechanism, body: Option<usize>, name: &str, shape: OutlineShape) -> OutlineId {
+    let outlines = match body {
+        Some(body) => &mut mechanism.bodies[body].outlines,
+        None => &mut mechanism.ground_outlines,
+    };
+    outlines.push(Outline { name: name.to_owned(), shape });
+    OutlineId { body, outline: outlines.len() - 1 }
+}
+
+/// Orientations of the four links. The angle of l22 is measured from the straight line, as q22 is in both models.
+fn link_angles(posture: &Posture, phi22: f64) -> [f64; 4] {
+    let direction = |angle: f64| [cos(angle), sin(angle)];
+    let bend = opening_angle(direction(posture.q21_rad), direction(posture.q21_rad + posture.q22_rad + phi22));
+    [posture.q11_rad, posture.q11_rad + posture.q12_rad, posture.q21_rad, posture.q21_rad + bend - phi22]
+}
+
+/// Angular rates of the four links from those of the base links; the pin q13 has one velocity.
+fn link_rates(lengths: &Lengths, angles: &[f64; 4], [w1, w2]: [f64; 2]) -> [f64; 4] {
+    // Velocity of the end of a link that rotates at rate 1.
+    let end_velocity = |length: f64, link: usize| scale(perp([cos(angles[link]), sin(angles[link])]), length);
+    let (u1, u2) = (end_velocity(lengths.l11_m, L11), end_velocity(lengths.l21_m, L21));
+    let (u3, u4) = (end_velocity(lengths.l12_m, L12), end_velocity(lengths.l22_m, L22));
+    // w3 u3 − w4 u4 = w2 u2 − w1 u1
+    let right = sub(scale(u2, w2), scale(u1, w1));
+    let determinant = cross(u3, u4);
+    [w1, cross(right, u4) / determinant, w2, cross(right, u3) / determinant]
+}
