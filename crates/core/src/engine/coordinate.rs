@@ -86,11 +86,6 @@ struct Points {
 const GROUND: BodyPose = BodyPose { com: [0.0; 2], direction: [1.0, 0.0], angle: 0.0 };
 
 impl Coordinate {
-    /// Angle of a body relative to another.
-    pub fn angle_between(on: usize, against: usize, offset: f64) -> Self {
-        Self { measure: Measure::Angle { on: (on, 1.0), against: Some((against, -1.0)) }, offset }
-    }
-
     /// Angle of a body.
     pub fn angle_of(on: usize) -> Self {
         Self { measure: Measure::Angle { on: (on, 1.0), against: None }, offset: 0.0 }

@@ -110,8 +110,11 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
     Ok(plan)
 }
 
+/// Distance of a centre of mass from a joint, in radii of gyration, below which the rotation about the joint counts.
+const AT_JOINT: f64 = 0.1;
+
 /// Returns the arm at which step sizes take the angular acceleration of a body into account: its radius of gyration, or 0 if
-/// the rotation moves no surface, or moves the centre of mass by more.
+/// the rotation moves no surface, or accelerates the centre of mass as well.
 fn gyration_m(mechanism: &Mechanism, index: usize, body: &Body) -> f64 {
     if body.inertia_kg_m2 == 0.0 {
         return 0.0;
@@ -122,7 +125,7 @@ fn gyration_m(mechanism: &Mechanism, index: usize, body: &Body) -> f64 {
     let counts = match points.peek() {
         Some(_) => points.any(|point| {
             let [x, y] = sub(point, body.com_m);
-            hypot(x, y) < gyration_m
+            hypot(x, y) < AT_JOINT * gyration_m
         }),
         None => mechanism.bodies[index].outlines.iter().any(|outline| match outline.shape {
             OutlineShape::Disc { center_m, .. } => center_m != body.com_m,
