@@ -5,7 +5,9 @@ pub use crate::log::MAX_RECORD_BYTES;
 pub use crate::study::sweep::{MAX_RUNS, MAX_SHARDED_RUNS};
 pub use crate::thesis::volume::MAX_POINTS;
 pub use crate::units::MAX_TIME_S;
-pub use phalanx_core::limits::{MAX_BODIES, MAX_DISCS, MAX_PICTURES, MAX_PROBLEMS, MAX_SAMPLES, MAX_SHOWN_PROBLEMS};
+pub use phalanx_core::limits::{
+    MAX_BODIES, MAX_CONTACTS, MAX_CORNERS, MAX_DISCS, MAX_PICTURES, MAX_PROBLEMS, MAX_SAMPLES, MAX_SHOWN_PROBLEMS,
+};
 
 /// Largest scene or study file, bytes.
 pub const MAX_SCENE_BYTES: u64 = 1 << 20;

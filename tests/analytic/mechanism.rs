@@ -20,7 +20,7 @@ use crate::support::runs::experiment_95;
 
 const N: usize = 8;
 const K: usize = 3;
-const C: usize = 12;
+const C: usize = 32;
 const Z: usize = C + 2;
 const G: usize = event_function_count(C);
 

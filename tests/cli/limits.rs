@@ -28,6 +28,8 @@ fn limits_page_matches_constants() {
         ("problems of such", format!("{}, of which {} are shown", limits::MAX_PROBLEMS, limits::MAX_SHOWN_PROBLEMS)),
         ("discs of a scene", limits::MAX_DISCS.to_string()),
         ("bodies of a mechanism", limits::MAX_BODIES.to_string()),
+        ("corners of an outline", limits::MAX_CORNERS.to_string()),
+        ("contacts of a mechanism", limits::MAX_CONTACTS.to_string()),
         ("a table (CSV or Parquet)", format!("{} MiB", limits::MAX_TABLE_BYTES >> 20)),
         ("a record of a log", format!("{} MiB", limits::MAX_RECORD_BYTES >> 20)),
         ("each of two logs", format!("{} figures", thousands(limits::MAX_COMPARED_VALUES as u64))),

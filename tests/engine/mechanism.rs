@@ -2,7 +2,7 @@
 
 use crate::support::laws::THESIS_FRICTION;
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
-use crate::support::random_mechanisms::random_mechanism;
+use crate::support::random_mechanisms::{random_falling_bodies, random_mechanism};
 use crate::support::runs::{CollectSink, experiment_95};
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{Damping, NormalLaw};
@@ -11,17 +11,18 @@ use phalanx::mechanism::{
     SpringKind,
 };
 use phalanx::numeric::plane::wrap_angle;
-use phalanx::scene::{Construction, Response, Scene, Stepping};
+use phalanx::scene::{Construction, ENGINE_MAX_STEP_S, Response, Scene, Stepping, parse_any};
 use phalanx::trace::{self, BodyState, EventKind, Model, Sample};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// A scene of a mechanism with a sample at every multiple of an interval.
+/// A scene of a mechanism with the default tolerance of its kind and a sample at every multiple of an interval.
 fn scene(mechanism: &Mechanism, duration_s: f64, interval_s: f64) -> Scene {
     let mut scene = experiment_95();
     scene.system.fingers.clear();
     scene.system.discs.clear();
     scene.mechanism = Some(mechanism.clone());
     scene.duration_s = duration_s;
+    scene.engine.stepping = Stepping::Adaptive { tolerance_m: 3e-8, max_step_s: ENGINE_MAX_STEP_S };
     scene.log.numeric_hz = 1.0 / interval_s;
     scene
 }
@@ -324,6 +325,16 @@ fn sliders_rebound_from_their_limits_as_in_closed_form() {
     }
 }
 
+/// Largest difference of the bodies at the end of a run, in rad or 0.1 m.
+fn end_difference(a: &Sample, b: &Sample) -> f64 {
+    let difference = |(a, b): (BodyState, BodyState)| {
+        let [x, y] = [0, 1].map(|axis| (a.centre_m[axis] - b.centre_m[axis]).abs());
+        // The analytic model counts the whole turns of dyads from sample to sample.
+        wrap_angle(a.angle_rad - b.angle_rad).abs().max(10.0 * x.max(y))
+    };
+    a.bodies().zip(b.bodies()).map(difference).fold(0.0, f64::max)
+}
+
 /// Random mechanisms over 20 ms. The engine passes the singular configurations at which the analytic model ends.
 #[test]
 fn random_mechanisms_agree_in_both_models() {
@@ -339,12 +350,7 @@ fn random_mechanisms_agree_in_both_models() {
             continue;
         }
         let analytic = analytic.samples.pop().expect("a sample");
-        let difference = |(a, b): (BodyState, BodyState)| {
-            let [x, y] = [0, 1].map(|axis| (a.centre_m[axis] - b.centre_m[axis]).abs());
-            // The analytic model counts the whole turns of dyads from sample to sample.
-            wrap_angle(a.angle_rad - b.angle_rad).abs().max(10.0 * x.max(y))
-        };
-        let largest = analytic.bodies().zip(engine.bodies()).map(difference).fold(0.0, f64::max);
+        let largest = end_difference(&analytic, &engine);
         assert!(largest < 1e-4, "seed {seed}: {largest:e} rad or 0.1 m");
         differences.push(largest);
     }
@@ -352,4 +358,27 @@ fn random_mechanisms_agree_in_both_models() {
     assert!(differences.len() > 90, "{} comparisons", differences.len());
     let median = differences[differences.len() / 2];
     assert!(median < 1e-6, "median {median:e} rad or 0.1 m");
+}
+
+/// Free bodies with outlines of any kind that fall on a floor and on each other: both models keep their energy and agree.
+#[test]
+fn falling_bodies_of_any_outline_agree_in_both_models() {
+    let (mut differences, mut touches) = (Vec::new(), 0);
+    for seed in 0..60 {
+        let scene = parse_any(&random_falling_bodies(seed), "random.toml").unwrap_or_else(|error| panic!("{error}"));
+        let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| {
+            let run = run(model, &scene);
+            touches += run.events.iter().filter(|event| event.kind == EventKind::TouchDown).count();
+            let last = run.samples.into_iter().next_back().expect("a sample");
+            let energy = last.energy();
+            let scale_j = 1e-3 + energy.kinetic_j + energy.dissipated_j.abs();
+            assert!(energy.balance_j.abs() < 1e-4 * scale_j, "seed {seed}, {model:?}: {energy:?}");
+            last
+        });
+        differences.push((end_difference(&analytic, &engine), seed));
+    }
+    differences.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(touches > 300, "{touches} touches");
+    let largest = differences[differences.len() - 1];
+    assert!(largest.0 < 1e-3 && differences[30].0 < 1e-5, "{:?}", &differences[50..]);
 }

@@ -265,7 +265,7 @@ fn every_part_is_read_and_shown_again() {
     let written = scene::show_written(&scene);
     assert!(written.contains("[[contacts]]") && written.contains("[laws.pad]"), "{written}");
     assert_eq!(parse(&written).mechanism, scene.mechanism, "{written}");
-    for name in ["f85-finger", "four-bar", "slider-crank", "andrews"] {
+    for name in ["f85-finger", "four-bar", "slider-crank", "andrews", "jaws"] {
         assert_round_trip(&shipped(name));
     }
 }
@@ -321,4 +321,118 @@ fn drawings_follow_the_bodies() {
     }
     assert_eq!((before.len(), before[0].angle_rad), (names.len(), 0.0));
     assert!((before[1].angle_rad + FRAC_PI_4 - 5f64.to_radians()).abs() < 1e-5);
+}
+
+/// A scene of free bodies with one outline each, and the entries of contacts.
+fn with_outlines(outlines: &[&str], contacts: &str) -> String {
+    let mut text = "kind = \"mechanism\"\n[laws.pad]\nstiffness = 1e6\n".to_string();
+    for (index, outline) in outlines.iter().enumerate() {
+        let x = 100 * index;
+        text += &format!(
+            "[bodies.b{index}]\nmass = \"1 g\"\ninertia = \"1 g*mm^2\"\nstart = {{ at = [\"{x} mm\", \"0 mm\"] }}\n"
+        );
+        text += &format!("[bodies.b{index}.outlines.skin]\n{outline}\n");
+    }
+    format!("{text}[[contacts]]\n{contacts}\nlaw = \"pad\"\n")
+}
+
+const DISC: &str = "type = \"disc\"\nradius = \"10 mm\"";
+const BAR: &str = "type = \"capsule\"\nfrom = [\"0 mm\", \"0 mm\"]\nto = [\"30 mm\", \"0 mm\"]\nradius = \"2 mm\"";
+const BOX: &str = "type = \"box\"\nsize = [\"40 mm\", \"30 mm\"]\nrounding = \"1 mm\"";
+const SHARP: &str = "type = \"box\"\nsize = [\"40 mm\", \"30 mm\"]";
+const EGG: &str = "type = \"ellipse\"\nsemi_axes = [\"20 mm\", \"10 mm\"]\nangle = \"90 deg\"";
+const FLOOR: &str = "type = \"half_plane\"\nnormal = [0, 1]";
+
+#[test]
+fn outlines_of_any_kind_are_read_and_shown_again() {
+    let scene = parse(&with_outlines(&[BOX, EGG, BAR, DISC], "between = [\"*\", \"b*.skin\"]"));
+    assert_round_trip(&scene);
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    let OutlineShape::Polygon { vertices_m, radius_m } = &of.bodies[0].outlines[0].shape else { panic!("a polygon") };
+    let expected = [[-0.019, -0.014], [0.019, -0.014], [0.019, 0.014], [-0.019, 0.014]];
+    let error = vertices_m.iter().flatten().zip(expected.iter().flatten()).map(|(a, b)| (a - b).abs());
+    assert!(error.fold(0.0, f64::max) < 1e-17 && *radius_m == 0.001, "{vertices_m:?}");
+    // Bodies with corners touch in both directions, each pair once; discs and ellipses with their points.
+    let names: Vec<String> = of.point_contacts().into_iter().map(|contact| contact.name).collect();
+    let count = |pair: &str| names.iter().filter(|name| name.split('[').next() == Some(pair) || *name == pair).count();
+    assert_eq!(names.len(), 1 + (4 + 2) + 1 + 1 + 1 + 1, "{names:?}");
+    assert!(names.contains(&"b0.skin[3]/b2.skin".to_string()) && names.contains(&"b2.skin[1]/b0.skin".to_string()));
+    assert!(
+        names.contains(&"b1.skin/b0.skin".to_string()) && names.contains(&"b1.skin/b3.skin".to_string()),
+        "{names:?}"
+    );
+    assert_eq!((count("b0.skin"), count("b2.skin")), (4, 2));
+    // A sharp outline may touch a half plane.
+    let falling = parse(&with_outlines(&[SHARP, FLOOR], "points = \"b0.skin\"\nface = \"b1.skin\""));
+    assert_round_trip(&falling);
+}
+
+#[test]
+fn contacts_that_are_not_defined_are_refused_with_the_remedy() {
+    let polygon = |vertices: &str| format!("type = \"polygon\"\nrounding = \"1 mm\"\nvertices = [{vertices}]");
+    let corners = |points: &[[i32; 2]]| {
+        let corners: Vec<String> = points.iter().map(|[x, y]| format!("[\"{x} mm\", \"{y} mm\"]")).collect();
+        polygon(&corners.join(", "))
+    };
+    let clockwise = corners(&[[0, 0], [0, 20], [20, 0]]);
+    let concave = corners(&[[0, 0], [20, 0], [5, 5], [0, 20]]);
+    let star = corners(&[[0, 10], [-6, -8], [10, 3], [-10, 3], [6, -8]]);
+    let thin = "type = \"box\"\nsize = [\"40 mm\", \"2 mm\"]\nrounding = \"1 mm\"";
+    let between = "between = [\"b0\", \"b1\"]";
+    let cases: [(&[&str], &str, &str); 12] = [
+        (&[SHARP, SHARP], between, "neither `b0.skin` nor `b1.skin` has a radius"),
+        (&[EGG, SHARP], between, "give a polygon a rounding"),
+        (&[EGG, EGG], between, "is an ellipse, which cannot be a face"),
+        (&[BAR, EGG], "points = \"b0.skin\"\nface = \"b1.skin\"", "swap points and face"),
+        (&[FLOOR, FLOOR], between, "is a half plane, which has no points"),
+        (&[clockwise.as_str(), BOX], between, "write them in the reverse order"),
+        (&[concave.as_str(), BOX], between, "is not convex"),
+        (&[star.as_str(), BOX], between, "is not convex"),
+        (&[thin, BOX], between, "must be below 1 mm: a side vanishes"),
+        (&[BOX, BOX], "between = [\"b0\", \"c*\"]", "there is no outline `c*`"),
+        (&[BOX, BOX], "between = [\"b0\", \"b0\"]", "belong to one body"),
+        (
+            &[BOX, DISC],
+            "between = [\"b*\", \"*\"]\nlaw = \"pad\"\n[[contacts]]\npoints = \"b1.skin\"\nface = \"b0.skin\"",
+            "listed twice",
+        ),
+    ];
+    for (outlines, contacts, expected) in cases {
+        let text = with_outlines(outlines, contacts);
+        let error = scene::parse_any(&text, "test.toml").expect_err(&text).to_string();
+        assert!(error.contains(expected), "{expected}: {error}");
+    }
+}
+
+/// Mass, centre and inertia from density and depth, against a polygon of many corners along the same outline.
+#[test]
+fn density_and_depth_give_mass_and_inertia() {
+    let angled =
+        format!("{BOX}\ncenter = [\"3 mm\", \"1 mm\"]\nangle = \"20 deg\"").replace("1 mm\"\ncenter", "6 mm\"\ncenter");
+    for outline in [DISC, BAR, EGG, &angled] {
+        let text = with_outlines(&[outline, FLOOR], "points = \"b0.skin\"\nface = \"b1.skin\"").replacen(
+            "mass = \"1 g\"\ninertia = \"1 g*mm^2\"",
+            "density = \"1000 kg/m^3\"\ndepth = \"20 mm\"",
+            1,
+        );
+        let scene = parse(&text);
+        assert_round_trip(&scene);
+        let body = &scene.mechanism.as_ref().expect("a mechanism").bodies[0];
+        let drawn = Drawing::from_scene(&scene);
+        let of_body = drawn.bodies.iter().find(|drawn| drawn.name == "b0").expect("a body");
+        let vertices_m = match &of_body.shapes[0] {
+            drawing::Shape::Polygon { corners_m } => corners_m.clone(),
+            drawing::Shape::Disc { .. } | drawing::Shape::Capsule { .. } => continue,
+            drawing::Shape::HalfPlane { .. } => panic!("a shape with an area"),
+        };
+        let area = OutlineShape::Polygon { vertices_m, radius_m: 0.0 }.area().expect("an area");
+        // The corners of an arc are within it.
+        let ratio = |a: f64, b: f64| a / b - 1.0;
+        assert!((0.0..1e-2).contains(&ratio(body.mass_kg, 20.0 * area.area_m2)), "{outline}: {body:?}, {area:?}");
+        assert!(
+            (0.0..2e-2).contains(&ratio(body.inertia_kg_m2, 20.0 * area.polar_m4)),
+            "{outline}: {body:?}, {area:?}"
+        );
+        assert!((0..2).all(|k| (body.com_m[k] - area.centroid_m[k]).abs() < 1e-9), "{outline}: {body:?}, {area:?}");
+    }
 }

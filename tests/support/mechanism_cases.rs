@@ -110,6 +110,10 @@ fn mechanism(scene: &Value) -> Mechanism {
     };
     mechanism.joints = list(&scene["joint"]).map(|value| joint(value, &mechanism)).collect();
     mechanism.couplings = list(&scene["coupling"]).map(|value| coupling(value, &mechanism)).collect();
+    // The reference program also states the starts that follow from a coupling.
+    for coupling in &mechanism.couplings {
+        mechanism.joints[coupling.on.terms[0].0].start = None;
+    }
     mechanism.springs = list(&scene["spring"]).map(|value| spring(value, &mechanism)).collect();
     mechanism.actuators = list(&scene["actuator"]).map(|value| actuator(value, &mechanism)).collect();
     mechanism.contacts = list(&scene["contact"]).map(|value| contact(value, &mechanism)).collect();
@@ -139,6 +143,14 @@ fn outline(value: &Value) -> Outline {
         Some("half_plane") => {
             OutlineShape::HalfPlane { point_m: numbers(&value["point"]), normal: numbers(&value["normal"]) }
         }
+        Some("polygon") => {
+            OutlineShape::Polygon { vertices_m: list(&value["vertices"]).map(numbers).collect(), radius_m }
+        }
+        Some("ellipse") => OutlineShape::Ellipse {
+            center_m: numbers(&value["center"]),
+            semi_axes_m: numbers(&value["semi_axes"]),
+            angle_rad: number(&value["angle"]),
+        },
         other => panic!("outline {other:?}"),
     };
     Outline { name: text(&value["name"]), shape }
@@ -169,7 +181,7 @@ fn joint(value: &Value, mechanism: &Mechanism) -> Joint {
 fn coupling(value: &Value, mechanism: &Mechanism) -> Coupling {
     let terms = object(&value["terms"]).map(|(joint, factor)| (joint_index(joint, mechanism), number(factor)));
     let on = JointCombination { terms: terms.collect(), offset: or(&value["value"], 0.0) };
-    Coupling { name: text(&value["name"]), on }
+    Coupling { name: value["name"].as_str().unwrap_or("coupling").to_owned(), on }
 }
 
 fn spring(value: &Value, mechanism: &Mechanism) -> Spring {

@@ -8,6 +8,10 @@ pub const MAX_SHOWN_PROBLEMS: usize = 20;
 pub const MAX_DISCS: usize = 100;
 /// Maximum number of bodies of a mechanism.
 pub const MAX_BODIES: usize = 100;
+/// Maximum number of corners of an outline.
+pub const MAX_CORNERS: usize = 32;
+/// Maximum number of contacts of a mechanism: points of outlines against others.
+pub const MAX_CONTACTS: usize = 1000;
 /// Maximum number of grid samples of a run, 300 to 700 bytes each in a log.
 pub const MAX_SAMPLES: f64 = 1e7;
 /// Maximum number of pictures of a run, 2,000 bytes each in a log.

@@ -100,7 +100,7 @@ fn placements(mechanism: &Mechanism) -> impl Iterator<Item = (Option<usize>, Pos
     let half_planes = outlined(mechanism).flat_map(|(body, outlines)| {
         outlines.iter().filter_map(move |outline| match outline.shape {
             OutlineShape::HalfPlane { point_m, normal: [x, y] } => Some((body, pose(point_m, atan2(y, x) - FRAC_PI_2))),
-            OutlineShape::Disc { .. } | OutlineShape::Capsule { .. } => None,
+            _ => None,
         })
     });
     half_planes.chain(outlined(mechanism).map(|(body, _)| (body, Pose::default())))
@@ -122,9 +122,9 @@ fn parts(mechanism: &Mechanism) -> Vec<Part> {
         let points: Vec<[f64; 2]> = joint_points(mechanism, body).collect();
         let surfaces = outlines.iter().filter_map(|outline| match outline.shape {
             OutlineShape::Disc { center_m, radius_m } if center_m == [0.0; 2] => Some(Shape::Disc { radius_m }),
-            OutlineShape::Disc { center_m, radius_m } => Some(circle(center_m, radius_m)),
             OutlineShape::Capsule { from_m, to_m, radius_m } => Some(Shape::Capsule { from_m, to_m, radius_m }),
             OutlineShape::HalfPlane { .. } => None,
+            _ => Some(Shape::Polygon { corners_m: corners_m(&outline.shape) }),
         });
         let mut shapes: Vec<Shape> = surfaces.collect();
         // The ground has no bars.
@@ -159,19 +159,48 @@ fn joint_points(mechanism: &Mechanism, body: Option<usize>) -> impl Iterator<Ite
 fn size_m(mechanism: &Mechanism) -> f64 {
     let reach = |[x, y]: [f64; 2]| hypot(x, y);
     let joints = mechanism.joints.iter().flat_map(|joint| joint.points_m).map(reach);
-    let outlines = outlined(mechanism).flat_map(|(_, outlines)| outlines).map(|outline| {
-        let (points, radius_m) = outline.shape.points();
-        points.into_iter().map(reach).fold(0.0, f64::max) + radius_m
-    });
+    let outlines = outlined(mechanism)
+        .flat_map(|(_, outlines)| outlines)
+        .map(|outline| corners_m(&outline.shape).into_iter().map(reach).fold(0.0, f64::max));
     joints.chain(outlines).fold(1e-3, f64::max)
 }
 
 fn circle(center_m: [f64; 2], radius_m: f64) -> Shape {
-    let corner = |k: usize| {
-        let (sin, cos) = sin_cos(TAU * k as f64 / CIRCLE_CORNERS as f64);
-        add(center_m, [radius_m * cos, radius_m * sin])
+    Shape::Polygon { corners_m: corners_m(&OutlineShape::Disc { center_m, radius_m }) }
+}
+
+/// Corners of a polygon along an outline; none of a half plane.
+fn corners_m(shape: &OutlineShape) -> Vec<[f64; 2]> {
+    if let OutlineShape::Ellipse { center_m, semi_axes_m: [a, b], angle_rad } = *shape {
+        let (sin, cos) = sin_cos(angle_rad);
+        return arc(0.0, TAU).map(|[x, y]| add(center_m, rotate([a * x, b * y], [cos, sin]))).collect();
+    }
+    let (vertices_m, radius_m) = (shape.vertices_m(), shape.radius_m());
+    let count = vertices_m.len();
+    // Angle of the outer normal of the side after a vertex.
+    let normal_rad = |k: usize| {
+        let [x, y] = sub(vertices_m[(k + 1) % count], vertices_m[k % count]);
+        atan2(-x, y)
     };
-    Shape::Polygon { corners_m: (0..CIRCLE_CORNERS).map(corner).collect() }
+    let turn_rad = |k: usize| match count {
+        1 => TAU,
+        _ => (normal_rad(k) - normal_rad(k + count - 1)).rem_euclid(TAU),
+    };
+    let rounded = |k: usize| {
+        let arc = arc(normal_rad(k + count - 1), if radius_m > 0.0 { turn_rad(k) } else { 0.0 });
+        let vertex_m = vertices_m[k];
+        arc.map(move |normal| add(vertex_m, scale(normal, radius_m)))
+    };
+    (0..count).flat_map(rounded).collect()
+}
+
+/// Unit vectors along an arc.
+fn arc(start_rad: f64, turn_rad: f64) -> impl Iterator<Item = [f64; 2]> {
+    let count = (CIRCLE_CORNERS as f64 * turn_rad / TAU).round() as usize;
+    (0..=count).map(move |k| {
+        let (sin, cos) = sin_cos(start_rad + turn_rad * k as f64 / count.max(1) as f64);
+        [cos, sin]
+    })
 }
 
 fn bar(from_m: [f64; 2], to_m: [f64; 2], half_width_m: f64) -> Shape {

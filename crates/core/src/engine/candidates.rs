@@ -2,43 +2,18 @@
 
 use std::f64::consts::TAU;
 
-use parry2d_f64::query;
-use rapier2d_f64::prelude::*;
-
+use super::closest::{ClosestPoints, closest_points};
 use super::coordinate::{BodyPose, Row, Twist};
 use super::linkage::Linkage;
-use super::plan::{
-    ContactPointConvention, Plan, PlannedBrake, PlannedContact, PlannedMotor, PlannedServo, ServoLaw, SurfaceId,
-};
-use super::world::{World, surface_pose_in_frame};
+use super::plan::{Plan, PlannedBody, PlannedBrake, PlannedContact, PlannedMotor, PlannedServo, ServoLaw};
+use super::world::World;
 use crate::law::{
     Bristle, BristleStep, FrictionLaw, NormalForce, NormalLaw, friction_coefficient, implicit_bristle_step,
     normal_force,
 };
 use crate::numeric::elementary::hypot;
-use crate::numeric::plane::{add, cross, perp, rotate, scale, sub};
+use crate::numeric::plane::{cross, perp, sub};
 use crate::scene::Response;
-
-/// Gap, closest point on each surface, and normal from the other surface to the body's.
-#[derive(Clone, Copy, Debug)]
-struct ClosestPoints {
-    gap: f64,
-    point: [f64; 2],
-    other_point: [f64; 2],
-    normal: [f64; 2],
-}
-
-impl ClosestPoints {
-    /// Returns the points of the body and of the other surface at which the contact forces act.
-    fn at(&self, convention: ContactPointConvention) -> [[f64; 2]; 2] {
-        match convention {
-            ContactPointConvention::EachSurface => [self.point, self.other_point],
-            ContactPointConvention::BodySurface => [self.point; 2],
-            ContactPointConvention::PartnerSurface => [self.other_point; 2],
-            ContactPointConvention::Middle => [scale(add(self.point, self.other_point), 0.5); 2],
-        }
-    }
-}
 
 /// A possible contact, stop, brake, motor or servo at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -335,11 +310,33 @@ pub(crate) fn zero_rounding_gaps(candidates: &mut [ContactCandidate], velocities
     }
 }
 
-/// Sets the rotation rates of the normals, from the normals `before`, a time `dt` earlier.
-pub(crate) fn set_normal_rotation_rates(candidates: &mut [ContactCandidate], before: &[[f64; 2]], dt: f64) {
-    for (candidate, before) in candidates.iter_mut().zip(before) {
-        let [x, y] = sub(candidate.normal, *before);
-        candidate.normal_rotation_rate = hypot(x, y) / dt;
+/// Rotation, rad, as which a change of a lever arm by the gyration radius of its body counts: a corner that rebounds from
+/// a floor passes its error of the spin on to all later impacts. With 1, a box dropped on a corner turns 1.3e-4 rad wrong.
+const LEVER_ROTATION: f64 = 8.0;
+
+/// Sets the rotation rates of the normals, from the normals and normal rows `before`, a time `dt` earlier. In bodies with
+/// a gyration radius, changes of lever arms count as well.
+pub(crate) fn set_normal_rotation_rates(
+    candidates: &mut [ContactCandidate],
+    bodies: &[PlannedBody],
+    before: &[([f64; 2], Row)],
+    dt: f64,
+) {
+    let turn = |(body, [.., arm]): (usize, Twist), (_, [.., arm_before]): (usize, Twist)| {
+        let gyration_m = bodies[body].gyration_m;
+        if gyration_m > 0.0 { LEVER_ROTATION * (arm - arm_before).abs() / gyration_m } else { 0.0 }
+    };
+    for (candidate, (normal_before, row_before)) in candidates.iter_mut().zip(before) {
+        let [x, y] = sub(candidate.normal, *normal_before);
+        let mut rotation = hypot(x, y);
+        if candidate.is_between_surfaces() {
+            let row = &candidate.normal_row;
+            rotation = rotation.max(turn(row.on, row_before.on));
+            if let Some((on, on_before)) = row.against.zip(row_before.against) {
+                rotation = rotation.max(turn(on, on_before));
+            }
+        }
+        candidate.normal_rotation_rate = rotation / dt;
     }
 }
 
@@ -378,34 +375,4 @@ fn gap_rounding(plan: &Plan, contact: &PlannedContact, poses: &[BodyPose]) -> f6
     let size = |[x, y]: [f64; 2]| x.abs().max(y.abs());
     let other = contact.against.body.map_or_else(|| plan.surface(contact.against).origin_m, |body| poses[body].com);
     f64::EPSILON * (size(poses[contact.body].com) + size(other))
-}
-
-/// Returns the closest points of a contact at given poses, from parry, which handles its round and flat shapes exactly.
-fn closest_points(world: &World, plan: &Plan, index: usize, poses: &[BodyPose]) -> Option<ClosestPoints> {
-    let contact = &plan.contacts[index];
-    let [collider, other] = world.contacts[index].map(|handle| &world.physics.colliders[handle]);
-    let pose = surface_pose(plan, SurfaceId { body: Some(contact.body), index: contact.surface }, poses);
-    let other_pose = surface_pose(plan, contact.against, poses);
-    let result = query::contact(&other_pose, other.shape(), &pose, collider.shape(), Real::MAX).ok()??;
-    let (point, other_point, normal) = (result.point2, result.point1, result.normal1);
-    Some(ClosestPoints {
-        gap: result.dist,
-        point: [point.x, point.y],
-        other_point: [other_point.x, other_point.y],
-        normal: [normal.x, normal.y],
-    })
-}
-
-/// Returns the rapier pose of a surface.
-fn surface_pose(plan: &Plan, id: SurfaceId, poses: &[BodyPose]) -> Pose {
-    let surface = surface_pose_in_frame(plan.surface(id));
-    id.body.map_or(surface, |body| frame_pose(plan, body, poses) * surface)
-}
-
-/// Returns the rapier pose of a body frame from the pose of its centre of mass.
-fn frame_pose(plan: &Plan, body: usize, poses: &[BodyPose]) -> Pose {
-    let pose = &poses[body];
-    let origin = sub(pose.com, rotate(plan.bodies[body].body.com_m, pose.direction));
-    let rotation = Rotation { re: pose.direction[0], im: pose.direction[1] };
-    Pose::from_parts(Vector::new(origin[0], origin[1]), rotation)
 }

@@ -9,10 +9,10 @@ use super::plan::{
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
 use crate::mechanism::{
-    Actuator, Command, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlineShape, PointContact,
-    SpringKind, Start, assemble,
+    Actuator, Command, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlinePoint, OutlineShape,
+    PointContact, SpringKind, Start, assemble,
 };
-use crate::numeric::elementary::hypot;
+use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, perp, scale, sub};
 use crate::scene::Scene;
 use crate::shape;
@@ -277,12 +277,16 @@ fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
     }
 }
 
-/// Adds a contact of a point, as a disc, with a face. The body of the contact is the first of both in the mechanism. The gap
-/// between two fixed surfaces does not change, and they are omitted.
+/// Adds a contact of a point, as a disc, or of an ellipse with a face. The body of the contact is the first of both in the
+/// mechanism. The gap between two fixed surfaces does not change, and they are omitted.
 fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, channel: usize) {
     let pair = &mechanism.contacts[contact.pair];
-    let disc = Shape::Disc(shape::Shape::Disc { radius_m: contact.radius_m });
-    let point = PlannedSurface { shape: disc, origin_m: contact.point_m, direction: [1.0, 0.0] };
+    let point = match contact.point {
+        OutlinePoint::Vertex { point_m, radius_m } => aligned(Shape::Disc(shape::Shape::Disc { radius_m }), point_m),
+        OutlinePoint::Ellipse { center_m, semi_axes_m, axis } => {
+            PlannedSurface { shape: Shape::Ellipse { semi_axes_m }, origin_m: center_m, direction: axis }
+        }
+    };
     let mut id = |body: Option<usize>, surface: PlannedSurface| {
         let surfaces = match body {
             Some(body) => &mut plan.bodies[body].surfaces,
@@ -313,16 +317,27 @@ fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, c
     }
 }
 
+/// A surface with the axes of its body.
+fn aligned(shape: Shape, origin_m: [f64; 2]) -> PlannedSurface {
+    PlannedSurface { shape, origin_m, direction: [1.0, 0.0] }
+}
+
 fn face_surface(shape: &OutlineShape) -> PlannedSurface {
-    let aligned = |shape, origin_m| PlannedSurface { shape, origin_m, direction: [1.0, 0.0] };
     match *shape {
         OutlineShape::Disc { center_m, radius_m } => aligned(Shape::Disc(shape::Shape::Disc { radius_m }), center_m),
         OutlineShape::Capsule { from_m, to_m, radius_m } => {
             aligned(Shape::Capsule(Capsule { end_m: sub(to_m, from_m), radius_m }), from_m)
         }
+        OutlineShape::Polygon { ref vertices_m, radius_m } => {
+            aligned(Shape::Polygon { vertices_m: vertices_m.clone(), radius_m }, [0.0; 2])
+        }
         // The half plane lies below the x axis of its frame.
         OutlineShape::HalfPlane { point_m, normal: [x, y] } => {
             PlannedSurface { shape: Shape::HalfPlane, origin_m: point_m, direction: [y, -x] }
+        }
+        OutlineShape::Ellipse { center_m, semi_axes_m, angle_rad } => {
+            let (sin, cos) = sin_cos(angle_rad);
+            PlannedSurface { shape: Shape::Ellipse { semi_axes_m }, origin_m: center_m, direction: [cos, sin] }
         }
     }
 }

@@ -4,6 +4,7 @@
 //! analytic model: both share only the scene, lengths, masses and scalar laws.
 
 mod candidates;
+mod closest;
 mod contact_space;
 mod coordinate;
 mod dense;

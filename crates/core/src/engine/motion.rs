@@ -121,7 +121,7 @@ pub struct Motion<'a> {
     pub tolerance_m: f64,
     rate_correction: RateCorrection,
     /// Normals of the candidates before the step.
-    previous_normals: Vec<[f64; 2]>,
+    previous_normals: Vec<([f64; 2], Row)>,
     /// Poses before the step, from which the mean velocities of a multibody are computed.
     previous_poses: Vec<[f64; 3]>,
     /// Motor torques before the step.
@@ -234,9 +234,10 @@ impl<'a> Motion<'a> {
         );
         self.contact_work_j += work;
         self.motor_work_j -= on_driven;
-        refill(&mut self.previous_normals, self.candidates.iter().map(|candidate| candidate.normal));
+        let normals = self.candidates.iter().map(|candidate| (candidate.normal, candidate.normal_row));
+        refill(&mut self.previous_normals, normals);
         candidates::collect(&self.world, self.plan, &self.linkage, &mut self.candidates);
-        candidates::set_normal_rotation_rates(&mut self.candidates, &self.previous_normals, dt);
+        candidates::set_normal_rotation_rates(&mut self.candidates, &self.plan.bodies, &self.previous_normals, dt);
         // A torque discontinuity at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
         forces::smooth_forces(self.plan, &self.linkage, before_node, &mut self.forces);

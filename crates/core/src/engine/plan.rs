@@ -50,13 +50,22 @@ impl PlannedBody {
 }
 
 /// A shape, in the frame of its surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     Capsule(Capsule),
     /// A convex shape around the origin of its frame.
     Disc(shape::Shape),
     /// The half-plane below the origin of its frame.
     HalfPlane,
+    /// A convex polygon, enlarged by a radius; vertices are counter-clockwise.
+    Polygon {
+        vertices_m: Vec<[f64; 2]>,
+        radius_m: f64,
+    },
+    /// An ellipse around the origin of its frame, with its first semi-axis along x.
+    Ellipse {
+        semi_axes_m: [f64; 2],
+    },
 }
 
 /// A capsule from the origin.
@@ -67,7 +76,7 @@ pub struct Capsule {
 }
 
 /// A surface in the frame of its body, or in the world frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PlannedSurface {
     pub shape: Shape,
     pub origin_m: [f64; 2],

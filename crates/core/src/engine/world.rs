@@ -5,6 +5,7 @@ use rapier2d_f64::prelude::*;
 
 use super::plan::{Capsule, Plan, PlannedContact, PlannedJoint, PlannedSurface, Shape, SurfaceId};
 use crate::mechanism::JointKind;
+use crate::numeric::elementary::hypot;
 use crate::scene::{Construction, Response};
 use crate::shape::max_radius;
 
@@ -110,13 +111,14 @@ fn refresh(world: &mut World) {
 
 fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
     let surfaces = plan.fixed_surfaces.iter().chain(plan.bodies.iter().flat_map(|body| &body.surfaces));
-    let shapes = surfaces.map(|surface| surface.shape);
-    let radius = |shape| match shape {
-        Shape::Capsule(Capsule { radius_m, .. }) => radius_m,
-        Shape::Disc(shape) => max_radius(&shape),
+    let radius = |surface: &PlannedSurface| match &surface.shape {
+        Shape::Capsule(Capsule { radius_m, .. }) => *radius_m,
+        Shape::Disc(shape) => max_radius(shape),
         Shape::HalfPlane => 0.0,
+        Shape::Polygon { vertices_m, radius_m } => reach(vertices_m) + radius_m,
+        Shape::Ellipse { semi_axes_m: [a, b] } => a.max(*b),
     };
-    let largest_radius_m = shapes.map(radius).filter(|radius_m| *radius_m > 0.0).reduce(f64::max);
+    let largest_radius_m = surfaces.map(radius).filter(|radius_m| *radius_m > 0.0).reduce(f64::max);
     let prediction_distance_m = largest_radius_m.map_or(SHARP_PREDICTION_M, |radius_m| PREDICTION_RADII * radius_m);
     IntegrationParameters {
         num_solver_iterations: 1,
@@ -171,7 +173,7 @@ fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
             Response::Rapier { friction, restitution } => builder.friction(friction).restitution(restitution),
         }
     };
-    let placed = |surface: &PlannedSurface| collider(surface.shape).position(surface_pose_in_frame(surface));
+    let placed = |surface: &PlannedSurface| collider(&surface.shape).position(surface_pose_in_frame(surface));
     let fixed: Vec<_> = plan
         .fixed_surfaces
         .iter()
@@ -216,14 +218,22 @@ fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
     InteractionGroups::new(group(surface), partners, InteractionTestMode::And)
 }
 
-/// Returns the rapier collider of a surface.
-pub(crate) fn collider(shape: Shape) -> ColliderBuilder {
+/// Distance of the furthest vertex from the origin.
+fn reach(vertices_m: &[[f64; 2]]) -> f64 {
+    vertices_m.iter().map(|[x, y]| hypot(*x, *y)).fold(0.0, f64::max)
+}
+
+/// Returns the rapier collider of a surface: of polygons and ellipses, whose closest points are computed here, a disc
+/// that contains them.
+pub(crate) fn collider(shape: &Shape) -> ColliderBuilder {
     match shape {
         Shape::Capsule(capsule) => {
             let [x, y] = capsule.end_m;
             ColliderBuilder::capsule_from_endpoints(Vector::ZERO, Vector::new(x, y), capsule.radius_m)
         }
-        Shape::Disc(shape) => ColliderBuilder::ball(max_radius(&shape)),
+        Shape::Disc(shape) => ColliderBuilder::ball(max_radius(shape)),
+        Shape::Polygon { vertices_m, radius_m } => ColliderBuilder::ball(reach(vertices_m) + radius_m),
+        Shape::Ellipse { semi_axes_m: [a, b] } => ColliderBuilder::ball(a.max(*b)),
         Shape::HalfPlane => ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)),
     }
 }

@@ -14,9 +14,10 @@ use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::Scene;
 
 /// Sizes of mechanisms that the model is compiled for; the last one is the largest.
-const SIZES: [MechanismSize; 2] = [
+const SIZES: [MechanismSize; 3] = [
     MechanismSize { coordinates: 8, group: 3, contacts: 12, actuators: 8 },
-    MechanismSize { coordinates: 24, group: 12, contacts: 32, actuators: 8 },
+    MechanismSize { coordinates: 8, group: 3, contacts: 32, actuators: 8 },
+    MechanismSize { coordinates: 24, group: 12, contacts: 64, actuators: 8 },
 ];
 
 /// Runs a scene of a mechanism.
@@ -24,9 +25,11 @@ pub(super) fn run_mechanism(scene: &Scene, mechanism: &Mechanism, sink: &mut dyn
     let rejected = |reason: String| RunError::rejected(reason, Outcome::default());
     let size = MechanismSize::new(mechanism).map_err(|error| rejected(error.to_string()))?;
     if size.fits(&SIZES[0]) {
-        run_sized::<8, 3, 12, 14, 44>(scene, mechanism, sink)
+        run_sized::<8, 3, 12, 14, 45>(scene, mechanism, sink)
     } else if size.fits(&SIZES[1]) {
-        run_sized::<24, 12, 32, 34, 104>(scene, mechanism, sink)
+        run_sized::<8, 3, 32, 34, 105>(scene, mechanism, sink)
+    } else if size.fits(&SIZES[2]) {
+        run_sized::<24, 12, 64, 66, 201>(scene, mechanism, sink)
     } else {
         let [.., largest] = SIZES;
         Err(rejected(format!(

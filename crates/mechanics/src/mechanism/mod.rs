@@ -6,19 +6,23 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `outline` | outlines of bodies and their contacts |
 //! | `structure` | the order in which bodies are placed: joints with coordinates, and dyads that close loops |
 
 pub mod structure;
 
 mod assembly;
+mod outline;
 
 use crate::drive::{Brake, Profile};
-use crate::law::{ContactLaw, NormalLaw};
+use crate::law::NormalLaw;
 use crate::numeric::elementary::hypot;
-use crate::numeric::plane::Vector;
 use crate::palm_motion::PalmMotion;
 
 pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
+pub use outline::{
+    ContactPair, ForcePoint, Outline, OutlineId, OutlinePoint, OutlineShape, PlaneArea, PointContact, rounded_core,
+};
 
 /// Pose (x, y, θ) of a frame, in m and rad, or its rate.
 pub type Pose = [f64; 3];
@@ -63,32 +67,6 @@ pub enum PrescribedMotion {
     ConstantAcceleration { acceleration_m_s2: [f64; 2] },
     /// Motion of a palm, from rest at the origin. Samples of the other bodies are relative to the palm.
     Palm(PalmMotion),
-}
-
-/// A named outline in the frame of its body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outline {
-    pub name: String,
-    pub shape: OutlineShape,
-}
-
-/// Shape of an outline: a convex core, enlarged by a radius.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum OutlineShape {
-    Disc {
-        center_m: [f64; 2],
-        radius_m: f64,
-    },
-    Capsule {
-        from_m: [f64; 2],
-        to_m: [f64; 2],
-        radius_m: f64,
-    },
-    /// The solid half plane through a point; `normal` is its outward unit normal.
-    HalfPlane {
-        point_m: [f64; 2],
-        normal: [f64; 2],
-    },
 }
 
 /// A joint between bodies A and B at a point of each, in their frames. Its coordinate is q, its generalised force Q: a
@@ -190,49 +168,6 @@ pub enum Command {
     Servo { kp: f64, kd: f64, target: Profile },
 }
 
-/// An outline of a body (`None` is the ground), by its indices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OutlineId {
-    pub body: Option<usize>,
-    pub outline: usize,
-}
-
-/// Two outlines that may touch: the points of one touch the face of the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactPair {
-    pub points: OutlineId,
-    pub face: OutlineId,
-    pub law: ContactLaw,
-    pub force_point: ForcePoint,
-}
-
-/// Where a contact force acts on both bodies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ForcePoint {
-    /// On the surface of the face.
-    #[default]
-    Face,
-    /// On the surface of the points.
-    Points,
-    /// In the middle of the overlap.
-    Middle,
-    /// For each body on its own surface, as in the thesis: both forces then have a moment of friction times overlap.
-    Each,
-}
-
-/// A point of an outline against a face: one contact.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointContact {
-    /// `ball.rim/ground.floor`; with several points `box.skin[2]/ground.floor`.
-    pub name: String,
-    /// Index of its pair in [`Mechanism::contacts`].
-    pub pair: usize,
-    pub body: Option<usize>,
-    /// The point in the frame of its body, and the radius about it.
-    pub point_m: [f64; 2],
-    pub radius_m: f64,
-}
-
 /// A limit of a joint: the penetration is δ = side (q − value), and the force on the joint −side F.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
@@ -274,61 +209,16 @@ impl Spring {
     }
 }
 
-impl OutlineShape {
-    /// Points of the core with their radius; none for a face only.
-    pub fn points(&self) -> (Vec<Vector<f64>>, f64) {
-        match *self {
-            OutlineShape::Disc { center_m, radius_m } => (vec![center_m], radius_m),
-            OutlineShape::Capsule { from_m, to_m, radius_m } => (vec![from_m, to_m], radius_m),
-            OutlineShape::HalfPlane { .. } => (Vec::new(), 0.0),
-        }
-    }
-
-    /// Radius about the core.
-    pub fn radius_m(&self) -> f64 {
-        match *self {
-            OutlineShape::Disc { radius_m, .. } | OutlineShape::Capsule { radius_m, .. } => radius_m,
-            OutlineShape::HalfPlane { .. } => 0.0,
-        }
-    }
-}
-
 impl Mechanism {
-    /// Returns an outline by its indices.
-    pub fn outline(&self, id: OutlineId) -> &Outline {
-        let outlines = id.body.map_or(&self.ground_outlines, |body| &self.bodies[body].outlines);
-        &outlines[id.outline]
-    }
-
     /// Name of a body; `ground` for `None`.
     pub fn body_name(&self, body: Option<usize>) -> &str {
         body.map_or("ground", |body| &self.bodies[body].name)
-    }
-
-    /// Name of an outline with its body, such as `follower.pad`.
-    pub fn outline_name(&self, id: OutlineId) -> String {
-        format!("{}.{}", self.body_name(id.body), self.outline(id).name)
     }
 
     /// Whether the body of the points precedes that of the face, with the ground last.
     pub fn points_are_first(&self, pair: &ContactPair) -> bool {
         let order = |id: OutlineId| id.body.unwrap_or(usize::MAX);
         order(pair.points) < order(pair.face)
-    }
-
-    /// All contacts in the order of the models: every point of every pair.
-    pub fn point_contacts(&self) -> Vec<PointContact> {
-        let mut all = Vec::new();
-        for (pair, contact) in self.contacts.iter().enumerate() {
-            let (points, radius_m) = self.outline(contact.points).shape.points();
-            let (points_name, face_name) = (self.outline_name(contact.points), self.outline_name(contact.face));
-            for (index, point_m) in points.iter().enumerate() {
-                let index = if points.len() > 1 { format!("[{index}]") } else { String::new() };
-                let name = format!("{points_name}{index}/{face_name}");
-                all.push(PointContact { name, pair, body: contact.points.body, point_m: *point_m, radius_m });
-            }
-        }
-        all
     }
 
     /// All limits in the order of the models: by joint, the lower one first.

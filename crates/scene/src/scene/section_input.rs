@@ -277,7 +277,8 @@ impl<'a> SectionInput<'a> {
                 (Ok(()), None) => {
                     let text = |keyword: &str| key.schema.get(keyword)?.as_str();
                     let help = text("x-required").filter(|_| !values.contains_key(key.field));
-                    let has_alternative = || text("x-alternative").is_some_and(|other| self.has(other));
+                    let has_alternative =
+                        || text("x-alternative").is_some_and(|others| others.split('|').any(|other| self.has(other)));
                     help.into_iter()
                         .filter(|_| !has_alternative())
                         .for_each(|help| self.report_missing(key.name, help));

@@ -10,7 +10,8 @@ use super::factor::Factor;
 use super::group::PlacedGroup;
 use super::model::{Contact, MechanismMode, MechanismModel, Surfaces, joint_of};
 use super::motion::{JointMotion, Motions, pair};
-use super::pairs::{self, Frame, POSES};
+use super::nearest::{Feature, Frame, POSES, PointOnFace};
+use super::pairs;
 use crate::analytic::model::normal_force_on_branch;
 use crate::analytic::multibody::components::ContactLaws;
 use crate::analytic::multibody::contact_kinematics::{
@@ -193,9 +194,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
         for (index, contact) in self.contacts.iter().enumerate() {
             let Some(laws) = contact.laws(mode, index) else { continue };
-            match contact.surfaces {
+            match &contact.surfaces {
                 Surfaces::Point(pair) => {
-                    let kinematics = pairs::contact(&pair, &Self::frames(motions, pair.bodies));
+                    let frames = Self::frames(motions, pair.bodies);
+                    let kinematics = pairs::contact(pair, &frames, mode.features[index]);
                     let rates = Self::pair_rates(motions, pair.bodies);
                     let forces = contact_forces(&kinematics, &rates, contact.bristle.map(|bristle| v[bristle]), laws);
                     let spread = self.spread(motions, pair.bodies, &forces.load);
@@ -376,9 +378,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
         for (index, contact) in self.contacts.iter().enumerate() {
             let Some(laws) = contact.laws(mode, index) else { continue };
-            match contact.surfaces {
+            match &contact.surfaces {
                 Surfaces::Point(pair) => {
-                    let kinematics = pairs::contact(&pair, &frames(pair.bodies));
+                    let kinematics = pairs::contact(pair, &frames(pair.bodies), mode.features[index]);
                     let state = contact.bristle.map(|bristle| v[bristle]);
                     let forces = contact_forces_with_derivatives(&kinematics, &rates(pair.bodies), state, laws);
                     let quadratures = [(index, forces.normal), (Self::CONTACT_WORK, forces.power)];
@@ -415,9 +417,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub(super) fn point_kinematics(
         &self,
         motions: &Motions<f64, K>,
-        pair: &pairs::PointOnFace,
+        pair: &PointOnFace,
+        feature: Option<Feature>,
     ) -> (ContactKinematics<f64, POSES>, [f64; POSES]) {
-        (pairs::contact(pair, &Self::frames(motions, pair.bodies)), Self::pair_rates(motions, pair.bodies))
+        (pairs::contact(pair, &Self::frames(motions, pair.bodies), feature), Self::pair_rates(motions, pair.bodies))
     }
 }
 

@@ -4,6 +4,7 @@
 use super::actuator::{MAX_ACTUATORS, margin, margin_tolerance, range, range_after};
 use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
 use super::motion::Motions;
+use super::nearest::{Feature, Frame, PointOnFace};
 use crate::analytic::ContactState;
 use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};
@@ -13,10 +14,18 @@ use crate::mechanism::structure::Placement;
 use crate::numeric::array_from;
 use std::f64::consts::PI;
 
-/// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators.
+/// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators, then one
+/// for the features of all faces.
 pub const fn event_function_count(contacts: usize) -> usize {
-    3 * contacts + MAX_ACTUATORS
+    3 * contacts + FEATURES + 1
 }
+
+/// Index of the event function of features, after those of contacts.
+const FEATURES: usize = MAX_ACTUATORS;
+/// The region of a feature ends this far beyond its nominal end, m, so that neighbouring regions do not alternate.
+const FEATURE_MARGIN_M: f64 = 1e-12;
+/// Tolerance of locating that end, m.
+const FEATURE_TOLERANCE_M: f64 = 3e-13;
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// State of a contact, with its laws; `None` beyond the last contact.
@@ -25,11 +34,12 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         motions: &Motions<f64, K>,
         v: &[f64; N],
         index: usize,
+        feature: Option<Feature>,
     ) -> Option<ContactVariables<'_, N>> {
         let contact = self.contacts.get(index)?;
-        let (delta, normal_row, mut tangent_row) = match contact.surfaces {
+        let (delta, normal_row, mut tangent_row) = match &contact.surfaces {
             Surfaces::Point(pair) => {
-                let (kinematics, _) = self.point_kinematics(motions, &pair);
+                let (kinematics, _) = self.point_kinematics(motions, pair, feature);
                 let [normal, tangent] =
                     [kinematics.normal_row, kinematics.tangent_row].map(|row| self.spread(motions, pair.bodies, &row));
                 (-kinematics.gap, normal, tangent)
@@ -58,8 +68,44 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         })
     }
 
-    fn variables_at(&self, (q, v): StateRef<'_, N>, index: usize) -> Option<ContactVariables<'_, N>> {
-        self.with_motions((q, v), |motions| self.contact_variables(motions, v, index))
+    fn variables_at(
+        &self,
+        (q, v): StateRef<'_, N>,
+        index: usize,
+        feature: Option<Feature>,
+    ) -> Option<ContactVariables<'_, N>> {
+        self.with_motions((q, v), |motions| self.contact_variables(motions, v, index, feature))
+    }
+
+    /// Contacts on a feature of a face, with the frames of their bodies.
+    fn contacts_on_features<'a>(
+        &'a self,
+        motions: &'a Motions<f64, K>,
+        mode: &'a MechanismMode<C>,
+    ) -> impl Iterator<Item = (usize, &'a PointOnFace, [Frame<f64>; 2], Feature)> {
+        self.contacts.iter().enumerate().filter_map(|(index, contact)| match &contact.surfaces {
+            Surfaces::Point(pair) => {
+                mode.features[index].map(|feature| (index, pair, Self::frames(motions, pair.bodies), feature))
+            }
+            Surfaces::Limit(_) => None,
+        })
+    }
+
+    /// Event function of the features: of the contact that is nearest to the end of its region.
+    fn feature_event(&self, motions: &Motions<f64, K>, mode: &MechanismMode<C>) -> EventFunction<N> {
+        let margins = self.contacts_on_features(motions, mode).map(|(_, pair, frames, on)| pair.margin(&frames, on));
+        let value = margins.fold(f64::INFINITY, f64::min) + FEATURE_MARGIN_M;
+        EventFunction { value, root_search: RootSearch::Smooth, ..EventFunction::INACTIVE }
+    }
+
+    /// The feature on which a contact starts in a mode; `None` without a force.
+    fn starting_feature(&self, state: StateRef<'_, N>, contacts: &Mode<C>, index: usize) -> Option<Feature> {
+        match &self.contacts[index].surfaces {
+            Surfaces::Point(pair) if contacts[index].has_force() => {
+                Some(self.with_motions(state, |motions| pair.nearest_feature(&Self::frames(motions, pair.bodies))))
+            }
+            Surfaces::Point(_) | Surfaces::Limit(_) => None,
+        }
     }
 
     /// Time, coordinate and rate at an actuator.
@@ -116,11 +162,12 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
         self.with_motions((q, v), |motions| {
             let mut functions: [EventFunction<N>; G] =
                 mode.contacts.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
-                    self.contact_variables(motions, v, index)
+                    self.contact_variables(motions, v, index, mode.features[index])
                 });
             for index in 0..self.mechanism.actuators.len() {
                 functions[3 * C + index] = self.actuator_event(motions, q, mode, index);
             }
+            functions[3 * C + FEATURES] = self.feature_event(motions, mode);
             let (clearance, clearance_rate) = self.clearance(motions);
             EventSet { functions, clearance, clearance_rate }
         })
@@ -128,9 +175,10 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
 
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, event: usize) -> EventFunction<N> {
         self.with_motions((q, v), |motions| match event.checked_sub(3 * C) {
+            Some(FEATURES) => self.feature_event(motions, mode),
             Some(index) => self.actuator_event(motions, q, mode, index),
             None => {
-                let contact = self.contact_variables(motions, v, event % C);
+                let contact = self.contact_variables(motions, v, event % C, mode.features[event % C]);
                 mode.contacts.event_function(event, &self.event_tolerances, contact)
             }
         })
@@ -145,6 +193,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
 
     fn event_tolerance(&self, event: usize, mode: &MechanismMode<C>) -> f64 {
         match event.checked_sub(3 * C) {
+            Some(FEATURES) => FEATURE_TOLERANCE_M,
             Some(index) => self.mechanism.actuators.get(index).map_or(0.0, margin_tolerance),
             None => self.contacts.get(event % C).map_or(0.0, |contact| {
                 let (normal, friction) = (&contact.normal, contact.friction.as_ref());
@@ -156,12 +205,26 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> MechanismMode<C> {
         let mut next = *mode;
         match event.checked_sub(3 * C) {
+            Some(FEATURES) => self.with_motions((q, v), |motions| {
+                for (index, pair, frames, feature) in self.contacts_on_features(motions, mode) {
+                    if pair.margin(&frames, feature) < 0.0 {
+                        next.features[index] = Some(pair.feature_beyond(&frames, feature));
+                    }
+                }
+            }),
             Some(index) => {
                 let (t, coordinate, rate) = self.with_motions((q, v), |motions| self.actuator_state(motions, q, index));
                 let range = &mut next.ranges.0[index];
                 *range = range_after(&self.mechanism.actuators[index], *range, t, coordinate, rate);
             }
-            None => next.contacts = mode.contacts.after_event(event, self.variables_at((q, v), event % C)),
+            None => {
+                let index = event % C;
+                let variables = self.variables_at((q, v), index, mode.features[index]);
+                next.contacts = mode.contacts.after_event(event, variables);
+                if next.contacts[index] != mode.contacts[index] {
+                    next.features[index] = self.starting_feature((q, v), &next.contacts, index);
+                }
+            }
         }
         next
     }
@@ -177,6 +240,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     fn with_clamped_law(&self, event: usize, mode: &MechanismMode<C>) -> MechanismMode<C> {
         let mut next = *mode;
         match event.checked_sub(3 * C) {
+            Some(FEATURES) => next.features = [None; C],
             Some(index) => next.ranges.0[index] = super::actuator::UNMONITORED,
             None => next.contacts = mode.contacts.with_clamped_law(event),
         }
@@ -192,18 +256,24 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
             }
         });
         let accelerations = |mode: &Mode<C>| {
-            let mode = MechanismMode { contacts: *mode, ranges };
+            let mode = MechanismMode { contacts: *mode, features: [None; C], ranges };
             <Self as System<N, Z>>::rates(self, t, q, v, &mode).a
         };
-        let contacts = Mode::at_state(&self.event_tolerances, |index| self.variables_at((q, v), index), accelerations);
-        MechanismMode { contacts, ranges }
+        let variables = |index| self.variables_at((q, v), index, None);
+        let contacts = Mode::at_state(&self.event_tolerances, variables, accelerations);
+        let mut features = [None; C];
+        for (index, feature) in features.iter_mut().enumerate().take(self.contacts.len()) {
+            *feature = self.starting_feature((q, v), &contacts, index);
+        }
+        MechanismMode { contacts, features, ranges }
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Option<f64> {
         if event >= 3 * C || mode[event % C] != ContactState::Active {
             return None;
         }
-        let ContactVariables { law, rate, normal_row, .. } = self.variables_at((q, v), event % C)?;
+        let ContactVariables { law, rate, normal_row, .. } =
+            self.variables_at((q, v), event % C, mode.features[event % C])?;
         let mut response = normal_row;
         self.with_factors((q, v), |_, factors| self.solve(factors, &mut response));
         let mobility = row_dot(&normal_row, &response);

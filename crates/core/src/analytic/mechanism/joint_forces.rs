@@ -7,6 +7,7 @@ use super::actuator::effort;
 use super::dynamics::passive_effort;
 use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
 use super::motion::Motions;
+use super::nearest::PointOnFace;
 use super::pairs;
 use crate::analytic::mode::StateRef;
 use crate::integrator::System;
@@ -125,7 +126,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for (index, contact) in self.contacts.iter().enumerate() {
             let reading = self.contact_reading(state, index, mode[index]);
             match contact.surfaces {
-                Surfaces::Point(pairs::PointOnFace { bodies: [body, face], .. }) => {
+                Surfaces::Point(PointOnFace { bodies: [body, face], .. }) => {
                     let (normal, tangent) = (reading.geometry.normal, perp(reading.geometry.normal));
                     let force = [0, 1].map(|k| reading.normal * normal[k] + reading.tangential * tangent[k]);
                     wrenches.add_pair([body, face], force, reading.geometry.point, 0.0);

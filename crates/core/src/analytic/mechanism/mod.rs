@@ -11,6 +11,7 @@ mod group;
 mod joint_forces;
 mod model;
 mod motion;
+mod nearest;
 mod pairs;
 mod reading;
 

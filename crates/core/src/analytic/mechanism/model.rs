@@ -6,7 +6,7 @@ use super::actuator::{MAX_ACTUATORS, Ranges};
 use super::factor::Factor;
 use super::group::PlacedGroup;
 use super::motion::Motions;
-use super::pairs::PointOnFace;
+use super::nearest::{Face, Feature, PointOnFace};
 use crate::analytic::ContactState;
 use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
@@ -20,13 +20,13 @@ use std::ops::Index;
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7, force: 1e-8 };
 
 /// The two surfaces of a contact, or the limit of a joint.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum Surfaces {
     Point(PointOnFace),
     Limit(Limit),
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Contact {
     pub surfaces: Surfaces,
     pub normal: NormalLaw,
@@ -35,10 +35,12 @@ pub(super) struct Contact {
     pub bristle: Option<usize>,
 }
 
-/// Branches of the contact laws, and the ranges of the actuators.
+/// Branches of the contact laws, the features of the faces, and the ranges of the actuators.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MechanismMode<const C: usize> {
     pub contacts: Mode<C>,
+    /// Feature of the face that each contact with a force is on; otherwise the nearest one.
+    pub(super) features: [Option<Feature>; C],
     pub(super) ranges: Ranges,
 }
 
@@ -211,9 +213,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             });
             let surfaces = Surfaces::Point(PointOnFace {
                 bodies: [point.body, pair.face.body],
-                point_m: point.point_m,
-                radius_m: point.radius_m,
-                face: mechanism.outline(pair.face).shape,
+                point: point.point,
+                face: Face::new(&mechanism.outline(pair.face).shape),
                 force_point: pair.force_point,
             });
             contacts.push(Contact { surfaces, normal: pair.law.normal, friction: pair.law.friction, bristle });

@@ -1,111 +1,25 @@
 //! Forces between two bodies, on the poses (x, y, θ) of both: contacts of a point with a face, and linear springs.
 
-use super::motion::{BodyMotion, pair};
+use super::nearest::{Feature, Frame, Nearest, POSES, PointOnFace};
 use crate::analytic::multibody::contact_kinematics::{ContactKinematics, WithDerivatives};
-use crate::mechanism::{ForcePoint, OutlineShape, Spring};
-use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, scale_by, sub};
+use crate::mechanism::{ForcePoint, Spring};
+use crate::numeric::plane::{Vector, cross, dot, perp, scale, sub};
 use crate::numeric::{Dual, Real, array_from};
 
-/// A point of body A with a radius about it, against an outline of body B.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PointOnFace {
-    pub bodies: [Option<usize>; 2],
-    pub point_m: [f64; 2],
-    pub radius_m: f64,
-    pub face: OutlineShape,
-    pub force_point: ForcePoint,
-}
-
-/// Number of pose components of two bodies.
-pub(super) const POSES: usize = 6;
-
-/// Frame of a body of a pair.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Frame<T> {
-    pub origin: Vector<T>,
-    pub direction: Vector<T>,
-}
-
-impl<T: Real> Frame<T> {
-    #[inline(always)]
-    fn rotated(&self, [x, y]: [f64; 2]) -> Vector<T> {
-        let [cos, sin] = self.direction;
-        [cos * x - sin * y, sin * x + cos * y]
-    }
-
-    #[inline(always)]
-    fn position(&self, point: [f64; 2]) -> Vector<T> {
-        add(self.origin, self.rotated(point))
-    }
-}
-
-impl Frame<f64> {
-    pub fn new<const K: usize>(body: &BodyMotion<f64, K>) -> Self {
-        Self { origin: body.origin, direction: body.direction }
-    }
-}
-
-impl Frame<Dual<POSES>> {
-    /// The frame of body `index` of a pair, with its pose as variables; a frame of the ground is constant.
-    pub fn variable<const K: usize>(body: &BodyMotion<Dual<K>, K>, index: usize, is_ground: bool) -> Self {
-        let constant = |value: f64| Dual::constant(value);
-        let mut frame = Self {
-            origin: pair(|k| constant(body.origin[k].value)),
-            direction: pair(|k| constant(body.direction[k].value)),
-        };
-        if !is_ground {
-            let first = 3 * index;
-            frame.origin[0].grad[first] = 1.0;
-            frame.origin[1].grad[first + 1] = 1.0;
-            let [cos, sin] = pair(|k| frame.direction[k].value);
-            (frame.direction[0].grad[first + 2], frame.direction[1].grad[first + 2]) = (-sin, cos);
-        }
-        frame
-    }
-}
-
-/// Point of the core of a face that is nearest to a point, as its distance and unit normal towards the point.
+/// Kinematics of a contact of two bodies with these frames, on a feature of the face, or on the nearest one: the rows
+/// are over the poses of both.
 #[inline(always)]
-fn distance<T: Real>(face: &OutlineShape, frame: &Frame<T>, point: Vector<T>) -> (T, Vector<T>) {
-    let from_point = |nearest: Vector<T>| {
-        let offset = sub(point, nearest);
-        let distance = dot(offset, offset).sqrt();
-        (distance, scale(offset, distance.recip()))
-    };
-    match *face {
-        OutlineShape::HalfPlane { point_m, normal } => {
-            let normal = frame.rotated(normal);
-            (dot(normal, sub(point, frame.position(point_m))), normal)
-        }
-        OutlineShape::Disc { center_m, .. } => from_point(frame.position(center_m)),
-        OutlineShape::Capsule { from_m, to_m, .. } => {
-            let axis = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
-            let length = dot(axis, axis).sqrt();
-            let direction = frame.rotated(scale_by(axis, 1.0 / length));
-            let from = frame.position(from_m);
-            let along = dot(direction, sub(point, from)).value();
-            if along <= 0.0 {
-                from_point(from)
-            } else if along >= length {
-                from_point(frame.position(to_m))
-            } else {
-                let across = cross(direction, sub(point, from));
-                let side = if across.value() < 0.0 { -1.0 } else { 1.0 };
-                (across * side, scale_by(perp(direction), side))
-            }
-        }
-    }
-}
-
-/// Kinematics of a contact of two bodies with these frames: the rows are over the poses of both.
-#[inline(always)]
-pub(super) fn contact<T: Real>(pair: &PointOnFace, frames: &[Frame<T>; 2]) -> ContactKinematics<T, POSES> {
-    let point = frames[0].position(pair.point_m);
-    let (distance, normal) = distance(&pair.face, &frames[1], point);
-    let face_radius = pair.face.radius_m();
-    let gap = distance - (pair.radius_m + face_radius);
+pub(super) fn contact<T: Real>(
+    pair: &PointOnFace,
+    frames: &[Frame<T>; 2],
+    feature: Option<Feature>,
+) -> ContactKinematics<T, POSES> {
+    let feature = feature.unwrap_or_else(|| pair.nearest_feature(frames));
+    let Nearest { point, distance, normal } = pair.on_feature(frames, feature);
+    let (point_radius, face_radius) = (pair.point_radius_m(), pair.face.radius_m);
+    let gap = distance - (point_radius + face_radius);
     // Distances of the force points of both bodies from the point, against the normal.
-    let [on_points, on_face] = [T::constant(pair.radius_m), distance - face_radius];
+    let [on_points, on_face] = [T::constant(point_radius), distance - face_radius];
     let depths = match pair.force_point {
         ForcePoint::Face => [on_face; 2],
         ForcePoint::Points => [on_points; 2],

@@ -38,9 +38,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub fn contact_reading(&self, (q, v): StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
         let (contact, none) = (&self.contacts[index], [0.0; 2]);
         self.with_motions((q, v), |motions| {
-            let (gap, gap_rate, slip, normal, point) = match contact.surfaces {
+            let (gap, gap_rate, slip, normal, point) = match &contact.surfaces {
                 Surfaces::Point(pair) => {
-                    let (kinematics, rates) = self.point_kinematics(motions, &pair);
+                    let (kinematics, rates) = self.point_kinematics(motions, pair, None);
                     let [gap_rate, slip] =
                         [kinematics.normal_row, kinematics.tangent_row].map(|row| row_dot(&row, &rates));
                     (kinematics.gap, gap_rate, slip, kinematics.normal, kinematics.point)

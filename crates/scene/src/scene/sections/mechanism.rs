@@ -8,19 +8,21 @@ use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 use super::law::FrictionSettings;
+use super::outline::{OutlineSettings, outline, outline_settings, si};
 use super::{MECHANISM, law, list, table};
 use crate::law::{ContactLaw, Damping, NormalLaw};
-use crate::limits::MAX_BODIES;
+use crate::limits::{MAX_BODIES, MAX_CONTACTS};
 use crate::mechanism::{
     Actuator, Body, Command, Condition, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind,
-    Mechanism, Outline, OutlineId, OutlineShape, Spring, SpringKind, assemble,
+    Mechanism, Outline, OutlineId, OutlineShape, PlaneArea, Spring, SpringKind, assemble,
 };
-use crate::numeric::elementary::{hypot, sin_cos};
+use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{rotate, sub};
 use crate::scene::keys::closest_match;
 use crate::scene::quantity::{
-    Angle, AngularRate, Coordinate, CoordinateRate, Effort, Force, Inertia, JointDamping, JointInertia, JointStiffness,
-    Keyword, LawDamping, Length, Mass, NotNegative, Plain, Positive, Quantity, Speed, Time, Torque, Word,
+    Angle, AngularRate, Coordinate, CoordinateRate, Density, Effort, Force, Inertia, JointDamping, JointInertia,
+    JointStiffness, Keyword, LawDamping, Length, Mass, NotNegative, Plain, Positive, Quantity, Speed, Time, Torque,
+    Word,
 };
 use crate::scene::section_input::{SceneInput, SectionInput};
 use crate::scene::{Interpolation, Problem, Profile};
@@ -75,15 +77,21 @@ pub struct LinkSettings {
 /// Keys of a body.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct LinkKeys {
-    /// Mass. Required.
-    #[schemars(extend("x-required" = "add the mass: mass = \"9 g\""))]
+    /// Mass. Required, or `density`.
+    #[schemars(extend("x-alternative" = "density",
+        "x-required" = "add the mass: mass = \"9 g\"; or density and depth of the outlines"))]
     pub mass: Option<Positive<Mass>>,
-    /// Moment of inertia about the centre of mass. Required.
-    #[schemars(extend("x-required" = "add the moment of inertia about the centre of mass: inertia = \"200 g*mm^2\""))]
+    /// Moment of inertia about the centre of mass. Required, or `density`.
+    #[schemars(extend("x-alternative" = "density",
+        "x-required" = "add the moment of inertia about the centre of mass: inertia = \"200 g*mm^2\""))]
     pub inertia: Option<Positive<Inertia>>,
     /// Centre of mass in the frame of the body.
     #[schemars(extend("default" = ["0 mm", "0 mm"]))]
     pub com: [Quantity<Length>; 2],
+    /// Density of the outlines of the body, in place of mass, inertia and centre of mass. The outlines must not overlap.
+    pub density: Option<Positive<Density>>,
+    /// Depth of the outlines. Required with `density`.
+    pub depth: Option<Positive<Length>>,
 }
 
 /// Rough pose of a body with joints: it selects how the loops are assembled.
@@ -120,44 +128,6 @@ pub struct GroundSettings {
     /// Outlines in the frame of the world, one section per name: [ground.outlines.floor].
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub outlines: BTreeMap<String, OutlineSettings>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutlineKind {
-    Disc,
-    Capsule,
-    HalfPlane,
-}
-
-impl Keyword for OutlineKind {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("disc", OutlineKind::Disc), ("capsule", OutlineKind::Capsule), ("half_plane", OutlineKind::HalfPlane)];
-}
-
-/// An outline: a disc, a capsule (a segment with a radius), or a half plane.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct OutlineSettings {
-    /// "disc", "capsule" or "half_plane". Required.
-    #[schemars(extend("x-required" = "add the type of the outline: type = \"disc\", \"capsule\" or \"half_plane\""))]
-    pub r#type: Option<Word<OutlineKind>>,
-    /// Centre of the disc.
-    #[schemars(extend("x-with" = "type = disc", "default" = ["0 mm", "0 mm"]))]
-    pub center: Option<[Quantity<Length>; 2]>,
-    /// First end of the capsule's segment.
-    #[schemars(extend("x-with" = "type = capsule", "x-required" = "add the first end: from = [\"0 mm\", \"0 mm\"]"))]
-    pub from: Option<[Quantity<Length>; 2]>,
-    /// Second end of the capsule's segment.
-    #[schemars(extend("x-with" = "type = capsule", "x-required" = "add the second end: to = [\"0 mm\", \"30 mm\"]"))]
-    pub to: Option<[Quantity<Length>; 2]>,
-    /// Radius of the disc, or half the width of the capsule.
-    #[schemars(extend("x-with" = "type = disc|capsule", "x-required" = "add the radius: radius = \"5 mm\""))]
-    pub radius: Option<Positive<Length>>,
-    /// A point of the half plane's edge.
-    #[schemars(extend("x-with" = "type = half_plane", "default" = ["0 mm", "0 mm"]))]
-    pub point: Option<[Quantity<Length>; 2]>,
-    /// Direction out of the half plane, of any length.
-    #[schemars(extend("x-with" = "type = half_plane", "x-required" = "add the direction out of the solid: normal = [0, 1]"))]
-    pub normal: Option<[Quantity<Plain>; 2]>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -336,14 +306,21 @@ pub struct NamedLawKeys {
     pub transition: Option<Positive<Coordinate>>,
 }
 
-/// Two outlines that may touch.
+/// Outlines that may touch.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct ContactEntry {
-    /// Outline whose points touch, as `body.outline`: a disc has one point, a capsule two. Required.
-    #[schemars(extend("minLength" = 1, "x-required" = "add the outline whose points touch: points = \"object.rim\""))]
+    /// Two outlines, each as `body.outline`, as `body` (all its outlines), or as a pattern: "finger_*.pad" are the pads of
+    /// all bodies whose names begin with finger_. All corners of either touch the other; a disc or an ellipse touches with
+    /// its points only. Required, or `points`.
+    #[schemars(extend("x-alternative" = "points",
+        "x-required" = "add two outlines or bodies: between = [\"palm\", \"object\"]"))]
+    pub between: Option<[String; 2]>,
+    /// In place of `between`: the outline whose points touch, as `body.outline`. A disc and an ellipse have one point, a
+    /// capsule two, a polygon its corners. Two outlines of which both have corners need an entry in each direction.
+    #[schemars(extend("minLength" = 1))]
     pub points: Option<String>,
-    /// Outline that they touch. Required, or `faces`.
-    #[schemars(extend("minLength" = 1, "x-alternative" = "faces",
+    /// Outline that the points touch. Required with `points`, or `faces`.
+    #[schemars(extend("minLength" = 1, "x-alternative" = "faces|between",
         "x-required" = "add the outline that they touch: face = \"link.pad\", or a list: faces = [\"link.pad\"]"))]
     pub face: Option<String>,
     /// Several outlines that they touch, in place of `face`.
@@ -424,8 +401,7 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
         rotors: Vec::new(),
         contacts: Vec::new(),
     };
-    let entries: Vec<_> = root.list("contacts").iter().map(|section| contacts(section, &mechanism, &laws)).collect();
-    mechanism.contacts = entries.into_iter().collect::<Option<Vec<_>>>()?.concat();
+    mechanism.contacts = contacts(root, &mechanism, &laws)?;
     // A start that does not fit is reported only if everything else is valid.
     if root.checker.is_clean()
         && let Err(error) = assemble(&mechanism)
@@ -506,13 +482,9 @@ fn two_bodies(input: &SectionInput<'_>, names: &[&str], what: &str) -> Option<[O
     Some([a, b].map(|body| body.checked_sub(1)))
 }
 
-fn si<const N: usize, D, R>(values: [Quantity<D, R>; N]) -> [f64; N] {
-    values.map(|value| *value)
-}
-
 /// Resolves a body; `is_jointed` is `None` if it is unknown.
 fn body(input: &SceneInput, name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Option<Body> {
-    let LinkKeys { mass, inertia, com } = section.read();
+    let keys: LinkKeys = section.read();
     let (guess, start) = (section.subsection("guess"), section.subsection("start"));
     let outlines = outlines(input, &section.subsection("outlines"));
     match is_jointed {
@@ -540,16 +512,29 @@ fn body(input: &SceneInput, name: &str, section: &SectionInput<'_>, is_jointed: 
         let StartSettings { at, angle, velocity, spin } = start.read();
         (pose, rate) = ([*at[0], *at[1], *angle], [*velocity[0], *velocity[1], *spin]);
     }
-    Some(Body {
-        name: name.to_owned(),
-        mass_kg: *mass?,
-        inertia_kg_m2: *inertia?,
-        com_m: si(com),
-        pose,
-        rate,
-        motion: None,
-        outlines: outlines?,
-    })
+    let outlines = outlines?;
+    let (mass_kg, inertia_kg_m2, com_m) = inertia(section, &keys, &outlines)?;
+    Some(Body { name: name.to_owned(), mass_kg, inertia_kg_m2, com_m, pose, rate, motion: None, outlines })
+}
+
+/// Mass, moment of inertia and centre of mass of a body.
+fn inertia(section: &SectionInput<'_>, keys: &LinkKeys, outlines: &[Outline]) -> Option<(f64, f64, [f64; 2])> {
+    let Some(density) = keys.density else {
+        section.report_unused("depth", "without `density`");
+        return Some((*keys.mass?, *keys.inertia?, si(keys.com)));
+    };
+    ["mass", "inertia", "com"].iter().for_each(|key| section.report_unused(key, "with `density`"));
+    let areas: Option<Vec<PlaneArea>> = outlines.iter().map(|outline| outline.shape.area()).collect();
+    let Some(areas) = areas.filter(|areas| !areas.is_empty()) else {
+        let message = format!("`{}` needs outlines with an area", section.path("density"));
+        let help = "add an outline that is not a half plane, or give mass and inertia";
+        return section.refuse("density", message, "no area", help);
+    };
+    if keys.depth.is_none() {
+        section.report_missing("depth", "add the depth of the outlines: depth = \"20 mm\"");
+    }
+    let (total, per_area) = (PlaneArea::sum(&areas), *density * *keys.depth?);
+    Some((per_area * total.area_m2, per_area * total.polar_m4, total.centroid_m))
 }
 
 fn outlines(input: &SceneInput, section: &SectionInput<'_>) -> Option<Vec<Outline>> {
@@ -557,35 +542,6 @@ fn outlines(input: &SceneInput, section: &SectionInput<'_>) -> Option<Vec<Outlin
     sections.iter().for_each(|(name, each)| check_name(input, each, &section.path(""), name));
     let all: Vec<_> = sections.iter().map(|(name, section)| outline(name, section)).collect();
     all.into_iter().collect()
-}
-
-fn outline(name: &str, section: &SectionInput<'_>) -> Option<Outline> {
-    let OutlineSettings { r#type, center, from, to, radius, point, normal } = section.read();
-    let shape = match r#type?.0 {
-        OutlineKind::Disc => OutlineShape::Disc { center_m: si(center?), radius_m: *radius? },
-        OutlineKind::Capsule => OutlineShape::Capsule { from_m: si(from?), to_m: si(to?), radius_m: *radius? },
-        OutlineKind::HalfPlane => {
-            let normal = si(normal?);
-            let length = hypot(normal[0], normal[1]);
-            if !length.is_normal() {
-                let message = format!("`{}` has no direction", section.path("normal"));
-                return section.refuse(
-                    "normal",
-                    message,
-                    "of length 0",
-                    "write the direction out of the solid: [0, 1]",
-                );
-            }
-            OutlineShape::HalfPlane { point_m: si(point?), normal: normal.map(|part| part / length) }
-        }
-    };
-    if let OutlineShape::Capsule { from_m, to_m, .. } = shape
-        && from_m == to_m
-    {
-        let message = format!("both ends of `{}` are the same point", section.path(""));
-        return section.refuse("to", message, "the same as `from`", "move one end, or use a disc");
-    }
-    Some(Outline { name: name.to_owned(), shape })
 }
 
 /// Whether a quantity belongs to translation; `None` for one of both.
@@ -927,43 +883,185 @@ fn law_for(
     Some(found.law)
 }
 
-/// Resolves a contact entry: one pair for each face.
+/// Resolves all contact entries.
 fn contacts(
+    root: &SectionInput<'_>,
+    mechanism: &Mechanism,
+    laws: &[(&str, Option<NamedLaw>)],
+) -> Option<Vec<ContactPair>> {
+    let mut all: Vec<ContactPair> = Vec::new();
+    let mut is_valid = true;
+    for section in root.list("contacts") {
+        let Some(pairs) = contact_entry(&section, mechanism, laws) else {
+            is_valid = false;
+            continue;
+        };
+        for pair in pairs {
+            if all.iter().any(|other| (other.points, other.face) == (pair.points, pair.face)) {
+                let [points, face] = [pair.points, pair.face].map(|id| mechanism.outline_name(id));
+                let message = format!("`{}` lists `{points}` against `{face}` again", section.path(""));
+                section.report("", message, "listed twice", "remove one of the entries, whose forces would add up");
+                is_valid = false;
+            }
+            all.push(pair);
+        }
+    }
+    let count: usize = all.iter().map(|pair| mechanism.outline(pair.points).shape.points().len()).sum();
+    if count > MAX_CONTACTS {
+        let message = format!("there are {count} contacts, one for each point, but at most {MAX_CONTACTS} are allowed");
+        let help = "list fewer pairs of outlines, or give outlines fewer corners";
+        return root.subsection("contacts").refuse("", message, "", help);
+    }
+    is_valid.then_some(all)
+}
+
+/// Resolves a contact entry.
+fn contact_entry(
     section: &SectionInput<'_>,
     mechanism: &Mechanism,
     laws: &[(&str, Option<NamedLaw>)],
 ) -> Option<Vec<ContactPair>> {
-    let ContactEntry { points, face, faces, law, at } = section.read();
-    if section.has("face") {
-        section.report_unused("faces", "with `face`");
-    }
+    let ContactEntry { between, points, face, faces, law, at } = section.read();
     let law = law.and_then(|name| law_for(section, "law", &name, laws, true, "a contact"));
-    let outline_at = |key: &str, index: usize, name: &str| outline_id(section, key, index, name, mechanism);
-    let points = points.and_then(|name| outline_at("points", 0, &name));
-    let face_key = if face.is_some() { "face" } else { "faces" };
-    let names: Vec<String> = face.into_iter().chain(faces.into_iter().flatten()).collect();
-    let found: Vec<_> = names.iter().enumerate().map(|(k, name)| outline_at(face_key, k, name)).collect();
-    let (points, faces) = (points?, found.into_iter().collect::<Option<Vec<OutlineId>>>()?);
-    if matches!(mechanism.outline(points).shape, OutlineShape::HalfPlane { .. }) {
-        let message = format!("`{}` is a half plane, which has no points", mechanism.outline_name(points));
-        return section.refuse(
-            "points",
-            message,
-            "a half plane",
-            "swap points and face: a half plane can only be a face",
-        );
-    }
-    for (k, face) in faces.iter().enumerate() {
-        if face.body == points.body {
-            let of = mechanism.body_name(face.body);
-            let message = format!("both outlines belong to `{of}`, which cannot touch itself");
-            let span = section.item_span(face_key, k);
-            section.checker.push(Problem::new(span, message, "the same body", "name outlines of two bodies"));
-            return None;
+    let pairs = match between {
+        Some(between) => {
+            ["points", "face", "faces"].iter().for_each(|key| section.report_unused(key, "with `between`"));
+            pairs_between(section, &between, mechanism)?
+        }
+        None => {
+            if section.has("face") {
+                section.report_unused("faces", "with `face`");
+            }
+            let key = if face.is_some() { "face" } else { "faces" };
+            let points = points.and_then(|name| outline_id(section, "points", 0, &name, mechanism));
+            let names: Vec<String> = face.into_iter().chain(faces.into_iter().flatten()).collect();
+            let find_face = |(k, name): (usize, &String)| Some((outline_id(section, key, k, name, mechanism)?, k));
+            let found: Vec<_> = names.iter().enumerate().map(find_face).collect();
+            let points = points?;
+            let pairs = found.into_iter().collect::<Option<Vec<_>>>()?.into_iter();
+            pairs.map(|(face, k)| ([points, face], section.item_span(key, k))).collect()
+        }
+    };
+    let are_valid: Vec<bool> =
+        pairs.iter().map(|(pair, span)| check_pair(section, *pair, span.clone(), mechanism)).collect();
+    let law = law.filter(|_| are_valid.into_iter().all(|is_valid| is_valid))?;
+    Some(pairs.into_iter().map(|([points, face], _)| ContactPair { points, face, law, force_point: at.0 }).collect())
+}
+
+/// Pairs of points and a face with their position in the file.
+type Pairs = Vec<([OutlineId; 2], Option<std::ops::Range<usize>>)>;
+
+/// All pairs of two patterns in all their directions.
+fn pairs_between(section: &SectionInput<'_>, between: &[String; 2], mechanism: &Mechanism) -> Option<Pairs> {
+    let ids = outline_ids(mechanism);
+    let matching = |k: usize| {
+        let is_match = |id: &&OutlineId| {
+            let names = [mechanism.outline_name(**id), mechanism.body_name(id.body).to_owned()];
+            names.iter().any(|name| matches_pattern(&between[k], name))
+        };
+        let found: Vec<OutlineId> = ids.iter().filter(is_match).copied().collect();
+        if found.is_empty() {
+            // The message of an unknown name.
+            outline_id(section, "between", k, &between[k], mechanism)?;
+        }
+        Some(found)
+    };
+    let (first, second) = (matching(0), matching(1));
+    let (first, second) = (first?, second?);
+    let mut pairs: Vec<[OutlineId; 2]> = Vec::new();
+    for (a, b) in first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b))).filter(|(a, b)| a.body != b.body) {
+        for pair in directions([a, b], mechanism) {
+            if !pairs.contains(&pair) {
+                pairs.push(pair);
+            }
         }
     }
-    let law = law?;
-    Some(faces.into_iter().map(|face| ContactPair { points, face, law, force_point: at.0 }).collect())
+    if pairs.is_empty() {
+        let message =
+            format!("all outlines of `{}` belong to one body, which cannot touch itself", section.path("between"));
+        return section.refuse("between", message, "the same body", "name outlines of two bodies");
+    }
+    let span = section.span("between");
+    Some(pairs.into_iter().map(|pair| (pair, span.clone())).collect())
+}
+
+/// Points and face of two outlines: both directions if both have corners and sides.
+fn directions([a, b]: [OutlineId; 2], mechanism: &Mechanism) -> Vec<[OutlineId; 2]> {
+    let rank = |id: OutlineId| match mechanism.outline(id).shape {
+        OutlineShape::HalfPlane { .. } => 0,
+        OutlineShape::Capsule { .. } | OutlineShape::Polygon { .. } => 1,
+        OutlineShape::Disc { .. } => 2,
+        OutlineShape::Ellipse { .. } => 3,
+    };
+    match (rank(a), rank(b)) {
+        (1, 1) => vec![[a, b], [b, a]],
+        (first, second) if first > second => vec![[a, b]],
+        _ => vec![[b, a]],
+    }
+}
+
+/// Whether a name fits a pattern in which * stands for any letters.
+fn matches_pattern(pattern: &str, name: &str) -> bool {
+    let Some((first, others)) = pattern.split_once('*') else { return pattern == name };
+    let Some(mut rest) = name.strip_prefix(first) else { return false };
+    let mut parts = others.split('*');
+    let last = parts.next_back().unwrap_or_default();
+    for part in parts {
+        let Some((_, after)) = rest.split_once(part) else { return false };
+        rest = after;
+    }
+    rest.ends_with(last)
+}
+
+/// Checks that two outlines can touch.
+fn check_pair(
+    section: &SectionInput<'_>,
+    [points, face]: [OutlineId; 2],
+    span: Option<std::ops::Range<usize>>,
+    mechanism: &Mechanism,
+) -> bool {
+    let [points_name, face_name] = [points, face].map(|id| mechanism.outline_name(id));
+    let shapes = [points, face].map(|id| &mechanism.outline(id).shape);
+    let (message, label, help) = match shapes {
+        _ if points.body == face.body => (
+            format!("both outlines belong to `{}`, which cannot touch itself", mechanism.body_name(face.body)),
+            "the same body",
+            "name outlines of two bodies",
+        ),
+        [OutlineShape::HalfPlane { .. }, _] => (
+            format!("`{points_name}` is a half plane, which has no points"),
+            "a half plane",
+            "a half plane can only be a face: swap points and face, or give the other body another outline",
+        ),
+        [_, OutlineShape::Ellipse { .. }] => (
+            format!("`{face_name}` is an ellipse, which cannot be a face"),
+            "an ellipse",
+            "an ellipse touches with its points: swap points and face, or describe one of two ellipses by a polygon",
+        ),
+        [points, face]
+            if points.radius_m() + face.radius_m() == 0.0 && !matches!(face, OutlineShape::HalfPlane { .. }) =>
+        {
+            (
+                format!(
+                    "neither `{points_name}` nor `{face_name}` has a radius: at a sharp corner the normal of a contact jumps"
+                ),
+                "two sharp outlines",
+                "give a polygon a rounding that exceeds the penetrations: rounding = \"0.5 mm\"",
+            )
+        }
+        _ => return true,
+    };
+    section.checker.push(Problem::new(span, message, label, help));
+    false
+}
+
+/// All outlines of all bodies, those of the ground last.
+fn outline_ids(mechanism: &Mechanism) -> Vec<OutlineId> {
+    let outlines = |body: Option<usize>| {
+        let outlines = body.map_or(&mechanism.ground_outlines, |body| &mechanism.bodies[body].outlines);
+        (0..outlines.len()).map(move |outline| OutlineId { body, outline })
+    };
+    (0..mechanism.bodies.len()).map(Some).chain([None]).flat_map(outlines).collect()
 }
 
 /// Finds an outline by its name `body.outline`.
@@ -974,12 +1072,7 @@ fn outline_id(
     name: &str,
     mechanism: &Mechanism,
 ) -> Option<OutlineId> {
-    let all = || (0..mechanism.bodies.len()).map(Some).chain([None]);
-    let outlines = |body: Option<usize>| {
-        let outlines = body.map_or(&mechanism.ground_outlines, |body| &mechanism.bodies[body].outlines);
-        (0..outlines.len()).map(move |outline| OutlineId { body, outline })
-    };
-    let ids: Vec<OutlineId> = all().flat_map(outlines).collect();
+    let ids = outline_ids(mechanism);
     let names: Vec<String> = ids.iter().map(|id| mechanism.outline_name(*id)).collect();
     let known: Vec<&str> = names.iter().map(String::as_str).collect();
     find_at(section, section.item_span(key, index), key, name, "outline", &known).map(|found| ids[found])
@@ -1095,22 +1188,6 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
     };
     file.insert("contacts".into(), mechanism.contacts.iter().map(contact).collect::<Vec<_>>().into());
     file
-}
-
-fn outline_settings(outline: &Outline) -> (String, Table) {
-    let settings = match outline.shape {
-        OutlineShape::Disc { center_m, radius_m } => {
-            table([("type", "disc".into()), ("center", list(center_m)), ("radius", radius_m.into())])
-        }
-        OutlineShape::Capsule { from_m, to_m, radius_m } => {
-            let ends = table([("from", list(from_m)), ("to", list(to_m)), ("radius", radius_m.into())]);
-            table([("type", "capsule".into())]).into_iter().chain(ends).collect()
-        }
-        OutlineShape::HalfPlane { point_m, normal } => {
-            table([("type", "half_plane".into()), ("point", list(point_m)), ("normal", list(normal))])
-        }
-    };
-    (outline.name.clone(), settings)
 }
 
 fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Table) {

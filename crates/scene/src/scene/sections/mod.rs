@@ -25,6 +25,7 @@
 //! | `bodies` | object, discs, half plane, table |
 //! | `law` | contact, limit |
 //! | `mechanism` | bodies, ground, joints, springs, couplings, actuators, laws and contacts of a mechanism |
+//! | `outline` | outlines of a mechanism |
 //! | `motion` | moves, vibrations, path |
 //! | `run` | integrator, engine, validate, criteria, log |
 
@@ -39,6 +40,7 @@ pub(crate) mod finger;
 pub(crate) mod law;
 pub(crate) mod mechanism;
 pub(crate) mod motion;
+pub(crate) mod outline;
 pub(crate) mod run;
 pub(crate) mod start;
 

@@ -1,0 +1,269 @@
+//! The nearest points of a point outline and the core of a face. They lie on one feature of the core, a side or a
+//! corner; on each feature they are smooth functions of the poses of both bodies.
+
+use super::motion::{BodyMotion, pair};
+use crate::mechanism::{ForcePoint, OutlinePoint, OutlineShape};
+use crate::numeric::plane::{Vector, add, dot, perp, scale, scale_by, sub};
+use crate::numeric::{Dual, Real};
+
+/// Number of pose components of two bodies.
+pub(super) const POSES: usize = 6;
+
+/// Frame of a body of a pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<T> {
+    pub origin: Vector<T>,
+    pub direction: Vector<T>,
+}
+
+impl<T: Real> Frame<T> {
+    #[inline(always)]
+    pub fn rotated(&self, [x, y]: [f64; 2]) -> Vector<T> {
+        let [cos, sin] = self.direction;
+        [cos * x - sin * y, sin * x + cos * y]
+    }
+
+    #[inline(always)]
+    pub fn position(&self, point: [f64; 2]) -> Vector<T> {
+        add(self.origin, self.rotated(point))
+    }
+
+    #[inline(always)]
+    fn value(&self) -> Frame<f64> {
+        Frame { origin: pair(|k| self.origin[k].value()), direction: pair(|k| self.direction[k].value()) }
+    }
+}
+
+impl Frame<f64> {
+    pub fn new<const K: usize>(body: &BodyMotion<f64, K>) -> Self {
+        Self { origin: body.origin, direction: body.direction }
+    }
+}
+
+impl Frame<Dual<POSES>> {
+    /// The frame of body `index` of a pair, with its pose as variables; a frame of the ground is constant.
+    pub fn variable<const K: usize>(body: &BodyMotion<Dual<K>, K>, index: usize, is_ground: bool) -> Self {
+        let constant = |value: f64| Dual::constant(value);
+        let mut frame = Self {
+            origin: pair(|k| constant(body.origin[k].value)),
+            direction: pair(|k| constant(body.direction[k].value)),
+        };
+        if !is_ground {
+            let first = 3 * index;
+            frame.origin[0].grad[first] = 1.0;
+            frame.origin[1].grad[first + 1] = 1.0;
+            let [cos, sin] = pair(|k| frame.direction[k].value);
+            (frame.direction[0].grad[first + 2], frame.direction[1].grad[first + 2]) = (-sin, cos);
+        }
+        frame
+    }
+}
+
+/// A side or a corner of the core of a face, by its index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Feature {
+    Side(u8),
+    Corner(u8),
+}
+
+/// Core of a face with its radius. Side k starts at corner k and goes counter-clockwise; a capsule has a side in each
+/// direction. The only side of a half plane has no ends.
+#[derive(Clone, Debug)]
+pub(super) struct Face {
+    corners_m: Vec<[f64; 2]>,
+    /// Directions and lengths of the sides.
+    sides: Vec<([f64; 2], f64)>,
+    pub radius_m: f64,
+}
+
+impl Face {
+    pub fn new(shape: &OutlineShape) -> Self {
+        if let OutlineShape::HalfPlane { point_m, normal } = *shape {
+            return Self { corners_m: vec![point_m], sides: vec![(perp(normal), f64::INFINITY)], radius_m: 0.0 };
+        }
+        let corners_m = shape.vertices_m();
+        let side = |k: usize| {
+            let along = sub(corners_m[(k + 1) % corners_m.len()], corners_m[k]);
+            let length_m = dot(along, along).sqrt();
+            (scale_by(along, 1.0 / length_m), length_m)
+        };
+        let sides = if corners_m.len() > 1 { (0..corners_m.len()).map(side).collect() } else { Vec::new() };
+        Self { corners_m, sides, radius_m: shape.radius_m() }
+    }
+}
+
+/// A point outline of body A against a face of body B.
+#[derive(Clone, Debug)]
+pub(super) struct PointOnFace {
+    pub bodies: [Option<usize>; 2],
+    pub point: OutlinePoint,
+    pub face: Face,
+    pub force_point: ForcePoint,
+}
+
+/// Nearest point of a point outline, its distance from the core of the face, and the unit normal of the core towards it.
+/// The point is the vertex itself, or on the ellipse.
+pub(super) struct Nearest<T> {
+    pub point: Vector<T>,
+    pub distance: T,
+    pub normal: Vector<T>,
+}
+
+impl PointOnFace {
+    /// Radius about the nearest point.
+    pub fn point_radius_m(&self) -> f64 {
+        match self.point {
+            OutlinePoint::Vertex { radius_m, .. } => radius_m,
+            OutlinePoint::Ellipse { .. } => 0.0,
+        }
+    }
+
+    /// Nearest points on one feature: a corner, or the line through a side.
+    #[inline(always)]
+    pub fn on_feature<T: Real>(&self, frames: &[Frame<T>; 2], feature: Feature) -> Nearest<T> {
+        let [of_point, of_face] = frames;
+        match feature {
+            Feature::Side(index) => {
+                let [x, y] = self.face.sides[usize::from(index)].0;
+                let normal = of_face.rotated([y, -x]);
+                let point = match self.point {
+                    OutlinePoint::Vertex { point_m, .. } => of_point.position(point_m),
+                    OutlinePoint::Ellipse { center_m, semi_axes_m: [a, b], axis } => {
+                        let axes = [of_point.rotated(axis), of_point.rotated(perp(axis))];
+                        let [along_a, along_b] = [dot(normal, axes[0]) * a, dot(normal, axes[1]) * b];
+                        let support = (along_a.squared() + along_b.squared()).sqrt().recip();
+                        let arm = [along_a * support * a, along_b * support * b];
+                        let center = of_point.position(center_m);
+                        sub(center, add(scale(axes[0], arm[0]), scale(axes[1], arm[1])))
+                    }
+                };
+                let start = of_face.position(self.face.corners_m[usize::from(index)]);
+                Nearest { point, distance: dot(normal, sub(point, start)), normal }
+            }
+            Feature::Corner(index) => {
+                let corner = of_face.position(self.face.corners_m[usize::from(index)]);
+                match self.point {
+                    OutlinePoint::Vertex { point_m, .. } => {
+                        let point = of_point.position(point_m);
+                        let offset = sub(point, corner);
+                        let distance = dot(offset, offset).sqrt();
+                        Nearest { point, distance, normal: scale(offset, distance.recip()) }
+                    }
+                    OutlinePoint::Ellipse { center_m, semi_axes_m, axis } => {
+                        let axes = [of_point.rotated(axis), of_point.rotated(perp(axis))];
+                        let center = of_point.position(center_m);
+                        let offset = sub(corner, center);
+                        let (foot, normal) = foot_on_ellipse(semi_axes_m, [dot(axes[0], offset), dot(axes[1], offset)]);
+                        let in_world = |[x, y]: Vector<T>| add(scale(axes[0], x), scale(axes[1], y));
+                        let (point, normal) = (add(center, in_world(foot)), in_world(normal));
+                        Nearest { point, distance: dot(normal, sub(point, corner)), normal }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sides, then corners.
+    fn features(&self) -> impl Iterator<Item = Feature> {
+        let Face { corners_m, sides, .. } = &self.face;
+        let sides = (0..sides.len()).map(|k| Feature::Side(k as u8));
+        sides.chain((0..corners_m.len()).map(|k| Feature::Corner(k as u8)))
+    }
+
+    /// The nearest feature of the core. If the core contains the point, that is the side with the smallest depth.
+    pub fn nearest_feature<T: Real>(&self, frames: &[Frame<T>; 2]) -> Feature {
+        let frames = pair(|side| frames[side].value());
+        let mut shallowest = (f64::NEG_INFINITY, Feature::Corner(0));
+        for feature in self.features() {
+            let nearest = self.on_feature(&frames, feature);
+            if self.region_margin(&frames, feature, &nearest) >= 0.0 {
+                return feature;
+            }
+            if matches!(feature, Feature::Side(_)) && nearest.distance > shallowest.0 {
+                shallowest = (nearest.distance, feature);
+            }
+        }
+        shallowest.1
+    }
+
+    /// Distance from the end of the region of a feature, m; negative beyond it.
+    pub fn margin(&self, frames: &[Frame<f64>; 2], feature: Feature) -> f64 {
+        self.margin_of(frames, feature, &self.on_feature(frames, feature))
+    }
+
+    /// [`PointOnFace::margin`], which is also negative for a point on the inner side of the face.
+    fn region_margin(&self, frames: &[Frame<f64>; 2], feature: Feature, nearest: &Nearest<f64>) -> f64 {
+        let margin = self.margin_of(frames, feature, nearest);
+        match feature {
+            Feature::Side(_) if margin < f64::INFINITY => margin.min(nearest.distance),
+            Feature::Side(_) | Feature::Corner(_) => margin,
+        }
+    }
+
+    fn margin_of(&self, [_, of_face]: &[Frame<f64>; 2], feature: Feature, nearest: &Nearest<f64>) -> f64 {
+        let Face { corners_m, sides, radius_m } = &self.face;
+        match feature {
+            Feature::Side(index) => {
+                let (direction, length_m) = sides[usize::from(index)];
+                let arm = sub(nearest.point, of_face.position(corners_m[usize::from(index)]));
+                let from_start = dot(of_face.rotated(direction), arm);
+                if length_m.is_finite() { from_start.min(length_m - from_start) } else { f64::INFINITY }
+            }
+            Feature::Corner(_) if sides.is_empty() => f64::INFINITY,
+            Feature::Corner(index) => {
+                let index = usize::from(index);
+                let along = |side: usize| dot(of_face.rotated(sides[side % sides.len()].0), nearest.normal);
+                // An arc about the corner, at the surfaces.
+                (radius_m + self.point_radius_m()) * along(index + sides.len() - 1).min(-along(index))
+            }
+        }
+    }
+
+    /// The feature beyond the end of the region of another one.
+    pub fn feature_beyond(&self, frames: &[Frame<f64>; 2], old: Feature) -> Feature {
+        let found = self.nearest_feature(frames);
+        if found != old {
+            return found;
+        }
+        // The end was located within its margin: the neighbour is the feature that is nearly as near.
+        let margin = |feature: &Feature| self.region_margin(frames, *feature, &self.on_feature(frames, *feature));
+        let others = self.features().filter(|other| *other != old);
+        others.max_by(|a, b| margin(a).total_cmp(&margin(b))).unwrap_or(old)
+    }
+}
+
+/// Largest number of Newton iterations for the foot of a point on an ellipse.
+const MAX_ITERATIONS: u32 = 50;
+
+/// Point of an ellipse that is nearest to a point outside it, and the inward unit normal there, in the axes of the
+/// ellipse.
+///
+/// The foot is (a² x/(a² + λ), b² y/(b² + λ)) at the root of the convex function
+/// F(λ) = (a x/(a² + λ))² + (b y/(b² + λ))² − 1, which Newton's method approaches from below. A last step with
+/// derivatives gives those of the root.
+#[inline(always)]
+fn foot_on_ellipse<T: Real>([a, b]: [f64; 2], [x, y]: Vector<T>) -> (Vector<T>, Vector<T>) {
+    let (ax, by) = (a * x.value(), b * y.value());
+    let terms = |lambda: f64| [ax / (a * a + lambda), by / (b * b + lambda)];
+    let slope = |[s, t]: [f64; 2], lambda: f64| -2.0 * (s * s / (a * a + lambda) + t * t / (b * b + lambda));
+    // Bounds of the root; inside the ellipse it is kept away from the pole.
+    let smallest = -0.9 * a.min(b) * a.min(b);
+    let bounds = [ax.abs() - a * a, by.abs() - b * b, (ax * ax + by * by).sqrt() - a.max(b) * a.max(b)];
+    let mut lambda = bounds.into_iter().fold(smallest, f64::max);
+    for _ in 0..MAX_ITERATIONS {
+        let [s, t] = terms(lambda);
+        let next = lambda - (s * s + t * t - 1.0) / slope([s, t], lambda);
+        // Rounding errors end the growth.
+        if next <= lambda || next.is_nan() {
+            break;
+        }
+        lambda = next;
+    }
+    let slope = slope(terms(lambda), lambda);
+    let [p, q] = [x * (a / (a * a + lambda)), y * (b / (b * b + lambda))];
+    let lambda = (p.squared() + q.squared() - 1.0) * (-1.0 / slope) + lambda;
+    let foot = [x * (lambda + a * a).recip() * (a * a), y * (lambda + b * b).recip() * (b * b)];
+    let outward = [foot[0] * (1.0 / (a * a)), foot[1] * (1.0 / (b * b))];
+    let size = -(outward[0].squared() + outward[1].squared()).sqrt().recip();
+    (foot, scale(outward, size))
+}
